@@ -165,7 +165,15 @@ GaussianProcess::GaussianProcess(Eigen::MatrixXd places, const Eigen::VectorXd& 
   const Eigen::VectorXd centred = values.array() - mean_;
   weights_ = factor_.solve(centred);
   variance_ = centred.dot(weights_) / static_cast<double>(values.size());
-  leave_out_one_by_one();
+  const Eigen::Index n = places_.rows();
+  const Eigen::MatrixXd root = factor_.matrixL().solve(Eigen::MatrixXd::Identity(n, n));
+  // The mean is estimated anew without the value: what it takes of the inverse is left out.
+  const Eigen::VectorXd precision =
+      root.colwise().squaredNorm().transpose() - mean_weights_.cwiseAbs2() / mean_weights_.sum();
+  left_out_errors_ = weights_.cwiseQuotient(precision);
+  // Mean, lengths and nugget follow the values, too: what they have taken of the errors.
+  const double free = std::max(1.0, static_cast<double>(n - places_.cols() - 2));
+  variance_ = std::max(variance_, left_out_errors_.cwiseAbs2().dot(precision) / free);
 }
 
 GaussianProcess::Estimate GaussianProcess::estimate(const Eigen::MatrixXd& places) const {
@@ -185,18 +193,6 @@ Eigen::VectorXd GaussianProcess::means(const Eigen::MatrixXd& places) const {
   return ((correlation(places_, places, hyperparameters_.length).transpose() * weights_).array() +
           mean_)
       .matrix();
-}
-
-void GaussianProcess::leave_out_one_by_one() {
-  const Eigen::Index n = places_.rows();
-  const Eigen::MatrixXd root = factor_.matrixL().solve(Eigen::MatrixXd::Identity(n, n));
-  // The mean is estimated anew without the value: what it takes of the inverse is left out.
-  const Eigen::VectorXd precision =
-      root.colwise().squaredNorm().transpose() - mean_weights_.cwiseAbs2() / mean_weights_.sum();
-  left_out_errors_ = weights_.cwiseQuotient(precision);
-  // Mean, lengths and nugget follow the values, too: what they have taken of the errors.
-  const double free = std::max(1.0, static_cast<double>(n - places_.cols() - 2));
-  variance_ = std::max(variance_, left_out_errors_.cwiseAbs2().dot(precision) / free);
 }
 
 }  // namespace dccast::statistics

@@ -56,8 +56,6 @@ public:
   const Hyperparameters& hyperparameters() const { return hyperparameters_; }
 
 private:
-  void leave_out_one_by_one();
-
   Eigen::MatrixXd places_;
   Hyperparameters hyperparameters_;
   Eigen::LLT<Eigen::MatrixXd> factor_;

@@ -42,20 +42,16 @@ PrincipalComponents::PrincipalComponents(const Eigen::MatrixXd& places,
   left_out_ = Eigen::VectorXd::Zero(figures.cols());
   if (figures.cols() == 0) return;
   shape_ = main_directions(rest_);
-  const Eigen::Index count = shape_.cols();
   const Eigen::MatrixXd amounts = rest_ * shape_;
   rest_ -= amounts * shape_.transpose();
-  for (Eigen::Index k = 0; k < count; ++k) amounts_.emplace_back(places, amounts.col(k));
-  leave_out_one_by_one(places.cols());
-}
-
-/// A process that has found long lengths by chance says too little of its error between few points.
-void PrincipalComponents::leave_out_one_by_one(Eigen::Index inputs) {
+  for (Eigen::Index k = 0; k < shape_.cols(); ++k) amounts_.emplace_back(places, amounts.col(k));
+  // A process that has found long lengths by chance says too little of its error between few
+  // points.
   Eigen::MatrixXd errors = rest_;
   for (std::size_t k = 0; k < amounts_.size(); ++k)
     errors += amounts_[k].left_out_errors() * shape_.col(k).transpose();
   // Mean, lengths and nugget have followed the points that are left out, too.
-  const double free = std::max(1.0, static_cast<double>(errors.rows() - inputs - 2));
+  const double free = std::max(1.0, static_cast<double>(errors.rows() - places.cols() - 2));
   left_out_ = errors.colwise().squaredNorm().transpose() / free;
 }
 

@@ -31,8 +31,6 @@ public:
   std::size_t bytes() const;
 
 private:
-  void leave_out_one_by_one(Eigen::Index inputs);
-
   Eigen::RowVectorXd mean_;
   Eigen::MatrixXd shape_;  ///< (figure, component), orthonormal
   Eigen::MatrixXd rest_;   ///< (point, figure), what the components leave

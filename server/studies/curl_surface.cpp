@@ -41,6 +41,29 @@ Eigen::MatrixXd some_rows(const Eigen::MatrixXd& all) {
   return all(statistics::spread_indices(all.rows(), most_for_cast_length), Eigen::all);
 }
 
+/// (run, instant) of one monitor; NaN where it is not reported.
+Eigen::MatrixXd curls_of(const std::vector<SurfaceRun>& runs, const std::string& monitor,
+                         const std::vector<double>& time_s) {
+  std::vector<std::vector<double>> curls;
+  for (const SurfaceRun& run : runs) {
+    const v1::CurlCurve* curve = run.history.curve(monitor);
+    curls.push_back(curve != nullptr ? at_instants(time_s, *curve, curve->curl_m())
+                                     : std::vector<double>(time_s.size(), unknown));
+  }
+  return statistics::matrix_of(curls);
+}
+
+/// (run, instant)
+Eigen::MatrixXd cast_lengths_of(const std::vector<SurfaceRun>& runs,
+                                const std::vector<double>& time_s) {
+  std::vector<std::vector<double>> lengths;
+  for (const SurfaceRun& run : runs) {
+    const v1::CurlCurve& curve = run.history.curves.front();
+    lengths.push_back(at_instants(time_s, curve, curve.cast_length_m()));
+  }
+  return statistics::matrix_of(lengths);
+}
+
 /// A spread over the domain, and its corners, where surfaces are least certain.
 Eigen::MatrixXd candidate_places(int inputs) {
   const Eigen::MatrixXd spread = statistics::hypercube(candidates, inputs, 1);
@@ -73,8 +96,16 @@ CurlSurface::CurlSurface(std::vector<InputRange> domain, std::vector<SurfaceRun>
       time_s_(common_instants(runs)),
       places_(scaled_places(runs)),
       curls_(places_, curl_figures(runs)),
-      lengths_(some_rows(places_), some_rows(length_figures(runs))) {
-  judge();
+      lengths_(some_rows(places_), some_rows(cast_lengths_of(runs, time_s_))) {
+  std::vector<Eigen::Index> ends;
+  for (const auto& figure : figure_)
+    if (figure.back() >= 0) ends.push_back(figure.back());
+  for (const Eigen::Index end : ends)
+    error_m_ = std::max(error_m_, curls_.left_out_errors(end).norm() / std::sqrt(runs_));
+  const Eigen::MatrixXd places = candidate_places(static_cast<int>(domain_.size()));
+  Eigen::Index widest = 0;
+  curls_.variance_of(places, ends).maxCoeff(&widest);
+  for (Eigen::Index j = 0; j < places.cols(); ++j) next_place_.push_back(places(widest, j));
 }
 
 std::vector<v1::CurlCurve> CurlSurface::predict(const std::vector<double>& place) const {
@@ -134,24 +165,12 @@ Eigen::MatrixXd CurlSurface::scaled_places(const std::vector<SurfaceRun>& runs) 
   return places;
 }
 
-/// (run, instant) of one monitor; NaN where it is not reported.
-Eigen::MatrixXd CurlSurface::curls_of(const std::vector<SurfaceRun>& runs,
-                                      const std::string& monitor) const {
-  std::vector<std::vector<double>> curls;
-  for (const SurfaceRun& run : runs) {
-    const v1::CurlCurve* curve = run.history.curve(monitor);
-    curls.push_back(curve != nullptr ? at_instants(time_s_, *curve, curve->curl_m())
-                                     : std::vector<double>(time_s_.size(), unknown));
-  }
-  return statistics::matrix_of(curls);
-}
-
 /// (run, figure) curls of all monitors at the instants at which every run reports them; fills
 /// figure_.
 Eigen::MatrixXd CurlSurface::curl_figures(const std::vector<SurfaceRun>& runs) {
   std::vector<Eigen::VectorXd> columns;
   for (const std::string& monitor : monitors_) {
-    const Eigen::MatrixXd curls = curls_of(runs, monitor);
+    const Eigen::MatrixXd curls = curls_of(runs, monitor, time_s_);
     auto& figure = figure_.emplace_back(time_s_.size(), -1);
     for (Eigen::Index i = 0; i < curls.cols(); ++i) {
       if (!curls.col(i).allFinite()) continue;
@@ -162,29 +181,6 @@ Eigen::MatrixXd CurlSurface::curl_figures(const std::vector<SurfaceRun>& runs) {
   Eigen::MatrixXd figures(runs.size(), columns.size());
   for (std::size_t k = 0; k < columns.size(); ++k) figures.col(k) = columns[k];
   return figures;
-}
-
-/// (run, instant) cast lengths.
-Eigen::MatrixXd CurlSurface::length_figures(const std::vector<SurfaceRun>& runs) const {
-  std::vector<std::vector<double>> lengths;
-  for (const SurfaceRun& run : runs) {
-    const v1::CurlCurve& curve = run.history.curves.front();
-    lengths.push_back(at_instants(time_s_, curve, curve.cast_length_m()));
-  }
-  return statistics::matrix_of(lengths);
-}
-
-/// Sets error_m_ and next_place_.
-void CurlSurface::judge() {
-  std::vector<Eigen::Index> ends;
-  for (const auto& figure : figure_)
-    if (figure.back() >= 0) ends.push_back(figure.back());
-  for (const Eigen::Index end : ends)
-    error_m_ = std::max(error_m_, curls_.left_out_errors(end).norm() / std::sqrt(runs_));
-  const Eigen::MatrixXd places = candidate_places(static_cast<int>(domain_.size()));
-  Eigen::Index widest = 0;
-  curls_.variance_of(places, ends).maxCoeff(&widest);
-  for (Eigen::Index j = 0; j < places.cols(); ++j) next_place_.push_back(places(widest, j));
 }
 
 namespace {

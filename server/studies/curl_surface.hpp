@@ -73,10 +73,7 @@ public:
 private:
   Eigen::RowVectorXd scaled(const std::vector<double>& place) const;
   Eigen::MatrixXd scaled_places(const std::vector<SurfaceRun>& runs) const;
-  Eigen::MatrixXd curls_of(const std::vector<SurfaceRun>& runs, const std::string& monitor) const;
   Eigen::MatrixXd curl_figures(const std::vector<SurfaceRun>& runs);
-  Eigen::MatrixXd length_figures(const std::vector<SurfaceRun>& runs) const;
-  void judge();
 
   std::vector<InputRange> domain_;
   int runs_;

@@ -179,13 +179,6 @@ std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, con
   return runs;
 }
 
-/// Why the first run that failed did.
-std::string Studies::failure_text(const StudyRecord& record) {
-  for (const EvaluatedRun& evaluated : evaluated_runs(record, {}))
-    if (evaluated.run.state() == v1::FAILED) return evaluated.run.failure().message();
-  return {};
-}
-
 SweepState Studies::sweep_state(const StudyRecord& record) {
   using Runs = std::vector<EvaluatedRun>;
   const RunCounts counts = store_.counts(record.id);

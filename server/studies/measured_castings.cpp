@@ -10,8 +10,6 @@
 
 #include "core/statistics/calibration.hpp"
 #include "core/statistics/sampling.hpp"
-#include "proto/case_file/case_file.hpp"
-#include "proto/case_file/quality.hpp"
 #include "server/studies/curl_surface.hpp"
 #include "server/studies/predictions.hpp"
 
@@ -25,8 +23,6 @@ constexpr double half_of_band = 1.645;  // standard deviations: a band covers 9 
 constexpr double least_curl_m = 1e-3;   // scales: what is less is not looked for
 constexpr double least_temperature_k = 10.0;
 
-using Numbers = std::vector<double>;
-
 /// A measured curve, ready to calibrate with.
 struct Channel {
   int casting = 0;
@@ -36,48 +32,42 @@ struct Channel {
 };
 
 /// The axes of all castings.
-class Axes {
-public:
-  explicit Axes(const v1::CreateStudyRequest& request) : request_(request) {
-    for (const auto& axis : request.sweep().axes()) {
-      low_.push_back(number_of(request.case_(), axis.key(), axis.values(0)));
-      high_.push_back(number_of(request.case_(), axis.key(), axis.values(1)));
-      if (!std::isfinite(low_.back()) || !std::isfinite(high_.back()))
-        throw CannotPredict(axis.key() + " is no number, which a calibration needs");
-    }
+std::vector<InputRange> ranges_of(const v1::CreateStudyRequest& request) {
+  std::vector<InputRange> ranges;
+  for (const auto& axis : request.sweep().axes()) {
+    const auto& range =
+        ranges.emplace_back(InputRange{number_of(request.case_(), axis.key(), axis.values(0)),
+                                       number_of(request.case_(), axis.key(), axis.values(1))});
+    if (!std::isfinite(range.low) || !std::isfinite(range.high))
+      throw CannotPredict(axis.key() + " is no number, which a calibration needs");
   }
+  return ranges;
+}
 
-  int count() const { return static_cast<int>(low_.size()); }
+/// (run, axis) places of runs, 0 to 1.
+Eigen::MatrixXd places_of(const std::vector<EvaluatedRun>& runs,
+                          const std::vector<InputRange>& ranges) {
+  Eigen::MatrixXd places(runs.size(), ranges.size());
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    for (int j = 0; j < std::ssize(ranges); ++j)
+      places(i, j) = (runs[i].run.numbers(j) - ranges[j].low) / (ranges[j].high - ranges[j].low);
+  return places;
+}
 
-  /// (run, axis) places of runs, 0 to 1.
-  Eigen::MatrixXd places(const std::vector<EvaluatedRun>& runs) const {
-    Eigen::MatrixXd places(runs.size(), low_.size());
-    for (std::size_t i = 0; i < runs.size(); ++i)
-      for (std::size_t j = 0; j < low_.size(); ++j)
-        places(i, j) = (runs[i].run.numbers(static_cast<int>(j)) - low_[j]) / (high_[j] - low_[j]);
-    return places;
-  }
-
-  /// As in a case file.
-  std::string text(int axis, double place) const {
-    const v1::SweepPlan::Axis& ends = request_.sweep().axes(axis);
-    return value_between(request_.case_(), ends.key(), ends.values(0), ends.values(1), place);
-  }
-
-private:
-  const v1::CreateStudyRequest& request_;
-  Numbers low_, high_;
-};
+/// A place on an axis as in a case file.
+std::string text_of(const v1::CreateStudyRequest& request, int axis, double place) {
+  const v1::SweepPlan::Axis& ends = request.sweep().axes(axis);
+  return value_between(request.case_(), ends.key(), ends.values(0), ends.values(1), place);
+}
 
 void require_same_axes(const std::vector<MeasuredCasting>& castings) {
-  const auto& first = castings.front().request.sweep().axes();
-  for (const MeasuredCasting& casting : castings) {
-    const auto& axes = casting.request.sweep().axes();
-    bool same = axes.size() == first.size();
-    for (int j = 0; same && j < axes.size(); ++j)
-      same = axes[j].SerializeAsString() == first[j].SerializeAsString();
-    if (!same) throw CannotPredict("the castings have different free keys or ranges");
-  }
+  const auto same = [](const auto& a, const auto& b) {
+    return a.SerializeAsString() == b.SerializeAsString();
+  };
+  for (const MeasuredCasting& casting : castings)
+    if (!std::ranges::equal(casting.request.sweep().axes(), castings.front().request.sweep().axes(),
+                            same))
+      throw CannotPredict("the castings have different free keys or ranges");
 }
 
 /// Keeps the runs that can be learned from.
@@ -207,32 +197,32 @@ void add_check(const Channel& channel, const Eigen::MatrixXd& places, int last,
   curve.set_checked_error(surface.error_at_readings());
 }
 
-void add_keys(const Axes& axes, const Eigen::MatrixXd& inputs, Eigen::Index best,
-              v1::Calibration& calibration) {
+void add_keys(const v1::CreateStudyRequest& request, const Eigen::MatrixXd& inputs,
+              Eigen::Index best, v1::Calibration& calibration) {
   const Eigen::MatrixXd correlation = statistics::correlations(inputs);
-  for (int j = 0; j < axes.count(); ++j) {
+  for (int j = 0; j < inputs.cols(); ++j) {
     v1::Calibration::Key& key = *calibration.add_keys();
     const auto share = share_of(inputs.col(j));
     key.set_low(share.low());
     key.set_median(share.median());
     key.set_high(share.high());
     key.set_best(inputs(best, j));
-    key.set_low_text(axes.text(j, key.low()));
-    key.set_median_text(axes.text(j, key.median()));
-    key.set_high_text(axes.text(j, key.high()));
-    key.set_best_text(axes.text(j, key.best()));
+    key.set_low_text(text_of(request, j, key.low()));
+    key.set_median_text(text_of(request, j, key.median()));
+    key.set_high_text(text_of(request, j, key.high()));
+    key.set_best_text(text_of(request, j, key.best()));
     key.set_narrowed((share.high() - share.low()) / 0.9);
     for (const double value : correlation.row(j)) key.add_correlation(value);
   }
 }
 
-void add_checks(const Axes& axes, const Eigen::MatrixXd& inputs, Eigen::Index best,
-                v1::Calibration& calibration) {
+void add_checks(const v1::CreateStudyRequest& request, const Eigen::MatrixXd& inputs,
+                Eigen::Index best, v1::Calibration& calibration) {
   auto draws = statistics::draws_along_ridge(inputs, {0.05, 0.35, 0.65, 0.95});
   draws.insert(draws.begin(), best);
   for (const Eigen::Index draw : draws) {
     v1::Calibration::Place& place = *calibration.add_checks();
-    for (int j = 0; j < axes.count(); ++j) place.add_values(axes.text(j, inputs(draw, j)));
+    for (int j = 0; j < inputs.cols(); ++j) place.add_values(text_of(request, j, inputs(draw, j)));
   }
 }
 
@@ -241,19 +231,19 @@ void add_checks(const Axes& axes, const Eigen::MatrixXd& inputs, Eigen::Index be
 v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
   require_same_axes(castings);
   const v1::CreateStudyRequest first = castings.front().request;
-  const Axes axes(first);
+  const std::vector<InputRange> ranges = ranges_of(first);
   v1::Calibration calibration;
   std::vector<Channel> channels;
   std::vector<Eigen::MatrixXd> places;
   bool known = true;
   double mesh_error = 0.0;
   for (MeasuredCasting& casting : castings) {
-    keep_valid(casting, axes.count());
+    keep_valid(casting, ranges.size());
     const auto error = relative_curl_error(casting.request.case_());
     known = known && error;
     mesh_error = std::max(mesh_error, error.value_or(0.0));
     calibration.add_runs(static_cast<int>(casting.runs.size()));
-    const Eigen::MatrixXd& here = places.emplace_back(axes.places(casting.runs));
+    const Eigen::MatrixXd& here = places.emplace_back(places_of(casting.runs, ranges));
     for (const v1::MeasuredCurve& measured : casting.request.sweep().measured()) {
       Channel& channel = channels.emplace_back();
       channel.casting = static_cast<int>(places.size()) - 1;
@@ -264,10 +254,10 @@ v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
     }
   }
   if (channels.empty()) throw CannotPredict("nothing was measured of these castings");
-  const auto draws = infer(channels, axes.count(), mesh_error);
+  const auto draws = infer(channels, static_cast<int>(ranges.size()), mesh_error);
   const Eigen::Index best = statistics::central_draw(draws.inputs);
-  add_keys(axes, draws.inputs, best, calibration);
-  add_checks(axes, draws.inputs, best, calibration);
+  add_keys(first, draws.inputs, best, calibration);
+  add_checks(first, draws.inputs, best, calibration);
   calibration.set_fixed(statistics::fixed_combinations(draws.inputs));
   for (const Channel& channel : channels) {
     v1::Calibration::Curve& curve = *calibration.add_curves() = curve_of(channel, draws, best);

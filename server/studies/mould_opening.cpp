@@ -144,13 +144,11 @@ MouldOpening nearest_opening(const std::vector<double>& x, const std::vector<dou
   const double last = -rounded_up(bounds.spacing - bounds.length, break_point_unit);
   const BreakPoints low{space, 2.0 * space}, high{last - space, last};
   const BreakPoints near = search(fit, space, low, high, coarse);
-  const auto around = [&](double at, double sign, double edge) {
-    const double moved = at + sign * coarse;
-    return sign < 0.0 ? std::max(edge, moved) : std::min(edge, moved);
-  };
   const BreakPoints found = search(
-      fit, space, {around(near.first, -1, low.first), around(near.second, -1, low.second)},
-      {around(near.first, 1, high.first), around(near.second, 1, high.second)}, break_point_unit);
+      fit, space,
+      {std::max(low.first, near.first - coarse), std::max(low.second, near.second - coarse)},
+      {std::min(high.first, near.first + coarse), std::min(high.second, near.second + coarse)},
+      break_point_unit);
   MouldOpening opening =
       fit.opening(rounded(found.first, break_point_unit), rounded(found.second, break_point_unit));
   round_heights(opening, bounds);
@@ -182,20 +180,18 @@ SteadyFace sampled(const SteadyFace& trial, const std::vector<double>& x) {
           .cold_m = values::at_instants(x, trial.x_m, trial.cold_m)};
 }
 
-/// What each pair of trials in a row gives for the share, as the sums of a least-squares fit.
-void add_change(const SteadyFace& from, const SteadyFace& to, double& product, double& square) {
-  for (std::size_t i = 0; i < from.x_m.size(); ++i) {
-    const double opening = to.mould_m[i] - from.mould_m[i];
-    const double contraction = opening - (to.cold_m[i] - from.cold_m[i]);
-    product += contraction * opening;
-    square += opening * opening;
-  }
-}
-
+/// Of what each pair of trials in a row gives for the share, by least squares.
 double eaten_share(const std::vector<SteadyFace>& trials) {
   double product = 0.0, square = 0.0;
-  for (std::size_t i = 0; i + 1 < trials.size(); ++i)
-    add_change(trials[i], trials[i + 1], product, square);
+  for (std::size_t t = 0; t + 1 < trials.size(); ++t) {
+    const SteadyFace &from = trials[t], &to = trials[t + 1];
+    for (std::size_t i = 0; i < from.x_m.size(); ++i) {
+      const double opening = to.mould_m[i] - from.mould_m[i];
+      const double contraction = opening - (to.cold_m[i] - from.cold_m[i]);
+      product += contraction * opening;
+      square += opening * opening;
+    }
+  }
   return square == 0.0 ? 0.0 : std::clamp(product / square, least_share, most_share);
 }
 

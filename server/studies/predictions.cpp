@@ -125,15 +125,6 @@ std::string kind_of(const std::vector<SweptKey>& keys, const EvaluatedRun& run) 
   return kind;
 }
 
-/// Those of the first runs, as many as are prepared.
-std::set<std::string> kinds_of(const std::vector<SweptKey>& keys,
-                               const std::vector<EvaluatedRun>& runs) {
-  std::set<std::string> kinds;
-  for (const EvaluatedRun& run : runs)
-    if (run.counts() && kinds.size() < most_prepared) kinds.insert(kind_of(keys, run));
-  return kinds;
-}
-
 }  // namespace
 
 /// The axes of a sweep. To read all values of a long list takes longer than to predict.
@@ -303,7 +294,11 @@ void Predictions::prepare(const SweepState& sweep) {
     if (sweep.running && sweep.succeeded < std::max(fewest_prepared, 2 * before)) return;
     before = sweep.succeeded;
   }
-  for (const std::string& kind : kinds_of(keys_of(sweep.study)->all, sweep.runs())) {
+  const auto keys = keys_of(sweep.study);
+  std::set<std::string> kinds;
+  for (const EvaluatedRun& run : sweep.runs())
+    if (run.counts() && kinds.size() < most_prepared) kinds.insert(kind_of(keys->all, run));
+  for (const std::string& kind : kinds) {
     try {
       surface_of(sweep, kind);
     } catch (const CannotPredict&) {

@@ -170,28 +170,28 @@ private:
   /// @return null while these have not all ended, or where some were cancelled, deleted, or lost to
   /// their machine: with them there might be other candidates
   std::shared_ptr<const Round> round_of(int number, const std::vector<EvaluatedRun>& runs) const {
-    const bool last = number >= final_round();
     const std::lock_guard lock(mutex_);
-    return round(last ? 1 : 0, runs);
+    std::shared_ptr<const Round> trial;
+    for (std::size_t which = 0; which < rounds_.size(); ++which) {
+      auto& kept = rounds_[which];
+      if (kept == nullptr) {
+        if (!have_ended(runs, which == 0 ? trial_round() : final_round())) return nullptr;
+        kept = std::make_shared<const Round>(proposed(which, trial.get(), runs));
+      }
+      trial = kept;
+      if (number < final_round() || trial->search == nullptr) break;
+    }
+    return trial;
   }
 
-  std::shared_ptr<const Round> round(std::size_t which,
-                                     const std::vector<EvaluatedRun>& runs) const {
-    auto& kept = rounds_[which];
-    if (kept != nullptr) return kept;
-    const int rests = which == 0 ? trial_round() : final_round();
-    const auto trial = which == 0 ? nullptr : round(0, runs);
-    if (which == 1 && trial == nullptr) return nullptr;
-    if (which == 1 && trial->search == nullptr) return trial;
-    const auto ended = std::ranges::count_if(runs, [&](const EvaluatedRun& evaluated) {
-      const v1::StudyRun& run = evaluated.run;
-      return evaluated.number < rests &&
-             (run.state() == v1::SUCCEEDED ||
-              (run.state() == v1::FAILED && by_the_case_itself(run.failure())));
-    });
-    if (ended < rests) return nullptr;
-    kept = std::make_shared<const Round>(proposed(which, trial.get(), runs));
-    return kept;
+  /// @param count  of the first runs of the plan
+  static bool have_ended(const std::vector<EvaluatedRun>& runs, int count) {
+    return std::ranges::count_if(runs, [&](const EvaluatedRun& evaluated) {
+             const v1::StudyRun& run = evaluated.run;
+             return evaluated.number < count &&
+                    (run.state() == v1::SUCCEEDED ||
+                     (run.state() == v1::FAILED && by_the_case_itself(run.failure())));
+           }) >= count;
   }
 
   Round proposed(std::size_t which, const Round* trial,
@@ -200,8 +200,8 @@ private:
     std::vector<RecipeRun> known;
     for (const EvaluatedRun& evaluated : runs) {
       const int number = evaluated.number;
-      if (number < first_draft || number >= final_round()) continue;
-      if (number >= trial_round() && trial == nullptr) continue;
+      if (number < first_draft || number >= (trial == nullptr ? trial_round() : final_round()))
+        continue;
       const Eigen::RowVectorXd place =
           number < trial_round() ? Eigen::RowVectorXd(drafts_.row(number - first_draft))
                                  : place_of(number, *candidate_run(number, *trial), *trial);

@@ -14,14 +14,6 @@ namespace {
 
 constexpr int fewest_levels = 2, most_levels = 5;
 
-/// The runs that count: what succeeded and has a history.
-std::vector<const EvaluatedRun*> levels_of(const std::vector<EvaluatedRun>& runs) {
-  std::vector<const EvaluatedRun*> levels;
-  for (const EvaluatedRun& run : runs)
-    if (run.succeeded() && !run.history.curves.empty()) levels.push_back(&run);
-  return levels;
-}
-
 /// The limit of one monitor at the instants of the coarsest run; nothing with fewer than two runs.
 std::optional<v1::StudyResult::Limit> limit_of(const std::vector<const EvaluatedRun*>& levels,
                                                const v1::CurlCurve& coarsest) {
@@ -63,11 +55,14 @@ public:
   bool needs_histories() const override { return true; }
 
   void evaluate(const std::vector<EvaluatedRun>& runs, v1::StudyResult& result) const override {
-    const auto levels = levels_of(runs);
-    for (const EvaluatedRun* level : levels)
-      if (const auto& from_s = level->history.beyond_from_s)
+    std::vector<const EvaluatedRun*> levels;
+    for (const EvaluatedRun& run : runs) {
+      if (!run.succeeded() || run.history.curves.empty()) continue;
+      levels.push_back(&run);
+      if (const auto& from_s = run.history.beyond_from_s)
         if (!result.has_valid_until_s() || *from_s < result.valid_until_s())
           result.set_valid_until_s(*from_s);
+    }
     if (levels.size() < 2) return;
     for (const v1::CurlCurve& curve : levels.front()->history.curves)
       if (auto limit = limit_of(levels, curve)) *result.add_limits() = std::move(*limit);

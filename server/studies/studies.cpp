@@ -212,7 +212,11 @@ v1::Study Studies::view(const StudyRecord& record) {
   study.set_message(message_of(counts, study.state()));
   // A plan that grows ends with the run that failed.
   if (study.state() == v1::STUDY_FAILED && record.request.has_mould())
-    study.set_message(study.message() + ": " + failure_text(record));
+    for (const EvaluatedRun& evaluated : evaluated_runs(record, {}))
+      if (evaluated.run.state() == v1::FAILED) {
+        study.set_message(study.message() + ": " + evaluated.run.failure().message());
+        break;
+      }
   double done = counts.ended();
   if (counts.of(v1::RUNNING) > 0)
     for (const v1::Job& job : scheduler_.list(
@@ -229,8 +233,7 @@ v1::Study Studies::view(const StudyRecord& record) {
 
 std::optional<v1::Study> Studies::find(const std::string& id) {
   const auto record = store_.find(id);
-  if (!record) return std::nullopt;
-  return view(*record);
+  return record ? std::optional(view(*record)) : std::nullopt;
 }
 
 std::vector<v1::Study> Studies::list(const StudyStore::Page& page) {

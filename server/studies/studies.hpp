@@ -117,7 +117,6 @@ private:
   v1::Calibration calibration(const v1::EvaluateStudyRequest& request);
   /// Has the response surface of a sweep built, of the runs that have succeeded.
   void ready_surface(const std::string& id);
-  std::string failure_text(const StudyRecord& record);
 
   const StudyOptions options_;
   StudyStore& store_;

@@ -16,8 +16,6 @@ constexpr std::chrono::milliseconds least_interval{50};
 
 StudyNotifier::StudyNotifier() : thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-StudyNotifier::~StudyNotifier() = default;
-
 void StudyNotifier::watch(const std::string& study, std::weak_ptr<StudyWatcher> watcher) {
   const std::lock_guard lock(mutex_);
   watchers_[study].push_back(std::move(watcher));

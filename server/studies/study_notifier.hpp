@@ -24,7 +24,6 @@ public:
 class StudyNotifier {
 public:
   StudyNotifier();
-  ~StudyNotifier();
 
   /// Calls the watcher soon, and after every change from now on, as long as it lives.
   void watch(const std::string& study, std::weak_ptr<StudyWatcher> watcher);
