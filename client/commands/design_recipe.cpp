@@ -8,8 +8,8 @@
 #include "client/session/case_faults.hpp"
 #include "client/session/recipe_study.hpp"
 #include "client/session/studies.hpp"
-#include "client/text/plant_units.hpp"
 #include "client/text/data_study_text.hpp"
+#include "client/text/plant_units.hpp"
 #include "proto/case_file/override.hpp"
 
 namespace dccast::client::commands {
