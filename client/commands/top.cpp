@@ -9,8 +9,8 @@
 
 #include "client/commands/commands.hpp"
 #include "client/session/jobs.hpp"
-#include "client/text/terminal.hpp"
 #include "client/text/job_text.hpp"
+#include "client/text/terminal.hpp"
 
 namespace dccast::client::commands {
 namespace {

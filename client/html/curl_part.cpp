@@ -24,12 +24,11 @@ std::vector<double> millimetres(std::vector<double> metres) {
 
 /// Half the band around the curl of this run at the end: of its study, else that of its quality
 /// [m].
-std::optional<double> uncertainty(const v1::QueryResultResponse& result, const Study& study,
-                                  const CurlHistory& history, const CurlHistory::Series& series) {
+std::optional<double> uncertainty(const ReportedRun& run, const CurlHistory::Series& series) {
   const double curl = series.curl_m.back();
-  if (const auto error = curl_error(study, series.name, history.time_s.back(), curl))
+  if (const auto error = curl_error(run.study, series.name, run.history.time_s.back(), curl))
     return error->this_run_m;
-  return discretisation_error(result.case_(), curl);
+  return discretisation_error(run.result.case_(), curl);
 }
 
 /// The plant's band [mm]; an edge that is not given is infinite.
@@ -55,25 +54,24 @@ std::string against_band(const Chart::Wanted& band, double curl_mm, double error
   return text + ".";
 }
 
-std::string curl_chart(const CurlHistory& history, const v1::QueryResultResponse& result,
-                       const Study& study, bool against_length) {
+std::string curl_chart(const ReportedRun& run, bool against_length) {
   Chart chart{against_length ? "Butt curl against cast length" : "Butt curl against time",
               against_length ? "cast length, mm" : "time, s",
               "curl, mm",
               {}};
-  const auto x = against_length ? millimetres(history.cast_length_m) : history.time_s;
-  const auto share = discretisation_error(result.case_(), 1.0);
-  for (const auto& series : history.monitors) {
+  const auto x = against_length ? millimetres(run.history.cast_length_m) : run.history.time_s;
+  const auto share = discretisation_error(run.result.case_(), 1.0);
+  for (const auto& series : run.history.monitors) {
     ChartLine line{series.name, x, millimetres(series.curl_m),
-                   curl_band(study, series.name, against_length)};
-    if (study.monitors.empty() && share) line.band = band_around(line, *share);
+                   curl_band(run.study, series.name, against_length)};
+    if (run.study.monitors.empty() && share) line.band = band_around(line, *share);
     chart.lines.push_back(std::move(line));
   }
-  if (const auto first = history.first_beyond()) {
+  if (const auto first = run.history.first_beyond()) {
     chart.beyond_from = x[*first];
     chart.beyond_name = beyond_validity;
   }
-  chart.wanted = plant_band(result.case_());
+  chart.wanted = plant_band(run.result.case_());
   return svg_chart(chart);
 }
 
@@ -84,16 +82,15 @@ std::string tile(const std::string& name, const std::string& value, const std::s
 }
 
 /// The curl at the end, with its error where a study or the quality gives it.
-std::string curl_tile(const CurlHistory& history, const v1::QueryResultResponse& result,
-                      const CurlHistory::Series& series, const Study& study) {
+std::string curl_tile(const ReportedRun& run, const CurlHistory::Series& series) {
   const double curl = series.curl_m.back();
   std::string note;
-  if (const auto half_band = uncertainty(result, study, history, series))
+  if (const auto half_band = uncertainty(run, series))
     note = "<em>± " + mm(*half_band, 2) + " mm</em>";
-  if (const auto error = curl_error(study, series.name, history.time_s.back(), curl))
+  if (const auto error = curl_error(run.study, series.name, run.history.time_s.back(), curl))
     note += (error->extrapolated ? "limit " : "finest ") + mm(error->limit_m, 2) + " ± " +
             mm(error->uncertainty_m, 2);
-  const std::string mark = last_step_mark(history);
+  const std::string mark = last_step_mark(run.history);
   if (!note.empty() && !mark.empty()) note += "<br>";
   return tile("curl, " + series.name, mm(curl, 2), "mm", note + mark);
 }
@@ -104,21 +101,20 @@ std::string last_step_mark(const CurlHistory& history) {
   return !history.beyond.empty() && history.beyond.back() ? beyond_validity : "";
 }
 
-std::string curl_sentence(const CurlHistory& history, const v1::QueryResultResponse& result,
-                          const Study& study) {
-  const CurlHistory::Series* const largest = history.largest();
-  if (largest == nullptr || !last_step_mark(history).empty()) return {};
+std::string curl_sentence(const ReportedRun& run) {
+  const CurlHistory::Series* const largest = run.history.largest();
+  if (largest == nullptr || !last_step_mark(run.history).empty()) return {};
   const double curl_m = largest->curl_m.back();
-  const auto half_band = uncertainty(result, study, history, *largest);
+  const auto half_band = uncertainty(run, *largest);
   std::string text = fmt::format(
       "At {} s, after {} mm of casting, {} has {} <strong>{} mm</strong> since the block started. ",
-      fixed(history.time_s.back(), 0), mm(history.cast_length_m.back(), 0),
+      fixed(run.history.time_s.back(), 0), mm(run.history.cast_length_m.back(), 0),
       html_escaped(largest->name), curl_m < 0.0 ? "sunk" : "risen", mm(std::abs(curl_m)));
   text += half_band ? "Mesh and time steps leave ± " + mm(*half_band) +
                           " mm of it uncertain; thermal data and alloy come on top. "
                     : "Its error from mesh and time steps has not been measured: <code>dccast "
                       "convergence</code> does that. ";
-  if (const auto band = plant_band(result.case_()))
+  if (const auto band = plant_band(run.result.case_()))
     text += against_band(*band, 1e3 * curl_m, half_band ? 1e3 * *half_band : 0.0);
   return element("p class='answer'", text);
 }
@@ -156,41 +152,41 @@ std::string range_of_percent(double first, double last) {
 
 }  // namespace
 
-std::string cause_sentence(const CurlHistory& history, const v1::QueryResultResponse& result) {
+std::string cause_sentence(const ReportedRun& run) {
   constexpr double nothing = 1e-4;  // [m]
-  const CurlHistory::Series* const largest = history.largest();
-  if (largest == nullptr || !last_step_mark(history).empty() ||
+  const CurlHistory::Series* const largest = run.history.largest();
+  if (largest == nullptr || !last_step_mark(run.history).empty() ||
       std::abs(largest->curl_m.back()) < nothing)
     return {};
   const std::size_t first = last_below(largest->curl_m, 0.25),
                     last = last_below(largest->curl_m, 0.75);
   std::string text =
       fmt::format("Half of it came between {} s and {} s, at {} to {} mm of casting. ",
-                  fixed(history.time_s[first], 0), fixed(history.time_s[last], 0),
-                  mm(history.cast_length_m[first], 0), mm(history.cast_length_m[last], 0));
-  const Heat heat = heat_between(history.reports, first, last);
+                  fixed(run.history.time_s[first], 0), fixed(run.history.time_s[last], 0),
+                  mm(run.history.cast_length_m[first], 0), mm(run.history.cast_length_m[last], 0));
+  const Heat heat = heat_between(run.history.reports, first, last);
   if (const double all = heat.faces + heat.bottom; heat.faces > 0.0 && heat.bottom > 0.0)
     text += fmt::format(
         "Meanwhile {} % of the heat left through the faces, to mould and water, and {} % through "
         "the bottom, to the block. ",
         fixed(100.0 * heat.faces / all, 0), fixed(100.0 * heat.bottom / all, 0));
-  if (result.case_().cooling().water().enabled() && history.reports[last].wetted_share() > 0.0)
+  if (run.result.case_().cooling().water().enabled() &&
+      run.history.reports[last].wetted_share() > 0.0)
     text += fmt::format("Water wetted {} of the side under the water line.",
-                        range_of_percent(history.reports[first].wetted_share(),
-                                         history.reports[last].wetted_share()));
+                        range_of_percent(run.history.reports[first].wetted_share(),
+                                         run.history.reports[last].wetted_share()));
   return element("p class='cause'", text);
 }
 
-std::string headline(const CurlHistory& history, const v1::QueryResultResponse& result,
-                     const Study& study) {
-  if (history.time_s.empty()) return "<p>The job has no step yet.</p>";
+std::string headline(const ReportedRun& run) {
+  if (run.history.time_s.empty()) return "<p>The job has no step yet.</p>";
   std::string tiles;
-  for (const auto& series : history.monitors) tiles += curl_tile(history, result, series, study);
-  const std::string mark = last_step_mark(history);
-  const v1::StepReport& last = result.steps(result.steps_size() - 1);
+  for (const auto& series : run.history.monitors) tiles += curl_tile(run, series);
+  const std::string mark = last_step_mark(run.history);
+  const v1::StepReport& last = run.result.steps(run.result.steps_size() - 1);
   tiles += tile("cast length", mm(last.cast_length_m()), "mm") +
            tile("time", fixed(last.time_s(), 1), "s");
-  if (result.case_().section().kind() == v1::Section::QUARTER_SLAB)
+  if (run.result.case_().section().kind() == v1::Section::QUARTER_SLAB)
     tiles += tile("stands on the block", fixed(1e4 * last.contact_area_m2(), 0), "cm²", mark);
   else
     tiles += tile("stands on the block", mm(last.contact_length_m(), 0), "mm", mark);
@@ -198,17 +194,18 @@ std::string headline(const CurlHistory& history, const v1::QueryResultResponse& 
   return "<div class='tiles'>" + tiles + "</div>";
 }
 
-std::string curl_figure(const CurlHistory& history, const v1::QueryResultResponse& result,
-                        const Study& study, bool against_length) {
-  if (history.monitors.empty()) return {};
+std::string curl_figure(const ReportedRun& run, bool against_length) {
+  if (run.history.monitors.empty()) return {};
   const std::string of_the_band =
-      !study.monitors.empty() ? " Dashed: the limit of finer meshes; shaded: its uncertainty."
-      : discretisation_error(result.case_(), 1.0)
+      !run.study.monitors.empty() ? " Dashed: the limit of finer meshes; shaded: its uncertainty."
+      : discretisation_error(run.result.case_(), 1.0)
           ? " Shaded: what mesh and time steps leave uncertain."
           : "";
-  const std::string of_the_plant = plant_band(result.case_()) ? " Green: the plant's band." : "";
-  const std::string of_the_region = history.first_beyond() ? " Shaded red: beyond validity." : "";
-  const std::string picture = curl_chart(history, result, study, against_length);
+  const std::string of_the_plant =
+      plant_band(run.result.case_()) ? " Green: the plant's band." : "";
+  const std::string of_the_region =
+      run.history.first_beyond() ? " Shaded red: beyond validity." : "";
+  const std::string picture = curl_chart(run, against_length);
   if (against_length)
     return figure("Curl against cast length", picture,
                   "Against the travel of the bottom block." + of_the_plant + of_the_region);

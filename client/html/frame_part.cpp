@@ -80,19 +80,6 @@ std::string slab_figure(const v1::Frame& frame, const CurlHistory& history,
          "</section>";
 }
 
-/// The deformed frame, with a slider over those of the series.
-std::string deformed_figure(const v1::Frame& frame, const CurlHistory& history,
-                            const FrameSeries& series) {
-  const FrameSeries shown = series.frames.empty() ? FrameSeries{1, {frame}} : series;
-  const FramePictures pictures = pictures_of(frame, colour_range(shown).value_or(ColourBands{}));
-  const std::string frames = drawn_frames(shown, history, pictures);
-  const bool is_slab = frame.dimension() == 3;
-  if (pictures.pictures.empty() || frames.empty())
-    return card(is_slab ? "Quarter slab" : "Section",
-                "<p>The stored frame cannot be drawn: its arrays are inconsistent.</p>");
-  return (is_slab ? slab_figure : section_figure)(frame, history, pictures, frames);
-}
-
 std::string gap_figure(const v1::Frame& frame, const CurlHistory& history) {
   const GapMap map = draw_gap_map(frame);
   if (map.svg.empty()) return {};
@@ -124,7 +111,15 @@ std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory&
                        const FrameSeries& series) {
   if (!result.has_frame())
     return card("Last frame", "<p>No stored frame: the run has not ended with a result.</p>");
-  return deformed_figure(result.frame(), history, series);
+  const v1::Frame& frame = result.frame();
+  const FrameSeries shown = series.frames.empty() ? FrameSeries{1, {frame}} : series;
+  const FramePictures pictures = pictures_of(frame, colour_range(shown).value_or(ColourBands{}));
+  const std::string frames = drawn_frames(shown, history, pictures);
+  const bool is_slab = frame.dimension() == 3;
+  if (pictures.pictures.empty() || frames.empty())
+    return card(is_slab ? "Quarter slab" : "Section",
+                "<p>The stored frame cannot be drawn: its arrays are inconsistent.</p>");
+  return (is_slab ? slab_figure : section_figure)(frame, history, pictures, frames);
 }
 
 std::string bottom_part(const v1::QueryResultResponse& result, const CurlHistory& history) {

@@ -82,19 +82,19 @@ std::string recipe_table(const v1::Case& input) {
   const v1::Schedule& recipe = input.schedule();
   const v1::Section& section = input.section();
   const auto celsius = [](const v1::Curve& curve) { return curve_in_words(curve, 1.0, "°C"); };
-  return element(
-      "table",
+  const std::string rows =
       row(section.kind() == v1::Section::AXISYMMETRIC ? "Billet" : "Slab", size_text(section),
           "metal stands " + plant_mm(section.initial_depth_m()) + " deep at the start") +
-          row("Alloy", html_escaped(input.alloy().card()),
-              fmt::format("solidus {} °C, liquidus {} °C", plant_number(input.alloy().solidus_c()),
-                          plant_number(input.alloy().liquidus_c()))) +
-          row("Hold before the block moves", plant_number(recipe.hold_s()) + " s",
-              "the shell forms; t = 0 is when the block starts") +
-          row("Casting speed", curve_in_words(recipe.casting_speed_m_per_s(), mm_per_min, "mm/min"),
-              changes(recipe.casting_speed_factor(), recipe.casting_speed_shift_s())) +
-          row("Casting temperature", celsius(recipe.casting_temperature_c())) + water_rows(input) +
-          row("Bottom block", celsius(input.cooling().bottom_block().temperature_c())));
+      row("Alloy", html_escaped(input.alloy().card()),
+          fmt::format("solidus {} °C, liquidus {} °C", plant_number(input.alloy().solidus_c()),
+                      plant_number(input.alloy().liquidus_c()))) +
+      row("Hold before the block moves", plant_number(recipe.hold_s()) + " s",
+          "the shell forms; t = 0 is when the block starts") +
+      row("Casting speed", curve_in_words(recipe.casting_speed_m_per_s(), mm_per_min, "mm/min"),
+          changes(recipe.casting_speed_factor(), recipe.casting_speed_shift_s())) +
+      row("Casting temperature", celsius(recipe.casting_temperature_c())) + water_rows(input) +
+      row("Bottom block", celsius(input.cooling().bottom_block().temperature_c()));
+  return element("table", rows);
 }
 
 /// A table of the schedule as the run had it: with its factor and shift, against time.
@@ -159,45 +159,38 @@ std::string scientific(double value) {
   return value == 0.0 ? "0" : fmt::format("{:.2e}", value);
 }
 
-double largest(const v1::QueryResultResponse& result, double (v1::StepReport::*figure_of)() const) {
-  double value = 0.0;
-  for (const v1::StepReport& step : result.steps())
-    value = std::max(value, std::abs((step.*figure_of)()));
-  return value;
-}
+using Step = v1::StepReport;
 
 std::string checks_table(const v1::QueryResultResponse& result, const CurlHistory& history) {
   if (result.steps_size() == 0) return {};
   const v1::StepReport& last = result.steps(result.steps_size() - 1);
   const std::string mark = last_step_mark(history);
   const std::string of_last_step = "last step" + (mark.empty() ? "" : ", " + mark);
-  const bool quarter = result.case_().section().kind() == v1::Section::QUARTER_SLAB;
+  const bool quarter = is_quarter(result.case_());
   const std::string per_metre = quarter ? "" : "/m";
-  const auto worst = [&](const std::string& name, double (v1::StepReport::*figure_of)() const,
+  const auto worst = [&](const std::string& name, double (Step::*figure_of)() const,
                          const std::string& note) {
-    return row(name, scientific(largest(result, figure_of)), note);
+    double largest = 0.0;
+    for (const Step& step : result.steps())
+      largest = std::max(largest, std::abs((step.*figure_of)()));
+    return row(name, scientific(largest), note);
   };
   // Of the two fields of each figure a step has only one.
   const double reaction = last.bottom_reaction_n_per_m() + last.bottom_reaction_n();
   const double weight = last.weight_n_per_m() + last.weight_n();
   const double heat = last.wall_heat_flux_w_per_m() + last.wall_heat_flux_w();
-  return card(
-      "Checks of the run",
-      element(
-          "table",
-          worst("Equilibrium residual", &v1::StepReport::equilibrium_residual,
-                "largest of all steps, relative") +
-              worst("Energy balance", &v1::StepReport::energy_balance_error,
-                    "largest of all steps, relative") +
-              worst("Complementarity", &v1::StepReport::complementarity_error,
-                    "gap times pressure, relative") +
-              worst("Constitutive residual", &v1::StepReport::constitutive_residual, "relative") +
-              row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
-                  "against the metallostatic one, relative, " + of_last_step) +
-              row("Bottom reaction", fixed(reaction, 1) + " N" + per_metre,
-                  "weight " + fixed(weight, 1) + " N" + per_metre + ", " + of_last_step) +
-              row("Heat through side and bottom", fixed(1e-3 * heat, 1) + " kW" + per_metre,
-                  (quarter ? "of the quarter, " : "per metre of face, ") + of_last_step)));
+  const std::string rows =
+      worst("Equilibrium residual", &Step::equilibrium_residual, "largest of all steps, relative") +
+      worst("Energy balance", &Step::energy_balance_error, "largest of all steps, relative") +
+      worst("Complementarity", &Step::complementarity_error, "gap times pressure, relative") +
+      worst("Constitutive residual", &Step::constitutive_residual, "relative") +
+      row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
+          "against the metallostatic one, relative, " + of_last_step) +
+      row("Bottom reaction", fixed(reaction, 1) + " N" + per_metre,
+          "weight " + fixed(weight, 1) + " N" + per_metre + ", " + of_last_step) +
+      row("Heat through side and bottom", fixed(1e-3 * heat, 1) + " kW" + per_metre,
+          (quarter ? "of the quarter, " : "per metre of face, ") + of_last_step);
+  return card("Checks of the run", element("table", rows));
 }
 
 std::string run_table(const v1::Job& job, const v1::QueryResultResponse& result) {
@@ -225,15 +218,11 @@ std::string run_table(const v1::Job& job, const v1::QueryResultResponse& result)
 }
 
 std::string element_row(v1::ElementKind element) {
-  switch (element) {
-    case v1::P1:
-      return row("Element", "p1",
-                 "linear triangles lock on coarse meshes: compare with q1_bending");
-    case v1::Q1:
-      return row("Element", "q1", "long cells resist bending: compare with q1_bending");
-    default:
-      return row("Element", "q1_bending");
-  }
+  if (element == v1::P1)
+    return row("Element", "p1", "linear triangles lock on coarse meshes: compare with q1_bending");
+  if (element == v1::Q1)
+    return row("Element", "q1", "long cells resist bending: compare with q1_bending");
+  return row("Element", "q1_bending");
 }
 
 std::string coherency_text(const v1::Alloy& alloy) {
@@ -242,7 +231,9 @@ std::string coherency_text(const v1::Alloy& alloy) {
   return fixed(alloy.has_coherency_c() ? alloy.coherency_c() : alloy.liquidus_c(), 0) + " °C";
 }
 
-std::string inputs_table(const v1::Case& input) {
+std::string inputs_table(const v1::QueryResultResponse& result) {
+  if (!result.has_case_()) return {};
+  const v1::Case& input = result.case_();
   const v1::Alloy& alloy = input.alloy();
   const std::string rows =
       row("Mechanics starts", fixed(input.mechanics().start_s(), 1) + " s",
@@ -293,49 +284,41 @@ std::string findings_mark(const v1::Job& job) {
 
 std::string page_header(const v1::Job& job, const std::string& title) {
   return fmt::format(
-      "<p class='kicker'>dccast report · job {} · <span class='state "
-      "{}'>{}</span>{}</p><h1>{}</h1>",
-      html_escaped(job.id().substr(0, 8)), state_text(job.state()), state_text(job.state()),
-      findings_mark(job), title);
+      "<p class='kicker'>dccast report · job {0} · <span class='state {1}'>{1}</span>{2}</p>"
+      "<h1>{3}</h1>",
+      html_escaped(job.id().substr(0, 8)), state_text(job.state()), findings_mark(job), title);
 }
 
 /// The part for the plant, on one sheet of paper.
-std::string first_sheet(const v1::Job& job, const v1::QueryResultResponse& result,
-                        const CurlHistory& history, const Study& study, const FrameSeries& series) {
-  return "<div class='first'>" + failure_banner(job) + validity_banner(job, history) +
-         curl_sentence(history, result, study) + cause_sentence(history, result) +
-         findings_part(job.findings()) + headline(history, result, study) + "<div class='cards'>" +
-         curl_figure(history, result, study, false) + recipe_part(result) +
-         frame_part(result, history, series) + "</div></div>";
+std::string first_sheet(const ReportedRun& run, const FrameSeries& series) {
+  return "<div class='first'>" + failure_banner(run.job) + validity_banner(run.job, run.history) +
+         curl_sentence(run) + cause_sentence(run) + findings_part(run.job.findings()) +
+         headline(run) + "<div class='cards'>" + curl_figure(run, false) + recipe_part(run.result) +
+         frame_part(run.result, run.history, series) + "</div></div>";
 }
 
 /// The histories of the run.
-std::string details(const v1::QueryResultResponse& result, const CurlHistory& history,
-                    const Study& study) {
-  return element("div class='sheet'",
-                 element("div class='cards'", curl_figure(history, result, study, true) +
-                                                  recipe_charts(result) + history_part(result) +
-                                                  bottom_part(result, history)));
+std::string details(const ReportedRun& run) {
+  return "<div class='sheet'><div class='cards'>" + curl_figure(run, true) +
+         recipe_charts(run.result) + history_part(run.result) +
+         bottom_part(run.result, run.history) + "</div></div>";
 }
 
 /// What is known of the discretisation: of the study, else of the quality that the case follows.
-std::string discretisation_part(const v1::Job& job, const v1::QueryResultResponse& result,
-                                const Study& study) {
-  if (study.monitors.empty() && discretisation_error(result.case_(), 1.0))
+std::string discretisation_part(const ReportedRun& run) {
+  if (run.history.monitors.empty()) return {};
+  if (run.study.monitors.empty() && discretisation_error(run.result.case_(), 1.0))
     return "<p class='note'>The ± beside a curl is the band of the case's quality "
            "(docs/error-bars.md). <code>dccast convergence CASE</code> shows it for this case.</p>";
-  return study_part(study, job);
+  return study_part(run.study, run.job);
 }
 
 /// The evidence behind the figures: the error, the checks of the run, its progress, its
 /// assumptions, and the whole case.
-std::string evidence(const v1::Job& job, const v1::QueryResultResponse& result,
-                     const CurlHistory& history, const Study& study) {
-  return element("div class='evidence'",
-                 (history.monitors.empty() ? "" : discretisation_part(job, result, study)) +
-                     element("div class='cards'",
-                             checks_table(result, history) + run_table(job, result) +
-                                 (result.has_case_() ? inputs_table(result.case_()) : "")));
+std::string evidence(const ReportedRun& run) {
+  return "<div class='evidence'>" + discretisation_part(run) + "<div class='cards'>" +
+         checks_table(run.result, run.history) + run_table(run.job, run.result) +
+         inputs_table(run.result) + "</div></div>";
 }
 
 /// The result with the last frame; without it if there is none, if it is too large for a response,
@@ -368,11 +351,10 @@ FrameSeries frames_for_slider(Connection& connection, const std::string& id,
 
 std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result,
                         const Study& study, const FrameSeries& series) {
-  const CurlHistory history = curl_history(job, result);
+  const ReportedRun run{job, result, study, curl_history(job, result)};
   const std::string title = html_escaped(job.title().empty() ? "Casting " + job.id() : job.title());
   return whole_page(title, page_header(job, title),
-                    first_sheet(job, result, history, study, series) +
-                        details(result, history, study) + evidence(job, result, history, study));
+                    first_sheet(run, series) + details(run) + evidence(run));
 }
 
 std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes) {

@@ -12,22 +12,27 @@
 /// The parts of report_page().
 namespace dccast::client::render {
 
+/// The run that a report is about.
+struct ReportedRun {
+  const v1::Job& job;
+  const v1::QueryResultResponse& result;
+  const Study& study;
+  CurlHistory history;
+};
+
 /// One sentence about the largest curl at the end: place, value, uncertainty, and whether it is
 /// within the plant's range. Empty before the first step.
-std::string curl_sentence(const CurlHistory& history, const v1::QueryResultResponse& result,
-                          const Study& study);
+std::string curl_sentence(const ReportedRun& run);
 
 /// When half of the largest curl came, and through which faces the heat left meanwhile. Empty where
 /// nothing has curled.
-std::string cause_sentence(const CurlHistory& history, const v1::QueryResultResponse& result);
+std::string cause_sentence(const ReportedRun& run);
 
 /// The figures of the last step in boxes, curls with their error if known.
-std::string headline(const CurlHistory& history, const v1::QueryResultResponse& result,
-                     const Study& study);
+std::string headline(const ReportedRun& run);
 
 /// The chart of the curl against time or cast length, with the plant's range.
-std::string curl_figure(const CurlHistory& history, const v1::QueryResultResponse& result,
-                        const Study& study, bool against_length);
+std::string curl_figure(const ReportedRun& run, bool against_length);
 
 /// The remark beside a figure of the last step; empty while the model is valid.
 std::string last_step_mark(const CurlHistory& history);

@@ -96,94 +96,74 @@ std::string colour(double share) {
                     : fmt::format("rgb(200,{0},{0})", faint);
 }
 
+/// What a range of dots covers.
+struct Range {
+  double low = 0.0, high = 0.0;
+
+  double share(double value) const { return high > low ? (value - low) / (high - low) : 0.5; }
+};
+
 /// Dots on two axes, coloured by the curl of a monitor.
-class Scatter {
-public:
+struct Scatter {
   struct Dot {
     double x, y, curl_mm;
     bool beyond;
   };
-
-  Scatter(std::string x_label, std::string y_label, std::vector<Dot> dots)
-      : x_label_(std::move(x_label)),
-        y_label_(std::move(y_label)),
-        dots_(std::move(dots)),
-        x_(range(&Dot::x)),
-        y_(range(&Dot::y)),
-        curl_(range(&Dot::curl_mm)) {}
-
-  bool empty() const { return dots_.size() < 2; }
-
-  std::string svg() const {
-    std::string text =
-        "<svg viewBox='0 0 560 360' role='img' aria-label='curl of the runs'>"
-        "<rect x='62' y='32' width='476' height='286' fill='none' class='grid'/>";
-    for (const double x : {x_.first, x_.second})
-      text += svg_text("class='label' text-anchor='middle'", left(x), 334, short_number(x));
-    for (const double y : {y_.first, y_.second})
-      text += svg_text("class='label' text-anchor='end'", 58, top(y) + 4, short_number(y));
-    for (const Dot& dot : dots_)
-      text += fmt::format(
-          "<circle cx='{:.1f}' cy='{:.1f}' r='{:.1f}' stroke='{}' stroke-width='.7' fill='{}'>"
-          "<title>{:.3f} mm</title></circle>",
-          left(dot.x), top(dot.y), radius(), dot.beyond ? "var(--bad)" : "var(--soft)",
-          colour(share(dot.curl_mm, curl_)), dot.curl_mm);
-    return text + svg_text("class='label' text-anchor='middle'", 300, 352, x_label_) +
-           svg_text("class='label' text-anchor='start'", 6, 14, y_label_) + "</svg>";
-  }
-
-  std::string range_text() const {
-    return "blue " + fixed(curl_.first, 2) + " mm, red " + fixed(curl_.second, 2) + " mm";
-  }
-
-private:
-  using Range = std::pair<double, double>;
+  std::string x_label, y_label;
+  std::vector<Dot> dots;  ///< fewer than two are no picture
 
   Range range(double Dot::*part) const {
-    if (dots_.empty()) return {0.0, 0.0};
-    const auto [low, high] = std::ranges::minmax(dots_, {}, part);
+    const auto [low, high] = std::ranges::minmax(dots, {}, part);
     return {low.*part, high.*part};
   }
-
-  static double share(double value, const Range& range) {
-    return range.second > range.first ? (value - range.first) / (range.second - range.first) : 0.5;
+  std::string svg() const;
+  std::string range_text() const {
+    const Range curl = range(&Dot::curl_mm);
+    return "blue " + fixed(curl.low, 2) + " mm, red " + fixed(curl.high, 2) + " mm";
   }
-
-  double left(double x) const { return 70.0 + 460.0 * share(x, x_); }
-  double top(double y) const { return 310.0 - 270.0 * share(y, y_); }
-  /// A thousand dots must be distinguishable too.
-  double radius() const { return std::clamp(50.0 / std::sqrt(double(dots_.size())), 2.0, 7.0); }
-
-  static std::string short_number(double value) {
-    return case_file::number_text(std::stod(fixed(value, 4)));
-  }
-
-  std::string x_label_, y_label_;
-  std::vector<Dot> dots_;
-  Range x_, y_, curl_;
 };
 
-/// Places of the runs on two keys.
-Scatter over_keys(const v1::StudyResult& result, int first, int second, int monitor) {
-  const Scale x = scale_of(result, first), y = scale_of(result, second);
-  std::vector<Scatter::Dot> dots;
-  for (const v1::StudyRun& run : result.runs())
-    if (has_curl(run, monitor))
-      dots.push_back({x.drawn(run.numbers(first)), y.drawn(run.numbers(second)),
-                      1e3 * run.end_curl_m(monitor), run.beyond_validity()});
-  return {x.label(), y.label(), std::move(dots)};
+std::string Scatter::svg() const {
+  const Range x_range = range(&Dot::x), y_range = range(&Dot::y), curl = range(&Dot::curl_mm);
+  const auto left = [&](double x) { return 70.0 + 460.0 * x_range.share(x); };
+  const auto top = [&](double y) { return 310.0 - 270.0 * y_range.share(y); };
+  const auto number = [](double value) {
+    return case_file::number_text(std::stod(fixed(value, 4)));
+  };
+  // A thousand dots must be distinguishable too.
+  const double radius = std::clamp(50.0 / std::sqrt(double(dots.size())), 2.0, 7.0);
+  std::string text =
+      "<svg viewBox='0 0 560 360' role='img' aria-label='curl of the runs'>"
+      "<rect x='62' y='32' width='476' height='286' fill='none' class='grid'/>";
+  for (const double x : {x_range.low, x_range.high})
+    text += svg_text("class='label' text-anchor='middle'", left(x), 334, number(x));
+  for (const double y : {y_range.low, y_range.high})
+    text += svg_text("class='label' text-anchor='end'", 58, top(y) + 4, number(y));
+  for (const Dot& dot : dots)
+    text += fmt::format(
+        "<circle cx='{:.1f}' cy='{:.1f}' r='{:.1f}' stroke='{}' stroke-width='.7' fill='{}'>"
+        "<title>{:.3f} mm</title></circle>",
+        left(dot.x), top(dot.y), radius, dot.beyond ? "var(--bad)" : "var(--soft)",
+        colour(curl.share(dot.curl_mm)), dot.curl_mm);
+  return text + svg_text("class='label' text-anchor='middle'", 300, 352, x_label) +
+         svg_text("class='label' text-anchor='start'", 6, 14, y_label) + "</svg>";
 }
 
-/// The curl of the runs against one key, whatever the others are.
-Scatter curl_over_key(const v1::StudyResult& result, int axis, int monitor) {
+/// The runs against one key, whatever the others are.
+/// @param other  key of the vertical axis; empty: the curl
+Scatter scatter_of(const v1::StudyResult& result, int axis, std::optional<int> other, int monitor) {
   const Scale x = scale_of(result, axis);
-  std::vector<Scatter::Dot> dots;
-  for (const v1::StudyRun& run : result.runs())
-    if (has_curl(run, monitor)) {
-      const double curl_mm = 1e3 * run.end_curl_m(monitor);
-      dots.push_back({x.drawn(run.numbers(axis)), curl_mm, curl_mm, run.beyond_validity()});
-    }
-  return {x.label(), "curl of " + result.monitors(monitor) + ", mm", std::move(dots)};
+  const Scale y =
+      other ? scale_of(result, *other) : Scale{"curl of " + result.monitors(monitor), "mm"};
+  Scatter scatter{x.label(), y.label(), {}};
+  for (const v1::StudyRun& run : result.runs()) {
+    if (!has_curl(run, monitor)) continue;
+    const double curl_mm = 1e3 * run.end_curl_m(monitor);
+    scatter.dots.push_back({x.drawn(run.numbers(axis)),
+                            other ? y.drawn(run.numbers(*other)) : curl_mm, curl_mm,
+                            run.beyond_validity()});
+  }
+  return scatter;
 }
 
 std::string chart_against(const v1::StudyResult& result, int axis, int monitor) {
@@ -197,8 +177,8 @@ std::string chart_against(const v1::StudyResult& result, int axis, int monitor) 
   const bool has_points =
       std::ranges::any_of(chart.lines, [](const ChartLine& line) { return line.x.size() > 1; });
   if (!has_points || chart.lines.size() > most_lines) {
-    const Scatter scatter = curl_over_key(result, axis, monitor);
-    if (scatter.empty()) return {};
+    const Scatter scatter = scatter_of(result, axis, std::nullopt, monitor);
+    if (scatter.dots.size() < 2) return {};
     return named_picture(scatter.svg(), "Curl of " + result.monitors(monitor) +
                                             " at the end against " + scale.key +
                                             ", a dot for each run");
@@ -219,8 +199,8 @@ std::string charts(const v1::StudyResult& result) {
   for (const int axis : numeric) html += chart_against(result, axis, monitor);
   for (std::size_t i = 0; i < numeric.size(); ++i)
     for (std::size_t k = i + 1; k < numeric.size(); ++k) {
-      const Scatter scatter = over_keys(result, numeric[i], numeric[k], monitor);
-      if (scatter.empty()) continue;
+      const Scatter scatter = scatter_of(result, numeric[i], numeric[k], monitor);
+      if (scatter.dots.size() < 2) continue;
       html += named_picture(scatter.svg(), "Curl of " + result.monitors(monitor) +
                                                " at the end: " + scatter.range_text());
     }

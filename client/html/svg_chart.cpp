@@ -78,19 +78,24 @@ Plot plot_of(const Chart& chart) {
   return {axis_over(x, false, 7), axis_over(y, true, 5)};
 }
 
+std::string line(const std::string& kind, double x1, double x2, double y1, double y2) {
+  return fmt::format("<line class='{}' x1='{:.1f}' x2='{:.1f}' y1='{:.1f}' y2='{:.1f}'/>", kind, x1,
+                     x2, y1, y2);
+}
+
 std::string grid(const Plot& plot) {
   std::string svg;
-  for (const double tick : plot.y_axis.ticks)
-    svg += fmt::format("<line class='{}' x1='{:.1f}' x2='{:.1f}' y1='{:.1f}' y2='{:.1f}'/>",
-                       tick == 0.0 ? "zero" : "grid", left, width - right, plot.y(tick),
-                       plot.y(tick)) +
-           svg_text("class='tick' text-anchor='end'", left - 6, plot.y(tick) + 4,
-                    plot.y_axis.tick_text(tick));
-  for (const double tick : plot.x_axis.ticks)
-    svg += fmt::format("<line class='grid' x1='{:.1f}' x2='{:.1f}' y1='{:.1f}' y2='{:.1f}'/>",
-                       plot.x(tick), plot.x(tick), top, height - bottom) +
-           svg_text("class='tick' text-anchor='middle'", plot.x(tick), height - bottom + 17,
-                    plot.x_axis.tick_text(tick));
+  for (const double tick : plot.y_axis.ticks) {
+    const double y = plot.y(tick);
+    svg += line(tick == 0.0 ? "zero" : "grid", left, width - right, y, y) +
+           svg_text("class='tick' text-anchor='end'", left - 6, y + 4, plot.y_axis.tick_text(tick));
+  }
+  for (const double tick : plot.x_axis.ticks) {
+    const double x = plot.x(tick);
+    svg += line("grid", x, x, top, height - bottom) + svg_text("class='tick' text-anchor='middle'",
+                                                               x, height - bottom + 17,
+                                                               plot.x_axis.tick_text(tick));
+  }
   return svg;
 }
 
@@ -143,9 +148,7 @@ std::string region_wanted(const Chart& chart, const Plot& plot) {
                head = above ? plot.y(chart.wanted->high) : top;
   std::string svg = svg_box("class='wanted'", left, head, width - right - left, foot - head);
   for (const auto& [drawn, at] : {std::pair{below, foot}, std::pair{above, head}})
-    if (drawn)
-      svg += fmt::format("<line class='edge' x1='{:.1f}' x2='{:.1f}' y1='{:.1f}' y2='{:.1f}'/>",
-                         left, width - right, at, at);
+    if (drawn) svg += line("edge", left, width - right, at, at);
   return svg + svg_text("class='tick'", left + 6, head + 14, chart.wanted->name);
 }
 

@@ -108,22 +108,15 @@ Json single(const Message& message, const FieldDescriptor& field) {
 Json repeated(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   Json list = Json::array();
-  for (int i = 0; i < reflection.FieldSize(message, &field); ++i) switch (field.cpp_type()) {
-      case FieldDescriptor::CPPTYPE_MESSAGE:
-        list.push_back(to_json(reflection.GetRepeatedMessage(message, &field, i)));
-        break;
-      case FieldDescriptor::CPPTYPE_DOUBLE:
-        list.push_back(reflection.GetRepeatedDouble(message, &field, i));
-        break;
-      case FieldDescriptor::CPPTYPE_INT32:
-        list.push_back(reflection.GetRepeatedInt32(message, &field, i));
-        break;
-      case FieldDescriptor::CPPTYPE_STRING:
-        list.push_back(reflection.GetRepeatedString(message, &field, i));
-        break;
-      default:
-        break;
-    }
+  for (int i = 0; i < reflection.FieldSize(message, &field); ++i)
+    if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE)
+      list.push_back(to_json(reflection.GetRepeatedMessage(message, &field, i)));
+    else if (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE)
+      list.push_back(reflection.GetRepeatedDouble(message, &field, i));
+    else if (field.cpp_type() == FieldDescriptor::CPPTYPE_INT32)
+      list.push_back(reflection.GetRepeatedInt32(message, &field, i));
+    else if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING)
+      list.push_back(reflection.GetRepeatedString(message, &field, i));
   return list;
 }
 

@@ -10,19 +10,22 @@
 #include "client/text/table.hpp"
 
 namespace dccast::client::render {
+namespace {
 
 std::string severity_text(v1::Finding::Severity severity) {
-  switch (severity) {
-    case v1::Finding::DANGER:
-      return "danger";
-    case v1::Finding::WARNING:
-      return "warning";
-    default:
-      return "note";
-  }
+  return severity == v1::Finding::DANGER    ? "danger"
+         : severity == v1::Finding::WARNING ? "warning"
+                                            : "note";
 }
 
-namespace {
+/// A value [`unit`] with three digits, as limits have; lengths in millimetres: "4.13 mm", "0.98",
+/// "622 degC".
+std::string figure_text(double value, const std::string& unit) {
+  const bool length = unit == "m";
+  std::string text = fmt::format("{:.3g}", length ? 1e3 * value : value);
+  if (!unit.empty() && unit != "1") text += " " + (length ? "mm" : unit);
+  return text;
+}
 
 /// "1 danger", "2 dangers".
 std::string count_text(const Findings& findings, v1::Finding::Severity severity) {
@@ -33,14 +36,6 @@ std::string count_text(const Findings& findings, v1::Finding::Severity severity)
 
 void append(std::string& list, const std::string& text, const char* separator) {
   if (!text.empty()) list += (list.empty() ? "" : separator) + text;
-}
-
-std::string value_and_limit(const v1::Finding& finding) {
-  std::string text;
-  if (finding.has_value()) text = figure_text(finding.value(), finding.unit());
-  if (finding.has_limit())
-    append(text, "limit " + figure_text(finding.limit(), finding.unit()), ", ");
-  return text;
 }
 
 /// The worst exceedance; empty if it is the first one.
@@ -57,7 +52,10 @@ std::string worst_text(const v1::Finding& finding) {
 
 /// Value, limit, place, worst exceedance and key, as far as they are known.
 std::string particulars(const v1::Finding& finding) {
-  std::string text = value_and_limit(finding);
+  std::string text;
+  if (finding.has_value()) text = figure_text(finding.value(), finding.unit());
+  if (finding.has_limit())
+    append(text, "limit " + figure_text(finding.limit(), finding.unit()), ", ");
   append(text, place_text(finding.place_m()), "; ");
   append(text, worst_text(finding), "; ");
   append(text, finding.key(), "; ");
@@ -68,15 +66,12 @@ std::string when(const v1::Finding& finding) {
   return finding.has_time_s() ? fixed(finding.time_s(), 2) + " s" : "";
 }
 
-std::string cell(const std::string& text) {
-  return "<td>" + html_escaped(text) + "</td>";
-}
-
 std::string html_row(const v1::Finding& finding) {
-  const std::string severity = severity_text(finding.severity());
-  return "<tr class='" + severity + "'><th scope='row'>" + severity + "</th><td>" +
-         html_escaped(finding.message()) + "<small>" + html_escaped(finding.code()) + "; " +
-         html_escaped(particulars(finding)) + "</small></td>" + cell(when(finding)) + "</tr>";
+  return fmt::format(
+      "<tr class='{0}'><th scope='row'>{0}</th><td>{1}<small>{2}; {3}</small></td>"
+      "<td>{4}</td></tr>",
+      severity_text(finding.severity()), html_escaped(finding.message()),
+      html_escaped(finding.code()), html_escaped(particulars(finding)), when(finding));
 }
 
 }  // namespace
@@ -111,13 +106,6 @@ std::string findings_part(const Findings& findings) {
          "</h2><table>" + rows +
          "</table><p>What each means, its limit and where that comes from: docs/findings.md.</p>"
          "</section>";
-}
-
-std::string figure_text(double value, const std::string& unit) {
-  const bool length = unit == "m";
-  std::string text = fmt::format("{:.3g}", length ? 1e3 * value : value);
-  if (!unit.empty() && unit != "1") text += " " + (length ? "mm" : unit);
-  return text;
 }
 
 std::string place_text(const google::protobuf::RepeatedField<double>& place_m) {

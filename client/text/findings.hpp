@@ -8,9 +8,6 @@ namespace dccast::client::render {
 
 using Findings = google::protobuf::RepeatedPtrField<v1::Finding>;
 
-/// "danger", "warning" or "note".
-std::string severity_text(v1::Finding::Severity severity);
-
 /// "danger: bleed_out_at_exit at 15.00 s: The surface leaves the mould at ... [1.2 mm, limit 5 mm;
 /// x 280.0 mm, y 45.0 mm; plausibility.minimum_shell]", one line.
 std::string finding_line(const v1::Finding& finding);
@@ -26,10 +23,6 @@ std::string findings_part(const Findings& findings);
 
 /// Mark of figures computed after the model had stopped being valid.
 inline constexpr const char* beyond_validity = "beyond validity";
-
-/// A value [`unit`] with three digits, as limits have; lengths in millimetres: "4.13 mm", "0.98",
-/// "622 degC".
-std::string figure_text(double value, const std::string& unit);
 
 /// "x 120.0 mm, y 3.0 mm"; empty if no place is known.
 /// @param place_m  coordinates in the undeformed slab [m]

@@ -29,9 +29,11 @@ std::string beyond_note(const CurlHistory& history) {
          " s on";
 }
 
+/// "eta 3 s" at the mean speed so far; empty where it is unknown and at the end.
 std::string eta_text(const v1::StepReport& step) {
-  const double rest = remaining_s(step);
-  return rest >= 0.0 && step.progress() < 1.0 ? "eta " + duration_text(rest) : "";
+  const double progress = step.progress();
+  if (!(progress > 0.0) || progress >= 1.0) return {};
+  return "eta " + duration_text(step.solver_s() * (1.0 - progress) / progress);
 }
 
 std::string step_facts(const v1::StepReport& step) {
@@ -44,11 +46,6 @@ std::string step_facts(const v1::StepReport& step) {
 }
 
 }  // namespace
-
-double remaining_s(const v1::StepReport& step) {
-  if (!(step.progress() > 0.0)) return -1.0;
-  return step.solver_s() * (1.0 - step.progress()) / step.progress();
-}
 
 std::string duration_text(double seconds) {
   const long whole = std::lround(std::max(0.0, seconds));

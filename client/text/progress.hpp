@@ -43,9 +43,6 @@ private:
 /// "step 120  t 45.2 s  cast 30.1 mm  corner +3.21 mm  2 it  eta 3 s" (one step, no line end).
 std::string step_line(const v1::StepReport& step);
 
-/// Remaining time of the run at its mean speed so far [s]; negative if unknown.
-double remaining_s(const v1::StepReport& step);
-
 /// "1 h 03 min", "4 min 10 s", "7 s".
 std::string duration_text(double seconds);
 

@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "client/html/pages.hpp"
-#include "client/model/study.hpp"
 #include "client/model/measured_csv.hpp"
+#include "client/model/study.hpp"
 #include "client/text/data_study_text.hpp"
 
 namespace dccast::client {

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "client/model/comparison.hpp"
-#include "client/text/terminal.hpp"
 #include "client/text/comparison_text.hpp"
+#include "client/text/terminal.hpp"
 #include "client_run.hpp"
 #include "fake_service.hpp"
 #include "json_reading.hpp"

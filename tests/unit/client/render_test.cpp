@@ -9,8 +9,8 @@
 #include "client/html/frame_picture.hpp"
 #include "client/html/pages.hpp"
 #include "client/html/svg_chart.hpp"
-#include "client/text/terminal.hpp"
 #include "client/text/progress.hpp"
+#include "client/text/terminal.hpp"
 #include "fake_service.hpp"
 #include "json_reading.hpp"
 
