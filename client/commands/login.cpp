@@ -68,12 +68,11 @@ ExitCode run(const WhoAmIOptions& options, Program& program) {
   Connection connection = program.connect();
   const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
   if (options.json) {
-    print_line(
-        Json{{"server", connection.server()},
-             {"name", who.name()},
-             {"role", role_text(who.role())},
-             {"proof", who.proof()},
-             {"expires", who.expires_unix() > 0 ? Json(utc_text(who.expires_unix())) : Json()}});
+    print_line({{"server", connection.server()},
+                {"name", who.name()},
+                {"role", role_text(who.role())},
+                {"proof", who.proof()},
+                {"expires", who.expires_unix() > 0 ? Json(utc_text(who.expires_unix())) : Json()}});
     return ExitCode::done;
   }
   std::cout << who.name() << " on " << connection.server() << ", " << role_text(who.role())
