@@ -160,13 +160,6 @@ std::string range_after(const std::string& axis_key, const Written& key) {
   return range_of(axis);
 }
 
-v1::CaseChange change_of(const std::string& key, const std::string& value) {
-  v1::CaseChange change;
-  change.set_key(key);
-  change.set_value(value);
-  return change;
-}
-
 /// The path of a key without a place in its table.
 std::string table_of(const std::string& key) {
   return key.ends_with(']') ? key.substr(0, key.rfind('[')) : key;
@@ -187,7 +180,8 @@ void apply(const v1::CaseChange& change, v1::Case& complete, v1::Case& descripti
   }
   const std::string key = table_of(datum_of(change.key()));
   for (const auto& [path, value] : case_file::key_values(complete))
-    if (path == key) return refuse(case_file::apply_changes(description, {change_of(key, value)}));
+    if (path == key)
+      return refuse(case_file::apply_changes(description, {case_file::change_of(key, value)}));
   throw invalid(key + " has no value in the case");
 }
 
@@ -327,7 +321,7 @@ std::string calibrated_case(Connection& connection, const v1::CreateStudyRequest
   for (int axis = 0; axis < calibration.keys_size(); ++axis) {
     const auto& before = result.study().sweep().axes(axis);
     const Written key = written(calibration.keys(axis));
-    apply(change_of(before.key(), key.best), complete, description);
+    apply(case_file::change_of(before.key(), key.best), complete, description);
     const std::string datum = datum_of(before.key());
     keys.insert(datum);
     set_range(datum, range_after(before.key(), key), description);

@@ -113,17 +113,8 @@ Statement& Statement::bind(const std::vector<std::string>& texts) {
 }
 
 Statement& Statement::bind(const google::protobuf::MessageLite& message) {
-  return bind_blob(message.SerializeAsString());
-}
-
-Statement& Statement::bind_blob(std::string_view bytes) {
-  check(sqlite3_bind_blob64(statement_, ++bound_, bytes.empty() ? "" : bytes.data(), bytes.size(),
-                            SQLITE_TRANSIENT));
-  return *this;
-}
-
-Statement& Statement::bind_null() {
-  check(sqlite3_bind_null(statement_, ++bound_));
+  const std::string bytes = message.SerializeAsString();
+  check(sqlite3_bind_blob64(statement_, ++bound_, bytes.data(), bytes.size(), SQLITE_TRANSIENT));
   return *this;
 }
 

@@ -65,8 +65,6 @@ public:
   Statement& bind(std::string_view text);
   Statement& bind(const std::vector<std::string>& texts);         ///< for one question mark each
   Statement& bind(const google::protobuf::MessageLite& message);  ///< as a blob
-  Statement& bind_blob(std::string_view bytes);
-  Statement& bind_null();
   /// @return whether there is a row @throws StoreError
   bool step();
 

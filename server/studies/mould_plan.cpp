@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
 #include "server/intake/case_intake.hpp"
 #include "server/studies/mould_opening.hpp"
@@ -155,7 +156,8 @@ private:
 
   /// The opening, and with it the monitors that are on the face.
   std::vector<v1::CaseChange> changes_to(const MouldOpening& opening) const {
-    std::vector<v1::CaseChange> changes{change_of("section.half_thickness", table_text(opening))};
+    std::vector<v1::CaseChange> changes{
+        case_file::change_of("section.half_thickness", table_text(opening))};
     for (int i = 0; i < base_.monitor_size(); ++i) {
       const v1::Monitor& monitor = base_.monitor(i);
       const double before = frames::half_opening_m(base_.section(), monitor.x_m());
@@ -163,7 +165,7 @@ private:
       const bool on_face = monitor.y_m() >= std::min(now, before - on_the_face);
       if (!on_face && !in_corner(monitor)) continue;
       const double y = on_face ? now : monitor.y_m() + now - before;
-      changes.push_back(change_of("monitor[" + std::to_string(i) + "].y", in_mm(y)));
+      changes.push_back(case_file::change_of("monitor[" + std::to_string(i) + "].y", in_mm(y)));
     }
     return changes;
   }

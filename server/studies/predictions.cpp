@@ -177,7 +177,7 @@ SweepSurface sweep_surface(const v1::Case& base, const std::vector<SweptKey>& ke
   for (const SweptKey& key : keys)
     if (key.numeric)
       built.next_run.push_back(
-          change_of(key.key, value_between(base, key.key, key.low, key.high, *place++)));
+          case_file::change_of(key.key, value_between(base, key.key, key.low, key.high, *place++)));
   return built;
 }
 

@@ -102,7 +102,7 @@ std::vector<v1::CaseChange> RecipeSpace::data_changes(const Eigen::RowVectorXd& 
   std::vector<v1::CaseChange> changes;
   for (int i = 0; i < plan_.data_size(); ++i) {
     const v1::RecipePlan::Datum& datum = plan_.data(i);
-    changes.push_back(change_of(
+    changes.push_back(case_file::change_of(
         datum.key(), value_between(draft_, datum.key(), datum.low(), datum.high(), data(i))));
   }
   return changes;

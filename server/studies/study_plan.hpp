@@ -126,8 +126,6 @@ std::unique_ptr<StudyPlan> mould_plan(const v1::CreateStudyRequest& request);
 
 // What plans and those who evaluate them share; of values and their texts in sweep_plan.cpp.
 
-v1::CaseChange change_of(const std::string& key, const std::string& value);
-
 /// The number that a value of a key stands for, in the unit of the schema; NaN for what is none.
 double number_of(const v1::Case& base, const std::string& key, const std::string& value);
 

@@ -12,33 +12,18 @@ using jobs::Database;
 using jobs::Statement;
 using jobs::Transaction;
 
-void bind(Statement& statement, std::int64_t value) {
-  statement.bind(value);
-}
-
-void bind(Statement& statement, const std::string& text) {
-  statement.bind(text);
-}
-
-void bind(Statement& statement, const google::protobuf::Message& message) {
-  statement.bind_blob(message.SerializeAsString());
-}
-
 /// @param values  in the order of the question marks
 template <class... Values>
 void execute(Database& database, std::string_view sql, const Values&... values) {
-  Statement statement(database, sql);
-  (bind(statement, values), ...);
-  statement.step();
+  Statement(database, sql, values...).step();
 }
 
 /// @param read  makes of a row what is returned
 template <class Read, class... Values>
 auto rows(Database& database, const std::string& sql, const Read& read, const Values&... values) {
-  Statement statement(database, sql);
-  (bind(statement, values), ...);
-  std::vector<decltype(read(statement))> found;
-  while (statement.step()) found.push_back(read(statement));
+  std::vector<decltype(read(std::declval<const Statement&>()))> found;
+  database.read(
+      sql, [&](const Statement& row) { found.push_back(read(row)); }, values...);
   return found;
 }
 
@@ -173,20 +158,19 @@ std::vector<StudyRecord> StudyStore::list(const Page& page) {
 RunCounts StudyStore::counts(const std::string& id) {
   const std::lock_guard lock(mutex_);
   // A run without a job is QUEUED until it has an outcome. A job that was deleted has no state.
-  Statement statement(
-      database_,
+  RunCounts counts;
+  const auto add = [&](const Statement& row) {
+    const auto state = static_cast<v1::JobState>(row.integer(0));
+    counts.by_state[state] = static_cast<int>(row.integer(1));
+    counts.last_end_ms = std::max(counts.last_end_ms, row.integer(2));
+    if (state == v1::QUEUED) counts.waiting = static_cast<int>(row.integer(3));
+  };
+  database_.read(
       "SELECT CASE WHEN run.job <> '' THEN job.state WHEN run.outcome = 0 THEN 1 "
       "ELSE run.outcome END AS run_state, COUNT(*), MAX(COALESCE(job.ended_ms, 0)), "
       "SUM(run.job <> '') FROM study_run AS run LEFT JOIN job ON job.id = run.job "
-      "WHERE run.study = ? GROUP BY 1 HAVING run_state IS NOT NULL");
-  statement.bind(id);
-  RunCounts counts;
-  while (statement.step()) {
-    const auto state = static_cast<v1::JobState>(statement.integer(0));
-    counts.by_state[state] = static_cast<int>(statement.integer(1));
-    counts.last_end_ms = std::max(counts.last_end_ms, statement.integer(2));
-    if (state == v1::QUEUED) counts.waiting = static_cast<int>(statement.integer(3));
-  }
+      "WHERE run.study = ? GROUP BY 1 HAVING run_state IS NOT NULL",
+      add, id);
   return counts;
 }
 

@@ -147,7 +147,8 @@ std::vector<v1::Fault> value_faults(const v1::CreateStudyRequest& request) {
     const std::size_t before = faults.size();
     for (const std::string& value : axis.values()) {
       v1::Case changed = request.case_();
-      const auto found = case_file::apply_changes(changed, {change_of(axis.key(), value)});
+      const auto found =
+          case_file::apply_changes(changed, {case_file::change_of(axis.key(), value)});
       faults.insert(faults.end(), found.begin(), found.end());
     }
     if (!ranges || faults.size() > before) continue;
@@ -285,7 +286,7 @@ public:
     std::vector<v1::CaseChange> changes;
     for (int axis = 0; axis < sweep_.axes_size(); ++axis) {
       if (value(number, axis).empty()) continue;  // as in the case
-      changes.push_back(change_of(sweep_.axes(axis).key(), value(number, axis)));
+      changes.push_back(case_file::change_of(sweep_.axes(axis).key(), value(number, axis)));
       name += (changes.size() == 1 ? " (" : ", ") + changes.back().key() + " = " +
               changes.back().value();
     }
@@ -316,17 +317,10 @@ private:
 
 }  // namespace
 
-v1::CaseChange change_of(const std::string& key, const std::string& value) {
-  v1::CaseChange change;
-  change.set_key(key);
-  change.set_value(value);
-  return change;
-}
-
 double number_of(const v1::Case& base, const std::string& key, const std::string& value) {
   v1::Case changed = base;
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  if (!case_file::apply_changes(changed, {change_of(key, value)}).empty()) return none;
+  if (!case_file::apply_changes(changed, {case_file::change_of(key, value)}).empty()) return none;
   // What is swept is the factor, also that of "0.8 until 100 mm", or what is added.
   if (key.ends_with(".scale") || key.ends_with(".offset"))
     if (const auto change = written(value))

@@ -110,8 +110,8 @@ TEST(SizeBounds, TheReaderHoldsThemToo) {
 TEST(SizeBounds, EveryTextTableAndCurveOfTheSchemaHasOne) {
   for (const auto* root : {v1::Case::descriptor(), v1::DaemonConfig::descriptor()})
     for (const KeyReference& row : reference(*root)) {
-      const bool sized =
-          row.curve || row.type == "text" || row.type == "file" || row.path.ends_with("[]") || row.path.ends_with("uncertainty");
+      const bool sized = row.curve || row.type == "text" || row.type == "file" ||
+                         row.path.ends_with("[]") || row.path.ends_with("uncertainty");
       EXPECT_EQ(!row.size.empty(), sized) << row.path;
     }
 }

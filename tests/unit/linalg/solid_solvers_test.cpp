@@ -52,10 +52,10 @@ std::vector<double> by_cholmod(const Slab& slab) {
 std::vector<double> by_gradients(const Slab& slab, DirectSolver& factor, CgOutcome& outcome) {
   ConjugateGradients gradients;
   std::vector<double> x(slab.b.size());
-  outcome = gradients.solve(
-      slab.brick.pattern, slab.free_values, slab.held,
-      [&](std::span<const double> r, std::span<double> z) { factor.solve(r, z); }, slab.b, x,
-      {1e-12, 100});
+  outcome =
+      gradients.solve(slab.brick.pattern, slab.free_values, slab.held,
+                      [&](std::span<const double> r, std::span<double> z) { factor.solve(r, z); },
+                      slab.b, x, {1e-12, 100});
   return x;
 }
 
@@ -191,10 +191,10 @@ TEST_F(MaskedGradients, EndAtTheIterationsAllowed) {
   slab.free_values = slab.brick.stiffness(0.45, [](int i, int, int) { return i < 3 ? 1e4 : 1e11; });
   ConjugateGradients gradients;
   std::vector<double> x(slab.b.size());
-  outcome = gradients.solve(
-      slab.brick.pattern, slab.free_values, slab.held,
-      [&](std::span<const double> r, std::span<double> z) { factor.solve(r, z); }, slab.b, x,
-      {1e-12, 3});
+  outcome =
+      gradients.solve(slab.brick.pattern, slab.free_values, slab.held,
+                      [&](std::span<const double> r, std::span<double> z) { factor.solve(r, z); },
+                      slab.b, x, {1e-12, 3});
   EXPECT_EQ(outcome.end, CgOutcome::End::too_many);
   EXPECT_EQ(outcome.iterations, 3);
 }
