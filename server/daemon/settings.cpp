@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/source_map.hpp"
 
 namespace dccast::daemon {
 
@@ -136,16 +137,9 @@ void add_commands(CLI::App& app, CommandLine& line) {
 
 constexpr std::array<std::string_view, 5> log_levels{"trace", "debug", "info", "warn", "error"};
 
-std::string text_of(const v1::Fault& fault) {
-  std::string text =
-      fault.field() + (fault.value().empty() ? "" : " = " + fault.value()) + ": " + fault.message();
-  if (!fault.permitted().empty()) text += "; permitted: " + fault.permitted();
-  if (!fault.remedy().empty()) text += "; " + fault.remedy();
-  return text;
-}
-
 void add(const std::vector<v1::Fault>& faults, const std::string& where, std::string& text) {
-  for (const v1::Fault& fault : faults) text += where + ": " + text_of(fault) + "\n";
+  for (const v1::Fault& fault : faults)
+    text += where + ": " + case_file::describe(fault, {}) + "\n";
 }
 
 /// One "key=value" as a line of TOML. On a command line quotes are a nuisance: what is no TOML

@@ -111,8 +111,9 @@ public:
   /// @param permits  false: the job stays, and is in the wrong state for this
   Reply remove(const std::string& id, const std::string& why = "by request",
                const std::function<bool(const v1::Job& job)>& permits = {});
-  /// Changes labels, and whether the job is kept for good. @param change  false: nothing changes
-  Reply mark(const std::string& id, const std::function<bool(v1::Job& job)>& change);
+  /// Changes labels, and whether the job is kept for good. What `change` throws leaves the job as
+  /// it was.
+  Reply mark(const std::string& id, const std::function<void(v1::Job& job)>& change);
   /// Whether a job waits for this one to succeed.
   bool is_awaited(const std::string& id);
   /// Has the thread of the queue make a round. @return whether it began one in time; false when it

@@ -323,7 +323,7 @@ Reply Scheduler::remove(const std::string& id, const std::string& why,
   return {Reply::Kind::done, {}};
 }
 
-Reply Scheduler::mark(const std::string& id, const std::function<bool(v1::Job& job)>& change) {
+Reply Scheduler::mark(const std::string& id, const std::function<void(v1::Job& job)>& change) {
   std::unique_lock lock(mutex_);
   const Exclusive exclusive(*this, lock, id);
   lock.unlock();
@@ -331,18 +331,17 @@ Reply Scheduler::mark(const std::string& id, const std::function<bool(v1::Job& j
   if (!record) return {Reply::Kind::not_found, {}};
   const v1::Job before = record->job;
   v1::Job& job = record->job;
-  if (change(job)) {
-    write_marks(jobs_directory_ / id, job);
-    try {
-      store_.update_marks(job);
-    } catch (const StoreError&) {
-      write_marks(jobs_directory_ / id, before);
-      throw;
-    }
-    ledger_.change_kept(job);
-    log::info("job {}: labels {}, {}", id, fmt::join(job.labels(), ", "),
-              job.pinned() ? "pinned" : "not pinned");
+  change(job);
+  write_marks(jobs_directory_ / id, job);
+  try {
+    store_.update_marks(job);
+  } catch (const StoreError&) {
+    write_marks(jobs_directory_ / id, before);
+    throw;
   }
+  ledger_.change_kept(job);
+  log::info("job {}: labels {}, {}", id, fmt::join(job.labels(), ", "),
+            job.pinned() ? "pinned" : "not pinned");
   lock.lock();
   if (const auto attempt = attempts_.find(id)) {
     *attempt->record.job.mutable_labels() = job.labels();

@@ -299,7 +299,6 @@ Unary* SimulationService::UpdateJob(Wire* wire, const v1::UpdateJobRequest* requ
       change_labels(*request, found);
       if (request->has_pinned()) found.set_pinned(request->pinned());
       check_labels(found.labels());
-      return true;
     };
     const jobs::Reply reply = context_.scheduler.mark(request->id(), change);
     call.note->set_reason(request->has_pinned() ? (request->pinned() ? "pinned" : "not pinned")

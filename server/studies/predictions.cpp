@@ -13,6 +13,7 @@
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
+#include "proto/case_file/schema.hpp"
 #include "proto/case_file/text_checks.hpp"
 #include "server/jobs/log.hpp"
 #include "server/studies/curl_surface.hpp"
@@ -56,16 +57,10 @@ struct Place {
   std::string kind;            ///< values of the others
 };
 
-std::string joined(const std::vector<std::string>& texts) {
-  std::string all;
-  for (const std::string& text : texts) all += (all.empty() ? "" : ", ") + text;
-  return all;
-}
-
 [[noreturn]] void outside(const SweptKey& key, const std::string& value) {
   throw OutsideDomain(key.key + " = " + value +
                       " is outside of what the study has run; permitted: " +
-                      (key.numeric ? key.low + " to " + key.high : joined(key.values)));
+                      (key.numeric ? key.low + " to " + key.high : case_file::joined(key.values)));
 }
 
 /// The number of a key that is asked for, or that of the case. @param given  null: not asked for
@@ -90,7 +85,7 @@ double input_of(const v1::Case& base, const SweptKey& key, const std::string* gi
   for (const SweptKey& swept : keys) names.push_back(swept.key);
   const std::string near = case_file::nearest(key, names);
   throw FaultyPlace(key + " was not swept; " + (near.empty() ? "" : "did you mean " + near + "? ") +
-                    "the keys of this study are " + joined(names));
+                    "the keys of this study are " + case_file::joined(names));
 }
 
 Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
@@ -109,7 +104,7 @@ Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
       place.inputs.push_back(input_of(base, key, value));
     } else {
       if (value == nullptr)
-        throw FaultyPlace("give a value of " + key.key + ": " + joined(key.values));
+        throw FaultyPlace("give a value of " + key.key + ": " + case_file::joined(key.values));
       if (std::ranges::find(key.values, *value) == key.values.end()) outside(key, *value);
       place.kind += *value + "\n";
     }

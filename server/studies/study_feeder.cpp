@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "proto/case_file/source_map.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/studies/studies.hpp"
@@ -17,13 +18,6 @@ namespace {
 
 constexpr std::chrono::seconds try_again{1};  // after the queue or the disk took nothing
 constexpr int most_unanswered = 3;            // checks of one run
-
-std::string text_of(const v1::Fault& fault) {
-  std::string text =
-      fault.field() + (fault.value().empty() ? "" : " = " + fault.value()) + ": " + fault.message();
-  if (!fault.permitted().empty()) text += "; permitted: " + fault.permitted();
-  return text;
-}
 
 jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned,
                      const intake::ExaminedCase& examined) {
@@ -127,7 +121,8 @@ void Studies::feed_run(const StudyRecord& study, const RunRecord& run, const Pla
         intake_.examine(planned.description, study.request.attachments(), {},
                         {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
     if (examined.verdict.faults_size() > 0)
-      refuse(study, run, planned.name + " is refused: " + text_of(examined.verdict.faults(0)));
+      refuse(study, run,
+             planned.name + " is refused: " + case_file::describe(examined.verdict.faults(0), {}));
     else
       make_job(study, run, planned.key, new_job(study, planned, examined));
   } catch (const jobs::WorkerDidNotAnswer& error) {

@@ -1,4 +1,6 @@
 // Jobs that wait for others, and what may change of a job while it waits.
+#include <stdexcept>
+
 #include "server/jobs/ended_jobs.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 
@@ -87,20 +89,17 @@ TEST_F(After, AUserAtTheLimitLeavesWorkersToOthers) {
 TEST_F(After, AChangeThatTheStoreRefusesLeavesTheFolderAsItWas) {
   LongQueue daemon(folder_.path());
   const auto id = submit(daemon);
-  const auto pin = [](v1::Job& job) {
-    job.set_pinned(true);
-    return true;
-  };
+  const auto pin = [](v1::Job& job) { job.set_pinned(true); };
   EXPECT_TRUE(daemon.scheduler.mark(id, pin).job.pinned());
-  EXPECT_EQ(daemon.scheduler.mark(id, [](v1::Job&) { return false; }).kind, Reply::Kind::done);
+  const auto refuse = [](v1::Job& job) {
+    job.set_pinned(false);
+    throw std::invalid_argument("refused");
+  };
+  EXPECT_THROW(daemon.scheduler.mark(id, refuse), std::invalid_argument);
+  EXPECT_TRUE(daemon.scheduler.find(id)->pinned());
   EXPECT_EQ(daemon.scheduler.mark("no such job", pin).kind, Reply::Kind::not_found);
   daemon.store.refuses_updates = true;
-  EXPECT_THROW(daemon.scheduler.mark(id,
-                                     [](v1::Job& job) {
-                                       job.set_pinned(false);
-                                       return true;
-                                     }),
-               StoreError);
+  EXPECT_THROW(daemon.scheduler.mark(id, [](v1::Job& job) { job.set_pinned(false); }), StoreError);
   v1::Job in_folder;
   read_marks(folder_.path() / id, in_folder);
   EXPECT_TRUE(in_folder.pinned());
@@ -114,10 +113,7 @@ TEST_F(After, RetentionTakesTheOldestAndLeavesPinnedAndAwaitedJobs) {
     daemon.scheduler.cancel(jobs.back(), "");
     std::this_thread::sleep_for(std::chrono::milliseconds(2));  // each ends at a time of its own
   }
-  daemon.scheduler.mark(jobs[0], [](v1::Job& job) {
-    job.set_pinned(true);
-    return true;
-  });
+  daemon.scheduler.mark(jobs[0], [](v1::Job& job) { job.set_pinned(true); });
   const auto bytes = bytes_kept(folder_.path() / jobs[3]);
   EXPECT_GT(daemon.store.find(jobs[3])->bytes, bytes / 2) << "all but the last event";
   const Retention retention({.jobs_directory = folder_.path(),

@@ -301,5 +301,26 @@ TEST_F(SchedulerFaults, AStateInTheLogAloneIsTakenOver) {
   EXPECT_EQ(again.scheduler.queued(), 0);
 }
 
+TEST_F(SchedulerFaults, WhatTheStoreRefusesAtTheStartIsWrittenLater) {
+  {
+    Daemon daemon(folder_.path());
+    id_ = daemon.scheduler.submit(new_job(), {}).id();
+    daemon.store.refuses_updates = true;
+    daemon.scheduler.pause(id_);
+  }
+  FailingStore store(folder_.path() / "jobs.sqlite");
+  EventLogs logs(folder_.path());
+  ScriptedExecutor executor(1);
+  Scheduler scheduler({.attempts = {.jobs_directory = folder_.path()}}, store, logs, executor);
+  store.refuses_updates = true;
+  scheduler.recover();
+  EXPECT_NE(scheduler.held(), "");
+  EXPECT_EQ(scheduler.find(id_)->state(), v1::PAUSED);
+  store.refuses_updates = false;
+  scheduler.start();
+  EXPECT_TRUE(eventually([&] { return scheduler.held().empty(); }));
+  EXPECT_EQ(store.find(id_)->job.state(), v1::PAUSED);
+}
+
 }  // namespace
 }  // namespace dccast::jobs
