@@ -118,7 +118,6 @@ void CallOrigin::judge() {
 }
 
 Call CallOrigin::admit(std::function<bool()> cancelled) {
-  if (cancelled()) refuse(grpc::CANCELLED, "the caller has left");
   if (!caller_) judge();
   if (!refusal_.ok()) throw Refusal{refusal_};
   Call call{.caller = *caller_, .deadline = deadline_, .cancelled = std::move(cancelled)};

@@ -41,7 +41,9 @@ public:
 
   /// Not OK: the call is refused, and recorded.
   const grpc::Status& refusal() const { return refusal_; }
-  /// For a thread that may wait. @throws Refusal  why it is not answered, which is recorded
+  /// For a thread that may wait, of a call that is not cancelled: that costs an exception, and a
+  /// peer may cancel ten thousand calls a second. @throws Refusal  why it is not answered, which is
+  /// recorded
   Call admit(std::function<bool()> cancelled);
   /// Of the job or study that the request names. @throws Refusal
   void check_id() const;

@@ -88,6 +88,7 @@ protected:
 
 private:
   void open_in_lane() {
+    if (cancelled()) return end(grpc::Status::CANCELLED);  // without an exception: admit()
     bool admitted = false;
     const grpc::Status status = guarded([&] {
       call_ = origin_.admit([this] { return cancelled(); });

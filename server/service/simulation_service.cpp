@@ -44,6 +44,8 @@ void SimulationService::do_stage(std::shared_ptr<UnaryCall> call, std::size_t nu
   if (number == call->stages.size()) return call->finish(grpc::Status::OK);
   const auto work = [this, call, number] {
     bool admitted = number > 0;
+    if (!admitted && call->wire->IsCancelled())
+      return call->reactor->Finish(grpc::Status::CANCELLED);
     const grpc::Status status = guarded([&] {
       if (!admitted) {
         call->call = call->origin.admit([wire = call->wire] { return wire->IsCancelled(); });
