@@ -1,11 +1,11 @@
 #include "client/session/servers.hpp"
 
 #include <arpa/inet.h>
+#include <fmt/chrono.h>
 #include <openssl/bio.h>
 #include <openssl/pem.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
-#include <time.h>
 
 #include <array>
 #include <cstdlib>
@@ -247,12 +247,7 @@ Diagnosis through_ssh(const std::string& server, const ProbeOptions& options,
 }  // namespace
 
 std::string utc_text(std::int64_t unix_s) {
-  const std::time_t time = unix_s;
-  tm parts{};
-  ::gmtime_r(&time, &parts);
-  std::array<char, 32> text{};
-  ::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &parts);
-  return text.data();
+  return fmt::format("{:%Y-%m-%d %H:%MZ}", fmt::gmtime(unix_s));
 }
 
 std::string role_text(v1::Role role) {

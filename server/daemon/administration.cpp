@@ -1,11 +1,10 @@
 #include "server/daemon/daemon.hpp"
 
+#include <fmt/chrono.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -32,12 +31,7 @@ constexpr std::int64_t day_s = 86400;
 constexpr std::int64_t renewed_before_s = 30 * day_s;
 
 std::string date(std::int64_t unix_s) {
-  const std::time_t time = unix_s;
-  tm utc{};
-  ::gmtime_r(&time, &utc);
-  std::array<char, 32> text{};
-  ::strftime(text.data(), text.size(), "%Y-%m-%d %H:%MZ", &utc);
-  return text.data();
+  return fmt::format("{:%Y-%m-%d %H:%MZ}", fmt::gmtime(unix_s));
 }
 
 fs::path data_directory(const v1::DaemonConfig& config) {

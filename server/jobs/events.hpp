@@ -19,7 +19,7 @@ struct JobRecord {
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
   std::string first_loss;       ///< how the worker died the first time: the cause that is kept
   std::int64_t bytes = 0;       ///< of the case and its attachments; once ended of its folder
-  std::string answer_key{};     ///< of all that decides its figures, see service/answer_key.hpp
+  std::string answer_key{};     ///< of all that decides its figures: intake::answer_key()
   std::string solver{};         ///< identity of the solver that succeeded with it; empty: none has
 };
 
