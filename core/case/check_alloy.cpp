@@ -41,6 +41,16 @@ void coherency(CaseFindings& found) {
                 "leave alloy.coherency out: the solid fraction follows the card");
 }
 
+/// The paper's algorithms know the creep law only.
+void cold_strength(CaseFindings& found) {
+  const Case& c = found.casting;
+  if (!c.alloy.cold_strength || !c.mechanics.enabled) return;
+  if (c.mechanics.options.algorithm == mechanics::Algorithm::newton) return;
+  found.fault("mechanics.algorithm", "", "knows no yield limit, and the alloy has one",
+              "newton, with alloy.cold_strength",
+              "take newton, or an alloy card without cold_strength");
+}
+
 }  // namespace
 
 void check_alloy(CaseFindings& found) {
@@ -56,6 +66,7 @@ void check_alloy(CaseFindings& found) {
                 "at most alloy.liquidus = " + with_unit(a.liquidus, "degC"),
                 "exchange the two, or make them equal for a pure metal");
   if (found.sound({"alloy.solidus", "alloy.coherency"})) coherency(found);
+  cold_strength(found);
   if (!a.liquid_fraction.empty() && found.sound({"alloy.solidus", "alloy.liquid_fraction"}))
     liquid_fraction(found);
 }

@@ -77,6 +77,7 @@ void for_slab_fields(Slab& slab, const Use& use) {
   use("slab/solid", slab.solid);
   use("slab/inelastic_strain", slab.inelastic);
   use("slab/viscoplastic_strain", slab.viscoplastic);
+  use("slab/hardened_strain", slab.hardened);
   use("slab/stress_deviator_pa", slab.deviator);
   use("slab/pressure_pa", slab.pressure);
   use("slab/contact", slab.contact);
@@ -232,6 +233,8 @@ void fit_slab(const mechanics::SlabState<Dim>& slab, const Shape& shape, Reasons
   reasons.require_size(slab.solid, shape.elements, "solid elements");
   reasons.require_tensors(slab.inelastic, shape.points, "inelastic strain");
   reasons.require_tensors(slab.viscoplastic, shape.points, "viscoplastic strain");
+  if (!slab.hardened.empty())
+    reasons.require_reals(slab.hardened, shape.points, "hardened strain");
   reasons.require_tensors(slab.deviator, shape.points, "stress deviator");
   reasons.require_reals(slab.pressure, shape.points, "pressure");
   reasons.require_size(slab.contact, shape.bottom_nodes, "contact");

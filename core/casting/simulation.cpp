@@ -95,7 +95,7 @@ results::RunHeader header_of(const Case& c) {
   header.dimension = mesh::dimension_of(c.section.kind);
   header.liquidus = c.alloy.liquidus;
   header.solidus = c.alloy.solidus;
-  header.shell = c.alloy.shell_temperature();
+  header.shell = c.alloy.retention_temperature();
   for (const Monitor& monitor : c.monitors) {
     header.monitor_name.push_back(monitor.name);
     header.monitor_position.push_back({monitor.x, monitor.y});

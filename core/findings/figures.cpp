@@ -59,7 +59,7 @@ template <int Dim>
 StepMeter<Dim>::StepMeter(const Case& c)
     : case_(c),
       properties_(c.alloy),
-      isotherm_(c.alloy.shell_temperature()),
+      isotherm_(c.alloy.retention_temperature()),
       fragile_above_(material::temperature_of_fraction(c.alloy, 1.0 - tough_solid_fraction)),
       solid_below_(c.mechanics.options.liquid == mechanics::Liquid::solid ? c.alloy.liquidus
                                                                           : c.alloy.coherency) {}

@@ -113,7 +113,7 @@ Found centre_lifts(const Case&, const StepFigures& f) {
 }
 
 Found hot_exit(const Case& c, const StepFigures& f) {
-  const double limit = c.alloy.shell_temperature();
+  const double limit = c.alloy.retention_temperature();
   if (!f.moves || !f.left_mould || f.exit_surface.value < limit) return std::nullopt;
   return Exceeded{f.exit_surface, limit,
                   sentence("The surface leaves the mould at %.4g degC, above the %.6g degC at "
@@ -135,7 +135,7 @@ Found thin_exit(const Case& c, const StepFigures& f) {
 /// A surface that is not yet solid at the end of the mould contact is not a matter of the gap; one
 /// that is solid there and melts again does so because of the gap.
 Found remelting_in_gap(const Case& c, const StepFigures& f) {
-  const double limit = c.alloy.shell_temperature();
+  const double limit = c.alloy.retention_temperature();
   if (!f.moves || !f.in_gap || f.gap_entry >= limit || f.gap_surface.value < limit)
     return std::nullopt;
   return Exceeded{f.gap_surface, limit,

@@ -25,6 +25,27 @@ struct ReferenceCreep {
   double activation_energy = 0.0;  ///< [J/mol]
 };
 
+/// How metal behaves between its coherency and the end of freezing. Without this law the mush is the
+/// paper's: as strong as the solid at its temperature, and contracting with the mixture's density.
+struct MushLaw {
+  /// [1] solid fraction at which the grains have grown together: the skeleton contracts and resists
+  /// as a whole, and melt no longer flows through it
+  double coalescence = 1.0;
+  /// [1] a of the strength exp(-a (1 - fs)) relative to the solid, once the grains have grown together
+  double strength_decay = 0.0;
+  /// [1] 0 to 1: share of the shrinkage after coalescence that strains the skeleton; the rest
+  /// becomes pores
+  double unfed_strain_share = 0.0;
+};
+
+/// Limit of the stress in cold metal, whose strain rate no longer matters. The yield stress is
+/// Y(T) [1 + w(T) ((1 + e / e0)^(1/4) - 1)], where e is the equivalent viscoplastic strain gained
+/// since solidification at temperatures with w > 0.
+struct ColdStrength {
+  Curve yield_stress;  ///< Y [Pa] against temperature, without hardening
+  Curve hardening;     ///< w [1] against temperature: 1 cold, 0 where hardening recovers at once
+};
+
 /// The tables of an alloy: table `alloy` of a case, completed from its card. Curves are functions
 /// of temperature [°C] unless stated otherwise, constant outside their range. Creep is a formula;
 /// above the liquidus its value at the liquidus is used (MechanicalProperties::kappa).
@@ -33,10 +54,12 @@ struct AlloyCard {
   double liquidus = 0.0;           ///< [°C]
   double solidus = 0.0;            ///< [°C]; equal to the liquidus for a pure metal
   double coherency = 0.0;          ///< [°C] below it the mush transmits stress
-  /// [°C] below it metal counts as a shell, and the mould releases it; absent: the solidus
-  std::optional<double> shell;
+  std::optional<double> release;    ///< [°C] below it the mould releases metal; absent: the solidus
+  std::optional<double> retention;  ///< [°C] below it metal does not flow out; absent: as release
   double latent_heat = 0.0;        ///< [J/kg]
-  Curve density;                   ///< [kg/m3]
+  Curve density;                   ///< [kg/m3] of the mixture of solid and liquid
+  /// [kg/m3] of the solid alone, up to the liquidus; empty: the density below the solidus, continued
+  Curve solid_density;
   Curve specific_heat;             ///< [J/(kg K)]
   Curve conductivity;              ///< [W/(m K)]
   Curve melt_conductivity_factor;  ///< [1] against liquid fraction
@@ -45,8 +68,13 @@ struct AlloyCard {
   Curve young_modulus;  ///< [Pa]
   Curve poisson_ratio;  ///< [1]
   std::variant<NortonHoffConstants, ReferenceCreep> creep;
+  std::optional<MushLaw> mush;                ///< absent: the paper's mush
+  std::optional<ColdStrength> cold_strength;  ///< absent: creep alone limits the stress
 
-  double shell_temperature() const { return shell.value_or(solidus); }  ///< [°C]
+  double release_temperature() const { return release.value_or(solidus); }  ///< [°C]
+  double retention_temperature() const {                                    ///< [°C]
+    return retention.value_or(release_temperature());
+  }
 };
 
 }  // namespace dccast::material

@@ -72,6 +72,13 @@ ReturnMap return_map(double trial_norm, double creep, double exponent) {
   return {x, 1.0 / (1.0 + m * creep * creep_power(x, exponent))};
 }
 
+double porous_ratio(double porosity, double exponent) {
+  if (porosity <= 0.0) return 0.0;
+  const double n = exponent;
+  const double sphere = n * (std::pow(porosity, -1.0 / n) - 1.0);
+  return std::pow(1.5, 0.5 * (n + 1.0)) * std::pow(sphere, -n);
+}
+
 double yosida_root(double load, double exponent) {
   if (load < 1e-18) return 1.0 + load;
   const double m = exponent - 1.0;

@@ -22,6 +22,10 @@ NortonHoff norton_hoff(const AlloyCard& card);
 /// |s|^(q-2), the power in the law [Pa^(q-2)]. @param norm  |s| [Pa] @param exponent  q [1]
 double creep_power(double norm, double exponent);
 
+/// e0 of the hardening law of cold metal [1]: the strain at which the yield stress is read in a
+/// tensile test, 0.2 %. @see ColdStrength
+inline constexpr double hardening_strain = 2e-3;
+
 /// Outcome of the scalar equation of the backward-Euler return map.
 struct ReturnMap {
   double norm;        ///< |s| [Pa]
@@ -84,6 +88,54 @@ ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>
                               double exponent) {
   if (exponent == 6.0) return detail::of_fifth_power<Count>(trial_norm, creep);
   return detail::each_by_itself<Count>(trial_norm, creep, exponent);
+}
+
+/// Volumetric over deviatoric creep factor of a porous body: a hollow sphere of the creeping metal
+/// dilates at the rate K (3/2)^(n+1) [n (f^(-1/n) - 1)]^(-n) p^n under an outer tension p, where K is
+/// the uniaxial factor of the metal, and kappa = K (3/2)^((n+1)/2).
+/// @param porosity  f, share of the volume [1], 0 to below 1
+/// @param exponent  n, stress exponent of the creep law [1]
+/// @return          [1]; zero without porosity
+double porous_ratio(double porosity, double exponent);
+
+/// The deviator's norm limited by yielding, after the return map of creep, at several points at
+/// once. With hardening it solves x = y(e + k (R - x)), where y is the limit at an equivalent strain
+/// and k (R - x) the strain of the step.
+/// @param creep       return map of creep alone [Pa]
+/// @param trial_norm  R = |s_trial| [Pa]
+/// @param limit       y(0), the limit without hardening [Pa]
+/// @param hardening   w of ColdStrength [1]; zero: ideal plasticity
+/// @param strain      e at the start of the step [1]
+/// @param strain_per_stress  k = sqrt(2/3) / (2 mu) [1/Pa]
+/// Newton on a convex increasing function: after the first step the iterates fall to the root.
+template <int Count>
+ReturnMaps<Count> limit_by_yield(const ReturnMaps<Count>& creep, const Lanes<Count>& trial_norm,
+                                 const Lanes<Count>& limit, const Lanes<Count>& hardening,
+                                 const Lanes<Count>& strain,
+                                 const Lanes<Count>& strain_per_stress) {
+  using Numbers = Lanes<Count>;
+  constexpr int most = 30;
+  constexpr double close = 1e-14;  // [1] relative to the trial stress
+
+  if (!any<Count>(creep.norm > limit)) return creep;
+
+  Numbers x = limit, slope = Numbers{};
+  for (int i = 0; i < most; ++i) {
+    const Numbers beyond = trial_norm - x;
+    const Numbers gained = strain_per_stress * (beyond > 0.0 ? beyond : Numbers{});
+    const Numbers relative = 1.0 + (strain + gained) / hardening_strain;
+    const Numbers fourth_root = root<Count>(root<Count>(relative));
+    const Numbers yield = limit * (1.0 + hardening * (fourth_root - 1.0));
+    // k dy/de
+    slope = strain_per_stress * limit * hardening * fourth_root /
+            (4.0 * hardening_strain * relative);
+    const Numbers step = (x - yield) / (1.0 + slope);
+    x -= step;
+    if (!any<Count>((step < 0.0 ? -step : step) > close * trial_norm)) break;
+  }
+
+  const auto yields = x < creep.norm;
+  return {yields ? x : creep.norm, yields ? slope / (1.0 + slope) : creep.derivative};
 }
 
 /// Root eta >= 1 of eta^(q-1) - eta^(q-2) = load, paper Lemma 3. Newton's method from an upper

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/mechanics/constitutive.hpp"
 #include "core/mechanics/step_problem.hpp"
 
 namespace dccast::mechanics {
@@ -63,6 +64,7 @@ public:
         blocks_((problem.forms->elements() + elements_in_block - 1) / elements_in_block),
         response_(blocks_ * places_ * ResponseBlock<Dim>::numbers),
         inelastic_(blocks_ * places_ * (Tensor::components + 1)),
+        bulk_(problem.bulk),
         whole_(problem.forms->elements()) {
     for_each_block([this](ElementBlock block) { take_inelastic(block); });
   }
@@ -101,7 +103,7 @@ public:
       std::fill(values.begin() + std::ptrdiff_t(first), values.begin() + std::ptrdiff_t(end), 0.0);
     });
     for_each_block([&](ElementBlock block) {
-      problem_->forms->add_stiffness(block, response_of(block), of_block(block, problem_->bulk),
+      problem_->forms->add_stiffness(block, response_of(block), of_block(block, bulk_),
                                      *problem_->pattern, values);
     });
     for (std::size_t i = 0; i < problem_->spring.size(); ++i) {
@@ -208,6 +210,22 @@ private:
             bulk[i] * (passing.dilatation[i] - inelastic_dilatation[place]) + prestress[i];
       }
     }
+    relax_mush(block, passing);
+  }
+
+  /// Volumetric creep of the elements that are mush; few are, so they are treated one by one. The
+  /// mean stress is the same at all points of an element.
+  void relax_mush(ElementBlock block, Passing& passing) {
+    if (problem_->volumetric_kappa.empty()) return;
+    for (std::size_t e = block.first; e < block.end; ++e) {
+      if (problem_->volumetric_kappa[e] <= 0.0) continue;
+      const std::size_t i = e - block.first;
+      const auto relaxed =
+          relaxed_mean_stress(*problem_, e, passing.pressure[place_in_block(i, 0)]);
+      for (std::size_t q = 0; q < points_; ++q)
+        passing.pressure[place_in_block(i, q)] = relaxed.stress;
+      bulk_[e] = relaxed.tangent;
+    }
   }
 
   template <class Law>
@@ -231,6 +249,7 @@ private:
   std::size_t blocks_;
   std::vector<double> response_;   ///< (block) @see ResponseBlock
   std::vector<double> inelastic_;  ///< (block) @see inelastic_of
+  std::vector<double> bulk_;       ///< (element) tangent dp / d tr of the last residual() [Pa]
   ElementParts whole_;             ///< used if the problem specifies no parts
 };
 
@@ -239,7 +258,9 @@ template <int Dim>
 double mean_normal_stress(const StepProblem<Dim>& p, int element, std::span<const double> u) {
   const std::size_t e = std::size_t(element);
   const double inelastic = p.inelastic[e * p.forms->points()].trace() + 3.0 * p.thermal[e];
-  return p.bulk[e] * (p.forms->mean_dilatation(e, u) - inelastic) + p.prestress[e];
+  const double trial =
+      p.bulk[e] * (p.forms->mean_dilatation(e, u) - inelastic) + p.prestress[e];
+  return relaxed_mean_stress(p, e, trial).stress;
 }
 
 }  // namespace dccast::mechanics

@@ -111,6 +111,29 @@ std::vector<double> RowsOfPoints<Dim>::means(std::span<const double> field) cons
 }
 
 template <int Dim>
+std::vector<double> RowsOfPoints<Dim>::point_means(std::span<const double> field) const {
+  static const auto lines = upright_lines<Dim>();
+  std::vector<double> after(rows_.size() * merged_.elements_per_row * points);
+  for_each_element([&](std::size_t row, std::size_t e, std::size_t low, std::size_t high) {
+    const auto height = heights(row);
+    if (low == high) {
+      for (std::size_t q = 0; q < points; ++q) after[e * points + q] = field[low * points + q];
+      return;
+    }
+
+    for (const auto& [lower, upper] : lines) {
+      const auto mean = [&](std::size_t element) {
+        return 0.5 * (field[element * points + lower] + field[element * points + upper]);
+      };
+      const double of_line =
+          (height[0] * mean(low) + height[1] * mean(high)) / (height[0] + height[1]);
+      after[e * points + lower] = after[e * points + upper] = of_line;
+    }
+  });
+  return after;
+}
+
+template <int Dim>
 std::vector<char> RowsOfPoints<Dim>::all_of(std::span<const char> flag) const {
   std::vector<char> after(rows_.size() * merged_.elements_per_row);
   for_each_element([&](std::size_t, std::size_t e, std::size_t low, std::size_t high) {
@@ -178,6 +201,7 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   const std::size_t all_points = std::size_t(grown.elements()) * points_;
   state.inelastic.resize(all_points);
   state.viscoplastic.resize(all_points);
+  if (properties_.has_yield_limit()) state.hardened.resize(all_points, 0.0);
   state.deviator.resize(all_points);
   state.pressure.resize(all_points, 0.0);
   set_mesh(grown, first_moved);
@@ -234,6 +258,7 @@ ProjectedState<Dim> SlabMechanics<Dim>::projected(const State& state,
   to.state.viscoplastic = rows.projected(state.viscoplastic);
   to.state.deviator = rows.projected(state.deviator);
   to.state.pressure = rows.means(state.pressure);
+  if (!state.hardened.empty()) to.state.hardened = rows.point_means(state.hardened);
   to.state.solid = rows.all_of(state.solid);
   for (std::size_t i = 0; i < to.elastic.size(); ++i)
     if (to.state.solid[i / points_] == 0 && rows.is_pair(i / points_)) to.elastic[i] = {};

@@ -34,6 +34,9 @@ public:
   /// Volume mean, repeated for every point of an element.
   /// @param field  (element, point), uniform within an element
   std::vector<double> means(std::span<const double> field) const;
+  /// Mean along each vertical line of points, for a field that must not become negative.
+  /// @param field  (element, point)
+  std::vector<double> point_means(std::span<const double> field) const;
   /// Whether all the elements that were merged into an element have a flag. @param flag  (element)
   std::vector<char> all_of(std::span<const char> flag) const;
   /// Nodal forces that do the same work on the displacements of the merged mesh.

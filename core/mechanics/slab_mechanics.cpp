@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -98,8 +99,13 @@ void SlabMechanics<Dim>::new_pattern() {
   element_unknown_ = std::move(unknown);
   if (Dim == 3) parts_ = ElementParts::of(*mesh_);
   for (auto* field :
-       {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal, &problem_.prestress}) {
+       {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal, &problem_.prestress,
+        &problem_.volumetric_kappa, &problem_.melt_pressure}) {
     field->assign(std::size_t(mesh_->elements()), 0.0);
+  }
+  if (properties_.has_yield_limit()) {
+    problem_.yield.assign(std::size_t(mesh_->elements()), 0.0);
+    problem_.hardening.assign(std::size_t(mesh_->elements()), 0.0);
   }
   problem_.external_force.assign(std::size_t(unknowns), 0.0);
   problem_.fixed.assign(std::size_t(unknowns), 0);
@@ -156,6 +162,7 @@ auto SlabMechanics<Dim>::initial_state() const -> State {
   state.solid.assign(std::size_t(mesh_->elements()), 0);
   state.inelastic.resize(all_points);
   state.viscoplastic.resize(all_points);
+  if (properties_.has_yield_limit()) state.hardened.assign(all_points, 0.0);
   state.deviator.resize(all_points);
   state.pressure.assign(all_points, 0.0);
   state.contact = supports_.initial_contact();
@@ -191,9 +198,9 @@ void SlabMechanics<Dim>::set_rotations(std::span<const double> displacement,
 /// metallostatic pressure.
 template <int Dim>
 void SlabMechanics<Dim>::solidify(State& state, int e, double metal_level, double at) const {
-  const double pressure = properties_.liquid_density() * options_.gravity *
-                          std::max(0.0, metal_level - centroid_height(*mesh_, e));
+  const double pressure = std::max(0.0, melt_pressure(e, metal_level));
   const double compression = pressure / (3.0 * properties_.bulk_modulus(at));
+
   for (std::size_t q = 0; q < points_; ++q) {
     state.inelastic[std::size_t(e) * points_ + q].add_identity(compression -
                                                                properties_.thermal_stretch(at));
@@ -207,8 +214,16 @@ void SlabMechanics<Dim>::forget_history(State& state, std::size_t e) const {
     const std::size_t i = e * points_ + q;
     state.inelastic[i] = forms_->strain(e, q, displacement_);
     state.viscoplastic[i] = {};
+    if (!state.hardened.empty()) state.hardened[i] = 0.0;
     state.deviator[i] = {};
   }
+}
+
+/// Metallostatic pressure at the centre of an element.
+template <int Dim>
+double SlabMechanics<Dim>::melt_pressure(int e, double metal_level) const {
+  return properties_.liquid_density() * options_.gravity *
+         (metal_level - centroid_height(*mesh_, e));
 }
 
 template <int Dim>
@@ -246,24 +261,40 @@ void SlabMechanics<Dim>::set_materials(const State& state, const SlabStepInput& 
            : options_.liquid_modulus;
   for (int e = 0; e < mesh_->elements(); ++e) {
     const std::size_t i = std::size_t(e);
-    problem_.prestress[i] = 0.0;
     if (state.solid[i] != 0) {
-      const double t = mean_at_nodes(*mesh_, e, input.temperature);
-      problem_.bulk[i] = properties_.bulk_modulus(t);
-      problem_.shear[i] = properties_.shear_modulus(t);
-      problem_.kappa[i] = properties_.kappa(t);
-      problem_.thermal[i] = properties_.thermal_stretch(t);
-    } else {
-      problem_.bulk[i] = lambda_liquid + 2.0 / 3.0 * mu_liquid;
-      problem_.shear[i] = mu_liquid;
-      problem_.kappa[i] = 0.0;
-      problem_.thermal[i] = 0.0;
-      if (!weak) {
-        problem_.prestress[i] = -properties_.liquid_density() * options_.gravity *
-                                (input.metal_level - centroid_height(*mesh_, e));
-      }
+      set_solid(e, mean_at_nodes(*mesh_, e, input.temperature), input.metal_level);
+      continue;
+    }
+
+    problem_.bulk[i] = lambda_liquid + 2.0 / 3.0 * mu_liquid;
+    problem_.shear[i] = mu_liquid;
+    problem_.kappa[i] = problem_.volumetric_kappa[i] = 0.0;
+    problem_.thermal[i] = 0.0;
+    problem_.prestress[i] = weak ? 0.0 : -melt_pressure(e, input.metal_level);
+    if (properties_.has_yield_limit()) {
+      problem_.yield[i] = std::numeric_limits<double>::infinity();
+      problem_.hardening[i] = 0.0;
     }
   }
+}
+
+/// Material of an element that carries stress. @param at  its temperature [°C]
+template <int Dim>
+void SlabMechanics<Dim>::set_solid(int e, double at, double metal_level) {
+  const std::size_t i = std::size_t(e);
+  const material::CreepFactors creep = properties_.creep_factors(at);
+  problem_.bulk[i] = properties_.bulk_modulus(at);
+  problem_.shear[i] = properties_.shear_modulus(at);
+  problem_.kappa[i] = creep.deviatoric;
+  problem_.volumetric_kappa[i] = creep.volumetric;
+  problem_.melt_pressure[i] = std::max(0.0, melt_pressure(e, metal_level));
+  problem_.thermal[i] = properties_.thermal_stretch(at);
+  problem_.prestress[i] = 0.0;
+
+  if (!properties_.has_yield_limit()) return;
+  const material::YieldLimit limit = properties_.yield_limit(at);
+  problem_.yield[i] = limit.norm;
+  problem_.hardening[i] = limit.hardening;
 }
 
 template <int Dim>
@@ -297,13 +328,14 @@ StepUnknowns<Dim> SlabMechanics<Dim>::begin(State& state, const SlabStepInput& i
   StepUnknowns<Dim> unknowns{displacement_, state.contact, state.contact_multiplier,
                              state.deviator};
   if (!options_.contact) unknowns.contact.clear();
-  supports_.hold_sides(problem_, state, options_, input.temperature, properties_.shell(),
+  supports_.hold_sides(problem_, state, options_, input.temperature, properties_.release(),
                        input.metal_level - options_.mould_length, displacement_, unknowns.contact);
   if (!unknowns.contact_multiplier.empty()) {
     unknowns.contact_multiplier.resize(problem_.contact.size(), 0.0);
   }
   problem_.dt = input.time_step;
   problem_.inelastic = state.inelastic;
+  problem_.hardened = state.hardened;
   return unknowns;
 }
 
@@ -327,7 +359,8 @@ void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
     std::fill_n(state.pressure.begin() + long(std::size_t(e) * points_), points_,
                 mean_normal_stress(problem_, e, unknowns.displacement));
   }
-  accumulate_viscoplastic_strain(problem_, state.deviator, state.inelastic, state.viscoplastic);
+  accumulate_viscoplastic_strain(problem_, state.deviator, unknowns.displacement, state.hardened,
+                                 state.inelastic, state.viscoplastic);
   store_supports(state, unknowns);
   state.displacement = supports_.by_coordinate(std::move(unknowns.displacement));
   check_front(state, input.metal_level);

@@ -24,6 +24,9 @@ struct SlabState {
   /// stretch, plus the viscoplastic strain since then.
   std::vector<Tensor> inelastic;
   std::vector<Tensor> viscoplastic;        ///< (element, point) viscoplastic part of it [1]
+  /// (element, point) equivalent viscoplastic strain gained in the cold since solidification, which
+  /// has hardened the metal [1]; empty if the alloy has no yield limit
+  std::vector<double> hardened;
   std::vector<Tensor> deviator;            ///< (element, point) stress deviator [Pa]
   std::vector<double> pressure;            ///< (element, point) mean normal stress [Pa]
   std::vector<char> contact;               ///< (bottom node) closed
@@ -150,7 +153,9 @@ private:
   void solidify(State& state, int e, double metal_level, double at) const;
   void set_phases(State& state, const SlabStepInput& input);
   void forget_history(State& state, std::size_t e) const;
+  double melt_pressure(int e, double metal_level) const;  ///< [Pa] at the centre; metal_level [m]
   void set_materials(const State& state, const SlabStepInput& input);
+  void set_solid(int e, double at, double metal_level);  ///< at [°C], metal_level [m]
   /// @param temperature  (node) [°C]
   void set_weight(const State& state, std::span<const double> temperature);
   StepUnknowns<Dim> begin(State& state, const SlabStepInput& input);

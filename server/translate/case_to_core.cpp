@@ -76,6 +76,22 @@ std::variant<material::NortonHoffConstants, material::ReferenceCreep> creep(cons
                                   .activation_energy = law.activation_energy_j_per_mol()};
 }
 
+/// Laws of the mush. Without coalescence the mush is the paper's.
+std::optional<material::MushLaw> mush_law(const v1::Alloy& from) {
+  if (!from.has_coalescence_solid_fraction()) return std::nullopt;
+  return material::MushLaw{.coalescence = from.coalescence_solid_fraction(),
+                           .strength_decay = from.mush_strength_decay(),
+                           .unfed_strain_share = from.unfed_strain_share()};
+}
+
+std::optional<material::ColdStrength> cold_strength(const v1::Alloy& from) {
+  if (from.cold_strength().yield_stress_pa().value_size() == 0) return std::nullopt;
+  const v1::Curve& hardening = from.cold_strength().hardening();
+  return material::ColdStrength{
+      .yield_stress = to_core(from.cold_strength().yield_stress_pa()),
+      .hardening = hardening.value_size() == 0 ? Curve(0.0) : to_core(hardening)};
+}
+
 /// @pre liquidus, solidus and liquid fraction are in the card
 void coherency(const v1::Alloy& from, material::AlloyCard& to) {
   to.coherency = from.liquidus_c();
@@ -106,10 +122,15 @@ material::AlloyCard alloy(const v1::Alloy& from) {
   to.conductivity = of_metal(to, from.conductivity_w_per_m_k(), from.solid_conductivity_w_per_m_k(),
                              from.liquid_conductivity_w_per_m_k());
   coherency(from, to);
-  to.shell = material::coherency_at(to, from.shell_solid_fraction());
+  to.release = material::coherency_at(to, from.shell_solid_fraction());
   to.young_modulus = to_core(from.young_modulus_pa());
   to.poisson_ratio = to_core(from.poisson_ratio());
   to.creep = creep(from);
+  to.solid_density = to_core(from.solid_density_kg_per_m3());
+  if (from.has_retention_solid_fraction())
+    to.retention = material::coherency_at(to, from.retention_solid_fraction());
+  to.mush = mush_law(from);
+  to.cold_strength = cold_strength(from);
   return to;
 }
 

@@ -102,7 +102,8 @@ public:
     const auto outcome = solve_step(problem, options, work, trial);
     if (outcome.converged) {
       unknowns_ = std::move(trial);
-      accumulate_viscoplastic_strain(problem, unknowns_.deviator, problem.inelastic);
+      accumulate_viscoplastic_strain(problem, unknowns_.deviator, unknowns_.displacement,
+                                     problem.hardened, problem.inelastic);
     }
     return outcome;
   }
