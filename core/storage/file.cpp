@@ -14,9 +14,64 @@
 
 namespace dccast::storage {
 
-File::File(const std::filesystem::path& path, int flags, mode_t permissions)
-    : descriptor_(::open(path.c_str(), flags | O_CLOEXEC, permissions)), path_(path) {
-  if (!descriptor_) throw StorageError(errno, path.string(), "cannot be opened");
+namespace {
+
+constexpr const char* regular = "a regular file";
+
+std::string kind_of(mode_t mode) {
+  switch (mode & S_IFMT) {
+    case S_IFREG:
+      return regular;
+    case S_IFDIR:
+      return "a folder";
+    case S_IFLNK:
+      return "a symbolic link";
+    case S_IFIFO:
+      return "a named pipe";
+    case S_IFSOCK:
+      return "a socket";
+    default:
+      return "a device";
+  }
+}
+
+[[noreturn]] void refuse_kind(int error, const std::filesystem::path& path,
+                              const std::string& kind) {
+  throw StorageError(error, path.string(), "is " + kind + ", not " + regular);
+}
+
+/// O_NONBLOCK means nothing to a regular file; the open of a named pipe returns with it.
+int safe_flags(int flags, Links links) {
+  const bool folder = (flags & O_DIRECTORY) != 0;
+  if (!folder) flags |= O_NONBLOCK | O_NOCTTY;
+  if (!folder && links == Links::refuse) flags |= O_NOFOLLOW;
+  return flags | O_CLOEXEC;
+}
+
+}  // namespace
+
+File::File(const std::filesystem::path& path, int flags, mode_t permissions, Links links)
+    : descriptor_(::open(path.c_str(), safe_flags(flags, links), permissions)), path_(path) {
+  if (!descriptor_) {
+    const int error = errno;
+    // The system names the reason less clearly (ELOOP of a link, ENXIO of a pipe), or not at all.
+    const std::string kind = kind_of_entry(path);
+    const bool other_kind = error == ELOOP || error == ENXIO || error == EISDIR;
+    if (other_kind && !kind.empty() && kind != regular) refuse_kind(error, path, kind);
+    throw StorageError(error, path.string(), "cannot be opened");
+  }
+
+  if ((flags & O_DIRECTORY) != 0) return;
+  struct stat status;
+  if (::fstat(descriptor(), &status) != 0)
+    throw StorageError(errno, path.string(), "cannot be examined");
+  if (!S_ISREG(status.st_mode))
+    refuse_kind(S_ISDIR(status.st_mode) ? EISDIR : EINVAL, path, kind_of(status.st_mode));
+}
+
+std::string kind_of_entry(const std::filesystem::path& path) {
+  struct stat status;
+  return ::lstat(path.c_str(), &status) == 0 ? kind_of(status.st_mode) : "";
 }
 
 std::int64_t File::size() const {
@@ -87,8 +142,8 @@ void File::sync() const {
     throw StorageError(errno, path_.string(), "cannot be synchronised");
 }
 
-std::string read_file(const std::filesystem::path& path) {
-  const File file(path, O_RDONLY);
+std::string read_file(const std::filesystem::path& path, Links links) {
+  const File file(path, O_RDONLY, owner_only, links);
   std::string content(static_cast<std::size_t>(file.size()), '\0');
   content.resize(file.read_at(0, content));
   return content;
@@ -146,6 +201,9 @@ void publish(std::initializer_list<Publication> files) {
 void replace_file(const fs::path& path, std::string_view content, mode_t permissions) {
   fs::path temporary = path;
   temporary += ".tmp";
+  if (::unlink(temporary.c_str()) != 0 && errno != ENOENT)
+    throw StorageError(errno, temporary.string(), "cannot be removed");
+
   write_file(temporary, content, permissions);
   publish({{temporary, path}});
 }

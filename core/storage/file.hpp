@@ -38,15 +38,25 @@ private:
 inline constexpr mode_t owner_only = 0600;       ///< the daemon's own files
 inline constexpr mode_t readable_by_all = 0644;  ///< the files of a run
 
-/// An open file. Reads and writes take an explicit offset, so that threads do not share a file
-/// position. All calls throw StorageError, which names the file.
+/// Whether opening a file follows a symbolic link in its place.
+enum class Links {
+  refuse,  ///< the name is the program's own: who put a link there wants another file touched
+  follow,  ///< a person gave the path, for example of a certificate
+};
+
+/// An open regular file. Reads and writes take an explicit offset, so that threads do not share a
+/// file position. All calls throw StorageError, which names the file.
 class File {
 public:
   File() = default;
+  /// Opening never waits for another process. Anything but a regular file is refused: a named pipe,
+  /// a device, a folder, and a symbolic link unless `links` permits it. With O_DIRECTORY in `flags`
+  /// it is a folder that is opened, linked or not.
   /// @param flags        as for open(2); O_CLOEXEC is added, so child programs do not inherit the
   ///                     file
   /// @param permissions  for a new file
-  File(const std::filesystem::path& path, int flags, mode_t permissions = owner_only);
+  File(const std::filesystem::path& path, int flags, mode_t permissions = owner_only,
+       Links links = Links::refuse);
 
   int descriptor() const { return descriptor_.get(); }
   const std::filesystem::path& path() const { return path_; }
@@ -73,8 +83,12 @@ struct SyncTotals {
 };
 SyncTotals sync_totals();
 
+/// What stands at a path, links not followed: "a regular file", "a folder", "a symbolic link",
+/// "a named pipe", "a socket", "a device"; empty where there is nothing, or it cannot be examined.
+std::string kind_of_entry(const std::filesystem::path& path);
+
 /// Reads a whole file. @throws StorageError
-std::string read_file(const std::filesystem::path& path);
+std::string read_file(const std::filesystem::path& path, Links links = Links::refuse);
 
 /// Writes a file, overwriting an existing one. The data are not synced to disk.
 /// @throws StorageError
@@ -123,7 +137,7 @@ struct Publication {
 void publish(std::initializer_list<Publication> files);
 
 /// Replaces a file by `path`.tmp and publish(): readers see the old or the new content, never a
-/// part of it.
+/// part of it. What stands at the temporary name is removed first, a link rather than its target.
 void replace_file(const std::filesystem::path& path, std::string_view content,
                   mode_t permissions = owner_only);
 

@@ -162,9 +162,10 @@ struct Identity {
 };
 
 Identity read_issuer(const std::filesystem::path& certificate, const std::filesystem::path& key) {
-  const std::string text = storage::read_file(key);
-  Identity issuer{parse(storage::read_file(certificate), certificate.string()),
-                  Key(PEM_read_bio_PrivateKey(reader_of(text).get(), nullptr, nullptr, nullptr))};
+  const std::string text = storage::read_file(key, storage::Links::follow);
+  Identity issuer{
+      parse(storage::read_file(certificate, storage::Links::follow), certificate.string()),
+      Key(PEM_read_bio_PrivateKey(reader_of(text).get(), nullptr, nullptr, nullptr))};
   if (!issuer.key) fail(key.string() + " holds no private key");
   return issuer;
 }

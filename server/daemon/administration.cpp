@@ -70,7 +70,7 @@ void record(const AdministrationCommand& command, const fs::path& directory,
 }
 
 access::Certificate read(const fs::path& file) {
-  return access::read_certificate(storage::read_file(file), file.string());
+  return access::read_certificate(storage::read_file(file, storage::Links::follow), file.string());
 }
 
 bool is_any(const std::string& host) {

@@ -166,8 +166,8 @@ void add_disk(Exposition& to, const MetricSources& from) {
              block * static_cast<double>(disk.f_blocks));
   }
   if (from.certificate.empty()) return;
-  const auto certificate =
-      access::read_certificate(storage::read_file(from.certificate), from.certificate);
+  const auto certificate = access::read_certificate(
+      storage::read_file(from.certificate, storage::Links::follow), from.certificate);
   to.gauge("dccast_certificate_expires_timestamp_seconds",
            "When the certificate of listen_tls ends, since 1970.", certificate.ends_unix);
 }

@@ -1,6 +1,8 @@
 #include "core/storage/file.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "core/storage/storage_error.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -55,6 +57,65 @@ TEST(File, NamesItselfWhenItIsNotThere) {
     EXPECT_EQ(error.code(), std::errc::no_such_file_or_directory);
     EXPECT_NE(std::string(error.what()).find("none: cannot be opened"), std::string::npos);
   }
+}
+
+/// What opening this file says; empty where it is opened.
+std::string refusal_of(const fs::path& path, int flags) {
+  try {
+    const File opened(path, flags);
+    return "";
+  } catch (const StorageError& error) {
+    return error.what();
+  }
+}
+
+/// A named pipe would keep its reader waiting for a writer, for ever.
+TEST(File, IsNoNamedPipe) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (const int flags : {O_RDONLY, O_RDWR, O_RDWR | O_CREAT, O_WRONLY})
+    EXPECT_NE(refusal_of(folder / "pipe", flags).find("pipe: is a named pipe, not a regular file"),
+              std::string::npos)
+        << refusal_of(folder / "pipe", flags);
+}
+
+TEST(File, IsNoLinkAndNoFolder) {
+  const TemporaryFolder folder;
+  write_file(folder / "elsewhere", "of another");
+  fs::create_symlink("elsewhere", folder / "link");
+  fs::create_symlink("nowhere", folder / "dangling");
+  fs::create_directory(folder / "folder");
+  for (const int flags : {O_RDONLY, O_RDWR, O_WRONLY | O_CREAT | O_TRUNC}) {
+    EXPECT_NE(refusal_of(folder / "link", flags).find("is a symbolic link, not a regular file"),
+              std::string::npos);
+    EXPECT_NE(refusal_of(folder / "dangling", flags).find("is a symbolic link"), std::string::npos);
+    EXPECT_NE(refusal_of(folder / "folder", flags).find("is a folder, not a regular file"),
+              std::string::npos);
+  }
+  EXPECT_EQ(read_file(folder / "elsewhere"), "of another");
+  EXPECT_FALSE(fs::exists(folder / "nowhere"));
+  EXPECT_EQ(kind_of_entry(folder / "link"), "a symbolic link");
+  EXPECT_EQ(kind_of_entry(folder / "elsewhere"), "a regular file");
+  EXPECT_EQ(kind_of_entry(folder / "none"), "");
+}
+
+/// The certificate of a server may well be one: an administrator has named it.
+TEST(File, FollowsALinkThatAPersonNamed) {
+  const TemporaryFolder folder;
+  write_file(folder / "real", "content");
+  fs::create_symlink("real", folder / "link");
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(read_file(folder / "link", Links::follow), "content");
+  EXPECT_THROW(read_file(folder / "pipe", Links::follow), StorageError);
+}
+
+TEST(DurableFile, IsReplacedPastALinkAtItsTemporaryName) {
+  const TemporaryFolder folder;
+  write_file(folder / "victim", "of another");
+  fs::create_symlink("victim", folder / "f.tmp");
+  replace_file(folder / "f", "new");
+  EXPECT_EQ(read_file(folder / "victim"), "of another");
+  EXPECT_EQ(read_file(folder / "f"), "new");
 }
 
 }  // namespace
