@@ -3,7 +3,8 @@
 #include <cstddef>
 #include <utility>
 
-// Lanes are passed by value inside functions compiled for one set of instructions only.
+// GCC warns that the calling convention of vector types depends on the instruction set. Lanes are
+// passed by value only between functions that are compiled for the same set.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace dccast {
@@ -11,7 +12,7 @@ namespace dccast {
 /// Instruction sets for which lanes and band kernels are compiled, slowest first.
 enum class Instructions { plain, avx2, avx512 };
 
-/// The widest instruction set that this processor supports.
+/// The widest instruction set that this processor supports; plain on other than x86-64.
 Instructions processor_instructions();
 
 /// The instruction set that the program uses, chosen at the first call: that of the processor, or a
@@ -21,16 +22,19 @@ Instructions processor_instructions();
 /// @throws std::invalid_argument  DCCAST_INSTRUCTIONS is something else
 Instructions instructions();
 
-/// The lower of the processor's set and the requested one. @param asked  null or empty: no request
-/// @throws std::invalid_argument  no such set
-Instructions instructions_for(const char* asked);
+/// The lower of the processor's set and the requested one.
+/// @param requested  name of a set; null or empty: no request
+/// @throws std::invalid_argument  no set has this name
+Instructions instructions_for(const char* requested);
 
-/// `Count` numbers side by side, on which + - * / and comparisons work at once: a formula written
-/// for one number is evaluated for several elements or points.
+/// `Count` numbers side by side in one register. The operators + - * / and the comparisons act on
+/// all of them at once, so that a formula written for one number evaluates several elements or
+/// points.
 template <int Count>
 struct LanesOf {
   typedef double type __attribute__((vector_size(8 * Count), may_alias));
 };
+/// Register of `Count` numbers; see LanesOf.
 template <int Count>
 using Lanes = typename LanesOf<Count>::type;
 
@@ -41,16 +45,17 @@ inline int register_lanes() {
 }
 
 /// An upper bound of register_lanes().
-inline constexpr int most_lanes = 8;
+inline constexpr int most_lanes = 8;  // of AVX-512
 
 namespace detail {
 #if defined(__x86_64__)
-// Everything that `work` calls is inlined into these functions and compiled for their instruction
-// set.
+// gnu::flatten inlines everything that `work` calls, so that all of it is compiled for the
+// instruction set of these functions.
 template <class Work>
 [[gnu::target("avx2,fma"), gnu::flatten]] void on_avx2(const Work& work) {
   work.template operator()<4>();
 }
+
 template <class Work>
 [[gnu::target("avx2,fma,avx512f,avx512vl,avx512dq,prefer-vector-width=512"), gnu::flatten]] void
 on_avx512(const Work& work) {
@@ -71,7 +76,7 @@ void with_lanes(const Work& work) {
   work.template operator()<2>();
 }
 
-/// Lanes with the value give(i) in lane i.
+/// Lanes with the value give(i) in lane i, each in the unit of `give`.
 template <int Count, class Give>
 Lanes<Count> lanes_of(const Give& give) {
   return [&]<std::size_t... Lane>(std::index_sequence<Lane...>) {
@@ -88,7 +93,7 @@ Lanes<Count> root(const Lanes<Count>& x) {
   return y;
 }
 
-/// Whether a comparison holds in some lane. @param mask  result of the comparison
+/// Whether a comparison holds in at least one lane. @param mask  result of the comparison
 template <int Count, class Mask>
 bool any(const Mask& mask) {
   long long found = 0;
@@ -96,14 +101,15 @@ bool any(const Mask& mask) {
   return found != 0;
 }
 
-/// Loads lanes from consecutive numbers [any unit].
+/// Loads lanes from consecutive numbers, in their unit. The address needs no alignment.
 template <int Count>
 Lanes<Count> load(const double* from) {
   Lanes<Count> lanes;
   __builtin_memcpy(&lanes, from, sizeof lanes);
   return lanes;
 }
-/// Stores lanes at consecutive numbers [any unit].
+
+/// Stores lanes at consecutive numbers, in their unit. The address needs no alignment.
 template <int Count>
 void store(const Lanes<Count>& lanes, double* to) {
   __builtin_memcpy(to, &lanes, sizeof lanes);

@@ -4,12 +4,12 @@
 
 namespace dccast {
 
-/// Adds the time from its construction to its destruction to a sum. It measures wall time: reading
-/// the processor time of a thread is a system call, and the hundreds of calls per step would cost 2
-/// % of a 2D run.
+/// Adds the wall time from its construction to its destruction to a sum. It does not measure
+/// processor time: reading the clock of a thread is a system call, and the hundreds of calls in a
+/// step would cost 2 % of a 2D run.
 class Stopwatch {
 public:
-  /// @param seconds  [s] the sum; must outlive the watch
+  /// @param seconds  [s] the sum that grows; must outlive the watch
   explicit Stopwatch(double& seconds) : seconds_(&seconds) {}
   ~Stopwatch() {
     *seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

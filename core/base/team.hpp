@@ -28,6 +28,7 @@ public:
   Team(const Team&) = delete;
   Team& operator=(const Team&) = delete;
 
+  /// Number of threads, the calling one included [1].
   int members() const { return static_cast<int>(thread_.size()) + 1; }
   /// Processor time used so far by the members other than the caller [s].
   double processor_seconds() const;
@@ -36,13 +37,14 @@ public:
   /// for_each_part() use it. Without a team, with null, or inside their work, a thread works alone.
   class Lent {
   public:
+    /// @param team  must outlive this object; null: work alone
     explicit Lent(Team* team);
     ~Lent();
     Lent(const Lent&) = delete;
     Lent& operator=(const Lent&) = delete;
 
   private:
-    Team* before_;
+    Team* before_;  ///< lent until now; the destructor restores it
   };
 
 private:
@@ -52,41 +54,46 @@ private:
   friend void for_each_part(std::size_t parts, const Work& work);
   friend int team_members();
 
+  /// When the members begin with a task.
+  enum class Start {
+    together,    ///< when all available members have joined: they may wait for each other
+    when_ready,  ///< each as soon as it has joined; `members` is then the size of the whole team
+  };
+
   /// A callable of any type, by its address.
   struct Task {
     void (*call)(const void* work, int member, int members);
     const void* work;
-    /// All members start together; else each starts when it is ready, and `members` is the size of
-    /// the whole team.
-    bool at_once;
+    Start start;
   };
   template <class Work>
-  static Task task_of(const Work& work, bool at_once) {
-    const auto call = [](const void* it, int member, int members) {
-      (*static_cast<const Work*>(it))(member, members);
+  static Task make_task(const Work& work, Start start) {
+    const auto call = [](const void* erased, int member, int members) {
+      (*static_cast<const Work*>(erased))(member, members);
     };
-    return {call, &work, at_once};
+    return {call, &work, start};
   }
 
-  static Team* of_this_thread();
+  /// Team lent to the calling thread; null without one.
+  static Team* current();
   void run(const Task& task);
   void run_alone(const Task& task);
   int begin(const Task& task);
   void run_as(int member, int members);
   void serve();
-  int enter();
-  void rest_if(bool was_kept_waiting);
+  int join();
+  void back_off_if(bool was_kept_waiting);
   void throw_first();
 
-  std::vector<std::thread> thread_;
-  std::vector<std::exception_ptr> thrown_;  ///< (member)
-  Task task_{};
+  std::vector<std::thread> thread_;         ///< the members except the caller
+  std::vector<std::exception_ptr> thrown_;  ///< (member) exception of the present call, or null
+  Task task_{};                             ///< of the present call of run()
   std::atomic<int> calls_{0};    ///< number of calls of run(); an increment wakes the members
-  std::atomic<int> door_{0};     ///< members besides the caller that take part; may more join?
+  std::atomic<int> joined_{0};   ///< members besides the caller that take part, and a flag: closed
   std::atomic<int> leaving_{0};  ///< number of those that have finished
-  std::atomic<bool> ending_{false};
-  int rest_ = 0;       ///< number of calls that the caller still does alone
-  int next_rest_ = 0;  ///< that number when the team is next kept waiting
+  std::atomic<bool> ending_{false};  ///< the members return from serve()
+  int solo_calls_ = 0;               ///< number of following calls that the caller does alone
+  int next_solo_calls_ = 0;          ///< that number after the next call that is kept waiting
 };
 
 /// Number of members of the team lent to this thread; 1 without a team.
@@ -94,22 +101,25 @@ int team_members();
 
 /// Calls work(member, members) concurrently for members 0 to members - 1, the available members of
 /// the team lent to this thread, and waits for all. The exception of the first member that threw is
-/// rethrown. Work whose members wait for each other must not throw.
+/// rethrown. Work whose members wait for each other must not throw, as the others would wait
+/// without end.
 template <class Work>
 void together(const Work& work) {
-  Team* team = Team::of_this_thread();
+  Team* team = Team::current();
   if (team == nullptr || team->members() == 1) return work(0, 1);
-  team->run(Team::task_of(work, true));
+  team->run(Team::make_task(work, Team::Start::together));
 }
 
 /// Calls work(part) once for every part from 0 to `parts` - 1, in any order and several at a time.
-/// After an exception no further parts are started.
+/// After an exception no further parts are started, and it is rethrown.
 template <class Work>
 void for_each_part(std::size_t parts, const Work& work) {
   if (parts <= 1 || team_members() == 1) {
     for (std::size_t part = 0; part < parts; ++part) work(part);
     return;
   }
+
+  // Each participant takes the next part that no one has taken.
   std::atomic<std::size_t> next{0};
   const auto take_parts = [&](int, int) {
     try {
@@ -119,7 +129,8 @@ void for_each_part(std::size_t parts, const Work& work) {
       throw;
     }
   };
-  Team::of_this_thread()->run(Team::task_of(take_parts, false));
+
+  Team::current()->run(Team::make_task(take_parts, Team::Start::when_ready));
 }
 
 /// Calls work(first, end) for ranges that together cover 0 to `count` - 1, several at a time.
@@ -133,15 +144,19 @@ void for_each_stretch(std::size_t count, std::size_t shortest, const Work& work)
   });
 }
 
-/// Progress of a member that other members can wait for: a number that only grows.
+/// Progress of a member that other members can wait for: a number that only grows. One member
+/// calls reach(), any number of them wait.
 class Progress {
 public:
+  /// @param reached  progress at the beginning
   explicit Progress(int reached) : reached_(reached) {}
+  /// Publishes the progress and wakes those that wait for it.
   void reach(int place);
   /// @return the progress reached, at least `place`
   int wait_for(int place) const;
 
 private:
+  // On a cache line of its own: writes to neighbours would slow down those that poll it.
   alignas(64) std::atomic<int> reached_;
 };
 
