@@ -233,8 +233,7 @@ void fit_slab(const mechanics::SlabState<Dim>& slab, const Shape& shape, Reasons
   reasons.require_size(slab.solid, shape.elements, "solid elements");
   reasons.require_tensors(slab.inelastic, shape.points, "inelastic strain");
   reasons.require_tensors(slab.viscoplastic, shape.points, "viscoplastic strain");
-  if (!slab.hardened.empty())
-    reasons.require_reals(slab.hardened, shape.points, "hardened strain");
+  if (!slab.hardened.empty()) reasons.require_reals(slab.hardened, shape.points, "hardened strain");
   reasons.require_tensors(slab.deviator, shape.points, "stress deviator");
   reasons.require_reals(slab.pressure, shape.points, "pressure");
   reasons.require_size(slab.contact, shape.bottom_nodes, "contact");

@@ -25,13 +25,15 @@ struct ReferenceCreep {
   double activation_energy = 0.0;  ///< [J/mol]
 };
 
-/// How metal behaves between its coherency and the end of freezing. Without this law the mush is the
-/// paper's: as strong as the solid at its temperature, and contracting with the mixture's density.
+/// How metal behaves between its coherency and the end of freezing. Without this law the mush is
+/// the paper's: as strong as the solid at its temperature, and contracting with the mixture's
+/// density.
 struct MushLaw {
   /// [1] solid fraction at which the grains have grown together: the skeleton contracts and resists
   /// as a whole, and melt no longer flows through it
   double coalescence = 1.0;
-  /// [1] a of the strength exp(-a (1 - fs)) relative to the solid, once the grains have grown together
+  /// [1] a of the strength exp(-a (1 - fs)) relative to the solid, once the grains have grown
+  /// together
   double strength_decay = 0.0;
   /// [1] 0 to 1: share of the shrinkage after coalescence that strains the skeleton; the rest
   /// becomes pores
@@ -51,14 +53,15 @@ struct ColdStrength {
 /// above the liquidus its value at the liquidus is used (MechanicalProperties::kappa).
 struct AlloyCard {
   std::string name;
-  double liquidus = 0.0;           ///< [°C]
-  double solidus = 0.0;            ///< [°C]; equal to the liquidus for a pure metal
-  double coherency = 0.0;          ///< [°C] below it the mush transmits stress
-  std::optional<double> release;    ///< [°C] below it the mould releases metal; absent: the solidus
+  double liquidus = 0.0;          ///< [°C]
+  double solidus = 0.0;           ///< [°C]; equal to the liquidus for a pure metal
+  double coherency = 0.0;         ///< [°C] below it the mush transmits stress
+  std::optional<double> release;  ///< [°C] below it the mould releases metal; absent: the solidus
   std::optional<double> retention;  ///< [°C] below it metal does not flow out; absent: as release
-  double latent_heat = 0.0;        ///< [J/kg]
-  Curve density;                   ///< [kg/m3] of the mixture of solid and liquid
-  /// [kg/m3] of the solid alone, up to the liquidus; empty: the density below the solidus, continued
+  double latent_heat = 0.0;         ///< [J/kg]
+  Curve density;                    ///< [kg/m3] of the mixture of solid and liquid
+  /// [kg/m3] of the solid alone, up to the liquidus; empty: the density below the solidus,
+  /// continued
   Curve solid_density;
   Curve specific_heat;             ///< [J/(kg K)]
   Curve conductivity;              ///< [W/(m K)]

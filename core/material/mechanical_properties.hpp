@@ -48,9 +48,9 @@ public:
   double liquid_density() const { return liquid_density_; }  ///< rho_l = rho(T_l) [kg/m3]
 
   /// Thermal stretch [1]; its difference between two temperatures is the thermal strain. With the
-  /// paper's mush it is (rho_l / rho(T))^(1/3), the antiderivative of alpha(T), eq. (11). With a mush
-  /// law its derivative is psi(fs) alpha_solid(T): melt that freezes is fed or leaves pores, and
-  /// does not pull on the skeleton (Stangeland, Mo and others 2004).
+  /// paper's mush it is (rho_l / rho(T))^(1/3), the antiderivative of alpha(T), eq. (11). With a
+  /// mush law its derivative is psi(fs) alpha_solid(T): melt that freezes is fed or leaves pores,
+  /// and does not pull on the skeleton (Stangeland, Mo and others 2004).
   double thermal_stretch(double temperature) const;
 
   /// Share psi of the grain boundaries that are bridged [1]: 0 at coherency, 1 from coalescence on,
@@ -69,11 +69,11 @@ public:
   /// @pre has_yield_limit()
   YieldLimit yield_limit(double temperature) const;
 
-  double coherency() const { return card_.coherency; }                  ///< [°C]
-  double liquidus() const { return card_.liquidus; }                    ///< [°C]
-  double release() const { return card_.release_temperature(); }        ///< [°C] of the mould
-  double retention() const { return card_.retention_temperature(); }    ///< [°C] of the melt
-  double coalescence() const { return coalescence_; }                   ///< [°C]
+  double coherency() const { return card_.coherency; }                ///< [°C]
+  double liquidus() const { return card_.liquidus; }                  ///< [°C]
+  double release() const { return card_.release_temperature(); }      ///< [°C] of the mould
+  double retention() const { return card_.retention_temperature(); }  ///< [°C] of the melt
+  double coalescence() const { return coalescence_; }                 ///< [°C]
 
 private:
   double solid_stretch(double temperature) const;
@@ -82,11 +82,11 @@ private:
 
   AlloyCard card_;
   NortonHoff creep_;
-  double liquid_density_;    ///< [kg/m3]
-  double reference_density_; ///< [kg/m3] at which the stretch of the solid is 1
-  double onset_;             ///< [1] solid fraction at coherency
-  double coalescence_;       ///< [°C], not above the coherency
-  Curve mush_stretch_;       ///< [1] against temperature, from coalescence to coherency
+  double liquid_density_;     ///< [kg/m3]
+  double reference_density_;  ///< [kg/m3] at which the stretch of the solid is 1
+  double onset_;              ///< [1] solid fraction at coherency
+  double coalescence_;        ///< [°C], not above the coherency
+  Curve mush_stretch_;        ///< [1] against temperature, from coalescence to coherency
 };
 
 }  // namespace dccast::material

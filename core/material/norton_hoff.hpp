@@ -91,16 +91,16 @@ ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>
 }
 
 /// Volumetric over deviatoric creep factor of a porous body: a hollow sphere of the creeping metal
-/// dilates at the rate K (3/2)^(n+1) [n (f^(-1/n) - 1)]^(-n) p^n under an outer tension p, where K is
-/// the uniaxial factor of the metal, and kappa = K (3/2)^((n+1)/2).
+/// dilates at the rate K (3/2)^(n+1) [n (f^(-1/n) - 1)]^(-n) p^n under an outer tension p, where K
+/// is the uniaxial factor of the metal, and kappa = K (3/2)^((n+1)/2).
 /// @param porosity  f, share of the volume [1], 0 to below 1
 /// @param exponent  n, stress exponent of the creep law [1]
 /// @return          [1]; zero without porosity
 double porous_ratio(double porosity, double exponent);
 
 /// The deviator's norm limited by yielding, after the return map of creep, at several points at
-/// once. With hardening it solves x = y(e + k (R - x)), where y is the limit at an equivalent strain
-/// and k (R - x) the strain of the step.
+/// once. With hardening it solves x = y(e + k (R - x)), where y is the limit at an equivalent
+/// strain and k (R - x) the strain of the step.
 /// @param creep       return map of creep alone [Pa]
 /// @param trial_norm  R = |s_trial| [Pa]
 /// @param limit       y(0), the limit without hardening [Pa]
@@ -127,8 +127,8 @@ ReturnMaps<Count> limit_by_yield(const ReturnMaps<Count>& creep, const Lanes<Cou
     const Numbers fourth_root = root<Count>(root<Count>(relative));
     const Numbers yield = limit * (1.0 + hardening * (fourth_root - 1.0));
     // k dy/de
-    slope = strain_per_stress * limit * hardening * fourth_root /
-            (4.0 * hardening_strain * relative);
+    slope =
+        strain_per_stress * limit * hardening * fourth_root / (4.0 * hardening_strain * relative);
     const Numbers step = (x - yield) / (1.0 + slope);
     x -= step;
     if (!any<Count>((step < 0.0 ? -step : step) > close * trial_norm)) break;

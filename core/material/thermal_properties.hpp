@@ -54,7 +54,7 @@ inline Curve mixed_by_fraction(const AlloyCard& card, const Curve& solid, double
   if (!solid.constant())
     for (const double t : solid.at())
       if (t < card.solidus) add(t);
-  if (card.liquidus <= card.solidus) {  // a pure metal: a jump
+  if (card.liquidus <= card.solidus) {   // a pure metal: a jump
     constexpr double half_width = 0.01;  // [K]
     at.insert(at.end(), {card.liquidus - half_width, card.liquidus + half_width});
     value.insert(value.end(), {solid(card.liquidus), liquid});

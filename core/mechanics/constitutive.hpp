@@ -10,8 +10,8 @@
 
 namespace dccast::mechanics {
 
-/// Relation between |s_trial| - |s| and the equivalent viscoplastic strain of a step: sqrt(2/3) |e|,
-/// |e| = (|s_trial| - |s|) / (2 mu).
+/// Relation between |s_trial| - |s| and the equivalent viscoplastic strain of a step: sqrt(2/3)
+/// |e|, |e| = (|s_trial| - |s|) / (2 mu).
 inline const double equivalent_of_norm = std::sqrt(2.0 / 3.0);  // [1]
 
 /// The constitutive law of a step problem: backward-Euler return map and its consistent tangent
@@ -25,7 +25,7 @@ public:
   /// Computes the response at all points of a block from their trial strain deviators.
   void operator()(ElementBlock block, TensorBlock<Dim> trial, ResponseBlock<Dim> response) const {
     const auto shear = of_block(block, problem_->shear), kappa = of_block(block, problem_->kappa);
-    const Yielding yielding(*problem_, block);
+    const Yielding yielding(*problem_, block, trial.points());
 
     with_lanes([&]<int Count>() {
       for (std::size_t q = 0; q < trial.points(); ++q) {
@@ -42,12 +42,12 @@ public:
 private:
   /// What limits the stress of the elements of a block.
   struct Yielding {
-    Yielding(const StepProblem<Dim>& problem, ElementBlock block) {
+    Yielding(const StepProblem<Dim>& problem, ElementBlock block, std::size_t points_of_element) {
       if (problem.yield.empty()) return;
       limit = of_block(block, problem.yield);
       hardening = of_block(block, problem.hardening);
-      strain = &problem.hardened[block.first * problem.forms->points()];
-      points = problem.forms->points();
+      strain = &problem.hardened[block.first * points_of_element];
+      points = points_of_element;
       elements = block.elements();
     }
     explicit operator bool() const { return strain != nullptr; }
@@ -78,10 +78,10 @@ private:
     const Numbers creep = 2.0 * problem_->dt * shear * kappa;
     auto map = material::return_maps<Count>(norm, creep, problem_->exponent);
     if (yielding) {
-      map = material::limit_by_yield<Count>(
-          map, norm, load<Count>(&yielding.limit[element]),
-          load<Count>(&yielding.hardening[element]),
-          yielding.template strains<Count>(element, point), equivalent_of_norm / (2.0 * shear));
+      map = material::limit_by_yield<Count>(map, norm, load<Count>(&yielding.limit[element]),
+                                            load<Count>(&yielding.hardening[element]),
+                                            yielding.template strains<Count>(element, point),
+                                            equivalent_of_norm / (2.0 * shear));
     }
     const Numbers one = Numbers{} + 1.0, ratio = norm > 0.0 ? map.norm / norm : one;
     for (Numbers& component : s.value) component *= ratio;
@@ -111,9 +111,9 @@ MeanStress relaxed_mean_stress(const StepProblem<Dim>& problem, std::size_t e, d
     return {trial, problem.bulk[e]};
 
   const double effective = trial + problem.melt_pressure[e];
-  const auto map = material::return_map(
-      std::abs(effective), problem.bulk[e] * problem.dt * problem.volumetric_kappa[e],
-      problem.exponent);
+  const auto map = material::return_map(std::abs(effective),
+                                        problem.bulk[e] * problem.dt * problem.volumetric_kappa[e],
+                                        problem.exponent);
   return {std::copysign(map.norm, effective) - problem.melt_pressure[e],
           problem.bulk[e] * map.derivative};
 }
@@ -189,8 +189,7 @@ void accumulate_viscoplastic_strain(const StepProblem<Dim>& problem,
       const std::size_t i = e * points + q;
       const auto increment = viscoplastic_increment(problem, e, q, deviator[i], u);
       (strain[i].add(1.0, increment.strain), ...);
-      if (!problem.yield.empty() && problem.hardening[e] > 0.0)
-        hardened[i] += increment.equivalent;
+      if (!problem.yield.empty() && problem.hardening[e] > 0.0) hardened[i] += increment.equivalent;
     }
   }
 }

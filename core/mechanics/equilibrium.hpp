@@ -258,8 +258,7 @@ template <int Dim>
 double mean_normal_stress(const StepProblem<Dim>& p, int element, std::span<const double> u) {
   const std::size_t e = std::size_t(element);
   const double inelastic = p.inelastic[e * p.forms->points()].trace() + 3.0 * p.thermal[e];
-  const double trial =
-      p.bulk[e] * (p.forms->mean_dilatation(e, u) - inelastic) + p.prestress[e];
+  const double trial = p.bulk[e] * (p.forms->mean_dilatation(e, u) - inelastic) + p.prestress[e];
   return relaxed_mean_stress(p, e, trial).stress;
 }
 

@@ -98,9 +98,8 @@ void SlabMechanics<Dim>::new_pattern() {
   }
   element_unknown_ = std::move(unknown);
   if (Dim == 3) parts_ = ElementParts::of(*mesh_);
-  for (auto* field :
-       {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal, &problem_.prestress,
-        &problem_.volumetric_kappa, &problem_.melt_pressure}) {
+  for (auto* field : {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal,
+                      &problem_.prestress, &problem_.volumetric_kappa, &problem_.melt_pressure}) {
     field->assign(std::size_t(mesh_->elements()), 0.0);
   }
   if (properties_.has_yield_limit()) {

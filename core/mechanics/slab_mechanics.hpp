@@ -23,7 +23,7 @@ struct SlabState {
   /// (element, point) stress-free strain [1]: reference strain at solidification minus its thermal
   /// stretch, plus the viscoplastic strain since then.
   std::vector<Tensor> inelastic;
-  std::vector<Tensor> viscoplastic;        ///< (element, point) viscoplastic part of it [1]
+  std::vector<Tensor> viscoplastic;  ///< (element, point) viscoplastic part of it [1]
   /// (element, point) equivalent viscoplastic strain gained in the cold since solidification, which
   /// has hardened the metal [1]; empty if the alloy has no yield limit
   std::vector<double> hardened;

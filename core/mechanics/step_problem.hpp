@@ -17,8 +17,8 @@ namespace dccast::mechanics {
 ///     s + 2 mu dt kappa |s|^(q-2) s = 2 mu e,     p = bulk (tr - 3 thermal) + prestress,
 /// stress = s + p I. In cold metal |s| is limited by yielding. In the mush the skeleton creeps in
 /// volume as well, driven by its effective mean stress p + melt_pressure; pressure and deviator
-/// relax independently. An element of liquid metal has no creep and its own moduli. Find u such that
-/// the fixed unknowns are at their targets, gaps and reactions of the contact unknowns are
+/// relax independently. An element of liquid metal has no creep and its own moduli. Find u such
+/// that the fixed unknowns are at their targets, gaps and reactions of the contact unknowns are
 /// non-negative and one of the two is zero, and the residual of all other unknowns is zero: paper
 /// eq. (45) to (47) discretised in time.
 template <int Dim>
@@ -35,11 +35,11 @@ struct StepProblem {
   double exponent = 2.0;  ///< q [1], the same in all elements
 
   // By element.
-  std::vector<double> bulk;       ///< [Pa]
-  std::vector<double> shear;      ///< mu [Pa]
-  std::vector<double> kappa;      ///< [Pa^-(q-1)/s], zero without creep
-  std::vector<double> thermal;    ///< thermal stretch at the end of the step [1]
-  std::vector<double> prestress;  ///< [Pa], negative in a liquid under pressure
+  std::vector<double> bulk;              ///< [Pa]
+  std::vector<double> shear;             ///< mu [Pa]
+  std::vector<double> kappa;             ///< [Pa^-(q-1)/s], zero without creep
+  std::vector<double> thermal;           ///< thermal stretch at the end of the step [1]
+  std::vector<double> prestress;         ///< [Pa], negative in a liquid under pressure
   std::vector<double> volumetric_kappa;  ///< [Pa^-(q-1)/s] of the dilatation, zero except in mush
   std::vector<double> melt_pressure;     ///< [Pa] of the melt in the pores of the mush
   /// Limit of |s|, sqrt(2/3) Y(T) [Pa], and its hardening w(T) [1]; empty: creep alone.

@@ -73,6 +73,11 @@ TEST_P(CaseFault, IsFoundAndSaysHowToMendIt) {
 const Mistake mistakes[] = {
     {"SolidusAboveLiquidus", "alloy.solidus", [](Case& c) { c.alloy.solidus = 650.0; }},
     {"CoherencyAboveLiquidus", "alloy.coherency", [](Case& c) { c.alloy.coherency = 700.0; }},
+    {"YieldLimitWithAPaperAlgorithm", "mechanics.algorithm",
+     [](Case& c) {
+       c.alloy.cold_strength.emplace();
+       c.mechanics.options.algorithm = mechanics::Algorithm::vnbm;
+     }},
     {"CoherencyInTwoWays", "alloy.coherency_solid_fraction",
      [](Case& c) {
        c.alloy.coherency = 630.0;

@@ -50,9 +50,8 @@ protected:
       EXPECT_TRUE(outcome.converged) << name_of(algorithm) << ", step " << step << ", residual "
                                      << outcome.equilibrium_residual;
       EXPECT_GT(outcome.iterations, 0);
-      accumulate_viscoplastic_strain(block.body.problem, unknowns.deviator,
-                                     unknowns.displacement, block.body.problem.hardened,
-                                     block.body.problem.inelastic);
+      accumulate_viscoplastic_strain(block.body.problem, unknowns.deviator, unknowns.displacement,
+                                     block.body.problem.hardened, block.body.problem.inelastic);
       all_steps.insert(all_steps.end(), unknowns.displacement.begin(), unknowns.displacement.end());
     }
     contact_ = unknowns.contact;

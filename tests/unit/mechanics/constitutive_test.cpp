@@ -92,6 +92,31 @@ INSTANTIATE_TEST_SUITE_P(FromWeakToStrongCreep, Tangent,
                          ::testing::Combine(::testing::Values(3.0, 4.7, 6.0),
                                             ::testing::Values(1e-2, 1.0, 1e3, 1e8)));
 
+/// The same where the metal yields, ideally or with hardening, beside weak and strong creep.
+TEST(ConstitutiveLaw, TangentOfYieldingMetalMeetsDifferences) {
+  for (const double hardening : {0.0, 1.0}) {
+    for (const double strength : {1e-6, 1e-2}) {
+      Problem problem = one_point(6.0, kappa_for(strength, 6.0));
+      problem.yield = {0.3 * 2.0 * 1.38e10 * trial.norm()};
+      problem.hardening = {hardening};
+      problem.hardened = {1e-3};
+      ASSERT_LT(respond(problem, trial).deviator.norm(), 0.9 * 2.0 * 1.38e10 * trial.norm());
+      for (Tensor direction : directions) {
+        for (double& d : direction.value) d *= trial.norm() / direction.norm();
+        const Tensor tangent = by_tangent(respond(problem, trial), direction);
+        // Relative to the elastic tangent: an ideally yielding one is zero along the stress.
+        const auto error = [&](double h) {
+          Tensor difference = by_differences(problem, trial, direction, h);
+          return difference.add(-1.0, tangent).norm() / (2.0 * 1.38e10 * direction.norm());
+        };
+        EXPECT_LE(error(1e-5), 1e-8) << hardening;
+        if (error(0.02) <= 1e-9) continue;  // exact along the stress itself
+        EXPECT_NEAR(error(0.02) / error(0.01), 4.0, 0.2) << hardening;
+      }
+    }
+  }
+}
+
 TEST(ConstitutiveLaw, WithoutCreepIsLinear) {
   for (double kappa : {0.0, 1e-60}) {
     const Problem problem = one_point(6.0, kappa);

@@ -32,10 +32,10 @@ public:
   using Field = std::function<double(double, double)>;
   using Tensor = SymmetricTensor<2>;
 
-  explicit SlabBench(Options options = balanced_to(hydrostatic))
+  explicit SlabBench(Options options = balanced_to(hydrostatic),
+                     const material::AlloyCard& card = material::testing::paper_card())
       : slab(section()),
-        mechanics(std::make_unique<FormsOf<Element>>(),
-                  material::MechanicalProperties(material::testing::paper_card()),
+        mechanics(std::make_unique<FormsOf<Element>>(), material::MechanicalProperties(card),
                   std::move(options)) {
     mechanics.set_mesh(slab.mesh());
     state = mechanics.initial_state();

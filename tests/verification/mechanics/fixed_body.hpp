@@ -116,9 +116,8 @@ public:
     const auto outcome = mechanics::solve_step(problem, options, work, trial);
     if (outcome.converged) {
       unknowns_ = std::move(trial);
-      mechanics::accumulate_viscoplastic_strain(problem, unknowns_.deviator,
-                                                unknowns_.displacement, problem.hardened,
-                                                problem.inelastic);
+      mechanics::accumulate_viscoplastic_strain(problem, unknowns_.deviator, unknowns_.displacement,
+                                                problem.hardened, problem.inelastic);
     }
     return outcome;
   }

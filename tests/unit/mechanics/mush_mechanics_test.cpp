@@ -1,0 +1,120 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/unit/material/mush_card.hpp"
+#include "tests/unit/mechanics/slab_bench.hpp"
+
+namespace dccast::mechanics {
+namespace {
+
+using namespace testing;
+using material::testing::mush_card;
+using ::testing::Each;
+
+double molten(double, double) {
+  return 680.0;
+}
+
+/// One element of mush whose volume is held: its mean stress beyond the pressure of its melt decays
+/// as dp/dt = -K kappa p^5 has it.
+TEST(MushMechanics, MushHeldInAllDirectionsRelaxesItsPressure) {
+  constexpr double bulk = 130e9, kappa = 1e-42, melt = 2e4, start = -40e6, end = 1.0;
+  const auto relaxed_in = [&](int steps) {
+    StepProblem<3> problem;
+    problem.exponent = 6.0;
+    problem.dt = end / steps;
+    problem.bulk = {bulk};
+    problem.volumetric_kappa = {kappa};
+    problem.melt_pressure = {melt};
+    double stress = start - melt;
+    for (int i = 0; i < steps; ++i) stress = relaxed_mean_stress(problem, 0, stress).stress;
+    return stress + melt;
+  };
+
+  const double exact = -std::pow(std::pow(-start, -4.0) + 4.0 * bulk * kappa * end, -0.25);
+  ASSERT_GT(std::abs(exact - start), 0.2 * std::abs(start)) << "it must relax";
+  const double error = relaxed_in(100) - exact, half = relaxed_in(200) - exact;
+  EXPECT_LE(std::abs(error), 0.01 * std::abs(exact));
+  EXPECT_NEAR(error / half, 2.0, 0.1) << "first order";
+}
+
+TEST(MushMechanics, TangentOfTheMeanStressIsItsDerivative) {
+  StepProblem<3> problem;
+  problem.exponent = 6.0;
+  problem.dt = 0.5;
+  problem.bulk = {60e9};
+  problem.volumetric_kappa = {1e-43};
+  problem.melt_pressure = {3e4};
+  for (const double trial : {-300e6, -1e6, 20e6, 500e6}) {
+    const double h = 1e-5 * std::abs(trial);
+    const double difference = (relaxed_mean_stress(problem, 0, trial + h).stress -
+                               relaxed_mean_stress(problem, 0, trial - h).stress) /
+                              (2.0 * h);
+    EXPECT_NEAR(relaxed_mean_stress(problem, 0, trial).tangent / 60e9, difference, 1e-7) << trial;
+  }
+}
+
+template <class Element>
+class MushSlab : public ::testing::Test {};
+using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::AxisymmetricQ1,
+                                  fem::BendingQuadrilateral, fem::AxisymmetricBending>;
+TYPED_TEST_SUITE(MushSlab, Families);
+
+/// A free section in the mush contracts as its law says.
+TYPED_TEST(MushSlab, FreeMushContractsByTheStretchOfItsSkeleton) {
+  Options free_side = balanced_to(hydrostatic);
+  free_side.confinement = false;
+  free_side.gravity = 0.0;
+  SlabBench<TypeParam> bench(free_side, mush_card());
+  bench.start(molten);
+  bench.step([](double, double) { return 621.0; }, 1e-12);
+
+  const material::MechanicalProperties law(mush_card());
+  const double contraction = law.thermal_stretch(621.0) - law.thermal_stretch(622.9);
+  // Free in its plane, held across it: 1 + nu times the strain. A billet is free.
+  const double freedom = fem::is_axisymmetric<TypeParam> ? 1.0 : 1.0 + 0.45;
+  const double exact = freedom * contraction * bench.width;
+  ASSERT_LT(exact, 0.0);
+  EXPECT_NEAR(bench.across(bench.slab.cells_per_row()), exact, 1e-3 * std::abs(exact));
+}
+
+/// Metal that cools unevenly yields, and hardens in the cold only.
+TYPED_TEST(MushSlab, ColdMetalYieldsAndHardens) {
+  SlabBench<TypeParam> bench(balanced_to(1e-9), mush_card());
+  bench.start(molten);
+  bench.step([](double x, double) { return 450.0 + 300.0 * x; });
+  EXPECT_THAT(bench.state.hardened, Each(0.0)) << "too hot to harden";
+
+  bench.step([](double x, double) { return 150.0 + 900.0 * x; });
+  const double hardest = *std::ranges::max_element(bench.state.hardened);
+  EXPECT_GT(hardest, 1e-4);
+  for (std::size_t i = 0; i < bench.state.deviator.size(); ++i) {
+    // The coldest metal is the strongest: 100 MPa less 80 MPa times its share of 380 K.
+    const double yield = 100e6 - 80e6 * 130.0 / 380.0;
+    const double most = yield * std::pow(1.0 + bench.state.hardened[i] / 2e-3, 0.25);
+    EXPECT_LE(bench.state.deviator[i].norm(), std::sqrt(2.0 / 3.0) * most * (1.0 + 1e-6)) << i;
+  }
+}
+
+/// The strain of a first life is forgotten by remelting; kept, it would stress the metal by tens of
+/// megapascals. What is left is the weight of metal that the mould has released.
+TYPED_TEST(MushSlab, FreezingAgainStartsWithoutStrainOfTheFirstLife) {
+  SlabBench<TypeParam> bench(balanced_to(1e-9), mush_card());
+  bench.start(molten);
+  bench.step([](double x, double) { return 150.0 + 900.0 * x; });
+  double first_life = 0.0;
+  for (const auto& s : bench.state.deviator) first_life = std::max(first_life, s.norm());
+  EXPECT_GT(first_life, 1e7);
+
+  bench.step(molten);
+  EXPECT_THAT(bench.state.hardened, Each(0.0));
+  for (const auto& strain : bench.state.viscoplastic) EXPECT_EQ(strain.norm(), 0.0);
+
+  bench.step([](double, double) { return 622.9 - 1e-9; });
+  for (int e = 0; e < bench.slab.mesh().elements(); ++e) bench.expect_metallostatic(e, 5e3);
+}
+
+}  // namespace
+}  // namespace dccast::mechanics
