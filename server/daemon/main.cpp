@@ -15,6 +15,7 @@
 #include "server/daemon/daemon.hpp"
 #include "server/daemon/settings.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/processes.hpp"
 #include "server/state/check.hpp"
 
 namespace {
@@ -88,6 +89,8 @@ int main(int argc, char** argv) {
                                   ? dccast::log::Format::json
                                   : dccast::log::Format::journal);
     become_owner_of(config.data_directory());
+    // A worker that a file has taken over runs as the same user.
+    dccast::jobs::forbid_inspection();
     return run(line, config);
   } catch (const dccast::daemon::InvalidConfig& error) {
     std::cerr << error.what() << '\n';

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <spawn.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -13,6 +14,10 @@
 #include <fstream>
 
 namespace dccast::jobs {
+
+void forbid_inspection() {
+  if (!sanitized) ::prctl(PR_SET_DUMPABLE, 0);
+}
 
 int spawn(std::vector<std::string> words, std::vector<std::string> environment,
           const std::array<int, 3>& files, pid_t* process) {

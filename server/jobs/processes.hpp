@@ -18,6 +18,18 @@
 /// Processes of the system: this one, its children, others.
 namespace dccast::jobs {
 
+/// Whether this program was built with a sanitizer.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool sanitized = true;
+#else
+inline constexpr bool sanitized = false;
+#endif
+
+/// Closes the memory and the open files of this process to other processes of its user, which could
+/// read and write them through /proc/PID. Root and debuggers of root still can. There are no core
+/// dumps then. Not with a sanitizer, which looks for leaks from a second process.
+void forbid_inspection();
+
 /// Starts a program, looked for in PATH, with signals as it expects them: default handlers, none
 /// blocked (the daemon blocks those it waits for). It leads a group of its own.
 /// @param files  that become its first three  @return 0 or an error number

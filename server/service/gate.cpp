@@ -14,7 +14,8 @@ namespace dccast::service {
 namespace {
 
 constexpr std::chrono::milliseconds between_looks{200};
-// A peer that guesses tokens must not fill the disk.
+// Calls that change nothing cost their caller little: they must not fill the disk. Of one user, and
+// of all who have proved nothing together.
 constexpr double recorded_refusals_per_s = 10.0;
 
 std::string name_of(grpc::StatusCode code) {
@@ -152,11 +153,14 @@ CallFigures Gate::figures() {
 
 void Gate::record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,
                   const std::string& peer, const grpc::Status& status) {
-  const bool refused = status.error_code() == grpc::UNAUTHENTICATED ||
-                       status.error_code() == grpc::PERMISSION_DENIED;
+  const bool without_permission = status.error_code() == grpc::UNAUTHENTICATED ||
+                                  status.error_code() == grpc::PERMISSION_DENIED;
   const bool reads = rule.access.role() == v1::VIEWER && event.reason().empty();
-  if (reads && !refused) return;
-  if (refused && !recorded_refusals_.take("", std::chrono::steady_clock::now())) return;
+  if (reads && !without_permission) return;
+
+  const std::string who = caller.proven() ? caller.name : "";
+  if (!status.ok() && !recorded_refusals_.take(who, std::chrono::steady_clock::now())) return;
+
   if (event.user().empty()) event.set_user(caller.name);
   if (caller.refusal.empty()) {
     event.set_role(access::text_of(caller.role));
@@ -166,6 +170,7 @@ void Gate::record(v1::AuditEvent event, const access::Caller& caller, const acce
   event.set_call(rule.name);
   event.set_outcome(name_of(status.error_code()));
   if (!status.ok()) event.set_reason(status.error_message());
+
   try {
     audit_.append(std::move(event));
   } catch (const std::exception& error) {

@@ -5,10 +5,12 @@
 #include <linux/filter.h>
 #include <linux/landlock.h>
 #include <linux/seccomp.h>
+#include <linux/sockios.h>
 #include <sched.h>
 #include <signal.h>
 #include <stddef.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -21,10 +23,12 @@
 #include <cerrno>
 #include <cstddef>
 #include <new>
+#include <span>
 #include <vector>
 
 #include "core/storage/file.hpp"
 #include "core/storage/storage_error.hpp"
+#include "server/jobs/processes.hpp"
 #include "server/jobs/worker_claim.hpp"
 
 namespace dccast::worker {
@@ -40,8 +44,9 @@ constexpr std::uint32_t machine = 0;  // of no process: every call is permitted
 #endif
 
 // Sockets, and what makes them without these calls (io_uring); other programs and processes, and
-// what they have.
+// what they have; memory that belongs to no process, which no limit of a process counts.
 constexpr std::array refused_calls{SYS_socket,
+                                   SYS_socketpair,
                                    SYS_connect,
                                    SYS_bind,
                                    SYS_listen,
@@ -53,68 +58,144 @@ constexpr std::array refused_calls{SYS_socket,
                                    SYS_ptrace,
                                    SYS_process_vm_readv,
                                    SYS_process_vm_writev,
+                                   SYS_process_madvise,
+                                   SYS_process_mrelease,
+                                   SYS_migrate_pages,
+                                   SYS_move_pages,
+                                   SYS_kcmp,
                                    SYS_pidfd_getfd,
                                    SYS_pidfd_send_signal,
                                    SYS_tkill,
                                    SYS_rt_sigqueueinfo,
                                    SYS_rt_tgsigqueueinfo,
+                                   SYS_ioprio_set,
+                                   SYS_memfd_create,
+                                   SYS_memfd_secret,
+                                   SYS_shmget,
+                                   SYS_shmat,
                                    SYS_mount,
                                    SYS_unshare,
                                    SYS_setns,
                                    SYS_bpf,
                                    SYS_perf_event_open,
                                    SYS_userfaultfd};
-// Permitted to the process itself: abort() and threads need them.
-constexpr std::array own_calls{SYS_kill, SYS_tgkill};
+// Their first argument is a process, which must be this one: abort() and threads need the signals.
+constexpr std::array signal_calls{SYS_kill, SYS_tgkill};
+// The same, where 0 is the caller.
+constexpr std::array own_process_calls{SYS_prlimit64, SYS_sched_setaffinity, SYS_sched_setscheduler,
+                                       SYS_sched_setparam, SYS_sched_setattr};
 // Sanitizers look for leaks and name functions by these.
-constexpr std::array sanitizer_calls{SYS_ptrace, SYS_execve};
+constexpr std::array sanitizer_calls{SYS_ptrace, SYS_execve, SYS_socketpair};
+
+// Have the kernel send another process a signal, any one of them; a lease makes another process
+// that opens the file wait for us.
+constexpr std::array<std::uint32_t, 5> refused_file_controls{F_SETOWN, F_SETSIG, F_SETOWN_EX,
+                                                             F_SETLEASE, F_NOTIFY};
+// The same for sockets; and characters typed into the terminal that the daemon was started from.
+constexpr std::array<std::uint32_t, 4> refused_device_controls{FIOSETOWN, SIOCSPGRP, TIOCSTI,
+                                                               TIOCLINUX};
+// RLIMIT_DATA counts private writable memory only: not a mapping that is shared, which may have no
+// file, nor one that grows like a stack. The solver and its libraries use neither.
+constexpr std::uint32_t uncounted_mappings = MAP_SHARED | MAP_GROWSDOWN;
 
 using Instruction = sock_filter;
+using Filter = std::vector<Instruction>;
 
 constexpr Instruction load(std::size_t offset) {
   return BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset));
+}
+/// The first word of an argument, on a little-endian machine: all that these calls look at.
+constexpr Instruction load_argument(std::size_t index) {
+  return load(offsetof(seccomp_data, args) + index * sizeof(std::uint64_t));
 }
 /// @param steps  over the next instructions where the loaded word is not this
 constexpr Instruction skip_unless(std::uint32_t word, std::uint8_t steps) {
   return BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, word, 0, steps);
 }
-constexpr Instruction answer(std::uint32_t what) {
-  return BPF_STMT(BPF_RET | BPF_K, what);
+/// @param steps  over the next instructions where it is
+constexpr Instruction skip_if(std::uint32_t word, std::uint8_t steps) {
+  return BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, word, steps, 0);
+}
+/// @param steps  over the next instructions where it has one of these bits
+constexpr Instruction skip_if_any(std::uint32_t bits, std::uint8_t steps) {
+  return BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, bits, steps, 0);
+}
+constexpr Instruction answer(std::uint32_t action) {
+  return BPF_STMT(BPF_RET | BPF_K, action);
 }
 
-/// The first word of the first argument, on a little-endian machine.
-constexpr std::size_t first_argument = offsetof(seccomp_data, args);
+constexpr Instruction allow = answer(SECCOMP_RET_ALLOW);
+constexpr Instruction refuse = answer(SECCOMP_RET_ERRNO | EPERM);
+constexpr Instruction not_implemented = answer(SECCOMP_RET_ERRNO | ENOSYS);
 
-std::vector<Instruction> filter() {
-  constexpr std::uint32_t refuse = SECCOMP_RET_ERRNO | EPERM;
-  std::vector<Instruction> program{
-      load(offsetof(seccomp_data, arch)), BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, machine, 1, 0),
-      // Calls of another instruction set have other numbers.
-      answer(machine == 0 ? SECCOMP_RET_ALLOW : refuse), load(offsetof(seccomp_data, nr))};
+/// Decides about one call. @param decision  ends with an answer on every way through it
+void add_call(Filter& filter, long call, const Filter& decision) {
+  filter.push_back(
+      skip_unless(static_cast<std::uint32_t>(call), static_cast<std::uint8_t>(decision.size())));
+  filter.insert(filter.end(), decision.begin(), decision.end());
+}
+
+/// Refuses these values of an argument.
+Filter refuse_values(std::size_t argument, std::span<const std::uint32_t> values) {
+  Filter decision{load_argument(argument)};
+  std::size_t steps_to_refusal = values.size();
+  for (const std::uint32_t value : values)
+    decision.push_back(skip_if(value, static_cast<std::uint8_t>(steps_to_refusal--)));
+  decision.insert(decision.end(), {allow, refuse});
+  return decision;
+}
+
+/// Calls of another instruction set have other numbers: they are refused, all of them.
+void require_machine(Filter& filter) {
+  filter.insert(filter.end(), {load(offsetof(seccomp_data, arch)), skip_if(machine, 1),
+                               machine == 0 ? allow : refuse, load(offsetof(seccomp_data, nr))});
 #if defined(__x86_64__)
   constexpr std::uint32_t x32_calls = 0x40000000;
-  program.insert(program.end(),
-                 {BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, x32_calls, 0, 1), answer(refuse)});
+  filter.insert(filter.end(), {BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, x32_calls, 0, 1), refuse});
 #endif
-  // New namespaces by clone(); the flags of clone3() lie where no filter reads, and the C library
-  // does without it.
+}
+
+/// New namespaces by clone(); the flags of clone3() lie where no filter reads, and the C library
+/// does without it.
+void refuse_namespaces(Filter& filter) {
   constexpr std::uint32_t namespaces = CLONE_NEWNS | CLONE_NEWCGROUP | CLONE_NEWUTS | CLONE_NEWIPC |
                                        CLONE_NEWUSER | CLONE_NEWPID | CLONE_NEWNET;
-  program.insert(program.end(), {skip_unless(SYS_clone3, 1), answer(SECCOMP_RET_ERRNO | ENOSYS),
-                                 skip_unless(SYS_clone, 4), load(first_argument),
-                                 BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, namespaces, 0, 1),
-                                 answer(refuse), answer(SECCOMP_RET_ALLOW)});
-  for (const long call : refused_calls)
-    if (!sanitized || std::ranges::find(sanitizer_calls, call) == sanitizer_calls.end())
-      program.insert(program.end(),
-                     {skip_unless(static_cast<std::uint32_t>(call), 1), answer(refuse)});
-  for (const long call : own_calls)
-    program.insert(program.end(),
-                   {skip_unless(static_cast<std::uint32_t>(call), 4), load(first_argument),
-                    skip_unless(static_cast<std::uint32_t>(::getpid()), 1),
-                    answer(SECCOMP_RET_ALLOW), answer(refuse)});
-  program.push_back(answer(SECCOMP_RET_ALLOW));
-  return program;
+  add_call(filter, SYS_clone3, {not_implemented});
+  add_call(filter, SYS_clone, {load_argument(0), skip_if_any(namespaces, 1), allow, refuse});
+}
+
+/// What names a process is permitted for this one.
+void confine_to_own_process(Filter& filter) {
+  const auto own = static_cast<std::uint32_t>(::getpid());
+  for (const long call : signal_calls)
+    add_call(filter, call, {load_argument(0), skip_unless(own, 1), allow, refuse});
+  for (const long call : own_process_calls)
+    add_call(filter, call, {load_argument(0), skip_if(0, 1), skip_unless(own, 1), allow, refuse});
+
+  // Priorities of groups and users are those of other processes, too.
+  add_call(filter, SYS_setpriority,
+           {load_argument(0), skip_unless(PRIO_PROCESS, 4), load_argument(1), skip_if(0, 1),
+            skip_unless(own, 1), allow, refuse});
+}
+
+Filter system_call_filter() {
+  Filter filter;
+  require_machine(filter);
+  refuse_namespaces(filter);
+
+  for (const long call : refused_calls) {
+    const bool needed = std::ranges::find(sanitizer_calls, call) != sanitizer_calls.end();
+    if (!sanitized || !needed) add_call(filter, call, {refuse});
+  }
+  confine_to_own_process(filter);
+  add_call(filter, SYS_fcntl, refuse_values(1, refused_file_controls));
+  add_call(filter, SYS_ioctl, refuse_values(1, refused_device_controls));
+  if (!sanitized)
+    add_call(filter, SYS_mmap,
+             {load_argument(3), skip_if_any(uncounted_mappings, 1), allow, refuse});
+
+  filter.push_back(allow);
+  return filter;
 }
 
 std::string lacking(const char* what, const char* of) {
@@ -221,9 +302,10 @@ extern "C" void on_crash(int signal) {
 
 std::string isolate() {
   limit(RLIMIT_CORE, 0);
-  if (!sanitized) ::prctl(PR_SET_DUMPABLE, 0);  // nor read by other processes of its user
-  std::vector<Instruction> program = filter();
-  const sock_fprog whole{static_cast<unsigned short>(program.size()), program.data()};
+  jobs::forbid_inspection();
+
+  Filter filter = system_call_filter();
+  const sock_fprog whole{static_cast<unsigned short>(filter.size()), filter.data()};
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return lacking("may gain privileges", "prctl");
   if (::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &whole) != 0)
     return lacking("may use the network", "seccomp");

@@ -4,23 +4,22 @@
 #include <filesystem>
 #include <string>
 
+#include "server/jobs/processes.hpp"
+
 namespace dccast::worker {
 
 /// Sanitizers map more memory than any machine has, look for leaks from a second process and name
 /// functions by another program: their builds have no bound of memory, ptrace and execve.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
+using jobs::sanitized;
 
 /// What a worker gives up before it reads anything that came from outside, so that a mesh or a
 /// result file that takes it over reaches no more than the worker's own folder. Each step holds for
 /// the process from then on, and cannot be taken back; docs/sandbox.md has the whole.
 
-/// No sockets, no signals to other processes and no look into them, no new privileges, no core
-/// dumps. @return what is in force, for logs, e.g. "no network, no signals to others (seccomp)";
-/// what the kernel lacks is named, too
+/// No sockets, no signals to other processes, no look into them and no change of their limits and
+/// priorities, no memory that bound() does not count, no new privileges, no core dumps. @return
+/// what is in force, for logs, e.g. "no network, no signals to others (seccomp)"; what the kernel
+/// lacks is named, too
 std::string isolate();
 
 /// No writing outside of a folder. A worker is confined once, for its job or for its answers.

@@ -157,6 +157,32 @@ class ServerCertificateExpiresUnderWatch(RemoteFault):
         watch.ended_with(grpc.StatusCode.OK, count, 40)
 
 
+class RefusedEnrolments(RemoteFault):
+    """Enrolments without a secret, as fast as one connection takes them: the audit log grows by 200 lines at most"""
+    short, long = 1, 5
+    calls, most_lines = 3000, 200
+
+    def disturb(self, scene, count):
+        job_id = scene.submit(fake("steps=20"))
+        stub = over_tls(scene, self.ca(scene))
+        before = self.lines(scene)
+        calls = [stub.Enrol.future(service_pb2.EnrolRequest(secret="dccast-enrol-x-y"), timeout=60)
+                 for _ in range(self.calls)]
+        refused = sum(call.code() is not grpc.StatusCode.OK for call in calls)
+        grown = self.lines(scene) - before
+        if refused != self.calls:
+            count.found("wrong", f"{self.calls - refused} enrolments were not refused")
+        if not 0 < grown <= self.most_lines:
+            count.found("wrong", f"the audit log has {grown} more lines")
+        count.measured("lines", grown)
+        must(count, lambda: scene.ended(job_id), "the job did not end", 30)
+
+    @staticmethod
+    def lines(scene):
+        with open(scene.data("audit.log"), "rb") as file:
+            return file.read().count(b"\n")
+
+
 class SilentConnections(RemoteFault):
     """1,200 connections that greet or not, and then say nothing, on both listeners: others are served within 2 s"""
     short, long = 1, 5

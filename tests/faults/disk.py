@@ -243,11 +243,16 @@ class LimitedDescriptors(Fault):
     settings = {"workers": 1, "worker_hello_timeout": "3 s"}
 
     def disturb(self, scene, count):
-        queue_up(scene)
         process = scene.daemon.process.pid
-        before = limit(process, resource.RLIMIT_NOFILE, len(os.listdir(f"/proc/{process}/fd")))
+        try:
+            open_now = len(os.listdir(f"/proc/{process}/fd"))
+        except PermissionError:
+            return False  # a daemon lets only root look into it
+        queue_up(scene)
+        before = limit(process, resource.RLIMIT_NOFILE, open_now)
         pause(scene.chance, 3.0)
         limit(process, resource.RLIMIT_NOFILE, before)
+        return True
 
     def look_back(self, scene, count):
         """The daemon's own lack is no loss of a worker."""

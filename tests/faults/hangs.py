@@ -1,5 +1,6 @@
 """Processes that are there and do nothing, or are told to leave: the watchdog and the ways out."""
 import os
+import resource
 import signal
 
 from cases import FAKE, REAL, coarse, failing_check, fake
@@ -38,6 +39,30 @@ class StopWorker(TwoCastings):
         signal_process(stopped, signal.SIGSTOP)
         must(count, lambda: not alive(stopped), "a worker that hangs is not killed", PATIENCE)
         signal_process(stopped, signal.SIGKILL)
+
+
+class WorkerTakenOver(Fault):
+    """A worker that its file has taken over tries to end and change its daemon, and to take memory past its bound"""
+    short, long = 1, 5
+    settings = {"workers": 1, "worker_memory": "300 MB"}
+    attack = "steps=20 attack=600000000"
+
+    def disturb(self, scene, count):
+        process = scene.daemon.process.pid
+        before = self.state(process)
+        attacking, waiting = scene.submit(fake(self.attack)), scene.submit(fake("steps=20"))
+        for job_id in (attacking, waiting):
+            must(count, lambda: scene.ended(job_id), f"job {job_id} does not end", 30)
+        with open(scene.data("jobs", attacking, "taken"), encoding="utf-8") as file:
+            for worked in file.read().splitlines():
+                count.found("wrong", f"the worker could do this: {worked}")
+        if self.state(process) != before:
+            count.found("wrong", "the daemon has other limits or another priority")
+
+    @staticmethod
+    def state(process):
+        return (os.getpriority(os.PRIO_PROCESS, process),
+                resource.prlimit(process, resource.RLIMIT_NOFILE))
 
 
 class LimitedMemory(Fault):

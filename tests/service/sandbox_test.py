@@ -4,10 +4,14 @@ import ctypes
 import json
 import os
 import resource
+import shutil
 import subprocess
+import sys
+import tempfile
+import unittest
 
 from dccast.v1 import job_pb2
-from support import BIN, SANITIZED, ServiceTest, fake_case, main
+from support import BIN, SANITIZED, Daemon, ServiceTest, fake_case, main
 
 CREATE_RULESET, VERSION = 444, 1  # landlock_create_ruleset(2) and its flag
 
@@ -46,6 +50,29 @@ class Sandbox(ServiceTest):
         self.assertIn(folder if "beneath" in said else "writes where", said)
         memory = "memory without a bound (sanitizer)" if SANITIZED else "memory up to 1000 MB"
         self.assertIn(memory + ", files up to 50 MB", said)
+
+    @unittest.skipIf(SANITIZED, "a sanitizer looks for leaks from a second process")
+    def test_other_processes_of_its_user_do_not_reach_into_the_daemon(self):
+        """A worker is one: it could write the memory of its daemon, and read the keys there."""
+        user = int(os.geteuid()) or 65534
+
+        def become_user():
+            if os.geteuid() == 0:
+                os.setgroups([])
+                os.setgid(user)
+                os.setuid(user)
+
+        folder = tempfile.mkdtemp(prefix="dccast-sandbox-")
+        self.addCleanup(shutil.rmtree, folder)
+        os.chown(folder, user if os.geteuid() == 0 else -1, -1)
+        daemon = Daemon(folder, before_exec=become_user).start()
+        self.addCleanup(daemon.stop)
+        self.assertEqual(status_of(daemon.process.pid)["Uid"].split()[0], str(user))
+        for name, mode in (("mem", "r+b"), ("mem", "rb"), ("environ", "rb"), ("fd/0", "rb")):
+            tried = subprocess.run(
+                [sys.executable, "-c", f"open('/proc/{daemon.process.pid}/{name}', '{mode}')"],
+                preexec_fn=become_user, capture_output=True, text=True, timeout=30, check=False)
+            self.assertIn("PermissionError", tried.stderr, f"{name} {mode}")
 
     def test_info_and_the_daemon_s_log_say_what_holds_workers_that_answer(self):
         ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "info",

@@ -19,6 +19,7 @@
 #include "core/casting/stored_run.hpp"
 #include "core/findings/judge.hpp"
 #include "core/results/result_writer.hpp"
+#include "tests/support/fake_casting/attack.hpp"
 
 namespace dccast::casting {
 
@@ -239,6 +240,8 @@ void FakeRun::misbehave() const {
   if (resumed) return;
   if (is("crash_once_at")) std::abort();
   if (is("freeze_once_at")) ::raise(SIGSTOP);
+  if (const auto bytes = script.number("attack", 0); bytes > 0 && state.step == 2)
+    std::ofstream(directory.path / "taken") << attack(static_cast<std::size_t>(bytes));
   while (is("hang_once_at")) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 

@@ -2,10 +2,15 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/sockios.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
+#include <sys/resource.h>
+#include <sys/shm.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -156,6 +161,44 @@ TEST_F(SandboxTest, ReachesNoOtherProcess) {
             0);
 }
 
+/// Each of these stops or ends a daemon of the same user: without processor time, without files,
+/// or by a signal that the kernel sends for us.
+TEST_F(SandboxTest, ChangesNoOtherProcess) {
+  const pid_t parent = ::getpid();
+  EXPECT_EQ(status_of_child([&] {
+              const int pipe = ::open("/dev/null", O_RDONLY);
+              isolate();
+              rlimit limit{};
+              MUST(::prlimit(0, RLIMIT_NOFILE, nullptr, &limit) == 0);
+              MUST(::prlimit(::getpid(), RLIMIT_NOFILE, &limit, nullptr) == 0);
+              MUST(refused(::prlimit(parent, RLIMIT_NOFILE, nullptr, &limit)));
+              MUST(refused(::prlimit(parent, RLIMIT_CPU, &limit, nullptr)));
+
+              MUST(::setpriority(PRIO_PROCESS, 0, 10) == 0);
+              MUST(::setpriority(PRIO_PROCESS, static_cast<id_t>(::getpid()), 11) == 0);
+              MUST(refused(::setpriority(PRIO_PROCESS, static_cast<id_t>(parent), 19)));
+              MUST(refused(::setpriority(PRIO_PGRP, 0, 19)));
+              MUST(refused(::setpriority(PRIO_USER, 0, 19)));
+              cpu_set_t processors;
+              MUST(::sched_getaffinity(0, sizeof processors, &processors) == 0);
+              MUST(refused(::sched_setaffinity(parent, sizeof processors, &processors)));
+              const sched_param plain{};
+              MUST(refused(::sched_setscheduler(parent, SCHED_IDLE, &plain)));
+              MUST(refused(::syscall(SYS_ioprio_set, 1, parent, 3 << 13)));
+
+              MUST(refused(::fcntl(pipe, F_SETOWN, parent)));
+              MUST(refused(::fcntl(pipe, F_SETSIG, SIGKILL)));
+              f_owner_ex owner{F_OWNER_PID, parent};
+              MUST(refused(::fcntl(pipe, F_SETOWN_EX, &owner)));
+              MUST(refused(::fcntl(pipe, F_SETLEASE, F_RDLCK)));
+              pid_t other = parent;
+              MUST(refused(::ioctl(pipe, FIOSETOWN, &other)));
+              MUST(refused(::ioctl(pipe, TIOCSTI, "x")));
+              MUST(::fcntl(pipe, F_GETFL) >= 0);
+            }),
+            0);
+}
+
 /// A user namespace has every privilege inside; clone() makes one as unshare() does.
 TEST_F(SandboxTest, MakesNoNamespaceAndStartsNoOtherProgram) {
   EXPECT_EQ(status_of_child([] {
@@ -212,6 +255,29 @@ TEST_F(SandboxTest, MemoryAndFilesHaveBounds) {
                 refused_memory = true;
               }
               MUST(refused_memory);
+            }),
+            0);
+}
+
+/// RLIMIT_DATA counts private memory that can be written: not what is shared, nor a stack.
+TEST_F(SandboxTest, NoMemoryEvadesItsBound) {
+  if (sanitized) GTEST_SKIP() << "a sanitizer has no bound of memory";
+  EXPECT_EQ(status_of_child([] {
+              isolate();
+              bound({.memory_bytes = 300'000'000});
+              constexpr std::size_t too_much = 400'000'000;
+              constexpr int all = PROT_READ | PROT_WRITE;
+              const auto maps = [&](std::size_t size, int flags) {
+                return ::mmap(nullptr, size, all, flags | MAP_ANONYMOUS, -1, 0) != MAP_FAILED;
+              };
+              MUST(maps(1'000'000, MAP_PRIVATE));
+              MUST(!maps(too_much, MAP_PRIVATE));
+              MUST(!maps(too_much, MAP_SHARED) && errno == EPERM);
+              MUST(!maps(too_much, MAP_PRIVATE | MAP_GROWSDOWN) && errno == EPERM);
+              MUST(refused(::syscall(SYS_memfd_create, "memory", 0)));
+              MUST(refused(::shmget(IPC_PRIVATE, too_much, 0600)));
+              std::array<int, 2> ends{};
+              MUST(refused(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data())));
             }),
             0);
 }

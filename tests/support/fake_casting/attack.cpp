@@ -1,0 +1,61 @@
+#include "tests/support/fake_casting/attack.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/shm.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cstring>
+
+namespace dccast::casting {
+
+namespace {
+
+/// Whether the kernel gave memory of these flags, and let it be used.
+bool takes_memory(std::size_t bytes, int flags) {
+  void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, flags | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) return false;
+  std::memset(memory, 1, bytes);
+  ::munmap(memory, bytes);
+  return true;
+}
+
+/// Whether a write to a pipe sends another process a signal that ends it. Nothing is written.
+bool aims_a_signal(pid_t at) {
+  int ends[2];
+  if (::pipe(ends) != 0) return false;
+  const bool aimed =
+      ::fcntl(ends[0], F_SETOWN, at) == 0 || ::fcntl(ends[0], F_SETSIG, SIGKILL) == 0;
+  ::close(ends[0]);
+  ::close(ends[1]);
+  return aimed;
+}
+
+}  // namespace
+
+std::string attack(std::size_t bytes) {
+  const pid_t daemon = ::getppid();
+  std::string worked;
+  const auto note = [&worked](bool success, const char* what) {
+    if (success) worked += std::string(what) + "\n";
+  };
+
+  const rlimit nothing{0, 0};
+  note(::prlimit(daemon, RLIMIT_NOFILE, &nothing, nullptr) == 0, "prlimit64 of the daemon");
+  note(::setpriority(PRIO_PROCESS, static_cast<id_t>(daemon), 19) == 0,
+       "setpriority of the daemon");
+  note(::kill(daemon, SIGSTOP) == 0, "kill");
+  note(aims_a_signal(daemon), "F_SETOWN, F_SETSIG");
+  const std::string memory = "/proc/" + std::to_string(daemon) + "/mem";
+  note(::open(memory.c_str(), O_WRONLY) >= 0, "writing the memory of the daemon");
+
+  note(takes_memory(bytes, MAP_SHARED), "a shared mapping past worker_memory");
+  note(::syscall(SYS_memfd_create, "memory", 0) >= 0, "memfd_create");
+  note(::shmget(IPC_PRIVATE, 4096, 0600) >= 0, "shmget");
+  return worked;
+}
+
+}  // namespace dccast::casting

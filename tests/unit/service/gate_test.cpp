@@ -1,0 +1,60 @@
+#include "server/service/gate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/storage/file.hpp"
+#include "dccast/v1/service.pb.h"
+#include "tests/support/temporary_folder.hpp"
+
+namespace dccast::service {
+namespace {
+
+class GateTest : public ::testing::Test {
+protected:
+  /// How many lines the audit log has after so many calls that end like this.
+  std::ptrdiff_t lines_after(int calls, const access::Caller& caller, grpc::StatusCode code,
+                             const google::protobuf::Descriptor& request) {
+    for (int i = 0; i < calls; ++i)
+      gate_.record({}, caller, access::rule_of(request), "ipv4:127.0.0.9:1",
+                   code == grpc::OK ? grpc::Status::OK : grpc::Status(code, "why"));
+    const std::string text = storage::read_file(folder_ / "audit.log");
+    return std::count(text.begin(), text.end(), '\n');
+  }
+
+  TemporaryFolder folder_;
+  access::UserStore users_{folder_.path()};
+  access::Authority authority_{users_, {}};
+  access::AuditLog audit_{folder_.path()};
+  Gate gate_{authority_, audit_, {}, {}, "127.0.0.1:7117"};
+  const access::Caller anna_{.name = "anna", .role = v1::SUBMITTER};
+  const access::Caller stranger_{.refusal = "this call has no token"};
+};
+
+constexpr int many = 5000;
+constexpr std::ptrdiff_t most = 200;  // ten a second for ten seconds at once, and what comes after
+
+/// Who has proved nothing may call Enrol as often as a connection takes.
+TEST_F(GateTest, RefusedCallsDoNotFillTheAuditLog) {
+  for (const auto code : {grpc::RESOURCE_EXHAUSTED, grpc::UNAUTHENTICATED, grpc::INVALID_ARGUMENT,
+                          grpc::FAILED_PRECONDITION})
+    EXPECT_LT(lines_after(many, stranger_, code, *v1::EnrolRequest::descriptor()), most)
+        << int(code);
+}
+
+TEST_F(GateTest, AStrangersRefusalsHideNoUsers) {
+  lines_after(many, stranger_, grpc::RESOURCE_EXHAUSTED, *v1::EnrolRequest::descriptor());
+  const auto before =
+      lines_after(0, stranger_, grpc::RESOURCE_EXHAUSTED, *v1::EnrolRequest::descriptor());
+  EXPECT_EQ(lines_after(1, anna_, grpc::PERMISSION_DENIED, *v1::DeleteJobRequest::descriptor()),
+            before + 1);
+}
+
+TEST_F(GateTest, EveryChangeIsRecorded) {
+  EXPECT_EQ(lines_after(500, anna_, grpc::OK, *v1::DeleteJobRequest::descriptor()), 500);
+  EXPECT_EQ(lines_after(500, anna_, grpc::OK, *v1::GetJobRequest::descriptor()), 500);
+}
+
+}  // namespace
+}  // namespace dccast::service
