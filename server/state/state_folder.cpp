@@ -1,6 +1,7 @@
 #include "server/state/state_folder.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -9,6 +10,7 @@
 #include <cerrno>
 #include <chrono>
 #include <map>
+#include <set>
 #include <sstream>
 #include <system_error>
 #include <thread>
@@ -95,15 +97,25 @@ Manifest manifest_of(const fs::path& backup) {
   return manifest;
 }
 
+/// Accepted jobs without a row. A daemon may accept jobs meanwhile, each with its row first, so the
+/// rows are read again after the folders.
+std::set<std::string> lost_beside_daemon(const StateFolder& folder) {
+  jobs::JobStore store(folder.store());
+  auto lost = lost_jobs(folder, store.ids());
+  const auto known = store.ids();
+  std::erase_if(lost, [&](const std::string& id) { return known.contains(id); });
+  return lost;
+}
+
 /// Rows that are lost would be lost in the backup too.
 void require_whole_store(const StateFolder& folder) {
-  const auto lost = lost_jobs(folder, jobs::JobStore(folder.store()).ids());
-  if (!lost.empty())
-    throw std::runtime_error("the job store " + folder.store().string() + " lacks " +
-                             std::to_string(lost.size()) + " jobs, e.g. " + *lost.begin() +
-                             "; nothing was changed: restore a backup, or rebuild the store from "
-                             "the job folders with dccastd check --repair --set data_directory=" +
-                             folder.path().string());
+  const auto lost = lost_beside_daemon(folder);
+  if (lost.empty()) return;
+
+  throw std::runtime_error(fmt::format(
+      "the job store {} lacks {} jobs, e.g. {}; nothing was changed: restore a backup, or rebuild "
+      "the store from the job folders with dccastd check --repair --set data_directory={}",
+      folder.store().string(), lost.size(), *lost.begin(), folder.path().string()));
 }
 
 /// Copies the folders of all jobs in the copied store; forgets those that were deleted meanwhile.
