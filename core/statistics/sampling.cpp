@@ -10,16 +10,18 @@ namespace dccast::statistics {
 
 namespace {
 
-constexpr int arrangements = 20;  // to choose from
-// With more places comparing all pairs costs more than it gains.
+/// Hypercubes of which the best one is chosen.
+constexpr int arrangements = 20;
+/// With more places, comparing all pairs costs more than it gains.
 constexpr int most_compared = 500;
 
+/// Fisher-Yates shuffle; that of the library differs between libraries.
 void shuffle(std::vector<int>& order, std::mt19937_64& random) {
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
 }
 
-/// (axis, place)
-Eigen::MatrixXd arranged(int count, int axes, std::mt19937_64& random) {
+/// A random Latin hypercube. @return (axis, place), each in (0, 1)
+Eigen::MatrixXd random_hypercube(int count, int axes, std::mt19937_64& random) {
   Eigen::MatrixXd places(axes, count);
   std::vector<int> part(count);
   for (int axis = 0; axis < axes; ++axis) {
@@ -30,12 +32,12 @@ Eigen::MatrixXd arranged(int count, int axes, std::mt19937_64& random) {
   return places;
 }
 
-/// Square of the distance between the two places that are closest. @param places  (axis, place)
-double closest(const Eigen::MatrixXd& places) {
+/// Smallest squared distance between two places. @param places  (axis, place)
+double least_squared_distance(const Eigen::MatrixXd& places) {
   double least = std::numeric_limits<double>::infinity();
   for (Eigen::Index i = 0; i < places.cols(); ++i)
     for (Eigen::Index k = 0; k < i; ++k) {
-      double sum = 0.0;  // in this order on every machine, which decides between equals
+      double sum = 0.0;  // the same order on every machine, which decides between equal hypercubes
       for (Eigen::Index j = 0; j < places.rows(); ++j)
         sum += (places(j, i) - places(j, k)) * (places(j, i) - places(j, k));
       least = std::min(least, sum);
@@ -46,6 +48,7 @@ double closest(const Eigen::MatrixXd& places) {
 }  // namespace
 
 double uniform(std::mt19937_64& random) {
+  // The upper 53 bits, moved by half a unit: neither 0 nor 1 can occur.
   return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53;
 }
 
@@ -59,130 +62,38 @@ double normal_below(double x) {
 }
 
 double quantile(const Eigen::VectorXd& sorted, double share) {
-  const double at = share * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<Eigen::Index>(at);
+  const double position = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<Eigen::Index>(position);
   const Eigen::Index above = std::min(below + 1, sorted.size() - 1);
-  return sorted(below) + (at - static_cast<double>(below)) * (sorted(above) - sorted(below));
+  const double weight = position - static_cast<double>(below);
+  return sorted(below) + weight * (sorted(above) - sorted(below));
 }
 
 Eigen::MatrixXd hypercube(int places, int axes, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  Eigen::MatrixXd best = arranged(places, axes, random);
+  Eigen::MatrixXd best = random_hypercube(places, axes, random);
   if (places > most_compared) return best.transpose();
-  double farthest = closest(best);
+
+  double farthest = least_squared_distance(best);
   for (int i = 1; i < arrangements; ++i) {
-    Eigen::MatrixXd other = arranged(places, axes, random);
-    const double apart = closest(other);
-    if (apart <= farthest) continue;
-    farthest = apart;
+    Eigen::MatrixXd other = random_hypercube(places, axes, random);
+    const double distance = least_squared_distance(other);
+    if (distance <= farthest) continue;
+    farthest = distance;
     best = std::move(other);
   }
   return best.transpose();
 }
 
-std::vector<Eigen::Index> spread_indices(Eigen::Index all, Eigen::Index most) {
-  std::vector<Eigen::Index> chosen(std::min(all, most));
-  for (Eigen::Index i = 0; i < std::ssize(chosen); ++i) chosen[i] = i * all / std::ssize(chosen);
+std::vector<Eigen::Index> spread_indices(Eigen::Index count, Eigen::Index most) {
+  std::vector<Eigen::Index> chosen(std::min(count, most));
+  for (Eigen::Index i = 0; i < std::ssize(chosen); ++i) chosen[i] = i * count / std::ssize(chosen);
   return chosen;
 }
 
 Eigen::MatrixXd covariance(const Eigen::MatrixXd& draws) {
   const Eigen::MatrixXd centred = draws.rowwise() - draws.colwise().mean();
   return centred.transpose() * centred / static_cast<double>(draws.rows() - 1);
-}
-
-namespace {
-
-constexpr int replicates = 32;
-
-/// Values of one replicate: at two independent sets of places, and at the first one with an input
-/// taken from the second.
-struct Replicate {
-  Eigen::MatrixXd a, b;                ///< (place, output)
-  std::vector<Eigen::MatrixXd> mixed;  ///< by input
-
-  /// (input, output) contributions to the variance, of the input alone and in all.
-  Eigen::MatrixXd first() const {
-    Eigen::MatrixXd sums(mixed.size(), a.cols());
-    for (std::size_t j = 0; j < mixed.size(); ++j)
-      sums.row(j) = b.cwiseProduct(mixed[j] - a).colwise().mean();
-    return sums;
-  }
-  Eigen::MatrixXd total() const {
-    Eigen::MatrixXd sums(mixed.size(), a.cols());
-    for (std::size_t j = 0; j < mixed.size(); ++j)
-      sums.row(j) = 0.5 * (mixed[j] - a).cwiseAbs2().colwise().mean();
-    return sums;
-  }
-  /// By output; the values are centred.
-  Eigen::RowVectorXd variance() const {
-    return 0.5 * (a.cwiseAbs2().colwise().mean() + b.cwiseAbs2().colwise().mean());
-  }
-};
-
-Replicate sampled(const SampledFunction& function, int inputs, int places, std::uint64_t seed) {
-  const Eigen::MatrixXd drawn = hypercube(places, 2 * inputs, seed);
-  Eigen::MatrixXd all = drawn.leftCols(inputs).replicate(inputs + 2, 1);
-  all.middleRows(places, places) = drawn.rightCols(inputs);
-  for (int k = 0; k < inputs; ++k)
-    all.block(places * (2 + k), k, places, 1) = drawn.col(inputs + k);
-  const Eigen::MatrixXd values = function(all);
-  Replicate replicate{values.topRows(places), values.middleRows(places, places), {}};
-  for (int k = 0; k < inputs; ++k)
-    replicate.mixed.push_back(values.middleRows(places * (2 + k), places));
-  return replicate;
-}
-
-/// A ratio of means over replicates, and its standard error by the first order of both.
-/// @param tops     by replicate, (input, output)  @param bottoms  by replicate, (output)
-void divide(const std::vector<Eigen::MatrixXd>& tops,
-            const std::vector<Eigen::RowVectorXd>& bottoms, Eigen::MatrixXd& ratio,
-            Eigen::MatrixXd& error) {
-  const double count = static_cast<double>(tops.size());
-  Eigen::MatrixXd top = tops.front();
-  Eigen::RowVectorXd bottom = bottoms.front();
-  for (std::size_t r = 1; r < tops.size(); ++r) top += tops[r], bottom += bottoms[r];
-  const Eigen::RowVectorXd inverse =
-      (bottom.array() > 0.0).select(count / bottom.array(), 0.0).matrix();
-  ratio = top / count * inverse.asDiagonal();
-  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(top.rows(), top.cols());
-  for (std::size_t r = 0; r < tops.size(); ++r)
-    squares += (tops[r] - ratio * bottoms[r].asDiagonal()).cwiseAbs2();
-  error = (squares / (count * (count - 1.0))).cwiseSqrt() * inverse.asDiagonal();
-}
-
-}  // namespace
-
-SobolIndices sobol_indices(const SampledFunction& function, int inputs, int samples,
-                           std::uint64_t seed) {
-  const int places = std::max(2, samples / replicates);
-  std::vector<Replicate> all;
-  Eigen::RowVectorXd mean;
-  for (int r = 0; r < replicates; ++r) {
-    all.push_back(sampled(function, inputs, places, seed + static_cast<std::uint64_t>(r)));
-    const Eigen::RowVectorXd here =
-        0.5 * (all.back().a.colwise().mean() + all.back().b.colwise().mean());
-    mean = r == 0 ? here : Eigen::RowVectorXd(mean + here);
-  }
-  mean /= replicates;
-  std::vector<Eigen::MatrixXd> first, total;
-  std::vector<Eigen::RowVectorXd> variance;
-  for (Replicate& replicate : all) {
-    // What all values have in common only adds noise to the products.
-    replicate.a.rowwise() -= mean;
-    replicate.b.rowwise() -= mean;
-    for (Eigen::MatrixXd& values : replicate.mixed) values.rowwise() -= mean;
-    first.push_back(replicate.first());
-    total.push_back(replicate.total());
-    variance.push_back(replicate.variance());
-  }
-  SobolIndices indices;
-  divide(first, variance, indices.first, indices.first_error);
-  divide(total, variance, indices.total, indices.total_error);
-  indices.variance = variance.front().transpose();
-  for (int r = 1; r < replicates; ++r) indices.variance += variance[r].transpose();
-  indices.variance /= replicates;
-  return indices;
 }
 
 }  // namespace dccast::statistics

@@ -50,7 +50,7 @@ Eigen::MatrixXd curls_of(const std::vector<SurfaceRun>& runs, const std::string&
     curls.push_back(curve != nullptr ? at_instants(time_s, *curve, curve->curl_m())
                                      : std::vector<double>(time_s.size(), unknown));
   }
-  return statistics::matrix_of(curls);
+  return statistics::stack_rows(curls);
 }
 
 /// (run, instant)
@@ -61,7 +61,7 @@ Eigen::MatrixXd cast_lengths_of(const std::vector<SurfaceRun>& runs,
     const v1::CurlCurve& curve = run.history.curves.front();
     lengths.push_back(at_instants(time_s, curve, curve.cast_length_m()));
   }
-  return statistics::matrix_of(lengths);
+  return statistics::stack_rows(lengths);
 }
 
 /// A spread over the domain, and its corners, where surfaces are least certain.
@@ -104,7 +104,7 @@ CurlSurface::CurlSurface(std::vector<InputRange> domain, std::vector<SurfaceRun>
     error_m_ = std::max(error_m_, curls_.left_out_errors(end).norm() / std::sqrt(runs_));
   const Eigen::MatrixXd places = candidate_places(static_cast<int>(domain_.size()));
   Eigen::Index widest = 0;
-  curls_.variance_of(places, ends).maxCoeff(&widest);
+  curls_.summed_variance(places, ends).maxCoeff(&widest);
   for (Eigen::Index j = 0; j < places.cols(); ++j) next_place_.push_back(places(widest, j));
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/statistics/principal_components.hpp"
 #include "core/statistics/sampling.hpp"
+#include "core/statistics/sobol_indices.hpp"
 #include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {

@@ -75,7 +75,7 @@ Computed computed_of(const std::vector<EvaluatedRun>& runs, const v1::MeasuredCu
   std::vector<Numbers> all_lengths;
   for (const History& run : computed.runs)
     all_lengths.push_back(values::at_instants(computed.time_s, run.time_s, run.cast_length_m));
-  const Eigen::MatrixXd lengths = statistics::matrix_of(all_lengths);
+  const Eigen::MatrixXd lengths = statistics::stack_rows(all_lengths);
   const Eigen::RowVectorXd mean = lengths.colwise().mean();
   computed.cast_length_m.assign(mean.begin(), mean.end());
   const double apart = (lengths.rowwise() - mean).cwiseAbs().maxCoeff();
@@ -132,7 +132,7 @@ Eigen::MatrixXd CurveSurface::figures(const Computed& computed, const v1::Measur
   std::vector<Numbers> figures;
   for (const History& run : computed.runs)
     figures.push_back(values::at_instants(at, run.time_s, run.value));
-  return statistics::matrix_of(figures);
+  return statistics::stack_rows(figures);
 }
 
 Eigen::MatrixXd CurveSurface::covariance() const {

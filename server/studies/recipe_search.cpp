@@ -14,7 +14,7 @@ namespace {
 
 using case_file::Recipe;
 using case_file::RecipeNumber;
-using statistics::matrix_of;
+using statistics::stack_rows;
 
 constexpr std::size_t fewest_valid = 12;  // drafts that a surface needs at least
 constexpr int search_samples = 96, score_samples = 512;
@@ -155,9 +155,9 @@ RecipeSearch::RecipeSearch(std::shared_ptr<const RecipeSpace> space,
     throw std::runtime_error(std::to_string(valid.size()) + " of " + std::to_string(runs.size()) +
                              " drafts end with a valid curl; a surface needs " +
                              std::to_string(fewest_valid) + " or more");
-  curl_.emplace(matrix_of(valid), Eigen::Map<const Eigen::VectorXd>(curls.data(), curls.size()));
+  curl_.emplace(stack_rows(valid), Eigen::Map<const Eigen::VectorXd>(curls.data(), curls.size()));
   error_m_ = curl_->left_out_errors().norm() / std::sqrt(static_cast<double>(curls.size()));
-  danger_.emplace(matrix_of(places), dangers);
+  danger_.emplace(stack_rows(places), dangers);
   const v1::RecipePlan& plan = space_->plan();
   problem_ = {
       .design_inputs = space_->numbers(),
@@ -180,7 +180,7 @@ std::vector<statistics::ScoredDesign> RecipeSearch::candidates(std::uint64_t see
 }
 
 statistics::DesignScore RecipeSearch::score(const Eigen::RowVectorXd& design) const {
-  return statistics::score_of(problem_, design,
+  return statistics::score_design(problem_, design,
                               statistics::hypercube(score_samples, space_->data(), score_seed));
 }
 
@@ -193,7 +193,7 @@ statistics::Share RecipeSearch::risk(const statistics::DesignScore& score,
     lost.push_back(casting.lost(space_->plan(), scale_));
   }
   if (places.empty()) return statistics::corrected_share(score.risk, {}, {});
-  return statistics::corrected_share(score.risk, statistics::risk_at(problem_, matrix_of(places)),
+  return statistics::corrected_share(score.risk, statistics::risk_at(problem_, stack_rows(places)),
                                      lost);
 }
 

@@ -1,4 +1,4 @@
-#include "core/statistics/calibration.hpp"
+#include "core/statistics/posterior.hpp"
 
 #include <gtest/gtest.h>
 

@@ -65,7 +65,7 @@ TEST(Classifier, AnswersThatAreAllAlikeLeaveAChanceOfTheOther) {
 TEST(RobustSearch, ScoresAreTheKnownShares) {
   const Eigen::MatrixXd data = hypercube(2000, 1, 3);
   for (const double x : {0.35, 0.5, 0.58}) {
-    const DesignScore safe = score_of(problem(), Eigen::RowVector2d(x, 0.9), data);
+    const DesignScore safe = score_design(problem(), Eigen::RowVector2d(x, 0.9), data);
     const double away = std::abs(x - 0.5);
     EXPECT_NEAR(safe.risk, per_distance * away, 2e-3);
     EXPECT_NEAR(safe.median, x, 1e-3);
@@ -74,7 +74,7 @@ TEST(RobustSearch, ScoresAreTheKnownShares) {
     EXPECT_NEAR(safe.distance, away, 1e-3);
     EXPECT_EQ(safe.danger, 0.0);
   }
-  const DesignScore risky = score_of(problem(), Eigen::RowVector2d(0.5, 0.1), data);
+  const DesignScore risky = score_design(problem(), Eigen::RowVector2d(0.5, 0.1), data);
   EXPECT_NEAR(risky.danger, 0.8, 1e-3);
   EXPECT_NEAR(risky.risk, 0.8, 1e-3);
   EXPECT_EQ(risky.cost, 0.5);
@@ -88,7 +88,7 @@ TEST(RobustSearch, AnErrorOfTheValueIsARisk) {
     outcomes.error = 0.1;
     return outcomes;
   };
-  const DesignScore score = score_of(uncertain, Eigen::RowVector2d(0.5, 0.9), hypercube(10, 1, 3));
+  const DesignScore score = score_design(uncertain, Eigen::RowVector2d(0.5, 0.9), hypercube(10, 1, 3));
   EXPECT_NEAR(score.risk, 0.3173, 1e-4);  // beyond one standard deviation
   EXPECT_NEAR(score.high, 0.5 + 0.16449, 1e-4);
 }
@@ -178,7 +178,7 @@ TEST(RobustSearch, SurfacesOfRunsFindTheKnownShare) {
   places << design.replicate(16, 1), looked_at;
   std::vector<bool> lost;
   for (Eigen::Index i = 0; i < 16; ++i) lost.push_back(value_of(design(0), looked_at(i, 0)) > 0.6);
-  const Share share = corrected_share(score_of(surfaces, design, hypercube(256, 1, 3)).risk,
+  const Share share = corrected_share(score_design(surfaces, design, hypercube(256, 1, 3)).risk,
                                       risk_at(surfaces, places), lost);
   EXPECT_NEAR(share.value, 0.3, 2.0 * share.error);
   EXPECT_LT(share.error, 0.12);

@@ -1,4 +1,4 @@
-#include "core/statistics/sampling.hpp"
+#include "core/statistics/sobol_indices.hpp"
 
 #include <gtest/gtest.h>
 
