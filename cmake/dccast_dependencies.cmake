@@ -10,6 +10,7 @@ find_package(tomlplusplus CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(HDF5 1.10 REQUIRED COMPONENTS C)
 find_package(Eigen3 3.4 CONFIG REQUIRED NO_MODULE)
+find_package(Boost 1.74 REQUIRED)  # Asio, which needs headers alone
 find_package(OpenSSL REQUIRED COMPONENTS Crypto SSL)
 find_package(Httplib REQUIRED)
 find_package(Udunits2 REQUIRED)

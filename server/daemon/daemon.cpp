@@ -76,9 +76,10 @@ rlim_t raise_descriptor_limit() {
   return limit.rlim_cur;
 }
 
-/// Half of the descriptors stay for jobs: their logs, their workers, their results.
+/// Half of the descriptors stay for jobs: their logs, their workers, their results. A connection
+/// has three: the client's, and both ends of the relay's pair.
 int connection_count(int wanted) {
-  const auto possible = raise_descriptor_limit() / 2;
+  const auto possible = raise_descriptor_limit() / 6;
   if (static_cast<rlim_t>(wanted) <= possible) return wanted;
   log::warn("maximum_connections = {}: the limit on open files permits {}", wanted, possible);
   return static_cast<int>(possible);
@@ -189,7 +190,7 @@ public:
     if (!listener_) return std::nullopt;
     return service::TlsListening{*listener_,
                                  static_cast<std::size_t>(config_.maximum_connections_per_peer()),
-                                 files_.certificate, files_.key, files_.client_ca};
+                                 {files_.certificate, files_.key, files_.client_ca}};
   }
   std::string address() const { return listener_ ? listener_->address() : ""; }
   const std::string& certificate() const { return files_.certificate; }
@@ -212,7 +213,7 @@ private:
 
   const v1::DaemonConfig config_;
   TlsFiles files_;
-  std::optional<service::Listener> listener_;
+  std::optional<relay::Listener> listener_;
   std::jthread keeper_;
 };
 
@@ -354,7 +355,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   refuse_open_address(given.listen());
   const v1::DaemonConfig config = resolved(given);
   JobSide side(config, workers);
-  service::Listener listener(config.listen());
+  const relay::Listener listener(config.listen());
   TlsListener tls(config);
   access::UserStore users(side.directory.path());
   access::AuditLog audit(side.directory.path());

@@ -5,47 +5,40 @@
 #include <grpcpp/server_context.h>
 
 #include <algorithm>
+#include <iterator>
+#include <map>
+#include <stdexcept>
 #include <utility>
 
 #include "dccast/v1/service.pb.h"
-#include "server/access/certificates.hpp"
-#include "server/service/connection_watch.hpp"
 #include "server/service/refusals.hpp"
 
 namespace dccast::service {
 
 namespace {
 
-std::string property(const grpc::AuthContext& context, const char* name) {
-  const auto values = context.FindPropertyValues(name);
-  return values.empty() ? "" : std::string(values.front().data(), values.front().size());
+using Metadata = std::multimap<grpc::string_ref, grpc::string_ref>;
+
+/// The last value of a header; empty: there is none.
+std::string header_in(const Metadata& metadata, const char* name) {
+  const auto [first, end] = metadata.equal_range(name);
+  if (first == end) return "";
+  const grpc::string_ref value = std::prev(end)->second;
+  return {value.data(), value.size()};
 }
 
-std::string token_in(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata) {
-  const auto found = metadata.find("authorization");
-  if (found == metadata.end()) return "";
-  const std::string value(found->second.data(), found->second.size());
+std::string token_in(const Metadata& metadata) {
+  const std::string value = header_in(metadata, "authorization");
   constexpr std::string_view scheme = "Bearer ";
   return value.starts_with(scheme) ? value.substr(scheme.size()) : value;
 }
 
-Shown shown_over_tls(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata,
-                     const grpc::AuthContext& security, std::string peer) {
-  Shown shown{.peer = std::move(peer), .over_tls = true, .token = token_in(metadata)};
-  shown.certificate_name = property(security, "x509_common_name");
-  if (!shown.certificate_name.empty())
-    shown.certificate_ends_unix =
-        access::read_certificate(property(security, "x509_pem_cert"), "the client's certificate")
-            .ends_unix;
-  return shown;
-}
-
-Shown shown_of(const grpc::CallbackServerContext& context) {
-  const auto security = context.auth_context();
-  if (security == nullptr) return {.peer = context.peer(), .over_tls = true};
-  // Only the loopback listener takes connections without TLS.
-  if (property(*security, "transport_security_type") == "insecure") return {.peer = context.peer()};
-  return shown_over_tls(context.client_metadata(), *security, context.peer());
+/// The relay's header stands behind those of the client, who may have sent the same.
+/// @throws std::runtime_error  the connection has ended
+Shown shown_in(const Metadata& metadata, const relay::PeerTable& peers) {
+  const auto peer = peers.find(header_in(metadata, relay::connection_header));
+  if (!peer) throw std::runtime_error("the connection of this call has ended");
+  return {.peer = peer, .token = token_in(metadata)};
 }
 
 class ProofBeforeBody final : public grpc::AuthMetadataProcessor {
@@ -54,7 +47,7 @@ public:
 
   bool IsBlocking() const override { return false; }  // it has the users at hand
 
-  grpc::Status Process(const InputMetadata& metadata, grpc::AuthContext* security, OutputMetadata*,
+  grpc::Status Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata*,
                        OutputMetadata*) override try {
     const auto path = metadata.find(":path");
     const auto* method =
@@ -62,11 +55,12 @@ public:
     if (method == nullptr) return grpc::Status::OK;  // of gRPC, or UNIMPLEMENTED
     const access::CallRule& rule = access::rule_of(*method->input_type());
     if (rule.access.role() == v1::ANYONE) return grpc::Status::OK;
-    const Shown shown = shown_over_tls(metadata, *security, peer_read_last());
+    const Shown shown = shown_in(metadata, gate_.peers());
+    if (!shown.peer->over_tls) return grpc::Status::OK;  // looked up where a thread may wait
     const access::Caller caller = gate_.identify(shown);
     if (caller.refusal.empty()) return grpc::Status::OK;
-    const grpc::Status status = gate_.permit(caller, rule, shown.peer);
-    gate_.record({}, caller, rule, shown.peer, status);
+    const grpc::Status status = gate_.permit(caller, rule, shown.peer->address);
+    gate_.record({}, caller, rule, shown.peer->address, status);
     return status;
   } catch (const std::exception& error) {
     return {grpc::UNAVAILABLE, error.what()};
@@ -104,8 +98,8 @@ CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
       id_(id_of(request, *rule_)),
       deadline_(context.deadline()) {
   try {
-    shown_ = shown_of(context);
-    if (shown_.over_tls) judge();
+    shown_ = shown_in(context.client_metadata(), gate.peers());
+    if (shown_.peer->over_tls) judge();
   } catch (const std::exception& error) {
     refusal_ = {grpc::UNAVAILABLE, error.what()};
   }
@@ -113,7 +107,7 @@ CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
 
 void CallOrigin::judge() {
   caller_ = gate_->identify(shown_);
-  refusal_ = gate_->permit(*caller_, *rule_, shown_.peer);
+  refusal_ = gate_->permit(*caller_, *rule_, shown_.peer->address);
   if (!refusal_.ok()) record_refusal(refusal_);
 }
 
@@ -143,7 +137,7 @@ void CallOrigin::record(const Call& call, const grpc::Status& status) const {
   v1::AuditEvent event = *call.note;
   if (rule_->touches_job()) event.set_job(id_);
   if (rule_->touches_study()) event.set_study(id_);
-  gate_->record(std::move(event), call.caller, *rule_, shown_.peer, status);
+  gate_->record(std::move(event), call.caller, *rule_, shown_.peer->address, status);
 }
 
 void CallOrigin::record_refusal(const grpc::Status& status) const {

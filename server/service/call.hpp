@@ -70,8 +70,8 @@ private:
 /// The call of ours at a path ("/dccast.v1.SimulationService/GetJob"); null: none.
 const google::protobuf::MethodDescriptor* method_at(std::string_view path);
 
-/// For a listener over TLS: a call that needs a proof of who one is, and has none, is refused when
-/// its headers have come, before its request is read.
+/// Refuses a call over TLS that needs a proof of who the caller is, and has none, when its headers
+/// have come, before its request is read.
 /// @param gate  outlives it
 std::shared_ptr<grpc::AuthMetadataProcessor> proof_before_body(Gate& gate);
 

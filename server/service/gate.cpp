@@ -57,10 +57,11 @@ Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& 
       watcher_([this](const std::stop_token& stop) { watch_for_lapses(stop); }) {}
 
 access::Caller Gate::identify(const Shown& shown) {
-  if (!shown.over_tls) return authority_.local_user(local_users_.name_of(shown.peer));
+  const relay::Peer& peer = *shown.peer;
+  if (!peer.over_tls) return authority_.local_user(local_users_.name_of(peer.address));
   if (!shown.token.empty()) return authority_.by_token(shown.token, std::time(nullptr));
-  if (!shown.certificate_name.empty())
-    return authority_.by_certificate(shown.certificate_name, shown.certificate_ends_unix,
+  if (!peer.certificate_name.empty())
+    return authority_.by_certificate(peer.certificate_name, peer.certificate_ends_unix,
                                      std::time(nullptr));
   return {.by = access::ProvenBy::token,
           .refusal =

@@ -19,6 +19,7 @@
 #include "server/access/limits.hpp"
 #include "server/access/rules.hpp"
 #include "server/jobs/tally.hpp"
+#include "server/relay/peer_table.hpp"
 
 namespace dccast::service {
 
@@ -38,11 +39,8 @@ public:
 
 /// What a client has shown of itself with a call.
 struct Shown {
-  std::string peer;       ///< as gRPC writes it
-  bool over_tls = false;  ///< else over loopback
+  std::shared_ptr<const relay::Peer> peer;  ///< other end of its connection
   std::string token{};
-  std::string certificate_name{};          ///< verified; empty: none
-  std::int64_t certificate_ends_unix = 0;  ///< [s since 1970]
 };
 
 /// The name of a user of this machine, or the number of one without a name.
@@ -108,6 +106,8 @@ public:
   std::size_t open_streams() { return streams_.open(); }
 
   access::Authority& authority() { return authority_; }
+  /// Other ends of the connections that are open.
+  relay::PeerTable& peers() { return peers_; }
 
 private:
   struct Lasting {
@@ -120,6 +120,7 @@ private:
   access::Authority& authority_;
   access::AuditLog& audit_;
   LocalUsers local_users_;
+  relay::PeerTable peers_;
   const Owners owners_;
   access::CallRate rate_, unproven_rate_, recorded_refusals_;
   access::OpenCount streams_;

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "server/jobs/log.hpp"
-#include "server/service/connection_watch.hpp"
+#include "server/service/call.hpp"
 
 namespace dccast::service {
 
@@ -42,36 +42,17 @@ constexpr std::pair<const char*, int> channel_arguments[]{
     {GRPC_ARG_MAX_CONCURRENT_STREAMS, 100}};
 constexpr std::size_t memory_of_transports = 256'000'000;  // [bytes]
 
-// What a client sends before its first request, with some pings: preface, settings, window; with
-// TLS its half of the handshake, too, without a certificate.
-constexpr std::uint64_t greeting_bytes = 200;
-constexpr std::uint64_t tls_greeting_bytes = 1200;
-
-std::shared_ptr<grpc::ServerCredentials> tls_credentials(const TlsListening& tls, Gate& gate) {
-  constexpr unsigned looked_at_every_s = 1;
-  const bool asks = !tls.client_ca.empty();
-  grpc::experimental::TlsServerCredentialsOptions options(
-      std::make_shared<grpc::experimental::FileWatcherCertificateProvider>(
-          tls.key, tls.certificate, tls.client_ca, looked_at_every_s));
-  options.watch_identity_key_cert_pairs();
-  if (asks) options.watch_root_certs();
-  // One who shows no certificate may have a token; one who shows a wrong one is refused.
-  options.set_cert_request_type(asks ? GRPC_SSL_REQUEST_CLIENT_CERTIFICATE_AND_VERIFY
-                                     : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
-  auto credentials = grpc::experimental::TlsServerCredentials(options);
+/// @return what hands sockets of the relay to gRPC
+std::function<void(int)> hand_over(grpc::ServerBuilder& builder, Gate& gate) {
+  auto credentials = grpc::experimental::LocalServerCredentials(UDS);
   credentials->SetAuthMetadataProcessor(proof_before_body(gate));
-  return credentials;
-}
-
-/// @return what hands accepted connections to gRPC, see Listener
-std::function<void(int)> hand_over(grpc::ServerBuilder& builder,
-                                   std::shared_ptr<grpc::ServerCredentials> credentials) {
   auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
       std::move(credentials));
-  return [acceptor = std::shared_ptr(std::move(acceptor))](int connection) {
+
+  return [acceptor = std::shared_ptr(std::move(acceptor))](int socket) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
-    parameters.fd = connection;
+    parameters.fd = socket;
     acceptor->HandleNewConnection(&parameters);
   };
 }
@@ -128,18 +109,19 @@ void log_grpc_as_debug() {
   });
 }
 
-PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsListening> tls)
-    : local_(local), tls_(std::move(tls)), service_(context), context_(context) {
+PublicServer::PublicServer(Context& context, const relay::Listener& local,
+                           std::optional<TlsListening> tls)
+    : service_(context), context_(context) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  const auto admit = hand_over(builder, grpc::InsecureServerCredentials());
-  const auto admit_over_tls =
-      tls_ ? hand_over(builder, tls_credentials(*tls_, context.gate)) : nullptr;
+  auto serve = hand_over(builder, context.gate);
+
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
   interceptors.push_back(std::make_unique<UnreadableRequests>());
   builder.experimental().SetInterceptorCreators(std::move(interceptors));
   builder.RegisterService(&service_);
+
   const double largest = context.settings.maximum_message_bytes();
   builder.SetMaxReceiveMessageSize(static_cast<int>(largest));
   // The limit of a message holds for its bytes on the wire: a few megabytes of gzip stand for
@@ -148,17 +130,18 @@ PublicServer::PublicServer(Context& context, Listener& local, std::optional<TlsL
     builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
   for (const auto& [name, value] : channel_arguments) builder.AddChannelArgument(name, value);
   builder.SetResourceQuota(grpc::ResourceQuota("dccastd").Resize(memory_of_transports));
-  bound_unfinished_requests(static_cast<std::size_t>(largest) + unfinished_beside_the_largest);
-  server_ = builder.BuildAndStart();
-  if (!server_) throw std::runtime_error("gRPC cannot serve on " + local_.address());
+
   const auto connections = static_cast<std::size_t>(context.settings.maximum_connections());
-  local_.start({.connections = connections, .greeting_bytes = greeting_bytes}, admit);
-  if (tls_)
-    tls_->listener.start({.connections = connections,
-                          .per_peer = tls_->connections_per_peer,
-                          .greeting_bytes = tls_greeting_bytes,
-                          .over_tls = true},
-                         admit_over_tls);
+  relay_.emplace(context.gate.peers(), std::move(serve),
+                 static_cast<std::size_t>(largest) + unfinished_beside_the_largest);
+  relay_->add(local, {.connections = connections}, std::nullopt);
+  if (tls)
+    relay_->add(tls->listener, {.connections = connections, .per_peer = tls->connections_per_peer},
+                tls->files);
+
+  server_ = builder.BuildAndStart();
+  if (!server_) throw std::runtime_error("gRPC cannot serve on " + local.address());
+  relay_->start();
   server_->GetHealthCheckService()->SetServingStatus(alive, true);
   health_ = std::jthread([this](const std::stop_token& stop) { report_health(stop); });
 }
@@ -187,10 +170,10 @@ void PublicServer::announce_end() {
 
 void PublicServer::shut_down() {
   health_ = {};
-  local_.stop();  // gRPC takes no connection once it ends
-  if (tls_) tls_->listener.stop();
+  relay_->stop_accepting();  // gRPC takes no connection once it ends
   server_->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1));
   server_->Wait();
+  relay_->close();
 }
 
 }  // namespace dccast::service

@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
+#include "server/relay/relay.hpp"
 #include "server/service/context.hpp"
-#include "server/service/listener.hpp"
 #include "server/service/simulation_service.hpp"
 
 namespace dccast::service {
@@ -17,13 +17,11 @@ namespace dccast::service {
 /// Sends what gRPC logs to our log, as debug: its lines name its own sources and help no user.
 void log_grpc_as_debug();
 
-/// Where users of other machines call. The files are looked at every second: what is renewed holds
-/// for the next handshake.
+/// Where users of other machines call.
 struct TlsListening {
-  Listener& listener;
+  const relay::Listener& listener;
   std::size_t connections_per_peer = SIZE_MAX;
-  std::string certificate, key;  ///< PEM
-  std::string client_ca;         ///< PEM; empty: certificates of clients are not asked for
+  relay::TlsFiles files;
 };
 
 /// SimulationService, health and reflection: for local users without TLS on loopback, for others
@@ -32,8 +30,9 @@ struct TlsListening {
 /// to end. The empty name is that of the daemon until it is about to end.
 class PublicServer {
 public:
-  /// @param tls  nothing: local users alone @throws std::runtime_error  gRPC refuses
-  PublicServer(Context& context, Listener& local, std::optional<TlsListening> tls);
+  /// @param tls  nothing: local users alone
+  /// @throws std::runtime_error  gRPC refuses, or the files of TLS cannot be used
+  PublicServer(Context& context, const relay::Listener& local, std::optional<TlsListening> tls);
   ~PublicServer();
   /// Health is NOT_SERVING from now on, but for "alive".
   void announce_end();
@@ -41,13 +40,12 @@ public:
   void shut_down();
 
 private:
-  Listener& local_;
-  std::optional<TlsListening> tls_;
   SimulationService service_;
   void report_health(const std::stop_token& stop);
 
   Context& context_;
   std::unique_ptr<grpc::Server> server_;
+  std::optional<relay::Relay> relay_;
   std::jthread health_;
 };
 

@@ -107,6 +107,20 @@ class Tokens(AccessTest):
         self.assertEqual(self.submit(anna).owner, "anna")
         self.assertIn("desk", self.admin("user", "list"))
 
+    def test_no_one_borrows_the_connection_of_another(self):
+        self.start()
+        local = self.local()
+        name = local.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10).name
+        forged = [("dccast-connection", str(number)) for number in range(1, 6)]
+        stranger = self.remote()
+        self.refused(grpc.StatusCode.UNAUTHENTICATED, stranger.WhoAmI, service_pb2.WhoAmIRequest(),
+                     timeout=10, metadata=forged)
+        token = self.token_of("anna")
+        anna = self.remote(token).WhoAmI(service_pb2.WhoAmIRequest(), timeout=10, metadata=forged)
+        self.assertEqual((anna.name, anna.proof), ("anna", "token"))
+        again = local.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10, metadata=forged)
+        self.assertEqual((again.name, again.proof), (name, "local user"))
+
     def test_without_a_right_token_nothing_is_answered(self):
         self.start()
         info = service_pb2.GetServerInfoRequest()

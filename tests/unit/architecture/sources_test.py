@@ -66,6 +66,7 @@ DEBIAN_PACKAGES = {
     "nlohmann_json": ["nlohmann-json3-dev"],
     "HDF5": ["libhdf5-dev"],
     "Eigen3": ["libeigen3-dev"],
+    "Boost": ["libboost-dev"],
     "OpenSSL": ["libssl-dev"],
     "Udunits2": ["libudunits2-dev"],
     "Httplib": ["libcpp-httplib-dev"],

@@ -5,22 +5,29 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "server/access/limits.hpp"
 
-namespace dccast::service {
+namespace dccast::relay {
 
 /// Follows the frames of HTTP/2 (RFC 9113, 4.1) that one client sends, and finds what gRPC 1.51
 /// does not bound: calls that are begun and taken back, headers without an end, frames that ask for
-/// work and bring none, and requests that are not finished. Not safe to use from several threads.
+/// work and bring none, and requests that are not finished. Adds to each call a header that names
+/// its connection. Not safe to use from several threads.
 class FrameGuard {
 public:
   using Clock = std::chrono::steady_clock;
 
-  /// @param bytes  the next ones of the connection, wherever they are cut
-  /// @return       empty, or why the connection is to be ended
-  std::string_view take(std::string_view bytes, Clock::time_point now);
+  /// @param connection  value of the connection header; at most 100 characters
+  explicit FrameGuard(std::string_view connection = "");
+
+  /// @param bytes      the next ones of the connection, wherever they are cut
+  /// @param forwarded  what goes on to gRPC is added to it
+  /// @return           empty, or why the connection is to be ended
+  std::string_view take(std::string_view bytes, Clock::time_point now, std::string& forwarded);
 
   /// What gRPC keeps of calls whose request has not ended [bytes].
   std::size_t unfinished_bytes() const { return unfinished_bytes_; }
@@ -33,6 +40,8 @@ private:
   };
 
   std::string_view begin_frame(const Frame& frame, Clock::time_point now);
+  void forward_head(const Frame& frame, std::string& forwarded);
+  void forward_connection_header(std::string& forwarded);
   std::string_view take_headers(const Frame& frame);
   void take_body(const Frame& frame);
   void keep(std::uint32_t stream, std::size_t bytes);
@@ -48,9 +57,12 @@ private:
   std::array<unsigned char, 9> head_{};
   std::size_t head_size_ = 0;
   std::size_t payload_left_ = 0;
+  const std::string connection_field_;  ///< the connection header as HPACK writes it
+  /// Call whose headers end with the frame at hand, and have yet to get ours.
+  std::optional<std::uint32_t> needs_connection_;
   std::size_t header_block_ = 0;
   std::map<std::uint32_t, std::size_t> unfinished_;  ///< bytes by stream that has not ended
   std::size_t unfinished_bytes_ = 0;
 };
 
-}  // namespace dccast::service
+}  // namespace dccast::relay

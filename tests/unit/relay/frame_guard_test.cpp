@@ -1,11 +1,11 @@
-#include "server/service/frame_guard.hpp"
+#include "server/relay/frame_guard.hpp"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <string>
 
-namespace dccast::service {
+namespace dccast::relay {
 
 namespace {
 
@@ -38,11 +38,14 @@ std::string call(std::uint32_t stream) {
 }
 
 struct FrameGuardTest : testing::Test {
-  FrameGuard guard;
+  FrameGuard guard{"42"};
+  std::string forwarded;
   FrameGuard::Clock::time_point now = FrameGuard::Clock::now();
 
   void SetUp() override { send(preface + frame(settings, 0, 0, 18) + frame(settings, 1, 0)); }
-  std::string send(const std::string& bytes) { return std::string(guard.take(bytes, now)); }
+  std::string send(const std::string& bytes) {
+    return std::string(guard.take(bytes, now, forwarded));
+  }
 
   /// How many of these pass, at this instant.
   int number_taken(const std::string& bytes, int most) {
@@ -61,9 +64,9 @@ TEST_F(FrameGuardTest, ABusyClientPasses) {
 
 TEST_F(FrameGuardTest, OneWhoDoesNotAcknowledgeTheBoundOnCallsBeginsFew) {
   FrameGuard silent;
-  EXPECT_EQ(silent.take(preface + frame(settings, 0, 0, 18), now), "");
+  EXPECT_EQ(silent.take(preface + frame(settings, 0, 0, 18), now, forwarded), "");
   int taken = 0;
-  while (taken < 1000 && silent.take(call(1), now).empty()) ++taken;
+  while (taken < 1000 && silent.take(call(1), now, forwarded).empty()) ++taken;
   EXPECT_EQ(taken, 100);
 }
 
@@ -93,6 +96,36 @@ TEST_F(FrameGuardTest, FramesAreFollowedWhereverTheBytesAreCut) {
     if (!passed) break;
   }
   EXPECT_EQ(taken, 2000);
+}
+
+/// What gRPC sees of the headers of a call that carries this connection's number.
+std::string with_connection(std::uint32_t stream, const std::string& headers_without_end) {
+  std::string field("\0\x11", 2);
+  field.append("dccast-connection").append("\x02").append("42");
+  std::string ours = frame(continuation, end_headers, stream, field.size());
+  return headers_without_end + ours.replace(9, field.size(), field);
+}
+
+TEST_F(FrameGuardTest, EachCallGetsTheNumberOfItsConnectionBehindItsHeaders) {
+  const std::string body = frame(data, end_stream, 1, 5);
+  forwarded.clear();
+  EXPECT_EQ(send(frame(headers, end_headers, 1, 60) + body), "");
+  EXPECT_EQ(forwarded, with_connection(1, frame(headers, 0, 1, 60)) + body);
+
+  forwarded.clear();
+  const std::string in_pieces =
+      frame(headers, end_stream, 3, 60) + frame(continuation, end_headers, 3, 0);
+  for (const char byte : in_pieces) EXPECT_EQ(send({byte}), "");
+  EXPECT_EQ(forwarded,
+            with_connection(3, frame(headers, end_stream, 3, 60) + frame(continuation, 0, 3, 0)));
+}
+
+TEST_F(FrameGuardTest, OtherFramesPassAsTheyAre) {
+  const std::string others = frame(settings, 1, 0) + frame(ping, 0, 0, 8) +
+                             frame(window_update, 0, 1, 4) + frame(rst_stream, 0, 1, 4);
+  forwarded.clear();
+  EXPECT_EQ(send(others), "");
+  EXPECT_EQ(forwarded, others);
 }
 
 TEST_F(FrameGuardTest, HeadersEnd) {
@@ -128,4 +161,4 @@ TEST_F(FrameGuardTest, ABodyInSmallPiecesCountsWhatGrpcKeepsOfThem) {
 
 }  // namespace
 
-}  // namespace dccast::service
+}  // namespace dccast::relay

@@ -1,0 +1,183 @@
+#include "server/relay/connection.hpp"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <boost/asio/post.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "server/jobs/log.hpp"
+
+namespace dccast::relay {
+
+namespace {
+
+using Outcome = Transfer::Outcome;
+
+constexpr std::chrono::seconds handshake_time{10};
+/// A client that takes nothing for so long has gone. gRPC's own ping ends it within 30 s, but
+/// gRPC's end of the socket pair does not see that what it has sent stays here.
+constexpr std::chrono::seconds stall_time{60};
+
+// What a client sends before its first request, with some pings: preface, settings, window [bytes].
+constexpr std::uint64_t greeting_bytes = 200;
+
+constexpr std::size_t buffer_bytes = 64 * 1024;
+// Others wait while one connection moves so many buffers.
+constexpr int buffers_a_turn = 4;
+
+/// Of the thread of the relay: what is read here is sent on before anything else is read.
+std::array<char, buffer_bytes>& read_buffer() {
+  static thread_local std::array<char, buffer_bytes> buffer;
+  return buffer;
+}
+std::string& forward_buffer() {
+  static thread_local std::string buffer;
+  return buffer;
+}
+
+}  // namespace
+
+Connection::Connection(boost::asio::io_context& loop, ConnectionOwner& owner, int socket, Peer peer,
+                       SSL_CTX* tls)
+    : loop_(loop),
+      owner_(owner),
+      peer_(std::move(peer)),
+      client_{Socket(loop, socket), nullptr},
+      deadline_(loop) {
+  client_.stream = tls != nullptr ? tls_stream(socket, *tls) : plain_stream(socket);
+}
+
+Connection::~Connection() {
+  if (number_ != 0) owner_.peers().remove(number_);
+}
+
+void Connection::start() {
+  end_after(handshake_time);
+  shake_hands();
+}
+
+bool Connection::is_silent() const {
+  return received_ <= greeting_bytes;
+}
+
+void Connection::shake_hands() {
+  if (ended_) return;
+  const Transfer step = client_.stream->handshake();
+  if (step.outcome != Outcome::moved) return wait(client_, step, &Connection::shake_hands);
+
+  deadline_.cancel();
+  try {
+    open();
+  } catch (const std::exception& error) {
+    log::warn("a connection of {} is closed: {}", peer_.address, error.what());
+    return end();
+  }
+  carry_requests();
+  carry_answers();
+}
+
+void Connection::open() {
+  client_.stream->describe(peer_);
+
+  std::array<int, 2> pair{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, pair.data()) != 0)
+    throw std::runtime_error(std::string("no pair of sockets: ") + ::strerror(errno));
+  service_.emplace(Side{Socket(loop_, pair[0]), plain_stream(pair[0])});
+
+  number_ = owner_.peers().add(std::make_shared<const Peer>(peer_));
+  guard_.emplace(std::to_string(number_));
+  owner_.serve(pair[1]);
+}
+
+void Connection::carry_requests() {
+  for (int buffer = 0; buffer < buffers_a_turn && !ended_; ++buffer) {
+    if (!send_rest(*service_, &Connection::carry_requests)) return;
+    const Transfer read = client_.stream->read(read_buffer().data(), buffer_bytes);
+    if (read.outcome != Outcome::moved) return wait(client_, read, &Connection::carry_requests);
+    received_ += read.bytes;
+
+    // What is hostile goes no further than this.
+    std::string& forwarded = forward_buffer();
+    forwarded.clear();
+    const std::size_t before = guard_->unfinished_bytes();
+    const std::string_view fault =
+        guard_->take({read_buffer().data(), read.bytes}, FrameGuard::Clock::now(), forwarded);
+    if (!fault.empty()) return end(fault);
+    if (guard_->unfinished_bytes() > before) owner_.on_growth(guard_->unfinished_bytes() - before);
+
+    if (!ended_ && !send(*service_, forwarded, &Connection::carry_requests)) return;
+  }
+  yield(&Connection::carry_requests);
+}
+
+void Connection::carry_answers() {
+  for (int buffer = 0; buffer < buffers_a_turn && !ended_; ++buffer) {
+    if (!send_rest(client_, &Connection::carry_answers)) return;
+    const Transfer read = service_->stream->read(read_buffer().data(), buffer_bytes);
+    if (read.outcome == Outcome::ended) client_.stream->close();  // it has got everything
+    if (read.outcome != Outcome::moved) return wait(*service_, read, &Connection::carry_answers);
+    if (!send(client_, {read_buffer().data(), read.bytes}, &Connection::carry_answers)) return;
+  }
+  yield(&Connection::carry_answers);
+}
+
+bool Connection::send(Side& to, std::string_view bytes, Step retry) {
+  while (!bytes.empty()) {
+    const Transfer written = to.stream->write(bytes);
+    if (written.outcome != Outcome::moved) {
+      to.unsent = bytes;
+      if (&to == &client_) end_after(stall_time);
+      wait(to, written, retry);
+      return false;
+    }
+    bytes.remove_prefix(written.bytes);
+  }
+  return true;
+}
+
+bool Connection::send_rest(Side& to, Step retry) {
+  if (to.unsent.empty()) return true;
+  if (&to == &client_) deadline_.cancel();
+  const std::string rest = std::exchange(to.unsent, {});
+  return send(to, rest, retry);
+}
+
+void Connection::wait(Side& side, const Transfer& transfer, Step next) {
+  if (transfer.outcome == Outcome::ended) return end();
+  side.socket.async_wait(
+      transfer.outcome == Outcome::wait_until_readable ? Socket::wait_read : Socket::wait_write,
+      [self = shared_from_this(), next](const boost::system::error_code&) {
+        if (!self->ended_) (self.get()->*next)();
+      });
+}
+
+void Connection::yield(Step next) {
+  if (ended_) return;
+  boost::asio::post(loop_, [self = shared_from_this(), next] {
+    if (!self->ended_) (self.get()->*next)();
+  });
+}
+
+void Connection::end_after(std::chrono::seconds time) {
+  deadline_.expires_after(time);
+  deadline_.async_wait([self = shared_from_this()](const boost::system::error_code& cancelled) {
+    if (!cancelled) self->end();
+  });
+}
+
+void Connection::end(std::string_view hostile) {
+  if (std::exchange(ended_, true)) return;
+  if (!hostile.empty()) log::info("a connection of {} is ended: {}", peer_.address, hostile);
+  const auto self = shared_from_this();  // the owner may let go of the last reference
+
+  boost::system::error_code ignored;
+  deadline_.cancel(ignored);
+  client_.socket.close(ignored);
+  if (service_) service_->socket.close(ignored);
+  client_.stream.reset();
+  owner_.on_end(*this, !hostile.empty());
+}
+
+}  // namespace dccast::relay

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/relay/connection.hpp"
+#include "server/relay/listener.hpp"
+#include "server/relay/relay.hpp"
+#include "server/relay/tls_context.hpp"
+
+namespace dccast::relay {
+
+/// A listener with its connections. When all are in use, the one that has been longest without a
+/// request gives way; where each has made one, or a machine has as many as it may, a further
+/// connection is closed. For the thread of the relay alone.
+class Door {
+public:
+  /// @param tls  null: without TLS
+  Door(boost::asio::io_context& loop, ConnectionOwner& owner, const Listener& listener,
+       const Bounds& bounds, std::unique_ptr<TlsContext> tls);
+
+  /// Takes up files of TLS that have changed.
+  void refresh_certificates();
+  const std::vector<std::shared_ptr<Connection>>& connections() const { return connections_; }
+
+  void wait_for_client();
+  void stop_accepting();
+  void end_all();
+  /// @return whether the connection was of this door
+  bool remove(const Connection& connection, bool hostile);
+
+private:
+  using Condition = std::function<bool(const Connection&)>;
+
+  void end_those(const Condition& condition);
+  void pace();
+  void accept_after(std::chrono::milliseconds pause);
+  void accept();
+  void admit(int socket, Peer peer);
+  bool make_room(const std::string& host);
+  bool end_a_silent_one(const std::string& host);
+  void bound_handshakes();
+
+  boost::asio::io_context& loop_;
+  ConnectionOwner& owner_;
+  const Bounds bounds_;
+  const std::unique_ptr<TlsContext> tls_;
+  boost::asio::posix::stream_descriptor socket_;
+  boost::asio::steady_timer pause_;
+  std::vector<std::shared_ptr<Connection>> connections_;  ///< oldest first
+  int hostile_ = 0;                                       ///< ended since the last pace()
+  bool full_ = false;
+};
+
+}  // namespace dccast::relay

@@ -1,0 +1,91 @@
+#include "server/relay/listener.hpp"
+
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <string.h>
+
+#include <array>
+#include <cerrno>
+#include <memory>
+#include <stdexcept>
+
+#include "proto/values/address.hpp"
+
+namespace dccast::relay {
+
+namespace {
+
+std::string host_part(const std::string& address) {
+  return address.substr(0, address.rfind(':'));
+}
+
+/// "localhost" is 127.0.0.1: one socket, and every client tries that one too.
+std::string numeric(const std::string& address) {
+  const std::string host = host_part(address);
+  return host == "localhost" ? "127.0.0.1" + address.substr(host.size()) : address;
+}
+
+[[noreturn]] void fail(const std::string& address, const std::string& reason) {
+  throw std::runtime_error(
+      fmt::format("cannot listen on {}: {}; is another dccastd there? Port 0 takes a free one",
+                  address, reason));
+}
+
+using Addresses = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
+
+Addresses resolve(const std::string& address) {
+  const auto [host, port] = values::host_and_port(numeric(address));
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+  addrinfo* found = nullptr;
+  const int error = ::getaddrinfo(host.c_str(), port.c_str(), &hints, &found);
+  if (error != 0) fail(address, ::gai_strerror(error));
+  return {found, &::freeaddrinfo};
+}
+
+void set(int socket, int level, int option) {
+  constexpr int yes = 1;
+  ::setsockopt(socket, level, option, &yes, sizeof yes);
+}
+
+/// The port stands at the same place for IPv4 and IPv6.
+std::string port_of(const sockaddr_storage& address) {
+  return std::to_string(ntohs(reinterpret_cast<const sockaddr_in*>(&address)->sin_port));
+}
+
+}  // namespace
+
+Listener::Listener(const std::string& address) {
+  const Addresses found = resolve(address);
+  socket_ = storage::FileDescriptor(
+      ::socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket_) fail(address, ::strerror(errno));
+
+  set(socket_.get(), SOL_SOCKET, SO_REUSEADDR);  // connections of a daemon that has ended linger
+  set(socket_.get(), IPPROTO_TCP, TCP_NODELAY);  // what is accepted here inherits it
+  if (::bind(socket_.get(), found->ai_addr, found->ai_addrlen) != 0 ||
+      ::listen(socket_.get(), SOMAXCONN) != 0)
+    fail(address, ::strerror(errno));
+
+  sockaddr_storage bound{};
+  socklen_t size = sizeof bound;
+  ::getsockname(socket_.get(), reinterpret_cast<sockaddr*>(&bound), &size);
+  address_ = host_part(numeric(address)) + ":" + port_of(bound);
+}
+
+std::string host_of(const sockaddr_storage& address, socklen_t size) {
+  std::array<char, NI_MAXHOST> host{};
+  ::getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host.data(), host.size(),
+                nullptr, 0, NI_NUMERICHOST);
+  return host.data();
+}
+
+std::string uri_of(const std::string& host, const sockaddr_storage& address) {
+  return address.ss_family == AF_INET6 ? fmt::format("ipv6:%5B{}%5D:{}", host, port_of(address))
+                                       : fmt::format("ipv4:{}:{}", host, port_of(address));
+}
+
+}  // namespace dccast::relay

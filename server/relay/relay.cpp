@@ -1,0 +1,173 @@
+#include "server/relay/relay.hpp"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <future>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/jobs/log.hpp"
+#include "server/relay/connection.hpp"
+#include "server/relay/door.hpp"
+
+namespace dccast::relay {
+
+namespace {
+
+namespace asio = boost::asio;
+using std::chrono::seconds;
+
+constexpr seconds between_looks_at_certificates{1};
+constexpr seconds time_for_last_answers{1};
+
+}  // namespace
+
+class Relay::Loop final : public ConnectionOwner {
+public:
+  Loop(PeerTable& peers, std::function<void(int)> serve, std::size_t most_unfinished)
+      : peers_(peers), serve_(std::move(serve)), most_unfinished_(most_unfinished) {}
+
+  ~Loop() override { close(); }
+
+  void add(const Listener& listener, const Bounds& bounds, std::optional<TlsFiles> tls) {
+    doors_.push_back(
+        std::make_unique<Door>(context_, *this, listener, bounds,
+                               tls ? std::make_unique<TlsContext>(*std::move(tls)) : nullptr));
+  }
+
+  void start() {
+    for (const auto& door : doors_) door->wait_for_client();
+    refresh_certificates();
+    thread_ = std::thread([this] { run(); });
+  }
+
+  void stop_accepting() {
+    if (!thread_.joinable()) return;
+    std::promise<void> stopped;
+    asio::post(context_, [&] {
+      for (const auto& door : doors_) door->stop_accepting();
+      stopped.set_value();
+    });
+    stopped.get_future().wait();
+  }
+
+  void close() {
+    if (!thread_.joinable()) return;
+    stop_accepting();
+    asio::post(context_, [this] {
+      certificates_.cancel();
+      trim_.cancel();
+      last_answers_.expires_after(time_for_last_answers);
+      last_answers_.async_wait([this](const boost::system::error_code& cancelled) {
+        if (cancelled) return;
+        for (const auto& door : doors_) door->end_all();
+      });
+      closing_ = true;
+      stop_when_empty();
+    });
+    thread_.join();
+  }
+
+  // ConnectionOwner.
+  PeerTable& peers() override { return peers_; }
+  void serve(int socket) override { serve_(socket); }
+
+  void on_growth(std::size_t bytes) override {
+    constexpr std::size_t between_looks = 1'000'000;
+    if ((grown_ += bytes) < between_looks) return;
+    grown_ = 0;
+    bound_unfinished();
+  }
+
+  void on_end(const Connection& connection, bool hostile) override {
+    for (const auto& door : doors_)
+      if (door->remove(connection, hostile)) break;
+    if (hostile) trim_later();
+    stop_when_empty();
+  }
+
+private:
+  void run() {
+    for (;;) try {
+        context_.run();
+        return;
+      } catch (const std::exception& error) {
+        log::error("the relay goes on after: {}", error.what());
+      }
+  }
+
+  void refresh_certificates() {
+    certificates_.expires_after(between_looks_at_certificates);
+    certificates_.async_wait([this](const boost::system::error_code& cancelled) {
+      if (cancelled) return;
+      for (const auto& door : doors_) door->refresh_certificates();
+      refresh_certificates();
+    });
+  }
+
+  void bound_unfinished() {
+    for (;;) {
+      std::size_t sum = 0;
+      std::shared_ptr<Connection> largest;
+      for (const auto& door : doors_)
+        for (const auto& connection : door->connections()) {
+          sum += connection->unfinished_bytes();
+          if (!largest || connection->unfinished_bytes() > largest->unfinished_bytes())
+            largest = connection;
+        }
+      if (sum <= most_unfinished_) return;
+      largest->end("requests that are not finished hold too much memory");
+    }
+  }
+
+  /// Returns to the system what hostile connections held, once none was ended for a while: the C
+  /// library keeps it otherwise.
+  void trim_later() {
+    constexpr seconds quiet{2};
+    trim_.expires_after(quiet);
+    trim_.async_wait([](const boost::system::error_code& cancelled) {
+      if (!cancelled) ::malloc_trim(0);
+    });
+  }
+
+  void stop_when_empty() {
+    const auto is_empty = [](const auto& door) { return door->connections().empty(); };
+    if (closing_ && std::ranges::all_of(doors_, is_empty)) context_.stop();
+  }
+
+  PeerTable& peers_;
+  const std::function<void(int)> serve_;
+  const std::size_t most_unfinished_;
+  asio::io_context context_{1};  // hint: one thread
+  asio::steady_timer certificates_{context_}, trim_{context_}, last_answers_{context_};
+  std::vector<std::unique_ptr<Door>> doors_;
+  std::size_t grown_ = 0;
+  bool closing_ = false;
+  std::thread thread_;
+};
+
+Relay::Relay(PeerTable& peers, std::function<void(int)> serve, std::size_t most_unfinished)
+    : loop_(std::make_unique<Loop>(peers, std::move(serve), most_unfinished)) {}
+
+Relay::~Relay() = default;
+
+void Relay::add(const Listener& listener, const Bounds& bounds, std::optional<TlsFiles> tls) {
+  loop_->add(listener, bounds, std::move(tls));
+}
+
+void Relay::start() {
+  loop_->start();
+}
+
+void Relay::stop_accepting() {
+  loop_->stop_accepting();
+}
+
+void Relay::close() {
+  loop_->close();
+}
+
+}  // namespace dccast::relay

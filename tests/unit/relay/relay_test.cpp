@@ -1,0 +1,307 @@
+#include "server/relay/relay.hpp"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "proto/values/address.hpp"
+#include "server/access/certificates.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace dccast::relay {
+
+namespace {
+
+using namespace std::chrono_literals;
+using storage::FileDescriptor;
+
+const std::string greeting =
+    "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + std::string("\0\0\0\4\0\0\0\0\0", 9);
+const std::string ping = std::string("\0\0\10\6\0\0\0\0\0", 9) + std::string(8, '\0');
+
+/// A client's socket. Whatever it waits for takes at most 10 s.
+FileDescriptor connected(const Listener& listener) {
+  FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  const timeval patience{.tv_sec = 10, .tv_usec = 0};
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  const auto [host, port] = values::host_and_port(listener.address());
+  address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(port)));
+  ::inet_pton(AF_INET, host.c_str(), &address.sin_addr);
+  EXPECT_EQ(::connect(socket.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  return socket;
+}
+
+void send_all(int socket, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t sent = ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (sent > 0) {
+      bytes.remove_prefix(static_cast<std::size_t>(sent));
+      continue;
+    }
+    if (errno != EAGAIN) return;  // the other side has closed it
+    pollfd writable{socket, POLLOUT, 0};
+    ::poll(&writable, 1, 10000);
+  }
+}
+
+/// @return so many bytes, or fewer where the other side has ended
+std::string receive(int socket, std::size_t size) {
+  std::string received;
+  std::string buffer(size, '\0');
+  while (received.size() < size) {
+    pollfd readable{socket, POLLIN, 0};
+    if (::poll(&readable, 1, 10000) <= 0) break;
+    const ssize_t some = ::recv(socket, buffer.data(), size - received.size(), 0);
+    if (some <= 0) break;
+    received.append(buffer, 0, static_cast<std::size_t>(some));
+  }
+  return received;
+}
+
+bool has_ended(int socket) {
+  pollfd readable{socket, POLLIN, 0};
+  char byte = 0;
+  return ::poll(&readable, 1, 10000) > 0 && ::recv(socket, &byte, 1, 0) <= 0;
+}
+
+class RelayTest : public testing::Test {
+protected:
+  void start(const Bounds& bounds = {.connections = 10},
+             std::optional<TlsFiles> tls = std::nullopt) {
+    relay_.add(listener_, bounds, std::move(tls));
+    relay_.start();
+  }
+
+  /// The next socket that gRPC would get; none within 10 s: an invalid one.
+  FileDescriptor served() {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_for(lock, 10s, [&] { return !served_.empty(); })) return FileDescriptor();
+    FileDescriptor socket = std::move(served_.front());
+    served_.pop_front();
+    return socket;
+  }
+
+  PeerTable peers_;
+  const Listener listener_{"127.0.0.1:0"};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<FileDescriptor> served_;
+  Relay relay_{peers_,
+               [this](int socket) {
+                 const std::lock_guard lock(mutex_);
+                 served_.emplace_back(socket);
+                 changed_.notify_all();
+               },
+               1'000'000};
+};
+
+TEST_F(RelayTest, BytesPassBothWaysAndThePeerIsKnown) {
+  start();
+  const FileDescriptor client = connected(listener_);
+  const FileDescriptor service = served();
+  send_all(client.get(), greeting);
+  EXPECT_EQ(receive(service.get(), greeting.size()), greeting);
+  send_all(service.get(), "answer");
+  EXPECT_EQ(receive(client.get(), 6), "answer");
+
+  const auto peer = peers_.find("1");
+  ASSERT_NE(peer, nullptr);
+  EXPECT_EQ(peer->address.substr(0, 15), "ipv4:127.0.0.1:");
+  EXPECT_FALSE(peer->over_tls);
+  EXPECT_EQ(peers_.find("2"), nullptr);
+}
+
+TEST_F(RelayTest, WhatWasSentBeforeTheEndArrives) {
+  start();
+  const FileDescriptor client = connected(listener_);
+  const std::string answer(3'000'000, 'a');
+  std::thread service([&] {
+    const FileDescriptor socket = served();
+    send_all(socket.get(), answer);
+  });
+  std::this_thread::sleep_for(100ms);  // the relay's buffers are full by now
+  EXPECT_EQ(receive(client.get(), answer.size()), answer);
+  EXPECT_TRUE(has_ended(client.get()));
+  service.join();
+}
+
+TEST_F(RelayTest, TheEndOfAClientIsThatOfItsService) {
+  start();
+  FileDescriptor client = connected(listener_);
+  const FileDescriptor service = served();
+  client = FileDescriptor();
+  EXPECT_TRUE(has_ended(service.get()));
+}
+
+TEST_F(RelayTest, NoMoreIsReadThanIsTaken) {
+  start();
+  const FileDescriptor client = connected(listener_);
+  const FileDescriptor service = served();
+  const timeval patience{.tv_sec = 0, .tv_usec = 300'000};
+  ::setsockopt(client.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+
+  constexpr int smaller = 65536;  // the system's own buffer, to see ours
+  ::setsockopt(client.get(), SOL_SOCKET, SO_SNDBUF, &smaller, sizeof smaller);
+  send_all(client.get(), greeting);
+  const std::string frame_head("\xff\xff\xff\xf0\0\0\0\0\0", 9);  // a frame of 16 MB, kind unknown
+  const std::string content = frame_head + std::string(16'000'000, 'x');
+  std::size_t sent = 0;
+  for (;;) {
+    const ssize_t some =
+        ::send(client.get(), content.data() + sent, content.size() - sent, MSG_NOSIGNAL);
+    if (some <= 0) break;
+    sent += static_cast<std::size_t>(some);
+  }
+  EXPECT_LT(sent, 12'000'000U);
+  EXPECT_EQ(receive(service.get(), greeting.size()), greeting);
+}
+
+TEST_F(RelayTest, AHostilePeerIsEnded) {
+  start();
+  const FileDescriptor client = connected(listener_);
+  const FileDescriptor service = served();
+  send_all(client.get(), greeting);
+  for (int i = 0; i < 5000; ++i) send_all(client.get(), ping);
+  EXPECT_TRUE(has_ended(client.get()));
+}
+
+TEST_F(RelayTest, OneMachineHasItsShare) {
+  start({.connections = 10, .per_peer = 2});
+  const FileDescriptor first = connected(listener_), second = connected(listener_);
+  const FileDescriptor third = connected(listener_);
+  EXPECT_TRUE(has_ended(third.get()));
+  send_all(first.get(), greeting);
+  send_all(second.get(), greeting);
+  EXPECT_EQ(receive(served().get(), 1), "P");
+}
+
+TEST_F(RelayTest, TheEndClosesAllConnections) {
+  start();
+  const FileDescriptor client = connected(listener_);
+  const FileDescriptor service = served();
+  relay_.stop_accepting();
+  relay_.close();
+  EXPECT_TRUE(has_ended(client.get()));
+  EXPECT_TRUE(has_ended(service.get()));
+}
+
+/// A client over TLS that trusts any server.
+class TlsClient {
+public:
+  explicit TlsClient(const Listener& listener) : socket_(connected(listener)) {
+    ::SSL_set_fd(session_.get(), socket_.get());
+    constexpr unsigned char http2[]{2, 'h', '2'};
+    ::SSL_set_alpn_protos(session_.get(), http2, sizeof http2);
+    is_connected_ = ::SSL_connect(session_.get()) == 1;
+  }
+
+  bool is_connected() const { return is_connected_; }
+  void send(const std::string& bytes) {
+    ::SSL_write(session_.get(), bytes.data(), static_cast<int>(bytes.size()));
+  }
+  std::string receive(std::size_t size) {
+    std::string bytes(size, '\0');
+    std::size_t received = 0;
+    while (received < size) {
+      const int some =
+          ::SSL_read(session_.get(), bytes.data() + received, static_cast<int>(size - received));
+      if (some <= 0) break;
+      received += static_cast<std::size_t>(some);
+    }
+    return bytes.substr(0, received);
+  }
+  /// Serial number of the server's certificate.
+  std::string serial() const {
+    const std::unique_ptr<X509, decltype(&::X509_free)> certificate(
+        ::SSL_get1_peer_certificate(session_.get()), &::X509_free);
+    const ASN1_INTEGER* number = ::X509_get0_serialNumber(certificate.get());
+    return {reinterpret_cast<const char*>(::ASN1_STRING_get0_data(number)),
+            static_cast<std::size_t>(::ASN1_STRING_length(number))};
+  }
+
+private:
+  FileDescriptor socket_;
+  std::unique_ptr<SSL_CTX, decltype(&::SSL_CTX_free)> context_{::SSL_CTX_new(::TLS_client_method()),
+                                                               &::SSL_CTX_free};
+  std::unique_ptr<SSL, decltype(&::SSL_free)> session_{::SSL_new(context_.get()), &::SSL_free};
+  bool is_connected_ = false;
+};
+
+class RelayOverTls : public RelayTest {
+protected:
+  RelayOverTls() {
+    pki_.init();
+    pki_.issue_server({"127.0.0.1"}, 10);
+  }
+  TlsFiles files() const { return {pki_.server(), pki_.server_key(), ""}; }
+
+  TemporaryFolder folder_;
+  const access::Pki pki_{folder_.path()};
+};
+
+TEST_F(RelayOverTls, BytesAreDecryptedAndEncrypted) {
+  start({.connections = 10}, files());
+  TlsClient client(listener_);
+  ASSERT_TRUE(client.is_connected());
+  const FileDescriptor service = served();
+  client.send(greeting);
+  EXPECT_EQ(receive(service.get(), greeting.size()), greeting);
+
+  const std::string answer(1'000'000, 'a');
+  std::thread sender([&] { send_all(service.get(), answer); });
+  EXPECT_EQ(client.receive(answer.size()), answer);
+  sender.join();
+
+  ASSERT_NE(peers_.find("1"), nullptr);
+  EXPECT_TRUE(peers_.find("1")->over_tls);
+}
+
+TEST_F(RelayOverTls, ARenewedCertificateHoldsForNewConnections) {
+  start({.connections = 10}, files());
+  TlsClient before(listener_);
+  ASSERT_TRUE(before.is_connected());
+  const FileDescriptor service = served();
+  pki_.issue_server({"127.0.0.1"}, 10);
+
+  const auto renewed = [&] { return TlsClient(listener_).serial() != before.serial(); };
+  const auto end = std::chrono::steady_clock::now() + 10s;
+  while (!renewed() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(100ms);
+  EXPECT_TRUE(renewed());
+
+  before.send(greeting);
+  EXPECT_EQ(receive(service.get(), greeting.size()), greeting);
+}
+
+TEST_F(RelayOverTls, FilesThatDoNotFitEachOtherAreRefused) {
+  const access::Pki other(folder_.path() / "other");
+  other.init();
+  other.issue_server({"127.0.0.1"}, 10);
+  EXPECT_THROW(relay_.add(listener_, {}, TlsFiles{pki_.server(), other.server_key(), ""}),
+               std::runtime_error);
+}
+
+TEST_F(RelayOverTls, OneWhoSpeaksNoTlsGetsNoService) {
+  start({.connections = 10}, files());
+  const FileDescriptor client = connected(listener_);
+  send_all(client.get(), greeting);
+  EXPECT_NE(receive(client.get(), 1000).size(), 1000U);
+  const std::lock_guard lock(mutex_);
+  EXPECT_TRUE(served_.empty());
+}
+
+}  // namespace
+
+}  // namespace dccast::relay
