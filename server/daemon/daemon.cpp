@@ -368,8 +368,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
        .streams = static_cast<std::size_t>(config.maximum_streams()),
        .streams_per_user = static_cast<std::size_t>(config.maximum_streams_per_user())},
       {.job = [&](const std::string& id) { return owner_of(side.scheduler.find(id)); },
-       .study = [&](const std::string& id) { return owner_of(side.studies.find(id)); }},
-      listener.address());
+       .study = [&](const std::string& id) { return owner_of(side.studies.find(id)); }});
   const bool by_slurm = config.executor() == v1::SLURM;
   service::Context context{.settings = config,
                            .scheduler = side.scheduler,

@@ -53,6 +53,14 @@ Connection::~Connection() {
   if (number_ != 0) owner_.peers().remove(number_);
 }
 
+void Connection::start_at(Clock::time_point when) {
+  if (when <= Clock::now()) return start();
+  deadline_.expires_at(when);
+  deadline_.async_wait([self = shared_from_this()](const boost::system::error_code& cancelled) {
+    if (!cancelled && !self->ended_) self->start();
+  });
+}
+
 void Connection::start() {
   end_after(handshake_time);
   shake_hands();
@@ -60,6 +68,13 @@ void Connection::start() {
 
 bool Connection::is_silent() const {
   return received_ <= greeting_bytes;
+}
+
+HeldMemory Connection::held() const {
+  if (!guard_) return {.machine = peer_.host};
+  return {.user = owner_.peers().user_of(number_),
+          .machine = peer_.host,
+          .bytes = guard_->unfinished_bytes()};
 }
 
 void Connection::shake_hands() {
@@ -118,6 +133,7 @@ void Connection::carry_answers() {
     const Transfer read = service_->stream->read(read_buffer().data(), buffer_bytes);
     if (read.outcome == Outcome::ended) client_.stream->close();  // it has got everything
     if (read.outcome != Outcome::moved) return wait(*service_, read, &Connection::carry_answers);
+    guard_->take_answer({read_buffer().data(), read.bytes});
     if (!send(client_, {read_buffer().data(), read.bytes}, &Connection::carry_answers)) return;
   }
   yield(&Connection::carry_answers);

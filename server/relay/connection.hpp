@@ -14,6 +14,7 @@
 
 #include "server/relay/byte_stream.hpp"
 #include "server/relay/frame_guard.hpp"
+#include "server/relay/held_memory.hpp"
 #include "server/relay/peer_table.hpp"
 
 namespace dccast::relay {
@@ -46,16 +47,18 @@ public:
              SSL_CTX* tls);
   ~Connection();
 
-  void start();
+  /// @param when  not before
+  void start_at(Clock::time_point when);
   /// Closes both sides; the second time it does nothing. @param hostile  why; empty: it is not
   void end(std::string_view hostile = "");
 
   bool in_handshake() const { return !service_.has_value(); }
   /// Whether its client has sent no more than greetings.
   bool is_silent() const;
-  const std::string& host() const { return peer_.host; }
+  const Peer& peer() const { return peer_; }
   Clock::time_point since() const { return since_; }
-  std::size_t unfinished_bytes() const { return guard_ ? guard_->unfinished_bytes() : 0; }
+  /// What its unfinished requests hold.
+  HeldMemory held() const;
 
 private:
   using Socket = boost::asio::posix::stream_descriptor;
@@ -68,6 +71,7 @@ private:
     std::string unsent{};  ///< what this side does not take yet
   };
 
+  void start();
   void shake_hands();
   void open();
   void carry_requests();

@@ -1,6 +1,7 @@
 #include "server/relay/door.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -8,9 +9,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "server/jobs/log.hpp"
+#include "server/relay/socket_owner.hpp"
 
 namespace dccast::relay {
 
@@ -18,9 +21,24 @@ namespace {
 
 using std::chrono::milliseconds;
 
+// A client whose connection was ended for what it sent comes back at once. Each such end delays its
+// next connections.
+constexpr milliseconds delay_per_hostile{25}, longest_delay{5000};
 /// A connection that has made no request for so long may give way.
 constexpr std::chrono::seconds time_to_first_request{1};
 constexpr std::size_t most_in_handshake = 64;
+
+/// Whose connections wait for each other: those of a local user, or of another machine.
+std::string origin_of(const Peer& peer) {
+  return peer.user_id ? fmt::format("user id {}", *peer.user_id) : peer.host;
+}
+
+std::optional<unsigned> local_owner(int socket, const sockaddr_storage& client) {
+  sockaddr_storage server{};
+  socklen_t size = sizeof server;
+  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&server), &size) != 0) return std::nullopt;
+  return owner_of_socket(client, server);
+}
 
 }  // namespace
 
@@ -40,7 +58,7 @@ void Door::refresh_certificates() {
 void Door::wait_for_client() {
   socket_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
                      [this](const boost::system::error_code& closed) {
-                       if (!closed) pace();
+                       if (!closed) accept();
                      });
 }
 
@@ -60,30 +78,26 @@ void Door::end_all() {
 bool Door::remove(const Connection& connection, bool hostile) {
   const auto removed = std::erase_if(
       connections_, [&](const auto& candidate) { return candidate.get() == &connection; });
-  if (removed > 0 && hostile) ++hostile_;
+  if (removed > 0 && hostile) delay_next(connection.peer());
   return removed > 0;
+}
+
+void Door::delay_next(const Peer& peer) {
+  const auto now = Connection::Clock::now();
+  std::erase_if(not_before_, [&](const auto& entry) { return entry.second <= now; });
+  auto& time = not_before_[origin_of(peer)];
+  time = std::min(std::max(time, now) + delay_per_hostile, now + longest_delay);
+}
+
+Connection::Clock::time_point Door::first_turn(const Peer& peer) const {
+  const auto found = not_before_.find(origin_of(peer));
+  return found == not_before_.end() ? Connection::Clock::time_point() : found->second;
 }
 
 void Door::end_those(const Condition& condition) {
   const auto all = connections_;  // each end removes one
   for (const auto& connection : all)
     if (condition(*connection)) connection->end();
-}
-
-/// A client whose connection was ended for what it sent comes back at once. Each such end delays
-/// the next connection, whichever client it is from: local ones have the same address.
-void Door::pace() {
-  constexpr milliseconds per_ended{25};
-  constexpr int most_at_once = 8;
-  accept_after(std::min(std::exchange(hostile_, 0), most_at_once) * per_ended);
-}
-
-void Door::accept_after(milliseconds pause) {
-  if (pause == milliseconds(0)) return accept();
-  pause_.expires_after(pause);
-  pause_.async_wait([this](const boost::system::error_code& cancelled) {
-    if (!cancelled) accept();
-  });
 }
 
 void Door::accept() {
@@ -93,12 +107,18 @@ void Door::accept() {
                                SOCK_CLOEXEC | SOCK_NONBLOCK);
   if (socket >= 0) {
     const std::string host = host_of(from, size);
-    admit(socket, {.host = host, .address = uri_of(host, from), .over_tls = tls_ != nullptr});
+    admit(socket, {.host = host,
+                   .address = uri_of(host, from),
+                   .over_tls = tls_ != nullptr,
+                   .user_id = tls_ ? std::nullopt : local_owner(socket, from)});
   } else if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS) {
     // The client stays in the queue of the system.
     constexpr milliseconds pause_after_refusal{100};
     log::warn("cannot accept a connection: {}", ::strerror(errno));
-    return accept_after(pause_after_refusal);
+    pause_.expires_after(pause_after_refusal);
+    return pause_.async_wait([this](const boost::system::error_code& cancelled) {
+      if (!cancelled) wait_for_client();
+    });
   }
   wait_for_client();
 }
@@ -116,10 +136,11 @@ void Door::admit(int socket, Peer peer) {
   if (tls_) bound_handshakes();
 
   try {
+    const auto turn = first_turn(peer);
     const auto connection = std::make_shared<Connection>(loop_, owner_, socket, std::move(peer),
                                                          tls_ ? &tls_->get() : nullptr);
     connections_.push_back(connection);
-    connection->start();
+    connection->start_at(turn);
   } catch (const std::exception& error) {
     log::warn("a connection is closed: {}", error.what());
   }
@@ -128,7 +149,7 @@ void Door::admit(int socket, Peer peer) {
 bool Door::make_room(const std::string& host) {
   const auto has_its_share = [&] {
     return static_cast<std::size_t>(std::ranges::count(connections_, host, [](const auto& other) {
-             return other->host();
+             return other->peer().host;
            })) >= bounds_.per_peer;
   };
   if (has_its_share() && !end_a_silent_one(host)) return false;
@@ -141,7 +162,7 @@ bool Door::end_a_silent_one(const std::string& host) {
   const auto now = Connection::Clock::now();
   const auto may_give_way = [&](const auto& connection) {
     return now - connection->since() >= time_to_first_request &&
-           (host.empty() || connection->host() == host) && connection->is_silent();
+           (host.empty() || connection->peer().host == host) && connection->is_silent();
   };
 
   const auto found = std::ranges::find_if(connections_, may_give_way);  // oldest first
@@ -157,7 +178,7 @@ void Door::bound_handshakes() {
   std::size_t all = 0;
   for (const auto& connection : connections_) {
     if (!connection->in_handshake()) continue;
-    ++of_host[connection->host()];
+    ++of_host[connection->peer().host];
     ++all;
   }
   if (all < most_in_handshake) return;
@@ -165,7 +186,7 @@ void Door::bound_handshakes() {
   const auto most =
       std::ranges::max_element(of_host, {}, [](const auto& entry) { return entry.second; });
   const auto oldest = std::ranges::find_if(connections_, [&](const auto& connection) {
-    return connection->in_handshake() && connection->host() == most->first;
+    return connection->in_handshake() && connection->peer().host == most->first;
   });
   std::shared_ptr(*oldest)->end();
 }

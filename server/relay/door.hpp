@@ -3,9 +3,9 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <chrono>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -40,8 +40,8 @@ private:
   using Condition = std::function<bool(const Connection&)>;
 
   void end_those(const Condition& condition);
-  void pace();
-  void accept_after(std::chrono::milliseconds pause);
+  void delay_next(const Peer& peer);
+  Connection::Clock::time_point first_turn(const Peer& peer) const;
   void accept();
   void admit(int socket, Peer peer);
   bool make_room(const std::string& host);
@@ -55,7 +55,8 @@ private:
   boost::asio::posix::stream_descriptor socket_;
   boost::asio::steady_timer pause_;
   std::vector<std::shared_ptr<Connection>> connections_;  ///< oldest first
-  int hostile_ = 0;                                       ///< ended since the last pace()
+  /// When the next connections of who was hostile begin.
+  std::map<std::string, Connection::Clock::time_point> not_before_;
   bool full_ = false;
 };
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +9,7 @@
 #include <string_view>
 
 #include "server/access/limits.hpp"
+#include "server/relay/http2_frames.hpp"
 
 namespace dccast::relay {
 
@@ -29,21 +29,19 @@ public:
   /// @return           empty, or why the connection is to be ended
   std::string_view take(std::string_view bytes, Clock::time_point now, std::string& forwarded);
 
+  /// Looks at what gRPC answers: a call that it has ended holds nothing any more.
+  /// @param bytes  the next ones of the connection, wherever they are cut
+  void take_answer(std::string_view bytes);
+
   /// What gRPC keeps of calls whose request has not ended [bytes].
   std::size_t unfinished_bytes() const { return unfinished_bytes_; }
 
 private:
-  struct Frame {
-    std::uint8_t kind = 0, flags = 0;
-    std::uint32_t stream = 0;
-    std::size_t size = 0;
-  };
-
-  std::string_view begin_frame(const Frame& frame, Clock::time_point now);
-  void forward_head(const Frame& frame, std::string& forwarded);
-  void forward_connection_header(std::string& forwarded);
+  std::string_view judge(const Frame& frame, Clock::time_point now);
   std::string_view take_headers(const Frame& frame);
-  void take_body(const Frame& frame);
+  std::string_view take_body(const Frame& frame);
+  void forward_head(Frame frame, std::string& forwarded);
+  void forward_connection_header(std::string& forwarded);
   void keep(std::uint32_t stream, std::size_t bytes);
   void forget(std::uint32_t stream);
 
@@ -53,15 +51,13 @@ private:
       others_{200.0, 1000.0};
   int begun_before_acknowledgement_ = 0;
   bool acknowledged_ = false;  ///< our settings, which bound the calls of a connection
-  std::size_t preface_left_ = 24;
-  std::array<unsigned char, 9> head_{};
-  std::size_t head_size_ = 0;
-  std::size_t payload_left_ = 0;
+  FrameCutter requests_, answers_;
   const std::string connection_field_;  ///< the connection header as HPACK writes it
   /// Call whose headers end with the frame at hand, and have yet to get ours.
   std::optional<std::uint32_t> needs_connection_;
   std::size_t header_block_ = 0;
-  std::map<std::uint32_t, std::size_t> unfinished_;  ///< bytes by stream that has not ended
+  std::uint32_t last_begun_ = 0;                     ///< numbers of calls only grow
+  std::map<std::uint32_t, std::size_t> unfinished_;  ///< bytes by open call
   std::size_t unfinished_bytes_ = 0;
 };
 

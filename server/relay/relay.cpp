@@ -27,8 +27,8 @@ constexpr seconds time_for_last_answers{1};
 
 class Relay::Loop final : public ConnectionOwner {
 public:
-  Loop(PeerTable& peers, std::function<void(int)> serve, std::size_t most_unfinished)
-      : peers_(peers), serve_(std::move(serve)), most_unfinished_(most_unfinished) {}
+  Loop(PeerTable& peers, std::function<void(int)> serve, const MemoryBounds& memory)
+      : peers_(peers), serve_(std::move(serve)), memory_(memory) {}
 
   ~Loop() override { close(); }
 
@@ -79,7 +79,7 @@ public:
     constexpr std::size_t between_looks = 1'000'000;
     if ((grown_ += bytes) < between_looks) return;
     grown_ = 0;
-    bound_unfinished();
+    bound_memory();
   }
 
   void on_end(const Connection& connection, bool hostile) override {
@@ -108,18 +108,19 @@ private:
     });
   }
 
-  void bound_unfinished() {
+  void bound_memory() {
     for (;;) {
-      std::size_t sum = 0;
-      std::shared_ptr<Connection> largest;
+      std::vector<std::shared_ptr<Connection>> connections;
       for (const auto& door : doors_)
-        for (const auto& connection : door->connections()) {
-          sum += connection->unfinished_bytes();
-          if (!largest || connection->unfinished_bytes() > largest->unfinished_bytes())
-            largest = connection;
-        }
-      if (sum <= most_unfinished_) return;
-      largest->end("requests that are not finished hold too much memory");
+        connections.insert(connections.end(), door->connections().begin(),
+                           door->connections().end());
+
+      std::vector<HeldMemory> held;
+      held.reserve(connections.size());
+      for (const auto& connection : connections) held.push_back(connection->held());
+      const auto beyond = beyond_bounds(held, memory_);
+      if (!beyond) return;
+      connections[*beyond]->end("requests that are not finished hold too much memory");
     }
   }
 
@@ -140,7 +141,7 @@ private:
 
   PeerTable& peers_;
   const std::function<void(int)> serve_;
-  const std::size_t most_unfinished_;
+  const MemoryBounds memory_;
   asio::io_context context_{1};  // hint: one thread
   asio::steady_timer certificates_{context_}, trim_{context_}, last_answers_{context_};
   std::vector<std::unique_ptr<Door>> doors_;
@@ -149,8 +150,8 @@ private:
   std::thread thread_;
 };
 
-Relay::Relay(PeerTable& peers, std::function<void(int)> serve, std::size_t most_unfinished)
-    : loop_(std::make_unique<Loop>(peers, std::move(serve), most_unfinished)) {}
+Relay::Relay(PeerTable& peers, std::function<void(int)> serve, const MemoryBounds& memory)
+    : loop_(std::make_unique<Loop>(peers, std::move(serve), memory)) {}
 
 Relay::~Relay() = default;
 

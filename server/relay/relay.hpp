@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "server/relay/held_memory.hpp"
 #include "server/relay/listener.hpp"
 #include "server/relay/peer_table.hpp"
 #include "server/relay/tls_context.hpp"
@@ -24,11 +25,9 @@ struct Bounds {
 /// A connection that is closed at once is UNAVAILABLE to its client.
 class Relay {
 public:
-  /// @param peers             outlives this object
-  /// @param serve             gives a socket to gRPC, which closes it
-  /// @param most_unfinished   how much all requests together may hold that are not finished
-  ///                          [bytes]; beyond, the connection that holds most is ended
-  Relay(PeerTable& peers, std::function<void(int)> serve, std::size_t most_unfinished);
+  /// @param peers  outlives this object
+  /// @param serve  gives a socket to gRPC, which closes it
+  Relay(PeerTable& peers, std::function<void(int)> serve, const MemoryBounds& memory);
   ~Relay();
 
   /// Accepts connections of this listener from start() on. Certificates that are replaced hold for

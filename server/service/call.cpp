@@ -58,7 +58,10 @@ public:
     const Shown shown = shown_in(metadata, gate_.peers());
     if (!shown.peer->over_tls) return grpc::Status::OK;  // looked up where a thread may wait
     const access::Caller caller = gate_.identify(shown);
-    if (caller.refusal.empty()) return grpc::Status::OK;
+    if (caller.proven()) {
+      gate_.peers().set_user(header_in(metadata, relay::connection_header), caller.name);
+      return grpc::Status::OK;
+    }
     const grpc::Status status = gate_.permit(caller, rule, shown.peer->address);
     gate_.record({}, caller, rule, shown.peer->address, status);
     return status;

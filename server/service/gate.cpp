@@ -45,10 +45,9 @@ grpc::Status unauthenticated(const std::string& why) {
 }  // namespace
 
 Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits,
-           Owners owners, std::string address)
+           Owners owners)
     : authority_(authority),
       audit_(audit),
-      local_users_(std::move(address)),
       owners_(std::move(owners)),
       rate_(limits.calls_per_s),
       unproven_rate_(limits.calls_per_s / 10.0),
@@ -58,7 +57,8 @@ Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& 
 
 access::Caller Gate::identify(const Shown& shown) {
   const relay::Peer& peer = *shown.peer;
-  if (!peer.over_tls) return authority_.local_user(local_users_.name_of(peer.address));
+  if (!peer.over_tls)
+    return authority_.local_user(peer.user_id ? local_users_.name_of(*peer.user_id) : "");
   if (!shown.token.empty()) return authority_.by_token(shown.token, std::time(nullptr));
   if (!peer.certificate_name.empty())
     return authority_.by_certificate(peer.certificate_name, peer.certificate_ends_unix,

@@ -46,19 +46,13 @@ struct Shown {
 /// The name of a user of this machine, or the number of one without a name.
 std::string user_name(unsigned id);
 
-/// Names of the users of this machine who call over loopback. The system knows whose socket the
-/// other end of a connection is. Safe to use from several threads.
+/// As user_name(), which may ask a directory service, once for each user. Safe to use from several
+/// threads.
 class LocalUsers {
 public:
-  /// @param address  where we listen: "127.0.0.1:7117", "[::1]:7117"
-  explicit LocalUsers(std::string address) : address_(std::move(address)) {}
-
-  /// @param peer  as gRPC writes it: "ipv4:127.0.0.1:40000", "ipv6:%5B::1%5D:40000"
-  /// @return      as user_name(); empty when the system does not know
-  std::string name_of(const std::string& peer);
+  std::string name_of(unsigned id);
 
 private:
-  const std::string address_;
   std::mutex mutex_;
   std::map<unsigned, std::string> names_;  ///< by user id
 };
@@ -78,11 +72,9 @@ public:
     OwnerOf job, study;
   };
 
-  /// @param address  where local users call
-  Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits, Owners owners,
-       std::string address);
+  Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits, Owners owners);
 
-  /// Looks local users up, which may wait; others are judged at once.
+  /// Looks the names of local users up, which may wait; others are judged at once.
   access::Caller identify(const Shown& shown);
   /// Role and rate.
   grpc::Status permit(const access::Caller& caller, const access::CallRule& rule,

@@ -98,8 +98,15 @@ public:
   }
 };
 
-// Of requests that have not come whole, beside one of the largest [bytes].
-constexpr std::size_t unfinished_beside_the_largest = 32'000'000;
+/// How much requests may hold that have not come whole. A user may send one of the largest,
+/// whatever strangers hold, who need a few hundred bytes.
+relay::MemoryBounds memory_bounds(std::size_t largest) {
+  constexpr std::size_t megabyte = 1'000'000;
+  return {.all = largest + 32 * megabyte,
+          .of_user = largest + 16 * megabyte,
+          .of_strangers = 16 * megabyte,
+          .of_machine = 8 * megabyte};
+}
 
 }  // namespace
 
@@ -133,7 +140,7 @@ PublicServer::PublicServer(Context& context, const relay::Listener& local,
 
   const auto connections = static_cast<std::size_t>(context.settings.maximum_connections());
   relay_.emplace(context.gate.peers(), std::move(serve),
-                 static_cast<std::size_t>(largest) + unfinished_beside_the_largest);
+                 memory_bounds(static_cast<std::size_t>(largest)));
   relay_->add(local, {.connections = connections}, std::nullopt);
   if (tls)
     relay_->add(tls->listener, {.connections = connections, .per_peer = tls->connections_per_peer},

@@ -1,4 +1,5 @@
 """Hostile peers: memory of the daemon, and how long another client waits, during and after each kind."""
+import contextlib
 import os
 import re
 import subprocess
@@ -12,6 +13,7 @@ from cases import fake
 from clients import ANSWER, memory_of
 from dccast.v1 import service_pb2
 from hostile_peers import KINDS
+from http2 import Peer
 from oracle import must
 
 MOST_MEMORY = 300e6
@@ -82,6 +84,44 @@ class HostilePeers(RemoteFault):
                 scene.clients.pop().close()
             time.sleep(0.1)
         return slowest
+
+
+class UploadBesideStrangers(RemoteFault):
+    """Peers without a token that hold requests: an upload of 40 MB by another user ends with an answer"""
+    kinds = ("UnbegunCalls", "UnfinishedEnrolments", "UnfinishedUploads", "SlowBodies")
+    short = long = at_once = len(kinds)
+    lasts, before = 8.0, 1.0
+    size = 40_000_000
+    machine = "127.0.0.5"
+
+    def begin(self, scene):
+        scene.submit(fake("steps=20"))
+        self.token = self.enrol(scene, "anna")
+
+    def disturb(self, scene, count):
+        kind = self.kinds[count.tried % len(self.kinds)]
+        strangers = subprocess.Popen(
+            [sys.executable, os.path.join(os.path.dirname(__file__), "hostile_peers.py"), kind,
+             str(self.before + self.lasts + 1.0), scene.daemon.tls_address, self.ca(scene)])
+        try:
+            time.sleep(self.before)
+            self.upload(scene)
+        except OSError as error:
+            count.found("wrong", f"{kind}: the upload was ended: {type(error).__name__}")
+        finally:
+            strangers.kill()
+            strangers.wait(10)
+
+    def upload(self, scene):
+        with contextlib.closing(Peer(scene.daemon.tls_address, self.ca(scene), self.token,
+                                     machine=self.machine)) as peer:
+            stream = peer.begin("SubmitJob")
+            peer.send_slowly(stream, self.size, self.lasts)
+            end = time.monotonic() + 5.0
+            while stream not in peer.answered:
+                if time.monotonic() > end:
+                    raise TimeoutError
+                peer.receive(0.1)
 
 
 for NAME, KIND in KINDS.items():

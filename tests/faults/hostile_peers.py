@@ -104,6 +104,17 @@ def unfinished_upload(peer):
         peer.receive(1.0)
 
 
+def unbegun_calls(peer):
+    peer.send(b"".join(frame(DATA, 0, 2 * call + 1, b"x") for call in range(2000)))
+    peer.receive(0.05)
+
+
+def unfinished_enrolment(peer):
+    """A call that takes no token."""
+    peer.send_most_of_a_message(peer.begin("Enrol"), UPLOAD)
+    silent(peer)
+
+
 BOMB = gzip.compress(bytes(1 << 20), 9) * 8000  # 8.5 MB of members that stand for 8 GB
 
 
@@ -193,6 +204,10 @@ KINDS = {
     "SlowHeaders": Kind("headers byte by byte, on 90 connections", slow_headers, 90),
     "SlowBodies": Kind("bodies byte by byte, on 40 connections", slow_body, 40),
     "UnfinishedUploads": Kind("40 uploads of 63 MB that lack their last byte", unfinished_upload, 40),
+    "UnbegunCalls": Kind("single bytes of calls that were never begun, on 95 connections",
+                         unbegun_calls, 95),
+    "UnfinishedEnrolments": Kind("40 enrolments of 63 MB that lack their last byte",
+                                 unfinished_enrolment, 40),
     "GzipBombs": Kind("8.5 MB of gzip that stand for 8 GB", gzip_bomb, 8),
     "SilentPeers": Kind("1,000 connections that send nothing", silent, 1000, greets=False, raw=True),
     "HalfHandshakes": Kind("1,000 connections that begin a handshake", begins_a_handshake, 1000,

@@ -44,10 +44,11 @@ def text(value):
 class Peer:
     """One connection, for one thread. What comes is read whenever something is sent."""
 
-    def __init__(self, address, ca=None, token="", settings=b"", greets=True, acknowledges=True):
+    def __init__(self, address, ca=None, token="", settings=b"", greets=True, acknowledges=True,
+                 machine="127.0.0.9"):
         host, port = address.rsplit(":", 1)
         # Over TLS as another machine, which has its own limits.
-        source = ("127.0.0.9", 0) if host == "127.0.0.2" else None
+        source = (machine, 0) if host == "127.0.0.2" else None
         self.socket = socket.create_connection((host, int(port)), 5, source)
         if ca:
             context = ssl.create_default_context(cafile=ca)
@@ -61,6 +62,7 @@ class Peer:
         self.windows = collections.defaultdict(lambda: self.first_window)
         self.windows[0] = self.first_window = FIRST_WINDOW
         self.next_stream = 1
+        self.answered = set()  # streams that the server has ended
         self.indexed = []  # headers in the server's table, oldest first
         if greets:
             self.send(PREFACE + frame(SETTINGS, 0, 0, settings))
@@ -115,6 +117,8 @@ class Peer:
                     self.first_window = value
             if self.acknowledges:
                 self.owed += frame(SETTINGS, ACK, 0)
+        if kind == HEADERS and flags & END_STREAM:
+            self.answered.add(stream)
         if kind == GOAWAY:
             raise ConnectionError
 
@@ -145,6 +149,23 @@ class Peer:
         stream = self.new_stream()
         self.send(frame(HEADERS, END_HEADERS, stream, self.headers(method, *more)))
         return stream
+
+    def send_slowly(self, stream, size, seconds):
+        """A message of zeros, over so many seconds, and the end of the call."""
+        begin, sent = time.monotonic(), 0
+        message = struct.pack(">BI", 0, size) + bytes(size)
+        while sent < len(message):
+            due = len(message) * (time.monotonic() - begin) / seconds
+            room = min(self.windows[0], self.windows[stream], LARGEST_FRAME)
+            if room <= 0 or sent > due:
+                self.receive(0.01)
+                continue
+            part = message[sent:sent + room]
+            self.send(frame(DATA, 0, stream, part))
+            sent += len(part)
+            self.windows[0] -= len(part)
+            self.windows[stream] -= len(part)
+        self.send(frame(DATA, END_STREAM, stream))
 
     def send_most_of_a_message(self, stream, size, missing=1, compressed=0, content=None):
         """A message without its last bytes, as fast as the windows permit; for 5 s at most."""

@@ -5,6 +5,7 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -77,6 +78,11 @@ bool has_ended(int socket) {
   return ::poll(&readable, 1, 10000) > 0 && ::recv(socket, &byte, 1, 0) <= 0;
 }
 
+void flood(int client) {
+  send_all(client, greeting);
+  for (int i = 0; i < 5000; ++i) send_all(client, ping);
+}
+
 class RelayTest : public testing::Test {
 protected:
   void start(const Bounds& bounds = {.connections = 10},
@@ -99,13 +105,14 @@ protected:
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<FileDescriptor> served_;
-  Relay relay_{peers_,
-               [this](int socket) {
-                 const std::lock_guard lock(mutex_);
-                 served_.emplace_back(socket);
-                 changed_.notify_all();
-               },
-               1'000'000};
+  Relay relay_{
+      peers_,
+      [this](int socket) {
+        const std::lock_guard lock(mutex_);
+        served_.emplace_back(socket);
+        changed_.notify_all();
+      },
+      {.all = 1'000'000, .of_user = 1'000'000, .of_strangers = 200'000, .of_machine = 100'000}};
 };
 
 TEST_F(RelayTest, BytesPassBothWaysAndThePeerIsKnown) {
@@ -173,9 +180,29 @@ TEST_F(RelayTest, AHostilePeerIsEnded) {
   start();
   const FileDescriptor client = connected(listener_);
   const FileDescriptor service = served();
-  send_all(client.get(), greeting);
-  for (int i = 0; i < 5000; ++i) send_all(client.get(), ping);
+  flood(client.get());
   EXPECT_TRUE(has_ended(client.get()));
+}
+
+TEST_F(RelayTest, WhoWasHostileWaits) {
+  start();
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 10; ++i) {
+    const FileDescriptor client = connected(listener_);
+    const FileDescriptor service = served();
+    flood(client.get());
+    EXPECT_TRUE(has_ended(client.get()));
+  }
+  EXPECT_GT(std::chrono::steady_clock::now() - begin, 150ms);
+}
+
+TEST_F(RelayTest, AUserOfThisMachineIsKnown) {
+  start();
+  const FileDescriptor client = connected(listener_);
+  const FileDescriptor service = served();
+  const auto peer = peers_.find("1");
+  ASSERT_NE(peer, nullptr);
+  EXPECT_EQ(peer->user_id, std::optional(::getuid()));
 }
 
 TEST_F(RelayTest, OneMachineHasItsShare) {

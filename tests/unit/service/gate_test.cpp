@@ -27,7 +27,7 @@ protected:
   access::UserStore users_{folder_.path()};
   access::Authority authority_{users_, {}};
   access::AuditLog audit_{folder_.path()};
-  Gate gate_{authority_, audit_, {}, {}, "127.0.0.1:7117"};
+  Gate gate_{authority_, audit_, {}, {}};
   const access::Caller anna_{.name = "anna", .role = v1::SUBMITTER};
   const access::Caller stranger_{.refusal = "this call has no token"};
 };

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace dccast::relay {
+
+/// Head of a frame of HTTP/2 (RFC 9113, 4.1 and 6).
+struct Frame {
+  enum Kind : std::uint8_t {
+    data,
+    headers,
+    rst_stream = 3,
+    settings,
+    window_update = 8,
+    continuation
+  };
+  static constexpr std::uint8_t end_stream = 1, acknowledgement = 1, end_headers = 4;
+  static constexpr std::size_t head_bytes = 9;
+  using Head = std::array<unsigned char, head_bytes>;
+
+  static Frame parse(const Head& head);
+  Head head() const;
+
+  std::uint8_t kind = 0, flags = 0;
+  std::uint32_t stream = 0;
+  std::size_t size = 0;  ///< of what follows the head [bytes]
+};
+
+/// Cuts the bytes of a connection into heads and payloads, wherever they were cut before.
+class FrameCutter {
+public:
+  /// @param preface  bytes before the first frame
+  explicit FrameCutter(std::size_t preface) : payload_left_(preface) {}
+
+  /// Takes what is left of the payload from the front of `bytes`. @return what it has taken
+  std::string_view take_payload(std::string_view& bytes);
+  bool at_end_of_payload() const { return payload_left_ == 0; }
+  /// Takes a head from the front of `bytes`, behind a payload. @return nothing: it is not complete
+  std::optional<Frame> take_head(std::string_view& bytes);
+
+private:
+  Frame::Head head_{};
+  std::size_t head_size_ = 0;
+  std::size_t payload_left_;
+};
+
+}  // namespace dccast::relay
