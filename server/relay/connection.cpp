@@ -1,5 +1,6 @@
 #include "server/relay/connection.hpp"
 
+#include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -23,7 +24,7 @@ constexpr std::chrono::seconds stall_time{60};
 // What a client sends before its first request, with some pings: preface, settings, window [bytes].
 constexpr std::uint64_t greeting_bytes = 200;
 
-constexpr std::size_t buffer_bytes = 64 * 1024;
+constexpr std::size_t buffer_bytes = 128 * 1024;
 // Others wait while one connection moves so many buffers.
 constexpr int buffers_a_turn = 4;
 
@@ -99,6 +100,9 @@ void Connection::open() {
   std::array<int, 2> pair{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, pair.data()) != 0)
     throw std::runtime_error(std::string("no pair of sockets: ") + ::strerror(errno));
+  // gRPC and the relay work beside each other only while some buffers are on their way.
+  constexpr int answers_on_their_way = 512 * 1024;
+  ::setsockopt(pair[1], SOL_SOCKET, SO_SNDBUF, &answers_on_their_way, sizeof answers_on_their_way);
   service_.emplace(Side{Socket(loop_, pair[0]), plain_stream(pair[0])});
 
   number_ = owner_.peers().add(std::make_shared<const Peer>(peer_));
@@ -135,6 +139,9 @@ void Connection::carry_answers() {
     if (read.outcome != Outcome::moved) return wait(*service_, read, &Connection::carry_answers);
     guard_->take_answer({read_buffer().data(), read.bytes});
     if (!send(client_, {read_buffer().data(), read.bytes}, &Connection::carry_answers)) return;
+    // There is no more for now.
+    if (read.bytes < buffer_bytes)
+      return wait(*service_, {Outcome::wait_until_readable}, &Connection::carry_answers);
   }
   yield(&Connection::carry_answers);
 }
