@@ -170,7 +170,7 @@ v1::WorkerAnswer introduction_of(jobs::WarmWorkers& workers) {
 }
 
 void refuse_open_address(const std::string& listen) {
-  if (values::is_loopback(listen)) return;
+  if (listen.starts_with("unix:") || values::is_loopback(listen)) return;
   throw std::runtime_error("listen = \"" + listen +
                            "\" can be reached from other machines, and has no TLS; set listen_tls "
                            "to it, and listen to a loopback address such as 127.0.0.1:7117");

@@ -165,6 +165,7 @@ void override_key(const std::string& override_text, v1::DaemonConfig& config, st
 
 /// gRPC and the system take a port modulo 65536.
 void check_listen(const std::string& key, const std::string& listen, std::string& faults) {
+  if (key == "listen" && listen.starts_with("unix:")) return;  // a path, which listening tries
   const auto colon = listen.rfind(':');
   if (colon == std::string::npos) {
     faults += key + " = " + listen + ": permitted: host:port, e.g. 127.0.0.1:7117\n";

@@ -33,13 +33,6 @@ std::string origin_of(const Peer& peer) {
   return peer.user_id ? fmt::format("user id {}", *peer.user_id) : peer.host;
 }
 
-std::optional<unsigned> local_owner(int socket, const sockaddr_storage& client) {
-  sockaddr_storage server{};
-  socklen_t size = sizeof server;
-  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&server), &size) != 0) return std::nullopt;
-  return owner_of_socket(client, server);
-}
-
 }  // namespace
 
 Door::Door(boost::asio::io_context& loop, ConnectionOwner& owner, const Listener& listener,
@@ -110,7 +103,7 @@ void Door::accept() {
     admit(socket, {.host = host,
                    .address = uri_of(host, from),
                    .over_tls = tls_ != nullptr,
-                   .user_id = tls_ ? std::nullopt : local_owner(socket, from)});
+                   .user_id = tls_ ? std::nullopt : owner_of_peer(socket, from)});
   } else if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS) {
     // The client stays in the queue of the system.
     constexpr milliseconds pause_after_refusal{100};

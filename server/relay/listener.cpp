@@ -5,17 +5,23 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 
 #include "proto/values/address.hpp"
 
 namespace dccast::relay {
 
 namespace {
+
+constexpr std::string_view unix_scheme = "unix:";
 
 std::string host_part(const std::string& address) {
   return address.substr(0, address.rfind(':'));
@@ -58,7 +64,44 @@ std::string port_of(const sockaddr_storage& address) {
 
 }  // namespace
 
-Listener::Listener(const std::string& address) {
+Listener::Listener(const std::string& address) : address_(address) {
+  if (address.starts_with(unix_scheme))
+    listen_at_path(address.substr(unix_scheme.size()));
+  else
+    listen_on_port(address);
+}
+
+Listener::~Listener() {
+  if (address_.starts_with(unix_scheme)) ::unlink(address_.substr(unix_scheme.size()).c_str());
+}
+
+void Listener::listen_at_path(const std::string& path) {
+  sockaddr_un place{};
+  place.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof place.sun_path)
+    throw std::runtime_error(
+        fmt::format("cannot listen on {}: a path of 1 to {} characters is needed", address_,
+                    sizeof place.sun_path - 1));
+  path.copy(place.sun_path, path.size());
+  const auto* name = reinterpret_cast<const sockaddr*>(&place);
+
+  // A daemon that was killed leaves its socket; one that lives answers.
+  struct stat status;
+  if (::lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) {
+    const storage::FileDescriptor caller(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    if (::connect(caller.get(), name, sizeof place) != 0) ::unlink(path.c_str());
+  }
+
+  socket_ =
+      storage::FileDescriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket_ || ::bind(socket_.get(), name, sizeof place) != 0) fail(address_, ::strerror(errno));
+  // Every local user may call; who calls is known by the socket.
+  constexpr mode_t for_everyone = 0666;
+  if (::chmod(path.c_str(), for_everyone) != 0 || ::listen(socket_.get(), SOMAXCONN) != 0)
+    fail(address_, ::strerror(errno));
+}
+
+void Listener::listen_on_port(const std::string& address) {
   const Addresses found = resolve(address);
   socket_ = storage::FileDescriptor(
       ::socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
@@ -77,6 +120,7 @@ Listener::Listener(const std::string& address) {
 }
 
 std::string host_of(const sockaddr_storage& address, socklen_t size) {
+  if (address.ss_family == AF_UNIX) return "unix";
   std::array<char, NI_MAXHOST> host{};
   ::getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host.data(), host.size(),
                 nullptr, 0, NI_NUMERICHOST);
@@ -84,6 +128,7 @@ std::string host_of(const sockaddr_storage& address, socklen_t size) {
 }
 
 std::string uri_of(const std::string& host, const sockaddr_storage& address) {
+  if (address.ss_family == AF_UNIX) return "unix:";
   return address.ss_family == AF_INET6 ? fmt::format("ipv6:%5B{}%5D:{}", host, port_of(address))
                                        : fmt::format("ipv4:{}:{}", host, port_of(address));
 }

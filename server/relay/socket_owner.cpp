@@ -49,10 +49,9 @@ Request request_for(const sockaddr_storage& client, const sockaddr_storage& serv
   return request;
 }
 
-}  // namespace
-
-std::optional<unsigned> owner_of_socket(const sockaddr_storage& client,
-                                        const sockaddr_storage& server) {
+/// Of TCP.
+std::optional<unsigned> owner_of_endpoint(const sockaddr_storage& client,
+                                          const sockaddr_storage& server) {
   const storage::FileDescriptor socket(
       ::socket(AF_NETLINK, SOCK_DGRAM | SOCK_CLOEXEC, NETLINK_SOCK_DIAG));
   const Request request = request_for(client, server);
@@ -68,6 +67,23 @@ std::optional<unsigned> owner_of_socket(const sockaddr_storage& client,
   ::memcpy(&message, answer.data() + NLMSG_HDRLEN, sizeof message);
   if (head.nlmsg_type != SOCK_DIAG_BY_FAMILY) return std::nullopt;
   return message.idiag_uid;
+}
+
+}  // namespace
+
+std::optional<unsigned> owner_of_peer(int socket, const sockaddr_storage& client) {
+  if (client.ss_family == AF_UNIX) {
+    ucred credentials{};
+    socklen_t size = sizeof credentials;
+    if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0)
+      return std::nullopt;
+    return credentials.uid;
+  }
+
+  sockaddr_storage server{};
+  socklen_t size = sizeof server;
+  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&server), &size) != 0) return std::nullopt;
+  return owner_of_endpoint(client, server);
 }
 
 }  // namespace dccast::relay

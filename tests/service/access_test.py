@@ -2,6 +2,7 @@
 import contextlib
 import json
 import os
+import pwd
 import re
 import socket
 import stat
@@ -435,6 +436,35 @@ class Audit(AccessTest):
             for name in folders + files:
                 mode = os.stat(os.path.join(folder, name)).st_mode
                 self.assertEqual(mode & 0o077, 0, os.path.join(folder, name))
+
+
+class LocalSocket(AccessTest):
+    def test_the_users_of_a_unix_socket_are_known(self):
+        path = os.path.join(self.folder, "socket")
+        os.chmod(self.folder, 0o755)
+        self.start(listen="unix:" + path)
+        self.assertEqual(self.daemon.address, "unix:" + path)
+        own = self.local().WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        self.assertEqual((own.name, own.proof), (pwd.getpwuid(os.getuid()).pw_name, "local user"))
+        command = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "whoami"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
+        self.assertIn(own.name, done.stdout, done.stderr)
+        if os.getuid() == 0:
+            another = subprocess.run(["setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}",
+                                      "--clear-groups", *command], capture_output=True, text=True,
+                                     timeout=20, check=False)
+            self.assertIn("nobody", another.stdout, another.stderr)
+        job = self.submit(self.local())
+        self.assertEqual(self.audit("--job", job.id)[0]["from"], "unix:")
+
+    def test_a_socket_of_a_killed_daemon_is_replaced(self):
+        self.start(listen="unix:" + os.path.join(self.folder, "socket"))
+        self.daemon.kill()
+        self.daemon.end_workers()
+        self.daemon.start()
+        self.local().WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        self.assertEqual(self.daemon.terminate(), 0)
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "socket")))
 
 
 class Silence(AccessTest):

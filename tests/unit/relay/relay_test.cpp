@@ -5,17 +5,20 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <filesystem>
 #include <mutex>
 #include <string>
 #include <thread>
 
 #include "proto/values/address.hpp"
 #include "server/access/certificates.hpp"
+#include "server/relay/socket_owner.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::relay {
@@ -223,6 +226,44 @@ TEST_F(RelayTest, TheEndClosesAllConnections) {
   relay_.close();
   EXPECT_TRUE(has_ended(client.get()));
   EXPECT_TRUE(has_ended(service.get()));
+}
+
+TEST(ListenerAtAPath, KnowsItsUserAndReplacesWhatAKilledDaemonLeft) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "socket";
+  const auto connect = [&] {
+    sockaddr_un place{};
+    place.sun_family = AF_UNIX;
+    path.copy(place.sun_path, path.size());
+    FileDescriptor client(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    const auto* name = reinterpret_cast<const sockaddr*>(&place);
+    return ::connect(client.get(), name, sizeof place) == 0 ? std::move(client) : FileDescriptor();
+  };
+  {
+    const FileDescriptor left(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    sockaddr_un place{};
+    place.sun_family = AF_UNIX;
+    path.copy(place.sun_path, path.size());
+    ASSERT_EQ(::bind(left.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place), 0);
+  }
+
+  {
+    const Listener listener("unix:" + path);
+    EXPECT_EQ(listener.address(), "unix:" + path);
+    EXPECT_THROW(Listener("unix:" + path), std::runtime_error);
+
+    const FileDescriptor client = connect();
+    ASSERT_TRUE(client);
+    sockaddr_storage from{};
+    socklen_t size = sizeof from;
+    const FileDescriptor accepted(
+        ::accept(listener.socket(), reinterpret_cast<sockaddr*>(&from), &size));
+    EXPECT_EQ(owner_of_peer(accepted.get(), from), std::optional(::getuid()));
+    EXPECT_EQ(uri_of(host_of(from, size), from), "unix:");
+  }
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_THROW(Listener("unix:" + std::string(200, 'x')), std::runtime_error);
+  EXPECT_THROW(Listener("unix:"), std::runtime_error);
 }
 
 /// A client over TLS that trusts any server.
