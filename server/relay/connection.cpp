@@ -51,7 +51,7 @@ Connection::Connection(boost::asio::io_context& loop, ConnectionOwner& owner, in
 }
 
 Connection::~Connection() {
-  if (number_ != 0) owner_.peers().remove(number_);
+  if (!name_.empty()) owner_.peers().remove(name_);
 }
 
 void Connection::start_at(Clock::time_point when) {
@@ -73,7 +73,7 @@ bool Connection::is_silent() const {
 
 HeldMemory Connection::held() const {
   if (!guard_) return {.machine = peer_.host};
-  return {.user = owner_.peers().user_of(number_),
+  return {.user = owner_.peers().user_of(name_),
           .machine = peer_.host,
           .bytes = guard_->unfinished_bytes()};
 }
@@ -105,8 +105,8 @@ void Connection::open() {
   ::setsockopt(pair[1], SOL_SOCKET, SO_SNDBUF, &answers_on_their_way, sizeof answers_on_their_way);
   service_.emplace(Side{Socket(loop_, pair[0]), plain_stream(pair[0])});
 
-  number_ = owner_.peers().add(std::make_shared<const Peer>(peer_));
-  guard_.emplace(std::to_string(number_));
+  name_ = owner_.peers().add(std::make_shared<const Peer>(peer_));
+  guard_.emplace(name_);
   owner_.serve(pair[1]);
 }
 

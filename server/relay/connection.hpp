@@ -90,7 +90,7 @@ private:
   Side client_;
   std::optional<Side> service_;  ///< gRPC, after the handshake
   boost::asio::steady_timer deadline_;
-  std::uint64_t number_ = 0;  ///< in the table of peers
+  std::string name_;  ///< in the table of peers
   std::optional<FrameGuard> guard_;
   std::uint64_t received_ = 0;  ///< from the client, decrypted [bytes]
   bool ended_ = false;

@@ -2,18 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <utility>
+
+#include "proto/values/digests.hpp"
 
 namespace dccast::relay {
 
 namespace {
-
-std::uint64_t number_in(std::string_view connection) {
-  std::uint64_t number = 0;
-  std::from_chars(connection.data(), connection.data() + connection.size(), number);
-  return number;
-}
 
 /// What is known before a call shows a token.
 std::string first_user(const Peer& peer) {
@@ -23,31 +18,34 @@ std::string first_user(const Peer& peer) {
 
 }  // namespace
 
-std::uint64_t PeerTable::add(std::shared_ptr<const Peer> peer) {
-  const std::lock_guard lock(mutex_);
+std::string PeerTable::add(std::shared_ptr<const Peer> peer) {
+  constexpr std::size_t random_bytes = 16;
+  std::string connection = values::random_hexadecimal(random_bytes);
   std::string user = first_user(*peer);
-  entries_.emplace(++last_, Entry{std::move(peer), std::move(user)});
-  return last_;
+
+  const std::lock_guard lock(mutex_);
+  entries_.emplace(connection, Entry{std::move(peer), std::move(user)});
+  return connection;
 }
 
-void PeerTable::remove(std::uint64_t connection) {
+void PeerTable::remove(const std::string& connection) {
   const std::lock_guard lock(mutex_);
   entries_.erase(connection);
 }
 
-std::shared_ptr<const Peer> PeerTable::find(std::string_view connection) const {
+std::shared_ptr<const Peer> PeerTable::find(const std::string& connection) const {
   const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(number_in(connection));
+  const auto found = entries_.find(connection);
   return found == entries_.end() ? nullptr : found->second.peer;
 }
 
-void PeerTable::set_user(std::string_view connection, const std::string& user) {
+void PeerTable::set_user(const std::string& connection, const std::string& user) {
   const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(number_in(connection));
+  const auto found = entries_.find(connection);
   if (found != entries_.end()) found->second.user = user;
 }
 
-std::string PeerTable::user_of(std::uint64_t connection) const {
+std::string PeerTable::user_of(const std::string& connection) const {
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(connection);
   return found == entries_.end() ? "" : found->second.user;

@@ -6,7 +6,6 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace dccast::relay {
 
@@ -20,26 +19,26 @@ struct Peer {
   std::int64_t certificate_ends_unix = 0;  ///< [s since 1970]
 };
 
-/// Header that names the connection of a call. The relay adds it behind what the client has sent.
+/// Header that names the connection of a call. The relay adds it behind what the client has sent. A
+/// client may send the same header, and may let its last one swallow the relay's: it never learns
+/// the name of a connection, though, and a call without one is refused.
 inline constexpr const char* connection_header = "dccast-connection";
 
-/// The peers of open connections by the number of their connection, which is never used again.
-/// Safe to use from several threads.
+/// The peers of open connections by the name of their connection: 128 random bits as text. Safe to
+/// use from several threads.
 class PeerTable {
 public:
-  /// @return the number of the connection
-  std::uint64_t add(std::shared_ptr<const Peer> peer);
-  void remove(std::uint64_t connection);
+  /// @return the name of the connection
+  std::string add(std::shared_ptr<const Peer> peer);
+  void remove(const std::string& connection);
 
-  /// @param connection  value of the connection header
-  /// @return            null: the connection has ended
-  std::shared_ptr<const Peer> find(std::string_view connection) const;
+  /// @return null: the connection has ended, or there was none of this name
+  std::shared_ptr<const Peer> find(const std::string& connection) const;
 
   /// Notes whose calls come over a connection, once a call has shown a token.
-  /// @param connection  value of the connection header
-  void set_user(std::string_view connection, const std::string& user);
+  void set_user(const std::string& connection, const std::string& user);
   /// Whose calls come over a connection, by certificate, token or user id; empty: a stranger's.
-  std::string user_of(std::uint64_t connection) const;
+  std::string user_of(const std::string& connection) const;
 
 private:
   struct Entry {
@@ -48,8 +47,7 @@ private:
   };
 
   mutable std::mutex mutex_;
-  std::uint64_t last_ = 0;
-  std::map<std::uint64_t, Entry> entries_;
+  std::map<std::string, Entry> entries_;
 };
 
 }  // namespace dccast::relay

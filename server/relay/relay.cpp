@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <future>
+#include <memory>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -46,12 +47,12 @@ public:
 
   void stop_accepting() {
     if (!thread_.joinable()) return;
-    std::promise<void> stopped;
-    asio::post(context_, [&] {
+    const auto stopped = std::make_shared<std::promise<void>>();
+    asio::post(context_, [this, stopped] {
       for (const auto& door : doors_) door->stop_accepting();
-      stopped.set_value();
+      stopped->set_value();
     });
-    stopped.get_future().wait();
+    stopped->get_future().wait();
   }
 
   void close() {

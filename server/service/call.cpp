@@ -33,11 +33,10 @@ std::string token_in(const Metadata& metadata) {
   return value.starts_with(scheme) ? value.substr(scheme.size()) : value;
 }
 
-/// The relay's header stands behind those of the client, who may have sent the same.
 /// @throws std::runtime_error  the connection has ended
 Shown shown_in(const Metadata& metadata, const relay::PeerTable& peers) {
   const auto peer = peers.find(header_in(metadata, relay::connection_header));
-  if (!peer) throw std::runtime_error("the connection of this call has ended");
+  if (!peer) throw std::runtime_error("this call names no connection that is open");
   return {.peer = peer, .token = token_in(metadata)};
 }
 

@@ -13,7 +13,7 @@ from cases import fake
 from clients import ANSWER, memory_of
 from dccast.v1 import service_pb2
 from hostile_peers import KINDS
-from http2 import Peer
+from http2 import DATA, END_HEADERS, END_STREAM, HEADERS, Peer, frame, text, whole
 from oracle import must
 
 MOST_MEMORY = 300e6
@@ -122,6 +122,35 @@ class UploadBesideStrangers(RemoteFault):
                 if time.monotonic() > end:
                     raise TimeoutError
                 peer.receive(0.1)
+
+
+class BorrowedConnections(RemoteFault):
+    """A peer without a token that names the connections of others in its calls: none is answered"""
+    short = long = at_once = 1
+    header = "dccast-connection"
+
+    def begin(self, scene):
+        scene.submit(fake("steps=20"))
+
+    def disturb(self, scene, count):
+        for number in [str(number) for number in range(1, 6)] + ["0" * 32]:
+            for swallows in (False, True):
+                if self.is_answered(scene, number, swallows):
+                    count.found("wrong", f"a stranger called as connection {number}")
+
+    def is_answered(self, scene, number, swallows):
+        with contextlib.closing(Peer(scene.daemon.tls_address, self.ca(scene))) as peer:
+            block = peer.headers("WhoAmI", (self.header, number))
+            if swallows:  # a value that ends where the header of the relay does
+                block += b"\x00" + text("x") + whole(4 + len(self.header) + len(number) - 1, 7)
+            stream = peer.new_stream()
+            peer.send(frame(HEADERS, END_HEADERS, stream, block) +
+                      frame(DATA, END_STREAM, stream, bytes(5)))
+            end = time.monotonic() + 5.0
+            with contextlib.suppress(OSError):
+                while stream not in peer.answered and time.monotonic() < end:
+                    peer.receive(0.1)
+            return stream in peer.messages
 
 
 for NAME, KIND in KINDS.items():

@@ -63,6 +63,7 @@ class Peer:
         self.windows[0] = self.first_window = FIRST_WINDOW
         self.next_stream = 1
         self.answered = set()  # streams that the server has ended
+        self.messages = set()  # streams with a message of the server
         self.indexed = []  # headers in the server's table, oldest first
         if greets:
             self.send(PREFACE + frame(SETTINGS, 0, 0, settings))
@@ -117,6 +118,8 @@ class Peer:
                     self.first_window = value
             if self.acknowledges:
                 self.owed += frame(SETTINGS, ACK, 0)
+        if kind == DATA and payload:
+            self.messages.add(stream)
         if kind == HEADERS and flags & END_STREAM:
             self.answered.add(stream)
         if kind == GOAWAY:

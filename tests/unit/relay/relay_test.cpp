@@ -81,6 +81,22 @@ bool has_ended(int socket) {
   return ::poll(&readable, 1, 10000) > 0 && ::recv(socket, &byte, 1, 0) <= 0;
 }
 
+const std::string call_without_headers("\0\0\0\1\4\0\0\0\1", 9);
+
+/// The name of the connection behind the headers of a call.
+std::string received_name(int service) {
+  constexpr std::size_t name_size = 32;
+  const std::size_t field_size = 1 + 1 + std::string(connection_header).size() + 1 + name_size;
+  const std::string received = receive(service, 9 + 9 + field_size);
+  return received.substr(received.size() - std::min(name_size, received.size()));
+}
+
+/// @param client  has sent its greeting, and no call
+std::string name_of_connection(int client, int service) {
+  send_all(client, call_without_headers);
+  return received_name(service);
+}
+
 void flood(int client) {
   send_all(client, greeting);
   for (int i = 0; i < 5000; ++i) send_all(client, ping);
@@ -127,11 +143,14 @@ TEST_F(RelayTest, BytesPassBothWaysAndThePeerIsKnown) {
   send_all(service.get(), "answer");
   EXPECT_EQ(receive(client.get(), 6), "answer");
 
-  const auto peer = peers_.find("1");
+  const std::string name = name_of_connection(client.get(), service.get());
+  EXPECT_EQ(name.find_first_not_of("0123456789abcdef"), std::string::npos);
+  const auto peer = peers_.find(name);
   ASSERT_NE(peer, nullptr);
   EXPECT_EQ(peer->address.substr(0, 15), "ipv4:127.0.0.1:");
   EXPECT_FALSE(peer->over_tls);
-  EXPECT_EQ(peers_.find("2"), nullptr);
+  EXPECT_EQ(peers_.find(""), nullptr);
+  EXPECT_EQ(peers_.find("1"), nullptr);
 }
 
 TEST_F(RelayTest, WhatWasSentBeforeTheEndArrives) {
@@ -203,7 +222,9 @@ TEST_F(RelayTest, AUserOfThisMachineIsKnown) {
   start();
   const FileDescriptor client = connected(listener_);
   const FileDescriptor service = served();
-  const auto peer = peers_.find("1");
+  send_all(client.get(), greeting);
+  receive(service.get(), greeting.size());
+  const auto peer = peers_.find(name_of_connection(client.get(), service.get()));
   ASSERT_NE(peer, nullptr);
   EXPECT_EQ(peer->user_id, std::optional(::getuid()));
 }
@@ -333,8 +354,10 @@ TEST_F(RelayOverTls, BytesAreDecryptedAndEncrypted) {
   EXPECT_EQ(client.receive(answer.size()), answer);
   sender.join();
 
-  ASSERT_NE(peers_.find("1"), nullptr);
-  EXPECT_TRUE(peers_.find("1")->over_tls);
+  client.send(call_without_headers);
+  const auto peer = peers_.find(received_name(service.get()));
+  ASSERT_NE(peer, nullptr);
+  EXPECT_TRUE(peer->over_tls);
 }
 
 TEST_F(RelayOverTls, ARenewedCertificateHoldsForNewConnections) {
