@@ -32,6 +32,14 @@ constexpr const char* alone_policy =
     "sandbox allow-scripts allow-modals; default-src 'none'; script-src 'unsafe-inline'; style-src "
     "'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
+/// A browser sends a strict cookie only from a page of this origin: not with the redirection that
+/// sets it, where another page, such as a file, led to it. This page, for all, goes on to the
+/// first.
+constexpr const char* threshold_path = "/entered";
+constexpr const char* threshold_page =
+    "<!DOCTYPE html>\n<meta charset=\"utf-8\">\n<title>dccast</title>\n"
+    "<meta http-equiv=\"refresh\" content=\"0; url=/\">\n";
+
 int status_of(ExitCode code) {
   switch (code) {
     case ExitCode::invalid:
@@ -185,6 +193,7 @@ public:
   }
 
   std::string address() { return entrance_.address(); }
+  void when_entered(std::function<void()> call) { when_entered_ = std::move(call); }
 
   void serve(Interruption& interruption) {
     server_->start([this](const std::string& host) { return entrance_.is_own_name(host); },
@@ -213,6 +222,11 @@ private:
   }
 
   http::Reply admitted_reply(const http::Request& request) {
+    if (request.path == threshold_path)
+      return {.body = threshold_page,
+              .type = "text/html; charset=utf-8",
+              .headers = {{policy, own_policy}}};
+
     const auto key = request.query.find("key");
     const auto decision = entrance_.decide({.host = request.host,
                                             .origin = request.origin,
@@ -224,8 +238,11 @@ private:
 
     if (decision.cookie.empty())
       return {.body = decision.refusal + "\n", .status = 403, .headers = {{policy, own_policy}}};
-    return {.status = 302,
-            .headers = {{"Set-Cookie", decision.cookie}, {"Location", "/"}, {policy, own_policy}}};
+    when_entered_();
+    return {
+        .status = 302,
+        .headers = {
+            {"Set-Cookie", decision.cookie}, {"Location", threshold_path}, {policy, own_policy}}};
   }
 
   /// A file has a path of its own; "/report/7" is answered by "/report/" for the name "7".
@@ -245,6 +262,7 @@ private:
   std::unique_ptr<http::Server> server_;
   Entrance entrance_;
   std::map<std::string, Answer> answers_;
+  std::function<void()> when_entered_ = [] {};
 };
 
 WebServer::WebServer(const Listening& listening) : parts_(std::make_unique<Parts>(listening)) {}
@@ -279,6 +297,10 @@ void WebServer::events(const std::string& path, SourceOf source) {
 
 std::string WebServer::address() {
   return parts_->address();
+}
+
+void WebServer::when_entered(std::function<void()> call) {
+  parts_->when_entered(std::move(call));
 }
 
 void WebServer::serve(Interruption& interruption) {

@@ -3,8 +3,10 @@
 import http.client
 import json
 import os
+import shutil
 import signal
 import ssl
+import stat
 import struct
 import subprocess
 import time
@@ -35,11 +37,12 @@ class Dashboard(ServiceTest):
         self.stop_dashboard()
         super().tearDown()
 
-    def start_dashboard(self, port=None):
+    def start_dashboard(self, port=None, options=(), environment=None):
         words = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "dashboard",
-                 *self.files]
+                 *self.files, *options]
         self.process = subprocess.Popen(words + (["--port", str(port)] if port else []),
-                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                                        env={**os.environ, **(environment or {})})
         self.address = self.process.stdout.readline().strip()
         self.url = urllib.parse.urlsplit(self.address)
 
@@ -412,6 +415,43 @@ class Pages(InBrowser):
                 f"return getComputedStyle(document.body).{name}") for name in ("color", "backgroundColor"))
             self.assertGreater(sum(map(int, ink[4:-1].split(","))),
                                sum(map(int, paper[4:-1].split(","))))
+
+
+class Opened(InBrowser):
+    """By --open: what xdg-open is given can be read by every user of the machine."""
+
+    def start_dashboard(self, *_, **__):
+        programs, self.runtime = (os.path.join(self.folder, name) for name in ("bin", "run"))
+        for folder in (programs, self.runtime):
+            os.makedirs(folder)
+        given = os.path.join(self.folder, "given")
+        with open(os.path.join(programs, "xdg-open"), "w", encoding="ascii") as script:
+            script.write(f"#!/bin/sh\nprintf '%s\\n' \"$@\" > {given}.tmp && mv {given}.tmp {given}\n")
+        os.chmod(os.path.join(programs, "xdg-open"), 0o700)
+        super().start_dashboard(options=["--open"], environment={
+            "PATH": programs + os.pathsep + os.environ["PATH"], "XDG_RUNTIME_DIR": self.runtime})
+        until(lambda: os.path.exists(given), 10)
+        with open(given, encoding="utf-8") as file:
+            self.given = file.read().splitlines()
+        self.address = urllib.parse.urljoin("file:", self.given[0])
+
+    def test_the_key_is_in_a_file_of_its_user_that_goes_once_it_was_used(self):
+        self.wait_for("No jobs yet")
+        self.assertEqual(len(self.given), 1)
+        self.assertNotIn("key", self.given[0])
+        self.assertTrue(self.given[0].startswith(self.runtime + os.sep))
+        until(lambda: os.listdir(self.runtime) == [], 10)
+        self.assertEqual(self.complaints(), [])
+
+    def test_nobody_else_reads_the_file_and_it_goes_with_the_dashboard(self):
+        self.stop_dashboard()
+        self.assertEqual(os.listdir(self.runtime), [])
+        shutil.rmtree(self.runtime)
+        shutil.rmtree(os.path.join(self.folder, "bin"))
+        os.remove(os.path.join(self.folder, "given"))
+        self.start_dashboard()
+        self.assertEqual(stat.S_IMODE(os.stat(self.given[0]).st_mode), 0o600)
+        self.assertEqual(stat.S_IMODE(os.stat(os.path.dirname(self.given[0])).st_mode), 0o700)
 
 
 class RealPages(InBrowser):
