@@ -274,6 +274,9 @@ v1::Job done(const jobs::Reply& reply, const std::string& id, const std::string&
 v1::Study done(const studies::StudyReply& reply, const std::string& id, const std::string& remedy) {
   using Kind = studies::StudyReply::Kind;
   if (reply.kind == Kind::not_found) refuse_unknown_study(id);
+  if (reply.kind == Kind::wrong_state && !reply.unfinished.empty())
+    refuse(grpc::FAILED_PRECONDITION, "job {} of study {} has not ended; {}", reply.unfinished, id,
+           remedy);
   if (reply.kind == Kind::wrong_state)
     refuse(grpc::FAILED_PRECONDITION, "study {} is {}; {}", id,
            v1::StudyState_Name(reply.study.state()), remedy);

@@ -167,7 +167,7 @@ std::set<std::string> lost_studies(const StateFolder& folder) {
   if (lost.empty()) return lost;
   studies::StudyStore store(folder.store());
   for (const std::string& id : store.ids()) lost.erase(id);
-  for (const std::string& id : store.removing()) lost.erase(id);
+  for (const studies::StudyRecord& study : store.removing()) lost.erase(study.id);
   return lost;
 }
 

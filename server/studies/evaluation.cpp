@@ -156,7 +156,7 @@ void Studies::add_face(const v1::Job& job, EvaluatedRun& run) {
 /// Runs whose job was deleted are left out.
 std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, const Depth& depth) {
   const auto plan = plan_of(record);
-  const auto jobs = jobs_of(record.id);
+  const auto jobs = jobs_of(record);
   std::vector<EvaluatedRun> runs;
   for (const RunRecord& kept : store_.runs(record.id)) {
     if (kept.number >= depth.before) break;
