@@ -52,6 +52,20 @@ void take_log(const fs::path& path, jobs::JobRecord& record) {
   record.bytes = jobs::bytes_kept(path.parent_path());
 }
 
+/// A log that is lost can be begun again only while nothing else shows that the job has run.
+/// @throws std::runtime_error  something does
+bool has_history(const fs::path& folder) {
+  const fs::path log = folder / "events.log";
+  const bool is_there = fs::exists(log);
+  if (is_there && jobs::scan_event_log(log).last_sequence > 0) return true;
+
+  if (fs::exists(folder / "results.h5"))
+    throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
+  if (is_there && fs::exists(folder / "worker.log"))
+    throw std::runtime_error("its events.log has no event that can be read, and it has run");
+  return false;
+}
+
 /// A job whose row has ended while its folder is claimed as that of a run which has not. A claim
 /// goes when the end of a job has been written. @return its id; empty for none
 std::string contradicted_by_worker(const StateFolder& folder, jobs::JobStore& store) {
@@ -141,10 +155,7 @@ bool agrees(const jobs::JobRecord& row, const jobs::JobRecord& described) {
 
 void index_job(jobs::JobStore& store, const fs::path& folder) {
   jobs::JobRecord record = described_job(folder);
-  // A log that is gone can be begun again only while nothing else shows what became of the job.
-  if (!fs::exists(folder / "events.log") && fs::exists(folder / "results.h5"))
-    throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
-  take_log(folder / "events.log", record);
+  if (has_history(folder)) take_log(folder / "events.log", record);
   const auto there = store.find_request(record.job.request_id());
   if (there && there->job.id() != record.job.id())
     throw std::runtime_error("its request_id \"" + record.job.request_id() + "\" belongs to job " +

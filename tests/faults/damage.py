@@ -140,6 +140,17 @@ class FlipEventLog(Damage):
         return [job_id]
 
 
+class OverwriteEventLogBeginning(Damage):
+    """Header and first event of the event log of a waiting job overwritten: it runs as if nothing had been"""
+    short, long = 2, 20
+
+    def damage(self, chance, scene, there):
+        job_id = chance.choice(there.waiting)
+        with open(scene.data("jobs", job_id, "events.log"), "r+b") as file:
+            file.write(chance.randbytes(chance.randrange(17, 40)))
+        return [job_id]
+
+
 class FlipStore(Damage):
     """One bit flipped in jobs.sqlite after an orderly stop, anywhere"""
     kill = False

@@ -165,6 +165,23 @@ TEST_F(SchedulerFaults, ADamagedJobBesideAnUnreadableStoreEndsNoThread) {
   EXPECT_EQ(daemon.scheduler.find(id_)->failure().kind(), v1::Failure::STORAGE);
 }
 
+// One bad block hits header and first event, which is all that the log of a waiting job has.
+TEST_F(SchedulerFaults, AWaitingJobWhoseEventLogIsNoneAnyMoreWaitsOn) {
+  const auto log = [this] { return folder_.path() / id_ / "events.log"; };
+  {
+    Daemon daemon(folder_.path());
+    id_ = daemon.scheduler.submit(new_job(), {}).id();
+  }
+  storage::write_file(log(), std::string(fs::file_size(log()), 'x'));
+
+  Daemon daemon(folder_.path());
+  EXPECT_EQ(state(daemon, id_), v1::QUEUED);
+  EXPECT_TRUE(fs::exists(log().string() + ".damaged"));
+  daemon.scheduler.start();
+  EXPECT_EQ(daemon.executor.wait_for_launch(1).job_id, id_);
+  EXPECT_EQ(daemon.scheduler.log(id_)->content().last_state->state(), v1::RUNNING);
+}
+
 TEST_F(SchedulerFaults, AnExecutorThatThrowsLeavesNoPhantom) {
   Daemon daemon(folder_.path());
   daemon.executor.lacks_something = true;
