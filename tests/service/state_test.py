@@ -8,9 +8,13 @@ import sqlite3
 import subprocess
 import threading
 
+import grpc
+import h5py
+
 from dccast.v1 import job_pb2, service_pb2
 from support import BIN, Daemon, ServiceTest, fake_case, main
 
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 SUCCEEDED, PAUSED = job_pb2.SUCCEEDED, job_pb2.PAUSED
 CANCELLED, QUEUED = job_pb2.CANCELLED, job_pb2.QUEUED
 
@@ -21,6 +25,12 @@ def flip_bit(path, offset, bit=3):
         byte = file.read(1)[0]
         file.seek(offset)
         file.write(bytes([byte ^ (1 << bit)]))
+
+
+def all_datasets(file):
+    names = []
+    file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+    return names
 
 
 class StateTest(ServiceTest):
@@ -231,6 +241,75 @@ class Folders(StateTest):
         self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=gone.id))
         self.daemon.terminate()
         self.assertEqual(self.command("check")[0], 0)
+
+
+def a_link(path):
+    os.symlink(os.path.join(os.path.dirname(path), "elsewhere"), path)
+
+
+ENTRIES = {"folder": os.mkdir, "named pipe": os.mkfifo, "symbolic link": a_link}
+
+
+class UnreadableFiles(StateTest):
+    """A file of a job that cannot be read costs its calls an answer with a remedy, and no path."""
+
+    def test_of_a_job(self):
+        job = self.client.submit(fake_case("steps=5")).id
+        self.client.until_state(job, SUCCEEDED)
+        folder = os.path.join(self.data, "jobs", job)
+        query = service_pb2.QueryResultRequest(id=job, frame=True)
+        calls = {"results.h5": [lambda: self.client.fetch(job),
+                                lambda: self.client.stub.QueryResult(query, timeout=20)],
+                 "worker.log": [lambda: self.client.fetch(job, "worker.log")],
+                 "case.toml": [lambda: self.client.fetch(job, "case.toml")]}
+        for name, asked in calls.items():
+            path = os.path.join(folder, name)
+            for kind, make in {**ENTRIES, "nothing": None}.items():
+                if os.path.lexists(path):
+                    os.rename(path, path + ".kept")
+                if make:
+                    make(path)
+                elif name != "results.h5":
+                    continue  # they need not be there
+                for call in asked:
+                    with self.subTest(name=name, kind=kind):
+                        error = self.refused(grpc.StatusCode.DATA_LOSS, call)
+                        self.assertNotIn(self.data, error.details())
+                        self.assertRegex(error.details(), "dccastd check|run the job again")
+                if make:
+                    shutil.rmtree(path) if kind == "folder" else os.remove(path)
+                if os.path.exists(path + ".kept"):
+                    os.rename(path + ".kept", path)
+        self.client.fetch(job)
+
+
+class ChangedResults(StateTest):
+    """What was changed after the run is shown by no call."""
+    worker = "dccast-worker"
+
+    def test_frames_and_reports(self):
+        path = os.path.join(ROOT, "cases", "start-2d-thickness.toml")
+        client = [os.path.join(BIN, "dccast"), "--server", self.daemon.address]
+        job = subprocess.run([*client, "submit", path, "--set", "quality=draft", "--set",
+                              "time.end=20 s"], capture_output=True, text=True, timeout=60,
+                             check=True).stdout.strip()
+        self.client.until_state(job, SUCCEEDED, seconds=60)
+        query = service_pb2.QueryResultRequest(id=job, frame=True)
+        self.assertTrue(self.client.stub.QueryResult(query, timeout=20).HasField("frame"))
+        results = os.path.join(self.data, "jobs", job, "results.h5")
+        # A value of a dataset, which HDF5 reads as any other.
+        with h5py.File(results, "r+") as file:
+            name = next(name for name in all_datasets(file) if name.endswith("displacement_m"))
+            file[name][...] = 2.0
+        error = self.refused(grpc.StatusCode.DATA_LOSS, self.client.stub.QueryResult, query,
+                             timeout=20)
+        self.assertRegex(error.details(), "size|SHA-256")
+        report = os.path.join(self.folder, "report.html")
+        shown = subprocess.run([*client, "report", job, "-o", report], capture_output=True,
+                               text=True, timeout=60, check=True)
+        self.assertIn("without a picture of the slab", shown.stderr)
+        # Histories are those of the event log.
+        self.assertGreater(len(self.client.steps(job)), 5)
 
 
 class Backup(StateTest):
