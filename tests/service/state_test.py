@@ -283,6 +283,48 @@ class UnreadableFiles(StateTest):
         self.client.fetch(job)
 
 
+class ReplacedFiles(StateTest):
+    """Something else than a file in the place of one of the daemon's own."""
+
+    def test_the_store_is_made_again_and_what_was_there_kept(self):
+        job = self.client.submit(fake_case("steps=5")).id
+        self.client.until_state(job, SUCCEEDED)
+        self.daemon.terminate()
+        for kind, make in ENTRIES.items():
+            with self.subTest(kind=kind):
+                os.remove(self.store)
+                make(self.store)
+                code, said = self.command("check")
+                self.assertEqual(code, 3)
+                self.assertIn(f"is a {kind}, not a regular file", said)
+                self.assertIn("--repair", said)
+                code, said = self.command("backup", "--to", os.path.join(self.folder, "copy"))
+                self.assertIn("dccastd check --repair", said)
+                if kind == "folder":  # the others by the daemon itself
+                    self.assertEqual(self.command("check", "--repair")[0], 0)
+                self.restart()
+                self.assertEqual(self.client.job(job).state, SUCCEEDED)
+                self.daemon.terminate()
+                self.assertTrue(os.path.isfile(self.store) and not os.path.islink(self.store))
+        self.assertFalse(os.path.exists(os.path.join(self.data, "elsewhere")))
+
+    def test_of_others_the_refusal_says_what_to_do(self):
+        self.daemon.terminate()
+        for name in ("audit.log", "lock"):
+            path = os.path.join(self.data, name)
+            for kind, make in ENTRIES.items():
+                with self.subTest(name=name, kind=kind):
+                    if os.path.lexists(path):
+                        os.remove(path)
+                    make(path)
+                    with self.assertRaises(RuntimeError) as refused:
+                        self.daemon.start()
+                    self.assertIn(f"is a {kind}, not a regular file (move it away)",
+                                  str(refused.exception))
+                    shutil.rmtree(path) if kind == "folder" else os.remove(path)
+        self.restart()
+
+
 class ChangedResults(StateTest):
     """What was changed after the run is shown by no call."""
     worker = "dccast-worker"
