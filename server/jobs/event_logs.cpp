@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/storage/file.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/quarantine.hpp"
 
@@ -58,14 +59,22 @@ std::shared_ptr<EventLog> EventLogs::open_now(const std::string& job_id) {
 
 namespace {
 
+void set_aside(const std::filesystem::path& path, const std::string& why) {
+  const auto aside = free_name(path.string() + ".damaged");
+  std::filesystem::rename(path, aside);
+  log::warn("{}; it begins again, and is now {}", why, aside.string());
+}
+
 /// What a job is, its folder says in another file: a log of which nothing is left begins again.
 std::shared_ptr<EventLog> opened(const std::filesystem::path& path) {
+  const std::string kind = storage::kind_of_entry(path);
+  if (!kind.empty() && kind != storage::regular_file)
+    set_aside(path, path.string() + " is " + kind);
+
   try {
     return std::make_shared<EventLog>(path);
   } catch (const NoEventLog& error) {
-    const auto aside = free_name(path.string() + ".damaged");
-    std::filesystem::rename(path, aside);
-    log::warn("{}; it begins again, and is now {}", error.what(), aside.string());
+    set_aside(path, error.what());
     return std::make_shared<EventLog>(path);
   }
 }

@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "core/storage/file.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
@@ -52,12 +53,18 @@ void take_log(const fs::path& path, jobs::JobRecord& record) {
   record.bytes = jobs::bytes_kept(path.parent_path());
 }
 
+/// What stands in its place and is no regular file has no events.
+jobs::EventLogContent scanned(const fs::path& log) {
+  const bool is_file = storage::kind_of_entry(log) == storage::regular_file;
+  return is_file ? jobs::scan_event_log(log) : jobs::EventLogContent{};
+}
+
 /// A log that is lost can be begun again only while nothing else shows that the job has run.
 /// @throws std::runtime_error  something does
 bool has_history(const fs::path& folder) {
   const fs::path log = folder / "events.log";
-  const bool is_there = fs::exists(log);
-  if (is_there && jobs::scan_event_log(log).last_sequence > 0) return true;
+  const bool is_there = !storage::kind_of_entry(log).empty();
+  if (is_there && scanned(log).last_sequence > 0) return true;
 
   if (fs::exists(folder / "results.h5"))
     throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
@@ -72,9 +79,8 @@ std::string contradicted_by_worker(const StateFolder& folder, jobs::JobStore& st
   for (const std::string& id : jobs::folder_ids(folder.jobs())) {
     if (jobs::signs_in(folder.jobs() / id).claimed_ns == 0) continue;
     const auto record = store.find(id);
-    if (record && jobs::is_terminal(record->job.state()) &&
-        !jobs::scan_event_log(folder.jobs() / id / "events.log").terminal)
-      return id;
+    const bool has_ended = record && jobs::is_terminal(record->job.state());
+    if (has_ended && !scanned(folder.jobs() / id / "events.log").terminal) return id;
   }
   return {};
 }

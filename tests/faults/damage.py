@@ -154,6 +154,19 @@ class OverwriteEventLogBeginning(Damage):
         return [job_id]
 
 
+class ReplaceEventLog(Damage):
+    """The event log of a waiting job replaced by a folder, a link or a named pipe: it runs as if nothing had been"""
+    short, long = 3, 18
+    kinds = (os.mkdir, os.mkfifo, lambda path: os.symlink(path + ".elsewhere", path))
+
+    def damage(self, chance, scene, there):
+        job_id = chance.choice(there.waiting)
+        path = scene.data("jobs", job_id, "events.log")
+        os.remove(path)
+        chance.choice(self.kinds)(path)
+        return [job_id]
+
+
 class FlipStore(Damage):
     """One bit flipped in jobs.sqlite after an orderly stop, anywhere"""
     kill = False

@@ -308,6 +308,35 @@ class ReplacedFiles(StateTest):
                 self.assertTrue(os.path.isfile(self.store) and not os.path.islink(self.store))
         self.assertFalse(os.path.exists(os.path.join(self.data, "elsewhere")))
 
+    def test_in_one_job_others_go_on_and_a_check_comes_to_its_end(self):
+        replaced = self.client.submit(fake_case("steps=5")).id
+        other = self.client.submit(fake_case("steps=5")).id
+        for job in (replaced, other):
+            self.client.until_state(job, SUCCEEDED)
+        self.daemon.terminate()
+        saved = os.path.join(self.folder, "saved")
+        shutil.copytree(self.data, saved)
+        for name in ("events.log", "description.bin", "marks", "request", "accepted"):
+            for kind, make in ENTRIES.items():
+                with self.subTest(name=name, kind=kind):
+                    shutil.rmtree(self.data)
+                    shutil.copytree(saved, self.data)
+                    path = os.path.join(self.data, "jobs", replaced, name)
+                    if os.path.exists(path):
+                        os.remove(path)
+                    make(path)
+                    code, said = self.command("check", "--deep")
+                    self.assertIn(code, (0, 3), said)
+                    self.restart()
+                    self.assertEqual(self.client.job(other).state, SUCCEEDED)
+                    self.client.fetch(other)
+                    again = self.client.submit(fake_case("steps=3")).id
+                    self.client.until_state(again, SUCCEEDED)
+                    self.daemon.terminate()
+                    code, said = self.command("check", "--repair")
+                    self.assertIn(code, (0, 3), said)
+                    self.assertEqual(code, 3 if name == "description.bin" else 0, said)
+
     def test_of_others_the_refusal_says_what_to_do(self):
         self.daemon.terminate()
         for name in ("audit.log", "lock"):
