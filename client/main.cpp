@@ -1,11 +1,18 @@
+#include <unistd.h>
+
 #include <cstdlib>
+#include <iostream>
 
 #include "client/commands/commands.hpp"
+#include "client/text/terminal_guard.hpp"
 
 int main(int argc, char** argv) {
   // gRPC writes messages for its developers to standard error; the commands report errors
   // themselves.
   ::setenv("GRPC_VERBOSITY", "NONE", 0);
+  const dccast::client::render::TerminalGuard output(std::cout, STDOUT_FILENO);
+  const dccast::client::render::TerminalGuard messages(std::cerr, STDERR_FILENO);
+
   dccast::client::commands::Program program;
   program.configuration = dccast::client::configuration_file();
   if (!program.configuration.empty())

@@ -12,7 +12,7 @@ find_package(HDF5 1.10 REQUIRED COMPONENTS C)
 find_package(Eigen3 3.4 CONFIG REQUIRED NO_MODULE)
 find_package(Boost 1.74 REQUIRED)  # Asio, which needs headers alone
 find_package(OpenSSL REQUIRED COMPONENTS Crypto SSL)
-find_package(Httplib REQUIRED)
+find_package(Boost 1.74 REQUIRED)  # headers alone
 find_package(Udunits2 REQUIRED)
 find_package(Cholmod REQUIRED)
 find_package(OpenMP REQUIRED COMPONENTS CXX)  # to keep CHOLMOD on one core

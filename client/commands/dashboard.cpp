@@ -2,9 +2,11 @@
 
 #include <cstdlib>
 #include <iostream>
+#include <optional>
 
 #include "client/commands/commands.hpp"
 #include "client/web/dashboard.hpp"
+#include "client/web/redirect_file.hpp"
 #include "proto/values/address.hpp"
 
 namespace dccast::client::commands {
@@ -45,12 +47,12 @@ web::Listening listening_of(const DashboardOptions& options, Program& program) {
           .key = options.key};
 }
 
-/// Shows an address in the user's browser, which outlives this program.
-void open_in_browser(const std::string& address) {
+/// Shows a file in the user's browser, which outlives this program.
+void open_in_browser(const std::string& path) {
   const pid_t child = ::fork();
   if (child != 0) return;
   ::setsid();
-  ::execlp("xdg-open", "xdg-open", address.c_str(), nullptr);
+  ::execlp("xdg-open", "xdg-open", path.c_str(), nullptr);
   std::_Exit(127);
 }
 
@@ -69,7 +71,13 @@ ExitCode run(const DashboardOptions& options, Program& program) {
   std::cout << address << std::endl;
   std::cerr << "This address opens the dashboard once"
             << (options.listen.empty() ? ", on this machine" : "") << ". Ctrl-C ends it.\n";
-  if (options.open) open_in_browser(address);
+
+  std::optional<web::RedirectFile> redirect;
+  if (options.open) {
+    redirect.emplace(address);
+    server.when_entered([&redirect] { redirect->remove(); });
+    open_in_browser(redirect->path());
+  }
   server.serve(*program.interruption);
   return ExitCode::done;
 }

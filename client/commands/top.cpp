@@ -1,4 +1,4 @@
-// What the server is at, redrawn until one leaves.
+// Live view of the server, refreshed until the user quits.
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <termios.h>
@@ -11,6 +11,7 @@
 #include "client/session/jobs.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/terminal.hpp"
+#include "client/text/terminal_guard.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -38,7 +39,8 @@ public:
   }
   void show(const std::string& page) const {
     std::string text = "\033[H";
-    for (const char c : page) text += c == '\n' ? std::string("\033[K\n") : std::string(1, c);
+    for (const char c : render::for_terminal(page))
+      text += c == '\n' ? std::string("\033[K\n") : std::string(1, c);
     write(text + "\033[J");
   }
   bool reads_keys() const { return keys_; }

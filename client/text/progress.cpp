@@ -10,6 +10,7 @@
 #include "client/text/job_text.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
+#include "client/text/terminal_guard.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -61,7 +62,7 @@ std::string step_line(const v1::StepReport& step) {
 }
 
 void Progress::line(const std::string& text) {
-  if (line_open_) stream_ << "\r\033[K";
+  if (line_open_) stream_ << begin_of_line << clear_rest_of_line;
   line_open_ = false;
   stream_ << text << std::endl;
 }
@@ -70,7 +71,8 @@ void Progress::renew(const std::string& text, bool force) {
   const auto now = std::chrono::steady_clock::now();
   if (!force && now - renewed_ < pause) return;
   renewed_ = now;
-  stream_ << "\r\033[K" << cut_to(text, columns_now(terminal_) - 1) << std::flush;
+  stream_ << begin_of_line << clear_rest_of_line << cut_to(text, columns_now(terminal_) - 1)
+          << std::flush;
   line_open_ = true;
 }
 

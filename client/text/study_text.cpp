@@ -12,6 +12,7 @@
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
+#include "client/text/terminal_guard.hpp"
 #include "proto/case_file/key_place.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
@@ -103,8 +104,9 @@ StudyProgress::~StudyProgress() {
 
 void StudyProgress::show(const v1::Study& study) {
   if (terminal_.interactive) {
-    stream_ << "\r" << cut_to(progress_text(study) + left_text(study), terminal_.columns - 1)
-            << "\x1b[K" << std::flush;
+    stream_ << begin_of_line
+            << cut_to(progress_text(study) + left_text(study), terminal_.columns - 1)
+            << clear_rest_of_line << std::flush;
     line_open_ = true;
     return;
   }

@@ -8,9 +8,8 @@
 
 namespace dccast::client::web {
 
-/// Who gets in: a key that works once gives a browser the session's cookie. Host must be a name of
-/// this server, so that no other site can point its own name at it, and whatever changes something
-/// must come from a page of this origin.
+/// Authenticates browsers: a key that works once is exchanged for the session's cookie. Whatever
+/// changes something must come from a page of this origin.
 class Entrance {
 public:
   /// @param host         as addresses name this server
@@ -20,6 +19,8 @@ public:
 
   /// Whether its certificate, if any, is for its host.
   bool knows_itself() const { return is_own_name(host_ + port_); }
+  /// Whether a value of the header Host names this server.
+  bool is_own_name(const std::string& host) const;
   /// An address that opens the dashboard once.
   std::string address();
 
@@ -37,7 +38,6 @@ public:
   Decision decide(const Visit& visit);
 
 private:
-  bool is_own_name(const std::string& host) const;
   bool take_key(const std::string& key);
   std::string origin() const;
   std::string cookie_name() const;

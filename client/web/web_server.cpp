@@ -1,6 +1,6 @@
 #include "client/web/web_server.hpp"
 
-#include <httplib.h>
+#include <fmt/format.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -11,23 +11,17 @@
 #include "client/model/json.hpp"
 #include "client/session/socket.hpp"
 #include "client/web/entrance.hpp"
+#include "proto/http/server.hpp"
+#include "proto/http/target.hpp"
 
 namespace dccast::client::web {
 namespace {
 
-constexpr int most_threads = 64;            // a live page keeps one for its events
-constexpr std::size_t most_body = 1 << 20;  // [bytes] of what a page sends
+/// A page sends calls of the service and changes of a case.
+constexpr http::Limits limits{.body_bytes = 1 << 20};
 
 std::string fault(const std::string& text) {
   return Json{{"error", text}}.dump();
-}
-
-Request request_of(const httplib::Request& from) {
-  Request request;
-  if (from.matches.size() > 1) request.name = httplib::detail::decode_url(from.matches[1], false);
-  request.query = from.params;
-  request.body = from.body;
-  return request;
 }
 
 constexpr const char* policy = "Content-Security-Policy";
@@ -37,6 +31,14 @@ constexpr const char* own_policy =
 constexpr const char* alone_policy =
     "sandbox allow-scripts allow-modals; default-src 'none'; script-src 'unsafe-inline'; style-src "
     "'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// A browser sends a strict cookie only from a page of this origin: not with the redirection that
+/// sets it, where another page, such as a file, led to it. This page, for all, goes on to the
+/// first.
+constexpr const char* threshold_path = "/entered";
+constexpr const char* threshold_page =
+    "<!DOCTYPE html>\n<meta charset=\"utf-8\">\n<title>dccast</title>\n"
+    "<meta http-equiv=\"refresh\" content=\"0; url=/\">\n";
 
 int status_of(ExitCode code) {
   switch (code) {
@@ -51,31 +53,23 @@ int status_of(ExitCode code) {
   }
 }
 
-std::unique_ptr<httplib::Server> server_for(const Listening& listening) {
-  if (listening.certificate.empty()) return std::make_unique<httplib::Server>();
-  auto server =
-      std::make_unique<httplib::SSLServer>(listening.certificate.c_str(), listening.key.c_str());
-  if (!server->is_valid())
+std::unique_ptr<http::Server> server_for(const Listening& at) {
+  try {
+    return std::make_unique<http::Server>(
+        http::Server::Listening{
+            .host = at.host, .port = at.port, .certificate = at.certificate, .key = at.key},
+        limits);
+  } catch (const http::BadCertificate&) {
     throw CommandFailed(ExitCode::invalid,
-                        "--certificate " + listening.certificate + ", --key " + listening.key +
-                            ": are not a certificate and its key; give PEM files");
-  return server;
-}
-
-const X509* certificate_of(const httplib::Server& server) {
-  const auto* tls = dynamic_cast<const httplib::SSLServer*>(&server);
-  return tls == nullptr ? nullptr : SSL_CTX_get0_certificate(tls->ssl_context());
-}
-
-int bound(httplib::Server& server, const Listening& listening) {
-  const int port = listening.port == 0 ? server.bind_to_any_port(listening.host)
-                   : server.bind_to_port(listening.host, listening.port) ? listening.port
-                                                                         : -1;
-  if (port > 0) return port;
-  throw CommandFailed(ExitCode::invalid,
-                      listening.host + ":" + std::to_string(listening.port) +
-                          ": is no address of this machine, or its port is taken by another "
-                          "program; without a port, a free one is taken");
+                        fmt::format("--certificate {}, --key {}: are not a certificate and its "
+                                    "key; give PEM files",
+                                    at.certificate, at.key));
+  } catch (const http::CannotListen&) {
+    throw CommandFailed(ExitCode::invalid,
+                        fmt::format("{}:{}: is no address of this machine, or its port is taken by "
+                                    "another program; without a port, a free one is taken",
+                                    at.host, at.port));
+  }
 }
 
 }  // namespace
@@ -92,94 +86,21 @@ std::vector<std::string> Request::values(const std::string& key) const {
   return all;
 }
 
-class WebServer::Parts {
-public:
-  explicit Parts(const Listening& listening)
-      : server_(server_for(listening)),
-        entrance_(named(listening.host), bound(*server_, listening), certificate_of(*server_)) {
-    server_->new_task_queue = [] { return new httplib::ThreadPool(most_threads); };
-    server_->set_payload_max_length(most_body);
-    server_->set_keep_alive_timeout(1);
-    server_->set_tcp_nodelay(true);
-    server_->set_pre_routing_handler([this](const auto& request, auto& response) {
-      return admit(request, response) ? httplib::Server::HandlerResponse::Unhandled
-                                      : httplib::Server::HandlerResponse::Handled;
-    });
-    server_->set_post_routing_handler([](const auto&, auto& response) {
-      if (!response.has_header(policy)) response.set_header(policy, own_policy);
-    });
-    if (!entrance_.knows_itself())
-      throw CommandFailed(ExitCode::invalid, "--certificate " + listening.certificate +
-                                                 ": is not for " + named(listening.host) +
-                                                 "; give --listen a name that stands in it");
-  }
-
-  std::string address() { return entrance_.address(); }
-  httplib::Server& server() { return *server_; }
-
-private:
-  static std::string named(const std::string& host) {
-    return host == "0.0.0.0" || host == "::" ? name_of_this_machine() : host;
-  }
-
-  /// Sets the headers of every reply. @return false: this one is complete
-  bool admit(const httplib::Request& request, httplib::Response& response) {
-    response.set_header("X-Content-Type-Options", "nosniff");
-    response.set_header("Referrer-Policy", "no-referrer");
-    response.set_header("Cross-Origin-Opener-Policy", "same-origin");
-    response.set_header("Cross-Origin-Resource-Policy", "same-origin");
-    response.set_header("Cache-Control", "no-store");
-    const auto decision = entrance_.decide({.host = request.get_header_value("Host"),
-                                            .origin = request.get_header_value("Origin"),
-                                            .cookies = request.get_header_value("Cookie"),
-                                            .key = request.get_param_value("key"),
-                                            .changes = request.method != "GET",
-                                            .is_first_page = request.path == "/"});
-    if (decision.admitted) return true;
-    if (decision.cookie.empty()) {
-      response.status = 403;
-      response.set_content(decision.refusal + "\n", "text/plain; charset=utf-8");
-    } else {
-      response.set_header("Set-Cookie", decision.cookie);
-      response.set_redirect("/");
-    }
-    return false;
-  }
-
-  std::unique_ptr<httplib::Server> server_;
-  Entrance entrance_;
-};
-
-WebServer::WebServer(const Listening& listening) : parts_(std::make_unique<Parts>(listening)) {}
-WebServer::~WebServer() = default;
-
-void WebServer::file(const std::string& path, const std::string& type, const std::string& text) {
-  parts_->server().Get(path, [type, text](const httplib::Request&, httplib::Response& response) {
-    response.set_content(text, type.c_str());
-  });
-}
-
 namespace {
 
-httplib::Server::Handler answering(WebServer::Handler handler) {
-  return
-      [handler = std::move(handler)](const httplib::Request& asked, httplib::Response& response) {
-        Reply reply;
-        try {
-          reply = handler(request_of(asked));
-        } catch (const CommandFailed& error) {
-          reply = {.body = fault(error.what()), .status = status_of(error.code())};
-        } catch (const std::exception& error) {
-          reply = {.body = fault(error.what()), .status = 500};
-        }
-        response.status = reply.status;
-        if (reply.stands_alone) response.set_header(policy, alone_policy);
-        response.set_content(reply.body, reply.type.c_str());
-      };
-}
-
-std::string with_name(const std::string& path) {
-  return path + "/([^/]*)";
+http::Reply answer_of(const WebServer::Handler& handler, const Request& request) {
+  Reply reply;
+  try {
+    reply = handler(request);
+  } catch (const CommandFailed& error) {
+    reply = {.body = fault(error.what()), .status = status_of(error.code())};
+  } catch (const std::exception& error) {
+    reply = {.body = fault(error.what()), .status = 500};
+  }
+  return {.body = std::move(reply.body),
+          .type = std::move(reply.type),
+          .status = reply.status,
+          .headers = {{policy, reply.stands_alone ? alone_policy : own_policy}}};
 }
 
 /// Server-sent events of a source that runs in a thread of its own, on their way to the browser.
@@ -253,24 +174,124 @@ private:
 
 }  // namespace
 
+class WebServer::Parts {
+public:
+  explicit Parts(const Listening& listening)
+      : server_(server_for(listening)),
+        entrance_(named(listening.host), server_->port(), server_->certificate()) {
+    if (!entrance_.knows_itself())
+      throw CommandFailed(ExitCode::invalid,
+                          fmt::format("--certificate {}: is not for {}; give --listen a name that "
+                                      "stands in it",
+                                      listening.certificate, named(listening.host)));
+  }
+
+  /// @param path  of a file, or "/report/" for "/report/NAME"
+  using Answer = std::function<http::Reply(const Request&)>;
+  void add(const std::string& method, const std::string& path, Answer answer) {
+    answers_[method + " " + path] = std::move(answer);
+  }
+
+  std::string address() { return entrance_.address(); }
+  void when_entered(std::function<void()> call) { when_entered_ = std::move(call); }
+
+  void serve(Interruption& interruption) {
+    server_->start([this](const std::string& host) { return entrance_.is_own_name(host); },
+                   [this](const http::Request& request) { return reply_to(request); });
+    try {
+      while (true) interruption.sleep(std::chrono::hours(1));
+    } catch (const Interrupted&) {
+      server_->stop();
+    }
+  }
+
+private:
+  static std::string named(const std::string& host) {
+    return host == "0.0.0.0" || host == "::" ? name_of_this_machine() : host;
+  }
+
+  http::Reply reply_to(const http::Request& request) {
+    http::Reply reply = admitted_reply(request);
+    for (const auto& header : {std::pair{"X-Content-Type-Options", "nosniff"},
+                               std::pair{"Referrer-Policy", "no-referrer"},
+                               std::pair{"Cross-Origin-Opener-Policy", "same-origin"},
+                               std::pair{"Cross-Origin-Resource-Policy", "same-origin"},
+                               std::pair{"Cache-Control", "no-store"}})
+      reply.headers.emplace_back(header);
+    return reply;
+  }
+
+  http::Reply admitted_reply(const http::Request& request) {
+    if (request.path == threshold_path)
+      return {.body = threshold_page,
+              .type = "text/html; charset=utf-8",
+              .headers = {{policy, own_policy}}};
+
+    const auto key = request.query.find("key");
+    const auto decision = entrance_.decide({.host = request.host,
+                                            .origin = request.origin,
+                                            .cookies = request.cookies,
+                                            .key = key == request.query.end() ? "" : key->second,
+                                            .changes = request.method != "GET",
+                                            .is_first_page = request.path == "/"});
+    if (decision.admitted) return answer(request);
+
+    if (decision.cookie.empty())
+      return {.body = decision.refusal + "\n", .status = 403, .headers = {{policy, own_policy}}};
+    when_entered_();
+    return {
+        .status = 302,
+        .headers = {
+            {"Set-Cookie", decision.cookie}, {"Location", threshold_path}, {policy, own_policy}}};
+  }
+
+  /// A file has a path of its own; "/report/7" is answered by "/report/" for the name "7".
+  http::Reply answer(const http::Request& request) const {
+    const auto name_at = request.path.rfind('/') + 1;
+    auto found = answers_.find(request.method + " " + request.path);
+    if (found == answers_.end() && name_at > 1)
+      found = answers_.find(request.method + " " + request.path.substr(0, name_at));
+
+    if (found == answers_.end())
+      return {.body = "There is no such page.\n", .status = 404, .headers = {{policy, own_policy}}};
+    return found->second({.name = http::decoded(request.path.substr(name_at)),
+                          .query = request.query,
+                          .body = request.body});
+  }
+
+  std::unique_ptr<http::Server> server_;
+  Entrance entrance_;
+  std::map<std::string, Answer> answers_;
+  std::function<void()> when_entered_ = [] {};
+};
+
+WebServer::WebServer(const Listening& listening) : parts_(std::make_unique<Parts>(listening)) {}
+WebServer::~WebServer() = default;
+
+void WebServer::file(const std::string& path, const std::string& type, const std::string& text) {
+  parts_->add("GET", path, [type, text](const Request&) {
+    return http::Reply{.body = text, .type = type, .headers = {{policy, own_policy}}};
+  });
+}
+
 void WebServer::get(const std::string& path, Handler handler) {
-  parts_->server().Get(with_name(path), answering(std::move(handler)));
+  parts_->add("GET", path + "/", [handler = std::move(handler)](const Request& request) {
+    return answer_of(handler, request);
+  });
 }
 
 void WebServer::post(const std::string& path, Handler handler) {
-  parts_->server().Post(with_name(path), answering(std::move(handler)));
+  parts_->add("POST", path + "/", [handler = std::move(handler)](const Request& request) {
+    return answer_of(handler, request);
+  });
 }
 
 void WebServer::events(const std::string& path, SourceOf source) {
-  parts_->server().Get(with_name(path), [source = std::move(source)](const httplib::Request& asked,
-                                                                     httplib::Response& response) {
-    const auto stream = std::make_shared<EventStream>(source(request_of(asked)));
-    response.set_chunked_content_provider(
-        "text/event-stream", [stream](std::size_t, httplib::DataSink& sink) {
-          const std::string text = stream->take();
-          if (text.empty()) sink.done();
-          return text.empty() || sink.write(text.data(), text.size());
-        });
+  parts_->add("GET", path + "/", [source = std::move(source)](const Request& request) {
+    const auto stream = std::make_shared<EventStream>(source(request));
+    return http::Reply{.type = "text/event-stream",
+                       .headers = {{policy, own_policy}},
+                       .next_part = [stream] { return stream->take(); }};
   });
 }
 
@@ -278,16 +299,12 @@ std::string WebServer::address() {
   return parts_->address();
 }
 
+void WebServer::when_entered(std::function<void()> call) {
+  parts_->when_entered(std::move(call));
+}
+
 void WebServer::serve(Interruption& interruption) {
-  std::thread watch([&] {
-    try {
-      while (true) interruption.sleep(std::chrono::hours(1));
-    } catch (const Interrupted&) {
-      parts_->server().stop();
-    }
-  });
-  parts_->server().listen_after_bind();
-  watch.join();
+  parts_->serve(interruption);
 }
 
 }  // namespace dccast::client::web

@@ -64,6 +64,8 @@ public:
 
   /// An address that opens the dashboard once.
   std::string address();
+  /// Called each time such an address has let a browser in.
+  void when_entered(std::function<void()> call);
   /// Serves until the interruption comes.
   void serve(Interruption& interruption);
 

@@ -16,12 +16,10 @@ namespace dccast::storage {
 
 namespace {
 
-constexpr const char* regular = "a regular file";
-
 std::string kind_of(mode_t mode) {
   switch (mode & S_IFMT) {
     case S_IFREG:
-      return regular;
+      return regular_file;
     case S_IFDIR:
       return "a folder";
     case S_IFLNK:
@@ -37,7 +35,8 @@ std::string kind_of(mode_t mode) {
 
 [[noreturn]] void refuse_kind(int error, const std::filesystem::path& path,
                               const std::string& kind) {
-  throw StorageError(error, path.string(), "is " + kind + ", not " + regular);
+  throw StorageError(error, path.string(),
+                     "is " + kind + ", not " + regular_file + " (move it away)");
 }
 
 /// O_NONBLOCK means nothing to a regular file; the open of a named pipe returns with it.
@@ -57,7 +56,7 @@ File::File(const std::filesystem::path& path, int flags, mode_t permissions, Lin
     // The system names the reason less clearly (ELOOP of a link, ENXIO of a pipe), or not at all.
     const std::string kind = kind_of_entry(path);
     const bool other_kind = error == ELOOP || error == ENXIO || error == EISDIR;
-    if (other_kind && !kind.empty() && kind != regular) refuse_kind(error, path, kind);
+    if (other_kind && !kind.empty() && kind != regular_file) refuse_kind(error, path, kind);
     throw StorageError(error, path.string(), "cannot be opened");
   }
 

@@ -83,6 +83,9 @@ struct SyncTotals {
 };
 SyncTotals sync_totals();
 
+/// As kind_of_entry() names it.
+inline constexpr const char* regular_file = "a regular file";
+
 /// What stands at a path, links not followed: "a regular file", "a folder", "a symbolic link",
 /// "a named pipe", "a socket", "a device"; empty where there is nothing, or it cannot be examined.
 std::string kind_of_entry(const std::filesystem::path& path);

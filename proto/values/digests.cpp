@@ -64,8 +64,13 @@ std::string sha256_of_file(const std::filesystem::path& path, std::int64_t most)
   const auto fail = [&] {
     return std::system_error(errno, std::generic_category(), "cannot read " + path.string());
   };
+  if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)) {
+    errno = EINVAL;  // a named pipe would be waited for
+    throw fail();
+  }
   std::ifstream file(path, std::ios::binary);
   if (!file) throw fail();
+
   Sha256 digest;
   std::vector<char> piece(1 << 18);
   while (file && most > 0) {

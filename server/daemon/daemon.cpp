@@ -393,8 +393,11 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
                                   *side.store, side.scheduler);
   std::shared_ptr<void> metrics;
   if (!config.metrics().empty())
-    metrics = serve_metrics(config.metrics(),
-                            {context, side.tally, side.directory.path(), tls.certificate()});
+    metrics = serve_metrics(config.metrics(), {.context = context,
+                                               .tally = side.tally,
+                                               .data_directory = side.directory.path(),
+                                               .certificate = tls.certificate(),
+                                               .shows_owners = config.read() != v1::OWN});
   log_start(config, listener.address(), tls.address(), context, side.directory.path());
   serve_until_signal(server, context, side, workers, manager);
   return 0;

@@ -1,18 +1,17 @@
 #include "server/daemon/metrics.hpp"
 
 #include <fmt/format.h>
-#include <httplib.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
-#include <chrono>
-#include <initializer_list>
 #include <map>
+#include <mutex>
 #include <stdexcept>
-#include <thread>
 #include <utility>
+#include <vector>
 
 #include "core/storage/file.hpp"
+#include "proto/http/server.hpp"
 #include "proto/values/address.hpp"
 #include "proto/values/printable.hpp"
 #include "server/access/certificates.hpp"
@@ -25,7 +24,8 @@ namespace dccast::daemon {
 
 namespace {
 
-using Labels = std::initializer_list<std::pair<const char*, std::string>>;
+using Label = std::pair<const char*, std::string>;
+using Labels = std::vector<Label>;
 
 /// @return `{state="QUEUED"}`; empty for none
 std::string text_of(const Labels& labels) {
@@ -75,21 +75,48 @@ double seconds_since(std::int64_t since_ms) {
          static_cast<double>(std::max<std::int64_t>(0, jobs::milliseconds(jobs::now()) - since_ms));
 }
 
+/// Sums over the users where their names may not be shown: one sample without the label then.
+template <class Value>
+class ByOwner {
+public:
+  explicit ByOwner(bool shows_owners) : shows_owners_(shows_owners) {}
+  void add(const std::string& owner, Value value) {
+    values_[shows_owners_ ? owner : std::string()] += value;
+  }
+  void write(Exposition& to, std::vector<Label> labels = {}) const {
+    for (const auto& [owner, value] : values_) {
+      std::vector<Label> all = labels;
+      if (shows_owners_) all.emplace_back("owner", owner);
+      to.sample(value, all);
+    }
+  }
+
+private:
+  bool shows_owners_;
+  std::map<std::string, Value> values_;
+};
+
 void add_jobs(Exposition& to, const MetricSources& from) {
   const auto groups = from.context.store.groups();
+  std::map<v1::JobState, ByOwner<std::int64_t>> jobs;
+  ByOwner<std::int64_t> bytes(from.shows_owners);
+  double oldest = 0.0;
+
+  for (const auto& group : groups) {
+    jobs.try_emplace(group.state, from.shows_owners).first->second.add(group.owner, group.jobs);
+    bytes.add(group.owner, group.bytes);
+    if (group.state == v1::QUEUED) oldest = std::max(oldest, seconds_since(group.oldest_ms));
+  }
+
   to.begin("dccast_jobs", "gauge", "Jobs in the store by state and owner.");
-  for (const auto& group : groups)
-    to.sample(group.jobs, {{"state", v1::JobState_Name(group.state)}, {"owner", group.owner}});
+  for (const auto& [state, by_owner] : jobs)
+    by_owner.write(to, {{"state", v1::JobState_Name(state)}});
   to.begin("dccast_jobs_disk_bytes", "gauge",
            "What jobs hold on the disk, by owner; of one that has not ended its case alone.");
-  std::map<std::string, std::int64_t> bytes;
-  for (const auto& group : groups) bytes[group.owner] += group.bytes;
-  for (const auto& [owner, held] : bytes) to.sample(held, {{"owner", owner}});
-  double oldest = 0.0;
-  for (const auto& group : groups)
-    if (group.state == v1::QUEUED) oldest = std::max(oldest, seconds_since(group.oldest_ms));
+  bytes.write(to);
   to.gauge("dccast_queue_oldest_wait_seconds", "Age of the oldest job in the queue; 0: none waits.",
            oldest);
+
   const std::string held = from.context.scheduler.held();
   to.begin("dccast_queue_held", "gauge", "1 while no job starts for a fault of the server.");
   to.sample(held.empty() ? 0 : 1, {{"reason", held}});
@@ -106,14 +133,17 @@ auto count_of(const Counts& counts, const typename Counts::key_type& key) {
   return found == counts.end() ? typename Counts::mapped_type{} : found->second;
 }
 
-void add_tally(Exposition& to, const jobs::TallyFigures& tally) {
+void add_tally(Exposition& to, const jobs::TallyFigures& tally, bool shows_owners) {
   to.begin("dccast_job_wait_seconds", "histogram", "From submission to the first start of a job.");
   to.histogram(tally.wait_s);
   to.begin("dccast_job_run_seconds", "histogram",
            "Wall time of a job that has ended, in all its attempts.");
   to.histogram(tally.run_s);
   to.begin("dccast_processor_seconds_total", "counter", "Processor time of ended jobs.");
-  for (const auto& [owner, seconds] : tally.processor_s) to.sample(seconds, {{"owner", owner}});
+  ByOwner<double> processor(shows_owners);
+  for (const auto& [owner, seconds] : tally.processor_s) processor.add(owner, seconds);
+  processor.write(to);
+
   to.begin("dccast_jobs_ended_total", "counter", "Jobs that have ended, by how.");
   for (const v1::JobState state : {v1::SUCCEEDED, v1::FAILED, v1::CANCELLED})
     to.sample(count_of(tally.ended, state), {{"state", v1::JobState_Name(state)}});
@@ -177,52 +207,67 @@ std::string metrics_text(const MetricSources& sources) {
   to.begin("dccast_build_info", "gauge", "1, with the version of the daemon.");
   to.sample(1, {{"version", sources.context.version}});
   add_jobs(to, sources);
-  add_tally(to, sources.tally.figures());
+  add_tally(to, sources.tally.figures(), sources.shows_owners);
   add_calls(to, sources.context.gate);
   add_processes(to);
   add_disk(to, sources);
   return std::move(to).text();
 }
 
-struct Listener {
-  httplib::Server server;
-  std::jthread thread;
-  ~Listener() { server.stop(); }
+/// Names by which a peer on this machine, or at the end of a tunnel, reaches a loopback address.
+bool is_loopback_name(const std::string& host, const std::string& listening) {
+  const std::string name = values::host_and_port(host).host;
+  return name == "localhost" || name == "127.0.0.1" || name == "::1" ||
+         name == values::host_and_port(listening).host;
+}
+
+/// One page at a time: each asks the store and reads files of /proc.
+class MetricsPage {
+public:
+  explicit MetricsPage(MetricSources sources) : sources_(std::move(sources)) {}
+
+  http::Reply reply_to(const http::Request& request) {
+    if (request.path != "/metrics" || request.method != "GET")
+      return {.body = "Metrics are at /metrics.\n", .status = 404};
+    const std::lock_guard lock(mutex_);
+    try {
+      return {.body = metrics_text(sources_), .type = "text/plain; version=0.0.4; charset=utf-8"};
+    } catch (const std::exception& error) {
+      log::error("metrics: {}", error.what());
+      return {.body = "The metrics cannot be read; the log of dccastd says why.\n", .status = 500};
+    }
+  }
+
+private:
+  std::mutex mutex_;
+  const MetricSources sources_;
 };
 
 }  // namespace
 
 std::shared_ptr<void> serve_metrics(const std::string& address, MetricSources sources) {
   if (!values::is_loopback(address))
-    throw std::runtime_error("metrics = \"" + address +
-                             "\" can be reached from other machines; permitted: a loopback "
-                             "address such as 127.0.0.1:9117");
-  constexpr std::size_t threads = 2, most_request_bytes = 1024;
-  const auto listener = std::make_shared<Listener>();
-  httplib::Server& server = listener->server;
-  server.new_task_queue = [] { return new httplib::ThreadPool(threads); };
-  server.set_payload_max_length(most_request_bytes);
-  server.set_keep_alive_max_count(1);
-  server.Get("/metrics", [sources](const httplib::Request&, httplib::Response& response) {
-    try {
-      response.set_content(metrics_text(sources), "text/plain; version=0.0.4; charset=utf-8");
-    } catch (const std::exception& error) {
-      log::error("metrics: {}", error.what());
-      response.status = 500;
-    }
-  });
-  const auto named = values::host_and_port(address);
-  int port = std::stoi(named.port);
-  if (port == 0)
-    port = server.bind_to_any_port(named.host);
-  else if (!server.bind_to_port(named.host, port))
-    port = -1;
-  if (port < 0) throw std::runtime_error("cannot listen on " + address + " for metrics");
-  listener->thread = std::jthread([&server] { server.listen_after_bind(); });
-  while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  log::info("metrics on http://{}/metrics",
-            address.substr(0, address.rfind(':') + 1) + std::to_string(port));
-  return listener;
+    throw std::runtime_error(
+        fmt::format("metrics = \"{}\" can be reached from other machines; permitted: a loopback "
+                    "address such as 127.0.0.1:9117",
+                    address));
+
+  const auto at = values::host_and_port(address);
+  std::shared_ptr<http::Server> server;
+  try {
+    server = std::make_shared<http::Server>(
+        http::Server::Listening{.host = at.host, .port = std::stoi(at.port)}, http::Limits());
+  } catch (const http::CannotListen& error) {
+    throw std::runtime_error(
+        fmt::format("cannot listen on {} for metrics: {}", address, error.what()));
+  }
+
+  const auto page = std::make_shared<MetricsPage>(std::move(sources));
+  server->start([address](const std::string& host) { return is_loopback_name(host, address); },
+                [page](const http::Request& request) { return page->reply_to(request); });
+  log::info("metrics on http://{}{}/metrics", address.substr(0, address.rfind(':') + 1),
+            server->port());
+  return server;
 }
 
 }  // namespace dccast::daemon

@@ -14,7 +14,8 @@ struct MetricSources {
   service::Context& context;
   const jobs::Tally& tally;
   std::filesystem::path data_directory;
-  std::string certificate;  ///< PEM file of the server; empty: it has none
+  std::string certificate;   ///< PEM file of the server; empty: it has none
+  bool shows_owners = true;  ///< false: users see only their own jobs, so no name is a label
 };
 
 /// Serves all metrics (docs/metrics.md) on http://ADDRESS/metrics to this machine, in the text

@@ -236,8 +236,10 @@ v1::ValidateCaseResponse CaseIntake::ask_core(v1::CheckCase check,
 }
 
 v1::QueryResultResponse CaseIntake::stored_frame(const std::filesystem::path& job_folder,
-                                                 int number,
+                                                 const v1::Artifact& results, int number,
                                                  const jobs::CallLimits& waiting) const {
+  digests_->require_sound(job_folder, results);
+
   v1::WorkerRequest request;
   request.mutable_read_frame()->set_directory(job_folder);
   request.mutable_read_frame()->set_number(number);

@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "dccast/v1/service.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
 #include "server/jobs/job_store.hpp"
+#include "server/jobs/result_files.hpp"
 #include "server/jobs/warm_workers.hpp"
 
 namespace dccast::intake {
@@ -49,8 +51,11 @@ public:
                        bool findings = false) const;
 
   /// The times of all frames that a job has stored, and one of them; without it when there are
-  /// fewer. @param number  1 is the first, 0 the last  @throws jobs::WorkerDidNotAnswer
-  v1::QueryResultResponse stored_frame(const std::filesystem::path& job_folder, int number,
+  /// fewer. @param results  of the job, as its worker published them
+  /// @param number  1 is the first, 0 the last
+  /// @throws jobs::WorkerDidNotAnswer, jobs::UnsoundResult
+  v1::QueryResultResponse stored_frame(const std::filesystem::path& job_folder,
+                                       const v1::Artifact& results, int number,
                                        const jobs::CallLimits& waiting) const;
 
   const std::vector<v1::Alloy>& alloys() const { return alloys_; }
@@ -72,6 +77,7 @@ private:
   std::filesystem::path check_directory_;
   const Ceilings ceilings_;
   std::vector<v1::Alloy> alloys_;
+  const std::unique_ptr<jobs::ResultDigests> digests_ = std::make_unique<jobs::ResultDigests>();
 };
 
 /// Checks that attachments have plain, distinct names, that every file the case names is among them

@@ -5,6 +5,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "core/storage/record_log.hpp"
@@ -12,6 +13,12 @@
 #include "server/jobs/event_log_scan.hpp"
 
 namespace dccast::jobs {
+
+/// The file has nothing of an event log of this version.
+class NoEventLog : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
 
 /// The append-only file of a job's events; its format stands in EVENT_LOG.md. Safe to use from
 /// several threads: one appends, any number read.
@@ -28,8 +35,8 @@ public:
 
   /// Reads what is there and changes nothing. Damage is reported in the program's log, and readers
   /// get a warning in the place of each event that is lost.
-  /// @throws std::system_error   the file cannot be read
-  /// @throws std::runtime_error  it is not an event log of this version
+  /// @throws std::system_error  the file cannot be read
+  /// @throws NoEventLog         neither its header nor any record is sound
   explicit EventLog(const std::filesystem::path& path);
   ~EventLog();  ///< syncs the rest to disk; a failure is logged
 

@@ -13,7 +13,9 @@
 #include <system_error>
 #include <utility>
 
+#include "core/storage/file.hpp"
 #include "server/jobs/job_folder.hpp"
+#include "server/jobs/quarantine.hpp"
 
 namespace dccast::jobs {
 
@@ -55,11 +57,35 @@ std::shared_ptr<EventLog> EventLogs::open_now(const std::string& job_id) {
   return found == logs_.end() ? nullptr : found->second->log.lock();
 }
 
+namespace {
+
+void set_aside(const std::filesystem::path& path, const std::string& why) {
+  const auto aside = free_name(path.string() + ".damaged");
+  std::filesystem::rename(path, aside);
+  log::warn("{}; it begins again, and is now {}", why, aside.string());
+}
+
+/// What a job is, its folder says in another file: a log of which nothing is left begins again.
+std::shared_ptr<EventLog> opened(const std::filesystem::path& path) {
+  const std::string kind = storage::kind_of_entry(path);
+  if (!kind.empty() && kind != storage::regular_file)
+    set_aside(path, path.string() + " is " + kind);
+
+  try {
+    return std::make_shared<EventLog>(path);
+  } catch (const NoEventLog& error) {
+    set_aside(path, error.what());
+    return std::make_shared<EventLog>(path);
+  }
+}
+
+}  // namespace
+
 std::shared_ptr<EventLog> EventLogs::open(const std::string& job_id) {
   const auto slot = slot_of(job_id);
   const std::lock_guard opening(slot->opening);
   if (auto log = open_now(job_id)) return log;
-  auto log = std::make_shared<EventLog>(jobs_directory_ / job_id / "events.log");
+  auto log = opened(jobs_directory_ / job_id / "events.log");
   log->on_append([this, job_id] { mark(job_id); });
   const std::lock_guard lock(logs_mutex_);
   slot->log = log;

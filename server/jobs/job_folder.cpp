@@ -48,6 +48,15 @@ void remove_file(const std::filesystem::path& path) {
   if (error) log::warn("cannot remove {}: {}", path.string(), error.message());
 }
 
+/// Of a file that need not be there; nothing also where something else stands in its place.
+std::optional<std::string> content_of(const std::filesystem::path& path) {
+  const std::string kind = storage::kind_of_entry(path);
+  if (kind.empty()) return std::nullopt;
+  if (kind == storage::regular_file) return storage::read_file(path);
+  log::warn("{} is {}, not {}: it is ignored", path.string(), kind, storage::regular_file);
+  return std::nullopt;
+}
+
 void make_directory(const std::filesystem::path& path) {
   if (::mkdir(path.c_str(), 0700) != 0)
     throw std::system_error(errno, std::generic_category(), "cannot make " + path.string());
@@ -91,9 +100,9 @@ void write_request(const std::filesystem::path& folder, const Request& request) 
 }
 
 std::optional<Request> read_request(const std::filesystem::path& folder) {
-  const std::filesystem::path path = folder / request_file;
-  if (::access(path.c_str(), F_OK) != 0) return std::nullopt;
-  const std::string text = storage::read_file(path);
+  const auto content = content_of(folder / request_file);
+  if (!content) return std::nullopt;
+  const std::string& text = *content;
   const std::size_t line = std::min(text.find('\n'), text.size());
   const auto action =
       text.substr(0, line) == "pause" ? RequestedAction::pause : RequestedAction::cancel;
@@ -114,9 +123,10 @@ void write_marks(const std::filesystem::path& folder, const v1::Job& job) {
 
 void read_marks(const std::filesystem::path& folder, v1::Job& job) {
   const std::filesystem::path path = folder / marks_file;
-  if (::access(path.c_str(), F_OK) != 0) return;
+  const auto content = content_of(path);
+  if (!content) return;
+  const std::string& bytes = *content;
   v1::Job marks;
-  const std::string bytes = storage::read_file(path);
   const auto record =
       storage::short_records.first_of(bytes, static_cast<std::uint32_t>(bytes.size()));
   if (!record || record->payload.empty() ||
@@ -161,7 +171,8 @@ void mark_accepted(const std::filesystem::path& folder) {
 bool was_accepted(const std::filesystem::path& folder) {
   if (std::filesystem::exists(folder / accepted_file)) return true;
   const auto log = folder / "events.log";
-  return std::filesystem::exists(log) && scan_event_log(log).last_sequence > 1;
+  return storage::kind_of_entry(log) == storage::regular_file &&
+         scan_event_log(log).last_sequence > 1;
 }
 
 CheckFolder::CheckFolder(const std::filesystem::path& parent, const Attachments& attachments)

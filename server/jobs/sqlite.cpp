@@ -1,5 +1,6 @@
 #include "server/jobs/sqlite.hpp"
 
+#include <fmt/format.h>
 #include <google/protobuf/message_lite.h>
 #include <sqlite3.h>
 
@@ -7,6 +8,7 @@
 #include <cstdint>
 #include <map>
 
+#include "core/storage/file.hpp"
 #include "core/storage/record_log.hpp"
 #include "server/jobs/log.hpp"
 
@@ -51,9 +53,24 @@ void sum_of(sqlite3_context* context, int count, sqlite3_value** values) {
   sqlite3_result_int64(context, sum);
 }
 
+/// SQLite writes through a link, waits for a named pipe and says little of either. The store can be
+/// made again, so that whatever stands in its place counts as damage.
+void require_regular_files(const std::filesystem::path& store) {
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    const std::filesystem::path path = store.string() + suffix;
+    const std::string kind = storage::kind_of_entry(path);
+    if (kind.empty() || kind == storage::regular_file) continue;
+    throw StoreError(fmt::format("{} is {}, not {}; `dccastd check --repair` makes the store again",
+                                 path.string(), kind, storage::regular_file),
+                     SQLITE_NOTADB);
+  }
+}
+
 }  // namespace
 
 Database::Database(const std::filesystem::path& path) {
+  require_regular_files(path);
+
   constexpr int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
   constexpr int any_number = -1;
   if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) == SQLITE_OK &&

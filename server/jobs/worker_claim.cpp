@@ -10,6 +10,7 @@
 #include <system_error>
 #include <thread>
 
+#include "core/storage/file.hpp"
 #include "server/jobs/event_log_scan.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/jobs/processes.hpp"
@@ -29,12 +30,16 @@ std::optional<StartRank> highest_rank(const std::filesystem::path& folder) {
   }
 }
 
-/// Of the file as its server has it now; nothing where it cannot be opened.
+/// Of the file as its server has it now; nothing where it is none, or cannot be opened.
 std::optional<struct stat> status_of(const std::filesystem::path& path) {
-  struct stat status {};
-  const storage::FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file || ::fstat(file.get(), &status) != 0) return std::nullopt;
-  return status;
+  try {
+    struct stat status {};
+    const storage::File file(path, O_RDONLY);
+    if (::fstat(file.descriptor(), &status) == 0) return status;
+  } catch (const std::system_error&) {
+    // Not there, most likely.
+  }
+  return std::nullopt;
 }
 
 constexpr std::chrono::milliseconds between_tries{10};

@@ -73,10 +73,22 @@ void check_jobs_before(Context& context, const access::Caller& caller,
   }
 }
 
+/// A study is changed and deleted by its owner with all its jobs: no other user has a job in it.
+void check_joins_own_study(Context& context, const access::Caller& caller, const std::string& id) {
+  check_study_of_job(id);
+  if (id.empty()) return;
+  const auto study = context.studies.find(id);
+  if (!study || study->owner() == caller.name) return;
+  refuse(grpc::PERMISSION_DENIED,
+         "study {} is of {}, and holds jobs of its owner alone; submit the job without a study, or "
+         "for one of your own",
+         id, study->owner().empty() ? "no known user" : study->owner());
+}
+
 /// SubmitJob's first half: everything that can be wrong with the case.
 intake::ExaminedCase examine(Context& context, const Call& call,
                              const v1::SubmitJobRequest& request) {
-  check_study_of_job(request.study());
+  check_joins_own_study(context, call.caller, request.study());
   check_text("request_id", request.request_id());
   check_labels(request.labels());
   check_changes(request.changes());

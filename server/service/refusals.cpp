@@ -1,5 +1,7 @@
 #include "server/service/refusals.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -35,6 +37,20 @@ grpc::Status disk_refuses(const std::string& what) {
   return {
       grpc::RESOURCE_EXHAUSTED,
       what + "; the server's data directory takes nothing more: free space there, then try again"};
+}
+
+/// The log names the file; a caller learns why it cannot be used and who can change that.
+grpc::Status file_refuses(const std::system_error& error) {
+  log::error("{}", values::escaped(error.what()));
+  if (storage::is_disk_fault(error.code())) return disk_refuses(error.what());
+  const std::string why = error.code().message();
+  if (storage::is_resource_fault(error.code()))
+    return {grpc::RESOURCE_EXHAUSTED,
+            fmt::format("the server lacks something ({}); try again", why)};
+  return {grpc::DATA_LOSS,
+          fmt::format("a file of this dccastd cannot be used ({}); its log names the file, and "
+                      "`dccastd check` says what is damaged",
+                      why)};
 }
 
 grpc::Status internal(const std::string& what) {
@@ -131,10 +147,10 @@ grpc::Status guarded(const std::function<void()>& handler) {
     return store_refuses(error);
   } catch (const jobs::WorkerDidNotAnswer& error) {
     return not_answered(error);
+  } catch (const jobs::UnsoundResult& unsound) {
+    return {grpc::DATA_LOSS, unsound.what()};
   } catch (const std::system_error& error) {
-    if (!storage::is_disk_fault(error.code())) return internal(error.what());
-    log::error("{}", error.what());
-    return disk_refuses(error.what());
+    return file_refuses(error);
   } catch (const std::bad_alloc&) {
     log::error("out of memory");
     return {grpc::RESOURCE_EXHAUSTED, "dccastd is out of memory; try again later"};
@@ -274,6 +290,9 @@ v1::Job done(const jobs::Reply& reply, const std::string& id, const std::string&
 v1::Study done(const studies::StudyReply& reply, const std::string& id, const std::string& remedy) {
   using Kind = studies::StudyReply::Kind;
   if (reply.kind == Kind::not_found) refuse_unknown_study(id);
+  if (reply.kind == Kind::wrong_state && !reply.unfinished.empty())
+    refuse(grpc::FAILED_PRECONDITION, "job {} of study {} has not ended; {}", reply.unfinished, id,
+           remedy);
   if (reply.kind == Kind::wrong_state)
     refuse(grpc::FAILED_PRECONDITION, "study {} is {}; {}", id,
            v1::StudyState_Name(reply.study.state()), remedy);

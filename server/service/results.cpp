@@ -62,10 +62,10 @@ void add_frame(Context& context, const Call& call, const v1::QueryResultRequest&
                const v1::Job& job, v1::QueryResultResponse& response) {
   const int number = request.frame_number();
   if (number < 0) refuse("frame_number must not be negative: 1 is the first frame, 0 the last");
-  if (!artifact_of(job, "results.h5"))
-    refuse_state(job, "it has no frame yet: watch it until it has results");
+  const v1::Artifact* results = artifact_of(job, "results.h5");
+  if (results == nullptr) refuse_state(job, "it has no frame yet: watch it until it has results");
   const v1::QueryResultResponse stored =
-      context.intake.stored_frame(context.jobs_directory / request.id(), number,
+      context.intake.stored_frame(context.jobs_directory / request.id(), *results, number,
                                   waiting_time(call, context.settings.check_timeout_s()));
   const int frames = stored.frame_time_s_size();
   if (frames == 0) refuse_state(job, "its results hold no frame");
@@ -162,7 +162,7 @@ SentFile open_own_file(Context& context, const v1::Job& job, const std::string& 
   const auto folder = context.jobs_directory / job.id();
   std::optional<jobs::CheckFolder> made;  // its file goes with the call
   auto path = folder / name;
-  if (!std::filesystem::exists(path)) {
+  if (storage::kind_of_entry(path).empty()) {
     if (name != jobs::submitted_file)
       refuse(grpc::NOT_FOUND, "job {} has no worker.log: it has not begun", job.id());
     made.emplace(context.query_directory, jobs::Attachments{});
@@ -187,14 +187,11 @@ SentFile open_artifact(Context& context, const v1::FetchResultRequest& request) 
   if (!artifact)
     refuse(grpc::NOT_FOUND, "job {} has no result \"{}\"; the job lists those it has", request.id(),
            name);
-  SentFile sent{.file = storage::File(context.jobs_directory / request.id() / name, O_RDONLY),
-                .name = name,
-                .size = artifact->size_bytes(),
-                .sha256 = artifact->sha256()};
-  if (sent.file.size() != sent.size)
-    refuse(grpc::DATA_LOSS, "{} on the server has not the size its worker wrote; run the job again",
-           name);
-  return sent;
+  // The client compares the digest of what it receives.
+  return {.file = jobs::open_result(context.jobs_directory / request.id(), *artifact),
+          .name = name,
+          .size = artifact->size_bytes(),
+          .sha256 = artifact->sha256()};
 }
 
 /// The study as a file that has no name any more: it is gone with the call. A study that has not

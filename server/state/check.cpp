@@ -154,7 +154,8 @@ private:
   /// @return what is wrong with the store; it is closed then
   std::string open() {
     try {
-      if (!options_.repair && !fs::exists(folder_.store())) {  // a check makes none
+      const bool is_missing = storage::kind_of_entry(folder_.store()).empty();
+      if (!options_.repair && is_missing) {  // a check makes none
         if (jobs::folder_ids(folder_.jobs()).empty())
           throw std::runtime_error("there is no job store in " + folder_.path().string() +
                                    " and no job; nothing to check");
@@ -179,7 +180,7 @@ private:
     const fs::path aside = jobs::free_name(folder_.quarantine() / "store");
     fs::create_directory(aside);
     for (const fs::path& file : {folder_.store(), folder_.wal(), folder_.shared_memory()})
-      if (fs::exists(file)) fs::rename(file, aside / file.filename());
+      if (!storage::kind_of_entry(file).empty()) fs::rename(file, aside / file.filename());
     storage::sync_directory(aside);
     storage::sync_directory(folder_.quarantine());
     storage::sync_directory(folder_.path());

@@ -102,7 +102,7 @@ private:
   void check_log() {
     const fs::path path = folder_ / "events.log";
     jobs::EventLogContent log;
-    if (fs::exists(path)) log = jobs::scan_event_log(path);
+    if (storage::kind_of_entry(path) == storage::regular_file) log = jobs::scan_event_log(path);
     if (log.last_sequence == 0) return begin_log_again(path);
     for (const jobs::EventGap& gap : log.gaps) report_.note(subject_ + gap.description());
     if (!log.sound_header) put_right(subject_ + "the header of its events.log is damaged", path);
@@ -124,7 +124,8 @@ private:
   void begin_log_again(const fs::path& path) {
     const std::string what = subject_ + "its events.log is lost";
     if (!options_.repair) return report_.damage(what + "; --repair begins it again");
-    if (fs::exists(path)) fs::rename(path, path.string() + ".damaged");
+    if (!storage::kind_of_entry(path).empty())
+      fs::rename(path, jobs::free_name(path.string() + ".damaged"));
     jobs::EventLog log(path);
     v1::JobEvent message = jobs::message_event("all earlier events of this job are lost",
                                                v1::JobEvent::Message::WARNING);

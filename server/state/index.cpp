@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "core/storage/file.hpp"
 #include "server/jobs/event_log.hpp"
 #include "server/jobs/events.hpp"
 #include "server/jobs/job_folder.hpp"
@@ -52,15 +53,34 @@ void take_log(const fs::path& path, jobs::JobRecord& record) {
   record.bytes = jobs::bytes_kept(path.parent_path());
 }
 
+/// What stands in its place and is no regular file has no events.
+jobs::EventLogContent scanned(const fs::path& log) {
+  const bool is_file = storage::kind_of_entry(log) == storage::regular_file;
+  return is_file ? jobs::scan_event_log(log) : jobs::EventLogContent{};
+}
+
+/// A log that is lost can be begun again only while nothing else shows that the job has run.
+/// @throws std::runtime_error  something does
+bool has_history(const fs::path& folder) {
+  const fs::path log = folder / "events.log";
+  const bool is_there = !storage::kind_of_entry(log).empty();
+  if (is_there && scanned(log).last_sequence > 0) return true;
+
+  if (fs::exists(folder / "results.h5"))
+    throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
+  if (is_there && fs::exists(folder / "worker.log"))
+    throw std::runtime_error("its events.log has no event that can be read, and it has run");
+  return false;
+}
+
 /// A job whose row has ended while its folder is claimed as that of a run which has not. A claim
 /// goes when the end of a job has been written. @return its id; empty for none
 std::string contradicted_by_worker(const StateFolder& folder, jobs::JobStore& store) {
   for (const std::string& id : jobs::folder_ids(folder.jobs())) {
     if (jobs::signs_in(folder.jobs() / id).claimed_ns == 0) continue;
     const auto record = store.find(id);
-    if (record && jobs::is_terminal(record->job.state()) &&
-        !jobs::scan_event_log(folder.jobs() / id / "events.log").terminal)
-      return id;
+    const bool has_ended = record && jobs::is_terminal(record->job.state());
+    if (has_ended && !scanned(folder.jobs() / id / "events.log").terminal) return id;
   }
   return {};
 }
@@ -141,10 +161,7 @@ bool agrees(const jobs::JobRecord& row, const jobs::JobRecord& described) {
 
 void index_job(jobs::JobStore& store, const fs::path& folder) {
   jobs::JobRecord record = described_job(folder);
-  // A log that is gone can be begun again only while nothing else shows what became of the job.
-  if (!fs::exists(folder / "events.log") && fs::exists(folder / "results.h5"))
-    throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
-  take_log(folder / "events.log", record);
+  if (has_history(folder)) take_log(folder / "events.log", record);
   const auto there = store.find_request(record.job.request_id());
   if (there && there->job.id() != record.job.id())
     throw std::runtime_error("its request_id \"" + record.job.request_id() + "\" belongs to job " +
@@ -167,7 +184,7 @@ std::set<std::string> lost_studies(const StateFolder& folder) {
   if (lost.empty()) return lost;
   studies::StudyStore store(folder.store());
   for (const std::string& id : store.ids()) lost.erase(id);
-  for (const std::string& id : store.removing()) lost.erase(id);
+  for (const studies::StudyRecord& study : store.removing()) lost.erase(study.id);
   return lost;
 }
 

@@ -184,7 +184,7 @@ void make_state_folder(const StateFolder& folder) {
 }
 
 void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
-  if (!fs::exists(folder.store()))
+  if (storage::kind_of_entry(folder.store()).empty())
     throw std::runtime_error("there is no job store in " + folder.path().string());
   require_whole_store(folder);
   if (fs::exists(to) && !fs::is_empty(to))
@@ -210,7 +210,7 @@ int restore(const StateFolder& folder, const fs::path& from, std::ostream& out) 
   make_state_folder(folder);
   {
     const StateLock lock(folder);
-    if (fs::exists(folder.store()) || fs::exists(folder.jobs()))
+    if (!storage::kind_of_entry(folder.store()).empty() || fs::exists(folder.jobs()))
       throw std::runtime_error("the data directory " + folder.path().string() +
                                " has jobs; set another data_directory, or move them away");
     for (const auto& [file, sha256] : manifest) copy_verified(file, sha256, from, folder.path());

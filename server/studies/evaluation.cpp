@@ -126,8 +126,19 @@ RunHistory Studies::history_of(const v1::Job& job) {
   return *history;
 }
 
+namespace {
+
+/// @throws jobs::UnsoundResult  the job has none
+const v1::Artifact& results_of(const v1::Job& job) {
+  const auto found = std::ranges::find(job.artifacts(), "results.h5", &v1::Artifact::name);
+  if (found != job.artifacts().end()) return *found;
+  throw jobs::UnsoundResult("job " + job.id() + " has no results.h5; run it again");
+}
+
+}  // namespace
+
 /// The last frame of a run is read once and its face kept.
-/// @throws jobs::WorkerDidNotAnswer, frames::NoContraction
+/// @throws jobs::WorkerDidNotAnswer, jobs::UnsoundResult, frames::NoContraction
 std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
   if (const auto kept = faces_.find(job.id())) return kept;
   v1::Case complete;
@@ -135,7 +146,7 @@ std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
     throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
                                    "the case of job " + job.id() + " cannot be read");
   const auto last =
-      intake_.stored_frame(options_.jobs_directory / job.id(), 0,
+      intake_.stored_frame(options_.jobs_directory / job.id(), results_of(job), 0,
                            {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
   const auto face = std::make_shared<const RunFace>(RunFace{
       complete.section(), frames::steady_face(frames::contraction_of(complete, last.frame()))});
@@ -147,6 +158,8 @@ void Studies::add_face(const v1::Job& job, EvaluatedRun& run) {
     run.face = *face_of(job);
   } catch (const frames::NoContraction& reason) {
     run.face_fault = reason.what();
+  } catch (const jobs::UnsoundResult& unsound) {
+    run.face_fault = unsound.what();
   } catch (const jobs::WorkerDidNotAnswer& error) {
     if (error.why() == jobs::WorkerDidNotAnswer::Why::not_started) throw;
     run.face_fault = error.what();
@@ -156,7 +169,7 @@ void Studies::add_face(const v1::Job& job, EvaluatedRun& run) {
 /// Runs whose job was deleted are left out.
 std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, const Depth& depth) {
   const auto plan = plan_of(record);
-  const auto jobs = jobs_of(record.id);
+  const auto jobs = jobs_of(record);
   std::vector<EvaluatedRun> runs;
   for (const RunRecord& kept : store_.runs(record.id)) {
     if (kept.number >= depth.before) break;

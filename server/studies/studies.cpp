@@ -96,7 +96,7 @@ Studies::~Studies() {
 
 void Studies::recover() {
   std::filesystem::create_directories(options_.directory);
-  for (const std::string& id : store_.removing()) remove_now(id);
+  for (const StudyRecord& study : store_.removing()) remove_now(study);
   for (const std::string& id : store_.ids())
     if (!std::filesystem::exists(study_file(options_.directory, id)))
       write_study_file(options_.directory, store_.find(id).value());
@@ -121,8 +121,12 @@ v1::Study Studies::create(const v1::CreateStudyRequest& request, const std::stri
   const std::string sha256 = intake::fingerprint(request.case_(), request.attachments());
   const std::lock_guard lock(requests_mutex_);
   if (!request.request_id().empty())
-    if (auto there = store_.find_request(request.request_id()))
+    if (auto there = store_.find_request(request.request_id())) {
+      if (there->owner != owner)
+        throw jobs::RequestIdTaken(
+            "another user has created a study with this request_id; choose a new one");
       return take_up(std::move(*there), request, sha256);
+    }
   if (const std::string reason = scheduler_.held(); !reason.empty())
     throw jobs::StorageHeld("the queue is held and takes no study now: " + reason +
                             "; it goes on by itself once that has passed: try again then");
@@ -174,7 +178,7 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
     }
     plans_.forget(record.id);
   }
-  const auto jobs = jobs_of(record.id);
+  const auto jobs = jobs_of(record);
   std::vector<RunRecord> deleted;
   for (const RunRecord& run : store_.runs(record.id))
     if (!run.job.empty() && !jobs.contains(run.job)) deleted.push_back(run);
@@ -219,8 +223,10 @@ v1::Study Studies::view(const StudyRecord& record) {
       }
   double done = counts.ended();
   if (counts.of(v1::RUNNING) > 0)
-    for (const v1::Job& job : scheduler_.list(
-             {.states = {v1::RUNNING}, .study = record.id, .size = counts.of(v1::RUNNING)}))
+    for (const v1::Job& job : scheduler_.list({.states = {v1::RUNNING},
+                              .study = record.id,
+                              .owner = record.owner,
+                              .size = counts.of(v1::RUNNING)}))
       done += job.last_step().progress();
   // Of a recipe all runs that will be are known, though not what they are.
   const bool grows = record.request.has_recipe() && study.state() == v1::STUDY_RUNNING;
@@ -245,8 +251,7 @@ std::vector<v1::Study> Studies::list(const StudyStore::Page& page) {
 StudyReply Studies::cancel(const std::string& id, const std::string& reason) {
   const auto record = store_.find(id);
   if (!record) return {StudyReply::Kind::not_found};
-  if (view(*record).state() != v1::STUDY_RUNNING) return {StudyReply::Kind::done, view(*record)};
-  {
+  if (view(*record).state() == v1::STUDY_RUNNING) {
     const std::lock_guard lock(queueing_mutex_);
     std::vector<RunRecord> waiting = store_.runs(id);
     std::erase_if(waiting, [](const RunRecord& run) { return !run.to_queue(); });
@@ -254,7 +259,9 @@ StudyReply Studies::cancel(const std::string& id, const std::string& reason) {
     keep(*record, waiting);
     store_.cancel_waiting(id, jobs::milliseconds(jobs::now()));
   }
-  for (const auto& [job, about] : jobs_of(id))
+
+  // Also in a study that has ended: a job beside its runs may be left.
+  for (const auto& [job, about] : jobs_of(*record))
     if (!jobs::is_terminal(about.state())) scheduler_.cancel(job, reason);
   note_change(id);
   return {StudyReply::Kind::done, view(store_.find(id).value_or(*record))};
@@ -274,7 +281,7 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
   const std::lock_guard lock(requests_mutex_);
   const auto record = store_.find(id);
   if (!record) return {StudyReply::Kind::not_found};
-  const auto jobs = jobs_of(id);
+  const auto jobs = jobs_of(*record);
   std::vector<RunRecord> again;
   for (const RunRecord& run : store_.runs(id)) {
     const auto job = jobs.find(run.job);
@@ -296,17 +303,19 @@ StudyReply Studies::remove(const std::string& id) {
   if (!record) return {StudyReply::Kind::not_found};
   const v1::Study study = view(*record);
   if (study.state() == v1::STUDY_RUNNING) return {StudyReply::Kind::wrong_state, study};
-  for (const auto& [job, about] : jobs_of(id))
-    if (!jobs::is_terminal(about.state())) return {StudyReply::Kind::wrong_state, study};
+  for (const auto& [job, about] : jobs_of(*record))
+    if (!jobs::is_terminal(about.state())) return {StudyReply::Kind::wrong_state, study, job};
+
   store_.begin_removal(id);
-  remove_now(id);
+  remove_now(*record);
   note_change(id);
   log::info("study {}: deleted by request", id);
   return {StudyReply::Kind::done};
 }
 
-void Studies::remove_now(const std::string& id) {
-  for (const auto& [job, about] : jobs_of(id)) {
+void Studies::remove_now(const StudyRecord& study) {
+  const std::string& id = study.id;
+  for (const auto& [job, about] : jobs_of(study)) {
     scheduler_.remove(job);
     histories_.forget(job);
     faces_.forget(job);
@@ -317,10 +326,10 @@ void Studies::remove_now(const std::string& id) {
   plans_.forget(id);
 }
 
-std::map<std::string, v1::Job> Studies::jobs_of(const std::string& id) {
+std::map<std::string, v1::Job> Studies::jobs_of(const StudyRecord& study) {
   std::map<std::string, v1::Job> jobs;
-  for (v1::Job& job : scheduler_.list({.study = id, .size = INT_MAX}))
-    jobs[job.id()] = std::move(job);
+  for (v1::Job& job : scheduler_.list({.study = study.id, .size = INT_MAX}))
+    if (job.owner() == study.owner) jobs[job.id()] = std::move(job);
   return jobs;
 }
 

@@ -37,11 +37,13 @@ struct StudyOptions {
 struct StudyReply {
   enum class Kind { done, not_found, wrong_state };
   Kind kind = Kind::done;
-  v1::Study study{};  ///< as it is now, unless not_found
+  v1::Study study{};         ///< as it is now, unless not_found
+  std::string unfinished{};  ///< job for which the study, which has ended, cannot be removed
 };
 
 /// Studies: each is a plan in the store, whose runs a feeder queues as jobs, few at a time. What
-/// create() has returned survives a crash of daemon and machine.
+/// create() has returned survives a crash of daemon and machine. A study holds jobs of its owner
+/// alone: whatever is done to it is done to those.
 ///
 /// Safe to use from several threads. Requests throw as those of the Scheduler do, and have changed
 /// nothing then.
@@ -100,8 +102,9 @@ private:
   void keep(const StudyRecord& record, const std::vector<RunRecord>& runs);
   void grow_again(const StudyRecord& record);
   void queue_again(const StudyRecord& record, std::vector<RunRecord> runs);
-  void remove_now(const std::string& id);
-  std::map<std::string, v1::Job> jobs_of(const std::string& id);
+  void remove_now(const StudyRecord& study);
+  /// The jobs that name the study and have its owner: those of others are no part of it.
+  std::map<std::string, v1::Job> jobs_of(const StudyRecord& study);
   RunHistory history_of(const v1::Job& job);
   std::shared_ptr<const RunFace> face_of(const v1::Job& job);
   void add_face(const v1::Job& job, EvaluatedRun& run);

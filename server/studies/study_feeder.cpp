@@ -143,11 +143,12 @@ void Studies::make_job(const StudyRecord& study, RunRecord run, const std::strin
   const auto next = store_.next_to_queue(study.id);
   if (!next || next->number != run.number) return;  // cancelled meanwhile
   v1::Job queued;
-  // A job that was made before a crash and cancelled after it is not this attempt's.
+  // A job that was made before a crash and cancelled after it is not this attempt's, nor is one of
+  // another user with this request_id.
   do {
     job.request_id = job_request_id(study.id, key, ++run.attempt);
     queued = scheduler_.submit(job, study.request.attachments());
-  } while (queued.state() == v1::CANCELLED);
+  } while (queued.state() == v1::CANCELLED || queued.owner() != study.owner);
   run.job = queued.id();
   const auto plan = plan_of(study);
   store_.set_job(study.id, run, plan->grows() && run.number + 1 < plan->most_runs());

@@ -140,9 +140,9 @@ std::vector<std::string> StudyStore::ids() {
   return rows(database_, "SELECT id FROM study WHERE removing = 0", id_of);
 }
 
-std::vector<std::string> StudyStore::removing() {
+std::vector<StudyRecord> StudyStore::removing() {
   const std::lock_guard lock(mutex_);
-  return rows(database_, "SELECT id FROM study WHERE removing = 1", id_of);
+  return rows(database_, select_studies + "WHERE removing = 1", record_of);
 }
 
 std::vector<StudyRecord> StudyStore::list(const Page& page) {

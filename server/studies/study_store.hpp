@@ -43,7 +43,7 @@ public:
   std::optional<StudyRecord> find(const std::string& id);
   std::optional<StudyRecord> find_request(const std::string& request_id);
   std::vector<std::string> ids();
-  std::vector<std::string> removing();
+  std::vector<StudyRecord> removing();
 
   struct Page {
     std::int64_t before_ms =

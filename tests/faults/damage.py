@@ -8,7 +8,10 @@ import sqlite3
 import subprocess
 import tempfile
 
+import grpc
+
 from cases import FAKE, REAL, coarse, failing_check, fake
+from dccast.v1 import service_pb2
 from fault import Fault
 from oracle import Count, judge
 from scene import Scene
@@ -140,6 +143,30 @@ class FlipEventLog(Damage):
         return [job_id]
 
 
+class OverwriteEventLogBeginning(Damage):
+    """Header and first event of the event log of a waiting job overwritten: it runs as if nothing had been"""
+    short, long = 2, 20
+
+    def damage(self, chance, scene, there):
+        job_id = chance.choice(there.waiting)
+        with open(scene.data("jobs", job_id, "events.log"), "r+b") as file:
+            file.write(chance.randbytes(chance.randrange(17, 40)))
+        return [job_id]
+
+
+class ReplaceEventLog(Damage):
+    """The event log of a waiting job replaced by a folder, a link or a named pipe: it runs as if nothing had been"""
+    short, long = 3, 18
+    kinds = (os.mkdir, os.mkfifo, lambda path: os.symlink(path + ".elsewhere", path))
+
+    def damage(self, chance, scene, there):
+        job_id = chance.choice(there.waiting)
+        path = scene.data("jobs", job_id, "events.log")
+        os.remove(path)
+        chance.choice(self.kinds)(path)
+        return [job_id]
+
+
 class FlipStore(Damage):
     """One bit flipped in jobs.sqlite after an orderly stop, anywhere"""
     kill = False
@@ -219,7 +246,7 @@ class FlipAnyFile(Damage):
 
 
 class FlipResults(Damage):
-    """One bit flipped in results.h5; the command line client must not take it for the result"""
+    """One bit flipped in results.h5; fetch, frames and reports must not take it for the result"""
     short, long = 2, 20
     worker = REAL
 
@@ -228,6 +255,7 @@ class FlipResults(Damage):
 
     def judge(self, scene, there, count, torn):
         self.fetch(scene, there.ended[0], count)
+        self.show(scene, there.ended[0], count)
 
     @staticmethod
     def fetch(scene, job_id, count):
@@ -239,3 +267,20 @@ class FlipResults(Damage):
             count.found("wrong", "a damaged result was fetched as if it were sound")
         elif not ended.stderr.strip():
             count.found("wrong", "fetch failed without a word")
+
+    @staticmethod
+    def show(scene, job_id, count):
+        """A frame is refused; a report says that it goes without."""
+        try:
+            scene.client.stub.QueryResult(
+                service_pb2.QueryResultRequest(id=job_id, frame=True), timeout=20)
+            count.found("wrong", "a frame of a damaged result was shown")
+        except grpc.RpcError as error:
+            if error.code() is not grpc.StatusCode.DATA_LOSS:
+                count.found("wrong", f"a frame: {error.code().name}: {error.details()}")
+        report = os.path.join(scene.folder, "report.html")
+        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", scene.daemon.address,
+                                "report", job_id, "-o", report], capture_output=True, text=True,
+                               timeout=60, check=False)
+        if ended.returncode != 0 or "without a picture" not in ended.stderr:
+            count.found("wrong", f"the report: {ended.returncode}, {ended.stderr}")

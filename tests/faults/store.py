@@ -38,6 +38,23 @@ class StoreEmpty(StoreDamage):
             pass
 
 
+class StoreReplaced(StoreDamage):
+    """jobs.sqlite or a file that belongs to it replaced by a folder, a link or a named pipe"""
+    short, long = 3, 18
+    kinds = (os.mkdir, os.mkfifo, lambda path: os.symlink(path + ".elsewhere", path))
+
+    def damage(self, chance, scene, there):
+        path = scene.data(chance.choice(STORE))
+        if os.path.exists(path):
+            os.remove(path)
+        chance.choice(self.kinds)(path)
+
+    def judge(self, scene, there, count, torn):
+        super().judge(scene, there, count, torn)
+        if any(name.endswith(".elsewhere") for name in os.listdir(scene.data())):
+            count.found("wrong", "it was written through the link")
+
+
 class StoreWithoutWal(StoreDamage):
     """jobs.sqlite as it is on the disk after kill -9, restored without its -wal"""
 

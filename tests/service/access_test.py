@@ -14,7 +14,7 @@ import unittest
 
 import grpc
 
-from dccast.v1 import access_pb2, job_pb2, service_pb2, service_pb2_grpc
+from dccast.v1 import access_pb2, job_pb2, service_pb2, service_pb2_grpc, study_pb2
 from support import BIN, Daemon, ServiceTest, fake_case as fake, until
 
 NOBODY = 65534
@@ -92,6 +92,78 @@ class AccessTest(ServiceTest):
 
     def audit(self, *filters):
         return [json.loads(line) for line in self.admin("audit", *filters).splitlines()]
+
+
+class StudiesOfOthers(AccessTest):
+    """A study holds jobs of its owner alone."""
+    ID = "0f2b9a4e-0000-4000-8000-00000000000a"
+
+    def study_of(self, stub, case="steps=3"):
+        plan = study_pb2.SweepPlan(design=study_pb2.SweepPlan.GRID)
+        plan.axes.add(key="time.end", values=["100 s", "101 s"])
+        return stub.CreateStudy(study_pb2.CreateStudyRequest(
+            request_id=self.ID, case=fake(case), sweep=plan), timeout=20)
+
+    def submit_into(self, stub, words):
+        return stub.SubmitJob(service_pb2.SubmitJobRequest(case=fake(words), study=self.ID),
+                              timeout=20).id
+
+    def until_study_ended(self, stub):
+        until(lambda: stub.GetStudy(study_pb2.GetStudyRequest(id=self.ID), timeout=10).state !=
+              study_pb2.STUDY_RUNNING, 30)
+
+    def paused(self, stub, job):
+        stub.PauseJob(service_pb2.PauseJobRequest(id=job), timeout=10)
+        until(lambda: self.state(stub, job) == job_pb2.PAUSED, 20)
+
+    def state(self, stub, job):
+        return stub.GetJob(service_pb2.GetJobRequest(id=job), timeout=10).state
+
+    def test_nobody_else_submits_a_job_for_a_study_or_requests_it_again(self):
+        self.start()
+        anna, bert = (self.remote(self.token_of(name)) for name in ("anna", "bert"))
+        self.study_of(anna)
+        into = service_pb2.SubmitJobRequest(case=fake("steps=4"), study=self.ID)
+        for other in (bert, self.local()):
+            self.assertIn("is of anna, and holds jobs of its owner alone",
+                          self.refusal(grpc.StatusCode.PERMISSION_DENIED, other.SubmitJob, into))
+        with self.assertRaises(grpc.RpcError) as refused:
+            self.study_of(bert)
+        self.assertEqual(refused.exception.code(), grpc.StatusCode.ALREADY_EXISTS)
+        self.assertIn("another user", refused.exception.details())
+        self.study_of(anna)
+        self.submit_into(anna, "steps=4")
+
+    def test_a_job_that_was_there_before_is_no_part_of_the_study(self):
+        self.start()
+        anna, bert = (self.remote(self.token_of(name)) for name in ("anna", "bert"))
+        foreign = self.submit_into(bert, "steps=20000 sleep_ms=5")
+        until(lambda: self.state(bert, foreign) == job_pb2.RUNNING, 20)
+        self.study_of(anna)
+        self.until_study_ended(anna)
+        anna.CancelStudy(study_pb2.CancelStudyRequest(id=self.ID), timeout=10)
+        self.assertEqual(self.state(bert, foreign), job_pb2.RUNNING)
+        self.paused(bert, foreign)
+        anna.DeleteStudy(study_pb2.DeleteStudyRequest(id=self.ID), timeout=10)
+        self.assertEqual(self.state(bert, foreign), job_pb2.PAUSED)
+        left = bert.ListJobs(service_pb2.ListJobsRequest(study=self.ID), timeout=10).jobs
+        self.assertEqual([job.id for job in left], [foreign])
+
+    def test_what_has_not_ended_of_an_ended_study_is_named_and_can_be_cancelled(self):
+        self.start()
+        anna = self.remote(self.token_of("anna"))
+        self.study_of(anna)
+        beside = self.submit_into(anna, "steps=20000 sleep_ms=5")
+        self.until_study_ended(anna)
+        self.paused(anna, beside)
+        delete = study_pb2.DeleteStudyRequest(id=self.ID)
+        details = self.refusal(grpc.StatusCode.FAILED_PRECONDITION, anna.DeleteStudy, delete)
+        self.assertIn(beside, details)
+        self.assertIn("cancel it first", details)
+        anna.CancelStudy(study_pb2.CancelStudyRequest(id=self.ID), timeout=10)
+        until(lambda: self.state(anna, beside) == job_pb2.CANCELLED, 20)
+        anna.DeleteStudy(delete, timeout=10)
+        self.refusal(grpc.StatusCode.NOT_FOUND, anna.GetJob, service_pb2.GetJobRequest(id=beside))
 
 
 class Tokens(AccessTest):

@@ -1,12 +1,18 @@
 #!/usr/bin/python3
 """The dashboard: who gets in, what its server gives, and its pages in a real Chromium."""
+import contextlib
 import http.client
 import json
 import os
+import re
+import shutil
 import signal
+import socket
 import ssl
+import stat
 import struct
 import subprocess
+import threading
 import time
 import urllib.parse
 
@@ -35,11 +41,12 @@ class Dashboard(ServiceTest):
         self.stop_dashboard()
         super().tearDown()
 
-    def start_dashboard(self, port=None):
+    def start_dashboard(self, port=None, options=(), environment=None):
         words = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "dashboard",
-                 *self.files]
+                 *self.files, *options]
         self.process = subprocess.Popen(words + (["--port", str(port)] if port else []),
-                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                                        env={**os.environ, **(environment or {})})
         self.address = self.process.stdout.readline().strip()
         self.url = urllib.parse.urlsplit(self.address)
 
@@ -193,6 +200,67 @@ class Others(ClientTest):
                                 self.ca.key, "--key", self.ca.key)
         self.assertEqual(wrong_key.returncode, 2)
         self.assertIn("PEM files", wrong_key.stderr)
+
+    def test_strangers_neither_fill_it_nor_silence_it(self):
+        self.log_in("wall", "viewer")
+        process = subprocess.Popen(
+            [os.path.join(BIN, "dccast"), "dashboard", "--listen", "localhost", *self.words],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+            env={"XDG_CONFIG_HOME": os.path.join(self.folder, "settings"),
+                 "PATH": os.environ["PATH"]})
+        context = ssl.create_default_context(cafile=self.ca.certificate)
+        try:
+            port = urllib.parse.urlsplit(process.stdout.readline().strip()).port
+
+            def page():
+                connection = http.client.HTTPSConnection("localhost", port, timeout=30,
+                                                         context=context)
+                connection.request("GET", "/")
+                self.assertEqual(connection.getresponse().status, 403)
+                connection.close()
+
+            def send_without_end(end):
+                while time.monotonic() < end:
+                    with contextlib.suppress(OSError), \
+                            socket.create_connection(("localhost", port), 5) as plain, \
+                            context.wrap_socket(plain, server_hostname="localhost") as peer:
+                        peer.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\n")
+                        while time.monotonic() < end:
+                            peer.sendall(1000 * (b"X-Filling: " + 100 * b"y" + b"\r\n"))
+
+            def others_are_served(seconds):
+                end = time.monotonic() + seconds
+                while time.monotonic() < end:
+                    begin = time.monotonic()
+                    page()
+                    self.assertLess(time.monotonic() - begin, 2)
+                    time.sleep(0.1)
+
+            peers = [threading.Thread(target=send_without_end, args=(time.monotonic() + 3,))
+                     for _ in range(4)]
+            for peer in peers:
+                peer.start()
+            others_are_served(3)
+            for peer in peers:
+                peer.join()
+            with contextlib.ExitStack() as silent:
+                for number in range(100):  # before, within and behind the handshake
+                    peer = silent.enter_context(socket.create_connection(("localhost", port), 5))
+                    if number % 4 == 0:
+                        peer.sendall(b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03")
+                    elif number % 4 > 1:
+                        with contextlib.suppress(OSError):
+                            peer = silent.enter_context(
+                                context.wrap_socket(peer, server_hostname="localhost"))
+                            peer.sendall(b"GET / HTTP/1.1\r\n")
+                others_are_served(1)
+            with open(f"/proc/{process.pid}/status", encoding="ascii") as file:
+                peak = int(re.search(r"VmHWM:\s+(\d+) kB", file.read())[1])
+            self.assertLess(peak, 150_000)
+        finally:
+            process.send_signal(signal.SIGINT)
+            self.assertIn(process.wait(timeout=10), (0, 130))
+            process.stdout.close()
 
     def test_a_viewer_looks(self):
         self.log_in("wall", "viewer")
@@ -412,6 +480,43 @@ class Pages(InBrowser):
                 f"return getComputedStyle(document.body).{name}") for name in ("color", "backgroundColor"))
             self.assertGreater(sum(map(int, ink[4:-1].split(","))),
                                sum(map(int, paper[4:-1].split(","))))
+
+
+class Opened(InBrowser):
+    """By --open: what xdg-open is given can be read by every user of the machine."""
+
+    def start_dashboard(self, *_, **__):
+        programs, self.runtime = (os.path.join(self.folder, name) for name in ("bin", "run"))
+        for folder in (programs, self.runtime):
+            os.makedirs(folder)
+        given = os.path.join(self.folder, "given")
+        with open(os.path.join(programs, "xdg-open"), "w", encoding="ascii") as script:
+            script.write(f"#!/bin/sh\nprintf '%s\\n' \"$@\" > {given}.tmp && mv {given}.tmp {given}\n")
+        os.chmod(os.path.join(programs, "xdg-open"), 0o700)
+        super().start_dashboard(options=["--open"], environment={
+            "PATH": programs + os.pathsep + os.environ["PATH"], "XDG_RUNTIME_DIR": self.runtime})
+        until(lambda: os.path.exists(given), 10)
+        with open(given, encoding="utf-8") as file:
+            self.given = file.read().splitlines()
+        self.address = urllib.parse.urljoin("file:", self.given[0])
+
+    def test_the_key_is_in_a_file_of_its_user_that_goes_once_it_was_used(self):
+        self.wait_for("No jobs yet")
+        self.assertEqual(len(self.given), 1)
+        self.assertNotIn("key", self.given[0])
+        self.assertTrue(self.given[0].startswith(self.runtime + os.sep))
+        until(lambda: os.listdir(self.runtime) == [], 10)
+        self.assertEqual(self.complaints(), [])
+
+    def test_nobody_else_reads_the_file_and_it_goes_with_the_dashboard(self):
+        self.stop_dashboard()
+        self.assertEqual(os.listdir(self.runtime), [])
+        shutil.rmtree(self.runtime)
+        shutil.rmtree(os.path.join(self.folder, "bin"))
+        os.remove(os.path.join(self.folder, "given"))
+        self.start_dashboard()
+        self.assertEqual(stat.S_IMODE(os.stat(self.given[0]).st_mode), 0o600)
+        self.assertEqual(stat.S_IMODE(os.stat(os.path.dirname(self.given[0])).st_mode), 0o700)
 
 
 class RealPages(InBrowser):

@@ -140,6 +140,30 @@ class Scrape(MetricsTest):
             return answer.read().decode()
 
 
+class Guarded(MetricsTest):
+    """What the port does not do for strangers on the machine."""
+    settings = {**MetricsTest.settings, "read": "own"}
+
+    def test_other_names_are_refused(self):
+        address = re.findall(r"metrics on (http://\S+)", self.daemon.said())[-1]
+        for host, status in (("evil.example", 403), ("127.0.0.1.evil.example:9117", 403),
+                             ("localhost", 200), ("[::1]:8000", 200), ("127.0.0.1:9117", 200)):
+            request = urllib.request.Request(address, headers={"Host": host})
+            try:
+                with urllib.request.urlopen(request, timeout=10) as answer:
+                    self.assertEqual(answer.status, status, host)
+            except urllib.error.HTTPError as refused:
+                self.assertEqual(refused.code, status, host)
+
+    def test_names_of_users_are_not_shown_where_each_sees_only_their_own_jobs(self):
+        self.some_work()
+        page = self.page()
+        self.assertNotIn("owner=", page)
+        self.assertEqual(self.value('dccast_jobs{state="RUNNING"}', page), 1)
+        self.assertGreater(self.value("dccast_jobs_disk_bytes", page), 1000)
+        self.assertIsNotNone(self.value("dccast_processor_seconds_total", page))
+
+
 class Promtool(MetricsTest):
     """Nightly: its package brings 320 MB."""
 
@@ -223,5 +247,5 @@ if __name__ == "__main__":
     nightly = "--nightly" in sys.argv
     if nightly:
         sys.argv.remove("--nightly")
-    unittest.main(defaultTest="Promtool" if nightly else ["Scrape", "Health", "Logs", "JsonLogs",
-                                                          "JournalLogs"])
+    unittest.main(defaultTest="Promtool" if nightly else ["Scrape", "Guarded", "Health", "Logs",
+                                                          "JsonLogs", "JournalLogs"])

@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 """Where a command of the client writes, and what it says: a full disk, a folder, a device, a link in
 the way, a formula in a name, a server given without its port."""
+import concurrent.futures
+import contextlib
 import csv
 import io
 import json
@@ -12,8 +14,10 @@ import subprocess
 import threading
 import xml.etree.ElementTree
 
+import grpc
+
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, fake_case, main
+from support import BIN, TERMINAL, ServiceTest, fake_case, main
 
 CASES = os.path.join(os.path.dirname(__file__), "..", "..", "cases")
 CONFIG = os.path.join(os.path.dirname(__file__), "..", "..", "deploy", "config", "dccastd.toml")
@@ -45,6 +49,80 @@ class Commands(ServiceTest):
         with open(self.here(name), "w", encoding="utf-8") as file:
             file.write(text)
         return self.here(name)
+
+
+OVERWRITES = "\x1b]0;owned\x07\x1b[2J\x1b[1Aforged\r\x9b2J\u202e"
+
+
+class HostileServer(grpc.GenericRpcHandler):
+    """A server whose texts act on a terminal that is given them."""
+
+    def service(self, handler_call_details):
+        if handler_call_details.method.endswith("/GetServerInfo"):
+            info = service_pb2.GetServerInfoResponse(version=OVERWRITES, build="build")
+            return grpc.unary_unary_rpc_method_handler(lambda *_: info.SerializeToString())
+        return grpc.unary_unary_rpc_method_handler(
+            lambda _, context: context.abort(grpc.StatusCode.NOT_FOUND, "none " + OVERWRITES))
+
+
+class Terminals(Commands):
+    """What reaches a screen acts on it only where the client itself wants so."""
+
+    def on_screen(self, *words, address=None):
+        screen, terminal = pty.openpty()
+        process = subprocess.Popen(
+            [os.path.join(BIN, "dccast"), "--server", address or self.daemon.address, *words],
+            stdin=subprocess.DEVNULL, stdout=terminal, stderr=terminal, cwd=self.folder)
+        os.close(terminal)
+        shown = b""
+        with contextlib.suppress(OSError):  # at the end of the other side
+            while part := os.read(screen, 65536):
+                shown += part
+        os.close(screen)
+        process.wait(20)
+        return shown.decode()
+
+    def is_harmless(self, shown):
+        self.assertEqual(re.findall(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]", shown.replace("\r\n", "\n")),
+                         [], shown)
+
+    def test_a_case_file(self):
+        path = self.write_case("case.toml")
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        # A comment may hold what TOML permits in none.
+        hostile = ("# \x1b]0;owned\x07 is no TOML\n" + text).encode()
+        with open(self.here("hostile.toml"), "wb") as file:
+            file.write(hostile)
+        self.is_harmless(self.on_screen("validate", "--local", "hostile.toml"))
+        hostile = ("# \u202e turns what follows, \u2028 ends a line\n" + text).encode()
+        with open(path, "wb") as file:
+            file.write(hostile)
+        job = self.dccast("submit", path).stdout.strip()
+        self.client.until_state(job, *TERMINAL)
+        shown = self.on_screen("case", job)
+        self.is_harmless(shown)
+        self.assertIn("\\u{202E} turns", shown)
+        with open(self.here("same.toml"), "wb") as file:
+            self.dccast("case", job, stdout=file)
+        with open(self.here("same.toml"), "rb") as file:
+            self.assertEqual(file.read(), hostile)
+
+    def test_texts_of_a_server(self):
+        server = grpc.server(concurrent.futures.ThreadPoolExecutor(2))
+        server.add_generic_rpc_handlers((HostileServer(),))
+        port = server.add_insecure_port("127.0.0.1:0")
+        server.start()
+        try:
+            shown = self.on_screen("info", address=f"127.0.0.1:{port}")
+            self.is_harmless(shown)
+            self.assertIn("\\u{1B}]0;owned", shown)
+            shown = self.on_screen("show", "00000000-0000-4000-8000-000000000000",
+                                   address=f"127.0.0.1:{port}")
+            self.is_harmless(shown)
+            self.assertIn("forged", shown)
+        finally:
+            server.stop(None).wait(5)
 
 
 class Output(Commands):

@@ -8,9 +8,13 @@ import sqlite3
 import subprocess
 import threading
 
+import grpc
+import h5py
+
 from dccast.v1 import job_pb2, service_pb2
 from support import BIN, Daemon, ServiceTest, fake_case, main
 
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 SUCCEEDED, PAUSED = job_pb2.SUCCEEDED, job_pb2.PAUSED
 CANCELLED, QUEUED = job_pb2.CANCELLED, job_pb2.QUEUED
 
@@ -21,6 +25,12 @@ def flip_bit(path, offset, bit=3):
         byte = file.read(1)[0]
         file.seek(offset)
         file.write(bytes([byte ^ (1 << bit)]))
+
+
+def all_datasets(file):
+    names = []
+    file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+    return names
 
 
 class StateTest(ServiceTest):
@@ -231,6 +241,146 @@ class Folders(StateTest):
         self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=gone.id))
         self.daemon.terminate()
         self.assertEqual(self.command("check")[0], 0)
+
+
+def a_link(path):
+    os.symlink(os.path.join(os.path.dirname(path), "elsewhere"), path)
+
+
+ENTRIES = {"folder": os.mkdir, "named pipe": os.mkfifo, "symbolic link": a_link}
+
+
+class UnreadableFiles(StateTest):
+    """A file of a job that cannot be read costs its calls an answer with a remedy, and no path."""
+
+    def test_of_a_job(self):
+        job = self.client.submit(fake_case("steps=5")).id
+        self.client.until_state(job, SUCCEEDED)
+        folder = os.path.join(self.data, "jobs", job)
+        query = service_pb2.QueryResultRequest(id=job, frame=True)
+        calls = {"results.h5": [lambda: self.client.fetch(job),
+                                lambda: self.client.stub.QueryResult(query, timeout=20)],
+                 "worker.log": [lambda: self.client.fetch(job, "worker.log")],
+                 "case.toml": [lambda: self.client.fetch(job, "case.toml")]}
+        for name, asked in calls.items():
+            path = os.path.join(folder, name)
+            for kind, make in {**ENTRIES, "nothing": None}.items():
+                if os.path.lexists(path):
+                    os.rename(path, path + ".kept")
+                if make:
+                    make(path)
+                elif name != "results.h5":
+                    continue  # they need not be there
+                for call in asked:
+                    with self.subTest(name=name, kind=kind):
+                        error = self.refused(grpc.StatusCode.DATA_LOSS, call)
+                        self.assertNotIn(self.data, error.details())
+                        self.assertRegex(error.details(), "dccastd check|run the job again")
+                if make:
+                    shutil.rmtree(path) if kind == "folder" else os.remove(path)
+                if os.path.exists(path + ".kept"):
+                    os.rename(path + ".kept", path)
+        self.client.fetch(job)
+
+
+class ReplacedFiles(StateTest):
+    """Something else than a file in the place of one of the daemon's own."""
+
+    def test_the_store_is_made_again_and_what_was_there_kept(self):
+        job = self.client.submit(fake_case("steps=5")).id
+        self.client.until_state(job, SUCCEEDED)
+        self.daemon.terminate()
+        for kind, make in ENTRIES.items():
+            with self.subTest(kind=kind):
+                os.remove(self.store)
+                make(self.store)
+                code, said = self.command("check")
+                self.assertEqual(code, 3)
+                self.assertIn(f"is a {kind}, not a regular file", said)
+                self.assertIn("--repair", said)
+                code, said = self.command("backup", "--to", os.path.join(self.folder, "copy"))
+                self.assertIn("dccastd check --repair", said)
+                if kind == "folder":  # the others by the daemon itself
+                    self.assertEqual(self.command("check", "--repair")[0], 0)
+                self.restart()
+                self.assertEqual(self.client.job(job).state, SUCCEEDED)
+                self.daemon.terminate()
+                self.assertTrue(os.path.isfile(self.store) and not os.path.islink(self.store))
+        self.assertFalse(os.path.exists(os.path.join(self.data, "elsewhere")))
+
+    def test_in_one_job_others_go_on_and_a_check_comes_to_its_end(self):
+        replaced = self.client.submit(fake_case("steps=5")).id
+        other = self.client.submit(fake_case("steps=5")).id
+        for job in (replaced, other):
+            self.client.until_state(job, SUCCEEDED)
+        self.daemon.terminate()
+        saved = os.path.join(self.folder, "saved")
+        shutil.copytree(self.data, saved)
+        for name in ("events.log", "description.bin", "marks", "request", "accepted"):
+            for kind, make in ENTRIES.items():
+                with self.subTest(name=name, kind=kind):
+                    shutil.rmtree(self.data)
+                    shutil.copytree(saved, self.data)
+                    path = os.path.join(self.data, "jobs", replaced, name)
+                    if os.path.exists(path):
+                        os.remove(path)
+                    make(path)
+                    code, said = self.command("check", "--deep")
+                    self.assertIn(code, (0, 3), said)
+                    self.restart()
+                    self.assertEqual(self.client.job(other).state, SUCCEEDED)
+                    self.client.fetch(other)
+                    again = self.client.submit(fake_case("steps=3")).id
+                    self.client.until_state(again, SUCCEEDED)
+                    self.daemon.terminate()
+                    code, said = self.command("check", "--repair")
+                    self.assertIn(code, (0, 3), said)
+                    self.assertEqual(code, 3 if name == "description.bin" else 0, said)
+
+    def test_of_others_the_refusal_says_what_to_do(self):
+        self.daemon.terminate()
+        for name in ("audit.log", "lock"):
+            path = os.path.join(self.data, name)
+            for kind, make in ENTRIES.items():
+                with self.subTest(name=name, kind=kind):
+                    if os.path.lexists(path):
+                        os.remove(path)
+                    make(path)
+                    with self.assertRaises(RuntimeError) as refused:
+                        self.daemon.start()
+                    self.assertIn(f"is a {kind}, not a regular file (move it away)",
+                                  str(refused.exception))
+                    shutil.rmtree(path) if kind == "folder" else os.remove(path)
+        self.restart()
+
+
+class ChangedResults(StateTest):
+    """What was changed after the run is shown by no call."""
+    worker = "dccast-worker"
+
+    def test_frames_and_reports(self):
+        path = os.path.join(ROOT, "cases", "start-2d-thickness.toml")
+        client = [os.path.join(BIN, "dccast"), "--server", self.daemon.address]
+        job = subprocess.run([*client, "submit", path, "--set", "quality=draft", "--set",
+                              "time.end=20 s"], capture_output=True, text=True, timeout=60,
+                             check=True).stdout.strip()
+        self.client.until_state(job, SUCCEEDED, seconds=60)
+        query = service_pb2.QueryResultRequest(id=job, frame=True)
+        self.assertTrue(self.client.stub.QueryResult(query, timeout=20).HasField("frame"))
+        results = os.path.join(self.data, "jobs", job, "results.h5")
+        # A value of a dataset, which HDF5 reads as any other.
+        with h5py.File(results, "r+") as file:
+            name = next(name for name in all_datasets(file) if name.endswith("displacement_m"))
+            file[name][...] = 2.0
+        error = self.refused(grpc.StatusCode.DATA_LOSS, self.client.stub.QueryResult, query,
+                             timeout=20)
+        self.assertRegex(error.details(), "size|SHA-256")
+        report = os.path.join(self.folder, "report.html")
+        shown = subprocess.run([*client, "report", job, "-o", report], capture_output=True,
+                               text=True, timeout=60, check=True)
+        self.assertIn("without a picture of the slab", shown.stderr)
+        # Histories are those of the event log.
+        self.assertGreater(len(self.client.steps(job)), 5)
 
 
 class Backup(StateTest):

@@ -45,8 +45,7 @@ ONLY_IN = {
     "sqlite3.h": "server/jobs",
 }
 # Libraries whose headers take seconds to compile stay behind one source of the client.
-CLIENT_LIBRARIES = {"CLI/CLI.hpp": "client/cli/options.cpp", "nlohmann/json.hpp": "client/model/json.cpp",
-                    "httplib.h": "client/web/web_server.cpp"}
+CLIENT_LIBRARIES = {"CLI/CLI.hpp": "client/cli/options.cpp", "nlohmann/json.hpp": "client/model/json.cpp"}
 TESTS_THAT_LOOK_INTO_FILES = {"tests/unit/results": "hdf5.h"}
 NEVER_IN_CORE = re.compile(r"^(grpc|grpcpp|google/protobuf|toml\+\+|sqlite3|dccast/v1)(/|\.|$)")
 NEVER_IN_JOBS = re.compile(r"^(grpc|grpcpp)(/|$)")
@@ -69,7 +68,7 @@ DEBIAN_PACKAGES = {
     "Boost": ["libboost-dev"],
     "OpenSSL": ["libssl-dev"],
     "Udunits2": ["libudunits2-dev"],
-    "Httplib": ["libcpp-httplib-dev"],
+    "Boost": ["libboost-dev"],
     "Cholmod": ["libsuitesparse-dev", "libopenblas-pthread-dev", "libmetis-dev"],
     "GTest": ["libgtest-dev", "libgmock-dev"],
     "benchmark": ["libbenchmark-dev"],

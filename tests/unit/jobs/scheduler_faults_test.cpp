@@ -149,13 +149,12 @@ TEST_F(SchedulerFaults, AStoreThatCannotBeReadEndsNoThread) {
   EXPECT_EQ(daemon.executor.wait_for_launch(1).job_id, id_);
 }
 
-// Its event log is damaged and, at the same moment, its row cannot be read.
+// Its event log cannot be opened, nor begun again, and, at the same moment, its row cannot be read.
 TEST_F(SchedulerFaults, ADamagedJobBesideAnUnreadableStoreEndsNoThread) {
   Daemon daemon(folder_.path());
   id_ = daemon.scheduler.submit(new_job(), {}).id();
-  const auto log = folder_.path() / id_ / "events.log";
-  fs::remove(log);
-  fs::create_directory(log);
+  fs::remove_all(folder_.path() / id_);
+  storage::write_file(folder_.path() / id_, "no folder");
   daemon.store.refuses_reads = true;
   daemon.scheduler.start();
   EXPECT_TRUE(eventually([&] { return !daemon.scheduler.held().empty(); }));
@@ -163,6 +162,34 @@ TEST_F(SchedulerFaults, ADamagedJobBesideAnUnreadableStoreEndsNoThread) {
   daemon.store.refuses_reads = false;
   EXPECT_TRUE(eventually([&] { return state(daemon, id_) == v1::FAILED; }));
   EXPECT_EQ(daemon.scheduler.find(id_)->failure().kind(), v1::Failure::STORAGE);
+}
+
+TEST_F(SchedulerFaults, AFolderInThePlaceOfAnEventLogIsSetAside) {
+  Daemon daemon(folder_.path());
+  id_ = daemon.scheduler.submit(new_job(), {}).id();
+  const auto log = folder_.path() / id_ / "events.log";
+  fs::remove(log);
+  fs::create_directory(log);
+  daemon.scheduler.start();
+  EXPECT_EQ(daemon.executor.wait_for_launch(1).job_id, id_);
+  EXPECT_TRUE(fs::is_directory(log.string() + ".damaged"));
+}
+
+// One bad block hits header and first event, which is all that the log of a waiting job has.
+TEST_F(SchedulerFaults, AWaitingJobWhoseEventLogIsNoneAnyMoreWaitsOn) {
+  const auto log = [this] { return folder_.path() / id_ / "events.log"; };
+  {
+    Daemon daemon(folder_.path());
+    id_ = daemon.scheduler.submit(new_job(), {}).id();
+  }
+  storage::write_file(log(), std::string(fs::file_size(log()), 'x'));
+
+  Daemon daemon(folder_.path());
+  EXPECT_EQ(state(daemon, id_), v1::QUEUED);
+  EXPECT_TRUE(fs::exists(log().string() + ".damaged"));
+  daemon.scheduler.start();
+  EXPECT_EQ(daemon.executor.wait_for_launch(1).job_id, id_);
+  EXPECT_EQ(daemon.scheduler.log(id_)->content().last_state->state(), v1::RUNNING);
 }
 
 TEST_F(SchedulerFaults, AnExecutorThatThrowsLeavesNoPhantom) {

@@ -205,5 +205,16 @@ TEST_F(IndexTest, RefusesWhatItCannotKnowWithTheReason) {
   EXPECT_EQ(store_->ids().size(), 1u);
 }
 
+TEST_F(IndexTest, ALogThatIsDamagedFromItsBeginningIsThatOfAWaitingJobUnlessItHasRun) {
+  const std::string waiting = add_job("", false), has_run = add_job("", false);
+  for (const std::string& id : {waiting, has_run})
+    storage::write_file(folder_.jobs() / id / "events.log", std::string(60, 'x'));
+  storage::create_durably(folder_.jobs() / has_run / "worker.log", "started\n");
+
+  index_job(*store_, folder_.jobs() / waiting);
+  EXPECT_EQ(store_->find(waiting)->job.state(), v1::QUEUED);
+  EXPECT_THROW(index_job(*store_, folder_.jobs() / has_run), std::runtime_error);
+}
+
 }  // namespace
 }  // namespace dccast::state

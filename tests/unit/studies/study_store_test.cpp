@@ -124,7 +124,9 @@ TEST_F(StudyStoreTest, AStudyThatIsBeingRemovedIsNoLongerThere) {
   EXPECT_FALSE(store_.find(record.id));
   EXPECT_TRUE(store_.ids().empty());
   EXPECT_TRUE(store_.to_feed().empty());
-  EXPECT_EQ(store_.removing(), std::vector{record.id});
+  ASSERT_EQ(store_.removing().size(), 1U);
+  EXPECT_EQ(store_.removing().front().id, record.id);
+  EXPECT_EQ(store_.removing().front().owner, record.owner);
   store_.erase(record.id);
   EXPECT_TRUE(store_.removing().empty());
   EXPECT_TRUE(store_.runs(record.id).empty());

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <ostream>
+#include <streambuf>
+#include <string>
+#include <string_view>
+
+namespace dccast::client::render {
+
+/// The text as a terminal may be given it: characters that would act on it are written out
+/// (\u{1B}), besides line ends, tabs and the colours of this program.
+std::string for_terminal(std::string_view text);
+
+/// Stands between a stream and its terminal, as texts of case files, of other machines and of their
+/// servers come to a screen in many places: everything goes through for_terminal(). Nothing is
+/// changed where the stream is no terminal, so that files get each byte.
+class TerminalGuard : public std::streambuf {
+public:
+  /// Guards the stream as long as this lives. @param descriptor  what it writes to
+  TerminalGuard(std::ostream& stream, int descriptor);
+  ~TerminalGuard() override;
+  TerminalGuard(const TerminalGuard&) = delete;
+
+  /// Writes what shall act on the terminal.
+  void write_control(std::string_view sequence);
+
+protected:
+  std::streamsize xsputn(const char* text, std::streamsize size) override;
+  int_type overflow(int_type character) override;
+  int sync() override;
+
+private:
+  bool write(std::string_view text);
+
+  std::ostream& stream_;
+  std::streambuf* const terminal_;
+  const bool guards_;
+  std::string begun_;  // of a character whose other bytes come with the next text
+};
+
+/// A sequence of this program that acts on the terminal, such as that which begins its line anew.
+struct Control {
+  std::string_view sequence;
+};
+inline constexpr Control begin_of_line{"\r"};
+inline constexpr Control clear_rest_of_line{"\033[K"};
+std::ostream& operator<<(std::ostream& stream, Control control);
+
+}  // namespace dccast::client::render

@@ -1,0 +1,56 @@
+#pragma once
+
+// Only for the sources of this room: Asio and Beast take seconds to compile.
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <functional>
+#include <thread>
+
+#include "proto/http/server.hpp"
+
+namespace dccast::http {
+
+/// What all connections of a server share.
+struct Service {
+  Limits limits;
+  IsOwnHost is_own_host;
+  Handler handler;
+  boost::asio::ssl::context* tls = nullptr;  ///< null: HTTP
+  std::atomic<bool> stopping = false;
+};
+
+/// One connection and the thread that serves it. The thread waits for the peer in `context` alone,
+/// so that every wait has an end and can be ended from another thread.
+class Connection {
+public:
+  explicit Connection(const Service& service) : service_(service) {}
+  Connection(const Connection&) = delete;
+
+  /// The accepted socket must belong to it.
+  boost::asio::io_context& context() { return context_; }
+
+  /// Begins to serve the peer. @param ended  called by the thread at its end
+  void begin(boost::asio::ip::tcp::socket socket, std::function<void()> ended);
+  /// Ends the wait for the peer, now or when it begins. From any thread.
+  void close();
+
+  /// Nothing is being computed for the peer: it has not sent its request, or not taken its reply.
+  bool waits_for_peer() const { return waits_for_peer_; }
+
+private:
+  void run(boost::asio::ip::tcp::socket socket);
+
+  const Service& service_;
+  boost::asio::io_context context_{1};
+  boost::beast::tcp_stream* open_ = nullptr;  // used by the thread alone
+  std::atomic<bool> waits_for_peer_ = true;
+  std::jthread thread_;  // last: it uses the others
+
+  template <class Stream>
+  class Session;
+};
+
+}  // namespace dccast::http

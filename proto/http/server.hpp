@@ -1,0 +1,67 @@
+#pragma once
+
+#include <openssl/ossl_typ.h>
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "proto/http/message.hpp"
+
+namespace dccast::http {
+
+/// The address is taken, or is none of this machine.
+struct CannotListen : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+/// The files are not a certificate and its key.
+struct BadCertificate : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// What a peer may cost. A connection that waits longer for its peer than `time` is closed.
+struct Limits {
+  std::size_t header_bytes = 8192;  ///< request line and all headers
+  std::size_t body_bytes = 0;       ///< of a request
+  std::size_t connections = 32;
+  std::chrono::milliseconds time{5000};  ///< for a handshake, a whole request, a part of a reply
+};
+
+/// Whether a value of the header Host is a name of this server: another site may point a name of
+/// its own at this address, and a browser then takes both for one.
+using IsOwnHost = std::function<bool(const std::string& host)>;
+
+/// A small server of HTTP/1.1, or HTTPS, for a few clients, within limits that hold for peers that
+/// were never let in. Each connection has a thread. When all connections are taken, the one that
+/// has waited longest for its peer makes room for a new one.
+class Server {
+public:
+  struct Listening {
+    std::string host;                  ///< name or address of this machine
+    int port = 0;                      ///< 0: any free one
+    std::string certificate{}, key{};  ///< PEM files, for HTTPS; empty: HTTP
+  };
+
+  /// Takes the address; connections wait until start(). @throws CannotListen, BadCertificate
+  Server(const Listening& listening, const Limits& limits);
+  /// Closes all connections and waits for the handlers that are at work.
+  ~Server();
+  Server(const Server&) = delete;
+
+  int port() const;
+  const X509* certificate() const;  ///< null for HTTP
+
+  /// Begins to answer. To be called once.
+  void start(IsOwnHost is_own_host, Handler handler);
+  /// Closes all connections, and takes no more.
+  void stop();
+
+private:
+  class Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace dccast::http

@@ -1,0 +1,221 @@
+#include "proto/http/server.hpp"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <list>
+#include <thread>
+
+namespace dccast::http {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+/// A peer that sends what it likes.
+class Peer {
+public:
+  explicit Peer(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  ~Peer() { ::close(socket_); }
+  Peer(const Peer&) = delete;
+
+  /// @return false: the server has closed the connection
+  bool send(const std::string& text) {
+    return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) ==
+           static_cast<ssize_t>(text.size());
+  }
+
+  /// All that comes until the end of the connection, or until `end` has come.
+  std::string receive(const std::string& end = {}, milliseconds longest = milliseconds(10000)) {
+    const auto deadline = steady_clock::now() + longest;
+    std::string text;
+    while (end.empty() || text.find(end) == std::string::npos) {
+      const auto left = std::chrono::duration_cast<milliseconds>(deadline - steady_clock::now());
+      pollfd waiting{.fd = socket_, .events = POLLIN, .revents = 0};
+      if (left.count() <= 0 || ::poll(&waiting, 1, static_cast<int>(left.count())) <= 0)
+        return text + "(no end in time)";
+      char part[4096];
+      const ssize_t size = ::recv(socket_, part, sizeof part, 0);
+      if (size <= 0) break;
+      text.append(part, static_cast<std::size_t>(size));
+    }
+    return text;
+  }
+
+  std::string ask(const std::string& target, const std::string& host = "own") {
+    send("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
+    return receive();
+  }
+
+private:
+  int socket_;
+};
+
+std::string status_of(const std::string& reply) {
+  return reply.substr(0, reply.find('\r'));
+}
+
+class HttpServer : public testing::Test {
+protected:
+  static Limits short_limits() {
+    return {.body_bytes = 1000, .connections = 4, .time = milliseconds(300)};
+  }
+
+  void start(const Limits& limits = short_limits()) {
+    server_ = std::make_unique<Server>(Server::Listening{.host = "127.0.0.1"}, limits);
+    server_->start([](const std::string& host) { return host == "own"; },
+                   [this](const Request& request) { return handler_(request); });
+  }
+  int port() const { return server_->port(); }
+
+  Handler handler_ = [](const Request& request) {
+    return Reply{.body = request.method + " " + request.path + " " + request.body};
+  };
+  std::unique_ptr<Server> server_;
+};
+
+TEST_F(HttpServer, AnswersRequestsOnOneConnection) {
+  start();
+  Peer peer(port());
+  peer.send("GET /first HTTP/1.1\r\nHost: own\r\n\r\n");
+  EXPECT_NE(peer.receive("GET /first ").find("HTTP/1.1 200 OK"), std::string::npos);
+  peer.send("POST /second HTTP/1.1\r\nHost: own\r\nContent-Length: 4\r\n\r\nbody");
+  peer.receive("POST /second body");
+  peer.send("HEAD /third HTTP/1.1\r\nHost: own\r\nConnection: close\r\n\r\n");
+  const std::string head = peer.receive();
+  EXPECT_NE(head.find("Content-Length: 11"), std::string::npos) << head;
+  EXPECT_TRUE(head.ends_with("\r\n\r\n")) << head;
+}
+
+TEST_F(HttpServer, RefusesWhatIsNoRequest) {
+  start();
+  EXPECT_EQ(status_of(Peer(port()).ask("/ HTTP/1.1\r\nnonsense")), "HTTP/1.1 400 Bad Request");
+  Peer other(port());
+  other.send("PUT / HTTP/1.1\r\nHost: own\r\nConnection: close\r\n\r\n");
+  EXPECT_EQ(status_of(other.receive()), "HTTP/1.1 405 Method Not Allowed");
+}
+
+TEST_F(HttpServer, AnswersForItsOwnNamesAlone) {
+  start();
+  EXPECT_EQ(status_of(Peer(port()).ask("/", "own")), "HTTP/1.1 200 OK");
+  EXPECT_EQ(status_of(Peer(port()).ask("/", "evil.example")), "HTTP/1.1 403 Forbidden");
+  EXPECT_EQ(status_of(Peer(port()).ask("/", "own\r\nHost: own")), "HTTP/1.1 403 Forbidden");
+  Peer without(port());
+  without.send("GET / HTTP/1.1\r\nConnection: close\r\n\r\n");
+  EXPECT_EQ(status_of(without.receive()), "HTTP/1.1 403 Forbidden");
+}
+
+TEST_F(HttpServer, HeadersHaveALimitInAllTheirForms) {
+  start();
+  const std::string much(6000, 'x'), line = "X-Line: " + std::string(100, 'y') + "\r\n";
+  EXPECT_EQ(status_of(Peer(port()).ask("/" + much)), "HTTP/1.1 200 OK");
+
+  Peer long_target(port()), long_line(port()), many_lines(port());
+  long_target.send("GET /" + much + much);
+  EXPECT_EQ(status_of(long_target.receive()), "HTTP/1.1 431 Request Header Fields Too Large");
+  long_line.send("GET / HTTP/1.1\r\nHost: own\r\nX-Line: " + much + much);
+  EXPECT_EQ(status_of(long_line.receive()), "HTTP/1.1 431 Request Header Fields Too Large");
+  many_lines.send("GET / HTTP/1.1\r\nHost: own\r\n");
+  for (int i = 0; i < 100; ++i) many_lines.send(line);
+  EXPECT_EQ(status_of(many_lines.receive()), "HTTP/1.1 431 Request Header Fields Too Large");
+}
+
+TEST_F(HttpServer, BodiesHaveALimitAlsoInChunks) {
+  start();
+  Peer announced(port()), chunked(port());
+  announced.send("POST / HTTP/1.1\r\nHost: own\r\nContent-Length: 1001\r\n\r\n");
+  announced.send(std::string(1001, 'x'));
+  EXPECT_EQ(status_of(announced.receive()), "HTTP/1.1 413 Payload Too Large");
+  chunked.send("POST / HTTP/1.1\r\nHost: own\r\nTransfer-Encoding: chunked\r\n\r\n");
+  for (int i = 0; i < 20; ++i) chunked.send("64\r\n" + std::string(100, 'x') + "\r\n");
+  EXPECT_EQ(status_of(chunked.receive()), "HTTP/1.1 413 Payload Too Large");
+}
+
+TEST_F(HttpServer, ARequestThatComesSlowlyIsGivenUp) {
+  start();
+  Peer slow(port());
+  const auto begin = steady_clock::now();
+  slow.send("GET / HTTP/1.1\r\nX: ");
+  while (slow.send("y") && steady_clock::now() < begin + std::chrono::seconds(10))
+    std::this_thread::sleep_for(milliseconds(20));
+  EXPECT_LT(steady_clock::now(), begin + std::chrono::seconds(3));
+}
+
+TEST_F(HttpServer, SilentPeersMakeRoomForOthers) {
+  start({.connections = 4, .time = std::chrono::minutes(5)});
+  std::list<Peer> silent;
+  for (int i = 0; i < 40; ++i) {
+    silent.emplace_back(port());
+    EXPECT_EQ(status_of(Peer(port()).ask("/")), "HTTP/1.1 200 OK") << i;
+  }
+}
+
+TEST_F(HttpServer, APeerThatIsBeingAnsweredIsNotClosedForANewOne) {
+  std::atomic<int> at_work = 0;
+  std::atomic<bool> may_end = false;
+  handler_ = [&](const Request&) {
+    ++at_work;
+    while (!may_end) std::this_thread::sleep_for(milliseconds(1));
+    return Reply{.body = "done"};
+  };
+  start({.connections = 2, .time = std::chrono::minutes(5)});
+
+  std::list<Peer> peers;
+  for (int i = 0; i < 2; ++i)
+    peers.emplace_back(port()).send("GET / HTTP/1.1\r\nHost: own\r\nConnection: close\r\n\r\n");
+  while (at_work < 2) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_EQ(Peer(port()).receive(), "");  // there is no room for it
+  may_end = true;
+  for (Peer& peer : peers) EXPECT_TRUE(peer.receive().ends_with("done"));
+}
+
+TEST_F(HttpServer, StreamsEndWithTheirSourceOrTheServer) {
+  std::atomic<int> parts = 0;
+  handler_ = [&](const Request& request) {
+    const int most = request.path == "/three" ? 3 : 1 << 30;
+    return Reply{.type = "text/event-stream", .next_part = [&parts, most, sent = 0]() mutable {
+                   std::this_thread::sleep_for(milliseconds(1));
+                   ++parts;
+                   return sent++ < most ? std::string("part\n") : std::string();
+                 }};
+  };
+  start();
+  EXPECT_TRUE(Peer(port()).ask("/three").ends_with("\r\n\r\npart\npart\npart\n"));
+
+  Peer endless(port());
+  endless.send("GET / HTTP/1.1\r\nHost: own\r\n\r\n");
+  endless.receive("part\npart\n");
+  server_->stop();
+  const int parts_then = parts;
+  EXPECT_EQ(endless.receive().find("(no end"), std::string::npos);
+  EXPECT_EQ(parts, parts_then);
+}
+
+TEST_F(HttpServer, AFaultOfAHandlerIsAnAnswer) {
+  handler_ = [](const Request&) -> Reply { throw std::runtime_error("broken"); };
+  start();
+  EXPECT_EQ(status_of(Peer(port()).ask("/")), "HTTP/1.1 500 Internal Server Error");
+}
+
+TEST_F(HttpServer, TakesAFreePortOfThisMachineOnly) {
+  start();
+  EXPECT_THROW(Server({.host = "192.0.2.1"}, {}), CannotListen);
+  EXPECT_THROW(Server({.host = "127.0.0.1", .port = port()}, {}), CannotListen);
+  EXPECT_THROW(Server({.host = "127.0.0.1", .certificate = "/none", .key = "/none"}, {}),
+               BadCertificate);
+}
+
+}  // namespace
+}  // namespace dccast::http
