@@ -48,6 +48,10 @@ public:
                        std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
                        bool findings = false) const;
 
+  /// The part of examine() that needs no worker, and takes no longer than a look into a table: the
+  /// case with defaults and alloy card. A verdict without faults does not mean that it can be run.
+  ExaminedCase complete_case(const v1::Case& submitted, const jobs::Attachments& attachments) const;
+
   /// The times of all frames that a job has stored, and one of them; without it when there are
   /// fewer. @param number  1 is the first, 0 the last  @throws jobs::WorkerDidNotAnswer
   v1::QueryResultResponse stored_frame(const std::filesystem::path& job_folder, int number,

@@ -72,6 +72,17 @@ SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& l
   return heartbeat.at <= stall.at ? heartbeat : stall;
 }
 
+/// Lets the timers of an attempt go on where they stood when its worker was stopped.
+void shift_timers(Attempt& attempt, Attempt::Clock::duration stopped) {
+  using TimePoint = Attempt::Clock::time_point;
+  for (TimePoint* time :
+       {&attempt.since, &attempt.looked, &attempt.last_sign, &attempt.last_progress})
+    *time += stopped;
+
+  if (attempt.time_limit_at != TimePoint::max()) attempt.time_limit_at += stopped;
+  if (attempt.kill_at) *attempt.kill_at += stopped;
+}
+
 /// When to look for signs again.
 Attempt::Clock::time_point next_look(const Attempt& attempt, const WatchdogLimits& limits) {
   auto shortest = std::min(limits.hello, limits.heartbeat);
@@ -93,6 +104,7 @@ std::string storage_error_of(const std::filesystem::path& folder, const WorkerEx
 }  // namespace
 
 double ran_s(const Attempt& attempt, Attempt::Clock::time_point now) {
+  if (!attempt.stopped_for.empty()) now = attempt.stopped_at;
   return attempt.record.job.run_s() + std::chrono::duration<double>(now - attempt.since).count();
 }
 
@@ -153,6 +165,14 @@ void Attempts::count_time_from(Attempt& attempt, Clock::time_point since) {
   attempt.time_limit_at = since + std::chrono::duration_cast<Clock::duration>(left);
 }
 
+WorkerLaunch Attempts::launch_of(const Attempt& attempt) const {
+  WorkerLaunch launch{attempt.job_id, attempt.number, folder_of(attempt), order_of(attempt)};
+  launch.estimated_s = attempt.record.job.estimated_s();
+  if (attempt.goes_first) launch.urgency = urgency_of_query(launch.estimated_s, false);
+  launch.order.set_nice(nice_of(launch.urgency));
+  return launch;
+}
+
 v1::SolveCase Attempts::order_of(const Attempt& attempt) const {
   v1::SolveCase order;
   order.set_job_id(attempt.job_id);
@@ -171,7 +191,7 @@ v1::SolveCase Attempts::order_of(const Attempt& attempt) const {
 
 void Attempts::start(Attempt& attempt) {
   try {
-    executor_.start({attempt.job_id, attempt.number, folder_of(attempt), order_of(attempt)});
+    executor_.start(launch_of(attempt));
   } catch (const std::exception& error) {
     worker_not_started(attempt.job_id, attempt.number, error.what());
   }
@@ -219,6 +239,17 @@ void Attempts::worker_waits(const std::string& job_id, int number, const std::st
   if (!why.empty()) forgive_silence(*attempt, Clock::now());
 }
 
+void Attempts::worker_stopped(const std::string& job_id, int number, const std::string& why) {
+  const auto attempt = find(job_id);
+  if (!attempt || attempt->number != number) return;
+
+  const auto now = Clock::now();
+  const bool was_stopped = !attempt->stopped_for.empty();
+  if (was_stopped) shift_timers(*attempt, now - attempt->stopped_at);
+  attempt->stopped_for = why;
+  attempt->stopped_at = now;
+}
+
 void Attempts::worker_ended(const std::string& job_id, int number, const WorkerExit& exit) {
   const auto attempt = find(job_id);
   if (attempt && attempt->number == number)
@@ -262,7 +293,7 @@ void Attempts::kill_overdue(Clock::time_point now) {
     executor_.kill(attempt.job_id, attempt.number);
   };
   for (const auto& [id, attempt] : attempts_) {
-    if (attempt->exit) continue;
+    if (attempt->exit || !attempt->stopped_for.empty()) continue;
     if (attempt->kill_at) {
       if (now >= *attempt->kill_at) kill(*attempt, "did not leave in time");
       continue;
@@ -285,7 +316,7 @@ void Attempts::kill_overdue(Clock::time_point now) {
 Attempts::Clock::time_point Attempts::next_deadline() const {
   Clock::time_point deadline = Clock::now() + std::chrono::hours(1);
   for (const auto& [id, attempt] : attempts_) {
-    if (attempt->exit) continue;
+    if (attempt->exit || !attempt->stopped_for.empty()) continue;
     if (attempt->kill_at)
       deadline = std::min(deadline, *attempt->kill_at);
     else

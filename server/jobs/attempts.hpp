@@ -38,6 +38,8 @@ struct Attempt {
   std::optional<WorkerExit> exit;  ///< its process has ended
   std::string waits;               ///< why its worker has no machine yet; empty: it has one
   std::string not_started;         ///< why there never was a worker; empty: there was one
+  std::string stopped_for;         ///< what its worker is stopped for; empty: it is not
+  Clock::time_point stopped_at;    ///< since when it is; all timers stand still meanwhile
 
   // Signs of life.
   bool begun = false;               ///< the worker has claimed the folder
@@ -55,7 +57,8 @@ struct WatchdogLimits {
   std::chrono::milliseconds stall{3600000};    ///< between two events; 0: no limit
 };
 
-/// How long the job of an attempt has run, with its attempts before [s].
+/// How long the job of an attempt has run, with its attempts before and without the time for which
+/// its worker was stopped [s].
 double ran_s(const Attempt& attempt, Attempt::Clock::time_point now);
 
 struct AttemptOptions {
@@ -119,6 +122,8 @@ public:
   void worker_not_started(const std::string& job_id, int number, const std::string& why);
   /// @param why  empty: it waits no more
   void worker_waits(const std::string& job_id, int number, const std::string& why);
+  /// @param why  empty: it goes on
+  void worker_stopped(const std::string& job_id, int number, const std::string& why);
   void worker_ended(const std::string& job_id, int number, const WorkerExit& exit);
   /// Every worker of an earlier daemon was added. Until then one may end before it is.
   void end_recovery();
@@ -136,6 +141,7 @@ public:
 
 private:
   std::filesystem::path folder_of(const Attempt& attempt) const;
+  WorkerLaunch launch_of(const Attempt& attempt) const;
   v1::SolveCase order_of(const Attempt& attempt) const;
   void count_time_from(Attempt& attempt, Clock::time_point since);
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "dccast/v1/worker.pb.h"
+#include "server/jobs/precedence.hpp"
 
 namespace dccast::jobs {
 
@@ -15,6 +16,8 @@ struct WorkerLaunch {
   int attempt = 0;  ///< together with the job's id it names this start
   std::filesystem::path folder{};
   v1::SolveCase order{};  ///< handed to the process; empty in adopt()
+  Urgency urgency = Urgency::batch;
+  double estimated_s = 0.0;  ///< solving time [s]; 0: not known
 };
 
 /// The end of a worker's process.
@@ -43,6 +46,9 @@ public:
     /// It has no machine yet, or none that can be asked for it, and gives no signs of life; called
     /// now and then as long as that is so, and once with an empty `why` when it has begun.
     std::function<void(const std::string& job_id, int attempt, const std::string& why)> waits;
+    /// It is stopped for a more urgent run and gives no signs of life until it is called with an
+    /// empty `why`.
+    std::function<void(const std::string& job_id, int attempt, const std::string& why)> stopped;
   };
   virtual ~Executor() = default;
   /// Before the first start.

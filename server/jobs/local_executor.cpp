@@ -1,9 +1,11 @@
 #include "server/jobs/local_executor.hpp"
 
+#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/eventfd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <optional>
 #include <system_error>
@@ -30,8 +32,11 @@ bool may_lead(const ClaimHolder& holder, const WorkerLaunch& launch) {
 
 }  // namespace
 
-LocalExecutor::LocalExecutor(WarmWorkers& workers, int capacity)
-    : warm_(workers), capacity_(capacity), wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+LocalExecutor::LocalExecutor(WarmWorkers& workers, int capacity, Precedence& precedence)
+    : warm_(workers),
+      capacity_(capacity),
+      precedence_(precedence),
+      wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!wake_) throw std::system_error(errno, std::generic_category(), "eventfd");
   thread_ = std::thread([this] { run(); });
 }
@@ -59,11 +64,46 @@ void LocalExecutor::start(const WorkerLaunch& launch) {
   post([this, launch] { hand_over(launch); });
 }
 
-void LocalExecutor::send_signal(const std::string& job_id, int attempt, int number) {
-  post([this, key = std::pair(job_id, attempt), number] {
-    if (const auto found = workers_.find(key); found != workers_.end())
-      found->second->signal(number);
+void LocalExecutor::stop(const std::string& job_id, int attempt) {
+  post([this, key = Key(job_id, attempt)] {
+    const auto found = workers_.find(key);
+    if (found == workers_.end()) return;
+
+    // A stopped process would see the request when it is continued only: this one is stopped no
+    // more.
+    found->second.place.leave();
+    found->second.process->signal(SIGTERM);
   });
+}
+
+void LocalExecutor::kill(const std::string& job_id, int attempt) {
+  post([this, key = Key(job_id, attempt)] {
+    if (const auto found = workers_.find(key); found != workers_.end())
+      found->second.process->signal(SIGKILL);
+  });
+}
+
+void LocalExecutor::lead(const WorkerLaunch& launch, std::unique_ptr<WorkerProcess> process) {
+  const Key key(launch.job_id, launch.attempt);
+  Led& led = workers_[key] = {std::move(process)};
+  led.place = precedence_.enter(launch.urgency, launch.estimated_s,
+                                [this, key](const std::optional<MoreUrgentRun>& stopped_for) {
+                                  post([=, this] { set_stopped(key, stopped_for); });
+                                });
+}
+
+void LocalExecutor::set_stopped(const Key& key, const std::optional<MoreUrgentRun>& stopped_for) {
+  const auto found = workers_.find(key);
+  if (found == workers_.end()) return;
+
+  // The timers of an attempt stop before its worker does, and go on after it.
+  const auto& [job_id, attempt] = key;
+  if (stopped_for)
+    calls_.stopped(job_id, attempt,
+                   fmt::format("{}, about {:.0f} s", stopped_for->in_words(),
+                               std::max(1.0, stopped_for->left_s)));
+  found->second.process->set_stopped(stopped_for.has_value());
+  if (!stopped_for) calls_.stopped(job_id, attempt, "");
 }
 
 Adoption LocalExecutor::adopt(const WorkerLaunch& launch, bool wanted) {
@@ -77,9 +117,8 @@ Adoption LocalExecutor::adopt(const WorkerLaunch& launch, bool wanted) {
   const auto found = std::make_shared<std::unique_ptr<WorkerProcess>>(
       std::make_unique<WorkerProcess>(std::move(holder->handle)));
   if (wanted && may_lead(*holder, launch)) {
-    post([this, found, key = std::pair(launch.job_id, launch.attempt)] {
-      workers_[key] = std::move(*found);
-    });
+    (*found)->set_stopped(false);  // the last daemon may have died while it was stopped
+    post([this, found, launch] { lead(launch, std::move(*found)); });
     return Adoption::found;
   }
   log::warn("job {}: a worker that cannot be led on is ended (process {})", launch.job_id,
@@ -92,7 +131,7 @@ void LocalExecutor::hand_over(const WorkerLaunch& launch) {
   try {
     auto worker = warm_.take();
     worker->hand_over(launch.order);
-    workers_[{launch.job_id, launch.attempt}] = std::move(worker);
+    lead(launch, std::move(worker));
   } catch (const std::exception& error) {
     calls_.not_started(launch.job_id, launch.attempt, error.what());
   }
@@ -102,16 +141,16 @@ void LocalExecutor::wait_for_something() {
   std::vector<pollfd> waiting{{wake_.get(), POLLIN, 0}};
   int timeout_ms = -1;
   for (const auto& [key, worker] : workers_) {
-    waiting.push_back({worker->handle(), POLLIN, 0});
+    waiting.push_back({worker.process->handle(), POLLIN, 0});
     // A kernel or a container without pidfd_open: look often.
-    if (worker->handle() < 0) timeout_ms = 20;
+    if (worker.process->handle() < 0) timeout_ms = 20;
   }
   ::poll(waiting.data(), waiting.size(), timeout_ms);
 }
 
 void LocalExecutor::collect() {
   for (auto at = workers_.begin(); at != workers_.end();) {
-    const auto exit = at->second->exit();
+    const auto exit = at->second.process->exit();
     if (!exit) {
       ++at;
       continue;
@@ -136,8 +175,13 @@ void LocalExecutor::run() {
     collect();
   }
   // Those that have claimed no folder get the signal of their parent's death.
-  if (leaves_workers_)
-    for (const auto& [key, worker] : workers_) worker->leave();
+  if (leaves_workers_) {
+    for (auto& [key, worker] : workers_) {
+      worker.place.leave();
+      worker.process->set_stopped(false);
+      worker.process->leave();
+    }
+  }
   workers_.clear();
 }
 

@@ -49,7 +49,8 @@ Scheduler::Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs,
   };
   executor_.set_calls({.not_started = noted(&Attempts::worker_not_started),
                        .ended = noted(&Attempts::worker_ended),
-                       .waits = noted(&Attempts::worker_waits)});
+                       .waits = noted(&Attempts::worker_waits),
+                       .stopped = noted(&Attempts::worker_stopped)});
 }
 
 Scheduler::~Scheduler() {

@@ -162,7 +162,7 @@ void Scheduler::foresee(v1::Job& job) const {
 v1::Job Scheduler::view(const Attempt& attempt) const {
   v1::Job job = attempt.record.job;
   attempt.log->complete(job);
-  job.set_held(attempt.waits);
+  job.set_held(attempt.waits.empty() ? attempt.stopped_for : attempt.waits);
   const double left_s = forecast_.left_s(job, ran_s(attempt, Clock::now()));
   if (job.state() == v1::RUNNING && attempt.waits.empty() && left_s > 0.0)
     job.set_ends_in_s(left_s);

@@ -17,13 +17,16 @@ v1::WorkerAnswer WarmWorkers::ask(const v1::WorkerRequest& request, const CallLi
   auto worker = lend(false);
   v1::WorkerAnswer answer;
   try {
+    const auto place = limits.enter ? limits.enter(*worker) : Precedence::Place();
     answer = worker->ask(request, limits, on_event);
   } catch (...) {
     worker.reset();  // first: two at once may be one too many for the memory
     give_back(nullptr);
     throw;
   }
-  if (worker->answers() >= limits_.answers || worker->resident_bytes() > limits_.idle_bytes)
+  const bool has_low_priority = request.solve().nice() > 0;
+  if (has_low_priority || worker->answers() >= limits_.answers ||
+      worker->resident_bytes() > limits_.idle_bytes)
     worker.reset();
   give_back(std::move(worker));
   if (answer.has_refused()) throw WorkerDidNotAnswer(Why::refused, answer.refused());

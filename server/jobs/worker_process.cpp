@@ -132,6 +132,11 @@ void WorkerProcess::signal(int number) const {
     ::syscall(SYS_pidfd_send_signal, handle_.get(), number, nullptr, 0);
 }
 
+void WorkerProcess::set_stopped(bool stopped) const {
+  if (handle_)
+    ::syscall(SYS_pidfd_send_signal, handle_.get(), stopped ? SIGSTOP : SIGCONT, nullptr, 0);
+}
+
 bool WorkerProcess::waits() const {
   pollfd look{socket_.get(), POLLIN, 0};
   return ::poll(&look, 1, 0) == 0;  // it sends nothing unasked: anything readable is its end

@@ -14,6 +14,7 @@
 #include "core/storage/file.hpp"
 #include "dccast/v1/worker.pb.h"
 #include "server/jobs/executor.hpp"
+#include "server/jobs/precedence.hpp"
 
 namespace dccast::jobs {
 
@@ -39,11 +40,15 @@ private:
   Why why_;
 };
 
+class WorkerProcess;
+
 /// What an answer may take and who still wants it.
 struct CallLimits {
   std::chrono::steady_clock::time_point deadline;
   std::function<bool()> called_off = [] { return false; };
   std::int64_t largest_bytes = 4'000'000'000;  ///< of memory
+  /// Takes the place of the run among the others, which may stop it; absent: nothing stops it.
+  std::function<Precedence::Place(const WorkerProcess& worker)> enter{};
 };
 
 /// A process of the worker program. It answers request after request, or is handed the run of a job
@@ -69,6 +74,9 @@ public:
   void hand_over(const v1::SolveCase& job);
   void leave() { process_ = 0; }
   void signal(int number) const;
+  /// Stops the process (SIGSTOP) or continues it. From any thread. Does nothing on a system without
+  /// pidfds: an id alone may be that of another process by then.
+  void set_stopped(bool stopped) const;
 
   /// Whether nothing has happened to it while it waited.
   bool waits() const;

@@ -215,6 +215,21 @@ TEST_F(SchedulerFaults, AWorkerWithoutASignOfLifeIsKilledAndItsJobGoesOn) {
             std::string::npos);
 }
 
+TEST_F(SchedulerFaults, TheTimersOfAStoppedWorkerStandStill) {
+  constexpr std::chrono::milliseconds limit(200);
+  Daemon daemon(folder_.path(), {.heartbeat = limit, .stall = limit});
+  run_a_job(daemon);
+  daemon.executor.stopped(worker_->launch(), "a more urgent query runs");
+  EXPECT_EQ(daemon.scheduler.find(id_)->held(), "a more urgent query runs");
+  std::this_thread::sleep_for(3 * limit);
+  EXPECT_EQ(daemon.executor.kills(), 0);
+
+  daemon.executor.stopped(worker_->launch(), "");
+  EXPECT_EQ(daemon.scheduler.find(id_)->held(), "");
+  EXPECT_TRUE(eventually([&] { return daemon.store.find(id_)->losses == 1; }))
+      << "they go on from where they were";
+}
+
 TEST_F(SchedulerFaults, AWorkerThatMakesNoStepIsKilled) {
   Daemon daemon(folder_.path(), {.stall = std::chrono::milliseconds(60)});
   run_a_job(daemon);

@@ -63,6 +63,10 @@ public:
   void end(const WorkerLaunch& launch, const std::string& how, std::optional<int> code = {}) {
     report_end(launch.job_id, launch.attempt, {how, code});
   }
+  /// @param why  empty: it goes on
+  void stopped(const WorkerLaunch& launch, const std::string& why) {
+    calls_.stopped(launch.job_id, launch.attempt, why);
+  }
   void not_started(const WorkerLaunch& launch, const std::string& why) {
     calls_.not_started(launch.job_id, launch.attempt, why);
   }

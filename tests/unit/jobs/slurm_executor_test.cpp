@@ -89,7 +89,8 @@ protected:
                const std::lock_guard lock(mutex_);
                waits_ = why;
                changed_.notify_all();
-             }});
+             },
+         .stopped = [](auto&&...) {}});
     executor_->start(launch(attempt));
   }
   void report(const std::string& text) {
