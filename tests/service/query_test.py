@@ -20,8 +20,8 @@ def question(title="", columns=30, **rest):
 
 
 def parts(responses):
-    """What came: accepted, steps, the end."""
-    responses = list(responses)
+    """What came: accepted, steps, the end. The run before may still be ending: that wait is left out."""
+    responses = [response for response in responses if not response.HasField("waiting")]
     kinds = [response.WhichOneof("what") for response in responses]
     assert kinds[0] == "accepted" and kinds[-1] == "ended", kinds
     return (responses[0].accepted, [r.step for r in responses if r.HasField("step")],
