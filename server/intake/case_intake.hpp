@@ -7,8 +7,8 @@
 
 #include "dccast/v1/service.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
-#include "server/jobs/job_store.hpp"
-#include "server/jobs/warm_workers.hpp"
+#include "server/jobs/executors/warm_workers.hpp"
+#include "server/jobs/store/job_store.hpp"
 
 namespace dccast::intake {
 

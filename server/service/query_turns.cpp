@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/jobs/tally.hpp"
+#include "server/jobs/queue/tally.hpp"
 
 namespace dccast::service {
 

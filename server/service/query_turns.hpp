@@ -7,7 +7,7 @@
 #include <map>
 #include <mutex>
 
-#include "server/jobs/precedence.hpp"
+#include "server/jobs/executors/precedence.hpp"
 #include "server/service/work_pool.hpp"
 
 namespace dccast::service {

@@ -1,4 +1,4 @@
-#include "server/jobs/local_executor.hpp"
+#include "server/jobs/executors/local_executor.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

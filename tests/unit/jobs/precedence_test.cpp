@@ -1,4 +1,4 @@
-#include "server/jobs/precedence.hpp"
+#include "server/jobs/executors/precedence.hpp"
 
 #include <gtest/gtest.h>
 

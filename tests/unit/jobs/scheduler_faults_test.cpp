@@ -1,8 +1,8 @@
 // What the daemon lacks fails no job, and a request that was refused has changed nothing.
 #include <fstream>
 
-#include "server/jobs/step_index.hpp"
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/logs/step_index.hpp"
 #include "tests/unit/jobs/failing_sync.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 

@@ -15,8 +15,8 @@
 
 #include "core/storage/file.hpp"
 #include "dccast/v1/worker.pb.h"
-#include "server/jobs/events.hpp"
-#include "server/jobs/scheduler.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/queue/scheduler.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
