@@ -34,15 +34,23 @@ ExitCode refuse(const CaseUnderCheck& checked, bool json) {
 std::optional<Answer> ask(Connection& connection, CaseUnderCheck& checked,
                           const QueryOptions& options) {
   const render::Terminal terminal = render::terminal_of(STDOUT_FILENO);
-  if (options.json || !terminal.interactive) return ask_query(connection, checked, options.keep);
+  const bool draws = !options.json && terminal.interactive;
   render::Progress progress(std::cout, terminal);
-  auto answer = ask_query(connection, checked, options.keep, [&](const auto& response) {
-    if (!response.has_step()) return;
+  auto answer = ask_query(connection, checked, {.keep = options.keep}, [&](const auto& response) {
     v1::JobEvent event;
-    *event.mutable_step() = response.step();
-    progress.show(event);
+    if (response.has_waiting())
+      event.mutable_message()->set_text(render::waiting_text(response.waiting()));
+    else if (response.has_step())
+      *event.mutable_step() = response.step();
+    else
+      return;
+
+    if (draws)
+      progress.show(event);
+    else if (event.has_message())
+      std::cerr << event.message().text() << std::endl;
   });
-  progress.finish();
+  if (draws) progress.finish();
   return answer;
 }
 
@@ -114,7 +122,10 @@ std::vector<Answer> answers_of_files(Connection& connection, const std::vector<N
     if (!cases.back().faults.empty()) refuse(cases.back(), file.text);
   }
   std::vector<Answer> answers;
-  for (auto& answer : ask_queries(connection, cases)) {
+  const auto on_wait = [&](std::size_t index, const auto& waiting) {
+    std::cerr << files[index].text << ": " << render::waiting_text(waiting) << std::endl;
+  };
+  for (auto& answer : ask_queries(connection, cases, on_wait)) {
     const NamedRun& file = files[answers.size()];
     if (!answer) refuse(cases[answers.size()], file.text);
     answer->name = file.text + (file.changes.empty() ? "" : ", changed");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <future>
 #include <memory>
+#include <mutex>
 
 #include "client/session/jobs.hpp"
 
@@ -49,13 +50,18 @@ void take(const v1::QueryButtCurlResponse& response, Clock::time_point begin, An
 constexpr std::size_t at_once = 8;
 constexpr std::chrono::milliseconds look{20};  // interval between checks for an interruption
 
+using OnWait = std::function<void(const v1::QueryButtCurlResponse::Waiting&)>;
+
 /// One query in a thread, with an interruption of its own.
 class Question {
 public:
-  Question(const Connection& command, CaseUnderCheck& checked)
-      : answer_(std::async(std::launch::async, [&command, own = own_, &checked] {
+  Question(const Connection& command, CaseUnderCheck& checked, const QueryMode& mode,
+           OnWait on_wait)
+      : answer_(std::async(std::launch::async, [&command, own = own_, &checked, mode, on_wait] {
           Connection connection = command.another(own);
-          return ask_query(connection, checked, false);
+          return ask_query(connection, checked, mode, [&](const auto& response) {
+            if (response.has_waiting()) on_wait(response.waiting());
+          });
         })) {}
   Question(Question&&) = default;
   ~Question() {
@@ -77,11 +83,12 @@ private:
 }  // namespace
 
 std::optional<Answer> ask_query(
-    Connection& connection, CaseUnderCheck& checked, bool keep,
+    Connection& connection, CaseUnderCheck& checked, const QueryMode& mode,
     const std::function<void(const v1::QueryButtCurlResponse&)>& on_response) {
   v1::QueryButtCurlRequest request;
   put_case(checked, request);
-  request.set_keep(keep);
+  request.set_keep(mode.keep);
+  request.set_one_of_several(mode.one_of_several);
   Answer answer;
   answer.changes = checked.changes;
   grpc::ClientContext context;
@@ -122,13 +129,21 @@ Answer answer_of_job(Connection& connection, const std::string& id) {
   return answer;
 }
 
-std::vector<std::optional<Answer>> ask_queries(Connection& connection,
-                                               std::vector<CaseUnderCheck>& cases) {
+std::vector<std::optional<Answer>> ask_queries(
+    Connection& connection, std::vector<CaseUnderCheck>& cases,
+    const std::function<void(std::size_t index, const v1::QueryButtCurlResponse::Waiting&)>&
+        on_wait) {
+  std::mutex mutex;  // of `on_wait`
+  const QueryMode mode{.one_of_several = cases.size() > 1};
   std::vector<std::optional<Answer>> answers;
   while (answers.size() < cases.size()) {
     std::vector<Question> questions;
     const std::size_t end = std::min(cases.size(), answers.size() + at_once);
-    for (std::size_t i = answers.size(); i < end; ++i) questions.emplace_back(connection, cases[i]);
+    for (std::size_t i = answers.size(); i < end; ++i)
+      questions.emplace_back(connection, cases[i], mode, [&, i](const auto& waiting) {
+        const std::lock_guard lock(mutex);
+        on_wait(i, waiting);
+      });
     for (Question& question : questions)
       answers.push_back(question.answer(connection.interruption()));
   }

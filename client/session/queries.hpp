@@ -11,11 +11,17 @@
 
 namespace dccast::client {
 
+/// What becomes of a run, and how urgent it is.
+struct QueryMode {
+  bool keep = false;            ///< the run stays on the server as a job
+  bool one_of_several = false;  ///< less urgent than a single query
+};
+
 /// Calls QueryButtCurl. Throws CommandFailed, Interrupted; the run ends with the call.
 /// @param on_response  called with every response as it arrives
 /// @return             empty if the case has faults, which are then in `checked`
 std::optional<Answer> ask_query(
-    Connection& connection, CaseUnderCheck& checked, bool keep,
+    Connection& connection, CaseUnderCheck& checked, const QueryMode& mode,
     const std::function<void(const v1::QueryButtCurlResponse&)>& on_response = {});
 
 /// The same of a job that is there.
@@ -23,9 +29,13 @@ Answer answer_of_job(Connection& connection, const std::string& id);
 
 /// Queries several cases, a few at a time: the daemon runs as many as it has cores, and the others
 /// wait there. Throws CommandFailed, Interrupted; the runs end with their calls.
+/// @param on_wait  called when a run has to wait, with the index of its case; from any thread, by
+///                 one at a time
 /// @return  (case) empty for a case with faults, which are stored in the case
-std::vector<std::optional<Answer>> ask_queries(Connection& connection,
-                                               std::vector<CaseUnderCheck>& cases);
+std::vector<std::optional<Answer>> ask_queries(
+    Connection& connection, std::vector<CaseUnderCheck>& cases,
+    const std::function<void(std::size_t index, const v1::QueryButtCurlResponse::Waiting&)>&
+        on_wait);
 
 /// An evenly spaced selection of the stored frames of a job, including the first and the last.
 struct FrameSeries {

@@ -13,6 +13,7 @@
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/plant_units.hpp"
+#include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 #include "proto/values/printable.hpp"
@@ -64,6 +65,10 @@ std::string answer_text(const Answer& answer) {
     text += state_text(answer.state) + ": " + failure_text(*answer.failure) + "\n";
   for (const auto& series : answer.history.monitors) text += monitor_line(answer, series);
   return text;
+}
+
+std::string waiting_text(const v1::QueryButtCurlResponse::Waiting& waiting) {
+  return waiting.reason() + ", about " + duration_text(std::max(1.0, waiting.expected_s()));
 }
 
 std::string origin_text(const Answer& answer) {

@@ -254,7 +254,11 @@ void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
   auto last = std::chrono::steady_clock::now();
   CurlHistory history;
   const auto answer =
-      ask_query(connection, checked, false, [&](const v1::QueryButtCurlResponse& response) {
+      ask_query(connection, checked, {}, [&](const v1::QueryButtCurlResponse& response) {
+        if (response.has_waiting())
+          send(Json{{"waiting", response.waiting().reason()},
+                    {"expected_s", response.waiting().expected_s()}}
+                   .dump());
         if (!response.has_step()) return;
         history.add(response.step());
         if (const auto now = std::chrono::steady_clock::now(); now - last > pause) {

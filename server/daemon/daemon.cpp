@@ -23,11 +23,11 @@
 #include "server/daemon/metrics.hpp"
 #include "server/daemon/service_manager.hpp"
 #include "server/intake/case_intake.hpp"
-#include "server/jobs/ended_jobs.hpp"
-#include "server/jobs/local_executor.hpp"
+#include "server/jobs/executors/local_executor.hpp"
+#include "server/jobs/executors/slurm_executor.hpp"
+#include "server/jobs/executors/warm_workers.hpp"
 #include "server/jobs/log.hpp"
-#include "server/jobs/slurm_executor.hpp"
-#include "server/jobs/warm_workers.hpp"
+#include "server/jobs/queue/ended_jobs.hpp"
 #include "server/service/server.hpp"
 #include "server/state/index.hpp"
 #include "server/studies/studies.hpp"
@@ -243,6 +243,7 @@ struct JobSide {
   const intake::CaseIntake intake;
   const std::unique_ptr<jobs::JobStore> store;
   jobs::EventLogs logs;
+  jobs::Precedence precedence;
   jobs::LocalExecutor local;
   const std::unique_ptr<jobs::SlurmExecutor> slurm;
   jobs::Executor& executor;
@@ -263,7 +264,7 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
              {settings.maximum_nodes(), settings.maximum_steps(), settings.maximum_memory_bytes()}),
       store(state::open_store(directory)),
       logs(directory.jobs()),
-      local(warm_workers, settings.workers()),
+      local(warm_workers, settings.workers(), precedence),
       slurm(slurm_executor(settings, directory, local)),
       executor(slurm ? static_cast<jobs::Executor&>(*slurm) : local),
       end_hook(settings.job_end_hook()),
@@ -378,6 +379,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
                            .intake = side.intake,
                            .gate = gate,
                            .warm_workers = side.warm_workers,
+                           .precedence = side.precedence,
                            .solver = side.worker.solver(),
                            .worker_sandbox = side.worker.sandbox(),
                            .query_directory = side.directory.check(),

@@ -15,10 +15,10 @@
 #include "proto/values/address.hpp"
 #include "proto/values/printable.hpp"
 #include "server/access/certificates.hpp"
-#include "server/jobs/events.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/log.hpp"
 #include "server/jobs/processes.hpp"
-#include "server/jobs/quarantine.hpp"
 
 namespace dccast::daemon {
 

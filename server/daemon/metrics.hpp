@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "server/jobs/tally.hpp"
+#include "server/jobs/queue/tally.hpp"
 #include "server/service/context.hpp"
 
 namespace dccast::daemon {

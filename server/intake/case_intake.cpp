@@ -173,15 +173,22 @@ ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachme
   return examined;
 }
 
+ExaminedCase CaseIntake::complete_case(const v1::Case& submitted,
+                                       const jobs::Attachments& attachments) const {
+  ExaminedCase examined{submitted, {}};
+  check_attachment_names(submitted, attachments, examined.verdict);
+  for (v1::Fault& fault : complete(examined.complete))
+    *examined.verdict.add_faults() = std::move(fault);
+  return examined;
+}
+
 ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachments& attachments,
                                 std::vector<std::string> faulty_keys,
                                 const jobs::CallLimits& waiting, bool findings) const {
-  ExaminedCase examined{submitted, {}};
+  ExaminedCase examined = complete_case(submitted, attachments);
   v1::ValidateCaseResponse& verdict = examined.verdict;
-  check_attachment_names(submitted, attachments, verdict);
   const bool can_be_stored = std::ranges::none_of(
       verdict.faults(), [](const v1::Fault& fault) { return fault.field() == attachments_field; });
-  for (v1::Fault& fault : complete(examined.complete)) *verdict.add_faults() = std::move(fault);
   for (const v1::Fault& fault : verdict.faults()) faulty_keys.push_back(fault.field());
   if (!can_be_stored) {
     note_that_checks_wait(verdict);

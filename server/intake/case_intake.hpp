@@ -8,9 +8,9 @@
 
 #include "dccast/v1/service.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
-#include "server/jobs/job_store.hpp"
-#include "server/jobs/result_files.hpp"
-#include "server/jobs/warm_workers.hpp"
+#include "server/jobs/executors/warm_workers.hpp"
+#include "server/jobs/folder/result_files.hpp"
+#include "server/jobs/store/job_store.hpp"
 
 namespace dccast::intake {
 
@@ -49,6 +49,10 @@ public:
   ExaminedCase examine(const v1::Case& submitted, const jobs::Attachments& attachments,
                        std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
                        bool findings = false) const;
+
+  /// The part of examine() that needs no worker, and takes no longer than a look into a table: the
+  /// case with defaults and alloy card. A verdict without faults does not mean that it can be run.
+  ExaminedCase complete_case(const v1::Case& submitted, const jobs::Attachments& attachments) const;
 
   /// The times of all frames that a job has stored, and one of them; without it when there are
   /// fewer. @param results  of the job, as its worker published them

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/jobs/worker_process.hpp"
+#include "server/jobs/executors/worker_process.hpp"
 #include "server/service/gate.hpp"
 
 namespace grpc {

@@ -9,8 +9,8 @@
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/values/printable.hpp"
+#include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/processes.hpp"
-#include "server/jobs/quarantine.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
 

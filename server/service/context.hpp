@@ -7,11 +7,12 @@
 
 #include "dccast/v1/config.pb.h"
 #include "server/intake/case_intake.hpp"
-#include "server/jobs/event_logs.hpp"
-#include "server/jobs/job_store.hpp"
+#include "server/jobs/executors/precedence.hpp"
+#include "server/jobs/logs/event_logs.hpp"
+#include "server/jobs/logs/step_index.hpp"
+#include "server/jobs/queue/scheduler.hpp"
 #include "server/jobs/recent.hpp"
-#include "server/jobs/scheduler.hpp"
-#include "server/jobs/step_index.hpp"
+#include "server/jobs/store/job_store.hpp"
 #include "server/service/gate.hpp"
 #include "server/studies/studies.hpp"
 
@@ -30,6 +31,7 @@ struct Context {
   const intake::CaseIntake& intake;
   Gate& gate;
   jobs::WarmWorkers& warm_workers;
+  jobs::Precedence& precedence;
   std::string solver;          ///< identity of the solver that the workers run; empty: not known
   std::string worker_sandbox;  ///< what holds the workers
   std::filesystem::path query_directory;  ///< where the runs of queries have their folders

@@ -18,7 +18,7 @@
 #include "server/access/audit.hpp"
 #include "server/access/limits.hpp"
 #include "server/access/rules.hpp"
-#include "server/jobs/tally.hpp"
+#include "server/jobs/queue/tally.hpp"
 #include "server/relay/peer_table.hpp"
 
 namespace dccast::service {

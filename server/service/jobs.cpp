@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/jobs/events.hpp"
+#include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"

@@ -77,6 +77,16 @@ protected:
   /// Whether next() waits for the store and is for a thread of the lane.
   virtual bool looks_in_lane() const { return false; }
 
+  /// Whether open() hands its work over to other lanes: the last of them calls finish_opening().
+  virtual bool opens_in_stages() const { return false; }
+
+  /// @param status  how opening ended, for the audit log; next() reports it
+  void finish_opening(const grpc::Status& status) {
+    origin_.record(call_, status);
+    set_open();
+    wake();
+  }
+
   /// What a stream keeps in memory of its request while it waits to be opened.
   virtual std::size_t kept_bytes() const { return 0; }
 
@@ -98,10 +108,11 @@ private:
       origin_.check_id();
       open(call_);
     });
-    if (admitted) origin_.record(call_, status);
-    if (!status.ok()) return end(status);
-    set_open();
-    wake();
+    if (!status.ok()) {
+      if (admitted) origin_.record(call_, status);
+      return end(status);
+    }
+    if (!opens_in_stages()) finish_opening(status);
   }
 
   template <class Change>

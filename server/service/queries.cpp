@@ -1,4 +1,6 @@
 // The call of near-real-time queries: answered by a run of its own, or by one that was there.
+#include <fmt/format.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -12,7 +14,9 @@
 #include "dccast/v1/worker.pb.h"
 #include "proto/case_file/quality.hpp"
 #include "proto/values/digests.hpp"
+#include "server/jobs/executors/precedence.hpp"
 #include "server/jobs/log.hpp"
+#include "server/service/lanes.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
@@ -95,17 +99,30 @@ private:
   bool appended_ = false;
 };
 
-/// One query whose case is sound.
+Response waiting(std::string reason, double expected_s) {
+  Response response;
+  response.mutable_waiting()->set_reason(std::move(reason));
+  response.mutable_waiting()->set_expected_s(expected_s);
+  return response;
+}
+
+std::string in_words(const QueryWait& wait) {
+  const int before_it = wait.running + wait.ahead;
+  return fmt::format("waiting for {} {}", before_it, before_it == 1 ? "query" : "queries");
+}
+
+/// One query. All arguments outlive it.
 class Query {
 public:
+  /// @param complete  with defaults and alloy card, see CaseIntake::complete_case()
   Query(Context& context, const Call& call, const v1::QueryButtCurlRequest& request,
-        const intake::ExaminedCase& examined, const SendQueryResponse& send)
+        intake::ExaminedCase complete, const SendQueryResponse& send)
       : context_(context),
         request_(request),
-        examined_(examined),
+        examined_(std::move(complete)),
         call_(call),
         send_(send),
-        key_(intake::answer_key(examined.complete, request.attachments())) {}
+        key_(intake::answer_key(examined_.complete, request.attachments())) {}
 
   /// @return whether the answer was there already
   bool answer_from_store() {
@@ -121,8 +138,24 @@ public:
     return kept && replay(read(*kept), "");
   }
 
+  /// The same case, found sound by a worker.
+  void set_checked(intake::ExaminedCase checked) { examined_ = std::move(checked); }
+
+  double estimated_s() const { return examined_.verdict.estimate().solver_s(); }
+  jobs::Urgency urgency() const {
+    return jobs::urgency_of_query(estimated_s(), request_.one_of_several());
+  }
+
+  void run() {
+    jobs::CallLimits waiting = waiting_time(call_, longest_query_s);
+    waiting.largest_bytes = INT64_MAX;  // its estimate was held against the ceiling
+    request_.keep() ? run_as_job(waiting) : run_without_job(std::move(waiting));
+  }
+
+private:
   /// Runs it for this answer alone; nothing is left of the run.
-  void run(const jobs::CallLimits& waiting) {
+  void run_without_job(jobs::CallLimits waiting) {
+    waiting.enter = [this](const jobs::WorkerProcess& worker) { return enter(worker); };
     const jobs::CheckFolder folder(context_.query_directory, request_.attachments());
     begin("");
     const RunEnd end = context_.warm_workers
@@ -161,7 +194,25 @@ public:
     }
   }
 
-private:
+  /// The worker of this query stands still while more urgent ones run.
+  jobs::Precedence::Place enter(const jobs::WorkerProcess& worker) {
+    const auto on_change = [this, &worker](const std::optional<jobs::MoreUrgentRun>& stopped_for) {
+      worker.set_stopped(stopped_for.has_value());
+      if (stopped_for) report_stop(*stopped_for);
+    };
+    return context_.precedence.enter(urgency(), estimated_s(), on_change);
+  }
+
+  /// Now and then: queries that follow each other may stop this one every second.
+  void report_stop(const jobs::MoreUrgentRun& stopped_for) {
+    constexpr std::chrono::seconds between_reports{10};
+    const auto now = std::chrono::steady_clock::now();
+    if (stop_reported_ && now - *stop_reported_ < between_reports) return;
+
+    stop_reported_ = now;
+    send_(waiting(stopped_for.in_words(), stopped_for.left_s));
+  }
+
   bool replay(Responses answer, const std::string& job) {
     send_(accepted(examined_, true, job));
     for (Response& response : answer) send_(std::move(response));
@@ -191,6 +242,7 @@ private:
     *order.mutable_case_() = examined_.complete;
     order.set_directory(folder);
     order.set_threads(context_.settings.query_threads());
+    order.set_nice(jobs::nice_of(urgency()));
     v1::CheckpointPolicy& checkpoint = *order.mutable_case_()->mutable_checkpoint();
     checkpoint.set_every_steps(0);  // no one resumes it
     checkpoint.set_every_s(0.0);
@@ -241,7 +293,7 @@ private:
 
   Context& context_;
   const v1::QueryButtCurlRequest& request_;
-  const intake::ExaminedCase& examined_;
+  intake::ExaminedCase examined_;
   const Call& call_;
   const SendQueryResponse& send_;
   const std::string key_;
@@ -249,41 +301,86 @@ private:
   std::map<std::string, std::string> reported_;  // findings as they were sent, by code
   std::int64_t last_step_ = 0;
   double solver_s_ = 0.0;
+  std::optional<std::chrono::steady_clock::time_point> stop_reported_;
 };
 
-/// Answers a query, from the store or by a run of its own: `send` is called in order, from this
-/// thread. The run ends at once when the call is cancelled.
-void answer_query(Context& context, const Call& call, const v1::QueryButtCurlRequest& request,
-                  const SendQueryResponse& send) {
-  check_changes(request.changes());
-  const auto examined = sound_case(context, call, request.case_(), request.attachments());
-  Query query(context, call, request, examined, send);
-  if (query.answer_from_store()) return;
-  jobs::CallLimits waiting = waiting_time(call, longest_query_s);
-  waiting.largest_bytes = INT64_MAX;  // its estimate was held against the ceiling
-  request.keep() ? query.run_as_job(waiting) : query.run(waiting);
-}
-
-/// One query: what the thread of its run has passed on and gRPC has not sent yet.
+/// One query, in three stages, each in threads of its own: look whether it was answered before,
+/// check its case, run it. What the thread of a stage passes on waits here until gRPC sends it.
 class QueryStream final : public MessageStream<Response> {
 public:
-  QueryStream(WorkPool& lane, CallOrigin origin, Context& context, v1::QueryButtCurlRequest request)
-      : MessageStream(lane, std::move(origin)), context_(context), request_(std::move(request)) {}
+  QueryStream(Lanes& lanes, CallOrigin origin, Context& context, v1::QueryButtCurlRequest request)
+      : MessageStream(lanes.stored_answers, std::move(origin)),
+        lanes_(lanes),
+        context_(context),
+        request_(std::move(request)) {}
 
 private:
-  /// Runs from the beginning to the end of the query, whose responses are sent meanwhile.
+  bool opens_in_stages() const override { return true; }
+
   void open(const Call& caller) override {
-    set_open();
-    Call call = caller;
-    call.cancelled = [this, &caller] { return caller.cancelled() || context_.leaving; };
+    set_open();  // responses are sent while the query runs
+    call_ = caller;
+    call_.cancelled = [this, &caller] { return caller.cancelled() || context_.leaving; };
+    do_stage([this] { return look_for_stored_answer(); });
+  }
+
+  /// A part of the work. @return whether it has handed the query over to the threads of the next
+  /// one
+  using Stage = std::function<bool()>;
+
+  bool look_for_stored_answer() {
+    check_changes(request_.changes());
+    auto complete = context_.intake.complete_case(request_.case_(), request_.attachments());
+    if (complete.verdict.faults_size() == 0) {
+      query_.emplace(context_, call_, request_, std::move(complete), send_);
+      if (query_->answer_from_store()) return false;
+    }
+    return hand_over(
+        [this](auto work) { return lanes_.query_checks.post(std::move(work), kept_bytes()); },
+        [this] { return check_case(); });
+  }
+
+  bool check_case() {
+    auto checked = sound_case(context_, call_, request_.case_(), request_.attachments());
+    query_.value().set_checked(std::move(checked));
+    const auto report_wait = [this](const QueryWait& wait) {
+      send(waiting(in_words(wait), wait.expected_s));
+    };
+    return hand_over(
+        [&](auto work) {
+          return lanes_.query_turns.post(query_->urgency(), query_->estimated_s(), report_wait,
+                                         std::move(work), kept_bytes());
+        },
+        [this] {
+          query_->run();
+          return false;
+        });
+  }
+
+  /// This thread must not touch the query afterwards. @throws Refusal  too many are waiting
+  template <class Post>
+  bool hand_over(const Post& post, Stage next) {
+    const auto self = this->shared_from_this();
+    if (!post([self, this, next = std::move(next)] { do_stage(next); }))
+      throw Refusal{too_many_waiting()};
+    return true;
+  }
+
+  void do_stage(const Stage& stage) {
+    bool handed_over = false;
     grpc::Status status = guarded([&] {
-      answer_query(context_, call, request_,
-                   [this](Response response) { send(std::move(response)); });
+      check_wanted(call_);
+      handed_over = stage();
     });
+    if (handed_over) return;
+
     if (status.error_code() == grpc::CANCELLED && context_.leaving)
       status = {grpc::UNAVAILABLE, "dccastd is shutting down; ask again later"};
-    const std::lock_guard lock(mutex_);
-    end_ = std::move(status);
+    {
+      const std::lock_guard lock(mutex_);
+      end_ = status;
+    }
+    finish_opening(status);
   }
 
   std::size_t kept_bytes() const override { return request_.ByteSizeLong(); }
@@ -304,8 +401,12 @@ private:
     return found;
   }
 
+  Lanes& lanes_;
   Context& context_;
   const v1::QueryButtCurlRequest request_;
+  const SendQueryResponse send_ = [this](Response response) { send(std::move(response)); };
+  Call call_;
+  std::optional<Query> query_;
   std::mutex mutex_;  ///< of all below
   std::deque<Response> waiting_;
   std::optional<grpc::Status> end_;
@@ -315,7 +416,7 @@ private:
 
 SimulationService::Stream<v1::QueryButtCurlResponse>* SimulationService::QueryButtCurl(
     Wire* wire, const v1::QueryButtCurlRequest* request) {
-  return begin_stream<QueryStream>(lanes_.queries, origin_of(wire, *request), context_, *request);
+  return begin_stream<QueryStream>(lanes_, origin_of(wire, *request), context_, *request);
 }
 
 }  // namespace dccast::service

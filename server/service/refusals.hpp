@@ -13,8 +13,8 @@
 
 #include "dccast/v1/service.pb.h"
 #include "server/intake/case_intake.hpp"
-#include "server/jobs/events.hpp"
-#include "server/jobs/scheduler.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/queue/scheduler.hpp"
 #include "server/studies/studies.hpp"
 
 /// What requests have in common and is checked alike, and what a client receives instead of an

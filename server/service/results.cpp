@@ -11,7 +11,7 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/values/digests.hpp"
-#include "server/jobs/job_folder.hpp"
+#include "server/jobs/folder/job_folder.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"

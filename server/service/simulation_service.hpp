@@ -9,6 +9,7 @@
 #include "dccast/v1/service.grpc.pb.h"
 #include "server/service/call.hpp"
 #include "server/service/context.hpp"
+#include "server/service/lanes.hpp"
 #include "server/service/work_pool.hpp"
 
 namespace dccast::service {

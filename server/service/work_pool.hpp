@@ -43,24 +43,4 @@ private:
   std::vector<std::jthread> threads_;
 };
 
-/// Threads for unary calls, by what a call waits for: one that takes long holds up only its like.
-struct Lanes {
-  /// @param checkers         checks at once
-  /// @param query_workers    queries at once
-  /// @param maximum_waiting  beyond those, of each; further ones are refused
-  Lanes(int checkers, int query_workers, int maximum_waiting)
-      : few{.number = static_cast<std::size_t>(maximum_waiting), .bytes = many.bytes},
-        checks(checkers, few),
-        queries(query_workers, few) {}
-
-  static constexpr WaitingBound many{.number = 3000, .bytes = 64'000'000};  ///< for each lane
-  const WaitingBound few;
-
-  WorkPool status{4, many};     ///< one look into the store
-  WorkPool histories{2, many};  ///< reads event logs
-  WorkPool durable{4, many};    ///< syncs new jobs and requests to disk
-  WorkPool checks;              ///< asks a worker; one thread for each that may be at work
-  WorkPool queries;             ///< from the check of a case to the end of its run; likewise
-};
-
 }  // namespace dccast::service

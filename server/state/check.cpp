@@ -6,9 +6,10 @@
 #include <set>
 
 #include "core/storage/file.hpp"
-#include "server/jobs/job_folder.hpp"
-#include "server/jobs/quarantine.hpp"
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/jobs/folder/quarantine.hpp"
+#include "server/jobs/logs/event_log_scan.hpp"
 #include "server/state/index.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_plan.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/jobs/job_store.hpp"
+#include "server/jobs/store/job_store.hpp"
 #include "server/state/state_folder.hpp"
 
 namespace dccast::state {

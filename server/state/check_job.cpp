@@ -4,11 +4,11 @@
 
 #include "core/storage/file.hpp"
 #include "proto/values/digests.hpp"
-#include "server/jobs/event_log.hpp"
-#include "server/jobs/events.hpp"
-#include "server/jobs/job_folder.hpp"
-#include "server/jobs/quarantine.hpp"
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/jobs/folder/quarantine.hpp"
+#include "server/jobs/logs/event_log.hpp"
 #include "server/state/check.hpp"
 #include "server/state/index.hpp"
 

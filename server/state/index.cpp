@@ -3,12 +3,13 @@
 #include <sstream>
 
 #include "core/storage/file.hpp"
-#include "server/jobs/event_log.hpp"
-#include "server/jobs/events.hpp"
-#include "server/jobs/job_folder.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/log.hpp"
-#include "server/jobs/quarantine.hpp"
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/logs/event_log.hpp"
+#include "server/jobs/logs/event_log_scan.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_store.hpp"
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "server/jobs/job_store.hpp"
+#include "server/jobs/store/job_store.hpp"
 #include "server/state/state_folder.hpp"
 
 /// The store as the index of the folders of the jobs: its rows are made from them.

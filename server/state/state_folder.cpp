@@ -17,7 +17,7 @@
 
 #include "core/storage/file.hpp"
 #include "proto/values/digests.hpp"
-#include "server/jobs/job_store.hpp"
+#include "server/jobs/store/job_store.hpp"
 #include "server/state/check.hpp"
 #include "server/state/index.hpp"
 #include "server/studies/study_file.hpp"

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "proto/values/interpolation.hpp"
-#include "server/jobs/events.hpp"
-#include "server/jobs/job_folder.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/job_folder.hpp"
 #include "server/studies/measured_castings.hpp"
 #include "server/studies/studies.hpp"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "proto/values/digests.hpp"
-#include "server/jobs/events.hpp"
+#include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/studies/study_file.hpp"
 

@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "server/intake/case_intake.hpp"
+#include "server/jobs/executors/worker_process.hpp"
+#include "server/jobs/logs/step_index.hpp"
+#include "server/jobs/queue/scheduler.hpp"
 #include "server/jobs/recent.hpp"
-#include "server/jobs/scheduler.hpp"
-#include "server/jobs/step_index.hpp"
-#include "server/jobs/worker_process.hpp"
 #include "server/studies/predictions.hpp"
 #include "server/studies/study_notifier.hpp"
 #include "server/studies/study_plan.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "proto/case_file/source_map.hpp"
-#include "server/jobs/events.hpp"
+#include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/studies/studies.hpp"
 

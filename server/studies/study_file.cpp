@@ -7,7 +7,7 @@
 #include "core/storage/file.hpp"
 #include "core/storage/record_log.hpp"
 #include "proto/values/digests.hpp"
-#include "server/jobs/events.hpp"
+#include "server/jobs/folder/events.hpp"
 
 namespace dccast::studies {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/jobs/sqlite.hpp"
+#include "server/jobs/store/sqlite.hpp"
 #include "server/studies/study_file.hpp"
 
 namespace dccast::studies {

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -25,9 +26,10 @@
 #include "core/results/result_reader.hpp"
 #include "core/results/study_table.hpp"
 #include "core/storage/storage_error.hpp"
-#include "server/jobs/job_folder.hpp"
+#include "server/jobs/executors/precedence.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/folder/job_folder.hpp"
 #include "server/jobs/processes.hpp"
-#include "server/jobs/worker_claim.hpp"
 #include "server/translate/translate.hpp"
 #include "server/worker/run.hpp"
 #include "server/worker/sandbox.hpp"
@@ -48,13 +50,29 @@ bool tie_to_parent(const std::string& parent) {
   return std::to_string(::getppid()) == parent;  // else it died before the line above
 }
 
-/// A query must not wait for jobs: they get the processor that nothing else wants. 10 of the 19
-/// steps leaves them a tenth of a core that a query wants too, so that no job stands still.
-void step_back_behind_queries() {
-  constexpr int steps_behind = 10;
+/// Less urgent runs get the processor time that no query wants. There is no way back.
+void lower_priority(int steps) {
   errno = 0;
-  if (::nice(steps_behind) == -1 && errno != 0)
+  if (steps > 0 && ::nice(steps) == -1 && errno != 0)
     std::cerr << "dccast-worker: runs at the priority of queries: " << ::strerror(errno) << '\n';
+}
+
+/// The daemon stops a worker while more urgent runs need the machine, and may die before it
+/// continues it. The system then sends SIGHUP and SIGCONT, as to any stopped process group that
+/// loses its parent: the first one would end this process. A daemon that has adopted this worker is
+/// not its parent, so the worker also has a timer that continues it.
+void limit_stops() {
+  ::signal(SIGHUP, SIG_IGN);
+
+  sigevent event{};
+  event.sigev_notify = SIGEV_SIGNAL;
+  event.sigev_signo = SIGCONT;
+  timer_t timer;
+  const timespec interval{.tv_sec = jobs::longest_stop.count(), .tv_nsec = 0};
+  const itimerspec regularly{.it_interval = interval, .it_value = interval};
+  if (::timer_create(CLOCK_MONOTONIC, &event, &timer) != 0 ||
+      ::timer_settime(timer, 0, &regularly, nullptr) != 0)
+    std::cerr << "dccast-worker: has no timer that continues it: " << ::strerror(errno) << '\n';
 }
 
 /// From now on the messages of this process belong to a job. A log that cannot be opened is no
@@ -226,6 +244,7 @@ void fill(v1::WorkerAnswer& answer, const v1::WorkerRequest& request) {
       return results::write_study_table(request.write_table().path(),
                                         translate::to_table(request.write_table().study()));
     case v1::WorkerRequest::kSolve: {
+      lower_priority(request.solve().nice());
       EventsToDaemon events(STDIN_FILENO);
       *answer.mutable_run_end() = run_job(request.solve(), events);
       return;
@@ -250,7 +269,8 @@ int serve_daemon(const std::filesystem::path& scratch) {
     ::prctl(PR_SET_NAME, name_of(request));
     if (!request.solve().job_id().empty()) {
       v1::SolveCase& order = *request.mutable_solve();
-      if (!order.goes_first()) step_back_behind_queries();
+      limit_stops();
+      lower_priority(order.nice());
       return run_whole_job(order, rank_of(order));
     }
     // What an answer reads may take this process over: it never gets a job.

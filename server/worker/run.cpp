@@ -15,9 +15,9 @@
 #include "core/casting/simulation.hpp"
 #include "core/storage/storage_error.hpp"
 #include "proto/values/digests.hpp"
-#include "server/jobs/events.hpp"
-#include "server/jobs/job_folder.hpp"
-#include "server/jobs/step_index.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/jobs/logs/step_index.hpp"
 #include "server/translate/translate.hpp"
 
 namespace dccast::worker {

@@ -10,8 +10,8 @@
 
 #include "core/casting/casting_run.hpp"
 #include "dccast/v1/worker.pb.h"
-#include "server/jobs/event_log.hpp"
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/logs/event_log.hpp"
 
 namespace dccast::worker {
 

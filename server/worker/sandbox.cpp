@@ -28,8 +28,8 @@
 
 #include "core/storage/file.hpp"
 #include "core/storage/storage_error.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
 #include "server/jobs/processes.hpp"
-#include "server/jobs/worker_claim.hpp"
 
 namespace dccast::worker {
 

@@ -12,7 +12,7 @@ SUCCEEDED = job_pb2.SUCCEEDED
 
 
 def sum_of(*values):
-    """The checksum of a row, so that it is taken for one of the daemon's (server/jobs/sqlite.cpp)."""
+    """The checksum of a row, so that it is taken for one of the daemon's (server/jobs/store/sqlite.cpp)."""
     types = {int: 1, str: 3, bytes: 4, type(None): 5}
     row = b""
     for value in values:

@@ -112,6 +112,7 @@ class KilledDaemon(AdoptionTest):
         self.daemon.kill()
         os.kill(worker, signal.SIGSTOP)
         self.restart()
+        os.kill(worker, signal.SIGSTOP)  # again: the daemon has continued what it adopts
         self.resumed_once(job_id, expected)
         self.assertFalse(start_ticks(worker))
 

@@ -2,6 +2,7 @@
 """Queries: an answer at once, beside the queue, and no job left behind."""
 import os
 import re
+import signal
 import subprocess
 import time
 
@@ -19,8 +20,8 @@ def question(title="", columns=30, **rest):
 
 
 def parts(responses):
-    """What came: accepted, steps, the end."""
-    responses = list(responses)
+    """What came: accepted, steps, the end. The run before may still be ending: that wait is left out."""
+    responses = [response for response in responses if not response.HasField("waiting")]
     kinds = [response.WhichOneof("what") for response in responses]
     assert kinds[0] == "accepted" and kinds[-1] == "ended", kinds
     return (responses[0].accepted, [r.step for r in responses if r.HasField("step")],
@@ -266,7 +267,183 @@ class Beside(QueryTest):
         until(lambda: self.daemon.worker_processes(), 10)
         process = self.daemon.worker_processes()[0]
         own = os.getpriority(os.PRIO_PROCESS, self.daemon.process.pid)
-        self.assertEqual(os.getpriority(os.PRIO_PROCESS, process), min(own + 10, 19))
+        self.assertEqual(os.getpriority(os.PRIO_PROCESS, process), min(own + 19, 19))
+
+
+def state_of(process):
+    """The letter that the system has for the state of a process: "T" is stopped; "" when it has gone."""
+    try:
+        with open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
+            return file.read().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return ""
+
+
+ENDLESS = "steps=1000000 sleep_ms=5 estimate_s=60"
+
+
+class BesideAComparison(QueryTest):
+    """A comparison of 3D runs has every thread for queries, and jobs have every worker."""
+    settings = {"query_workers": 2, "workers": 2}
+
+    def compare(self, *titles):
+        """Starts `dccast compare` for cases of these titles."""
+        new = subprocess.run([os.path.join(BIN, "dccast"), "new", "start-2d-thickness"],
+                             capture_output=True, text=True, timeout=10, check=True).stdout
+        files = []
+        for number, title in enumerate(titles):
+            files.append(os.path.join(self.folder, f"compared{number}.toml"))
+            with open(files[-1], "w", encoding="utf-8") as file:
+                file.write(re.sub(r"(?m)^title = .*$", f'title = "{title}"', new))
+                file.write(f'\n[validity]\nmaximum_slip = "{7 + number} mm"\n')
+        process = subprocess.Popen([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
+                                    "compare", *files], stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.end, process)
+        return process
+
+    @staticmethod
+    def end(process):
+        process.kill()
+        process.communicate()
+
+    def test_a_query_and_a_stored_answer_come_while_the_comparison_runs(self):
+        self.assertFalse(parts(self.ask("steps=5 estimate_s=1", columns=20))[0].from_store)
+        for number in range(2):
+            self.client.submit(fake_case(ENDLESS, mesh={"columns": 60 + number}))
+        until(lambda: len(self.jobs(states=[job_pb2.RUNNING])) == 2, 10)
+        comparison = self.compare(ENDLESS, ENDLESS, ENDLESS)
+        until(lambda: len(self.query_processes()) == 2, 10)
+
+        begin = time.monotonic()
+        _, steps, ended = parts(self.ask("steps=10 estimate_s=1", columns=21))
+        elapsed = [time.monotonic() - begin]
+        self.assertEqual((len(steps), ended.state), (10, job_pb2.SUCCEEDED))
+        accepted, steps, _ = parts(self.ask("steps=5 estimate_s=1", columns=20))
+        elapsed.append(time.monotonic() - begin - elapsed[0])
+        self.assertEqual((accepted.from_store, len(steps)), (True, 5))
+        _, steps, _ = parts(self.ask("steps=10 estimate_s=10", columns=22))
+        self.assertEqual(len(steps), 10)
+
+        self.assertIsNone(comparison.poll())
+        self.assertEqual(len(self.query_processes()), 2)
+        print(f"\nbeside a comparison: query {elapsed[0]:.3f} s, from the store {elapsed[1]:.3f} s")
+
+    def test_runs_of_comparisons_and_jobs_stand_while_a_query_runs_and_go_on_after_it(self):
+        job = self.client.submit(fake_case(ENDLESS, mesh={"columns": 60}))
+        self.compare(ENDLESS, ENDLESS)
+        until(lambda: len(self.query_processes()) == 2, 10)
+        self.client.until_step(job.id, 1)
+        others = self.query_processes() + self.daemon.worker_processes()
+        self.assertEqual(len(others), 3)
+        self.assertNotIn("T", [state_of(process) for process in others])
+
+        call = self.ask("steps=1000000 sleep_ms=5 estimate_s=1", columns=21)
+        until(lambda: [state_of(process) for process in others] == ["T"] * 3, 5)
+        self.assertRegex(self.client.job(job.id).held, "query")
+        self.assertTrue(any(response.HasField("step") for response in call))
+        call.cancel()
+        until(lambda: "T" not in [state_of(process) for process in others], 5)
+        step = self.client.job(job.id).last_step.step
+        self.client.until_step(job.id, step + 1)
+        until(lambda: self.client.job(job.id).held == "", 5)
+
+    def test_a_thickness_query_goes_before_a_draft(self):
+        draft = self.ask("steps=1000000 sleep_ms=5 estimate_s=10", columns=23)
+        until(lambda: len(self.query_processes()) == 1, 10)
+        process, = self.query_processes()
+        call = self.ask("steps=1000000 sleep_ms=5 estimate_s=1", columns=21)
+        until(lambda: state_of(process) == "T", 5)
+        call.cancel()
+        until(lambda: state_of(process) != "T", 5)
+        draft.cancel()
+
+    def test_a_query_that_waits_is_told_what_for_and_how_long(self):
+        calls = [self.ask("steps=1000000 sleep_ms=5 estimate_s=4", columns=24 + number)
+                 for number in range(2)]
+        until(lambda: len(self.query_processes()) == 2, 10)
+        third = self.ask("steps=5 estimate_s=2", columns=26)
+        waiting = next(iter(third)).waiting
+        self.assertRegex(waiting.reason, "2 queries")
+        self.assertGreater(waiting.expected_s, 1.0)
+        self.assertLessEqual(waiting.expected_s, 4.0)
+        for call in calls:
+            call.cancel()
+        accepted, steps, _ = parts(third)
+        self.assertEqual((accepted.from_store, len(steps)), (False, 5))
+
+    def test_the_client_prints_what_a_comparison_waits_for(self):
+        comparison = self.compare(ENDLESS, ENDLESS, "steps=5 estimate_s=60")
+        until(lambda: len(self.query_processes()) == 2, 10)
+        line = comparison.stderr.readline()
+        self.assertRegex(line, r"compared\d.toml: waiting for 2 queries, about .* (s|min)")
+
+
+class StoppedWorkers(QueryTest):
+    """What becomes of a worker that stands still for a query when its daemon goes."""
+
+    def stopped_worker(self):
+        job = self.client.submit(fake_case(ENDLESS, mesh={"columns": 60}))
+        self.client.until_step(job.id, 1)
+        worker, = self.daemon.worker_processes()
+        self.call = self.ask("steps=1000000 sleep_ms=5 estimate_s=1", columns=21)
+        until(lambda: state_of(worker) == "T", 5)
+        return job, worker
+
+    def test_a_worker_goes_on_when_its_daemon_is_killed(self):
+        job, worker = self.stopped_worker()
+        step = self.client.job(job.id).last_step.step
+        self.daemon.kill()
+        until(lambda: state_of(worker) not in ("T", ""), 5)
+        self.restart()
+        self.assertEqual(self.daemon.worker_processes(), [worker])
+        self.client.until_step(job.id, step + 5)
+        self.assertEqual(self.client.job(job.id).attempts, 1)
+
+    def test_the_next_daemon_continues_a_worker_that_it_adopts(self):
+        job, worker = self.stopped_worker()
+        self.daemon.kill()
+        os.kill(worker, signal.SIGSTOP)
+        self.restart()
+        step = self.client.job(job.id).last_step.step
+        self.client.until_step(job.id, step + 5)
+        call = self.ask("steps=1000000 sleep_ms=5 estimate_s=1", columns=22)
+        until(lambda: state_of(worker) == "T", 5)
+        call.cancel()
+        until(lambda: state_of(worker) != "T", 5)
+
+    def test_a_worker_that_no_one_continues_goes_on_by_itself(self):
+        """A daemon that dies after it has adopted a worker is not its parent: the timer of the worker helps."""
+        _, worker = self.stopped_worker()
+        self.daemon.kill()
+        os.kill(worker, signal.SIGSTOP)
+        until(lambda: state_of(worker) == "T", 5)
+        until(lambda: state_of(worker) not in ("T", ""), 70)
+
+    def test_a_daemon_that_ends_takes_stopped_workers_with_it(self):
+        job, worker = self.stopped_worker()
+        self.assertEqual(self.daemon.terminate(), 0)
+        self.assertEqual(state_of(worker), "")
+        self.restart()
+        self.client.until_state(job.id, job_pb2.RUNNING)
+        self.assertEqual(self.client.job(job.id).attempts, 2)
+
+
+class TimersOfStoppedWorkers(QueryTest):
+    settings = {"heartbeat_interval": "0.2 s", "heartbeat_timeout": "1 s", "stall_timeout": "1 s"}
+
+    def test_a_worker_that_stands_still_for_a_query_is_not_taken_to_hang(self):
+        job = self.client.submit(fake_case(ENDLESS, mesh={"columns": 60}))
+        self.client.until_step(job.id, 1)
+        worker, = self.daemon.worker_processes()
+        call = self.ask("steps=1000000 sleep_ms=5 estimate_s=1", columns=21)
+        until(lambda: state_of(worker) == "T", 5)
+        time.sleep(2.5)  # longer than both timeouts
+        call.cancel()
+        step = self.client.job(job.id).last_step.step
+        self.client.until_step(job.id, step + 5)
+        self.assertEqual(self.client.job(job.id).attempts, 1)
+        self.assertEqual(self.daemon.worker_processes(), [worker])
 
 
 if __name__ == "__main__":

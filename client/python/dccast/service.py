@@ -86,9 +86,12 @@ class Service:
             priority=job_pb2.Priority.Value(priority.upper()), labels=labels, changes=read.changes)))
 
     def query(self, case: Source, changes: Changes | None = None, *, keep: bool = False,
-              on_step: Callable[[job_pb2.StepReport], None] = lambda _: None, **keys: Value) -> Answer:
+              on_step: Callable[[job_pb2.StepReport], None] = lambda _: None,
+              on_wait: Callable[[str, float], None] = lambda reason, seconds: None,
+              **keys: Value) -> Answer:
         """Runs a case at once, beside the queue. Ctrl-C ends the run.
 
+        @param on_wait  called with what the run waits for, and for how long [s]
         @param keep  the run stays on the server as a job
         @raises DccastError  the faults of the case; a run that failed, with its cause as `code`
         """
@@ -101,6 +104,8 @@ class Service:
                 answer.take(response)
                 if response.HasField("step"):
                     on_step(response.step)
+                elif response.HasField("waiting"):
+                    on_wait(response.waiting.reason, response.waiting.expected_s)
         except grpc.RpcError as error:
             raise errors.of_call(error, self.server) from None
         finally:

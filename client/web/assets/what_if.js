@@ -82,6 +82,7 @@ export function whatIfPage(element, signal) {
     const begin = performance.now(), history = {time_s: [], cast_length_m: [], monitors: []};
     status.textContent = 'Computing…';
     events(address('ask', list), running.signal, (event, close) => {
+      if (event.waiting) status.textContent = `${event.waiting[0].toUpperCase()}${event.waiting.slice(1)}, about ${fixed(Math.max(1, event.expected_s), 0)} s`;
       if (event.steps) { append(history, event.steps); draw({history}, false); status.textContent = `Computing… ${fixed(100 * event.progress, 0)} %`; }
       if (event.answer) { close(); status.textContent = `Computed in ${fixed((performance.now() - begin) / 1000, 1)} s`; done(event.answer); }
     }, text => { status.textContent = ''; replace(verdict, h('p', {class: 'bad', role: 'alert'}, h('span', {class: 'lines'}, text))); });

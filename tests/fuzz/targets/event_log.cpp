@@ -3,8 +3,8 @@
 #include <unistd.h>
 
 #include "core/storage/record_log.hpp"
-#include "server/jobs/event_log.hpp"
-#include "server/jobs/step_index.hpp"
+#include "server/jobs/logs/event_log.hpp"
+#include "server/jobs/logs/step_index.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 using namespace dccast;

@@ -3,8 +3,8 @@
 #include "core/storage/file.hpp"
 #include "core/storage/record_log.hpp"
 #include "server/access/users.hpp"
-#include "server/jobs/job_folder.hpp"
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/folder/job_folder.hpp"
 #include "server/studies/study_file.hpp"
 #include "tests/fuzz/fuzz.hpp"
 

@@ -180,7 +180,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>&) {
   checked.estimate = {.nodes = script.number("nodes", 1),
                       .elements = 1,
                       .steps = script.number("steps", 20),
-                      .solver_seconds = 0.0,
+                      .solver_seconds = static_cast<double>(script.number("estimate_s", 0)),
                       .memory_bytes = static_cast<double>(script.number("memory", 0))};
   return checked;
 }

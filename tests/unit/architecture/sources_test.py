@@ -31,6 +31,11 @@ CORE_ROOMS_SEEN["mechanics"] -= {"thermal"}  # the two meet only from case on
 SERVER_ROOMS_THAT_SEE_CORE = {"translate", "worker"}
 CORE_ROOMS_WITHOUT_PHYSICS = {"base", "storage", "statistics"}
 
+# Rooms of jobs, each with those that it sees; log and processes stand in the folder of jobs itself.
+JOBS_ROOMS = {"folder": {"folder"}, "logs": {"folder", "logs"}, "store": {"folder", "store"}}
+JOBS_ROOMS["executors"] = JOBS_ROOMS["logs"] | {"executors"}
+JOBS_ROOMS["queue"] = JOBS_ROOMS["executors"] | JOBS_ROOMS["store"] | {"queue"}
+
 # Rooms of the client, each with those that it sees.
 CLIENT_ROOMS = {"model": {"model"}, "session": {"model", "session"}}
 CLIENT_ROOMS["text"] = CLIENT_ROOMS["html"] = {"model", "session", "text", "html"}
@@ -42,7 +47,7 @@ CLIENT_ROOMS["commands"] = CLIENT_ROOMS["cli"] | {"web", "commands"}
 ONLY_IN = {
     "hdf5.h": "core/results",
     "cholmod.h": "core/linalg",
-    "sqlite3.h": "server/jobs",
+    "sqlite3.h": "server/jobs/store",
 }
 # Libraries whose headers take seconds to compile stay behind one source of the client.
 CLIENT_LIBRARIES = {"CLI/CLI.hpp": "client/cli/options.cpp", "nlohmann/json.hpp": "client/model/json.cpp"}
@@ -174,6 +179,26 @@ class Sources(unittest.TestCase):
             if path.parts[0] == "server" and path.parts[1] not in SERVER_ROOMS_THAT_SEE_CORE
             for linked in re.findall(r"\bdccast_(\w+)", text_of(path))
             if linked in CORE_ROOMS and linked not in CORE_ROOMS_WITHOUT_PHYSICS])
+
+    def test_rooms_of_jobs_see_only_rooms_before_them(self):
+        broken, seen = [], set()
+        for path in SOURCES:
+            if path.parts[:2] != ("server", "jobs"):
+                continue
+            room = path.parts[2] if len(path.parts) > 3 else None
+            seen.add(room)
+            for include in includes_of(path):
+                parts = include.split("/")
+                other = parts[2] if parts[:2] == ["server", "jobs"] and len(parts) > 3 else None
+                if other and other not in JOBS_ROOMS.get(room, set()):
+                    broken.append(f"{path} includes {include}")
+        self.assertEqual(seen - {None}, set(JOBS_ROOMS))
+        for room, visible in JOBS_ROOMS.items():
+            path = pathlib.PurePosixPath(f"server/jobs/{room}/CMakeLists.txt")
+            broken += [f"{path} links dccast_jobs_{linked}"
+                       for linked in re.findall(r"\bdccast_jobs_(\w+)", text_of(path))
+                       if linked not in visible | {"base"}]
+        self.assert_none(broken)
 
     def test_client_rooms_see_only_rooms_before_them(self):
         self.assert_none([

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <thread>
 
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
 
 namespace dccast::jobs {
 

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "core/storage/file.hpp"
-#include "server/jobs/event_log.hpp"
-#include "server/jobs/events.hpp"
-#include "server/jobs/job_folder.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/jobs/logs/event_log.hpp"
 #include "tests/support/from_hex.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "server/jobs/ended_jobs.hpp"
+#include "server/jobs/queue/ended_jobs.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

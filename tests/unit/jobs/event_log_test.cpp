@@ -1,4 +1,4 @@
-#include "server/jobs/event_log.hpp"
+#include "server/jobs/logs/event_log.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include <set>
 #include <thread>
 
-#include "server/jobs/event_logs.hpp"
-#include "server/jobs/events.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/logs/event_logs.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/jobs/failing_sync.hpp"
 

@@ -1,8 +1,8 @@
-#include "server/jobs/job_queue.hpp"
+#include "server/jobs/queue/job_queue.hpp"
 
 #include <gtest/gtest.h>
 
-#include "server/jobs/events.hpp"
+#include "server/jobs/folder/events.hpp"
 
 namespace dccast::jobs {
 namespace {

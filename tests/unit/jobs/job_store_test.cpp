@@ -1,4 +1,4 @@
-#include "server/jobs/job_store.hpp"
+#include "server/jobs/store/job_store.hpp"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/util/message_differencer.h>
@@ -8,7 +8,7 @@
 
 #include "core/storage/file.hpp"
 #include "proto/values/digests.hpp"
-#include "server/jobs/events.hpp"
+#include "server/jobs/folder/events.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {

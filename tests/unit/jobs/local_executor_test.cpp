@@ -1,4 +1,4 @@
-#include "server/jobs/local_executor.hpp"
+#include "server/jobs/executors/local_executor.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -27,7 +27,8 @@ struct Ends {
                   ended.push_back(job_id + " " + std::to_string(attempt) + ": " + exit.how);
                   changed.notify_all();
                 },
-            .waits = [](auto&&...) {}};
+            .waits = [](auto&&...) {},
+            .stopped = [](auto&&...) {}};
   }
   std::string wait_for_one() {
     std::unique_lock lock(mutex);
@@ -46,7 +47,8 @@ protected:
   TemporaryFolder folder_;
   Ends ends_;
   WarmWorkers workers_{"/bin/true"};
-  LocalExecutor executor_{workers_, 1};
+  Precedence precedence_;
+  LocalExecutor executor_{workers_, 1, precedence_};
 };
 
 TEST_F(LocalExecutorAdoption, LeadsOnAWorkerThatClaimsTheFolder) {

@@ -1,4 +1,4 @@
-#include "server/jobs/quarantine.hpp"
+#include "server/jobs/folder/quarantine.hpp"
 
 #include <gtest/gtest.h>
 

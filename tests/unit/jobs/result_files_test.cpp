@@ -1,4 +1,4 @@
-#include "server/jobs/result_files.hpp"
+#include "server/jobs/folder/result_files.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

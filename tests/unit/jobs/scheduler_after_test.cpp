@@ -1,7 +1,7 @@
 // Jobs that wait for others, and what may change of a job while it waits.
 #include <stdexcept>
 
-#include "server/jobs/ended_jobs.hpp"
+#include "server/jobs/queue/ended_jobs.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 
 namespace dccast::jobs {

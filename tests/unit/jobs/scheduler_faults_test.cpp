@@ -1,8 +1,8 @@
 // What the daemon lacks fails no job, and a request that was refused has changed nothing.
 #include <fstream>
 
-#include "server/jobs/step_index.hpp"
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/logs/step_index.hpp"
 #include "tests/unit/jobs/failing_sync.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 
@@ -240,6 +240,21 @@ TEST_F(SchedulerFaults, AWorkerWithoutASignOfLifeIsKilledAndItsJobGoesOn) {
   EXPECT_EQ(daemon.store.find(id_)->losses, 1);
   EXPECT_NE(daemon.store.find(id_)->first_loss.find("no sign of life for 0.2 s"),
             std::string::npos);
+}
+
+TEST_F(SchedulerFaults, TheTimersOfAStoppedWorkerStandStill) {
+  constexpr std::chrono::milliseconds limit(200);
+  Daemon daemon(folder_.path(), {.heartbeat = limit, .stall = limit});
+  run_a_job(daemon);
+  daemon.executor.stopped(worker_->launch(), "a more urgent query runs");
+  EXPECT_EQ(daemon.scheduler.find(id_)->held(), "a more urgent query runs");
+  std::this_thread::sleep_for(3 * limit);
+  EXPECT_EQ(daemon.executor.kills(), 0);
+
+  daemon.executor.stopped(worker_->launch(), "");
+  EXPECT_EQ(daemon.scheduler.find(id_)->held(), "");
+  EXPECT_TRUE(eventually([&] { return daemon.store.find(id_)->losses == 1; }))
+      << "they go on from where they were";
 }
 
 TEST_F(SchedulerFaults, AWorkerThatMakesNoStepIsKilled) {

@@ -15,8 +15,8 @@
 
 #include "core/storage/file.hpp"
 #include "dccast/v1/worker.pb.h"
-#include "server/jobs/events.hpp"
-#include "server/jobs/scheduler.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/queue/scheduler.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -62,6 +62,10 @@ public:
   }
   void end(const WorkerLaunch& launch, const std::string& how, std::optional<int> code = {}) {
     report_end(launch.job_id, launch.attempt, {how, code});
+  }
+  /// @param why  empty: it goes on
+  void stopped(const WorkerLaunch& launch, const std::string& why) {
+    calls_.stopped(launch.job_id, launch.attempt, why);
   }
   void not_started(const WorkerLaunch& launch, const std::string& why) {
     calls_.not_started(launch.job_id, launch.attempt, why);

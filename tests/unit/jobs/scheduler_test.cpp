@@ -43,7 +43,11 @@ TEST_F(SchedulerTest, AJobThatGoesFirstWaitsForNoPlace) {
   FakeWorker worker(daemon.executor.wait_for_launch(2));
   EXPECT_EQ(worker.launch().job_id, first.id());
   EXPECT_TRUE(worker.launch().order.goes_first());
+  EXPECT_EQ(worker.launch().urgency, Urgency::quick);
+  EXPECT_EQ(worker.launch().order.nice(), 0);
   EXPECT_FALSE(running.launch().order.goes_first());
+  EXPECT_EQ(running.launch().urgency, Urgency::batch);
+  EXPECT_EQ(running.launch().order.nice(), 19);
   EXPECT_EQ(worker.launch().order.threads(), 1);
   worker.end(RunEnd::SUCCEEDED);
   daemon.executor.end(worker.launch(), "exit code 0", 0);

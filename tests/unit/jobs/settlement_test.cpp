@@ -1,8 +1,8 @@
-#include "server/jobs/settlement.hpp"
+#include "server/jobs/queue/settlement.hpp"
 
 #include <gtest/gtest.h>
 
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
 
 namespace dccast::jobs {
 namespace {

@@ -1,6 +1,6 @@
 // Slurm as four small programs in PATH: what squeue shows stands in a file, what is asked of the
 // others goes into one. The real Slurm is in tests/service/slurm_test.py.
-#include "server/jobs/slurm_executor.hpp"
+#include "server/jobs/executors/slurm_executor.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "core/storage/file.hpp"
-#include "server/jobs/event_log.hpp"
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/logs/event_log.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -89,7 +89,8 @@ protected:
                const std::lock_guard lock(mutex_);
                waits_ = why;
                changed_.notify_all();
-             }});
+             },
+         .stopped = [](auto&&...) {}});
     executor_->start(launch(attempt));
   }
   void report(const std::string& text) {

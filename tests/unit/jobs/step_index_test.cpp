@@ -1,4 +1,4 @@
-#include "server/jobs/step_index.hpp"
+#include "server/jobs/logs/step_index.hpp"
 
 #include <gtest/gtest.h>
 

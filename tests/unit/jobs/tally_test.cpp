@@ -1,8 +1,8 @@
-#include "server/jobs/tally.hpp"
+#include "server/jobs/queue/tally.hpp"
 
 #include <gtest/gtest.h>
 
-#include "server/jobs/events.hpp"
+#include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {

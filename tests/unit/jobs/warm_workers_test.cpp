@@ -1,4 +1,4 @@
-#include "server/jobs/warm_workers.hpp"
+#include "server/jobs/executors/warm_workers.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-#include "server/jobs/worker_claim.hpp"
+#include "server/jobs/executors/worker_claim.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

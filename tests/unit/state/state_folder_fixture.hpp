@@ -6,10 +6,10 @@
 #include <string>
 
 #include "proto/values/digests.hpp"
-#include "server/jobs/event_log.hpp"
-#include "server/jobs/events.hpp"
-#include "server/jobs/job_folder.hpp"
-#include "server/jobs/job_store.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/jobs/logs/event_log.hpp"
+#include "server/jobs/store/job_store.hpp"
 #include "server/state/state_folder.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "proto/values/digests.hpp"
-#include "server/jobs/events.hpp"
-#include "server/jobs/job_store.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/store/job_store.hpp"
 #include "server/studies/study_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "core/storage/file.hpp"
-#include "server/jobs/job_folder.hpp"
+#include "server/jobs/folder/job_folder.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::worker {

@@ -1,0 +1,45 @@
+#include "server/jobs/queue/dependents.hpp"
+
+namespace dccast::jobs {
+
+bool Dependents::add(const v1::Job& job) {
+  if (job.after().empty()) return false;
+
+  before_[job.id()] = {job.after().begin(), job.after().end()};
+  for (const std::string& before : job.after()) awaited_by_[before].insert(job.id());
+  to_look_at_.insert(job.id());
+  return true;
+}
+
+void Dependents::remove(const std::string& id) {
+  const auto found = before_.find(id);
+  if (found == before_.end()) return;
+
+  for (const std::string& before : found->second) {
+    const auto awaited = awaited_by_.find(before);
+    if (awaited == awaited_by_.end()) continue;  // named twice
+    awaited->second.erase(id);
+    if (awaited->second.empty()) awaited_by_.erase(awaited);
+  }
+  before_.erase(found);
+  to_look_at_.erase(id);
+}
+
+void Dependents::note_change_of(const std::string& id) {
+  if (const auto found = awaited_by_.find(id); found != awaited_by_.end())
+    to_look_at_.insert(found->second.begin(), found->second.end());
+}
+
+std::optional<Dependents::Dependent> Dependents::take_next() {
+  if (to_look_at_.empty()) return std::nullopt;
+
+  const std::string id = *to_look_at_.begin();
+  to_look_at_.erase(to_look_at_.begin());
+  return Dependent{id, before_.at(id)};
+}
+
+void Dependents::look_again_at(const std::string& id) {
+  if (before_.contains(id)) to_look_at_.insert(id);
+}
+
+}  // namespace dccast::jobs

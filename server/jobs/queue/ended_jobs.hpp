@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "server/jobs/queue/scheduler.hpp"
+
+/// What the daemon does with jobs that have ended.
+namespace dccast::jobs {
+
+/// Runs an administrator's program once for each job that has ended, one after the other, as
+/// `PROGRAM ID STATE` with DCCAST_JOB, DCCAST_STATE, DCCAST_OWNER, DCCAST_TITLE, DCCAST_MAIL and
+/// DCCAST_STUDY in its environment. No shell reads a text of a user. It is started at most once for
+/// a job: what waits when the daemon ends is lost. Safe to use from several threads.
+class EndHook {
+public:
+  /// @param program  empty: none
+  /// @param longest  then it is killed with what it has started
+  explicit EndHook(std::string program, std::chrono::seconds longest = std::chrono::seconds(60));
+  /// For Ledger::observe_transitions().
+  void on_transition(const v1::Job& job, v1::JobState from);
+
+private:
+  void run(const std::stop_token& stop);
+  void run_program(const v1::Job& job, const std::stop_token& stop) const;
+
+  const std::string program_;
+  const std::chrono::seconds longest_;
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::deque<v1::Job> ended_;
+  std::jthread thread_;
+};
+
+struct RetentionOptions {
+  std::filesystem::path jobs_directory;
+  std::chrono::seconds time{0};  ///< jobs that ended longer ago are deleted; 0: never
+  std::int64_t bytes = 0;        ///< that ended jobs may hold; beyond, the oldest go; 0: no bound
+  std::chrono::milliseconds interval{10000};
+};
+
+/// Measures at the start what ended jobs hold, and deletes old ones, as a request would. Pinned
+/// ones, those of studies and those that a job waits for stay, and count nothing. Deletes nothing
+/// while the queue is held.
+class Retention {
+public:
+  Retention(RetentionOptions options, JobStore& store, Scheduler& scheduler);
+
+private:
+  void run(const std::stop_token& stop);
+  void measure(const std::stop_token& stop);
+  void look();
+
+  const RetentionOptions options_;
+  JobStore& store_;
+  Scheduler& scheduler_;
+  std::jthread thread_;
+};
+
+}  // namespace dccast::jobs

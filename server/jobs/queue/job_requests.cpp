@@ -1,0 +1,165 @@
+#include "server/jobs/queue/job_requests.hpp"
+
+#include <fmt/ranges.h>
+
+#include <system_error>
+#include <utility>
+
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/quarantine.hpp"
+#include "server/jobs/log.hpp"
+
+namespace dccast::jobs {
+
+Reply JobRequests::settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& record,
+                               v1::JobState to, const std::string& cause) {
+  const std::string id = record.job.id();
+  const auto folder = state_.jobs_directory / id;
+  if (is_terminal(to)) record.bytes = bytes_kept(folder);
+  state_.ledger.transition(record, to, cause);
+  if (is_terminal(to)) remove_run_files(folder);
+
+  lock.lock();
+  if (to == v1::QUEUED)
+    state_.enqueue(record.job);
+  else
+    state_.dequeue(id);
+  state_.changed.notify_all();
+  if (const std::string refusal = state_.ledger.refusal(); !refusal.empty()) state_.hold(refusal);
+  Reply reply{Reply::Kind::done, views_.view(record)};
+  lock.unlock();
+
+  state_.ledger.announce(id);
+  return reply;
+}
+
+Reply JobRequests::stop(const std::string& id, const Request& request) {
+  std::unique_lock lock(state_.mutex);
+  const ExclusiveJob job(state_, lock, id);
+  if (const auto attempt = state_.attempts.find(id)) return stop_worker(lock, *attempt, request);
+  lock.unlock();
+
+  auto record = state_.ledger.find(id);
+  if (!record) return {Reply::Kind::not_found, {}};
+  const v1::JobState state = record->job.state();
+  const bool cancels = request.action == RequestedAction::cancel;
+  if (is_terminal(state))
+    return {cancels ? Reply::Kind::done : Reply::Kind::wrong_state, record->job};
+  if (!cancels && state == v1::PAUSED) return {Reply::Kind::done, record->job};
+
+  record->requested_action = request.action;
+  record->request_reason = request.reason;
+  const Settlement settlement = settle_stopped(*record, "");
+  return settle_idle(lock, *record, settlement.state, settlement.cause);
+}
+
+/// The worker looks for the request after each step, and is killed when it has not left in time.
+Reply JobRequests::stop_worker(std::unique_lock<std::mutex>& lock, Attempt& attempt,
+                               const Request& request) {
+  if (attempt.record.requested_action >= request.action)
+    return {Reply::Kind::done, views_.view(attempt)};
+
+  lock.unlock();
+  write_request(state_.jobs_directory / attempt.job_id, request);
+  lock.lock();
+
+  attempt.record.requested_action = request.action;
+  attempt.record.request_reason = request.reason;
+  state_.attempts.expect_stop(attempt);
+  log::info("job {}: {} requested", attempt.job_id,
+            request.action == RequestedAction::cancel ? "cancel" : "pause");
+  state_.changed.notify_all();
+  return {Reply::Kind::done, views_.view(attempt)};
+}
+
+Reply JobRequests::resume(const std::string& id) {
+  std::unique_lock lock(state_.mutex);
+  const ExclusiveJob job(state_, lock, id);
+  if (const auto attempt = state_.attempts.find(id))
+    return {Reply::Kind::wrong_state, views_.view(*attempt)};
+  lock.unlock();
+
+  auto record = state_.ledger.find(id);
+  if (!record) return {Reply::Kind::not_found, {}};
+  if (record->job.state() != v1::PAUSED) return {Reply::Kind::wrong_state, record->job};
+
+  record->requested_action = RequestedAction::none;
+  return settle_idle(lock, *record, v1::QUEUED, "resumed by request");
+}
+
+Reply JobRequests::remove(const std::string& id, const std::string& why,
+                          const std::function<bool(const v1::Job& job)>& permits) {
+  std::unique_lock lock(state_.mutex);
+  const ExclusiveJob job(state_, lock, id);
+  if (const auto attempt = state_.attempts.find(id)) {
+    const bool cancelled = attempt->record.requested_action == RequestedAction::cancel;
+    return {cancelled ? Reply::Kind::being_cancelled : Reply::Kind::wrong_state,
+            views_.view(*attempt)};
+  }
+  lock.unlock();
+
+  const auto record = state_.ledger.find(id);
+  if (!record) return {Reply::Kind::not_found, {}};
+  const bool may_be_removed = is_terminal(record->job.state()) && !state_.ledger.kept(id) &&
+                              (!permits || permits(record->job));
+  if (!may_be_removed) return {Reply::Kind::wrong_state, record->job};
+  erase(*record);
+  log::info("job {}: deleted, {}", id, why);
+
+  lock.lock();
+  state_.dependents.note_change_of(id);
+  state_.changed.notify_all();
+  return {Reply::Kind::done, {}};
+}
+
+/// The row goes before the content of the folder does: without its row nothing refers to the
+/// folder any more, and a large one takes its time.
+void JobRequests::erase(const JobRecord& record) {
+  const std::string& id = record.job.id();
+  const auto removed = begin_removal(state_.jobs_directory, id);
+  try {
+    state_.store.erase(id);
+  } catch (const StoreError&) {
+    if (removed) undo_removal(*removed);
+    throw;
+  }
+
+  std::error_code error;
+  if (removed) std::filesystem::remove_all(*removed, error);
+  if (error) log::warn("job {}: part of its folder is left: {}", id, error.message());
+  state_.ledger.report(record.job);
+}
+
+Reply JobRequests::mark(const std::string& id, const std::function<void(v1::Job& job)>& change) {
+  std::unique_lock lock(state_.mutex);
+  const ExclusiveJob exclusive(state_, lock, id);
+  lock.unlock();
+
+  auto record = state_.ledger.find(id);
+  if (!record) return {Reply::Kind::not_found, {}};
+  const v1::Job before = record->job;
+  v1::Job& job = record->job;
+  change(job);
+
+  // The folder first, which is the truth.
+  const auto folder = state_.jobs_directory / id;
+  write_marks(folder, job);
+  try {
+    state_.store.update_marks(job);
+  } catch (const StoreError&) {
+    write_marks(folder, before);
+    throw;
+  }
+  state_.ledger.change_kept(job);
+  log::info("job {}: labels {}, {}", id, fmt::join(job.labels(), ", "),
+            job.pinned() ? "pinned" : "not pinned");
+
+  lock.lock();
+  if (const auto attempt = state_.attempts.find(id)) {
+    *attempt->record.job.mutable_labels() = job.labels();
+    attempt->record.job.set_pinned(job.pinned());
+  }
+  return {Reply::Kind::done, views_.view(std::move(*record))};
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <string>
+
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/jobs/queue/job_views.hpp"
+#include "server/jobs/queue/queue_state.hpp"
+
+namespace dccast::jobs {
+
+/// Outcome of a request about one job.
+struct Reply {
+  enum class Kind {
+    done,
+    not_found,
+    wrong_state,
+    being_cancelled,  ///< it will be in the right state as soon as its worker has left
+  };
+  Kind kind = Kind::done;
+  v1::Job job;  ///< as it is now, unless not_found
+};
+
+/// Requests about one job. Safe to use from several threads; what throws has changed nothing.
+class JobRequests {
+public:
+  JobRequests(QueueState& state, JobViews& views) : state_(state), views_(views) {}
+
+  /// Cancels or pauses a job: at once where no worker has it, else by a request in its folder.
+  Reply stop(const std::string& id, const Request& request);
+  Reply resume(const std::string& id);
+  /// See Scheduler::remove().
+  Reply remove(const std::string& id, const std::string& why,
+               const std::function<bool(const v1::Job& job)>& permits);
+  /// See Scheduler::mark().
+  Reply mark(const std::string& id, const std::function<void(v1::Job& job)>& change);
+
+  /// Brings a job that no worker runs into another state. The caller holds the job (ExclusiveJob).
+  /// @param lock  released; held only while the queue changes
+  Reply settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& record, v1::JobState to,
+                    const std::string& cause);
+
+private:
+  Reply stop_worker(std::unique_lock<std::mutex>& lock, Attempt& attempt, const Request& request);
+  void erase(const JobRecord& record);
+
+  QueueState& state_;
+  JobViews& views_;
+};
+
+}  // namespace dccast::jobs

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "server/jobs/queue/queue_state.hpp"
+#include "server/jobs/queue/tally.hpp"
+
+namespace dccast::jobs {
+
+/// Jobs as clients see them: with their place in the queue, what holds them, and when they are
+/// expected to start and end. All functions expect the mutex of the state to be held.
+class JobViews {
+public:
+  explicit JobViews(const QueueState& state) : state_(state) {}
+
+  v1::Job view(JobRecord record);
+  v1::Job view(const Attempt& attempt) const;
+  /// Learns from a job that has ended how long jobs take.
+  void learn(const v1::Job& job) { forecast_.learn(job); }
+
+private:
+  void foresee(v1::Job& job);
+  const std::vector<double>& remaining_s();
+
+  const QueueState& state_;
+  Forecast forecast_;
+  std::vector<double> remaining_s_;  ///< of the jobs of the queue that run, as of `remaining_at_`
+  std::chrono::steady_clock::time_point remaining_at_{};
+};
+
+}  // namespace dccast::jobs

@@ -1,0 +1,333 @@
+#include "server/jobs/queue/queue_loop.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/jobs/log.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+/// A thread that wakes later than this was not only kept waiting: the process stood still.
+constexpr std::chrono::milliseconds standstill{250};
+
+}  // namespace
+
+QueueLoop::~QueueLoop() {
+  if (thread_.joinable()) shut_down();
+}
+
+void QueueLoop::start() {
+  expected_wake_ = Clock::now();
+  thread_ = std::thread([this] { run(); });
+}
+
+void QueueLoop::shut_down() {
+  {
+    const std::lock_guard lock(state_.mutex);
+    state_.shutting_down = true;
+    state_.attempts.stop_all();
+    state_.changed.notify_all();
+  }
+  thread_.join();
+}
+
+void QueueLoop::let_workers_run() {
+  {
+    const std::lock_guard lock(state_.mutex);
+    state_.shutting_down = stopping_ = true;
+    state_.changed.notify_all();
+  }
+  thread_.join();
+}
+
+bool QueueLoop::turns(std::chrono::milliseconds longest) {
+  std::unique_lock lock(state_.mutex);
+  round_requested_ = true;
+  state_.changed.notify_all();
+  return state_.changed.wait_for(lock, longest, [this] { return !round_requested_; });
+}
+
+void QueueLoop::run() {
+  std::unique_lock lock(state_.mutex);
+  expected_wake_ = Clock::now();
+  while (!stopping_) {
+    if (std::exchange(round_requested_, false)) state_.changed.notify_all();
+
+    // Waking much too late means that the daemon stood still: it has seen no signs of life.
+    if (Clock::now() > expected_wake_ + standstill) state_.attempts.forgive_silences(Clock::now());
+    state_.attempts.kill_overdue(Clock::now());
+
+    lock.unlock();  // these write to disk
+    settle_ended_attempts();
+    look_whether_hold_has_passed();
+    release_dependents();
+    while (start_next()) {
+    }
+    lock.lock();
+
+    if (may_end()) return;
+    if (has_work()) {
+      expected_wake_ = Clock::now();
+      continue;
+    }
+
+    expected_wake_ = state_.attempts.next_deadline();
+    if (state_.queue_hold.holds())
+      expected_wake_ = std::min(expected_wake_, state_.queue_hold.next_look());
+    state_.changed.wait_until(lock, expected_wake_);
+  }
+}
+
+/// What the disk does not take now the next daemon recovers from the folders of the jobs.
+bool QueueLoop::may_end() const {
+  const Attempts& attempts = state_.attempts;
+  const bool leaves_no_worker =
+      attempts.by_job().empty() || (state_.queue_hold.holds() && attempts.running() == 0);
+  return stopping_ || (state_.shutting_down && leaves_no_worker);
+}
+
+bool QueueLoop::has_work() const {
+  if (round_requested_) return true;
+  if (state_.queue_hold.holds()) return false;
+  return !state_.attempts.ended().empty() || state_.dependents.has_next() ||
+         (may_start() && next_job());
+}
+
+void QueueLoop::settle_ended_attempts() {
+  std::vector<std::shared_ptr<Attempt>> ended;
+  {
+    const std::lock_guard lock(state_.mutex);
+    if (!state_.queue_hold.holds()) ended = state_.attempts.ended();
+  }
+  for (const auto& attempt : ended) settle_attempt(attempt);
+}
+
+/// Decides and writes what a job becomes whose worker has ended. What the disk does not take is
+/// tried again once it does; until then the job is as it was.
+void QueueLoop::settle_attempt(const std::shared_ptr<Attempt>& attempt) {
+  const auto folder = state_.jobs_directory / attempt->job_id;
+  std::unique_lock lock(state_.mutex);
+  const ExclusiveJob job(state_, lock, attempt->job_id);
+  JobRecord record = attempt->record;
+  if (attempt->not_started.empty()) record.job.set_run_s(ran_s(*attempt, Clock::now()));
+  AttemptFacts facts = state_.attempts.facts_of(*attempt);
+  lock.unlock();
+
+  Settlement settlement;
+  try {
+    settlement = settlement_of(*attempt, record, std::move(facts));
+    if (is_terminal(settlement.state)) record.bytes = bytes_kept(folder);
+    state_.ledger.settle(record, settlement.state, settlement.cause);
+  } catch (const std::exception& error) {
+    lock.lock();
+    return state_.hold(error.what());
+  }
+  remove_request(folder);
+  if (is_terminal(record.job.state())) remove_run_files(folder);
+
+  lock.lock();
+  forget_attempt(*attempt, record, settlement);
+  lock.unlock();
+  state_.ledger.announce(attempt->job_id);
+}
+
+Settlement QueueLoop::settlement_of(const Attempt& attempt, JobRecord& record,
+                                    AttemptFacts facts) const {
+  if (attempt.not_started.empty())
+    return settle(record, *attempt.log, state_.jobs_directory / attempt.job_id, attempt.exit,
+                  std::move(facts));
+
+  // The job waits as if this attempt had not been.
+  record.job.set_attempts(attempt.number - 1);
+  Settlement settlement = settle_stopped(record, attempt.not_started);
+  settlement.daemon_lacks = attempt.not_started;
+  return settlement;
+}
+
+/// @param record  as it was settled
+void QueueLoop::forget_attempt(const Attempt& attempt, const JobRecord& record,
+                               const Settlement& settlement) {
+  v1::Job job = record.job;
+  const auto log = attempt.log;
+  state_.attempts.count_storage_failure(attempt, settlement, log->content().reached_step);
+  state_.attempts.erase(attempt);
+
+  if (job.state() == v1::QUEUED) state_.queue.push(job);
+  if (is_terminal(job.state())) {
+    state_.dependents.note_change_of(job.id());
+    log->complete(job);
+    views_.learn(job);
+    state_.charge(job, milliseconds(now()));
+  }
+
+  for (const std::string& lack : {settlement.daemon_lacks, state_.ledger.refusal()})
+    if (!lack.empty()) state_.hold(lack);
+}
+
+void QueueLoop::look_whether_hold_has_passed() {
+  {
+    const std::lock_guard lock(state_.mutex);
+    if (!state_.queue_hold.holds() || Clock::now() < state_.queue_hold.next_look()) return;
+  }
+
+  bool passed = false;
+  try {
+    require_free_space(state_.jobs_directory, state_.options.minimum_free_bytes);
+    probe_directory(state_.jobs_directory);
+    state_.store.probe();
+    passed = state_.ledger.retry();
+  } catch (const std::exception&) {
+    // The reason for the hold is known already.
+  }
+
+  const std::lock_guard lock(state_.mutex);
+  if (!passed) return state_.queue_hold.look_again_later();
+  log::info("the queue goes on; it was held: {}", state_.queue_hold.reason());
+  state_.queue_hold.lift();
+  state_.changed.notify_all();
+}
+
+void QueueLoop::release_dependents() {
+  for (;;) {
+    std::optional<Dependents::Dependent> dependent;
+    {
+      const std::lock_guard lock(state_.mutex);
+      if (!state_.queue_hold.holds()) dependent = state_.dependents.take_next();
+    }
+    if (!dependent) return;
+
+    try {
+      release_dependent(*dependent);
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(state_.mutex);
+      state_.dependents.look_again_at(dependent->id);
+      return state_.hold(error.what());
+    }
+  }
+}
+
+/// A job whose jobs before it have succeeded goes into the queue. If one of them has not and never
+/// will, the job is cancelled.
+void QueueLoop::release_dependent(const Dependents::Dependent& dependent) {
+  std::string refusal;
+  bool waits = false;
+  for (const std::string& before : dependent.before) {
+    const auto record = state_.ledger.find(before);
+    const v1::JobState state = record ? record->job.state() : v1::JOB_STATE_UNSPECIFIED;
+    if (state == v1::SUCCEEDED) continue;
+    if (record && !is_terminal(state)) {
+      waits = true;
+      continue;
+    }
+    const char* how = !record                  ? "was deleted"
+                      : state == v1::CANCELLED ? "was cancelled"
+                                               : "has failed";
+    refusal = fmt::format("job {}, which had to succeed first, {}", before, how);
+  }
+  if (waits && refusal.empty()) return;
+
+  // Someone may have cancelled it meanwhile.
+  std::unique_lock lock(state_.mutex);
+  const ExclusiveJob job(state_, lock, dependent.id);
+  if (!state_.dependents.contains(dependent.id)) return;
+  lock.unlock();
+  auto record = state_.ledger.find(dependent.id);
+  if (!record || record->job.state() != v1::QUEUED) return;
+
+  if (!refusal.empty()) {
+    requests_.settle_idle(lock, *record, v1::CANCELLED, refusal);
+    return;
+  }
+  lock.lock();
+  state_.dependents.remove(dependent.id);
+  state_.queue.push(record->job);
+}
+
+bool QueueLoop::may_start() const {
+  return !state_.shutting_down && !state_.queue_hold.holds() &&
+         (state_.attempts.of_queue() < state_.executor.capacity() ||
+          state_.queue.front_goes_first());
+}
+
+std::optional<std::string> QueueLoop::next_job() const {
+  return state_.queue.front(
+      [this](const std::string& owner) { return state_.user_may_start(owner); });
+}
+
+/// @return whether there may be another job to start
+bool QueueLoop::start_next() {
+  std::unique_lock lock(state_.mutex);
+  const auto id = may_start() ? next_job() : std::nullopt;
+  if (!id) return false;
+  const ExclusiveJob job(state_, lock, *id);
+  if (!may_start() || next_job() != id) return true;
+  lock.unlock();
+
+  try {
+    auto [record, log] = begin_attempt(*id);
+
+    lock.lock();
+    const bool goes_first = state_.queue.front_goes_first() && state_.queue.front() == id;
+    state_.queue.erase(*id);
+    if (!log) return true;  // it waits no more
+    state_.queue.charge(record.job.owner(), JobQueue::start_charge_s, milliseconds(now()));
+    const auto attempt = state_.attempts.add(std::move(record), std::move(log), false);
+    attempt->goes_first = goes_first;
+    state_.attempts.start(*attempt);
+    if (const std::string fault = state_.ledger.refusal(); !fault.empty()) state_.hold(fault);
+  } catch (const std::exception& error) {
+    refuse_start(*id, error);
+    return true;
+  }
+  lock.unlock();
+  state_.ledger.announce(*id);
+  return true;
+}
+
+/// Writes that a job runs. @return no log for a job that does not wait
+std::pair<JobRecord, std::shared_ptr<EventLog>> QueueLoop::begin_attempt(const std::string& id) {
+  require_free_space(state_.jobs_directory, state_.options.minimum_free_bytes);
+  auto record = state_.ledger.find(id);
+  if (!record || record->job.state() != v1::QUEUED) return {};
+  auto log = state_.logs.open(id);
+  remove_request(state_.jobs_directory / id);  // that a crash has left
+
+  v1::Job& job = record->job;
+  job.set_attempts(job.attempts() + 1);
+  if (!job.has_start_time()) *job.mutable_start_time() = timestamp(milliseconds(now()));
+  state_.ledger.transition(
+      *record, v1::RUNNING,
+      job.attempts() == 1 ? "started" : fmt::format("started again (attempt {})", job.attempts()));
+
+  log->announce();
+  log->hand_over();
+  state_.logs.follow(id);
+  return {std::move(*record), std::move(log)};
+}
+
+/// A job that cannot be started waits for the missing resource; it fails only for its own files.
+void QueueLoop::refuse_start(const std::string& id, const std::exception& error) {
+  try {
+    if (const auto lack = daemon_lacks(error)) throw std::runtime_error(*lack);
+    auto record = state_.ledger.find(id);
+    if (record && record->job.state() == v1::QUEUED) {
+      add_failure(record->job, v1::Failure::STORAGE, error.what());
+      state_.ledger.settle(*record, v1::FAILED, error.what());
+      state_.ledger.announce(id);
+    }
+    const std::lock_guard lock(state_.mutex);
+    state_.dequeue(id);
+  } catch (const std::exception& lack) {  // what becomes of the job is seen later
+    const std::lock_guard lock(state_.mutex);
+    state_.hold(lack.what());
+  }
+}
+
+}  // namespace dccast::jobs

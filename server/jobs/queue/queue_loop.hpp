@@ -1,0 +1,67 @@
+#pragma once
+
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "server/jobs/queue/job_requests.hpp"
+#include "server/jobs/queue/job_views.hpp"
+#include "server/jobs/queue/queue_state.hpp"
+
+namespace dccast::jobs {
+
+/// The thread of the queue: starts jobs, settles those whose workers have ended, kills workers that
+/// hang, and looks whether the disk takes something again.
+class QueueLoop {
+public:
+  QueueLoop(QueueState& state, JobViews& views, JobRequests& requests)
+      : state_(state), views_(views), requests_(requests) {}
+  /// Shuts the queue down unless it has ended.
+  ~QueueLoop();
+
+  void start();
+  /// See Scheduler::shut_down().
+  void shut_down();
+  /// See Scheduler::let_workers_run().
+  void let_workers_run();
+  /// See Scheduler::turns().
+  bool turns(std::chrono::milliseconds longest);
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  void run();
+
+  // These expect the mutex of the state to be held.
+  bool may_end() const;
+  bool has_work() const;
+  bool may_start() const;
+  std::optional<std::string> next_job() const;
+  void forget_attempt(const Attempt& attempt, const JobRecord& record,
+                      const Settlement& settlement);
+
+  // These take the mutex themselves, and wait for the disk without it.
+  void settle_ended_attempts();
+  void settle_attempt(const std::shared_ptr<Attempt>& attempt);
+  Settlement settlement_of(const Attempt& attempt, JobRecord& record, AttemptFacts facts) const;
+  void look_whether_hold_has_passed();
+  void release_dependents();
+  void release_dependent(const Dependents::Dependent& dependent);
+  bool start_next();
+  std::pair<JobRecord, std::shared_ptr<EventLog>> begin_attempt(const std::string& id);
+  void refuse_start(const std::string& id, const std::exception& error);
+
+  QueueState& state_;
+  JobViews& views_;
+  JobRequests& requests_;
+  bool stopping_ = false;            ///< the thread is to end at once
+  bool round_requested_ = false;     ///< see turns()
+  Clock::time_point expected_wake_;  ///< of the thread
+  std::thread thread_;
+};
+
+}  // namespace dccast::jobs

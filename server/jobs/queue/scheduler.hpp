@@ -1,0 +1,95 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dccast/v1/job.pb.h"
+#include "server/jobs/executors/executor.hpp"
+#include "server/jobs/logs/event_logs.hpp"
+#include "server/jobs/queue/job_requests.hpp"
+#include "server/jobs/queue/job_views.hpp"
+#include "server/jobs/queue/queue_loop.hpp"
+#include "server/jobs/queue/queue_state.hpp"
+#include "server/jobs/queue/submissions.hpp"
+#include "server/jobs/store/job_store.hpp"
+
+namespace dccast::jobs {
+
+/// The door of the queue: takes jobs, orders them, has them run, answers requests about them. Each
+/// part of that is a class of its own over one QueueState.
+///
+/// Safe to use from several threads. A request that throws has changed nothing: it throws
+/// StoreError or std::system_error when the disk refuses.
+class Scheduler {
+public:
+  Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs, Executor& executor);
+
+  /// Puts in order what the last daemon left: lets store and event logs agree, goes on with the
+  /// workers that the executor finds again, puts the other running jobs back into the queue,
+  /// quarantines unknown folders.
+  void recover();
+  /// Begins to run jobs.
+  void start();
+  /// Stops running jobs at a checkpoint and puts them back into the queue; returns when all workers
+  /// are gone. Nothing is submitted or started any more.
+  void shut_down() { loop_.shut_down(); }
+
+  /// Stops at once and leaves running jobs to their workers, for the next daemon to go on with.
+  /// Nothing is submitted, started or ended any more.
+  void let_workers_run() { loop_.let_workers_run(); }
+
+  /// Takes a job; it is on the disk when this returns. The same request_id and case give the same
+  /// job. @throws QueueFull, RequestIdTaken, ShuttingDown, StorageHeld
+  v1::Job submit(const NewJob& new_job, const Attachments& attachments) {
+    return submissions_.submit(new_job, attachments);
+  }
+  std::optional<v1::Job> find(const std::string& id);
+  /// The event log of a job that exists.
+  std::shared_ptr<EventLog> log(const std::string& id);
+  std::vector<v1::Job> list(const JobStore::Page& page);
+  /// See Ledger::observe().
+  void observe(JobObserver observer) { state_.ledger.observe(std::move(observer)); }
+  /// See Ledger::observe_transitions(); before recover().
+  void observe_transitions(TransitionObserver observer) {
+    state_.ledger.observe_transitions(std::move(observer));
+  }
+  Reply cancel(const std::string& id, const std::string& reason) {
+    return requests_.stop(id, {RequestedAction::cancel, reason});
+  }
+  Reply pause(const std::string& id) { return requests_.stop(id, {RequestedAction::pause, ""}); }
+  Reply resume(const std::string& id) { return requests_.resume(id); }
+  /// @param why      for the log
+  /// @param permits  false: the job stays, and is in the wrong state for this
+  Reply remove(const std::string& id, const std::string& why = "by request",
+               const std::function<bool(const v1::Job& job)>& permits = {}) {
+    return requests_.remove(id, why, permits);
+  }
+  /// Changes labels, and whether the job is kept for good. What `change` throws leaves the job as
+  /// it was.
+  Reply mark(const std::string& id, const std::function<void(v1::Job& job)>& change) {
+    return requests_.mark(id, change);
+  }
+  /// Whether a job waits for this one to succeed.
+  bool is_awaited(const std::string& id);
+  /// Has the thread of the queue make a round. @return whether it began one in time; false when it
+  /// hangs, for example on a disk. Does not return while another thread hangs with the mutex.
+  bool turns(std::chrono::milliseconds longest) { return loop_.turns(longest); }
+  int queued();
+  int running();
+  /// Why nothing is started now; empty when nothing holds the queue.
+  std::string held();
+
+private:
+  QueueState state_;
+  JobViews views_;
+  Submissions submissions_;
+  JobRequests requests_;
+  QueueLoop loop_;
+};
+
+}  // namespace dccast::jobs

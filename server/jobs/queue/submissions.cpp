@@ -1,0 +1,140 @@
+#include "server/jobs/queue/submissions.hpp"
+
+#include <fmt/format.h>
+
+#include <system_error>
+#include <utility>
+
+#include "core/storage/file.hpp"
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/log.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+/// A job that was to join a study must not be answered with one outside of it.
+void require_same_submission(const v1::Job& there, const NewJob& new_job) {
+  const bool same_case = there.case_sha256() == new_job.case_sha256;
+  if (same_case && there.study() == new_job.study) return;
+  throw RequestIdTaken(
+      fmt::format("request_id \"{}\" was used for another {} (job {}); choose a new one",
+                  new_job.request_id, same_case ? "study" : "case", there.id()));
+}
+
+/// Counts a submission as a waiting job from the first check of the queue to its place in it.
+class Reservation {
+public:
+  Reservation(std::mutex& mutex, int& count) : mutex_(mutex), count_(count) { ++count_; }
+  Reservation(const Reservation&) = delete;
+  ~Reservation() {
+    const std::lock_guard lock(mutex_);
+    --count_;
+  }
+
+private:
+  std::mutex& mutex_;
+  int& count_;
+};
+
+/// Removes a folder whose job was not taken. The caller reports the cause; the next recovery
+/// removes what is left.
+void discard(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+}
+
+}  // namespace
+
+v1::Job Submissions::submit(const NewJob& new_job, const Attachments& attachments) {
+  // A repeated request gets the job that its first one has made.
+  if (!new_job.request_id.empty()) {
+    if (const auto there = state_.store.find_request(new_job.request_id)) {
+      require_same_submission(there->job, new_job);
+      return current(there->job);
+    }
+  }
+
+  JobRecord record = record_of_new(new_job, attachments);
+  require_room(record.bytes);
+  std::optional<Reservation> reservation;
+  {
+    const std::lock_guard lock(state_.mutex);
+    if (state_.shutting_down) throw ShuttingDown("dccastd is shutting down; submit again later");
+    if (state_.waiting() + under_way_ >= state_.options.maximum_queued)
+      throw QueueFull(fmt::format("the queue is full; maximum_queued = {}; submit again later",
+                                  state_.options.maximum_queued));
+    reservation.emplace(state_.mutex, under_way_);
+  }
+
+  if (const auto there = write_new_job(record, new_job, attachments)) {
+    require_same_submission(*there, new_job);
+    return current(*there);
+  }
+  log::info("job {}: QUEUED: submitted{}", record.job.id(),
+            record.job.title().empty() ? "" : fmt::format(" as \"{}\"", record.job.title()));
+
+  const std::lock_guard lock(state_.mutex);
+  state_.enqueue(record.job, new_job.goes_first);
+  state_.changed.notify_all();
+  return views_.view(std::move(record));
+}
+
+/// A job that was there already, as it is now.
+v1::Job Submissions::current(const v1::Job& job) {
+  auto record = state_.ledger.find(job.id());
+  if (!record) return job;
+  const std::lock_guard lock(state_.mutex);
+  return views_.view(std::move(*record));
+}
+
+void Submissions::require_room(std::int64_t bytes) {
+  std::string held;
+  {
+    const std::lock_guard lock(state_.mutex);
+    held = state_.queue_hold.reason();
+  }
+  if (!held.empty())
+    throw StorageHeld(
+        fmt::format("the queue is held and takes no job now: {}; it goes on by "
+                    "itself once that has passed: submit again then",
+                    held));
+  require_free_space(state_.jobs_directory, state_.options.minimum_free_bytes);
+
+  const std::int64_t waiting = state_.store.unfinished_bytes();
+  if (waiting + bytes > state_.options.maximum_waiting_bytes)
+    throw QueueFull(fmt::format(
+        "cases and attachments of the jobs that have not ended take {} bytes, this one {}, and "
+        "maximum_waiting_bytes is {}; submit again when some have ended",
+        waiting, bytes, state_.options.maximum_waiting_bytes));
+}
+
+/// Stores a new job on disk: folder, event log, row. @return the job that has its request_id
+/// already, because someone was faster; nothing of the new one is left then
+std::optional<v1::Job> Submissions::write_new_job(const JobRecord& record, const NewJob& new_job,
+                                                  const Attachments& attachments) {
+  const auto folder = state_.jobs_directory / record.job.id();
+  create_job_folder(folder, attachments,
+                    {record.job, new_job.submitted_case, new_job.complete_case, new_job.answer_key},
+                    new_job.case_file);
+  try {
+    const auto log = state_.logs.open(record.job.id());
+    v1::JobEvent event = state_event(record.job, "submitted");
+    log->append(event);
+    log->sync();
+    storage::sync_directory(folder);
+
+    const auto there = state_.store.insert(record);
+    if (!there) {
+      mark_accepted(folder);
+      return std::nullopt;
+    }
+    discard(folder);
+    return there->job;
+  } catch (...) {
+    discard(folder);
+    throw;
+  }
+}
+
+}  // namespace dccast::jobs

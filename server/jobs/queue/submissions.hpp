@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/jobs/queue/job_views.hpp"
+#include "server/jobs/queue/queue_state.hpp"
+
+namespace dccast::jobs {
+
+struct QueueFull : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+struct RequestIdTaken : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+struct ShuttingDown : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+/// The daemon's disk takes no new job now.
+struct StorageHeld : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Takes new jobs. Safe to use from several threads.
+class Submissions {
+public:
+  Submissions(QueueState& state, JobViews& views) : state_(state), views_(views) {}
+
+  /// See Scheduler::submit().
+  v1::Job submit(const NewJob& new_job, const Attachments& attachments);
+
+private:
+  v1::Job current(const v1::Job& job);
+  void require_room(std::int64_t bytes);
+  std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
+                                       const Attachments& attachments);
+
+  QueueState& state_;
+  JobViews& views_;
+  int under_way_ = 0;  ///< submissions, which count as waiting jobs
+};
+
+}  // namespace dccast::jobs

@@ -1,0 +1,75 @@
+#include "server/jobs/queue/tally.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <queue>
+
+#include "server/jobs/folder/events.hpp"
+
+namespace dccast::jobs {
+
+void Histogram::add(double value) {
+  ++count;
+  sum += value;
+  const auto bound = std::ranges::lower_bound(bounds, value);
+  if (bound != bounds.end()) ++counts[static_cast<std::size_t>(bound - bounds.begin())];
+}
+
+void Tally::count(const v1::Job& job, v1::JobState from) {
+  if (is_terminal(from)) return;
+  const std::lock_guard lock(mutex_);
+  if (job.state() == v1::RUNNING && job.attempts() == 1)
+    figures_.wait_s.add(1e-3 *
+                        static_cast<double>(std::max<std::int64_t>(
+                            0, milliseconds(job.start_time()) - milliseconds(job.create_time()))));
+  if (!is_terminal(job.state())) return;
+  ++figures_.ended[job.state()];
+  if (job.attempts() > 0) figures_.run_s.add(job.run_s());
+  figures_.processor_s[job.owner()] += job.last_step().process_s();
+  if (job.has_failure()) ++figures_.failures[job.failure().kind()];
+  for (const v1::Finding& finding : job.findings())
+    ++figures_.findings[{finding.code(), finding.severity()}];
+}
+
+TallyFigures Tally::figures() const {
+  const std::lock_guard lock(mutex_);
+  return figures_;
+}
+
+void Forecast::learn(const v1::Job& job) {
+  constexpr double kept = 0.95;  // some twenty jobs count
+  if (job.state() != v1::SUCCEEDED || job.run_s() <= 0.0) return;
+  all_s_ = kept * all_s_ + job.run_s();
+  all_ = kept * all_ + 1.0;
+  if (job.estimated_s() <= 0.0) return;
+  taken_s_ = kept * taken_s_ + job.run_s();
+  estimated_s_ = kept * estimated_s_ + job.estimated_s();
+}
+
+double Forecast::run_s(double estimated_s) const {
+  if (estimated_s > 0.0)
+    return estimated_s_ > 0.0 ? estimated_s * taken_s_ / estimated_s_ : estimated_s;
+  return all_ > 0.0 ? all_s_ / all_ : 0.0;
+}
+
+double Forecast::left_s(const v1::Job& job, double ran_s) const {
+  constexpr double enough = 0.05;  // of the run, to know its pace
+  const double progress = job.last_step().progress();
+  if (progress >= enough && ran_s > 0.0) return ran_s * (1.0 - progress) / progress;
+  return std::max(0.0, run_s(job.estimated_s()) - ran_s);
+}
+
+double Forecast::start_s(std::vector<double> left_s, int capacity, int place, double each_s) {
+  constexpr int most_looked_at = 200;  // beyond, the queue flows evenly
+  std::priority_queue<double, std::vector<double>, std::greater<>> free_at(std::greater<>(),
+                                                                           std::move(left_s));
+  while (static_cast<int>(free_at.size()) < capacity) free_at.push(0.0);
+  for (int i = 1; i < std::min(place, most_looked_at); ++i) {
+    const double start = free_at.top();
+    free_at.pop();
+    free_at.push(start + each_s);
+  }
+  return free_at.top() + std::max(0, place - most_looked_at) * each_s / std::max(1, capacity);
+}
+
+}  // namespace dccast::jobs

@@ -1,0 +1,177 @@
+#include "server/jobs/store/sqlite.hpp"
+
+#include <fmt/format.h>
+#include <google/protobuf/message_lite.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+
+#include "core/storage/file.hpp"
+#include "core/storage/record_log.hpp"
+#include "server/jobs/log.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+/// What primary result codes mean, for people. The rest is for the program's log.
+const std::map<int, std::string> meanings{
+    {SQLITE_FULL, "the disk is full"},
+    {SQLITE_IOERR, "the disk cannot be read or written"},
+    {SQLITE_READONLY, "the file or its file system is read-only"},
+    {SQLITE_CANTOPEN, "the file cannot be opened"},
+    {SQLITE_CORRUPT, "the file is damaged"},
+    {SQLITE_NOTADB, "the file is no job store, or its beginning is damaged"},
+    {SQLITE_BUSY, "another process holds the file"},
+    {SQLITE_LOCKED, "another process holds the file"},
+    {SQLITE_NOMEM, "there is not enough memory"}};
+
+[[noreturn]] void fail(sqlite3* handle, std::string_view doing) {
+  const int code = sqlite3_errcode(handle) & 0xff;
+  log::error("job store: {} (SQLite {}, system error {}) in: {}", sqlite3_errmsg(handle),
+             sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), doing);
+  const auto known = meanings.find(code);
+  throw StoreError(
+      "the job store failed: " + (known != meanings.end()
+                                      ? known->second
+                                      : "SQLite refused with code " + std::to_string(code)),
+      code);
+}
+
+/// sum_of(...): CRC-32C of the values, each behind its type and size.
+void sum_of(sqlite3_context* context, int count, sqlite3_value** values) {
+  std::uint32_t sum = 0;
+  for (int i = 0; i < count; ++i) {
+    const int type = sqlite3_value_type(values[i]);
+    const void* bytes = sqlite3_value_blob(values[i]);  // an integer as its digits
+    const std::array head{type, sqlite3_value_bytes(values[i])};
+    sum = storage::crc32c(head.data(), sizeof head, sum);
+    sum = storage::crc32c(bytes, static_cast<std::size_t>(head[1]), sum);
+  }
+  sqlite3_result_int64(context, sum);
+}
+
+/// SQLite writes through a link, waits for a named pipe and says little of either. The store can be
+/// made again, so that whatever stands in its place counts as damage.
+void require_regular_files(const std::filesystem::path& store) {
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    const std::filesystem::path path = store.string() + suffix;
+    const std::string kind = storage::kind_of_entry(path);
+    if (kind.empty() || kind == storage::regular_file) continue;
+    throw StoreError(fmt::format("{} is {}, not {}; `dccastd check --repair` makes the store again",
+                                 path.string(), kind, storage::regular_file),
+                     SQLITE_NOTADB);
+  }
+}
+
+}  // namespace
+
+Database::Database(const std::filesystem::path& path) {
+  require_regular_files(path);
+
+  constexpr int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+  constexpr int any_number = -1;
+  if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) == SQLITE_OK &&
+      sqlite3_create_function(handle_, "sum_of", any_number, SQLITE_UTF8 | SQLITE_DETERMINISTIC,
+                              nullptr, sum_of, nullptr, nullptr) == SQLITE_OK)
+    return;
+  log::error("job store {}: {}", path.string(), sqlite3_errmsg(handle_));
+  sqlite3_close(handle_);
+  throw StoreError("the job store " + path.string() + " cannot be opened", SQLITE_CANTOPEN);
+}
+
+Database::~Database() {
+  sqlite3_close(handle_);
+}
+
+void Database::execute(const char* sql) {
+  if (sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) fail(handle_, sql);
+}
+
+int Database::changes() const {
+  return sqlite3_changes(handle_);
+}
+
+bool must_be_built_again(const StoreError& error) {
+  return error.code() == SQLITE_CORRUPT || error.code() == SQLITE_NOTADB ||
+         error.code() == SQLITE_SCHEMA;
+}
+
+bool is_passing(const StoreError& error) {
+  constexpr std::array passing{SQLITE_FULL,     SQLITE_IOERR, SQLITE_READONLY,
+                               SQLITE_CANTOPEN, SQLITE_BUSY,  SQLITE_NOMEM};
+  return std::ranges::find(passing, error.code()) != passing.end();
+}
+
+Statement::Statement(Database& database, std::string_view sql) : database_(database) {
+  if (sqlite3_prepare_v2(database.handle(), sql.data(), static_cast<int>(sql.size()), &statement_,
+                         nullptr) != SQLITE_OK)
+    fail(database.handle(), sql);
+}
+
+Statement::~Statement() {
+  sqlite3_finalize(statement_);
+}
+
+void Statement::check(int code) {
+  if (code != SQLITE_OK) fail(database_.handle(), "binding a value");
+}
+
+Statement& Statement::bind(std::int64_t value) {
+  check(sqlite3_bind_int64(statement_, ++bound_, value));
+  return *this;
+}
+
+Statement& Statement::bind(std::string_view text) {
+  check(sqlite3_bind_text64(statement_, ++bound_, text.empty() ? "" : text.data(), text.size(),
+                            SQLITE_TRANSIENT, SQLITE_UTF8));
+  return *this;
+}
+
+Statement& Statement::bind(const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) bind(text);
+  return *this;
+}
+
+Statement& Statement::bind(const google::protobuf::MessageLite& message) {
+  const std::string bytes = message.SerializeAsString();
+  check(sqlite3_bind_blob64(statement_, ++bound_, bytes.data(), bytes.size(), SQLITE_TRANSIENT));
+  return *this;
+}
+
+bool Statement::step() {
+  const int code = sqlite3_step(statement_);
+  if (code == SQLITE_ROW) return true;
+  if (code == SQLITE_DONE) return false;
+  fail(database_.handle(), sqlite3_sql(statement_));
+}
+
+std::int64_t Statement::integer(int column) const {
+  return sqlite3_column_int64(statement_, column);
+}
+
+std::string Statement::text(int column) const {
+  const void* bytes = sqlite3_column_blob(statement_, column);
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
+  return bytes == nullptr ? std::string() : std::string(static_cast<const char*>(bytes), size);
+}
+
+Transaction::~Transaction() {
+  if (!open_) return;
+  try {
+    database_.execute("ROLLBACK");
+  } catch (const StoreError& error) {
+    // A full disk rolls back by itself; what remains is worth a line, the cause is already thrown.
+    log::warn("{}", error.what());
+  }
+}
+
+void Transaction::commit() {
+  database_.execute("COMMIT");
+  open_ = false;
+}
+
+}  // namespace dccast::jobs

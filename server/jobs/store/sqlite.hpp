@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace google::protobuf {
+class MessageLite;
+}
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace dccast::jobs {
+
+/// The store cannot be read or written. The text is one sentence for people; statement and message
+/// of SQLite go to the program's log.
+class StoreError : public std::runtime_error {
+public:
+  StoreError(const std::string& what, int code) : std::runtime_error(what), code_(code) {}
+  int code() const { return code_; }  ///< of SQLite, primary
+
+private:
+  int code_;
+};
+
+/// Whether the file itself is damaged or of an earlier version, rather than the disk full or out of
+/// reach.
+bool must_be_built_again(const StoreError& error);
+
+/// Whether the disk is full or out of reach, or memory short: a state that passes.
+bool is_passing(const StoreError& error);
+
+/// One SQLite connection. Not safe for several threads: its owner has a mutex.
+class Database {
+public:
+  /// @throws StoreError
+  explicit Database(const std::filesystem::path& path);
+  Database(const Database&) = delete;
+  ~Database();
+  void execute(const char* sql);
+  /// Runs a query. @param values  for its question marks  @param take  called with each row
+  template <typename Take, typename... Values>
+  void read(std::string_view sql, const Take& take, const Values&... values);
+  int changes() const;
+  sqlite3* handle() const { return handle_; }
+
+private:
+  sqlite3* handle_ = nullptr;
+};
+
+/// A prepared statement; bind() in the order of the question marks, then step().
+class Statement {
+public:
+  Statement(Database& database, std::string_view sql);
+  /// @param values  for the first question marks
+  template <typename... Values>
+  Statement(Database& database, std::string_view sql, const Values&... values)
+      : Statement(database, sql) {
+    (bind(values), ...);
+  }
+  Statement(const Statement&) = delete;
+  ~Statement();
+
+  Statement& bind(std::int64_t value);
+  Statement& bind(std::string_view text);
+  Statement& bind(const std::vector<std::string>& texts);         ///< for one question mark each
+  Statement& bind(const google::protobuf::MessageLite& message);  ///< as a blob
+  /// @return whether there is a row @throws StoreError
+  bool step();
+
+  std::int64_t integer(int column) const;
+  std::string text(int column) const;  ///< of text and blobs; empty for NULL
+
+private:
+  void check(int code);
+
+  Database& database_;
+  sqlite3_stmt* statement_ = nullptr;
+  int bound_ = 0;
+};
+
+template <typename Take, typename... Values>
+void Database::read(std::string_view sql, const Take& take, const Values&... values) {
+  Statement statement(*this, sql, values...);
+  while (statement.step()) take(statement);
+}
+
+/// BEGIN IMMEDIATE ... COMMIT; rolls back when it is left without commit().
+class Transaction {
+public:
+  explicit Transaction(Database& database) : database_(database) {
+    database_.execute("BEGIN IMMEDIATE");
+  }
+  Transaction(const Transaction&) = delete;
+  ~Transaction();
+  void commit();
+
+private:
+  Database& database_;
+  bool open_ = true;
+};
+
+}  // namespace dccast::jobs
