@@ -1,6 +1,7 @@
 #include "core/storage/file.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -14,11 +15,15 @@
 
 namespace dccast::storage {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 constexpr const char* regular = "a regular file";
+constexpr std::int64_t least_read = 1 << 18;  // of a FileWindow [bytes]
 
-std::string kind_of(mode_t mode) {
+/// The kind of a file in the words of kind_of_entry().
+std::string describe_kind(mode_t mode) {
   switch (mode & S_IFMT) {
     case S_IFREG:
       return regular;
@@ -37,16 +42,35 @@ std::string kind_of(mode_t mode) {
 
 [[noreturn]] void refuse_kind(int error, const std::filesystem::path& path,
                               const std::string& kind) {
-  throw StorageError(error, path.string(), "is " + kind + ", not " + regular);
+  throw StorageError(error, path.string(), fmt::format("is {}, not {}", kind, regular));
 }
 
-/// O_NONBLOCK means nothing to a regular file; the open of a named pipe returns with it.
+/// O_NONBLOCK has no effect on a regular file, but keeps open() of a named pipe from blocking.
 int safe_flags(int flags, Links links) {
   const bool folder = (flags & O_DIRECTORY) != 0;
   if (!folder) flags |= O_NONBLOCK | O_NOCTTY;
   if (!folder && links == Links::refuse) flags |= O_NOFOLLOW;
   return flags | O_CLOEXEC;
 }
+
+std::atomic<std::uint64_t> syncs{0}, sync_ns{0};
+
+/// Adds one sync and its own lifetime to the totals.
+class TimedSync {
+public:
+  TimedSync() = default;
+  TimedSync(const TimedSync&) = delete;
+  ~TimedSync() {
+    const auto taken = std::chrono::steady_clock::now() - begun_;
+    syncs.fetch_add(1, std::memory_order_relaxed);
+    sync_ns.fetch_add(static_cast<std::uint64_t>(
+                          std::chrono::duration_cast<std::chrono::nanoseconds>(taken).count()),
+                      std::memory_order_relaxed);
+  }
+
+private:
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+};
 
 }  // namespace
 
@@ -66,18 +90,18 @@ File::File(const std::filesystem::path& path, int flags, mode_t permissions, Lin
   if (::fstat(descriptor(), &status) != 0)
     throw StorageError(errno, path.string(), "cannot be examined");
   if (!S_ISREG(status.st_mode))
-    refuse_kind(S_ISDIR(status.st_mode) ? EISDIR : EINVAL, path, kind_of(status.st_mode));
+    refuse_kind(S_ISDIR(status.st_mode) ? EISDIR : EINVAL, path, describe_kind(status.st_mode));
 }
 
 std::string kind_of_entry(const std::filesystem::path& path) {
   struct stat status;
-  return ::lstat(path.c_str(), &status) == 0 ? kind_of(status.st_mode) : "";
+  return ::lstat(path.c_str(), &status) == 0 ? describe_kind(status.st_mode) : "";
 }
 
 std::int64_t File::size() const {
   struct stat status;
   if (::fstat(descriptor(), &status) != 0)
-    throw StorageError(errno, path_.string(), "cannot be looked at");
+    throw StorageError(errno, path_.string(), "cannot be examined");
   return status.st_size;
 }
 
@@ -109,29 +133,6 @@ void File::cut(std::int64_t size) const {
     throw StorageError(errno, path_.string(), "cannot be cut");
 }
 
-namespace {
-
-std::atomic<std::uint64_t> syncs{0}, sync_ns{0};
-
-/// Counts what its life takes.
-class TimedSync {
-public:
-  TimedSync() = default;
-  TimedSync(const TimedSync&) = delete;
-  ~TimedSync() {
-    const auto taken = std::chrono::steady_clock::now() - begun_;
-    syncs.fetch_add(1, std::memory_order_relaxed);
-    sync_ns.fetch_add(static_cast<std::uint64_t>(
-                          std::chrono::duration_cast<std::chrono::nanoseconds>(taken).count()),
-                      std::memory_order_relaxed);
-  }
-
-private:
-  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
-};
-
-}  // namespace
-
 SyncTotals sync_totals() {
   return {syncs.load(), 1e-9 * static_cast<double>(sync_ns.load())};
 }
@@ -153,19 +154,14 @@ void write_file(const std::filesystem::path& path, std::string_view bytes, mode_
   File(path, O_WRONLY | O_CREAT | O_TRUNC, permissions).write_at(0, bytes);
 }
 
-namespace {
-
-constexpr std::int64_t piece = 1 << 18;  // read at once at least [bytes]
-
-}  // namespace
-
 std::string_view FileWindow::at(std::int64_t offset, std::int64_t length) {
   length = std::clamp<std::int64_t>(length, 0, std::max<std::int64_t>(size_ - offset, 0));
   if (offset < begin_ || offset + length > begin_ + static_cast<std::int64_t>(bytes_.size()))
-    fill(offset, std::max(length, piece));
-  const auto have = static_cast<std::int64_t>(bytes_.size()) - (offset - begin_);
+    fill(offset, std::max(length, least_read));
+
+  const auto available = static_cast<std::int64_t>(bytes_.size()) - (offset - begin_);
   return std::string_view(bytes_).substr(static_cast<std::size_t>(offset - begin_),
-                                         static_cast<std::size_t>(std::min(length, have)));
+                                         static_cast<std::size_t>(std::min(length, available)));
 }
 
 void FileWindow::fill(std::int64_t offset, std::int64_t length) {
@@ -173,8 +169,6 @@ void FileWindow::fill(std::int64_t offset, std::int64_t length) {
   bytes_.resize(static_cast<std::size_t>(length));
   bytes_.resize(file_.read_at(offset, bytes_));
 }
-
-namespace fs = std::filesystem;
 
 void sync_directory(const fs::path& directory) {
   const fs::path named = directory.empty() ? fs::path(".") : directory;
