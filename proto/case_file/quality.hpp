@@ -27,12 +27,13 @@ bool quality_matters(const v1::Case& description);
 /// @param complete  case with all its defaults
 std::optional<double> relative_discretisation_error(const v1::Case& complete);
 
-/// What mesh and steps leave uncertain of the difference of two curls: a share of the larger curl
-/// and a share of the difference [1].
+/// Discretisation error of the difference of two curls: a share of the larger curl and a share of
+/// the difference.
 struct PairedError {
-  double of_curl;
-  double of_difference;
+  double of_curl;        ///< [1]
+  double of_difference;  ///< [1]
 };
+/// That of two quarter slabs.
 inline constexpr PairedError quarter_slab_pairs{.of_curl = 0.05, .of_difference = 0.2};
 
 /// The error of a difference between two castings of the same quality, from pairs that were
