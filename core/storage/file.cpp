@@ -1,7 +1,6 @@
 #include "core/storage/file.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -20,10 +19,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* regular = "a regular file";
-constexpr std::int64_t least_read = 1 << 18;  // of a FileWindow [bytes]
 
-/// The kind of a file in the words of kind_of_entry().
-std::string describe_kind(mode_t mode) {
+std::string kind_of(mode_t mode) {
   switch (mode & S_IFMT) {
     case S_IFREG:
       return regular;
@@ -42,7 +39,7 @@ std::string describe_kind(mode_t mode) {
 
 [[noreturn]] void refuse_kind(int error, const std::filesystem::path& path,
                               const std::string& kind) {
-  throw StorageError(error, path.string(), fmt::format("is {}, not {}", kind, regular));
+  throw StorageError(error, path.string(), "is " + kind + ", not " + regular);
 }
 
 /// O_NONBLOCK has no effect on a regular file, but keeps open() of a named pipe from blocking.
@@ -52,6 +49,8 @@ int safe_flags(int flags, Links links) {
   if (!folder && links == Links::refuse) flags |= O_NOFOLLOW;
   return flags | O_CLOEXEC;
 }
+
+constexpr std::int64_t least_read = 1 << 18;  // of a FileWindow [bytes]
 
 std::atomic<std::uint64_t> syncs{0}, sync_ns{0};
 
@@ -90,12 +89,12 @@ File::File(const std::filesystem::path& path, int flags, mode_t permissions, Lin
   if (::fstat(descriptor(), &status) != 0)
     throw StorageError(errno, path.string(), "cannot be examined");
   if (!S_ISREG(status.st_mode))
-    refuse_kind(S_ISDIR(status.st_mode) ? EISDIR : EINVAL, path, describe_kind(status.st_mode));
+    refuse_kind(S_ISDIR(status.st_mode) ? EISDIR : EINVAL, path, kind_of(status.st_mode));
 }
 
 std::string kind_of_entry(const std::filesystem::path& path) {
   struct stat status;
-  return ::lstat(path.c_str(), &status) == 0 ? describe_kind(status.st_mode) : "";
+  return ::lstat(path.c_str(), &status) == 0 ? kind_of(status.st_mode) : "";
 }
 
 std::int64_t File::size() const {
