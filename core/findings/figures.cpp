@@ -126,7 +126,7 @@ void StepMeter<Dim>::measure_bottom(const StepView<Dim>& view, StepFigures& f) c
 template <int Dim>
 void StepMeter<Dim>::measure_closed_shell(const StepView<Dim>& view, StepFigures& f,
                                           FigureHistory& history) const {
-  // A billet is held by its hoop stress, whatever happens to the shell below its axis.
+  // A billet is held by its hoop stress, even if the shell below its axis melts.
   if (case_.section.kind == mesh::SectionKind::axisymmetric ||
       case_.mechanics.options.liquid == mechanics::Liquid::solid)
     return;

@@ -52,7 +52,7 @@ std::string in_words(const RunFailures& failures);
 /// How a run ended.
 enum class RunEnd {
   succeeded,
-  failed,         ///< `failures` says why
+  failed,         ///< `failures` has the causes
   stopped,        ///< on request, at a checkpoint
   cancelled,      ///< on request
   other_version,  ///< not started: the checkpoint has another version, and OtherVersion::wait is

@@ -114,7 +114,8 @@ void Condensation::solve_small(std::vector<double>& z) const {
 
 void Condensation::solve(std::span<const double> b, std::span<double> x) {
   const std::size_t n = changed_.size();
-  // Right-hand side of the small system: b on the released unknowns minus what the free ones give.
+  // Right-hand side of the small system: b on the released unknowns minus the part of the free
+  // ones.
   std::vector<double> z(n, 0.0);
   for (std::size_t c = 0; c < n; ++c) {
     if (changed_[c].released) z[c] = b[std::size_t(changed_[c].unknown)];

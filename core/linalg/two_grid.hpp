@@ -13,7 +13,7 @@ namespace dccast::linalg {
 /// which the others are interpolated.
 ///
 /// The cells of the coarse grid are about as high as wide. Errors that vary faster than that along
-/// the height are removed by the lines, whatever their horizontal variation; slower ones are
+/// the height are removed by the lines, for any horizontal variation; slower ones are
 /// represented on the coarse grid, which keeps the full resolution of the plan, so that plates and
 /// shells bend in it as they do in the matrix. Symmetric and positive definite: a forward sweep
 /// before the coarse problem, a backward sweep after it.

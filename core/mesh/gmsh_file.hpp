@@ -13,7 +13,7 @@
 /// "MSH file format version 4.1" and "version 2 (Legacy)".
 namespace dccast::mesh::gmsh {
 
-/// The text is not a Gmsh file that can be read; what() says why.
+/// The text is not a Gmsh file that can be read; what() is the reason.
 class FormatError : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;

@@ -15,7 +15,7 @@ enum class Severity { note, warning, danger };
 struct Exceedance {
   double time = 0.0;          ///< [s] end of the step
   double value = 0.0;         ///< [unit of the finding]
-  std::vector<double> place;  ///< in the undeformed slab [m]; empty where there is none
+  std::vector<double> place;  ///< in the undeformed slab [m]; empty if there is none
   bool operator==(const Exceedance&) const = default;
 };
 
@@ -26,7 +26,7 @@ struct Finding {
   Severity severity = Severity::warning;
   std::string message;          ///< one sentence: what it means in practice
   std::optional<double> time;   ///< [s] when first found; absent: follows from the case alone
-  std::vector<double> place;    ///< in the undeformed slab [m]; empty where there is none
+  std::vector<double> place;    ///< in the undeformed slab [m]; empty if there is none
   std::optional<double> value;  ///< [`unit`] when first found
   std::optional<double> limit;  ///< [`unit`]
   std::string unit;

@@ -20,7 +20,7 @@ struct TracedText {
     for (const char c : part) append(std::string_view(&c, 1), column++);
   }
 
-  /// Appends bytes that all stand for the text at one column.
+  /// Appends bytes that all correspond to the text at one column.
   void append(std::string_view part, int column) {
     text += part;
     for (const char c : part)
@@ -90,7 +90,7 @@ ChangeValue change_value(const std::string& written, const FieldDescriptor* fiel
   for (const TracedText& reading : readings)
     if (auto table = parse_one_key(reading.text)) return {std::move(*table), reading.columns};
 
-  // The text as it stands, as a string.
+  // Any other text is a string.
   TracedText as_string;
   as_string.append(quoted(written), 1);
   return {toml::table{{"value", written}}, as_string.columns};

@@ -15,7 +15,7 @@ namespace dccast::case_file {
 /// non-positive size of the section are not filled.
 void apply_quality(v1::Case& description);
 
-/// Whether mesh or time steps depend on the quality: not of a case that gives all of them.
+/// Whether mesh or time steps depend on the quality. They do not if the case gives all of them.
 /// @param description  case as submitted
 bool quality_matters(const v1::Case& description);
 
@@ -50,7 +50,8 @@ bool is_same_casting(const v1::Case& a, const v1::Case& b);
 /// too, so that a step can be reduced as often as before.
 v1::Case divided(const v1::Case& description, int parts);
 
-/// Why the cells of a case cannot be divided or its results cannot be compared; empty if they can.
+/// The reason why the cells of a case cannot be divided or its results cannot be compared; empty if
+/// they can.
 std::string reason_against_dividing(const v1::Case& description);
 
 }  // namespace dccast::case_file
