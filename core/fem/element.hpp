@@ -45,6 +45,8 @@ struct P1Tetrahedron {
 
 namespace detail {
 inline constexpr double gauss = 0.57735026918962576451;  ///< [1] 1/sqrt(3)
+/// Reference coordinates of the nodes of a hexahedron [1]; the first four are those of a
+/// quadrilateral.
 inline constexpr std::array<std::array<double, 3>, 8> corner{{{-1, -1, -1},
                                                               {1, -1, -1},
                                                               {1, 1, -1},
@@ -127,6 +129,7 @@ using AxisymmetricP1 = Axisymmetric<P1Triangle>;
 using AxisymmetricQ1 = Axisymmetric<Q1Quadrilateral>;
 using AxisymmetricBending = Axisymmetric<BendingQuadrilateral>;
 
+/// Whether the element is an Axisymmetric one.
 template <class Element>
 inline constexpr bool is_axisymmetric = false;
 template <class Plane>
@@ -159,10 +162,10 @@ decltype(auto) with_element(mesh::ElementKind element, mesh::SectionKind section
       return round ? use.template operator()<AxisymmetricBending>()
                    : use.template operator()<BendingQuadrilateral>();
   }
-  throw std::logic_error("with_element: an element without a type");
+  throw std::logic_error("with_element: element kind without a type");
 }
 
-/// The same for the elements of a solid: tetrahedra or hexahedra.
+/// Calls `use.operator()<Element>()` with the element type of a solid: tetrahedra or hexahedra.
 template <class Use>
 decltype(auto) with_solid_element(mesh::ElementKind element, Use&& use) {
   switch (element) {
@@ -173,7 +176,7 @@ decltype(auto) with_solid_element(mesh::ElementKind element, Use&& use) {
     case mesh::ElementKind::q1_bending:
       return use.template operator()<BendingHexahedron>();
   }
-  throw std::logic_error("with_solid_element: an element without a type");
+  throw std::logic_error("with_solid_element: element kind without a type");
 }
 
 }  // namespace dccast::fem

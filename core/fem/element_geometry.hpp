@@ -24,12 +24,12 @@ struct HoopGradient<Element, Number, true> {
   std::array<Number, Element::nodes> hoop;
 };
 
-/// How the strain varies within an element: by the gradients of its shape functions at each point.
+/// Variation of the strain within an element: the gradients of its shape functions at a point.
 template <class Element, class Number, bool = has_bending_modes<Element>>
 struct PointStrain {
   std::array<std::array<Number, Element::dimension>, Element::nodes> gradient;  ///< [1/m] by node
 };
-/// Or by bending modes: the values of their levers at a point.
+/// For elements with bending modes: the values of their levers at a point.
 template <class Element, class Number>
 struct PointStrain<Element, Number, true> {
   /// Reference coordinates transverse to the first and to the second axis of the cell, each minus
@@ -48,6 +48,7 @@ struct BendingMode {
   std::array<std::array<Number, 2>, 4> amplitude;  ///< per unit displacement of each node [1/m]
   SymmetricTensor<2, Number> strain;  ///< a stretch with the opposite transverse strain [1]
 };
+/// The bending modes of an element; empty for elements without.
 template <class Element, class Number, bool = has_bending_modes<Element>>
 struct BendingModes {};
 template <class Element, class Number>
@@ -76,8 +77,8 @@ struct MeanHoop<Element, Number, true> {
 template <class Element, class Number = double>
 struct ElementCell : BendingModes<Element, Number>, MeanHoop<Element, Number> {
   struct Point : HoopGradient<Element, Number>, PointStrain<Element, Number> {
-    Number weight;  ///< quadrature weight times Jacobian, positive [m^Dim], axisymmetric: times r
-                    ///< [m3/rad]
+    /// Quadrature weight times Jacobian, positive [m^Dim], axisymmetric: times r [m3/rad]
+    Number weight;
   };
   using Gradients =
       std::array<std::array<Number, Element::dimension>, Element::nodes>;  ///< [1/m] by node
@@ -110,39 +111,44 @@ public:
     Cell cell{};
     for (int e = first; e < elements_; ++e) {
       compute(mesh, e, cell);
-      put(std::size_t(e), cell);
+      store(std::size_t(e), cell);
     }
     if (first >= elements_) return;
-    for (std::size_t e = std::size_t(elements_); e < groups * lanes(); ++e) put(e, cell);
+
+    // The last group is filled up with copies of the last element.
+    for (std::size_t e = std::size_t(elements_); e < groups * lanes(); ++e) store(e, cell);
   }
 
   int elements() const { return elements_; }
+  /// Geometry of one element.
   Cell cell(int e) const {
     std::array<double, numbers> number;
-    const double* from = lane_of(std::size_t(e));
+    const double* from = lane(std::size_t(e));
     for (std::size_t k = 0; k < numbers; ++k) number[k] = from[k * lanes()];
     return std::bit_cast<Cell>(number);
   }
+  /// @see ElementCell::mean_gradient
   Gradients mean_gradient(int e) const {
-    const double* from = lane_of(std::size_t(e)) + (numbers - 1 - nodes * dimension) * lanes();
+    const double* from = lane(std::size_t(e)) + (numbers - 1 - nodes * dimension) * lanes();
     Gradients gradient;
-    for (auto& of_node : gradient) {
-      for (double& g : of_node) {
+    for (auto& node_gradient : gradient) {
+      for (double& g : node_gradient) {
         g = *from;
         from += lanes();
       }
     }
     return gradient;
   }
-  /// [m^Dim], axisymmetric: [m3/rad]
-  double volume(int e) const { return lane_of(std::size_t(e))[(numbers - 1) * lanes()]; }
+  /// Volume of an element [m^Dim], axisymmetric: [m3/rad].
+  double volume(int e) const { return lane(std::size_t(e))[(numbers - 1) * lanes()]; }
   /// A group of elements; the last group of a mesh is padded with its last element.
-  /// @tparam Count  register_lanes() @param first  number of its first element
+  /// @tparam Count  register_lanes()
+  /// @param first   number of its first element
   template <int Count>
   const ElementCell<Element, Lanes<Count>>& group(std::size_t first) const {
     using Group = ElementCell<Element, Lanes<Count>>;
     static_assert(sizeof(Group) == Count * sizeof(Cell));
-    return *reinterpret_cast<const Group*>(lane_of(first));
+    return *reinterpret_cast<const Group*>(lane(first));
   }
 
 private:
@@ -152,16 +158,16 @@ private:
   };
 
   static std::size_t lanes() { return std::size_t(register_lanes()); }
-  static std::size_t place_of(std::size_t e) {
+  static std::size_t first_number(std::size_t e) {
     return e / lanes() * lanes() * numbers + e % lanes();
   }
   /// First number of an element, in the unit of the first member of its cell.
-  const double* lane_of(std::size_t e) const {
-    return reinterpret_cast<const double*>(line_.data()) + place_of(e);
+  const double* lane(std::size_t e) const {
+    return reinterpret_cast<const double*>(line_.data()) + first_number(e);
   }
-  void put(std::size_t e, const Cell& cell) {
+  void store(std::size_t e, const Cell& cell) {
     const auto number = std::bit_cast<std::array<double, numbers>>(cell);
-    double* to = reinterpret_cast<double*>(line_.data()) + place_of(e);
+    double* to = reinterpret_cast<double*>(line_.data()) + first_number(e);
     for (std::size_t k = 0; k < numbers; ++k) to[k * lanes()] = number[k];
   }
 
@@ -169,6 +175,7 @@ private:
     const int* node = mesh.nodes_of(e);
     cell.volume = 0.0;
     cell.mean_gradient = {};
+
     for (std::size_t q = 0; q < std::size_t(points); ++q) {
       const auto reference = Element::shape_gradient(Element::point[q]);
       Eigen::Matrix<double, dimension, dimension> jacobian;  // d x_a / d xi_b
@@ -180,10 +187,13 @@ private:
         }
       }
       const Eigen::Matrix<double, dimension, dimension> inverse = jacobian.inverse();
+
       Point& point = cell.point[q];
       point.weight = Element::weight[q] * jacobian.determinant();
       if constexpr (is_axisymmetric<Element>) add_radius(mesh, node, q, point);
       cell.volume += point.weight;
+
+      // grad N_i = (dN_i / d xi) (dx / d xi)^-1, and its sum for the volume mean.
       for (std::size_t i = 0; i < std::size_t(nodes); ++i) {
         for (std::size_t a = 0; a < std::size_t(dimension); ++a) {
           double g = 0.0;
@@ -197,9 +207,11 @@ private:
           cell.mean_gradient[i][0] += point.weight * point.hoop[i];
       }
     }
+
     for (auto& node_gradient : cell.mean_gradient) {
       for (double& g : node_gradient) g /= cell.volume;
     }
+
     if constexpr (has_bending_modes<Element>) add_bending_modes(mesh, node, cell);
   }
 
@@ -219,8 +231,8 @@ private:
   static void add_bending_modes(const mesh::Mesh<2>& mesh, const int* node, Cell& cell) {
     const auto reference = Element::shape_gradient({0.0, 0.0});
     Eigen::Matrix2d axes = Eigen::Matrix2d::Zero();  // columns g_1 and g_2
-    Eigen::Vector2d warp =
-        Eigen::Vector2d::Zero();  // hourglass part of the coordinates: x contains warp xi eta
+    // Hourglass part of the coordinates: x contains warp xi eta.
+    Eigen::Vector2d warp = Eigen::Vector2d::Zero();
     std::array<double, 4> hourglass;
     for (std::size_t i = 0; i < 4; ++i) {
       hourglass[i] = 4.0 * reference[i][0] * reference[i][1];
@@ -229,8 +241,10 @@ private:
       warp += hourglass[i] * x;
     }
     const Eigen::Vector2d share = axes.inverse() * warp;
+
     // The second coordinate varies across the first axis.
     set_levers(cell, [](const auto& p) { return std::array{p[1], p[0]}; });
+
     for (std::size_t m = 0; m < 2; ++m) {
       const Eigen::Vector2d axis = axes.col(static_cast<int>(m));
       const double square = axis.squaredNorm();
@@ -239,9 +253,12 @@ private:
         const double gamma = hourglass[i] - share(0) * reference[i][0] - share(1) * reference[i][1];
         mode.amplitude[i] = {gamma * axis(0) / square, gamma * axis(1) / square};
       }
+
+      // A stretch along the axis with the opposite transverse strain, in the global axes.
       const double along = axis(0) * axis(0) / square, across = axis(1) * axis(1) / square;
       const double shear = axis(0) * axis(1) / square;
       mode.strain = {{along - across, across - along, 0.0, 2.0 * shear}};
+
       if constexpr (is_axisymmetric<Element>) {
         add_hoop_mode(cell, m);
         cell.bending[2 + m].strain = {{-across, -along, 1.0, shear}};
@@ -249,7 +266,8 @@ private:
     }
   }
 
-  /// Levers at the points, without their volume means. @param lever_at  of a reference point
+  /// Sets the levers at the points, minus their volume means. @param lever_at  returns those of a
+  /// reference point
   template <class LeverAt>
   static void set_levers(Cell& cell, const LeverAt& lever_at) {
     decltype(Point::lever) mean{};
@@ -259,6 +277,7 @@ private:
         mean[l] += cell.point[q].weight * cell.point[q].lever[l] / cell.volume;
       }
     }
+
     for (Point& point : cell.point) {
       for (std::size_t l = 0; l < mean.size(); ++l) point.lever[l] -= mean[l];
     }
@@ -270,10 +289,12 @@ private:
     BendingMode<double>& mode = cell.bending[2 + lever];
     mode.amplitude = {};
     cell.mean_hoop = {};
+
     double square = 0.0;
     for (const Point& point : cell.point) {
       square += point.weight * point.lever[lever] * point.lever[lever];
     }
+
     for (const Point& point : cell.point) {
       for (std::size_t i = 0; i < std::size_t(nodes); ++i) {
         cell.mean_hoop[i] += point.weight * point.hoop[i] / cell.volume;
@@ -282,6 +303,7 @@ private:
     }
   }
 
+  /// Hoop gradient of a point, and its weight times the radius.
   static void add_radius(const mesh::Mesh<dimension>& mesh, const int* node, std::size_t q,
                          Point& point) {
     point.hoop = Element::shape(Element::point[q]);

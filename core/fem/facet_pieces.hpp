@@ -27,15 +27,15 @@ inline FacetShares<2> facet_shares(const mesh::Mesh<2>& mesh, const mesh::Facet<
 }
 
 namespace detail {
-inline Eigen::Vector3d corner_of(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet,
-                                 std::size_t i) {
+inline Eigen::Vector3d corner_point(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet,
+                                    std::size_t i) {
   return Eigen::Map<const Eigen::Vector3d>(mesh.point(facet.node[i]));
 }
 
 /// Normal vector of a triangle with twice its area as length [m2].
 inline Eigen::Vector3d doubled_area(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet) {
-  const Eigen::Vector3d a = corner_of(mesh, facet, 0);
-  return (corner_of(mesh, facet, 1) - a).cross(corner_of(mesh, facet, 2) - a);
+  const Eigen::Vector3d a = corner_point(mesh, facet, 0);
+  return (corner_point(mesh, facet, 1) - a).cross(corner_point(mesh, facet, 2) - a);
 }
 }  // namespace detail
 
@@ -46,15 +46,17 @@ inline FacetShares<3> facet_shares(const mesh::Mesh<3>& mesh, const mesh::Facet<
     const double third = detail::doubled_area(mesh, facet).norm() / 6.0;
     return {third, third, third, 0.0};
   }
+
   FacetShares<3> shares{};
   for (const auto& p : Q1Quadrilateral::point) {
     const auto shape = Q1Quadrilateral::shape(p);
     const auto gradient = Q1Quadrilateral::shape_gradient(p);
     Eigen::Vector3d along = Eigen::Vector3d::Zero(), across = along;
     for (std::size_t i = 0; i < 4; ++i) {
-      along += gradient[i][0] * detail::corner_of(mesh, facet, i);
-      across += gradient[i][1] * detail::corner_of(mesh, facet, i);
+      along += gradient[i][0] * detail::corner_point(mesh, facet, i);
+      across += gradient[i][1] * detail::corner_point(mesh, facet, i);
     }
+
     const double area = along.cross(across).norm();
     for (std::size_t i = 0; i < 4; ++i) shares[i] += shape[i] * area;
   }
@@ -83,10 +85,10 @@ FacetShares<Element::dimension> facet_shares_of(const mesh::Mesh<Element::dimens
 
 /// A piece of an edge between two levels.
 struct EdgePiece {
-  /// Level by Gauss point. Two points are exact up to cubic polynomials: the product of a shape
-  /// function, the radius and a quantity that is linear along the edge.
+  /// (Gauss point) [unit of the levels]. Two points are exact up to cubic polynomials: the product
+  /// of a shape function, the radius and a quantity that is linear along the edge.
   std::array<double, 2> level;
-  /// By node, by Gauss point [m], axisymmetric [m2/rad]
+  /// (node, Gauss point) [m], axisymmetric [m2/rad]
   std::array<std::array<double, 2>, 2> weight;
   double middle_level;  ///< [unit of the levels]
 };
@@ -94,8 +96,8 @@ struct EdgePiece {
 /// A piece of a face between two levels.
 struct FacePiece {
   std::array<double, 4> weight;  ///< integral of the shape function, by node [m2]
-  /// Mean level weighted by each shape function: evaluated there, a law linear in the level is
-  /// integrated exactly.
+  /// (node) mean level weighted by the shape function [unit of the levels]: a law linear in the
+  /// level, evaluated there, is integrated exactly.
   std::array<double, 4> level;
   double area;          ///< [m2]
   double middle_level;  ///< mean over the piece [unit of the levels]
@@ -115,17 +117,20 @@ public:
   void for_each_piece(std::span<const double> levels, const Use& use) const {
     const double rise = level_[1] - level_[0];
     double begin = 0.0;
+
     const auto cut_at = [&](double level) {
       const double xi = (level - level_[0]) / rise;
       if (!(xi > begin && xi < 1.0)) return;
       use(piece(begin, xi));
       begin = xi;
     };
+
     if (rise > 0.0) {
       std::for_each(levels.begin(), levels.end(), cut_at);
     } else if (rise < 0.0) {
       std::for_each(levels.rbegin(), levels.rend(), cut_at);
     }
+
     use(piece(begin, 1.0));
   }
 
@@ -136,10 +141,11 @@ private:
   EdgePiece piece(double begin, double end) const {
     const double half = 0.5 * (end - begin), middle = 0.5 * (begin + end);
     const double offset = half / std::sqrt(3.0);
-    const std::array<double, 2> at{middle - offset, middle + offset};
+    const std::array<double, 2> gauss_point{middle - offset, middle + offset};
+
     EdgePiece piece;
     for (std::size_t g = 0; g < 2; ++g) {
-      const double xi = at[g];
+      const double xi = gauss_point[g];
       for (std::size_t n = 0; n < 2; ++n)
         piece.weight[n][g] = half * length_ * (n == 0 ? 1.0 - xi : xi) * radius_at(xi);
       piece.level[g] = level_at(xi);
@@ -158,6 +164,7 @@ private:
 /// are exact lines of equal height.
 class FaceCut {
 public:
+  /// @param level  (node of the facet) by which the face is cut
   FaceCut(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet, std::array<double, 4> level)
       : nodes_(facet.nodes), level_(level) {
     for (std::size_t i = 0; i < std::size_t(nodes_); ++i)
@@ -168,34 +175,40 @@ public:
   template <class Use>
   void for_each_piece(std::span<const double> levels, const Use& use) const {
     const auto [low, high] = std::minmax_element(level_.begin(), level_.begin() + nodes_);
-    double from = -INFINITY;
-    const auto up_to = [&](double to) {
-      const FacePiece piece = between(from, to);
+    double begin = -INFINITY;
+
+    const auto cut_at = [&](double end) {
+      const FacePiece piece = integrate_between(begin, end);
       if (piece.area > 0.0) use(piece);
-      from = to;
+      begin = end;
     };
+
     for (const double level : levels)
-      if (level > *low && level < *high && level > from) up_to(level);
-    up_to(INFINITY);
+      if (level > *low && level < *high && level > begin) cut_at(level);
+    cut_at(INFINITY);
   }
 
 private:
   /// A corner of a polygon in reference coordinates.
   struct Corner {
-    std::array<double, 2> at;
+    std::array<double, 2> reference;
     double level;
   };
   using Polygon = std::vector<Corner>;
 
-  FacePiece between(double from, double to) const {
+  /// The piece between two levels, which may be infinite.
+  FacePiece integrate_between(double from, double to) const {
     FacePiece sum{};
     for (std::size_t half = 0; half < std::size_t(nodes_ - 2); ++half) {
       Polygon polygon{reference_corner(0), reference_corner(half + 1), reference_corner(half + 2)};
       if (from > -INFINITY) polygon = clip(polygon, from, 1.0);
       if (to < INFINITY) polygon = clip(polygon, to, -1.0);
+
+      // The polygon is convex: a fan of triangles.
       for (std::size_t i = 2; i < polygon.size(); ++i)
         add_triangle({polygon[0], polygon[i - 1], polygon[i]}, sum);
     }
+
     for (std::size_t n = 0; n < 4; ++n)
       sum.level[n] = sum.weight[n] > 0.0 ? sum.level[n] / sum.weight[n] : 0.0;
     if (sum.area > 0.0) sum.middle_level /= sum.area;
@@ -215,9 +228,12 @@ private:
       const double above_a = sign * (a.level - level), above_b = sign * (b.level - level);
       if (above_a >= 0.0) kept.push_back(a);
       if (above_a * above_b >= 0.0) continue;
+
+      // The side crosses the level.
       const double share = above_a / (above_a - above_b);
-      kept.push_back(
-          {{a.at[0] + share * (b.at[0] - a.at[0]), a.at[1] + share * (b.at[1] - a.at[1])}, level});
+      kept.push_back({{a.reference[0] + share * (b.reference[0] - a.reference[0]),
+                       a.reference[1] + share * (b.reference[1] - a.reference[1])},
+                      level});
     }
     return kept;
   }
@@ -225,13 +241,14 @@ private:
   /// Seven points, exact up to polynomials of degree five (Radon 1948): enough for the product of
   /// shape function, Jacobian and level of a plane quadrilateral.
   struct Radon {
-    double weight;
-    std::array<double, 3> share;  ///< of the corners
+    double weight;                ///< [1] they sum to 1
+    std::array<double, 3> share;  ///< barycentric coordinates [1]
   };
   static std::array<Radon, 7> radon() {
     const double root = std::sqrt(15.0);
     std::array<Radon, 7> points;
     points[0] = {9.0 / 40.0, {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}};
+
     for (std::size_t k = 0; k < 2; ++k) {
       const double sign = k == 0 ? -1.0 : 1.0;
       const double near = (6.0 + sign * root) / 21.0, weight = (155.0 + sign * root) / 1200.0;
@@ -247,27 +264,32 @@ private:
   void add_triangle(const std::array<Corner, 3>& triangle, FacePiece& sum) const {
     static const std::array<Radon, 7> points = radon();
     const auto& [a, b, c] = triangle;
-    const double reference_area = 0.5 * ((b.at[0] - a.at[0]) * (c.at[1] - a.at[1]) -
-                                         (b.at[1] - a.at[1]) * (c.at[0] - a.at[0]));
+    const double reference_area =
+        0.5 * ((b.reference[0] - a.reference[0]) * (c.reference[1] - a.reference[1]) -
+               (b.reference[1] - a.reference[1]) * (c.reference[0] - a.reference[0]));
+
     for (const Radon& point : points) {
-      std::array<double, 2> at{};
+      std::array<double, 2> reference{};
       for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t d = 0; d < 2; ++d) at[d] += point.share[i] * triangle[i].at[d];
+        for (std::size_t d = 0; d < 2; ++d)
+          reference[d] += point.share[i] * triangle[i].reference[d];
       }
-      add_point(at, point.weight * reference_area, sum);
+      add_point(reference, point.weight * reference_area, sum);
     }
   }
 
-  void add_point(const std::array<double, 2>& at, double weight, FacePiece& sum) const {
+  /// Adds an integration point. @param weight  in the reference coordinates [1]
+  void add_point(const std::array<double, 2>& reference, double weight, FacePiece& sum) const {
     std::array<double, 4> shape{};
     std::array<std::array<double, 2>, 4> gradient{};
     if (nodes_ == 3) {
-      std::ranges::copy(P1Triangle::shape(at), shape.begin());
-      std::ranges::copy(P1Triangle::shape_gradient(at), gradient.begin());
+      std::ranges::copy(P1Triangle::shape(reference), shape.begin());
+      std::ranges::copy(P1Triangle::shape_gradient(reference), gradient.begin());
     } else {
-      shape = Q1Quadrilateral::shape(at);
-      gradient = Q1Quadrilateral::shape_gradient(at);
+      shape = Q1Quadrilateral::shape(reference);
+      gradient = Q1Quadrilateral::shape_gradient(reference);
     }
+
     Eigen::Vector3d along = Eigen::Vector3d::Zero(), across = along;
     double level = 0.0;
     for (std::size_t i = 0; i < std::size_t(nodes_); ++i) {
@@ -275,6 +297,7 @@ private:
       across += gradient[i][1] * corner_[i];
       level += shape[i] * level_[i];
     }
+
     weight *= along.cross(across).norm();
     sum.area += weight;
     sum.middle_level += weight * level;

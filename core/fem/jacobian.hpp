@@ -32,8 +32,9 @@ public:
     return sum;
   }
 
-  /// Spatial gradient [1/m] of a function. @param reference  its gradient by the reference
-  /// coordinates [1] @param inverse  1 / determinant() [m^-Dim]
+  /// Spatial gradient of a function [1/m].
+  /// @param reference  its gradient by the reference coordinates [1]
+  /// @param inverse    1 / determinant() [m^-Dim]
   std::array<double, Dim> gradient(const std::array<double, Dim>& reference, double inverse) const {
     std::array<double, Dim> g;
     for (std::size_t a = 0; a < Dim; ++a) {
@@ -45,6 +46,7 @@ public:
   }
 
 private:
+  /// Cofactors: the inverse is their transpose divided by the determinant.
   void set_cofactors() {
     const auto& d = derivative_;
     if constexpr (Dim == 2) {

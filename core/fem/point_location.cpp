@@ -9,7 +9,8 @@ namespace dccast::fem {
 
 namespace {
 
-// How far outside of the reference cell a point still counts as inside: round-off of the mapping.
+/// Distance outside the reference cell at which a point still counts as inside: rounding error of
+/// the mapping.
 constexpr double slack = 1e-9;
 
 template <int Dim>
@@ -31,17 +32,19 @@ double determinant(const Columns<3>& m) {
 template <int Dim>
 Vector<Dim> solve(const Columns<Dim>& columns, const Vector<Dim>& right) {
   Vector<Dim> x{};
-  const double whole = determinant(columns);
+  const double full_determinant = determinant(columns);
   for (std::size_t d = 0; d < Dim; ++d) {
     Columns<Dim> replaced = columns;
     replaced[d] = right;
-    x[d] = determinant(replaced) / whole;
+    x[d] = determinant(replaced) / full_determinant;
   }
   return x;
 }
 
+/// Barycentric coordinates of a point in a triangle or tetrahedron; nothing outside.
 template <int Dim>
-std::optional<Place> inside_simplex(const mesh::Mesh<Dim>& mesh, int e, const Vector<Dim>& point) {
+std::optional<Place> locate_in_simplex(const mesh::Mesh<Dim>& mesh, int e,
+                                       const Vector<Dim>& point) {
   const int* node = mesh.nodes_of(e);
   const double* origin = mesh.point(node[0]);
   Columns<Dim> edge;
@@ -50,7 +53,9 @@ std::optional<Place> inside_simplex(const mesh::Mesh<Dim>& mesh, int e, const Ve
     from_origin[d] = point[d] - origin[d];
     for (std::size_t i = 0; i < Dim; ++i) edge[i][d] = mesh.point(node[i + 1])[d] - origin[d];
   }
+
   const Vector<Dim> share = solve<Dim>(edge, from_origin);
+
   Place place{e, {}};
   place.shape[0] = 1.0;
   double sum = 0.0;
@@ -63,24 +68,27 @@ std::optional<Place> inside_simplex(const mesh::Mesh<Dim>& mesh, int e, const Ve
   return sum > 1.0 + slack ? std::nullopt : std::optional(place);
 }
 
-/// Newton on the map of the reference cell; for cells that are parallelepipeds one step is exact.
+/// Inverts the map of the reference cell by Newton's method; nothing outside. For parallelepipeds
+/// one step is exact.
 template <int Dim>
-std::optional<Place> inside_cell(const mesh::Mesh<Dim>& mesh, int e, const Vector<Dim>& point) {
+std::optional<Place> locate_in_cell(const mesh::Mesh<Dim>& mesh, int e, const Vector<Dim>& point) {
   const int* node = mesh.nodes_of(e);
   Vector<Dim> p{};
   for (int iteration = 0; iteration < 20; ++iteration) {
     const auto shape = Q1<Dim>::shape(p);
     const auto gradient = Q1<Dim>::shape_gradient(p);
+
     Vector<Dim> residual;
     for (std::size_t d = 0; d < Dim; ++d) residual[d] = -point[d];
     Columns<Dim> jacobian{};
     for (std::size_t i = 0; i < shape.size(); ++i) {
-      const double* at = mesh.point(node[i]);
+      const double* x = mesh.point(node[i]);
       for (std::size_t d = 0; d < Dim; ++d) {
-        residual[d] += shape[i] * at[d];
-        for (std::size_t k = 0; k < Dim; ++k) jacobian[k][d] += gradient[i][k] * at[d];
+        residual[d] += shape[i] * x[d];
+        for (std::size_t k = 0; k < Dim; ++k) jacobian[k][d] += gradient[i][k] * x[d];
       }
     }
+
     const Vector<Dim> change = solve<Dim>(jacobian, residual);
     double size = 0.0;
     for (std::size_t d = 0; d < Dim; ++d) {
@@ -89,15 +97,17 @@ std::optional<Place> inside_cell(const mesh::Mesh<Dim>& mesh, int e, const Vecto
     }
     if (size < 1e-13) break;
   }
+
   for (const double coordinate : p) {
     if (!(std::abs(coordinate) <= 1.0 + slack)) return std::nullopt;
   }
+
   Place place{e, {}};
   std::ranges::copy(Q1<Dim>::shape(p), place.shape.begin());
   return place;
 }
 
-/// Whether the box around an element has the point; most elements are passed over by it.
+/// Whether the bounding box of an element contains the point, a test that excludes most elements.
 template <int Dim>
 bool in_box(const mesh::Mesh<Dim>& mesh, int e, const Vector<Dim>& point) {
   const int* node = mesh.nodes_of(e);
@@ -112,6 +122,7 @@ bool in_box(const mesh::Mesh<Dim>& mesh, int e, const Vector<Dim>& point) {
     }
     size += high[d] - low[d];
   }
+
   for (std::size_t d = 0; d < Dim; ++d) {
     if (point[d] < low[d] - slack * size || point[d] > high[d] + slack * size) return false;
   }
@@ -126,8 +137,9 @@ std::optional<Place> locate(const mesh::Mesh<Dim>& mesh,
   const bool simplices = mesh.nodes_per_element == Dim + 1;
   for (int e = 0; e < mesh.elements(); ++e) {
     if (!in_box<Dim>(mesh, e, point)) continue;
+
     const auto place =
-        simplices ? inside_simplex<Dim>(mesh, e, point) : inside_cell<Dim>(mesh, e, point);
+        simplices ? locate_in_simplex<Dim>(mesh, e, point) : locate_in_cell<Dim>(mesh, e, point);
     if (place) return place;
   }
   return std::nullopt;

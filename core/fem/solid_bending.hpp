@@ -53,6 +53,7 @@ struct SolidBendingModes {
 /// The modes of a cell. @see SolidBendingModes
 struct SolidBending : SolidBendingModes<double> {
   SolidBending() = default;
+  /// @param corner  (node) coordinates [m]
   explicit SolidBending(const std::array<Eigen::Vector3d, nodes>& corner) {
     const auto reference = Q1Hexahedron::shape_gradient({0.0, 0.0, 0.0});
     Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();  // columns dx/dr, dx/ds, dx/dt at the centre
@@ -60,6 +61,7 @@ struct SolidBending : SolidBendingModes<double> {
       axes += corner[i] * Eigen::Map<const Eigen::RowVector3d>(reference[i].data());
     }
     const Eigen::Matrix3d normals = axes.inverse();  // rows: gradients of r, s, t
+
     set_warps(corner, reference, normals);
     for (std::size_t across = 0; across < 3; ++across) set_plate(across, axes, normals);
     for (std::size_t along = 0; along < 3; ++along) {
@@ -70,18 +72,21 @@ struct SolidBending : SolidBendingModes<double> {
 private:
   using Gradients = std::array<std::array<double, 3>, nodes>;
 
+  /// Weights gamma_i of the nodes in q = sum of gamma_i u_i, orthogonal to all uniform gradients
+  /// (Flanagan and Belytschko 1981).
   void set_warps(const std::array<Eigen::Vector3d, nodes>& corner, const Gradients& reference,
                  const Eigen::Matrix3d& normals) {
     for (std::size_t w = 0; w < warps; ++w) {
-      Eigen::Vector3d of_cell = Eigen::Vector3d::Zero();  // x itself has this part
+      Eigen::Vector3d position_warp = Eigen::Vector3d::Zero();  // q of the coordinates themselves
       for (std::size_t i = 0; i < nodes; ++i) {
         warp[w][i] = 0.125;
         for (std::size_t d = 0; d < 3; ++d) {
           if (d != w) warp[w][i] *= detail::corner[i][d];
         }
-        of_cell += warp[w][i] * corner[i];
+        position_warp += warp[w][i] * corner[i];
       }
-      const Eigen::Vector3d share = normals * of_cell;
+
+      const Eigen::Vector3d share = normals * position_warp;
       for (std::size_t i = 0; i < nodes; ++i) {
         warp[w][i] -= share.dot(Eigen::Map<const Eigen::Vector3d>(reference[i].data()));
       }
@@ -94,13 +99,16 @@ private:
     const std::size_t a = (c + 1) % 3, b = (c + 2) % 3;
     const Eigen::Vector3d normal = normals.row(static_cast<int>(c)).normalized();
     const Eigen::Vector3d e1 = axes.col(static_cast<int>(a)).normalized(), e2 = normal.cross(e1);
-    const Eigen::Vector3d na = normals.row(static_cast<int>(a)),
-                          nb = normals.row(static_cast<int>(b));
-    const auto add = [&](std::size_t number, const Eigen::Matrix3d& strain, auto&& share_of) {
+    const Eigen::Vector3d na = normals.row(static_cast<int>(a));
+    const Eigen::Vector3d nb = normals.row(static_cast<int>(b));
+    const auto add = [&](std::size_t number, const Eigen::Matrix3d& strain,
+                         auto&& amplitude_share) {
       Mode& m = mode[3 * c + number];
       m.strain = tensor(strain);
-      m.share = {components(share_of(na)), components(share_of(nb))};
+      m.share = {components(amplitude_share(na)), components(amplitude_share(nb))};
     };
+
+    // Two stretches in the plane of the plate, and its shear.
     const Eigen::Matrix3d opposite = normal * normal.transpose();
     const Eigen::Matrix3d shear = e1 * e2.transpose();
     add(0, e1 * e1.transpose() - opposite,
@@ -112,6 +120,7 @@ private:
     });
   }
 
+  /// A stretch along an axis with minus half of it along both transverse directions.
   void set_stretch(std::size_t along, const Eigen::Vector3d& axis) {
     Mode& m = mode[9 + along];
     const Eigen::Vector3d t = axis.normalized();

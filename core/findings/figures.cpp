@@ -6,24 +6,25 @@
 #include <cmath>
 
 #include "core/findings/motion.hpp"
+#include "core/findings/mush_strain.hpp"
 #include "core/findings/shell.hpp"
 
 namespace dccast::casting {
 
 namespace {
 
-/// Metal that was below the mould exit during the hold had no water on purpose; only metal that has
-/// left the mould since then is judged [m].
+/// Cast length from which metal at the mould exit is judged [m]: metal that was below the exit
+/// during the hold had no water on purpose.
 constexpr double first_metal_out = 5e-3;
 
 /// From this solid fraction on [1] the mush is as tough as solid metal; 0.94 to 0.99 by alloy
 /// (docs/findings.md).
 constexpr double tough_solid_fraction = 0.98;
 
-/// Node of the bottom that is nearest to a place.
+/// The node nearest to a place.
 template <int Dim>
-int nearest_of(const mesh::Mesh<Dim>& mesh, const std::vector<int>& nodes,
-               const std::array<double, Dim>& place) {
+int find_nearest(const mesh::Mesh<Dim>& mesh, const std::vector<int>& nodes,
+                 const std::array<double, Dim>& place) {
   const auto squared = [&](int n) {
     double sum = 0.0;
     for (std::size_t d = 0; d < Dim; ++d) sum += std::pow(mesh.point(n)[d] - place[d], 2);
@@ -45,8 +46,8 @@ double mould_exit(const Case& c) {
   return c.cooling.water.from;
 }
 
-/// Distance below the metal level [m] at which the mould contact, the uppermost zone, ends; without
-/// a zone that of the mould exit.
+/// Distance below the metal level at which the mould contact, the uppermost zone, ends [m]; without
+/// a zone the distance of the mould exit.
 double contact_end(const Case& c) {
   const auto& zones = c.cooling.zones;
   if (zones.empty()) return mould_exit(c);
@@ -68,30 +69,34 @@ template <int Dim>
 void StepMeter<Dim>::measure_exit(const StepView<Dim>& view, StepFigures& f) const {
   const double height = view.metal_level - mould_exit(case_);
   f.mould_exit_temperature = side_temperature<Dim>(view.mesh, view.temperature, height);
+
   const auto slice = slice_at(view.mesh, view.temperature, std::max(0.0, height), isotherm_);
   if (!slice) return;  // a mesh without a side
+
   f.left_mould = height >= 0.0 && view.cast_length >= first_metal_out;
   f.exit_surface = slice->surface;
   f.exit_shell = slice->shell;
 }
 
-/// Checks a few heights only: a remelted band is centimetres high.
+/// Measures at a few heights only: a remelted band is centimetres high.
 template <int Dim>
 void StepMeter<Dim>::measure_gap(const StepView<Dim>& view, StepFigures& f) const {
   constexpr int heights = 4;
   const double begin = contact_end(case_), length = mould_exit(case_) - begin;
   if (length <= 0.0 || view.metal_level < begin) return;
-  const auto at = [&](double distance) {
+
+  const auto hottest_below_level = [&](double distance) {
     return hottest_side_at(view.mesh, view.temperature, view.metal_level - distance);
   };
-  const auto entry = at(begin);
+  const auto entry = hottest_below_level(begin);
   if (!entry) return;
+
   f.in_gap = true;
   f.gap_entry = entry->value;
   for (int i = 1; i <= heights; ++i) {
     const double distance = begin + length * i / heights;
     if (distance > view.metal_level) return;
-    const auto surface = at(distance);
+    const auto surface = hottest_below_level(distance);
     if (surface && surface->value > f.gap_surface.value) f.gap_surface = *surface;
   }
 }
@@ -100,14 +105,18 @@ template <int Dim>
 void StepMeter<Dim>::measure_bottom(const StepView<Dim>& view, StepFigures& f) const {
   const Located<Dim> shell = bottom_shell(view.mesh, view.temperature, isotherm_);
   f.bottom_shell = shell;
+
   const std::vector<int> nodes = mesh::patch_nodes(view.mesh, mesh::PatchKind::bottom);
   if (!f.mechanical || nodes.empty()) return;
+
   const auto lift = [&](int n) { return view.slab.displacement[std::size_t(n) * Dim + Dim - 1]; };
-  f.gap_under_shell = std::max(0.0, lift(nearest_of<Dim>(view.mesh, nodes, shell.place)));
+  f.gap_under_shell = std::max(0.0, lift(find_nearest<Dim>(view.mesh, nodes, shell.place)));
+
   const auto from_centre = [&](int n) {
     return std::hypot(view.mesh.point(n)[0], Dim == 3 ? view.mesh.point(n)[1] : 0.0);
   };
   const auto [centre, corner] = std::ranges::minmax(nodes, {}, from_centre);
+
   f.centre_lift = {lift(centre), {view.mesh.point(centre), view.mesh.point(centre) + Dim}};
   f.corner_lift = lift(corner);
   const int highest = *std::ranges::max_element(nodes, {}, lift);
@@ -117,15 +126,18 @@ void StepMeter<Dim>::measure_bottom(const StepView<Dim>& view, StepFigures& f) c
 template <int Dim>
 void StepMeter<Dim>::measure_closed_shell(const StepView<Dim>& view, StepFigures& f,
                                           FigureHistory& history) const {
-  // A billet is held by its hoop stress, whatever happens to the shell below its axis.
+  // A billet is held by its hoop stress, even if the shell below its axis melts.
   if (case_.section.kind == mesh::SectionKind::axisymmetric ||
       case_.mechanics.options.liquid == mechanics::Liquid::solid)
     return;
+
+  // Without a limit the cheap test is enough while the shell is closed.
   const double limit = case_.validity.minimum_shell;
   if (limit <= 0.0 && !melt_touches_bottom(view.mesh, view.slab.solid)) {
     history.shell_stood = true;
     return;
   }
+
   auto shell = thinnest_shell(view.mesh, view.slab.solid);
   if (!shell) return;
   history.shell_stood |= shell->value > 0.0 && shell->value >= limit;
@@ -139,6 +151,7 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
   f.weight = checks.weight / view.face_length;
   f.bottom_reaction = checks.bottom_reaction / view.face_length;
   f.complementarity_error = checks.complementarity_error;
+
   f.rotation = largest_rotation(view.mesh, view.slab.solid, view.slab.displacement, view.growing,
                                 history.when_liquid);
   f.slip = largest_slip(view.mesh, view.slab.solid, view.slab.displacement, view.temperature,
@@ -146,6 +159,7 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
   if (checks.worst_liquid >= 0)
     f.liquid_pressure_error = {checks.liquid_pressure_error,
                                centroid(view.mesh, checks.worst_liquid)};
+
   measure_closed_shell(view, f, history);
 }
 
@@ -158,6 +172,7 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   f.last = view.last;
   f.mechanical = view.slab.started;
   f.solid_model = Dim == 3;
+
   f.energy_balance_error = view.heat.balance.error;
   f.superheat = view.superheat;
   f.level_heat = view.level_heat;
@@ -166,16 +181,20 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
     f.water_thrown_off = f.water_thrown_off || water.thrown_off;
     f.water_share = std::max(f.water_share, water.share());
   }
+
   f.metal_depth = view.metal_level;
   f.sump_depth =
       sump_depth<Dim>(view.mesh, view.temperature, view.metal_level, case_.alloy.coherency);
+
   measure_exit(view, f);
   measure_gap(view, f);
   measure_bottom(view, f);
   if (f.mechanical) measure_mechanics(view, f, history);
+
   const bool hoop = case_.section.kind == mesh::SectionKind::axisymmetric;
   f.mush_strain =
       mush_strain(view.mesh, view.slab, view.temperature, fragile_above_, view.growing, hoop);
+
   if (f.moves)
     history.thickest_bottom_shell = std::max(history.thickest_bottom_shell, f.bottom_shell.value);
   f.thickest_bottom_shell = history.thickest_bottom_shell;

@@ -13,7 +13,7 @@
 
 namespace dccast::casting {
 
-/// An accepted step: input of the figures that findings are judged by.
+/// An accepted step: the data from which its figures are measured.
 template <int Dim>
 struct StepView {
   double time = 0.0;         ///< [s]
@@ -34,25 +34,26 @@ struct StepView {
   std::span<const std::vector<double>> monitor_displacement{};
 };
 
-/// The figures of a step that findings are judged by, for any dimension.
+/// The figures of a step from which findings follow, for any dimension.
 struct StepFigures {
-  double time = 0.0;                   ///< [s]
-  double time_step = 0.0;              ///< [s]
-  bool moves = false;                  ///< the block moves: the hold is over
-  bool last = false;                   ///< the casting ends with this step
-  bool mechanical = false;             ///< displacements are computed
-  bool solid_model = false;            ///< three dimensions: forces are those of the whole quarter
-  double energy_balance_error = 0.0;   ///< [1] relative to the heat exchanged
-  double superheat = 0.0;              ///< [J/m], [J/rad], [J] of the metal poured so far
-  double level_heat = 0.0;             ///< [J/m], [J/rad], [J] in through the metal level so far
-  double water_share = 0.0;            ///< [1] heat taken of all that the water could take, by face
-  bool water_boiled_away = false;      ///< on some face too little is left to cover it
-  bool water_thrown_off = false;       ///< vapour has thrown it off some face
-  double weight = 0.0;                 ///< [N/m], in 3D [N]
-  double bottom_reaction = 0.0;        ///< [N/m] upwards, in 3D [N]
-  double complementarity_error = 0.0;  ///< [1] relative to 1 mm and the weight
-  double metal_depth = 0.0;            ///< [m] from the bottom to the metal level
-  double sump_depth = 0.0;             ///< [m]
+  double time = 0.0;                  ///< [s]
+  double time_step = 0.0;             ///< [s]
+  bool moves = false;                 ///< the block moves: the hold is over
+  bool last = false;                  ///< the casting ends with this step
+  bool mechanical = false;            ///< displacements are computed
+  bool solid_model = false;           ///< three dimensions: forces are those of the whole quarter
+  double energy_balance_error = 0.0;  ///< [1] relative to the heat exchanged
+  double superheat = 0.0;             ///< [J/m], [J/rad], [J] of the metal poured so far
+  double level_heat = 0.0;            ///< [J/m], [J/rad], [J] in through the metal level so far
+  double water_share =
+      0.0;  ///< [1] heat taken, relative to the most that the water of a face could take
+  bool water_boiled_away = false;       ///< on some face too little water is left to cover it
+  bool water_thrown_off = false;        ///< a vapour film has thrown the water off some face
+  double weight = 0.0;                  ///< [N/m], in 3D [N]
+  double bottom_reaction = 0.0;         ///< [N/m] upwards, in 3D [N]
+  double complementarity_error = 0.0;   ///< [1] relative to 1 mm and the weight
+  double metal_depth = 0.0;             ///< [m] from the bottom to the metal level
+  double sump_depth = 0.0;              ///< [m]
   double mould_exit_temperature = 0.0;  ///< [°C] largest of the side at the mould exit
   bool left_mould = false;              ///< metal that was held by the mould has left it
   PlacedFigure exit_surface;  ///< [°C] hottest point of the side at the mould exit, or at the butt
@@ -63,8 +64,8 @@ struct StepFigures {
   PlacedFigure bottom_shell;  ///< [m]
   double gap_under_shell = 0.0;        ///< [m] gap between block and slab under the thinnest place
   double thickest_bottom_shell = 0.0;  ///< [m] largest since the block started to move
-  /// [m] thinnest_shell(), once a closed shell has existed; empty where it is not judged, or closed
-  /// with no least thickness to compare with
+  /// [m] thinnest_shell(), once a closed shell has existed; empty if it is not judged, or if it is
+  /// closed and has no least thickness
   std::optional<PlacedFigure> closed_shell;
   PlacedFigure mush_strain;  ///< [1]
   PlacedFigure lift;         ///< [m] largest lift of the bottom
@@ -76,21 +77,21 @@ struct StepFigures {
   double greatest_curl = 0.0;          ///< [m] largest of all monitors
 };
 
-/// What the figures of a step need of earlier steps.
+/// Data of earlier steps from which figures of a step are measured.
 struct FigureHistory {
   bool shell_stood = false;            ///< a closed shell has existed, so that it can melt through
   std::vector<double> when_liquid;     ///< [rad] or [1], see largest_rotation()
   double thickest_bottom_shell = 0.0;  ///< [m] since the block started to move
 };
 
-/// Measures the figures of steps; decides nothing.
+/// Measures the figures of steps, without judging them.
 template <int Dim>
 class StepMeter {
 public:
   /// @param casting_case  must outlive the meter
   explicit StepMeter(const Case& casting_case);
 
-  /// @param history  of the steps before; updated
+  /// Measures a step. @param history  of the previous steps; updated
   StepFigures measure(const StepView<Dim>& view, FigureHistory& history) const;
 
 private:
@@ -105,8 +106,8 @@ private:
   const Case& case_;
   material::MechanicalProperties properties_;
   double isotherm_;       ///< [°C] at which metal counts as shell
-  double fragile_above_;  ///< [°C]
-  double solid_below_;    ///< [°C]
+  double fragile_above_;  ///< [°C] at which metal becomes tough
+  double solid_below_;    ///< [°C] below which contraction counts
 };
 
 }  // namespace dccast::casting

@@ -9,14 +9,14 @@
 #include "core/results/checkpoint_file.hpp"
 #include "core/results/step_report.hpp"
 
-/// The one judge of a run: what holds for a step follows from its figures and the table of rules.
+/// The judge of a run: all findings of a step follow from its figures and the table of rules.
 namespace dccast::casting {
 
 using results::Finding;
 using results::Severity;
 using results::ValidityLoss;
 
-/// What has been found so far, and the history that finding more needs; a part of RunState.
+/// Findings so far, and the history that the judgement of further steps needs; a part of RunState.
 struct FindingsState {
   std::vector<Finding> raised;       ///< each code once, in the order in which they were raised
   std::optional<ValidityLoss> lost;  ///< the first loss of validity
@@ -24,11 +24,11 @@ struct FindingsState {
 };
 
 /// Findings of a case that follow from its tables alone, each code once.
-/// @param casting_case  one without faults
+/// @param casting_case  a case without faults
 std::vector<Finding> findings_of_case(const Case& casting_case);
 
-/// Judges a step by every rule: raises findings, keeps the worst exceedance of those raised before,
-/// and notes the first loss of validity.
+/// Judges a step by every rule: raises findings, updates the worst exceedance of those raised
+/// before, and records the first loss of validity.
 /// @return  the failures that follow from findings raised in this step
 RunFailures judge(const Case& casting_case, const StepFigures& step, FindingsState& state);
 

@@ -20,22 +20,24 @@ Matrix3 deformation_gradient(const mesh::Mesh3D& mesh, int element,
                              const std::array<std::array<double, 3>, Nodes>& gradient) {
   Matrix3 before{}, after{};
   const int* node = mesh.nodes_of(element);
+
   for (std::size_t i = 0; i < gradient.size(); ++i) {
-    const double* at = mesh.point(node[i]);
+    const double* x = mesh.point(node[i]);
     const double* u = &displacement[3 * std::size_t(node[i])];
     for (std::size_t r = 0; r < 3; ++r) {
       for (std::size_t k = 0; k < 3; ++k) {
-        before[r][k] += at[r] * gradient[i][k];
-        after[r][k] += (at[r] + u[r]) * gradient[i][k];
+        before[r][k] += x[r] * gradient[i][k];
+        after[r][k] += (x[r] + u[r]) * gradient[i][k];
       }
     }
   }
+
   return product(after, inverse(before));
 }
 
 /// atan2(y, x). Small angles, by far the most frequent, are computed by the series, which is exact
-/// to round-off there and takes a fraction of the time.
-double angle_of(double y, double x) {
+/// to rounding error there and takes a fraction of the time.
+double fast_atan2(double y, double x) {
   constexpr double small = 0.02;  // its eleventh power is negligible relative to it
   const double t = y / x;
   if (!(x > 0.0 && std::abs(t) < small)) return std::atan2(y, x);
@@ -46,48 +48,15 @@ double angle_of(double y, double x) {
 constexpr std::array<std::array<double, 3>, 4> tetrahedron_gradient{
     {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
-}  // namespace
-
-Turn<2> turn_of(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement) {
-  // The integral of grad u over a quadrilateral is a matter of its diagonals, by Gauss' theorem: u
-  // is linear along each edge. Those of a triangle are the two edges at its third node.
-  const int* node = mesh.nodes_of(element);
-  const int corners = mesh.nodes_per_element;
-  const std::array<int, 2> from{node[0], node[1]}, to{node[2], node[corners - 1]};
-  std::array<double, 2> x{}, y{}, u{}, v{};
-  for (std::size_t k = 0; k < 2; ++k) {
-    const double* begin = mesh.point(from[k]);
-    const double* end = mesh.point(to[k]);
-    const double* moved_begin = &displacement[2 * std::size_t(from[k])];
-    const double* moved_end = &displacement[2 * std::size_t(to[k])];
-    x[k] = end[0] - begin[0], y[k] = end[1] - begin[1];
-    u[k] = moved_end[0] - moved_begin[0], v[k] = moved_end[1] - moved_begin[1];
-  }
-  const double twice_area = x[0] * y[1] - x[1] * y[0];
-  const double curl = v[0] * y[1] - v[1] * y[0] + u[0] * x[1] - u[1] * x[0];
-  const double divergence = u[0] * y[1] - u[1] * y[0] - v[0] * x[1] + v[1] * x[0];
-  return {angle_of(curl, 2.0 * twice_area + divergence)};
-}
-
-Turn<3> turn_of(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement) {
-  if (mesh.nodes_per_element == 4)
-    return quaternion_of(
-        polar_rotation(deformation_gradient(mesh, element, displacement, tetrahedron_gradient)));
-  static const auto in_the_middle = fem::Q1Hexahedron::shape_gradient({0.0, 0.0, 0.0});
-  return quaternion_of(
-      polar_rotation(deformation_gradient(mesh, element, displacement, in_the_middle)));
-}
-
-namespace {
-
 /// Angle of the rotation from one turn to another [rad], 0 to pi.
 double angle_between(const Turn<2>& from, const Turn<2>& to) {
-  const double apart = std::abs(to[0] - from[0]);
-  return std::min(apart, 2.0 * std::numbers::pi - apart);  // the smaller of the two angles
+  const double difference = std::abs(to[0] - from[0]);
+  return std::min(difference, 2.0 * std::numbers::pi - difference);
 }
 
+/// Angle of the rotation from one turn to another [rad], 0 to pi.
 double angle_between(const Turn<3>& from, const Turn<3>& to) {
-  // The product of one with the conjugate of the other: real part, and imaginary parts.
+  // Real and imaginary parts of the product of one with the conjugate of the other.
   const double real = from[0] * to[0] + from[1] * to[1] + from[2] * to[2] + from[3] * to[3];
   const double i = from[0] * to[1] - from[1] * to[0] - from[2] * to[3] + from[3] * to[2];
   const double j = from[0] * to[2] - from[2] * to[0] - from[3] * to[1] + from[1] * to[3];
@@ -95,14 +64,70 @@ double angle_between(const Turn<3>& from, const Turn<3>& to) {
   return 2.0 * std::atan2(std::hypot(i, j, k), std::abs(real));
 }
 
+/// Contraction of a facet of the bottom from solid_below to its mean temperature [1], at least
+/// zero.
+template <int Dim>
+double facet_contraction(const mesh::Facet<Dim>& facet, std::span<const double> temperature,
+                         const material::MechanicalProperties& properties, double solid_below) {
+  double sum = 0.0;
+  for (int i = 0; i < facet.nodes; ++i) sum += temperature[std::size_t(facet.node[std::size_t(i)])];
+  const double mean = sum / facet.nodes;
+  return std::max(0.0, properties.thermal_stretch(solid_below) - properties.thermal_stretch(mean));
+}
+
+/// Updates the largest slip with a node: its displacement `u` along one axis against the
+/// contraction, both [m].
+template <int Dim>
+void update_slip(const mesh::Mesh<Dim>& mesh, int n, double u, double contraction,
+                 PlacedFigure& slip) {
+  const double beyond = std::max(u, -contraction - u);
+  if (beyond > slip.value) slip = {beyond, {mesh.point(n), mesh.point(n) + Dim}};
+}
+
 }  // namespace
+
+Turn<2> element_turn(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement) {
+  // By Gauss' theorem the integral of grad u over a quadrilateral depends on its diagonals only,
+  // because u is linear along each edge. For a triangle the two edges at its third node take their
+  // place.
+  const int* node = mesh.nodes_of(element);
+  const int corners = mesh.nodes_per_element;
+  const std::array<int, 2> from{node[0], node[1]}, to{node[2], node[corners - 1]};
+
+  std::array<double, 2> x{}, y{}, u{}, v{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double* begin = mesh.point(from[k]);
+    const double* end = mesh.point(to[k]);
+    const double* moved_begin = &displacement[2 * std::size_t(from[k])];
+    const double* moved_end = &displacement[2 * std::size_t(to[k])];
+    x[k] = end[0] - begin[0];
+    y[k] = end[1] - begin[1];
+    u[k] = moved_end[0] - moved_begin[0];
+    v[k] = moved_end[1] - moved_begin[1];
+  }
+
+  const double twice_area = x[0] * y[1] - x[1] * y[0];
+  const double curl = v[0] * y[1] - v[1] * y[0] + u[0] * x[1] - u[1] * x[0];
+  const double divergence = u[0] * y[1] - u[1] * y[0] - v[0] * x[1] + v[1] * x[0];
+  return {fast_atan2(curl, 2.0 * twice_area + divergence)};
+}
+
+Turn<3> element_turn(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement) {
+  if (mesh.nodes_per_element == 4)
+    return quaternion_of(
+        polar_rotation(deformation_gradient(mesh, element, displacement, tetrahedron_gradient)));
+
+  static const auto centre_gradient = fem::Q1Hexahedron::shape_gradient({0.0, 0.0, 0.0});
+  return quaternion_of(
+      polar_rotation(deformation_gradient(mesh, element, displacement, centre_gradient)));
+}
 
 template <int Dim>
 std::vector<double> centroid(const mesh::Mesh<Dim>& mesh, int element) {
   std::vector<double> sum(Dim, 0.0);
   for (int i = 0; i < mesh.nodes_per_element; ++i) {
-    const double* at = mesh.point(mesh.nodes_of(element)[i]);
-    for (std::size_t d = 0; d < Dim; ++d) sum[d] += at[d] / mesh.nodes_per_element;
+    const double* x = mesh.point(mesh.nodes_of(element)[i]);
+    for (std::size_t d = 0; d < Dim; ++d) sum[d] += x[d] / mesh.nodes_per_element;
   }
   return sum;
 }
@@ -115,26 +140,30 @@ PlacedFigure largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char>
   constexpr Turn<Dim> unmoved{Dim == 2 ? 0.0 : 1.0};
   while (when_liquid.size() < std::size_t(mesh.elements()) * numbers)
     when_liquid.insert(when_liquid.end(), unmoved.begin(), unmoved.end());
+
   double largest = 0.0;
-  int where = -1;
+  int turned_element = -1;
   for (int e = 0; e < mesh.elements(); ++e) {
-    const Turn<Dim> turn = turn_of(mesh, e, displacement);
+    const Turn<Dim> turn = element_turn(mesh, e, displacement);
     const auto stored = when_liquid.begin() + static_cast<std::ptrdiff_t>(std::size_t(e) * numbers);
     if (solid[std::size_t(e)] == 0 || e >= growing) std::ranges::copy(turn, stored);
+
     Turn<Dim> reference;
     std::copy_n(stored, numbers, reference.begin());
     const double turned = angle_between(reference, turn);
     if (turned <= largest) continue;
     largest = turned;
-    where = e;
+    turned_element = e;
   }
-  return {largest, where < 0 ? std::vector<double>(Dim, 0.0) : centroid(mesh, where)};
+  return {largest,
+          turned_element < 0 ? std::vector<double>(Dim, 0.0) : centroid(mesh, turned_element)};
 }
 
 template <int Dim>
 void merge_turns(const mesh::MergedRows& merged, std::vector<double>& when_liquid) {
   if (when_liquid.empty()) return;
   const std::size_t stride = merged.elements_per_row * std::tuple_size_v<Turn<Dim>>;
+
   std::vector<double> after;
   for (const auto& row : merged.made_of()) {
     const auto from = when_liquid.begin() + static_cast<std::ptrdiff_t>(row[0] * stride);
@@ -143,40 +172,19 @@ void merge_turns(const mesh::MergedRows& merged, std::vector<double>& when_liqui
   when_liquid = std::move(after);
 }
 
-namespace {
-
-/// Contraction of a facet of the bottom from solid_below to its mean temperature [1], at least
-/// zero.
-template <int Dim>
-double contraction_of(const mesh::Facet<Dim>& facet, std::span<const double> temperature,
-                      const material::MechanicalProperties& properties, double solid_below) {
-  double sum = 0.0;
-  for (int i = 0; i < facet.nodes; ++i) sum += temperature[std::size_t(facet.node[std::size_t(i)])];
-  const double mean = sum / facet.nodes;
-  return std::max(0.0, properties.thermal_stretch(solid_below) - properties.thermal_stretch(mean));
-}
-
-/// Keeps the worst slip: displacement `u` along one axis against a contraction, both [m].
-template <int Dim>
-void judge(const mesh::Mesh<Dim>& mesh, int n, double u, double contraction, PlacedFigure& slip) {
-  const double beyond = std::max(u, -contraction - u);
-  if (beyond > slip.value) slip = {beyond, {mesh.point(n), mesh.point(n) + Dim}};
-}
-
-}  // namespace
-
 PlacedFigure largest_slip(const mesh::Mesh2D& mesh, std::span<const char> solid,
                           std::span<const double> displacement, std::span<const double> temperature,
                           const material::MechanicalProperties& properties, double solid_below) {
   PlacedFigure slip;
-  double contraction = 0.0;  // of the solid from the symmetry plane to here [m]
+  double contraction = 0.0;  // of the solid between the symmetry plane and the node [m]
   for (const auto& edge : mesh.facets(mesh::PatchKind::bottom)) {
     if (solid[std::size_t(edge.element)] == 0) continue;
+
     const int a = edge.node[0], b = edge.node[1];
-    judge(mesh, a, displacement[2 * std::size_t(a)], contraction, slip);
-    contraction += contraction_of(edge, temperature, properties, solid_below) *
+    update_slip(mesh, a, displacement[2 * std::size_t(a)], contraction, slip);
+    contraction += facet_contraction(edge, temperature, properties, solid_below) *
                    std::abs(mesh.point(b)[0] - mesh.point(a)[0]);
-    judge(mesh, b, displacement[2 * std::size_t(b)], contraction, slip);
+    update_slip(mesh, b, displacement[2 * std::size_t(b)], contraction, slip);
   }
   return slip;
 }
@@ -187,72 +195,19 @@ PlacedFigure largest_slip(const mesh::Mesh3D& mesh, std::span<const char> solid,
   double strain = 0.0;
   mesh::for_each_facet(mesh, mesh::PatchKind::bottom, [&](const auto& facet, const auto&) {
     if (solid[std::size_t(facet.element)] != 0)
-      strain = std::max(strain, contraction_of(facet, temperature, properties, solid_below));
+      strain = std::max(strain, facet_contraction(facet, temperature, properties, solid_below));
   });
+
   PlacedFigure slip;
   mesh::for_each_facet(mesh, mesh::PatchKind::bottom, [&](const auto& facet, const auto&) {
     if (solid[std::size_t(facet.element)] == 0) return;
     for (int i = 0; i < facet.nodes; ++i) {
       const int n = facet.node[std::size_t(i)];
       for (std::size_t d = 0; d < 2; ++d)
-        judge(mesh, n, displacement[3 * std::size_t(n) + d], strain * mesh.point(n)[d], slip);
+        update_slip(mesh, n, displacement[3 * std::size_t(n) + d], strain * mesh.point(n)[d], slip);
     }
   });
   return slip;
-}
-
-namespace {
-
-template <int Dim>
-Located<Dim> mean_of(const mesh::Mesh<Dim>& mesh, int e, std::span<const double> temperature) {
-  Located<Dim> mean;
-  const double share = 1.0 / mesh.nodes_per_element;
-  for (int i = 0; i < mesh.nodes_per_element; ++i) {
-    const int n = mesh.nodes_of(e)[i];
-    mean.value += share * temperature[std::size_t(n)];
-    for (std::size_t d = 0; d < Dim; ++d) mean.place[d] += share * mesh.point(n)[d];
-  }
-  return mean;
-}
-
-}  // namespace
-
-double largest_principal(const SymmetricTensor<2>& t) {
-  return 0.5 * (t[0] + t[1]) + std::hypot(0.5 * (t[0] - t[1]), t[3]);
-}
-
-/// In closed form, by the angle of the deviator's third invariant.
-double largest_principal(const SymmetricTensor<3>& t) {
-  const double mean = t.trace() / 3.0;
-  const SymmetricTensor<3> s = t.deviator();
-  const double radius = s.norm() / std::sqrt(6.0);
-  if (radius == 0.0) return mean;
-  const double determinant = s[0] * (s[1] * s[2] - s[4] * s[4]) -
-                             s[3] * (s[3] * s[2] - s[4] * s[5]) +
-                             s[5] * (s[3] * s[4] - s[1] * s[5]);
-  const double cosine = std::clamp(0.5 * determinant / std::pow(radius, 3), -1.0, 1.0);
-  return mean + 2.0 * radius * std::cos(std::acos(cosine) / 3.0);
-}
-
-template <int Dim>
-Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState<Dim>& slab,
-                         std::span<const double> temperature, double fragile_above, int growing,
-                         bool hoop) {
-  Located<Dim> largest;
-  if (!slab.started || mesh.elements() == 0) return largest;
-  const std::size_t points = slab.viscoplastic.size() / std::size_t(mesh.elements());
-  for (int e = 0; e < growing; ++e) {
-    if (slab.solid[std::size_t(e)] == 0) continue;
-    const Located<Dim> element = mean_of(mesh, e, temperature);
-    if (element.value <= fragile_above) continue;
-    for (std::size_t q = 0; q < points; ++q) {
-      const auto& tensor = slab.viscoplastic[std::size_t(e) * points + q];
-      double strain = largest_principal(tensor);
-      if (Dim == 2 && hoop) strain = std::max(strain, tensor[2]);
-      if (strain > largest.value) largest = {strain, element.place};
-    }
-  }
-  return largest;
 }
 
 template std::vector<double> centroid(const mesh::Mesh<2>&, int);
@@ -263,9 +218,5 @@ template PlacedFigure largest_rotation(const mesh::Mesh<2>&, std::span<const cha
                                        std::span<const double>, int, std::vector<double>&);
 template PlacedFigure largest_rotation(const mesh::Mesh<3>&, std::span<const char>,
                                        std::span<const double>, int, std::vector<double>&);
-template Located<2> mush_strain(const mesh::Mesh<2>&, const mechanics::SlabState<2>&,
-                                std::span<const double>, double, int, bool);
-template Located<3> mush_strain(const mesh::Mesh<3>&, const mechanics::SlabState<3>&,
-                                std::span<const double>, double, int, bool);
 
 }  // namespace dccast::casting

@@ -17,7 +17,7 @@ namespace dccast::casting {
 template <int Dim>
 std::vector<double> centroid(const mesh::Mesh<Dim>& mesh, int element);
 
-/// Rotation of an element, from the polar decomposition of I + grad u. In 2D the angle [rad],
+/// Rotation of an element, from the polar decomposition of I + grad u: in 2D the angle [rad],
 /// anticlockwise, -pi to pi; in 3D the unit quaternion, real part first [1].
 template <int Dim>
 using Turn = std::array<double, Dim == 2 ? 1 : 4>;
@@ -25,10 +25,10 @@ using Turn = std::array<double, Dim == 2 ? 1 : 4>;
 /// The turn of an element, from the mean of grad u over the element in 2D and from grad u at its
 /// centre in 3D.
 /// @param displacement  (node, Dim) [m]
-Turn<2> turn_of(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement);
-Turn<3> turn_of(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement);
+Turn<2> element_turn(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement);
+Turn<3> element_turn(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement);
 
-/// The largest angle by which a solid element has turned since it solidified [rad].
+/// The largest angle by which a solid element has turned since it solidified [rad], and its place.
 ///
 /// Rotation before solidification does not count: melt between a holding mould and a receding shell
 /// shears freely, and the strain of the solid is counted from solidification.
@@ -64,24 +64,5 @@ PlacedFigure largest_slip(const mesh::Mesh2D& mesh, std::span<const char> solid,
 PlacedFigure largest_slip(const mesh::Mesh3D& mesh, std::span<const char> solid,
                           std::span<const double> displacement, std::span<const double> temperature,
                           const material::MechanicalProperties& properties, double solid_below);
-
-/// Largest tensile viscoplastic strain since coherency of metal below it and above `fragile_above`
-/// [1]: its largest principal value; zero without such metal.
-///
-/// In plane strain the out-of-plane direction is left out: the model constrains it rigidly, a real
-/// slab does not. Elastic strain, about 1e-4 in the mush, is left out too.
-/// @param temperature  (node) [°C]
-/// @param fragile_above  [°C]
-/// @param growing      first element of the row that still stretches, whose motion is that of the
-///                     mesh
-/// @param hoop         include the out-of-plane component in 2D: the hoop strain of a billet
-template <int Dim>
-Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState<Dim>& slab,
-                         std::span<const double> temperature, double fragile_above, int growing,
-                         bool hoop);
-
-/// Largest principal value of a symmetric tensor in 2D or 3D [unit of the tensor].
-double largest_principal(const SymmetricTensor<2>& in_plane);
-double largest_principal(const SymmetricTensor<3>& tensor);  ///< [unit of the tensor]
 
 }  // namespace dccast::casting

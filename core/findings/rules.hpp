@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdio>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,17 +27,19 @@ struct Exceeded {
   std::string account{};
 };
 
+/// Whether a figure must not be above its limit, or not below it.
 enum class Limit { upper, lower };
 
-/// A code may have several rows that share its meaning and differ in their key: whichever is
-/// exceeded first raises it.
+/// A rule that judges the figures of a step. A code may have several rows that share its meaning
+/// and differ in their key: the first one that is exceeded raises it.
 struct StepRule {
   const char* code;
   Severity severity;
-  /// The failure that follows, at once if it ends_run(), else at the end of the run. One that ends
-  /// the run is a loss of validity: with validity.when_lost = go_on the run is marked instead.
+  /// The failure that follows: at once if it ends_run(), else at the end of the run. A failure that
+  /// ends the run is a loss of validity; with validity.when_lost = go_on the run continues and its
+  /// results are marked instead.
   std::optional<FailureKind> consequence;
-  const char* key;   ///< of the case that sets the limit; empty for a bound of the program
+  const char* key;   ///< key of the case that sets the limit; empty for a bound of the program
   const char* unit;  ///< of figure and limit
   Limit limit;
   std::optional<Exceeded> (*judge)(const Case&, const StepFigures&);
@@ -52,18 +53,10 @@ struct CaseRule {
   std::optional<Finding> (*judge)(const Case&, const Course&);
 };
 
-/// In the order in which findings of the same step are raised: causes before what they lead to. The
-/// first row that ends the run names the loss of validity.
+/// The rules in the order in which findings of the same step are raised: causes before their
+/// effects. The first row that ends the run names the loss of validity.
 std::span<const StepRule> step_rules();
 std::span<const CaseRule> case_rules();
-
-/// Like printf, but returns a string.
-template <class... Values>
-std::string sentence(const char* format, Values... values) {
-  char text[500];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 inline constexpr double in_mm = 1e3;  ///< [mm/m] for messages
 

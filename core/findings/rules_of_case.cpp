@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,24 +15,25 @@ namespace {
 
 using Found = std::optional<Finding>;
 
-Finding without_figure(std::string message, std::string key) {
+/// A finding of the tables that no number describes.
+Finding make_finding(std::string message, std::string key) {
   Finding finding;
   finding.message = std::move(message);
   finding.key = std::move(key);
   return finding;
 }
 
-/// @param value, limit  [`unit`]
-Finding measured(std::string message, double value, double limit, std::string unit,
-                 std::string key) {
-  Finding finding = without_figure(std::move(message), std::move(key));
+/// A finding with a value and its limit, both [`unit`].
+Finding make_measured_finding(std::string message, double value, double limit, std::string unit,
+                              std::string key) {
+  Finding finding = make_finding(std::move(message), std::move(key));
   finding.value = value;
   finding.limit = limit;
   finding.unit = std::move(unit);
   return finding;
 }
 
-/// Superheat of the coldest metal that is poured in [K]; empty if none is.
+/// Superheat of the coldest metal that is poured [K]; empty if none is poured.
 std::optional<double> least_superheat(const Case& c, const Course& course) {
   const bool poured = c.cooling.top != thermal::Top::insulated && c.thermal.file.empty() &&
                       !c.schedule.casting_temperature.empty();
@@ -38,17 +41,20 @@ std::optional<double> least_superheat(const Case& c, const Course& course) {
   return std::ranges::min(values_in(c.schedule.casting_temperature, course)) - c.alloy.liquidus;
 }
 
+/// The finding of metal that is poured with too little superheat. @param meaning  for the plant
 Found poured_too_cold(const Case& c, double superheat, const char* meaning) {
-  return measured(
-      sentence("The metal is poured in at %.6g degC, %.3g K %s its liquidus of %.6g degC: %s.",
-               superheat + c.alloy.liquidus, std::abs(superheat),
-               superheat < 0.0 ? "below" : "above", c.alloy.liquidus, meaning),
+  return make_measured_finding(
+      fmt::format(
+          "The metal is poured in at {:.6g} degC, {:.3g} K {} its liquidus of {:.6g} degC: {}.",
+          superheat + c.alloy.liquidus, std::abs(superheat), superheat < 0.0 ? "below" : "above",
+          c.alloy.liquidus, meaning),
       superheat, c.plausibility.minimum_superheat, "K", "schedule.casting_temperature");
 }
 
 Found poured_below_liquidus(const Case& c, const Course& course) {
   const auto superheat = least_superheat(c, course);
   if (!superheat || *superheat >= 0.0) return std::nullopt;
+
   const bool solid = *superheat + c.alloy.liquidus < c.alloy.solidus;
   return poured_too_cold(
       c, *superheat,
@@ -67,56 +73,60 @@ Found poured_with_little_superheat(const Case& c, const Course& course) {
 /// [A, docs/findings.md].
 constexpr double least_solid_fraction = 0.5;
 
-/// The liquidus is a choice of its own, the paper's; a temperature just below it is none of a card.
+/// Coherency at the liquidus is the paper's choice and permitted; a temperature just below it does
+/// not come from an alloy card.
 Found coherency_in_liquid(const Case& c, const Course&) {
   const material::AlloyCard& alloy = c.alloy;
   if (!c.mechanics.enabled || c.mechanics.options.liquid == mechanics::Liquid::solid)
     return std::nullopt;
   if (alloy.coherency >= alloy.liquidus) return std::nullopt;
+
   const double solid = material::solid_fraction_at(alloy, alloy.coherency);
   const bool below_solidus = alloy.coherency < alloy.solidus;
   if (solid >= least_solid_fraction && !below_solidus) return std::nullopt;
+
   const std::string place =
-      below_solidus ? sentence("%.6g K below the solidus", alloy.solidus - alloy.coherency)
-                    : sentence("where %.3g of the metal is solid", solid);
-  return measured(sentence("Metal carries stress below a coherency of %.6g degC, %s (solidus "
-                           "%.6g, liquidus %.6g degC): a value of another alloy, which changes "
-                           "the curl silently? Write alloy.coherency_solid_fraction.",
-                           alloy.coherency, place.c_str(), alloy.solidus, alloy.liquidus),
-                  solid, least_solid_fraction, "1", "alloy.coherency");
+      below_solidus ? fmt::format("{:.6g} K below the solidus", alloy.solidus - alloy.coherency)
+                    : fmt::format("where {:.3g} of the metal is solid", solid);
+  return make_measured_finding(
+      fmt::format("Metal carries stress below a coherency of {:.6g} degC, {} (solidus {:.6g}, "
+                  "liquidus {:.6g} degC): a value of another alloy, which changes the curl "
+                  "silently? Write alloy.coherency_solid_fraction.",
+                  alloy.coherency, place, alloy.solidus, alloy.liquidus),
+      solid, least_solid_fraction, "1", "alloy.coherency");
 }
 
 Found water_never_meets(const Case& c, const Course& course) {
   if (!c.thermal.file.empty()) return std::nullopt;
   const auto found = [](const std::string& cause, const char* key) {
-    return without_figure(cause +
-                              ": below the mould the shell loses its heat to the air alone, and "
-                              "the metal behind it melts it again.",
-                          key);
+    return make_finding(fmt::format("{}: below the mould the shell loses its heat to the air "
+                                    "alone, and the metal behind it melts it again.",
+                                    cause),
+                        key);
   };
   const auto flows = [&](const Curve& curve) {
     return std::ranges::any_of(values_in(curve, course), [](double value) { return value > 0.0; });
   };
+
   const thermal::Water& water = c.cooling.water;
   if (!water.enabled) return found("No water runs", "cooling.water.enabled");
   if (water.start >= course.end)
-    return found(sentence("The water is turned on at %.6g s, after the end at %.6g s", water.start,
-                          course.end),
+    return found(fmt::format("The water is turned on at {:.6g} s, after the end at {:.6g} s",
+                             water.start, course.end),
                  "cooling.water.start");
   if (course.depth <= water.from)
-    return found(sentence("The water line lies %.4g mm below the metal level, and the metal is "
-                          "%.4g mm deep at the end",
-                          in_mm * water.from, in_mm * course.depth),
+    return found(fmt::format("The water line lies {:.4g} mm below the metal level, and the metal "
+                             "is {:.4g} mm deep at the end",
+                             in_mm * water.from, in_mm * course.depth),
                  "cooling.water.from");
   if (!flows(c.schedule.water_flow) || !flows(c.schedule.water_flow_factor))
     return found("The water flow is zero throughout", "schedule.water_flow");
   return std::nullopt;
 }
 
-/// Running water takes precedence over zones: a zone below the water line has no effect while it
-/// runs.
-bool under_water(const thermal::CoolingSpec& cooling, const thermal::SideZone& zone,
-                 const Course& course) {
+/// Whether a zone lies under running water, which takes precedence over zones.
+bool is_under_water(const thermal::CoolingSpec& cooling, const thermal::SideZone& zone,
+                    const Course& course) {
   return cooling.water.enabled && cooling.water.start <= course.begin &&
          zone.from >= cooling.water.from;
 }
@@ -126,26 +136,28 @@ Found zone_never_meets(const Case& c, const Course& course) {
   std::string first;
   for (std::size_t i = 0; i < c.cooling.zones.size(); ++i) {
     const thermal::SideZone& zone = c.cooling.zones[i];
-    if (zone.from < course.depth && !under_water(c.cooling, zone, course)) continue;
-    names.push_back("'" + zone.name + "'");
-    if (first.empty()) first = "cooling.zone[" + std::to_string(i) + "].from";
+    if (zone.from < course.depth && !is_under_water(c.cooling, zone, course)) continue;
+    names.push_back(fmt::format("'{}'", zone.name));
+    if (first.empty()) first = fmt::format("cooling.zone[{}].from", i);
   }
   if (names.empty() || !c.thermal.file.empty()) return std::nullopt;
-  return without_figure("The slab never reaches the cooling zone " + listed(names) +
-                            sentence(" (metal %.4g mm deep at the end): it has no effect, as if "
-                                     "that part of the mould did not exist.",
-                                     in_mm * course.depth),
-                        first);
+
+  return make_finding(
+      fmt::format("The slab never reaches the cooling zone {} (metal {:.4g} mm deep at the end): "
+                  "it has no effect, as if that part of the mould did not exist.",
+                  listed(names), in_mm * course.depth),
+      first);
 }
 
+/// A table of a case that depends on time or cast length.
 struct Table {
   std::string key;
   const Curve* curve;
   double shift = 0.0;  ///< [s]
 };
 
-/// Every table that may depend on time or cast length, except the time step.
-std::vector<Table> tables_of(const Case& c) {
+/// All such tables except the time step.
+std::vector<Table> list_tables(const Case& c) {
   const thermal::BottomBlock& block = c.cooling.bottom_block;
   std::vector<Table> tables{
       {"schedule.casting_speed", &c.schedule.casting_speed, c.schedule.casting_speed_shift},
@@ -159,9 +171,10 @@ std::vector<Table> tables_of(const Case& c) {
       {"cooling.bottom_block.contact_coefficient", &block.contact_coefficient},
       {"cooling.bottom_block.temperature", &block.temperature},
   };
+
   for (std::size_t i = 0; i < c.cooling.zones.size(); ++i) {
     const thermal::SideZone& zone = c.cooling.zones[i];
-    const std::string key = "cooling.zone[" + std::to_string(i) + "].";
+    const std::string key = fmt::format("cooling.zone[{}].", i);
     tables.push_back({key + "liquid_coefficient", &zone.liquid_coefficient});
     tables.push_back({key + "solid_coefficient", &zone.solid_coefficient});
     tables.push_back({key + "temperature", &zone.temperature});
@@ -171,13 +184,14 @@ std::vector<Table> tables_of(const Case& c) {
 
 Found table_never_reached(const Case& c, const Course& course) {
   std::vector<std::string> keys;
-  for (const Table& table : tables_of(c))
+  for (const Table& table : list_tables(c))
     if (never_reached(*table.curve, course, table.shift)) keys.push_back(table.key);
   if (keys.empty()) return std::nullopt;
-  return without_figure("The casting ends before any change in " + listed(keys) +
-                            ", or begins after the last one: one value holds throughout, as if "
-                            "the table were a single number.",
-                        keys.front());
+  return make_finding(
+      fmt::format("The casting ends before any change in {}, or begins after the last one: one "
+                  "value holds throughout, as if the table were a single number.",
+                  listed(keys)),
+      keys.front());
 }
 
 using enum Severity;

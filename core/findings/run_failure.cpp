@@ -1,7 +1,10 @@
 #include "core/findings/run_failure.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <ranges>
 #include <utility>
 
 namespace dccast::casting {
@@ -35,10 +38,10 @@ void add_failure(RunFailures& failures, RunFailure failure) {
 }
 
 std::string in_words(const RunFailures& failures) {
-  std::string text;
-  for (const RunFailure& failure : failures)
-    text +=
-        text.empty() ? failure.message : "; then " + name_of(failure.kind) + ": " + failure.message;
+  if (failures.empty()) return "";
+  std::string text = failures.front().message;
+  for (const RunFailure& failure : failures | std::views::drop(1))
+    text += fmt::format("; then {}: {}", name_of(failure.kind), failure.message);
   return text;
 }
 

@@ -20,13 +20,14 @@ enum class FailureKind {
 
 /// The name of a kind in results.h5 and in checkpoints, e.g. "solve_failed".
 std::string name_of(FailureKind kind);
-/// The kind with that name; empty if there is none.
+/// The kind with a name; empty if there is none.
 std::optional<FailureKind> failure_kind(std::string_view name);
 
-/// Whether a run ends at once with such a failure. Otherwise it continues to its end and counts as
-/// failed.
+/// Whether a run ends at once with a failure of this kind. Otherwise it continues to its end and
+/// counts as failed.
 bool ends_run(FailureKind kind);
 
+/// A failure of a run: what, when and where.
 struct RunFailure {
   FailureKind kind = FailureKind::solve_failed;
   std::string message;
@@ -41,22 +42,24 @@ struct RunFailure {
 /// Failures in the order in which they occurred: the first one is the cause.
 using RunFailures = std::vector<RunFailure>;
 
-/// Appends a failure, once per kind: a check that fails in one step usually fails in the next ones
-/// too.
+/// Appends a failure unless there is one of its kind: a check that fails in one step usually fails
+/// in the next ones too.
 void add_failure(RunFailures& failures, RunFailure failure);
 
 /// The cause and the failures that followed: "CAUSE; then KIND: MESSAGE"; empty without a failure.
 std::string in_words(const RunFailures& failures);
 
+/// How a run ended.
 enum class RunEnd {
   succeeded,
-  failed,         ///< `failures` says why
+  failed,         ///< `failures` has the causes
   stopped,        ///< on request, at a checkpoint
   cancelled,      ///< on request
   other_version,  ///< not started: the checkpoint has another version, and OtherVersion::wait is
                   ///< set
 };
 
+/// The end of a run with its failures.
 struct [[nodiscard]] RunOutcome {
   RunEnd end = RunEnd::succeeded;
   RunFailures failures;  ///< the first one is the cause; empty unless failed or other_version

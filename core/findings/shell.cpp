@@ -21,13 +21,14 @@ public:
       : first_(std::size_t(mesh.nodes()) + 1, 0), element_(mesh.element_node.size()) {
     for (int n : mesh.element_node) ++first_[std::size_t(n) + 1];
     for (std::size_t n = 1; n < first_.size(); ++n) first_[n] += first_[n - 1];
+
     std::vector<int> next(first_.begin(), first_.end() - 1);
     for (std::size_t i = 0; i < element_.size(); ++i) {
       const std::size_t n = std::size_t(mesh.element_node[i]);
       element_[std::size_t(next[n]++)] = static_cast<int>(i) / mesh.nodes_per_element;
     }
   }
-  std::span<const int> of(int n) const {
+  std::span<const int> at_node(int n) const {
     const auto begin = std::size_t(first_[std::size_t(n)]);
     return {element_.data() + begin, std::size_t(first_[std::size_t(n) + 1]) - begin};
   }
@@ -42,26 +43,30 @@ std::span<const int> corners(const mesh::Mesh<Dim>& mesh, int e) {
   return {mesh.nodes_of(e), std::size_t(mesh.nodes_per_element)};
 }
 
-/// Nodes at the top of the slab and those of the melt below them (node).
+/// (node) not zero at the top of the slab, and in the melt that is connected to it.
 template <int Dim>
-std::vector<char> open_melt(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
-                            const ElementsOfNodes& around) {
+std::vector<char> find_open_melt(const mesh::Mesh<Dim>& mesh, std::span<const char> solid,
+                                 const ElementsOfNodes& around) {
   double level = -unreached;
   for (int n = 0; n < mesh.nodes(); ++n) level = std::max(level, mesh.point(n)[Dim - 1]);
   constexpr double same_height = 1e-9;  // [m]
+
   std::vector<char> reached(std::size_t(mesh.nodes()), 0);
-  std::vector<int> to_do;
+  std::vector<int> pending;
   const auto reach = [&](int n) {
     if (reached[std::size_t(n)] != 0) return;
     reached[std::size_t(n)] = 1;
-    to_do.push_back(n);
+    pending.push_back(n);
   };
+
   for (int n = 0; n < mesh.nodes(); ++n)
     if (mesh.point(n)[Dim - 1] >= level - same_height) reach(n);
-  while (!to_do.empty()) {
-    const int n = to_do.back();
-    to_do.pop_back();
-    for (int e : around.of(n)) {
+
+  // Depth-first through the liquid elements.
+  while (!pending.empty()) {
+    const int n = pending.back();
+    pending.pop_back();
+    for (int e : around.at_node(n)) {
       if (solid[std::size_t(e)] != 0) continue;
       for (int neighbour : corners(mesh, e)) reach(neighbour);
     }
@@ -78,7 +83,7 @@ double distance(const mesh::Mesh<Dim>& mesh, int a, int b) {
     return std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
 }
 
-/// A node reached by a path.
+/// The end of a path.
 struct Tip {
   double length;
   int node;
@@ -86,9 +91,27 @@ struct Tip {
   bool operator>(const Tip& other) const { return length > other.length; }
 };
 
+/// Height of the lowest node of an element [m].
+template <int Dim>
+double lowest_height(const mesh::Mesh<Dim>& mesh, int e) {
+  const int* node = mesh.nodes_of(e);
+  double lowest = mesh.point(node[0])[Dim - 1];
+  for (int i = 1; i < mesh.nodes_per_element; ++i)
+    lowest = std::min(lowest, mesh.point(node[i])[Dim - 1]);
+  return lowest;
+}
+
+/// The point where an edge between a cold and a hot node crosses the isotherm.
+template <int Dim>
+std::array<double, Dim> crossing(const double* cold, const double* hot, double share) {
+  std::array<double, Dim> point{};
+  for (std::size_t d = 0; d < Dim; ++d) point[d] = cold[d] + share * (hot[d] - cold[d]);
+  return point;
+}
+
 }  // namespace
 
-std::span<const std::pair<int, int>> edges_of(int dimension, int nodes_per_element) {
+std::span<const std::pair<int, int>> element_edges(int dimension, int nodes_per_element) {
   using Edge = std::pair<int, int>;
   static constexpr Edge triangle[] = {{0, 1}, {1, 2}, {2, 0}};
   static constexpr Edge quadrilateral[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
@@ -101,32 +124,36 @@ std::span<const std::pair<int, int>> edges_of(int dimension, int nodes_per_eleme
   return tetrahedron;
 }
 
-/// Dijkstra's shortest path.
+/// Dijkstra's algorithm: edges of liquid elements have length zero.
 template <int Dim>
 std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<Dim>& mesh,
                                            std::span<const char> solid) {
   const ElementsOfNodes around(mesh);
-  const std::vector<char> melt = open_melt(mesh, solid, around);
+  const std::vector<char> melt = find_open_melt(mesh, solid, around);
+
   std::vector<double> shortest(std::size_t(mesh.nodes()), unreached);
   std::priority_queue<Tip, std::vector<Tip>, std::greater<>> tips;
-  const auto go_to = [&](int n, double length, int begin) {
+  const auto extend_to = [&](int n, double length, int begin) {
     if (length >= shortest[std::size_t(n)]) return;
     shortest[std::size_t(n)] = length;
     tips.push({length, n, begin});
   };
-  for (int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom)) go_to(n, 0.0, n);
+
+  for (int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom)) extend_to(n, 0.0, n);
+
   while (!tips.empty()) {
     const Tip tip = tips.top();
     tips.pop();
     if (melt[std::size_t(tip.node)] != 0) {
-      const double* at = mesh.point(tip.begin);
-      return PlacedFigure{tip.length, {at, at + Dim}};
+      const double* begin = mesh.point(tip.begin);
+      return PlacedFigure{tip.length, {begin, begin + Dim}};
     }
-    if (tip.length > shortest[std::size_t(tip.node)]) continue;
-    for (int e : around.of(tip.node)) {
-      const bool free = solid[std::size_t(e)] == 0;
+    if (tip.length > shortest[std::size_t(tip.node)]) continue;  // a shorter path came later
+
+    for (int e : around.at_node(tip.node)) {
+      const bool liquid = solid[std::size_t(e)] == 0;
       for (int n : corners(mesh, e))
-        go_to(n, tip.length + (free ? 0.0 : distance(mesh, tip.node, n)), tip.begin);
+        extend_to(n, tip.length + (liquid ? 0.0 : distance(mesh, tip.node, n)), tip.begin);
     }
   }
   return std::nullopt;
@@ -136,6 +163,7 @@ template <int Dim>
 bool melt_touches_bottom(const mesh::Mesh<Dim>& mesh, std::span<const char> solid) {
   std::vector<char> at_bottom(std::size_t(mesh.nodes()), 0);
   for (int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom)) at_bottom[std::size_t(n)] = 1;
+
   for (int e = 0; e < mesh.elements(); ++e) {
     if (solid[std::size_t(e)] != 0) continue;
     for (int n : corners(mesh, e))
@@ -144,45 +172,26 @@ bool melt_touches_bottom(const mesh::Mesh<Dim>& mesh, std::span<const char> soli
   return false;
 }
 
-namespace {
-
-/// Height of the lowest node of an element [m].
-template <int Dim>
-double height_of(const mesh::Mesh<Dim>& mesh, int e) {
-  const int* node = mesh.nodes_of(e);
-  double lowest = mesh.point(node[0])[Dim - 1];
-  for (int i = 1; i < mesh.nodes_per_element; ++i)
-    lowest = std::min(lowest, mesh.point(node[i])[Dim - 1]);
-  return lowest;
-}
-
-/// The point where an edge between a cold and a hot node crosses the isotherm.
-template <int Dim>
-std::array<double, Dim> crossing(const double* cold, const double* hot, double share) {
-  std::array<double, Dim> at{};
-  for (std::size_t d = 0; d < Dim; ++d) at[d] = cold[d] + share * (hot[d] - cold[d]);
-  return at;
-}
-
-}  // namespace
-
 template <int Dim>
 Located<Dim> bottom_shell(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                           double isotherm) {
   Located<Dim> lowest{mesh.largest(Dim - 1), {}};
-  const auto consider = [&](const std::array<double, Dim>& at) {
-    if (at[Dim - 1] >= lowest.value) return;
-    lowest = {at[Dim - 1], at};
+  const auto consider = [&](const std::array<double, Dim>& point) {
+    if (point[Dim - 1] >= lowest.value) return;
+    lowest = {point[Dim - 1], point};
     lowest.place[Dim - 1] = 0.0;
   };
-  const auto edges = edges_of(Dim, mesh.nodes_per_element);
+
+  const auto edges = element_edges(Dim, mesh.nodes_per_element);
   for (int e = 0; e < mesh.elements(); ++e) {
-    if (height_of(mesh, e) >= lowest.value) continue;  // most, once a place is known
+    if (lowest_height(mesh, e) >= lowest.value) continue;  // skips most elements
     for (const auto& [i, j] : edges) {
       int cold = mesh.nodes_of(e)[i], hot = mesh.nodes_of(e)[j];
       if (temperature[std::size_t(cold)] > temperature[std::size_t(hot)]) std::swap(cold, hot);
       const double low = temperature[std::size_t(cold)], high = temperature[std::size_t(hot)];
       if (high < isotherm) continue;
+
+      // Where the whole edge is hot, both of its ends count.
       const double share = low >= isotherm ? 0.0 : (isotherm - low) / (high - low);
       consider(crossing<Dim>(mesh.point(cold), mesh.point(hot), share));
       if (low >= isotherm) consider(crossing<Dim>(mesh.point(cold), mesh.point(hot), 1.0));

@@ -16,10 +16,10 @@ struct PlacedFigure {
   std::vector<double> place{};  ///< coordinates [m]; empty if there is none
 };
 
-/// A value and its location, while a figure is sought.
+/// A value and its location, during the search for a figure.
 template <int Dim>
 struct Located {
-  double value = 0.0;               ///< in the unit of the function that gave it
+  double value = 0.0;               ///< [unit of the function that returns it]
   std::array<double, Dim> place{};  ///< in the undeformed slab [m]
 
   operator PlacedFigure() const { return {value, {place.begin(), place.end()}}; }
@@ -27,7 +27,7 @@ struct Located {
 
 /// The edges of an element as pairs of its corners: triangle, quadrilateral, tetrahedron or
 /// hexahedron.
-std::span<const std::pair<int, int>> edges_of(int dimension, int nodes_per_element);
+std::span<const std::pair<int, int>> element_edges(int dimension, int nodes_per_element);
 
 /// Smallest thickness of the shell between the bottom block and the melt: the length [m] of the
 /// shortest path through it, and where that path begins at the bottom.

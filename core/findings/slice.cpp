@@ -14,7 +14,7 @@ template <int Dim>
 using CutPoint = Located<Dim>;
 
 template <int Dim>
-CutPoint<Dim> between(const CutPoint<Dim>& a, const CutPoint<Dim>& b, double share) {
+CutPoint<Dim> interpolate(const CutPoint<Dim>& a, const CutPoint<Dim>& b, double share) {
   CutPoint<Dim> point;
   for (std::size_t d = 0; d < Dim; ++d)
     point.place[d] = a.place[d] + share * (b.place[d] - a.place[d]);
@@ -28,6 +28,7 @@ struct SidePiece {
   CutPoint<Dim> begin, end;
 };
 
+/// Distance of a point from a piece of the side [m].
 template <int Dim>
 double distance(const std::array<double, Dim>& p, const SidePiece<Dim>& piece) {
   double along = 0.0, squared = 0.0;
@@ -36,7 +37,10 @@ double distance(const std::array<double, Dim>& p, const SidePiece<Dim>& piece) {
     along += step * (p[d] - piece.begin.place[d]);
     squared += step * step;
   }
+
+  // The nearest point of the piece: the projection, limited to its ends.
   const double share = squared > 0.0 ? std::clamp(along / squared, 0.0, 1.0) : 0.0;
+
   double sum = 0.0;
   for (std::size_t d = 0; d < Dim; ++d) {
     const double step = piece.end.place[d] - piece.begin.place[d];
@@ -45,7 +49,7 @@ double distance(const std::array<double, Dim>& p, const SidePiece<Dim>& piece) {
   return std::sqrt(sum);
 }
 
-/// A mesh that is being cut.
+/// A horizontal cut through a mesh.
 template <int Dim>
 class Cut {
 public:
@@ -57,7 +61,7 @@ public:
 
   const std::vector<SidePiece<Dim>>& side() const { return side_; }
 
-  double from_side(const std::array<double, Dim>& p) const {
+  double distance_from_side(const std::array<double, Dim>& p) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (const auto& piece : side_) nearest = std::min(nearest, distance<Dim>(p, piece));
     return nearest;
@@ -66,11 +70,12 @@ public:
   /// Calls use(points) with the points where the edges of an element meet the cut.
   template <class Use>
   void for_each_element(Use&& use) const {
-    const auto edges = edges_of(Dim, mesh_.nodes_per_element);
+    const auto edges = element_edges(Dim, mesh_.nodes_per_element);
     std::vector<CutPoint<Dim>> points;
     for (int e = 0; e < mesh_.elements(); ++e) {
       const int* node = mesh_.nodes_of(e);
       if (!meets(node)) continue;
+
       points.clear();
       for (const auto& [a, b] : edges) add_crossing(node[a], node[b], points);
       if (!points.empty()) use(points);
@@ -78,27 +83,28 @@ public:
   }
 
 private:
-  double up(int n) const { return mesh_.point(n)[Dim - 1]; }
+  double height(int n) const { return mesh_.point(n)[Dim - 1]; }
   CutPoint<Dim> point(int n) const {
     CutPoint<Dim> p;
     std::copy_n(mesh_.point(n), Dim, p.place.begin());
     p.value = temperature_[std::size_t(n)];
     return p;
   }
-  /// Most elements lie above or below the cut as a whole.
+  /// Whether an element meets the cut; most lie above or below it as a whole.
   bool meets(const int* node) const {
-    double lowest = up(node[0]), highest = lowest;
+    double lowest = height(node[0]), highest = lowest;
     for (int i = 1; i < mesh_.nodes_per_element; ++i) {
-      lowest = std::min(lowest, up(node[i]));
-      highest = std::max(highest, up(node[i]));
+      lowest = std::min(lowest, height(node[i]));
+      highest = std::max(highest, height(node[i]));
     }
     return lowest <= height_ && height_ <= highest;
   }
-  /// An edge that lies in the cut ends where others meet it.
+  /// Adds the point where an edge crosses the cut. An edge that lies in the cut adds nothing: its
+  /// ends are on other edges.
   void add_crossing(int a, int b, std::vector<CutPoint<Dim>>& points) const {
-    const double below = up(a) - height_, above = up(b) - height_;
+    const double below = height(a) - height_, above = height(b) - height_;
     if (below * above > 0.0 || below == above) return;
-    points.push_back(between(point(a), point(b), below / (below - above)));
+    points.push_back(interpolate(point(a), point(b), below / (below - above)));
   }
   void add_side(const mesh::Facet<Dim>& facet) {
     std::vector<CutPoint<Dim>> points;
@@ -114,7 +120,7 @@ private:
   std::vector<SidePiece<Dim>> side_;
 };
 
-/// The metal at the isotherm that is nearest to the side [m]; infinitely far where there is none.
+/// The point of the isotherm nearest to the side and its distance [m], infinite if there is none.
 template <int Dim>
 Located<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
   Located<Dim> nearest{std::numeric_limits<double>::infinity(), {}};
@@ -122,28 +128,30 @@ Located<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
     for (const auto& cold : points)
       for (const auto& hot : points) {
         if (cold.value >= isotherm || hot.value < isotherm) continue;
+
         const double share = (isotherm - cold.value) / (hot.value - cold.value);
-        const auto at = between(cold, hot, share).place;
-        const double depth = cut.from_side(at);
-        if (depth < nearest.value) nearest = {depth, at};
+        const auto place = interpolate(cold, hot, share).place;
+        const double depth = cut.distance_from_side(place);
+        if (depth < nearest.value) nearest = {depth, place};
       }
   });
   return nearest;
 }
 
-/// The place farthest from the side [m].
+/// The point of the cut farthest from the side and its distance [m].
 template <int Dim>
-Located<Dim> middle(const Cut<Dim>& cut) {
+Located<Dim> farthest_from_side(const Cut<Dim>& cut) {
   Located<Dim> farthest;
   cut.for_each_element([&](const auto& points) {
     for (const auto& point : points) {
-      const double depth = cut.from_side(point.place);
+      const double depth = cut.distance_from_side(point.place);
       if (depth > farthest.value) farthest = {depth, point.place};
     }
   });
   return farthest;
 }
 
+/// The hottest end of all pieces of the side.
 template <int Dim>
 CutPoint<Dim> hottest(const std::vector<SidePiece<Dim>>& side) {
   CutPoint<Dim> found = side.front().begin;
@@ -153,47 +161,25 @@ CutPoint<Dim> hottest(const std::vector<SidePiece<Dim>>& side) {
   return found;
 }
 
-}  // namespace
-
 template <int Dim>
-std::optional<Slice<Dim>> slice_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
-                                   double height, double isotherm) {
-  const Cut<Dim> cut(mesh, temperature, height);
-  if (cut.side().empty()) return std::nullopt;
-  const Located<Dim> surface = hottest(cut.side());
-  if (surface.value >= isotherm) return Slice<Dim>{surface, {0.0, surface.place}};
-  const Located<Dim> shell = nearest_hot(cut, isotherm);
-  return Slice<Dim>{surface, std::isfinite(shell.value) ? shell : middle(cut)};
-}
-
-template <int Dim>
-std::optional<Located<Dim>> hottest_side_at(const mesh::Mesh<Dim>& mesh,
-                                            std::span<const double> temperature, double height) {
-  const Cut<Dim> cut(mesh, temperature, height);
-  if (cut.side().empty()) return std::nullopt;
-  return hottest(cut.side());
-}
-
-namespace {
-
-template <int Dim>
-double height_of(const mesh::Mesh<Dim>& mesh, int n) {
+double node_height(const mesh::Mesh<Dim>& mesh, int n) {
   return mesh.point(n)[Dim - 1];
 }
 
-/// Nodes where most symmetry planes meet, lowest first.
+/// Nodes at which most symmetry planes meet, lowest first.
 template <int Dim>
-std::vector<int> middle_of(const mesh::Mesh<Dim>& mesh) {
+std::vector<int> find_axis(const mesh::Mesh<Dim>& mesh) {
   std::vector<int> planes_at(std::size_t(mesh.nodes()), 0);
   int most = 1;
   for (const auto& patch : mesh.patches) {
     if (patch.kind != mesh::PatchKind::symmetry) continue;
     for (const int n : mesh::patch_nodes(patch)) most = std::max(most, ++planes_at[std::size_t(n)]);
   }
+
   std::vector<int> nodes;
   for (int n = 0; n < mesh.nodes(); ++n)
     if (planes_at[std::size_t(n)] == most) nodes.push_back(n);
-  std::ranges::sort(nodes, {}, [&](int n) { return height_of(mesh, n); });
+  std::ranges::sort(nodes, {}, [&](int n) { return node_height(mesh, n); });
   return nodes;
 }
 
@@ -202,19 +188,21 @@ template <int Dim>
 double largest_crossing(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                         double height) {
   double largest = -INFINITY;
-  const auto cross = [&](int a, int b) {
-    const double low = height_of(mesh, a), high = height_of(mesh, b);
+  const auto add_crossing = [&](int a, int b) {
+    const double low = node_height(mesh, a), high = node_height(mesh, b);
     if (low >= height || high < height) return;
+
     const double share = (height - low) / (high - low);
     largest = std::max(
         largest, (1.0 - share) * temperature[std::size_t(a)] + share * temperature[std::size_t(b)]);
   };
+
   mesh::for_each_facet(mesh, mesh::PatchKind::side, [&](const auto& facet, const auto&) {
     const std::size_t corners = std::size_t(facet.nodes);
     for (std::size_t i = 0; i < corners; ++i) {
       const int a = facet.node[i], b = facet.node[(i + 1) % corners];
-      cross(a, b);
-      cross(b, a);
+      add_crossing(a, b);
+      add_crossing(b, a);
     }
   });
   return largest;
@@ -227,7 +215,7 @@ double largest_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperatu
   constexpr double same_height = 1e-9;  // [m]
   double largest = -INFINITY;
   for (const int n : nodes)
-    if (std::abs(height_of(mesh, n) - height) <= same_height)
+    if (std::abs(node_height(mesh, n) - height) <= same_height)
       largest = std::max(largest, temperature[std::size_t(n)]);
   return largest;
 }
@@ -235,13 +223,35 @@ double largest_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperatu
 }  // namespace
 
 template <int Dim>
+std::optional<Slice<Dim>> slice_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
+                                   double height, double isotherm) {
+  const Cut<Dim> cut(mesh, temperature, height);
+  if (cut.side().empty()) return std::nullopt;
+  const Located<Dim> surface = hottest(cut.side());
+  if (surface.value >= isotherm) return Slice<Dim>{surface, {0.0, surface.place}};
+
+  const Located<Dim> shell = nearest_hot(cut, isotherm);
+  return Slice<Dim>{surface, std::isfinite(shell.value) ? shell : farthest_from_side(cut)};
+}
+
+template <int Dim>
+std::optional<Located<Dim>> hottest_side_at(const mesh::Mesh<Dim>& mesh,
+                                            std::span<const double> temperature, double height) {
+  const Cut<Dim> cut(mesh, temperature, height);
+  if (cut.side().empty()) return std::nullopt;
+  return hottest(cut.side());
+}
+
+template <int Dim>
 double side_temperature(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                         double height) {
   const std::vector<int> side = mesh::patch_nodes(mesh, mesh::PatchKind::side);
   if (side.empty()) return 0.0;
-  const auto by_height = [&](int n) { return height_of(mesh, n); };
-  const double lowest = height_of(mesh, *std::ranges::min_element(side, {}, by_height));
-  const double highest = height_of(mesh, *std::ranges::max_element(side, {}, by_height));
+
+  const auto by_height = [&](int n) { return node_height(mesh, n); };
+  const double lowest = node_height(mesh, *std::ranges::min_element(side, {}, by_height));
+  const double highest = node_height(mesh, *std::ranges::max_element(side, {}, by_height));
+
   if (lowest >= height) return largest_at(mesh, temperature, side, lowest);
   if (highest < height) return largest_at(mesh, temperature, side, highest);
   return largest_crossing(mesh, temperature, height);
@@ -250,14 +260,15 @@ double side_temperature(const mesh::Mesh<Dim>& mesh, std::span<const double> tem
 template <int Dim>
 double sump_depth(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                   double metal_level, double isotherm) {
-  const std::vector<int> axis = middle_of(mesh);
+  const std::vector<int> axis = find_axis(mesh);
   for (std::size_t i = axis.size(); i-- > 1;) {
     const double above = temperature[std::size_t(axis[i])];
     const double below = temperature[std::size_t(axis[i - 1])];
-    if (above < isotherm) return metal_level - height_of(mesh, axis[i]);
+    if (above < isotherm) return metal_level - node_height(mesh, axis[i]);
     if (below >= isotherm) continue;
+
     const double share = (above - isotherm) / (above - below);
-    const double top = height_of(mesh, axis[i]), bottom = height_of(mesh, axis[i - 1]);
+    const double top = node_height(mesh, axis[i]), bottom = node_height(mesh, axis[i - 1]);
     return metal_level - (top + share * (bottom - top));
   }
   return metal_level;

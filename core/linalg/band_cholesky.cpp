@@ -9,13 +9,14 @@ namespace dccast::linalg {
 
 namespace {
 
-/// Work of a row of tiles from which members of a team wait for each other less than they gain
+/// Work of a row of tiles from which a team gains more than its members wait for each other
 /// [multiplications and additions]: docs/threads.md.
 constexpr double shared_row_flops = 2e5;
 
-/// Of passes through a matrix or a factor that several threads share: some 20 us of one.
-constexpr std::size_t entries_worth_a_call = 20'000;
-constexpr std::size_t tiles_worth_a_call = 500;
+/// Smallest portions of a pass through a matrix or a factor that several threads share: some 20 us
+/// of one thread.
+constexpr std::size_t least_entries_per_call = 20'000;
+constexpr std::size_t least_tiles_per_call = 500;
 
 /// Calls use(entry, row, column), row >= column, both places in the order of elimination.
 template <class Use>
@@ -39,7 +40,9 @@ BandShape::BandShape(const SparsityPattern& pattern, std::span<const int> place)
     int& reach = first[std::size_t(row / tile_size)];
     reach = std::min(reach, column / tile_size);
   });
+  // The envelope is monotone: a row reaches at least as far as all rows below it.
   for (std::size_t i = count; i-- > 1;) first[i - 1] = std::min(first[i - 1], first[i]);
+
   last.resize(count);
   start.assign(1, 0);
   constexpr double products = 2.0 * tile_size * tile_size * tile_size;
@@ -60,6 +63,7 @@ void BandCholesky::analyze(const SparsityPattern& pattern, std::span<const int> 
                            BandShape shape) {
   shape_ = std::move(shape);
   place_.assign(place.begin(), place.end());
+
   entry_.resize(pattern.entries());
   entry_row_.resize(pattern.entries());
   for_each_entry(pattern, place, [&](std::size_t k, int row, int column) {
@@ -69,11 +73,14 @@ void BandCholesky::analyze(const SparsityPattern& pattern, std::span<const int> 
                 std::size_t(column % tile_size * tile_size + row % tile_size);
     entry_row_[k] = row / tile_size;
   });
+
   values_.assign(pattern.entries(), 0.0);
   whole_ = false;
   tile_.reserve(tiles());
   inverse_.resize(shape_.first.size());
   right_.assign(shape_.first.size(), TileRow{});
+
+  // A solve that streams keeps the sums of as many columns as a column has rows.
   int reach = 0;
   for (int j = 0; j < shape_.rows(); ++j) reach = std::max(reach, shape_.last[std::size_t(j)] - j);
   sums_.assign(streams() ? std::size_t(reach) + 1 : 0, Tile{});
@@ -91,34 +98,38 @@ std::size_t BandCholesky::memory_bytes() const {
 int BandCholesky::first_changed_row(std::span<const double> values) const {
   if (!whole_) return 0;
   std::atomic<int> first{shape_.rows()};
-  for_each_stretch(values.size(), entries_worth_a_call, [&](std::size_t k, std::size_t end) {
+  for_each_stretch(values.size(), least_entries_per_call, [&](std::size_t k, std::size_t end) {
     int row = shape_.rows();
     for (; k < end; ++k) {
-      // By their bits: a factor that is kept must be the one that would be computed.
+      // Compare bitwise: rows of the factor are reused only for identical entries.
       const bool same =
           std::bit_cast<std::uint64_t>(values[k]) == std::bit_cast<std::uint64_t>(values_[k]);
       if (!same) row = std::min(row, entry_row_[k]);
     }
-    for (int so_far = first; row < so_far && !first.compare_exchange_weak(so_far, row);) {
+
+    // Atomic minimum.
+    for (int lowest = first; row < lowest && !first.compare_exchange_weak(lowest, row);) {
     }
   });
   return first;
 }
 
-/// Entries of the matrix from a row of tiles on, with ones on the diagonal past the last unknown.
-void BandCholesky::take_matrix(std::span<const double> values, int from) {
+/// Copies the entries from a row of tiles on, and sets the diagonal past the last unknown to one.
+void BandCholesky::copy_matrix(std::span<const double> values, int from) {
   Tile* const first = tile_.get() + shape_.start[std::size_t(from)];
   const std::size_t count = tiles() - shape_.start[std::size_t(from)];
-  for_each_stretch(count, tiles_worth_a_call, [&](std::size_t begin, std::size_t end) {
+  for_each_stretch(count, least_tiles_per_call, [&](std::size_t begin, std::size_t end) {
     std::fill(first + begin, first + end, Tile{});
   });
+
   double* number = tile_.get()->entry;
-  for_each_stretch(values.size(), entries_worth_a_call, [&](std::size_t k, std::size_t end) {
+  for_each_stretch(values.size(), least_entries_per_call, [&](std::size_t k, std::size_t end) {
     for (; k < end; ++k) {
       if (entry_row_[k] >= from) number[entry_[k]] = values[k];
       values_[k] = values[k];
     }
   });
+
   for (std::size_t u = place_.size(); u < right_.size() * tile_size; ++u) {
     tile_[tiles() - 1].entry[u % tile_size * (tile_size + 1)] = 1.0;
   }
@@ -139,8 +150,10 @@ bool BandCholesky::factorize(std::span<const double> values) {
   const int from = first_changed_row(values), rows = shape_.rows();
   share_computed_ = rows > 0 ? static_cast<double>(rows - from) / rows : 0.0;
   if (from == rows) return true;
-  take_matrix(values, from);
-  return whole_ = factorize_from(from);
+
+  copy_matrix(values, from);
+  whole_ = factorize_from(from);
+  return whole_;
 }
 
 bool BandCholesky::is_worth_sharing() const {
@@ -167,6 +180,7 @@ void BandCholesky::solve(std::span<const double> b, std::span<double> x) {
   double* right = right_.data()->entry;
   for (std::size_t u = 0; u < place_.size(); ++u) right[place_[u]] = b[u];
   for (std::size_t u = place_.size(); u < right_.size() * tile_size; ++u) right[u] = 0.0;
+
   if (is_worth_sharing() && streams()) {
     Progress forward(-1), backward(0);
     together([&](int member, int members) {
@@ -175,6 +189,7 @@ void BandCholesky::solve(std::span<const double> b, std::span<double> x) {
   } else {
     kernels_->solve(band(), right_.data(), {});
   }
+
   for (std::size_t u = 0; u < place_.size(); ++u) x[u] = right[place_[u]];
 }
 

@@ -66,7 +66,7 @@ public:
 private:
   std::size_t tiles() const { return shape_.start.empty() ? 0 : shape_.start.back(); }
   int first_changed_row(std::span<const double> values) const;
-  void take_matrix(std::span<const double> values, int from);
+  void copy_matrix(std::span<const double> values, int from);
   bool streams() const;
   bool is_worth_sharing() const;
   [[nodiscard]] bool factorize_from(int row);

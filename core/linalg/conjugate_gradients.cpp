@@ -40,33 +40,43 @@ CgOutcome ConjugateGradients::solve(const SparsityPattern& pattern, std::span<co
                                     std::span<const double> b, std::span<double> x,
                                     const Limits& limits) {
   start(b, held);
-  const double whole = std::sqrt(dot(residual_, residual_));
+
+  const double right_norm = std::sqrt(dot(residual_, residual_));
   CgOutcome outcome;
-  outcome.residual = whole > 0.0 ? 1.0 : 0.0;
-  double before = 1.0;
-  // Written so that a residual that is not a number ends as indefinite.
+  outcome.residual = right_norm > 0.0 ? 1.0 : 0.0;
+  double previous_energy = 1.0;
+
+  // The negated comparison lets a residual that is not a number enter the loop; it ends as
+  // indefinite there.
   while (!(outcome.residual <= limits.tolerance)) {
     outcome.end = CgOutcome::End::too_many;
     if (outcome.iterations == limits.iterations) break;
+
+    // New direction, conjugate to the previous ones.
     precondition(residual_, preconditioned_);
     mask(held, preconditioned_);
     const double energy = dot(residual_, preconditioned_);
-    const double share = outcome.iterations == 0 ? 0.0 : energy / before;
+    const double share = outcome.iterations == 0 ? 0.0 : energy / previous_energy;
     for (std::size_t i = 0; i < direction_.size(); ++i) {
       direction_[i] = preconditioned_[i] + share * direction_[i];
     }
+
+    // Step length that minimises the energy along the direction.
     multiply(pattern, values, direction_, product_);
     mask(held, product_);
     const double stiffness = dot(direction_, product_);
     outcome.end = CgOutcome::End::indefinite;
     if (!(energy > 0.0 && stiffness > 0.0 && std::isfinite(stiffness))) break;
+
     add(energy / stiffness, direction_, solution_);
     add(-energy / stiffness, product_, residual_);
-    before = energy;
+    previous_energy = energy;
+
     ++outcome.iterations;
-    outcome.residual = std::sqrt(dot(residual_, residual_)) / whole;
+    outcome.residual = std::sqrt(dot(residual_, residual_)) / right_norm;
     outcome.end = CgOutcome::End::converged;
   }
+
   std::copy(solution_.begin(), solution_.end(), x.begin());
   return outcome;
 }

@@ -18,8 +18,7 @@ struct [[nodiscard]] CgOutcome {
   };
   End end = End::converged;
   int iterations = 0;
-  double residual =
-      0.0;  ///< [1] Euclidean norm on the free unknowns, relative to the right-hand side
+  double residual = 0.0;  ///< [1] norm on the free unknowns, relative to the right-hand side
 };
 
 /// Preconditioned conjugate gradients (Hestenes, Stiefel 1952) with some unknowns held at zero.

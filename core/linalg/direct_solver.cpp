@@ -8,25 +8,26 @@ namespace dccast::linalg {
 
 namespace {
 
-// Of a quarter slab in hexahedra, one core: docs/factorisation.md, "In three dimensions".
-constexpr double solves_a_factor = 20.0;   // with one factor a step
-constexpr double solve_bytes_rate = 6e9;   // [byte/s] of factor in a solve by either method
-constexpr double reference_size = 13e3;    // unknowns of the fits below
-constexpr double cholmod_factor_s = 0.13;  // grows with exponent 1.63
-constexpr double cholmod_bytes = 48e6;     // grows with exponent 1.35
+// Measured for a quarter slab in hexahedra on one core: docs/factorisation.md, "In three
+// dimensions".
+constexpr double solves_per_factor = 20.0;  // with one factor per step
+constexpr double solve_bytes_rate = 6e9;    // [byte/s] of factor in a solve by either method
+constexpr double reference_size = 13e3;     // unknowns of the fits below
+constexpr double cholmod_factor_s = 0.13;   // grows with exponent 1.63
+constexpr double cholmod_bytes = 48e6;      // grows with exponent 1.35
 
-/// In the plane: work of the band for each unknown below which it beats a dissection [1].
+/// 2D: work per unknown below which the band is faster than a dissection [1].
 constexpr double band_against_dissection = 100.0 * 100.0;
 
 double cholmod_seconds(int unknowns) {
   const double size = unknowns / reference_size;
   const double solve = cholmod_bytes * std::pow(size, 1.35) / solve_bytes_rate;
-  return cholmod_factor_s * std::pow(size, 1.63) + solves_a_factor * solve;
+  return cholmod_factor_s * std::pow(size, 1.63) + solves_per_factor * solve;
 }
 
 double band_seconds(const BandShape& shape, const TileKernels& kernels) {
   const double bytes = static_cast<double>(shape.start.back()) * sizeof(Tile);
-  return shape.flops / kernels.flops_per_second + solves_a_factor * bytes / solve_bytes_rate;
+  return shape.flops / kernels.flops_per_second + solves_per_factor * bytes / solve_bytes_rate;
 }
 
 /// Measured rule: whether a band factorisation is faster than CHOLMOD's. In 2D it assumes one solve
@@ -42,13 +43,14 @@ bool has_two_edges(std::span<const std::vector<int>> fronts) {
   return fronts.size() == 2 && !fronts[0].empty() && !fronts[1].empty();
 }
 
-/// Nothing where a band does, and where the lines at one distance from the edges do not halve the
-/// mesh well: it is not in one piece, or its edges lie side by side.
-std::optional<DissectionTree> dissection_of(const SparsityPattern& pattern, Geometry geometry,
-                                            std::span<const std::vector<int>> fronts,
-                                            const BandShape& shape) {
+/// @return nothing if the band is faster, or if lines at one distance from the edges do not halve
+///         the mesh well: it is not in one piece, or its edges lie side by side
+std::optional<DissectionTree> find_dissection(const SparsityPattern& pattern, Geometry geometry,
+                                              std::span<const std::vector<int>> fronts,
+                                              const BandShape& shape) {
   if (geometry != Geometry::plane || !has_two_edges(fronts)) return std::nullopt;
   if (shape.flops <= band_against_dissection * pattern.unknowns()) return std::nullopt;
+
   DissectionTree tree(pattern, fronts);
   if (tree.flops() >= shape.flops) return std::nullopt;
   return tree;
@@ -58,19 +60,22 @@ std::optional<DissectionTree> dissection_of(const SparsityPattern& pattern, Geom
 
 void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
                            std::span<const std::vector<int>> fronts) {
+  // The order that gives the band the least work.
   std::vector<int> place = reversed_order(pattern.unknowns());
   BandShape shape(pattern, place);
   for (const auto& front : fronts) {
-    std::vector<int> other = sweep_order(pattern, front);
-    BandShape its(pattern, other);
-    if (its.flops >= shape.flops) continue;
-    place = std::move(other);
-    shape = std::move(its);
+    std::vector<int> swept = sweep_order(pattern, front);
+    BandShape swept_shape(pattern, swept);
+    if (swept_shape.flops >= shape.flops) continue;
+    place = std::move(swept);
+    shape = std::move(swept_shape);
   }
-  if (const auto tree = dissection_of(pattern, geometry, fronts, shape)) {
+
+  if (const auto tree = find_dissection(pattern, geometry, fronts, shape)) {
     method_ = Method::dissection;
     return dissection_.analyze(pattern, *tree);
   }
+
   const bool by_band = band_wins(shape, pattern.unknowns(), geometry, best_tile_kernels());
   method_ = by_band ? Method::band : Method::cholmod;
   if (by_band) return band_.analyze(pattern, place, std::move(shape));

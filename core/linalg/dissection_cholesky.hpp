@@ -48,7 +48,7 @@ private:
     std::size_t panel = 0, update = 0;  ///< first tiles
     std::size_t stack = 0;              ///< stack on which its update lies
     std::size_t first_entry = 0;        ///< of the matrix, in `source_` and `target_`
-    std::size_t first_node = 0;         ///< of its boundary, in `at_` and `in_parent_`
+    std::size_t first_node = 0;         ///< of its boundary, in `right_row_` and `in_parent_`
     std::vector<int> children;
   };
 
@@ -57,8 +57,8 @@ private:
   void place_boundaries(const DissectionTree& tree);
   void place_in_parent(const DissectionTree& tree, std::size_t child, std::size_t parent);
   void place_entries(const SparsityPattern& pattern, const DissectionTree& tree);
-  Front front_of(const Part& part);
-  void take_matrix(std::span<const double> values, std::size_t number, const Front& front);
+  Front make_front(const Part& part);
+  void copy_matrix(std::span<const double> values, std::size_t number, const Front& front);
   void add_child(const Part& child, const Front& parent);
   template <int PerNode>
   void add_columns(const Part& child, const Front& parent);
@@ -72,17 +72,17 @@ private:
   int per_node_ = 1;
   std::vector<Part> part_;      ///< in the order of elimination, with an end marker
   std::vector<int> position_;   ///< (unknown) its position among the rows of all pivots
-  std::vector<int> at_;         ///< (node of a boundary) the same of its first unknown
+  std::vector<int> right_row_;  ///< (node of a boundary) `position_` of its first unknown
   std::vector<int> in_parent_;  ///< (node of a boundary) row of its first unknown in the parent
   std::vector<int> source_;     ///< entries of the pattern, by front
-  std::vector<int> target_;     ///< where in the panel of the front each of them stands
+  std::vector<int> target_;     ///< their indices in the panel of the front
   TileStorage panel_;
   std::array<TileStorage, 2> update_;  ///< of the fronts of even and of odd depth: two stacks
   std::vector<TileRow> inverse_, right_, rest_;
   std::vector<Tile> sums_;
   struct RowOffsets {
     std::vector<int> child, panel, update;
-  } offset_;  ///< (node of a boundary) of the rows of a child in its own update and in its parent
+  } offset_;  ///< (node of a boundary) of the rows of a child, in its own update and in its parent
 };
 
 }  // namespace dccast::linalg

@@ -18,7 +18,7 @@ struct FloatsOf {
 template <int Count>
 using Floats = typename FloatsOf<Count>::type;
 
-/// From and to places of any alignment.
+/// Unaligned load and store.
 template <int Count>
 [[gnu::always_inline]] inline Floats<Count> load(const float* from) {
   Floats<Count> x;
@@ -39,8 +39,8 @@ template <int Count, int N>
       Floats<Count> sum = load<Count>(high + std::size_t(a) * stride + k);
       for (int b = 0; b < N; ++b) {
         for (int d = 0; d < 3; ++d) {
-          const float* of = c + std::size_t((a * N + b) * 3 + d) * stride + k;
-          sum -= load<Count>(of) * load<Count>(low + std::size_t(b) * stride + k + d - 1);
+          const float* entry = c + std::size_t((a * N + b) * 3 + d) * stride + k;
+          sum -= load<Count>(entry) * load<Count>(low + std::size_t(b) * stride + k + d - 1);
         }
       }
       store<Count>(sum, high + std::size_t(a) * stride + k);
@@ -48,7 +48,7 @@ template <int Count, int N>
   }
 }
 
-/// y_low -= C' x_high.
+/// y_low -= C' x_high along the rows of a pair of lines.
 template <int Count, int N>
 [[gnu::always_inline]] inline void subtract_transposed(const float* c, std::size_t stride,
                                                        const float* high, float* low) {
@@ -58,8 +58,8 @@ template <int Count, int N>
       for (int a = 0; a < N; ++a) {
         for (int d = 0; d < 3; ++d) {
           // Row k of the low line meets row k - d + 1 of the high one.
-          const float* of = c + std::size_t((a * N + b) * 3 + d) * stride + k - d + 1;
-          sum -= load<Count>(of) * load<Count>(high + std::size_t(a) * stride + k - d + 1);
+          const float* entry = c + std::size_t((a * N + b) * 3 + d) * stride + k - d + 1;
+          sum -= load<Count>(entry) * load<Count>(high + std::size_t(a) * stride + k - d + 1);
         }
       }
       store<Count>(sum, low + std::size_t(b) * stride + k);
@@ -67,7 +67,7 @@ template <int Count, int N>
   }
 }
 
-/// Inverse of a symmetric positive definite block; false where it is not.
+/// Inverse of a symmetric positive definite block by its cofactors. @return false if it is not one
 template <int N>
 bool invert(const double* m, double* inverse) {
   if constexpr (N == 1) {
@@ -75,14 +75,20 @@ bool invert(const double* m, double* inverse) {
     return m[0] > 0.0;
   } else {
     const double minor = m[0] * m[4] - m[1] * m[1];
-    const double c0 = m[4] * m[8] - m[5] * m[5], c1 = m[2] * m[5] - m[1] * m[8],
-                 c2 = m[1] * m[5] - m[2] * m[4];
+    const double c0 = m[4] * m[8] - m[5] * m[5];
+    const double c1 = m[2] * m[5] - m[1] * m[8];
+    const double c2 = m[1] * m[5] - m[2] * m[4];
     const double determinant = m[0] * c0 + m[1] * c1 + m[2] * c2;
     const double f = 1.0 / determinant;
-    inverse[0] = c0 * f, inverse[1] = inverse[3] = c1 * f, inverse[2] = inverse[6] = c2 * f;
+
+    inverse[0] = c0 * f;
+    inverse[1] = inverse[3] = c1 * f;
+    inverse[2] = inverse[6] = c2 * f;
     inverse[4] = (m[0] * m[8] - m[2] * m[2]) * f;
     inverse[5] = inverse[7] = (m[1] * m[2] - m[0] * m[5]) * f;
     inverse[8] = minor * f;
+
+    // Sylvester's criterion: all leading minors are positive.
     return m[0] > 0.0 && minor > 0.0 && determinant > 0.0 && std::isfinite(f);
   }
 }
@@ -92,18 +98,18 @@ bool invert(const double* m, double* inverse) {
 template <int N>
 void LineRelaxation<N>::start(const LineLayout<N>& layout) {
   layout_ = &layout;
-  const std::size_t of_pair = std::size_t(LineLayout<N>::entries) * layout.stride();
-  own_.assign(std::size_t(layout.lines()) * of_pair, 0.0);
-  coupling_.assign(2 * guard + layout.pairs() * of_pair, 0.0F);
+  const std::size_t pair_size = std::size_t(LineLayout<N>::entries) * layout.stride();
+  own_.assign(std::size_t(layout.lines()) * pair_size, 0.0);
+  coupling_.assign(2 * guard + layout.pairs() * pair_size, 0.0F);
   step_.resize(std::size_t(layout.lines()) * std::size_t(layout.rows()));
 }
 
 template <int N>
-void LineRelaxation<N>::add(const typename LineLayout<N>::Place& at, const double* block) {
-  const auto slot = layout_->block(at);
+void LineRelaxation<N>::add(const typename LineLayout<N>::Place& place, const double* block) {
+  const auto slot = layout_->block(place);
   for (int a = 0; a < N; ++a) {
     for (int b = 0; b < N; ++b) {
-      if (at.one_line) {
+      if (place.one_line) {
         own_[slot(a, b)] += block[a * N + b];
       } else {
         coupling_[guard + slot(a, b)] += static_cast<float>(block[a * N + b]);
@@ -114,9 +120,9 @@ void LineRelaxation<N>::add(const typename LineLayout<N>::Place& at, const doubl
 
 template <int N>
 bool LineRelaxation<N>::factorize() {
-  bool done = true;
-  for (int line = 0; line < layout_->lines(); ++line) done = factorize_line(line) && done;
-  return done;
+  bool positive = true;
+  for (int line = 0; line < layout_->lines(); ++line) positive = factorize_line(line) && positive;
+  return positive;
 }
 
 template <int N>
@@ -128,6 +134,8 @@ bool LineRelaxation<N>::factorize_line(int line) {
     for (int a = 0; a < N; ++a) {
       for (int b = 0; b < N; ++b) pivot[std::size_t(a * N + b)] = own_[own(a, b)];
     }
+
+    // below = E inverse(k - 1), and pivot = own block - below E', E the block under the node.
     below.fill(0.0);
     if (k > 0) {
       const auto under = layout_->block(layout_->place(line, k, line, k - 1));
@@ -139,6 +147,7 @@ bool LineRelaxation<N>::factorize_line(int line) {
           }
         }
       }
+
       for (int a = 0; a < N; ++a) {
         for (int b = 0; b < N; ++b) {
           for (int c = 0; c < N; ++c) {
@@ -147,6 +156,7 @@ bool LineRelaxation<N>::factorize_line(int line) {
         }
       }
     }
+
     if (!invert<N>(pivot.data(), inverse.data())) return false;
     for (std::size_t i = 0; i < square; ++i) {
       step[k].inverse[i] = static_cast<float>(inverse[i]);
@@ -162,6 +172,8 @@ template <int N>
   const std::size_t stride = layout_->stride();
   const int rows = layout_->rows();
   const Step* step = &step_[std::size_t(line) * std::size_t(rows)];
+
+  // Forward substitution, upwards.
   float last[N] = {};
   for (int k = 0; k < rows; ++k) {
     float now[N];
@@ -174,6 +186,8 @@ template <int N>
       x[std::size_t(a) * stride + std::size_t(k)] = now[a];
     }
   }
+
+  // Backward substitution, downwards.
   for (int a = 0; a < N; ++a) last[a] = 0.0F;
   for (int k = rows - 1; k >= 0; --k) {
     float now[N];
@@ -194,23 +208,27 @@ template <int N>
 template <int N>
 void LineRelaxation<N>::forward(const std::vector<float>& b, std::vector<float>& x,
                                 std::vector<float>& residual) const {
-  const std::size_t stride = layout_->stride(), of_pair = LineLayout<N>::entries * stride;
+  const std::size_t stride = layout_->stride(), pair_size = LineLayout<N>::entries * stride;
   std::fill(residual.begin(), residual.end(), 0.0F);
   with_lanes([&]<int Count>() {
     std::vector<float> right(N * stride);
     for (int line = 0; line < layout_->lines(); ++line) {
-      const std::size_t here = place(line, 0);
+      const std::size_t here = first_row(line, 0);
       std::memcpy(right.data(), &b[here], right.size() * sizeof(float));
+
+      // The lower lines are solved: subtract their part.
       const std::size_t first = layout_->first_pair(line), end = layout_->first_pair(line + 1);
       for (std::size_t p = first; p < end; ++p) {
-        const float* c = &coupling_[guard + p * of_pair];
-        subtract<2 * Count, N>(c, stride, &x[place(layout_->low_line(p), 0)], right.data());
+        const float* c = &coupling_[guard + p * pair_size];
+        subtract<2 * Count, N>(c, stride, &x[first_row(layout_->low_line(p), 0)], right.data());
       }
       solve_line(line, right.data(), &x[here]);
+
+      // The lower lines were solved without this one: that is their residual.
       for (std::size_t p = first; p < end; ++p) {
-        const float* c = &coupling_[guard + p * of_pair];
+        const float* c = &coupling_[guard + p * pair_size];
         subtract_transposed<2 * Count, N>(c, stride, &x[here],
-                                          &residual[place(layout_->low_line(p), 0)]);
+                                          &residual[first_row(layout_->low_line(p), 0)]);
       }
     }
   });
@@ -218,19 +236,23 @@ void LineRelaxation<N>::forward(const std::vector<float>& b, std::vector<float>&
 
 template <int N>
 void LineRelaxation<N>::backward(std::vector<float>& b, std::vector<float>& x) const {
-  const std::size_t stride = layout_->stride(), of_pair = LineLayout<N>::entries * stride;
+  const std::size_t stride = layout_->stride(), pair_size = LineLayout<N>::entries * stride;
   with_lanes([&]<int Count>() {
     for (int line = layout_->lines() - 1; line >= 0; --line) {
-      const std::size_t here = place(line, 0);
+      const std::size_t here = first_row(line, 0);
+
+      // The forward solution of the lower lines; the higher ones have subtracted theirs from b.
       const std::size_t first = layout_->first_pair(line), end = layout_->first_pair(line + 1);
       for (std::size_t p = first; p < end; ++p) {
-        const float* c = &coupling_[guard + p * of_pair];
-        subtract<2 * Count, N>(c, stride, &x[place(layout_->low_line(p), 0)], &b[here]);
+        const float* c = &coupling_[guard + p * pair_size];
+        subtract<2 * Count, N>(c, stride, &x[first_row(layout_->low_line(p), 0)], &b[here]);
       }
+
       solve_line(line, &b[here], &x[here]);
       for (std::size_t p = first; p < end; ++p) {
-        const float* c = &coupling_[guard + p * of_pair];
-        subtract_transposed<2 * Count, N>(c, stride, &x[here], &b[place(layout_->low_line(p), 0)]);
+        const float* c = &coupling_[guard + p * pair_size];
+        subtract_transposed<2 * Count, N>(c, stride, &x[here],
+                                          &b[first_row(layout_->low_line(p), 0)]);
       }
     }
   });

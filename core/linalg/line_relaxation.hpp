@@ -39,16 +39,17 @@ public:
     for (std::size_t c = 0; c < extruded.cell.size(); c += 4) {
       for (int i = 0; i < 4; ++i) {
         for (int j = 0; j < 4; ++j) {
-          const int high = extruded.cell[c + std::size_t(i)],
-                    low = extruded.cell[c + std::size_t(j)];
+          const int high = extruded.cell[c + std::size_t(i)];
+          const int low = extruded.cell[c + std::size_t(j)];
           if (low < high) lower[std::size_t(high)].push_back(low);
         }
       }
     }
-    for (auto& of : lower) {
-      std::ranges::sort(of);
-      of.erase(std::unique(of.begin(), of.end()), of.end());
-      pair_line_.insert(pair_line_.end(), of.begin(), of.end());
+
+    for (auto& neighbours : lower) {
+      std::ranges::sort(neighbours);
+      neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
+      pair_line_.insert(pair_line_.end(), neighbours.begin(), neighbours.end());
       pair_start_.push_back(pair_line_.size());
     }
   }
@@ -68,24 +69,28 @@ public:
       return {std::size_t(line), upper ? row : other_row, row == other_row ? 1 : 0, !upper, true};
     }
     const bool swap = line < other;
-    if (swap) std::swap(line, other), std::swap(row, other_row);
+    if (swap) {
+      std::swap(line, other);
+      std::swap(row, other_row);
+    }
+
     std::size_t pair = first_pair(line);
     while (pair_line_[pair] != other) ++pair;
     return {pair, row, other_row - row + 1, swap, false};
   }
-  /// The block as numbers of an array in this layout.
+  /// Indices of the entries of a block in an array of this layout.
   struct Block {
     std::size_t first, along_row, along_column;
     std::size_t operator()(int a, int b) const {
       return first + std::size_t(a) * along_row + std::size_t(b) * along_column;
     }
   };
-  /// Slots of a block, its rows and columns as asked for.
-  Block block(const Place& at) const {
-    const std::size_t start = at.pair * std::size_t(entries) + std::size_t(at.below);
+  /// Indices of a block; rows and columns are exchanged where its transpose is stored.
+  Block block(const Place& place) const {
+    const std::size_t start = place.pair * std::size_t(entries) + std::size_t(place.below);
     std::size_t row = std::size_t(3 * PerNode) * stride_, column = 3 * stride_;
-    if (at.transposed) std::swap(row, column);
-    return {start * stride_ + std::size_t(at.row), row, column};
+    if (place.transposed) std::swap(row, column);
+    return {start * stride_ + std::size_t(place.row), row, column};
   }
 
 private:
@@ -112,7 +117,7 @@ public:
 
   /// Adds a block of the matrix: of one node, or between two nodes, together with its transpose.
   /// @param block  (unknown of the row, unknown of the column)
-  void add(const typename LineLayout<PerNode>::Place& at, const double* block);
+  void add(const typename LineLayout<PerNode>::Place& place, const double* block);
   /// Factorises the lines. @return false if one is not positive definite
   [[nodiscard]] bool factorize();
 
@@ -126,9 +131,11 @@ public:
   std::size_t size() const {
     return 2 * guard + std::size_t(layout_->lines() * PerNode) * layout_->stride();
   }
-  std::size_t place(int line, int unknown) const {
+  /// Index in a vector of the first row of an unknown of a line.
+  std::size_t first_row(int line, int unknown) const {
     return guard + std::size_t(line * PerNode + unknown) * layout_->stride();
   }
+  /// Memory used [byte].
   std::size_t memory_bytes() const;
 
 private:

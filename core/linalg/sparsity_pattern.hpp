@@ -79,10 +79,11 @@ public:
       ++start_[std::size_t(b) + 1];
     });
     for (std::size_t n = 0; n < std::size_t(nodes_); ++n) start_[n + 1] += start_[n];
+
     neighbour_.resize(std::size_t(start_.back()));
     std::vector<int> next(start_.begin(), start_.end() - 1);
-    const auto add = [&](int of, int other) {
-      neighbour_[std::size_t(next[std::size_t(of)]++)] = other;
+    const auto add = [&](int node, int other) {
+      neighbour_[std::size_t(next[std::size_t(node)]++)] = other;
     };
     // Lower numbers first: columns come in ascending order, and each is added to the lists of its
     // rows.
@@ -98,8 +99,8 @@ public:
   }
 
   /// Visits all nodes level by level of distance from a front, and within a level in the order of
-  /// the neighbours in the level before; then, as fronts of their own, those that are joined to
-  /// nothing.
+  /// the neighbours in the level before; then, as fronts of their own, the nodes that are connected
+  /// to nothing.
   struct Sweep {
     std::vector<int> order;     ///< nodes
     std::vector<int> distance;  ///< (node) [1] steps from neighbour to neighbour

@@ -21,8 +21,8 @@ using namespace tiles;
 /// Progress value of a factorisation by several members after a pivot was not positive.
 constexpr int no_factor = std::numeric_limits<int>::max();
 
-/// The tile of the diagonal, given all other tiles of its row; others may then go on with its
-/// column.
+/// Computes the diagonal tile of a row whose other tiles are complete, and reports it to the
+/// members that wait for its column.
 template <int Lanes>
 DCCAST_INLINE bool finish_row(const TileBand& band, int j, const BandShare& share) {
   const int first = band.first[j];
@@ -33,21 +33,23 @@ DCCAST_INLINE bool finish_row(const TileBand& band, int j, const BandShare& shar
   return positive;
 }
 
-/// Column by column of tiles, from the left: the rows of one column do not wait for each other.
-/// The row below the diagonal comes first and is finished at once, so that the next column can
-/// begin while this one goes on.
+/// Factorises column by column of tiles, from the left: the rows of one column do not depend on
+/// each other. The row below the diagonal comes first and is finished at once, so that the next
+/// column can begin while this one continues.
 template <int Lanes>
 DCCAST_INLINE bool factorize_band(const TileBand& band, int from, const BandShare& share) {
   for (int j = from < band.rows ? band.first[from] : band.rows; j < band.rows; ++j) {
     const bool begins = band.first[j] == j && j >= from;
     if (begins && share.owns(j) && !finish_row<Lanes>(band, j, share)) return false;
     if (share.factorized != nullptr && share.factorized->wait_for(j) == no_factor) return false;
+
     const int below = j + 1 < from ? from : j + 1;
     for (int i = share.first_from(below); i <= band.last[j]; i += share.members) {
       const int first = band.first[i];
       Tile& tile = *band.at(i, j);
       subtract_products<Lanes>(band.at(i, first), band.at(j, first), j - first, tile);
       substitute<Lanes>(*band.at(j, j), band.inverse[j], tile);
+
       if (i == j + 1 && !finish_row<Lanes>(band, i, share)) return false;
     }
   }
@@ -60,11 +62,13 @@ DCCAST_INLINE void forward(const TileBand& band, int i, TileRow* x, const BandSh
   constexpr int parts = tile_size / Lanes, chains = Lanes / 2;
   typename Register<Lanes>::type sum[chains][parts] = {};
   const int first = band.first[i];
+
   // The member's own previous row is complete, and with it all rows before that.
   const int late = first > i - share.members + 1 ? first : i - share.members + 1;
   add_products<Lanes>(band.at(i, first), x + first, late - first, sum);
   if (share.forward != nullptr) share.forward->wait_for(i - 1);
   add_products<Lanes>(band.at(i, late), x + late, i - late, sum);
+
   for (int c = 0; c < chains; ++c) {
     for (int p = 0; p < parts; ++p) rows_at<Lanes>(x[i].entry + Lanes * p) -= sum[c][p];
   }
@@ -87,6 +91,7 @@ DCCAST_INLINE void backward(const TileBand& band, int j, TileRow* x) {
         }
       }
     }
+
     for (int k = 0; k < pass; ++k) {
       for (int p = 0; p < tile_size; ++p) x[j].entry[k0 + k] -= sum[k][p / Lanes][p % Lanes];
     }
@@ -94,7 +99,7 @@ DCCAST_INLINE void backward(const TileBand& band, int j, TileRow* x) {
   substitute_back(*band.at(j, j), band.inverse[j], x[j]);
 }
 
-/// x <- (L')^-1 x in a row of tiles, given the sum of what the rows after give to its column.
+/// x <- (L')^-1 x in a row of tiles, given the sums of the products of the rows after.
 DCCAST_INLINE void finish_column(const TileBand& band, int j, TileRow* x, const BandShare& share) {
   Tile& own = band.sums[j % band.sum_columns];
   subtract_sums(own, x[j]);
@@ -103,25 +108,27 @@ DCCAST_INLINE void finish_column(const TileBand& band, int j, TileRow* x, const 
   if (share.backward != nullptr) share.backward->reach(band.rows - j);
 }
 
-/// x <- (L')^-1 x, row by row from the last one: each adds to the sums of the columns before what
-/// it gives to them. All tiles are met from the last one down, which is as fast as memory streams;
-/// by columns it is a third of that. The column before a row is finished first, so that the next
-/// row can begin while this one goes on.
+/// x <- (L')^-1 x, row by row from the last one: each row adds its products to the sums of the
+/// columns before it. All tiles are read from the last one down, at the full bandwidth of the
+/// memory; column by column it would be a third of that. The column before a row is finished first,
+/// so that the next row can begin while this one continues.
 template <int Lanes>
 DCCAST_INLINE void backward_streaming(const TileBand& band, TileRow* x, const BandShare& share) {
   constexpr int parts = tile_size / Lanes;
   for (int j = band.rows - 1; j >= 0; --j) {
     if (band.last[j] == j && share.owns(j)) finish_column(band, j, x, share);
     if (share.backward != nullptr) share.backward->wait_for(band.rows - j);
+
     typename Register<Lanes>::type found[parts];
     for (int p = 0; p < parts; ++p) found[p] = rows_at<Lanes>(x[j].entry + Lanes * p);
+
     for (int c = share.last_up_to(j - 1); c >= band.first[j]; c -= share.members) {
       const Tile* tile = band.at(j, c);
       double* sum = band.sums[c % band.sum_columns].entry;
       for (int k = tile_size - 1; k >= 0; --k) {
         for (int p = 0; p < parts; ++p) {
-          const int at = tile_size * k + Lanes * p;
-          rows_at<Lanes>(sum + at) += rows_at<Lanes>(tile->entry + at) * found[p];
+          const int entry = tile_size * k + Lanes * p;
+          rows_at<Lanes>(sum + entry) += rows_at<Lanes>(tile->entry + entry) * found[p];
         }
       }
       if (c == j - 1) finish_column(band, c, x, share);
@@ -156,6 +163,7 @@ void forward_front_plain(const Front& front, TileRow* x, TileRow* rest) {
 void backward_front_plain(const Front& front, TileRow* x, const TileRow* rest, Tile* sums) {
   backward_front<2>(front, x, rest, sums);
 }
+
 constexpr TileKernels plain{"plain",
                             120.0 * 120.0,
                             16e9,
@@ -185,6 +193,7 @@ DCCAST_AVX2 void backward_front_avx2(const Front& front, TileRow* x, const TileR
                                      Tile* sums) {
   backward_front<4>(front, x, rest, sums);
 }
+
 constexpr TileKernels avx2{"AVX2",
                            200.0 * 200.0,
                            38e9,
@@ -210,6 +219,7 @@ DCCAST_AVX512 void backward_front_avx512(const Front& front, TileRow* x, const T
                                          Tile* sums) {
   backward_front<8>(front, x, rest, sums);
 }
+
 constexpr TileKernels avx512{"AVX-512",
                              200.0 * 200.0,
                              45e9,
@@ -219,6 +229,22 @@ constexpr TileKernels avx512{"AVX-512",
                              forward_front_avx512,
                              backward_front_avx512};
 #endif
+
+constexpr std::size_t huge_page = std::size_t(2) << 20;  // [byte]
+
+/// Memory for tiles, in huge pages if a factor of this size does not fit in the cache. Null if
+/// there is none.
+Tile* allocate(std::size_t tiles) {
+  const std::size_t bytes = tiles * sizeof(Tile);
+  if (bytes < cache_bytes) return static_cast<Tile*>(std::aligned_alloc(alignof(Tile), bytes));
+
+  const std::size_t whole = (bytes + huge_page - 1) / huge_page * huge_page;
+  void* storage = std::aligned_alloc(huge_page, whole);
+#ifdef MADV_HUGEPAGE
+  if (storage != nullptr) madvise(storage, whole, MADV_HUGEPAGE);
+#endif
+  return static_cast<Tile*>(storage);
+}
 
 }  // namespace
 
@@ -236,31 +262,16 @@ const TileKernels& best_tile_kernels() {
   return *list.kernel[std::min(list.count - 1, static_cast<int>(instructions()))];
 }
 
-namespace {
-
-constexpr std::size_t huge_page = std::size_t(2) << 20;  // [byte]
-
-Tile* allocate(std::size_t tiles) {
-  const std::size_t bytes = tiles * sizeof(Tile);
-  if (bytes < cache_bytes) return static_cast<Tile*>(std::aligned_alloc(alignof(Tile), bytes));
-  const std::size_t whole = (bytes + huge_page - 1) / huge_page * huge_page;
-  void* storage = std::aligned_alloc(huge_page, whole);
-#ifdef MADV_HUGEPAGE
-  if (storage != nullptr) madvise(storage, whole, MADV_HUGEPAGE);
-#endif
-  return static_cast<Tile*>(storage);
-}
-
-}  // namespace
-
 void TileStorage::reserve(std::size_t tiles) {
   if (tiles <= capacity_) return;
-  const std::size_t room = capacity_ == 0 ? tiles : tiles + tiles / 4;
+  const std::size_t capacity = capacity_ == 0 ? tiles : tiles + tiles / 4;
+
+  // The old tiles are released first: both together may not fit in memory.
   capacity_ = 0;
   tile_.reset();
-  tile_.reset(allocate(room));
+  tile_.reset(allocate(capacity));
   if (tile_ == nullptr) throw std::bad_alloc();
-  capacity_ = room;
+  capacity_ = capacity;
 }
 
 void TileStorage::Free::operator()(Tile* tiles) const {

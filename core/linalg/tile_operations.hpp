@@ -31,13 +31,14 @@ DCCAST_INLINE const auto& rows_at(const double* column) {
 /// result -= sum over `count` tiles of left right'.
 template <int Lanes>
 DCCAST_INLINE void subtract_products(const Tile* left, const Tile* right, int count, Tile& result) {
-  constexpr int parts = tile_size / Lanes, pass = tile_size / parts;  // so that eight sums are held
+  constexpr int parts = tile_size / Lanes, pass = tile_size / parts;  // eight sums in registers
   for (int j0 = 0; j0 < tile_size; j0 += pass) {
     typename Register<Lanes>::type sum[pass][parts];
     double* to = result.entry + tile_size * j0;
     for (int j = 0; j < pass; ++j) {
       for (int p = 0; p < parts; ++p) sum[j][p] = rows_at<Lanes>(to + tile_size * j + Lanes * p);
     }
+
     const double* a = left->entry;
     const double* b = right->entry + j0;
     for (int k = 0; k < tile_size * count; ++k, a += tile_size, b += tile_size) {
@@ -45,24 +46,27 @@ DCCAST_INLINE void subtract_products(const Tile* left, const Tile* right, int co
         for (int p = 0; p < parts; ++p) sum[j][p] -= rows_at<Lanes>(a + Lanes * p) * b[j];
       }
     }
+
     for (int j = 0; j < pass; ++j) {
       for (int p = 0; p < parts; ++p) rows_at<Lanes>(to + tile_size * j + Lanes * p) = sum[j][p];
     }
   }
 }
 
-/// tile <- tile (factor')^-1, columns from the left.
+/// tile <- tile (factor')^-1, column by column from the left.
 template <int Lanes>
 DCCAST_INLINE void substitute(const Tile& factor, const TileRow& inverse, Tile& tile) {
   for (int p = 0; p < tile_size; p += Lanes) {
     typename Register<Lanes>::type column[tile_size];
     for (int k = 0; k < tile_size; ++k) column[k] = rows_at<Lanes>(tile.entry + tile_size * k + p);
+
     for (int k = 0; k < tile_size; ++k) {
       column[k] *= inverse.entry[k];
       for (int j = k + 1; j < tile_size; ++j) {
         column[j] -= column[k] * factor.entry[tile_size * k + j];
       }
     }
+
     for (int k = 0; k < tile_size; ++k) rows_at<Lanes>(tile.entry + tile_size * k + p) = column[k];
   }
 }
@@ -75,10 +79,13 @@ DCCAST_INLINE bool factorize_tile(Tile& tile, TileRow& inverse) {
     double* column = tile.entry + tile_size * k;
     const double pivot = column[k];
     if (!(pivot > 0.0 && pivot < std::numeric_limits<double>::infinity())) return false;
+
     const double root = __builtin_sqrt(pivot);
     inverse.entry[k] = root * (1.0 / pivot);  // root and reciprocal are independent operations
+
     for (int i = 0; i < k; ++i) column[i] = 0.0;
     for (int p = 0; p < tile_size; p += Lanes) rows_at<Lanes>(column + p) *= inverse.entry[k];
+
     for (int j = k + 1; j < tile_size; ++j) {
       for (int p = 0; p < tile_size; p += Lanes) {
         rows_at<Lanes>(tile.entry + tile_size * j + p) -= rows_at<Lanes>(column + p) * column[j];
@@ -126,9 +133,9 @@ DCCAST_INLINE void subtract_sums(const Tile& products, TileRow& x) {
   }
 }
 
-/// sums += the products of the transposed consecutive tiles of some rows with x, the last row
-/// first; the columns of the sums still have to be added up. Processing several rows at once reads
-/// and writes the sums only once.
+/// Adds the products of the transposed consecutive tiles of some rows with x to the sums, the last
+/// row first; the columns of the sums still have to be added up. Processing several rows at once
+/// reads and writes the sums only once.
 /// @param x  one for each row
 template <int Lanes, int Rows>
 DCCAST_INLINE void add_transposed_products(const Tile* const (&row)[Rows], int count,
@@ -138,13 +145,14 @@ DCCAST_INLINE void add_transposed_products(const Tile* const (&row)[Rows], int c
   for (int r = 0; r < Rows; ++r) {
     for (int p = 0; p < parts; ++p) found[r][p] = rows_at<Lanes>(x[r].entry + Lanes * p);
   }
+
   for (int c = 0; c < count; ++c) {
     for (int k = 0; k < tile_size; ++k) {
       for (int p = 0; p < parts; ++p) {
-        const int at = tile_size * k + Lanes * p;
-        auto sum = rows_at<Lanes>(sums[c].entry + at);
-        for (int r = Rows; r-- > 0;) sum += rows_at<Lanes>(row[r][c].entry + at) * found[r][p];
-        rows_at<Lanes>(sums[c].entry + at) = sum;
+        const int entry = tile_size * k + Lanes * p;
+        auto sum = rows_at<Lanes>(sums[c].entry + entry);
+        for (int r = Rows; r-- > 0;) sum += rows_at<Lanes>(row[r][c].entry + entry) * found[r][p];
+        rows_at<Lanes>(sums[c].entry + entry) = sum;
       }
     }
   }
@@ -186,16 +194,19 @@ DCCAST_INLINE void update_rows(const Front& front, int first, int end) {
   }
 }
 
+/// @see TileKernels::factorize_front
 template <int Lanes>
 DCCAST_INLINE bool factorize_front(const Front& front) {
-  const auto end_of = [](int first, int end) {
+  const auto group_end = [](int first, int end) {
     return first + rows_together < end ? first + rows_together : end;
   };
+
   for (int i = 0; i < front.pivots; i += rows_together) {
-    if (!eliminate_rows<Lanes>(front, i, end_of(i, front.pivots))) return false;
+    if (!eliminate_rows<Lanes>(front, i, group_end(i, front.pivots))) return false;
   }
+
   for (int i = 0; i < front.boundary; i += rows_together) {
-    const int end = end_of(i, front.boundary);
+    const int end = group_end(i, front.boundary);
     eliminate_rows<Lanes>(front, front.pivots + i, front.pivots + end);
     update_rows<Lanes>(front, i, end);
   }
@@ -214,6 +225,7 @@ DCCAST_INLINE void row_times(const Tile* row, const TileRow* x, int count, TileR
   }
 }
 
+/// @see TileKernels::forward_front
 template <int Lanes>
 DCCAST_INLINE void forward_front(const Front& front, TileRow* x, TileRow* rest) {
   TileRow sum;
@@ -223,27 +235,30 @@ DCCAST_INLINE void forward_front(const Front& front, TileRow* x, TileRow* rest) 
     for (int k = 0; k < tile_size; ++k) x[i].entry[k] -= sum.entry[k];
     substitute_forward(row[i], front.inverse[i], x[i]);
   }
+
   for (int i = 0; i < front.boundary; ++i)
     row_times<Lanes>(front.row(front.pivots + i), x, front.pivots, rest[i]);
 }
 
-/// What the boundary gives to the pivots, from its last row to its first.
+/// Adds the products of the boundary to the sums of the pivots, from its last row to its first.
 template <int Lanes>
 DCCAST_INLINE void add_boundary(const Front& front, const TileRow* rest, Tile* sums) {
   static_assert(rows_together == 4);
   int i = front.boundary;
   for (; i % rows_together != 0; --i) {
-    const Tile* const one[] = {front.row(front.pivots + i - 1)};
-    add_transposed_products<Lanes>(one, front.pivots, rest + i - 1, sums);
+    const Tile* const row[] = {front.row(front.pivots + i - 1)};
+    add_transposed_products<Lanes>(row, front.pivots, rest + i - 1, sums);
   }
+
   for (; i > 0; i -= rows_together) {
     const int first = front.pivots + i - rows_together;
-    const Tile* const four[] = {front.row(first), front.row(first + 1), front.row(first + 2),
+    const Tile* const rows[] = {front.row(first), front.row(first + 1), front.row(first + 2),
                                 front.row(first + 3)};
-    add_transposed_products<Lanes>(four, front.pivots, rest + i - rows_together, sums);
+    add_transposed_products<Lanes>(rows, front.pivots, rest + i - rows_together, sums);
   }
 }
 
+/// @see TileKernels::backward_front
 template <int Lanes>
 DCCAST_INLINE void backward_front(const Front& front, TileRow* x, const TileRow* rest, Tile* sums) {
   add_boundary<Lanes>(front, rest, sums);

@@ -7,9 +7,9 @@ namespace dccast::linalg {
 
 namespace {
 
-/// Unknowns of the elements of an extruded mesh of so many rows of nodes.
+/// (element, unknown) of an extruded mesh with the given number of rows of nodes.
 template <int N>
-std::vector<int> unknowns_of_elements(const mesh::Extrusion& extruded, int rows) {
+std::vector<int> list_element_unknowns(const mesh::Extrusion& extruded, int rows) {
   std::vector<int> unknown;
   for (int row = 0; row + 1 < rows; ++row) {
     for (std::size_t c = 0; c < extruded.cell.size(); c += 4) {
@@ -32,6 +32,8 @@ void TwoGrid<N>::choose_rows(const mesh::Extrusion& extruded, double group) {
   double least = extruded.height[1] - extruded.height[0];
   for (int k = 1; k < rows; ++k)
     least = std::min(least, extruded.height[std::size_t(k)] - extruded.height[std::size_t(k) - 1]);
+
+  // A coarse row as soon as the next row would make the cell too high.
   std::vector<int> chosen{0};
   for (int k = 1; k + 1 < rows; ++k) {
     const double above =
@@ -39,6 +41,8 @@ void TwoGrid<N>::choose_rows(const mesh::Extrusion& extruded, double group) {
     if (above > group * least * (1.0 + 1e-9)) chosen.push_back(k);
   }
   chosen.push_back(rows - 1);
+
+  // Linear interpolation between the coarse rows.
   between_.assign(std::size_t(rows), {});
   for (std::size_t c = 0; c + 1 < chosen.size(); ++c) {
     const double from = extruded.height[std::size_t(chosen[c])];
@@ -53,16 +57,19 @@ void TwoGrid<N>::choose_rows(const mesh::Extrusion& extruded, double group) {
 template <int N>
 void TwoGrid<N>::analyze(const mesh::Extrusion& extruded, double group) {
   choose_rows(extruded, group);
+
   layout_ = LineLayout<N>(extruded);
   const int coarse_rows = between_.back().lower + 1;
   mesh::Extrusion coarse{{}, extruded.lines, extruded.cell};
   coarse.height.resize(std::size_t(coarse_rows));
   coarse_layout_ = LineLayout<N>(coarse);
-  const auto unknown = unknowns_of_elements<N>(extruded, coarse_rows);
+
+  const auto unknown = list_element_unknowns<N>(extruded, coarse_rows);
   coarse_pattern_ = SparsityPattern(coarse_rows * extruded.lines * N, unknown, 8 * N);
   coarse_solver_.analyze(coarse_pattern_, Geometry::solid);
   coarse_values_.assign(coarse_pattern_.entries(), 0.0);
   coarse_.assign(std::size_t(coarse_pattern_.unknowns()), 0.0);
+
   lines_.start(layout_);
   for (auto* v : {&right_, &solution_, &residual_}) v->assign(lines_.size(), 0.0F);
 }
@@ -71,19 +78,19 @@ template <int N>
 bool TwoGrid<N>::factorize(const SparsityPattern& pattern, std::span<const double> values,
                            std::span<const char> held) {
   lines_.start(layout_);
-  const std::size_t of_pair = std::size_t(LineLayout<N>::entries) * coarse_layout_.stride();
-  coarse_own_.assign(std::size_t(layout_.lines()) * of_pair, 0.0);
-  coarse_coupling_.assign(layout_.pairs() * of_pair, 0.0);
+  const std::size_t pair_size = std::size_t(LineLayout<N>::entries) * coarse_layout_.stride();
+  coarse_own_.assign(std::size_t(layout_.lines()) * pair_size, 0.0);
+  coarse_coupling_.assign(layout_.pairs() * pair_size, 0.0);
   for (int line = 0; line < layout_.lines(); ++line) {
-    for (int row = 0; row < layout_.rows(); ++row) take_node(line, row, pattern, values, held);
+    for (int row = 0; row < layout_.rows(); ++row) assemble_node(line, row, pattern, values, held);
   }
   return lines_.factorize() && factorize_coarse();
 }
 
-/// The diagonal block of a node and those below it in its columns.
+/// Adds the diagonal block of a node and the blocks below it in its columns to both grids.
 template <int N>
-void TwoGrid<N>::take_node(int line, int row, const SparsityPattern& pattern,
-                           std::span<const double> values, std::span<const char> held) {
+void TwoGrid<N>::assemble_node(int line, int row, const SparsityPattern& pattern,
+                               std::span<const double> values, std::span<const char> held) {
   const auto& start = pattern.column_start();
   const int node = row * layout_.lines() + line;
   std::array<const double*, N> column;
@@ -93,18 +100,21 @@ void TwoGrid<N>::take_node(int line, int row, const SparsityPattern& pattern,
     for (std::size_t i = d; i < N; ++i) block[i * N + d] = block[d * N + i] = column[d][i - d];
     column[d] += N - d;
   }
+
+  // The lines contain held unknowns, the coarse problem does not.
   const auto add = [&](int other) {
     const int lines = layout_.lines();
-    const Place at = layout_.place(other % lines, other / lines, line, row);
-    lines_.add(at, block.data());
+    const Place place = layout_.place(other % lines, other / lines, line, row);
+    lines_.add(place, block.data());
     for (std::size_t i = 0; i < N; ++i) {
       for (std::size_t d = 0; d < N; ++d) {
         if (held[std::size_t(node) * N + d] != 0 || held[std::size_t(other) * N + i] != 0)
           block[i * N + d] = 0.0;
       }
     }
-    add_coarse(at, block.data());
+    add_coarse(place, block.data());
   };
+
   add(node);
   const int first = start[std::size_t(node) * N] + N, end = start[std::size_t(node) * N + 1];
   for (int k = first; k < end; k += N) {
@@ -115,36 +125,39 @@ void TwoGrid<N>::take_node(int line, int row, const SparsityPattern& pattern,
   }
 }
 
-/// To all blocks between the coarse rows on either side of its rows; of a line with itself they are
-/// kept from the upper row.
+/// Adds a block P' A P to all blocks between the coarse rows on either side of its rows. Blocks of
+/// a line with itself are stored with the upper row.
 template <int N>
-void TwoGrid<N>::add_coarse(const Place& at, const double* block) {
-  const bool diagonal = at.one_line && at.below == 1;
-  const Between& of = between_[std::size_t(at.row)];
-  const Between& to = between_[std::size_t(at.row + at.below - 1)];
+void TwoGrid<N>::add_coarse(const Place& place, const double* block) {
+  const bool diagonal = place.one_line && place.below == 1;
+  const Between& own = between_[std::size_t(place.row)];
+  const Between& next = between_[std::size_t(place.row + place.below - 1)];
+
   for (int i = 0; i < 2; ++i) {
-    const double share = i == 0 ? 1.0 - of.upper : of.upper;
+    const double share = i == 0 ? 1.0 - own.upper : own.upper;
     for (int j = 0; j < 2; ++j) {
-      const double whole = share * (j == 0 ? 1.0 - to.upper : to.upper);
-      if (whole == 0.0) continue;
-      const int row = of.lower + i, other = to.lower + j;
-      if (!at.one_line) {
-        add_to_coarse({at.pair, row, other - row + 1, at.transposed, false}, whole, block);
+      const double weight = share * (j == 0 ? 1.0 - next.upper : next.upper);
+      if (weight == 0.0) continue;
+      const int row = own.lower + i, other = next.lower + j;
+
+      if (!place.one_line) {
+        add_to_coarse({place.pair, row, other - row + 1, place.transposed, false}, weight, block);
         continue;
       }
-      if (row >= other) add_to_coarse({at.pair, row, other - row + 1, false, true}, whole, block);
+      if (row >= other)
+        add_to_coarse({place.pair, row, other - row + 1, false, true}, weight, block);
       if (row <= other && !diagonal)
-        add_to_coarse({at.pair, other, row - other + 1, true, true}, whole, block);
+        add_to_coarse({place.pair, other, row - other + 1, true, true}, weight, block);
     }
   }
 }
 
 template <int N>
-void TwoGrid<N>::add_to_coarse(const Place& at, double share, const double* block) {
-  auto& to = at.one_line ? coarse_own_ : coarse_coupling_;
-  const auto slot = coarse_layout_.block(at);
+void TwoGrid<N>::add_to_coarse(const Place& place, double share, const double* block) {
+  auto& values = place.one_line ? coarse_own_ : coarse_coupling_;
+  const auto slot = coarse_layout_.block(place);
   for (int a = 0; a < N; ++a) {
-    for (int b = 0; b < N; ++b) to[slot(a, b)] += share * block[a * N + b];
+    for (int b = 0; b < N; ++b) values[slot(a, b)] += share * block[a * N + b];
   }
 }
 
@@ -156,11 +169,12 @@ bool TwoGrid<N>::factorize_coarse() {
     const int node = c / N;
     for (int k = start[std::size_t(c)]; k < start[std::size_t(c) + 1]; ++k) {
       const int r = coarse_pattern_.row()[std::size_t(k)], other = r / N;
-      const auto at =
+      const auto place =
           coarse_layout_.place(other % lines, other / lines, node % lines, node / lines);
-      const auto& from = at.one_line ? coarse_own_ : coarse_coupling_;
-      double value = from[coarse_layout_.block(at)(r % N, c % N)];
-      // All unknowns that it stands for are held.
+      const auto& from = place.one_line ? coarse_own_ : coarse_coupling_;
+      double value = from[coarse_layout_.block(place)(r % N, c % N)];
+
+      // All fine unknowns that it represents are held.
       if (r == c && !(value > 0.0)) value = 1.0;
       coarse_values_[std::size_t(k)] = value;
     }
@@ -174,12 +188,13 @@ void TwoGrid<N>::restrict_residual() {
   const std::size_t lines = std::size_t(layout_.lines());
   for (std::size_t line = 0; line < lines; ++line) {
     for (std::size_t a = 0; a < N; ++a) {
-      const float* r = &residual_[lines_.place(int(line), int(a))];
+      const float* r = &residual_[lines_.first_row(int(line), int(a))];
+
       for (std::size_t k = 0; k < between_.size(); ++k) {
-        const Between& at = between_[k];
-        const std::size_t to = (std::size_t(at.lower) * lines + line) * N + a;
-        coarse_[to] += (1.0 - at.upper) * r[k];
-        if (at.upper > 0.0) coarse_[to + lines * N] += at.upper * r[k];
+        const Between& row = between_[k];
+        const std::size_t to = (std::size_t(row.lower) * lines + line) * N + a;
+        coarse_[to] += (1.0 - row.upper) * r[k];
+        if (row.upper > 0.0) coarse_[to + lines * N] += row.upper * r[k];
       }
     }
   }
@@ -190,12 +205,13 @@ void TwoGrid<N>::interpolate_correction() {
   const std::size_t lines = std::size_t(layout_.lines());
   for (std::size_t line = 0; line < lines; ++line) {
     for (std::size_t a = 0; a < N; ++a) {
-      float* x = &solution_[lines_.place(int(line), int(a))];
+      float* x = &solution_[lines_.first_row(int(line), int(a))];
+
       for (std::size_t k = 0; k < between_.size(); ++k) {
-        const Between& at = between_[k];
-        const std::size_t from = (std::size_t(at.lower) * lines + line) * N + a;
-        double e = (1.0 - at.upper) * coarse_[from];
-        if (at.upper > 0.0) e += at.upper * coarse_[from + lines * N];
+        const Between& row = between_[k];
+        const std::size_t from = (std::size_t(row.lower) * lines + line) * N + a;
+        double e = (1.0 - row.upper) * coarse_[from];
+        if (row.upper > 0.0) e += row.upper * coarse_[from + lines * N];
         x[k] += static_cast<float>(e);
       }
     }
@@ -208,26 +224,27 @@ void TwoGrid<N>::apply(std::span<const double> r, std::span<double> z) {
   const auto for_each_unknown = [&](auto&& use) {
     for (std::size_t line = 0; line < lines; ++line) {
       for (std::size_t a = 0; a < N; ++a) {
-        const std::size_t at = lines_.place(int(line), int(a));
-        for (std::size_t k = 0; k < rows; ++k) use((k * lines + line) * N + a, at + k);
+        const std::size_t first = lines_.first_row(int(line), int(a));
+        for (std::size_t k = 0; k < rows; ++k) use((k * lines + line) * N + a, first + k);
       }
     }
   };
-  for_each_unknown([&](std::size_t u, std::size_t at) { right_[at] = static_cast<float>(r[u]); });
+
+  for_each_unknown([&](std::size_t u, std::size_t i) { right_[i] = static_cast<float>(r[u]); });
   lines_.forward(right_, solution_, residual_);
   restrict_residual();
   coarse_solver_.solve(coarse_, coarse_);
   interpolate_correction();
   lines_.backward(right_, solution_);
-  for_each_unknown([&](std::size_t u, std::size_t at) { z[u] = solution_[at]; });
+  for_each_unknown([&](std::size_t u, std::size_t i) { z[u] = solution_[i]; });
 }
 
 template <int N>
 std::size_t TwoGrid<N>::memory_bytes() const {
-  const std::size_t of_coarse =
+  const std::size_t coarse_numbers =
       coarse_own_.size() + coarse_coupling_.size() + coarse_values_.size() + coarse_.size();
-  return lines_.memory_bytes() + of_coarse * sizeof(double) + 3 * right_.size() * sizeof(float) +
-         coarse_solver_.memory_bytes();
+  return lines_.memory_bytes() + coarse_numbers * sizeof(double) +
+         3 * right_.size() * sizeof(float) + coarse_solver_.memory_bytes();
 }
 
 template class TwoGrid<1>;

@@ -13,7 +13,7 @@ namespace dccast::linalg {
 /// which the others are interpolated.
 ///
 /// The cells of the coarse grid are about as high as wide. Errors that vary faster than that along
-/// the height are removed by the lines, whatever their horizontal variation; slower ones are
+/// the height are removed by the lines, for any horizontal variation; slower ones are
 /// represented on the coarse grid, which keeps the full resolution of the plan, so that plates and
 /// shells bend in it as they do in the matrix. Symmetric and positive definite: a forward sweep
 /// before the coarse problem, a backward sweep after it.
@@ -32,7 +32,7 @@ public:
   /// @param held     (unknown) not zero where held; the coarse problem does not contain these
   /// @return false if the matrix is found not to be positive definite
   [[nodiscard]] bool factorize(const SparsityPattern& pattern, std::span<const double> values,
-                 std::span<const char> held);
+                               std::span<const char> held);
 
   /// z = M^-1 r. @param z  not the same storage as `r`
   void apply(std::span<const double> r, std::span<double> z);
@@ -49,10 +49,10 @@ private:
   };
 
   void choose_rows(const mesh::Extrusion& extruded, double group);
-  void take_node(int line, int row, const SparsityPattern& pattern, std::span<const double> values,
-                 std::span<const char> held);
-  void add_coarse(const Place& at, const double* block);
-  void add_to_coarse(const Place& at, double share, const double* block);
+  void assemble_node(int line, int row, const SparsityPattern& pattern,
+                     std::span<const double> values, std::span<const char> held);
+  void add_coarse(const Place& place, const double* block);
+  void add_to_coarse(const Place& place, double share, const double* block);
   [[nodiscard]] bool factorize_coarse();
   void restrict_residual();
   void interpolate_correction();

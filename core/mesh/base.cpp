@@ -1,5 +1,7 @@
 #include "core/mesh/base.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -13,31 +15,11 @@ namespace {
 /// Slope of the opening at the narrow face [1].
 double end_slope(const Curve& opening, double half_width) {
   if (opening.constant()) return 0.0;
-  double before = 0.0;
-  for (const double at : opening.at())
-    if (at < half_width) before = std::max(before, at);
-  return (opening(half_width) - opening(before)) / (half_width - before);
+  double last_kink = 0.0;
+  for (const double x : opening.at())
+    if (x < half_width) last_kink = std::max(last_kink, x);
+  return (opening(half_width) - opening(last_kink)) / (half_width - last_kink);
 }
-
-}  // namespace
-
-CornerArc::Point CornerArc::point(double at) const {
-  return {centre[0] + radius * std::cos(at), centre[1] + radius * std::sin(at)};
-}
-
-CornerArc corner_arc(const SectionSpec& spec) {
-  const double slope = end_slope(spec.half_thickness, spec.half_width);
-  const double length = std::hypot(1.0, slope);
-  const double normal_x = -slope / length, normal_y = 1.0 / length;
-  const double end = spec.half_thickness(spec.half_width);
-  // The centre lies one radius inside of both faces.
-  const double y = end - spec.corner_radius * (1.0 - normal_x) / normal_y;
-  return {spec.corner_radius,
-          {spec.half_width - spec.corner_radius, y},
-          std::atan2(normal_y, normal_x)};
-}
-
-namespace {
 
 /// Positions from zero to `length`, the last cell of width `last` [m].
 std::vector<double> graded_towards_end(double length, int cells, double last) {
@@ -47,19 +29,20 @@ std::vector<double> graded_towards_end(double length, int cells, double last) {
 }
 
 template <class Iterator>
-Iterator nearest_to(double place, Iterator first, Iterator end) {
+Iterator find_nearest(double target, Iterator first, Iterator end) {
   return std::min_element(
-      first, end, [&](double a, double b) { return std::abs(a - place) < std::abs(b - place); });
+      first, end, [&](double a, double b) { return std::abs(a - target) < std::abs(b - target); });
 }
 
-/// Moves the nearest inner position to a given one, so that there is a row of nodes.
-void snap(double place, std::vector<double>& at) {
-  if (at.size() < 3 || place <= at.front() || place >= at.back()) return;
-  *nearest_to(place, at.begin() + 1, at.end() - 1) = place;
+/// Moves the nearest inner position to a given one, so that a row of nodes lies there.
+void snap(double target, std::vector<double>& position) {
+  if (position.size() < 3 || target <= position.front() || target >= position.back()) return;
+  *find_nearest(target, position.begin() + 1, position.end() - 1) = target;
 }
 
-int index_nearest_to(double place, const std::vector<double>& at) {
-  return static_cast<int>(nearest_to(place, at.begin(), at.end()) - at.begin());
+int nearest_index(double target, const std::vector<double>& position) {
+  return static_cast<int>(find_nearest(target, position.begin(), position.end()) -
+                          position.begin());
 }
 
 /// The plan of a quarter slab under construction: a grid of columns along x and layers along y.
@@ -75,9 +58,10 @@ public:
     for (const double x : x_)
       for (const double share : share_)
         place_.insert(place_.end(), {x, share * spec.half_thickness(x)});
-    if (spec.corner_radius > 0.0) round();
+    if (spec.corner_radius > 0.0) round_corner();
   }
 
+  /// The finished plan, with its walls.
   Base<3> build() const {
     Base<3> base;
     base.node = place_;
@@ -85,37 +69,44 @@ public:
       for (int j = 0; j < cells_y(); ++j)
         for (const int n : {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)})
           base.cell_node.push_back(n);
+
     add_straight_walls(base);
     add_wide_faces(base);
     add_corner(base);
     return base;
   }
 
+  /// @see mesh::corner_cells()
   std::array<int, 2> corner_cells() const {
     return {cells_x() - patch_column_, cells_y() - patch_layer_};
   }
 
 private:
+  /// Positions of the columns of nodes [m].
   static std::vector<double> columns(const SectionSpec& spec) {
     auto x = graded_towards_end(spec.half_width, spec.columns, spec.side_cell);
-    // A straight piece of the mould is one of the mesh.
+
+    // Straight pieces of the mould end at nodes.
     for (const double kink : spec.half_thickness.at()) snap(kink, x);
     if (spec.corner_radius > 0.0) snap(corner_arc(spec).on_wide_face()[0], x);
+
     return refined(x, spec.refinement);
   }
+  /// Positions of the layers of nodes, relative to the opening [1].
   static std::vector<double> layers(const SectionSpec& spec) {
     const double end = spec.half_thickness(spec.half_width);
     auto y = graded_towards_end(end, spec.layers, spec.wide_side_cell);
     if (spec.corner_radius > 0.0) snap(corner_arc(spec).on_narrow_face()[1], y);
-    for (double& at : y) at /= end;
+    for (double& position : y) position /= end;
     return refined(y, spec.refinement);
   }
 
-  void round() {
+  /// Finds the cells at the rounded corner and moves their nodes to the arc.
+  void round_corner() {
     const CornerArc arc = corner_arc(spec_);
     const double end = spec_.half_thickness(spec_.half_width);
-    patch_column_ = index_nearest_to(arc.on_wide_face()[0], x_);
-    patch_layer_ = index_nearest_to(arc.on_narrow_face()[1] / end, share_);
+    patch_column_ = nearest_index(arc.on_wide_face()[0], x_);
+    patch_layer_ = nearest_index(arc.on_narrow_face()[1] / end, share_);
     if (patch_column_ < cells_x() && patch_layer_ < cells_y()) bend_patch(arc);
   }
 
@@ -126,12 +117,14 @@ private:
     const auto point = [&](int i, int j) {
       return &place_[2 * std::size_t(at(patch_column_ + i, patch_layer_ + j))];
     };
-    const auto put = [&](int i, int j, const CornerArc::Point& p) {
+    const auto move_to = [&](int i, int j, const CornerArc::Point& p) {
       std::copy(p.begin(), p.end(), point(i, j));
     };
+
     const double middle = 0.5 * arc.angle;
-    for (int i = 0; i <= m; ++i) put(i, n, arc.point(arc.angle + (middle - arc.angle) * i / m));
-    for (int j = 0; j <= n; ++j) put(m, j, arc.point(middle * j / n));
+    for (int i = 0; i <= m; ++i) move_to(i, n, arc.point(arc.angle + (middle - arc.angle) * i / m));
+    for (int j = 0; j <= n; ++j) move_to(m, j, arc.point(middle * j / n));
+
     for (int i = 1; i < m; ++i)
       for (int j = 1; j < n; ++j) {
         const double u = double(i) / m, v = double(j) / n;
@@ -141,7 +134,7 @@ private:
                  v * point(i, n)[d] - (1 - u) * (1 - v) * point(0, 0)[d] -
                  u * (1 - v) * point(m, 0)[d] - (1 - u) * v * point(0, n)[d] -
                  u * v * point(m, n)[d];
-        put(i, j, p);
+        move_to(i, j, p);
       }
   }
 
@@ -154,9 +147,11 @@ private:
     Base<3>::Wall plane_x{"symmetry_x", PatchKind::symmetry, {-1, 0, 0}, {}};
     Base<3>::Wall plane_y{"symmetry_y", PatchKind::symmetry, {0, -1, 0}, {}};
     Base<3>::Wall narrow{"side_x", PatchKind::side, {1, 0, 0}, {}};
+
     for (int j = 0; j < cells_y(); ++j) plane_x.pieces.push_back({cell(0, j), 3});
     for (int j = 0; j < patch_layer_; ++j) narrow.pieces.push_back({cell(cells_x() - 1, j), 1});
     for (int i = 0; i < cells_x(); ++i) plane_y.pieces.push_back({cell(i, 0), 0});
+
     for (auto* wall : {&plane_x, &plane_y, &narrow})
       if (!wall->pieces.empty()) base.walls.push_back(std::move(*wall));
   }
@@ -180,22 +175,23 @@ private:
                 {at(cells_x(), j + 1), at(cells_x(), j)});
   }
 
-  /// @param first  of the walls of this name
+  /// Adds a piece to the last wall, or to a new one if its direction differs.
+  /// @param first  index of the first wall with this name
   /// @param ends   nodes of the piece, clockwise seen from above
   void add_piece(Base<3>& base, std::size_t first, const std::string& name,
                  const Base<3>::Piece& piece, const std::array<int, 2>& ends) const {
     constexpr double same_direction = 1e-9;
-    const auto normal = normal_of(ends);
+    const auto normal = outward_normal(ends);
     const auto* wall = base.walls.size() == first ? nullptr : &base.walls.back();
     if (wall == nullptr || std::abs(wall->normal[0] - normal[0]) > same_direction) {
       const std::size_t count = base.walls.size() - first + 1;
       base.walls.push_back(
-          {count == 1 ? name : name + "_" + std::to_string(count), PatchKind::side, normal, {}});
+          {count == 1 ? name : fmt::format("{}_{}", name, count), PatchKind::side, normal, {}});
     }
     base.walls.back().pieces.push_back(piece);
   }
 
-  std::array<double, 3> normal_of(const std::array<int, 2>& ends) const {
+  std::array<double, 3> outward_normal(const std::array<int, 2>& ends) const {
     const double *from = &place_[2 * std::size_t(ends[0])], *to = &place_[2 * std::size_t(ends[1])];
     const double along = to[0] - from[0], rise = to[1] - from[1];
     const double length = std::hypot(along, rise);
@@ -203,21 +199,40 @@ private:
   }
 
   const SectionSpec& spec_;
-  std::vector<double> x_;      ///< [m] of the columns of nodes
-  std::vector<double> share_;  ///< of the opening, by layer of nodes [1]
-  int column_;                 ///< nodes in one
-  /// Where the arc ends on the wide and on the narrow face; of a square corner the last ones.
+  std::vector<double> x_;      ///< (column of nodes) [m]
+  std::vector<double> share_;  ///< (layer of nodes) y relative to the opening [1]
+  int column_;                 ///< nodes in a column
+  /// Column and layer at which the arc ends on the wide and on the narrow face; the last ones if
+  /// the corner is square.
   int patch_column_, patch_layer_;
   std::vector<double> place_;  ///< (column, layer, 2) [m]
 };
 
 }  // namespace
 
+CornerArc::Point CornerArc::point(double direction) const {
+  return {centre[0] + radius * std::cos(direction), centre[1] + radius * std::sin(direction)};
+}
+
+CornerArc corner_arc(const SectionSpec& spec) {
+  const double slope = end_slope(spec.half_thickness, spec.half_width);
+  const double length = std::hypot(1.0, slope);
+  const double normal_x = -slope / length, normal_y = 1.0 / length;
+  const double end = spec.half_thickness(spec.half_width);
+
+  // The centre lies one radius inside both faces.
+  const double y = end - spec.corner_radius * (1.0 - normal_x) / normal_y;
+  return {spec.corner_radius,
+          {spec.half_width - spec.corner_radius, y},
+          std::atan2(normal_y, normal_x)};
+}
+
 template <>
 Base<2> base_of<2>(const SectionSpec& spec) {
   Base<2> base;
   base.node =
       refined(graded_towards_end(spec.half_width, spec.columns, spec.side_cell), spec.refinement);
+
   const int cells = base.nodes() - 1;
   for (int c = 0; c < cells; ++c) base.cell_node.insert(base.cell_node.end(), {c, c + 1});
   base.walls.push_back({"symmetry", PatchKind::symmetry, {-1, 0}, {{0, 0}}});
@@ -239,14 +254,18 @@ double reach_of(const Base<3>& plan, double x) {
   double reach = 0.0;
   for (const auto& wall : plan.walls) {
     if (wall.kind != PatchKind::side) continue;
+
     for (const auto& piece : wall.pieces) {
       const auto corner = [&](int k) {
         return &plan.node[2 * std::size_t(plan.cell_node[std::size_t(4 * piece.cell + k % 4)])];
       };
       const double *a = corner(piece.side), *b = corner(piece.side + 1);
       if (x < std::min(a[0], b[0]) - round_off || x > std::max(a[0], b[0]) + round_off) continue;
-      const double share = a[0] == b[0] ? 0.0 : (x - a[0]) / (b[0] - a[0]);
-      reach = std::max({reach, a[0] == b[0] ? std::max(a[1], b[1]) : a[1] + share * (b[1] - a[1])});
+
+      const bool along_y = a[0] == b[0];
+      const double share = along_y ? 0.0 : (x - a[0]) / (b[0] - a[0]);
+      const double end = along_y ? std::max(a[1], b[1]) : a[1] + share * (b[1] - a[1]);
+      reach = std::max(reach, end);
     }
   }
   return reach;

@@ -18,8 +18,8 @@ struct CornerArc {
   Point centre{};       ///< [m]
   double angle = 0.0;   ///< [rad] from the normal of the narrow face to that of the wide face
 
-  /// A point of the arc. @param at  [rad] from the normal of the narrow face
-  Point point(double at) const;
+  /// A point of the arc [m]. @param direction  [rad] from the normal of the narrow face
+  Point point(double direction) const;
   Point on_narrow_face() const { return point(0.0); }
   Point on_wide_face() const { return point(angle); }
 };

@@ -20,7 +20,7 @@ std::vector<double> ends_of_cells(const std::vector<double>& widths, double leng
 
 /// Divides every interval between positions [m] into `refinement` equal ones; returns all positions
 /// [m].
-std::vector<double> refined(const std::vector<double>& at, int refinement);
+std::vector<double> refined(const std::vector<double>& position, int refinement);
 
 /// Division of a cell of an extruded mesh into elements. Corners of a cell: the lower ones in the
 /// order of its base, then the upper ones in the same order.
@@ -42,12 +42,12 @@ struct CellDivision {
 
 /// The division for a kind of element: undivided, or into triangles or tetrahedra.
 template <int Dim>
-const CellDivision<Dim>& division_of(ElementKind kind);
+const CellDivision<Dim>& cell_division(ElementKind kind);
 
 template <>
-const CellDivision<2>& division_of<2>(ElementKind kind);
+const CellDivision<2>& cell_division<2>(ElementKind kind);
 template <>
-const CellDivision<3>& division_of<3>(ElementKind kind);
+const CellDivision<3>& cell_division<3>(ElementKind kind);
 
 /// Structure of an extruded mesh of hexahedra: identical rows of nodes above each other, numbered
 /// row by row. Corresponding nodes of all rows form a vertical line.

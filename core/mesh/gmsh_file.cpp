@@ -1,5 +1,7 @@
 #include "core/mesh/gmsh_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -8,11 +10,14 @@ namespace dccast::mesh::gmsh {
 
 namespace {
 
+constexpr std::size_t most_quoted = 40;  // characters of a file in a message
+
 bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-/// Words and numbers, one after the other, of one section at a time.
+/// Reads the words and numbers of a file in sequence. It knows the name of the present section, for
+/// messages.
 class Scanner {
 public:
   explicit Scanner(std::string_view text) : left_(text) {}
@@ -23,16 +28,19 @@ public:
   std::string_view word_or_end() {
     std::size_t begin = 0;
     while (begin < left_.size() && is_space(left_[begin])) ++begin;
+
     std::size_t end = begin;
     while (end < left_.size() && !is_space(left_[end])) ++end;
+
     const std::string_view word = left_.substr(begin, end - begin);
     left_.remove_prefix(end);
     return word;
   }
 
+  /// The next word. @throws FormatError  at the end of the text
   std::string_view word() {
     const std::string_view word = word_or_end();
-    if (word.empty()) throw FormatError("ends in the middle of $" + section_);
+    if (word.empty()) throw FormatError(fmt::format("ends in the middle of ${}", section_));
     return word;
   }
 
@@ -42,8 +50,8 @@ public:
     Number value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc{} || end != text.data() + text.size())
-      throw FormatError("has '" + std::string(text.substr(0, 40)) + "' in $" + section_ +
-                        " where a number belongs");
+      throw FormatError(fmt::format("has '{}' in ${} where a number belongs",
+                                    text.substr(0, most_quoted), section_));
     return value;
   }
 
@@ -51,8 +59,8 @@ public:
   std::size_t count() {
     const auto value = number<long>();
     if (value < 0 || static_cast<std::size_t>(value) > left_.size() / 2 + 1)
-      throw FormatError("ends in the middle of $" + section_ + ": it announces " +
-                        std::to_string(value) + " entries");
+      throw FormatError(
+          fmt::format("ends in the middle of ${}: it announces {} entries", section_, value));
     return static_cast<std::size_t>(value);
   }
 
@@ -66,7 +74,8 @@ public:
   std::string quoted() {
     const auto open = left_.find('"');
     const auto close = open == std::string_view::npos ? open : left_.find('"', open + 1);
-    if (close == std::string_view::npos) throw FormatError("ends in the middle of $" + section_);
+    if (close == std::string_view::npos)
+      throw FormatError(fmt::format("ends in the middle of ${}", section_));
     std::string text(left_.substr(open + 1, close - open - 1));
     left_.remove_prefix(close + 1);
     return text;
@@ -76,11 +85,12 @@ public:
     for (std::size_t i = 0; i < words; ++i) word();
   }
 
+  /// Reads the end of the section. @throws FormatError  there is something else
   void leave() {
     const std::string_view last = word();
     if (last != "$End" + section_)
-      throw FormatError("has '" + std::string(last.substr(0, 40)) + "' where $End" + section_ +
-                        " belongs");
+      throw FormatError(
+          fmt::format("has '{}' where $End{} belongs", last.substr(0, most_quoted), section_));
   }
 
   /// Skips a section that is not needed.
@@ -94,8 +104,8 @@ private:
   std::string section_ = "MeshFormat";
 };
 
-/// Of one entity. Each of its elements has them all, so that without a bound a file of a megabyte
-/// could ask for gigabytes.
+/// Largest number of physical groups of an entity. Each of its elements has them all: without a
+/// limit a file of a megabyte could ask for gigabytes.
 constexpr std::size_t most_groups = 100;
 
 /// Physical groups of the geometrical entities, by dimension and tag (4.1 only).
@@ -116,12 +126,14 @@ void read_entities(Scanner& scan, EntityGroups& groups) {
     for (std::size_t left = counts[static_cast<std::size_t>(dimension)]; left > 0; --left) {
       const int tag = scan.number<int>();
       scan.skip(dimension == 0 ? 3 : 6);  // position or bounding box
-      auto& of_entity = groups[{dimension, tag}];
+
+      auto& entity_groups = groups[{dimension, tag}];
       const std::size_t added = scan.count();
-      if (of_entity.size() + added > most_groups)
-        throw FormatError("has an entity in more than " + std::to_string(most_groups) +
-                          " physical groups");
-      for (std::size_t i = added; i > 0; --i) of_entity.push_back(scan.number<int>());
+      if (entity_groups.size() + added > most_groups)
+        throw FormatError(
+            fmt::format("has an entity in more than {} physical groups", most_groups));
+      for (std::size_t i = added; i > 0; --i) entity_groups.push_back(scan.number<int>());
+
       if (dimension > 0) scan.skip(scan.count());  // entities that bound it
     }
   }
@@ -133,6 +145,7 @@ void read_node(Scanner& scan, File& file) {
   file.node.push_back(position);
 }
 
+/// Nodes in the format 2.2.
 void read_nodes_2(Scanner& scan, File& file) {
   for (std::size_t left = scan.count(); left > 0; --left) {
     file.node_tag.push_back(scan.number<long>());
@@ -140,6 +153,7 @@ void read_nodes_2(Scanner& scan, File& file) {
   }
 }
 
+/// Nodes in the format 4.1.
 void read_nodes_4(Scanner& scan, File& file) {
   const std::size_t blocks = scan.count();
   scan.skip(3);  // number of nodes, smallest and largest tag
@@ -147,6 +161,7 @@ void read_nodes_4(Scanner& scan, File& file) {
     const int dimension = scan.number<int>();
     scan.skip(1);
     const bool parametric = scan.number<int>() != 0;
+
     const std::size_t count = scan.count();
     for (std::size_t i = 0; i < count; ++i) file.node_tag.push_back(scan.number<long>());
     for (std::size_t i = 0; i < count; ++i) {
@@ -156,10 +171,12 @@ void read_nodes_4(Scanner& scan, File& file) {
   }
 }
 
-Element element_of(int shape) {
+/// An element without nodes. @throws FormatError  for a shape that is not supported
+Element make_element(int shape) {
   if (nodes_of(shape) == 0)
-    throw FormatError("has elements of Gmsh's type " + std::to_string(shape) +
-                      "; only linear ones are read (Mesh.ElementOrder = 1)");
+    throw FormatError(fmt::format(
+        "has elements of Gmsh's type {}; only linear ones are read (Mesh.ElementOrder = 1)",
+        shape));
   Element element;
   element.shape = shape;
   return element;
@@ -170,29 +187,34 @@ void read_element_nodes(Scanner& scan, Element& element) {
     element.node[static_cast<std::size_t>(i)] = scan.number<long>();
 }
 
+/// Elements in the format 2.2.
 void read_elements_2(Scanner& scan, File& file) {
   for (std::size_t left = scan.count(); left > 0; --left) {
     scan.skip(1);
-    Element element = element_of(scan.number<int>());
-    const std::size_t tags = scan.count();
+    Element element = make_element(scan.number<int>());
+
     // The first tag is the physical group, zero for none; the others are Gmsh's own.
+    const std::size_t tags = scan.count();
     if (tags > 0)
       if (const int group = scan.number<int>(); group != 0) element.groups = {group};
     if (tags > 1) scan.skip(tags - 1);
+
     read_element_nodes(scan, element);
     file.elements.push_back(std::move(element));
   }
 }
 
+/// Elements in the format 4.1.
 void read_elements_4(Scanner& scan, const EntityGroups& groups, File& file) {
   const std::size_t blocks = scan.count();
   scan.skip(3);  // number of elements, smallest and largest tag
   for (std::size_t block = 0; block < blocks; ++block) {
     const int dimension = scan.number<int>();
     const int entity = scan.number<int>();
-    Element element = element_of(scan.number<int>());
+    Element element = make_element(scan.number<int>());
     if (const auto found = groups.find({dimension, entity}); found != groups.end())
       element.groups = found->second;
+
     for (std::size_t left = scan.count(); left > 0; --left) {
       scan.skip(1);
       read_element_nodes(scan, element);
@@ -201,14 +223,17 @@ void read_elements_4(Scanner& scan, const EntityGroups& groups, File& file) {
   }
 }
 
-/// @return  2 or 4
+/// Reads the section of the format. @return its version, 2 or 4
 int read_format(Scanner& scan) {
   if (scan.word_or_end() != "$MeshFormat")
     throw FormatError("does not begin with $MeshFormat: not a Gmsh mesh");
+
   const std::string version(scan.word());
   if (version != "2.2" && version != "4.1")
-    throw FormatError("has the format version " + version.substr(0, 20) +
-                      "; 2.2 and 4.1 are read (Mesh.MshFileVersion)");
+    throw FormatError(
+        fmt::format("has the format version {}; 2.2 and 4.1 are read (Mesh.MshFileVersion)",
+                    version.substr(0, 20)));
+
   if (scan.number<int>() != 0) throw FormatError("is binary; save it as ASCII (Mesh.Binary = 0)");
   scan.skip(1);
   scan.leave();
@@ -223,9 +248,11 @@ File parse(std::string_view text) {
   File file;
   EntityGroups groups;
   bool complete = false;
+
   for (std::string_view head = scan.word_or_end(); !head.empty(); head = scan.word_or_end()) {
     if (head.front() != '$')
-      throw FormatError("has '" + std::string(head.substr(0, 40)) + "' between two sections");
+      throw FormatError(fmt::format("has '{}' between two sections", head.substr(0, most_quoted)));
+
     const std::string_view section = head.substr(1);
     scan.enter(section);
     if (section == "PhysicalNames") {
@@ -233,7 +260,7 @@ File parse(std::string_view text) {
     } else if (section == "Entities" && version == 4) {
       read_entities(scan, groups);
     } else if (section == "Nodes") {
-      version == 2 ? read_nodes_2(scan, file) : read_nodes_4(scan, file);
+      (version == 2 ? read_nodes_2 : read_nodes_4)(scan, file);
     } else if (section == "Elements") {
       version == 2 ? read_elements_2(scan, file) : read_elements_4(scan, groups, file);
       complete = true;
@@ -243,6 +270,7 @@ File parse(std::string_view text) {
     }
     scan.leave();
   }
+
   if (!complete) throw FormatError("ends before $Elements");
   return file;
 }

@@ -13,7 +13,7 @@
 /// "MSH file format version 4.1" and "version 2 (Legacy)".
 namespace dccast::mesh::gmsh {
 
-/// The text is not a Gmsh file that can be read; what() says why.
+/// The text is not a Gmsh file that can be read; what() is the reason.
 class FormatError : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
@@ -42,21 +42,22 @@ constexpr int dimension_of(int shape) {
   return shape < line || shape > hexahedron ? -1 : dimensions[std::size_t(shape)];
 }
 
+/// An element of a file.
 struct Element {
   int shape = 0;
   std::vector<int> groups;     ///< tags of its physical groups
   std::array<long, 8> node{};  ///< tags
 };
 
+/// Content of a file.
 struct File {
   std::map<std::pair<int, int>, std::string> group_name;  ///< by dimension and tag
-  std::vector<long> node_tag;
-  std::vector<std::array<double, 3>> node;  ///< [m]
-  std::vector<Element> elements;            ///< of all dimensions
+  std::vector<long> node_tag;                             ///< (node)
+  std::vector<std::array<double, 3>> node;                ///< (node) [m]
+  std::vector<Element> elements;                          ///< of all dimensions
 };
 
-/// @param text  content of a file in MSH 2.2 or 4.1, ASCII
-/// @throws FormatError
+/// Parses the content of a file in MSH 2.2 or 4.1, ASCII. @throws FormatError
 File parse(std::string_view text);
 
 }  // namespace dccast::mesh::gmsh

@@ -1,5 +1,8 @@
 #include "core/mesh/gmsh_reader.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,16 +23,17 @@ namespace {
 constexpr const char* shape_name[] = {"",           "lines",    "triangles", "quadrilaterals",
                                       "tetrahedra", "hexahedra"};
 
-int shape_for(int dimension, ElementKind kind) {
+/// Gmsh's number of the shape that a kind of element requires.
+int required_shape(int dimension, ElementKind kind) {
   if (dimension == 2) return kind == ElementKind::p1 ? gmsh::triangle : gmsh::quadrilateral;
   return kind == ElementKind::p1 ? gmsh::tetrahedron : gmsh::hexahedron;
 }
 
-/// Corners of the facets of each shape, in the order in which the domain lies to the left of an
-/// edge and the normal of a face points outwards.
 using FacetCorners = std::vector<std::vector<int>>;
 
-const FacetCorners& facets_of(int shape) {
+/// Corners of the facets of a shape, in the order in which the domain lies to the left of an edge
+/// and the normal of a face points outwards.
+const FacetCorners& facet_corners(int shape) {
   static const FacetCorners triangle{{0, 1}, {1, 2}, {2, 0}};
   static const FacetCorners quadrilateral{{0, 1}, {1, 2}, {2, 3}, {3, 0}};
   static const FacetCorners tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
@@ -40,20 +44,22 @@ const FacetCorners& facets_of(int shape) {
   return shape == gmsh::tetrahedron ? tetrahedron : hexahedron;
 }
 
-/// Mean of the outward normals of facets, by area [1].
+/// Mean of the outward normals of facets, weighted by area [1].
 std::array<double, 3> mean_normal(const Mesh<3>& mesh, const std::vector<Facet<3>>& facets) {
   std::array<double, 3> sum{};
   for (const Facet<3>& facet : facets) {
-    // Half the cross product of the diagonals, in a triangle of two edges.
+    // Half the cross product of the diagonals; for a triangle, of two edges.
     const double* a = mesh.point(facet.node[0]);
     const double* b = mesh.point(facet.node[1]);
     const double* c = mesh.point(facet.node[2]);
     const double* d = facet.nodes == 4 ? mesh.point(facet.node[3]) : a;
+
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
       sum[i] += 0.5 * ((c[j] - a[j]) * (d[k] - b[k]) - (c[k] - a[k]) * (d[j] - b[j]));
     }
   }
+
   const double length = std::hypot(sum[0], sum[1], sum[2]);
   for (double& component : sum) component /= length > 0.0 ? length : 1.0;
   return sum;
@@ -67,18 +73,19 @@ public:
   GmshImport(const gmsh::File& file, const std::string& name, ElementKind kind, Faults& faults)
       : file_(file),
         name_(name),
-        shape_(shape_for(Dim, kind)),
+        shape_(required_shape(Dim, kind)),
         faults_(faults),
         faults_before_(faults.list().size()) {}
 
   /// The mesh; empty if there is a fault.
-  std::optional<Mesh<Dim>> take() {
+  std::optional<Mesh<Dim>> convert() {
     number_nodes();
     check_shapes();
-    if (sound()) add_elements();
-    if (sound()) find_boundary();
-    if (sound()) add_patches();
-    if (!sound()) return std::nullopt;
+    if (is_valid()) add_elements();
+    if (is_valid()) find_boundary();
+    if (is_valid()) add_patches();
+    if (!is_valid()) return std::nullopt;
+
     sort_patches();
     find_normals();
     return std::move(mesh_);
@@ -93,11 +100,12 @@ private:
     int patch = -1;
   };
 
-  bool sound() const { return faults_.list().size() == faults_before_; }
+  bool is_valid() const { return faults_.list().size() == faults_before_; }
 
-  void fault(const std::string& message,
-             const std::string& permitted = "a mesh whose nodes, elements and groups fit together",
-             const std::string& remedy = "correct the mesh and export it again") {
+  void add_fault(
+      const std::string& message,
+      const std::string& permitted = "a mesh whose nodes, elements and groups fit together",
+      const std::string& remedy = "correct the mesh and export it again") {
     faults_.add("mesh.file", name_, message, permitted, remedy);
   }
 
@@ -108,7 +116,7 @@ private:
       const long tag = element.node[static_cast<std::size_t>(i)];
       const auto found = number_.find(tag);
       if (found == number_.end()) {
-        fault("has an element with the unknown node " + std::to_string(tag));
+        add_fault(fmt::format("has an element with the unknown node {}", tag));
         return false;
       }
       nodes.push_back(found->second);
@@ -119,10 +127,11 @@ private:
   void number_nodes() {
     for (std::size_t i = 0; i < file_.node_tag.size(); ++i)
       if (!number_.emplace(file_.node_tag[i], static_cast<int>(i)).second)
-        return fault("has node " + std::to_string(file_.node_tag[i]) + " twice");
+        return add_fault(fmt::format("has node {} twice", file_.node_tag[i]));
+
     for (const auto& position : file_.node) {
       if (Dim == 2 && position[2] != 0.0)
-        return fault("has nodes with z other than 0", "a section in the x-y plane, in m");
+        return add_fault("has nodes with z other than 0", "a section in the x-y plane, in m");
       mesh_.node.insert(mesh_.node.end(), position.begin(), position.begin() + Dim);
     }
   }
@@ -132,29 +141,32 @@ private:
     for (const gmsh::Element& element : file_.elements)
       if (gmsh::dimension_of(element.shape) >= Dim) found.insert(element.shape);
     if (found.size() == 1 && *found.begin() == shape_) return;
-    std::string names;
-    for (const int shape : found)
-      names += (names.empty() ? "" : " and ") + std::string(shape_name[shape]);
-    fault("has " + (names.empty() ? "no elements" : names),
-          std::string("only ") + shape_name[shape_] + " with this mesh.element",
-          Dim == 2
-              ? "mesh.element = \"p1\" for triangles, \"q1_bending\" or \"q1\" for quadrilaterals"
-              : "");
+
+    std::vector<const char*> names;
+    for (const int shape : found) names.push_back(shape_name[shape]);
+    add_fault(
+        names.empty() ? "has no elements" : fmt::format("has {}", fmt::join(names, " and ")),
+        fmt::format("only {} with this mesh.element", shape_name[shape_]),
+        Dim == 2
+            ? "mesh.element = \"p1\" for triangles, \"q1_bending\" or \"q1\" for quadrilaterals"
+            : "");
   }
 
   void add_elements() {
     mesh_.nodes_per_element = gmsh::nodes_of(shape_);
     std::vector<char> used(file_.node.size(), 0);
     std::vector<int> nodes;
+
     for (const gmsh::Element& element : file_.elements) {
       if (element.shape != shape_) continue;
       if (!look_up(element, nodes) || !orient(nodes)) return;
       for (const int n : nodes) used[static_cast<std::size_t>(n)] = 1;
       mesh_.element_node.insert(mesh_.element_node.end(), nodes.begin(), nodes.end());
     }
+
     if (const auto orphans = std::count(used.begin(), used.end(), 0); orphans > 0)
-      fault(
-          "has " + std::to_string(orphans) + " nodes that belong to no element", "none",
+      add_fault(
+          fmt::format("has {} nodes that belong to no element", orphans), "none",
           "save only the nodes of physical groups (Mesh.SaveAll = 0), without construction points");
   }
 
@@ -164,6 +176,7 @@ private:
     const int ends[3] = {a, b, c};
     for (int i = 0; i < Dim; ++i)
       for (int d = 0; d < Dim; ++d) edge[i][d] = mesh_.point(ends[i])[d] - mesh_.point(corner)[d];
+
     if constexpr (Dim == 2) {
       return edge[0][0] * edge[1][1] - edge[0][1] * edge[1][0];
     } else {
@@ -187,11 +200,14 @@ private:
           const int next = n[4 * layer + (i + 1) % 4];
           const int previous = n[4 * layer + (i + 3) % 4];
           const int across = Dim == 2 ? 0 : n[4 * (1 - layer) + i];
+
+          // In the upper layer the corners turn the other way.
           const double measure = corner_measure(n[4 * layer + i], next, previous, across);
           values.push_back(layer == 0 ? measure : -measure);
         }
       }
     }
+
     const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
     return {*smallest, *largest};
   }
@@ -201,24 +217,25 @@ private:
     const auto [smallest, largest] = measures(nodes);
     if (smallest > 0.0) return true;
     if (largest < 0.0) {
-      turn_round(nodes);
+      reverse(nodes);
       return true;
     }
-    fault("has a folded or flat element at (" + std::to_string(mesh_.point(nodes[0])[0]) + ", " +
-              std::to_string(mesh_.point(nodes[0])[1]) + ") m",
-          "elements with all corners below 180 degrees");
+    const double* corner = mesh_.point(nodes[0]);
+    add_fault(fmt::format("has a folded or flat element at ({:f}, {:f}) m", corner[0], corner[1]),
+              "elements with all corners below 180 degrees");
     return false;
   }
 
-  void turn_round(std::vector<int>& nodes) const {
+  void reverse(std::vector<int>& nodes) const {
     if (shape_ == gmsh::triangle || shape_ == gmsh::tetrahedron)
       return std::swap(nodes[1], nodes[2]);
     for (std::size_t layer = 0; layer < nodes.size() / 4; ++layer)
       std::swap(nodes[4 * layer + 1], nodes[4 * layer + 3]);
   }
 
+  /// The key of a facet. @param count  number of its nodes
   template <class Nodes>
-  static Key key_of(const Nodes& nodes, std::size_t count) {
+  static Key make_key(const Nodes& nodes, std::size_t count) {
     Key key;
     key.fill(-1);
     std::copy_n(nodes.begin(), count, key.begin());
@@ -226,24 +243,29 @@ private:
     return key;
   }
 
+  /// Counts the elements at every facet: the boundary has one.
   void find_boundary() {
-    const FacetCorners& corners_of_facets = facets_of(shape_);
+    const FacetCorners& facets = facet_corners(shape_);
     for (int e = 0; e < mesh_.elements(); ++e) {
-      for (const auto& corners : corners_of_facets) {
+      for (const auto& corners : facets) {
         Facet<Dim> facet;
         facet.nodes = static_cast<int>(corners.size());
         facet.element = e;
         for (std::size_t i = 0; i < corners.size(); ++i)
           facet.node[i] = mesh_.nodes_of(e)[corners[i]];
-        Boundary& boundary = boundary_[key_of(facet.node, corners.size())];
-        if (boundary.elements++ == 0) boundary.facet = facet;
-        if (boundary.elements > 2) return fault("has elements that overlap: three share a facet");
+
+        Boundary& boundary = boundary_[make_key(facet.node, corners.size())];
+        if (boundary.elements == 0) boundary.facet = facet;
+        ++boundary.elements;
+        if (boundary.elements > 2)
+          return add_fault("has elements that overlap: three share a facet");
       }
     }
   }
 
-  /// In 3D there may be several planes of symmetry and several sides: symmetry_x, side_2.
-  static std::optional<PatchKind> kind_of(const std::string& name) {
+  /// The kind of a patch by its name. In 3D there may be several planes of symmetry and several
+  /// sides: symmetry_x, side_2.
+  static std::optional<PatchKind> find_kind(const std::string& name) {
     for (std::size_t k = 0; k < patch_kinds; ++k) {
       const PatchKind kind = PatchKind(k);
       const std::string plain = name_of(kind);
@@ -253,40 +275,43 @@ private:
     return std::nullopt;
   }
 
-  /// The number of the patch of a physical group; -1 (and a fault, once) when it is none of ours.
-  int patch_of(int group) {
+  /// The index of the patch of a physical group; -1, with one fault, if its name is unknown.
+  int find_patch(int group) {
     const auto found = file_.group_name.find({Dim - 1, group});
     const std::string name =
         found == file_.group_name.end() ? std::to_string(group) : found->second;
+
     auto& patches = mesh_.patches;
     const auto known = std::ranges::find(patches, name, &Patch<Dim>::name);
     if (known != patches.end()) return static_cast<int>(known - patches.begin());
-    if (const auto kind = kind_of(name)) {
+    if (const auto kind = find_kind(name)) {
       patches.push_back({name, *kind, usual_normal<Dim>(*kind), {}});
       return static_cast<int>(patches.size()) - 1;
     }
+
     if (unknown_.insert(name).second)
-      fault("has the unknown physical group '" + name.substr(0, 60) + "'",
-            Dim == 2
-                ? "symmetry, bottom, side, top"
-                : "symmetry_x, symmetry_y, bottom, side_x, side_y, top, or side_ and any name");
+      add_fault(fmt::format("has the unknown physical group '{}'", name.substr(0, 60)),
+                Dim == 2
+                    ? "symmetry, bottom, side, top"
+                    : "symmetry_x, symmetry_y, bottom, side_x, side_y, top, or side_ and any name");
     return -1;
   }
 
-  const std::string& name_of_patch(int patch) const {
-    return mesh_.patches[std::size_t(patch)].name;
-  }
+  const std::string& patch_name(int patch) const { return mesh_.patches[std::size_t(patch)].name; }
 
+  /// Adds a facet of the boundary to a patch.
   void add_facet(const std::vector<int>& nodes, int patch) {
-    const auto found = boundary_.find(key_of(nodes, nodes.size()));
+    const auto found = boundary_.find(make_key(nodes, nodes.size()));
     if (found == boundary_.end() || found->second.elements != 1)
-      return fault("has a facet of group " + name_of_patch(patch) +
-                   " that is not on the boundary of the mesh");
+      return add_fault(fmt::format(
+          "has a facet of group {} that is not on the boundary of the mesh", patch_name(patch)));
+
     Boundary& boundary = found->second;
     if (boundary.patch == patch) return;  // Gmsh repeats a facet for each of its groups
     if (boundary.patch >= 0)
-      return fault("has a facet in two groups, " + name_of_patch(boundary.patch) + " and " +
-                   name_of_patch(patch));
+      return add_fault(fmt::format("has a facet in two groups, {} and {}",
+                                   patch_name(boundary.patch), patch_name(patch)));
+
     boundary.patch = patch;
     mesh_.patches[std::size_t(patch)].facets.push_back(boundary.facet);
   }
@@ -296,19 +321,22 @@ private:
     for (const gmsh::Element& element : file_.elements) {
       if (gmsh::dimension_of(element.shape) != Dim - 1) continue;
       for (const int group : element.groups) {
-        const int patch = patch_of(group);
+        const int patch = find_patch(group);
         if (patch < 0) continue;
         if (!look_up(element, nodes)) return;
+
         const std::size_t faults_before = faults_.list().size();
         add_facet(nodes, patch);
-        if (faults_.list().size() != faults_before) return;  // the next ones would say the same
+        if (faults_.list().size() != faults_before) return;  // the following would be the same
       }
     }
+
     if (mesh_.facets(PatchKind::bottom).empty())
-      fault("has no physical group 'bottom'", "the part of the boundary that stands on the block");
+      add_fault("has no physical group 'bottom'",
+                "the part of the boundary that stands on the block");
   }
 
-  /// Along the bottom and the top from the symmetry plane, along the others upwards.
+  /// Orders the facets of each patch: bottom and top from the symmetry plane, the others upwards.
   void sort_patches() {
     for (Patch<Dim>& patch : mesh_.patches) {
       const bool level = patch.kind == PatchKind::bottom || patch.kind == PatchKind::top;
@@ -318,12 +346,13 @@ private:
         for (int i = 0; i < facet.nodes; ++i) sum += mesh_.point(facet.node[std::size_t(i)])[axis];
         return sum / facet.nodes;
       };
+
       std::stable_sort(patch.facets.begin(), patch.facets.end(),
                        [&](const auto& a, const auto& b) { return place(a) < place(b); });
     }
   }
 
-  /// In 3D a wall stands where its facets do.
+  /// In 3D the normal of a patch is that of its facets.
   void find_normals() {
     if constexpr (Dim == 3) {
       for (Patch<3>& patch : mesh_.patches) patch.normal = mean_normal(mesh_, patch.facets);
@@ -332,13 +361,13 @@ private:
 
   const gmsh::File& file_;
   const std::string& name_;
-  int shape_;  ///< required of the elements
+  int shape_;  ///< required shape of the elements
   Faults& faults_;
   std::size_t faults_before_;
   Mesh<Dim> mesh_;
   std::unordered_map<long, int> number_;  ///< of a node by its Gmsh tag
   std::map<Key, Boundary> boundary_;
-  std::set<std::string> unknown_;
+  std::set<std::string> unknown_;  ///< names of groups that have a fault
 };
 
 }  // namespace
@@ -348,7 +377,7 @@ std::optional<Mesh<Dim>> parse_gmsh(std::string_view text, const std::string& na
                                     ElementKind kind, Faults& faults) {
   try {
     const gmsh::File file = gmsh::parse(text);
-    return GmshImport<Dim>(file, name, kind, faults).take();
+    return GmshImport<Dim>(file, name, kind, faults).convert();
   } catch (const gmsh::FormatError& error) {
     faults.add("mesh.file", name, error.what(), "MSH 2.2 or 4.1, ASCII",
                "export it from Gmsh as MSH 4.1 or 2.2 in ASCII");
@@ -361,13 +390,15 @@ std::optional<Mesh<Dim>> read_gmsh(const std::filesystem::path& path, ElementKin
                                    Faults& faults) {
   const std::string name = path.filename().string();
   std::ifstream stream;
+
   // A folder can be opened, but not read.
   if (!std::filesystem::is_directory(path)) stream.open(path, std::ios::binary);
   if (!stream.is_open()) {
     faults.add("mesh.file", name, "cannot be read", "a readable Gmsh mesh",
-               "name a file that is there, or leave mesh.file out");
+               "name an existing file, or leave mesh.file out");
     return std::nullopt;
   }
+
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   return parse_gmsh<Dim>(text, name, kind, faults);
 }

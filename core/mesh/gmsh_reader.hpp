@@ -27,7 +27,7 @@ template <int Dim>
 std::optional<Mesh<Dim>> read_gmsh(const std::filesystem::path& path, ElementKind kind,
                                    Faults& faults);
 
-/// The same from the content of a file. @param name  file name for the messages
+/// Reads the content of a Gmsh file. @param name  file name for the messages
 template <int Dim>
 std::optional<Mesh<Dim>> parse_gmsh(std::string_view text, const std::string& name,
                                     ElementKind kind, Faults& faults);

@@ -17,6 +17,7 @@ enum class PatchKind { symmetry, bottom, side, top };
 inline constexpr std::size_t patch_kinds = 4;
 inline constexpr std::array<const char*, patch_kinds> patch_kind_name{"symmetry", "bottom", "side",
                                                                       "top"};
+/// The name of a kind, e.g. "symmetry".
 inline const char* name_of(PatchKind kind) {
   return patch_kind_name[std::size_t(kind)];
 }
@@ -27,7 +28,7 @@ template <int Dim>
 struct Facet {
   std::array<int, Dim == 2 ? 2 : 4> node{};
   int nodes = Dim == 2 ? 2 : 4;
-  int element = -1;
+  int element = -1;  ///< to which it belongs
 };
 
 /// A named part of the boundary. There may be several of a kind: two symmetry planes, four faces.
@@ -73,11 +74,12 @@ struct Mesh {
     for (int n = 0; n < nodes(); ++n) value = std::max(value, point(n)[coordinate]);
     return value;
   }
+  /// The node numbers of an element.
   const int* nodes_of(int e) const {
     return element_node.data() + std::size_t(e) * std::size_t(nodes_per_element);
   }
 
-  /// The patch of a name; nullptr where there is none.
+  /// The patch with a name; null if there is none.
   const Patch<Dim>* find(const std::string& name) const {
     const auto found = std::ranges::find(patches, name, &Patch<Dim>::name);
     return found == patches.end() ? nullptr : &*found;
@@ -89,6 +91,8 @@ struct Mesh {
     patches.push_back({name_of(kind), kind, usual_normal<Dim>(kind), {}});
     return patches.back().facets;
   }
+  /// The facets of the only patch of a kind; empty if there is none.
+  /// @throws std::logic_error  there are several
   const std::vector<Facet<Dim>>& facets(PatchKind kind) const {
     static const std::vector<Facet<Dim>> none;
     const Patch<Dim>* patch = only(*this, kind);

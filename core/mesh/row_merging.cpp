@@ -8,36 +8,39 @@ namespace {
 
 constexpr double same_height = 1e-6;  // relative
 constexpr double round_off = 1e-9;    // relative
-constexpr int rows_that_grow = 2;
+constexpr int top_rows = 2;           // of cells, which growth changes
 
 }  // namespace
 
 std::vector<int> rows_to_merge(std::span<const double> height, int first,
                                const RowMerging& merging) {
-  std::vector<int> out;
-  if (merging.below <= 0.0 || height.empty()) return out;
-  const int last = static_cast<int>(height.size()) - 1 - rows_that_grow;
+  std::vector<int> removed;
+  if (merging.below <= 0.0 || height.empty()) return removed;
+
+  const int last = static_cast<int>(height.size()) - 1 - top_rows;
   const double deepest = height.back() - merging.below;
   for (int row = first + 1; row + 1 <= last; ++row) {
     const std::size_t i = std::size_t(row);
     const double lower = height[i] - height[i - 1], upper = height[i + 1] - height[i];
+
     if (height[i + 1] > deepest) break;
     if (std::abs(upper - lower) > same_height * lower) continue;
     if (lower + upper > merging.largest_cell * (1.0 + round_off)) continue;
-    out.push_back(row);
-    ++row;
+
+    removed.push_back(row);
+    ++row;  // the next row of nodes is a boundary of the merged row
   }
-  return out;
+  return removed;
 }
 
 std::vector<std::array<std::size_t, 2>> MergedRows::made_of() const {
   std::vector<std::array<std::size_t, 2>> rows;
-  auto out = taken_out.begin();
+  auto removed = taken_out.begin();
   for (std::size_t cell = 0; cell + 1 < height.size(); ++cell) {
     const std::size_t first = cell;
-    if (out != taken_out.end() && std::size_t(*out) == cell + 1) {
+    if (removed != taken_out.end() && std::size_t(*removed) == cell + 1) {
       ++cell;
-      ++out;
+      ++removed;
     }
     rows.push_back({first, cell});
   }
@@ -45,15 +48,17 @@ std::vector<std::array<std::size_t, 2>> MergedRows::made_of() const {
 }
 
 void share_out_rows(const MergedRows& merged, std::size_t per_row, std::vector<double>& field) {
-  for (const int out : merged.taken_out) {
-    const std::size_t row = std::size_t(out);
+  for (const int removed : merged.taken_out) {
+    const std::size_t row = std::size_t(removed);
     const double below = merged.height[row] - merged.height[row - 1];
     const double above = merged.height[row + 1] - merged.height[row];
+
     for (std::size_t i = row * per_row; i < (row + 1) * per_row; ++i) {
       field[i - per_row] += field[i] * above / (below + above);
       field[i + per_row] += field[i] * below / (below + above);
     }
   }
+
   take_out_rows(merged, per_row, field);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -11,8 +12,8 @@ namespace dccast::mesh {
 /// change slowly, become one (paper section 5.1: a mesh that is fine near the metal level and
 /// coarse below).
 struct RowMerging {
-  double below =
-      0.0;  ///< [m] depth of a pair below the metal level at which it is merged; 0: never
+  /// [m] depth of a pair below the metal level at which it is merged; 0: never
+  double below = 0.0;
   double largest_cell = 0.0;  ///< [m] largest height of a merged row
 };
 
@@ -27,11 +28,11 @@ std::vector<int> rows_to_merge(std::span<const double> height, int first,
 /// Description of a merging of rows, for the transfer of fields.
 struct MergedRows {
   std::vector<double> height;  ///< [m] of the rows of nodes before merging
-  std::vector<int> taken_out;  ///< rows of nodes, as rows_to_merge() gives them
+  std::vector<int> taken_out;  ///< removed rows of nodes, from rows_to_merge()
   std::size_t nodes_per_row = 0, elements_per_row = 0;
 
   bool empty() const { return taken_out.empty(); }
-  /// (row of cells after merging) lowest and highest of the rows before merging that it is made of.
+  /// (row of cells after merging) first and last of the rows of cells that were merged into it.
   std::vector<std::array<std::size_t, 2>> made_of() const;
 };
 
@@ -45,15 +46,16 @@ void share_out_rows(const MergedRows& merged, std::size_t per_row, std::vector<d
 /// @param per_row  numbers per row
 template <class T>
 void take_out_rows(const MergedRows& merged, std::size_t per_row, std::vector<T>& field) {
-  auto out = merged.taken_out.begin();
+  auto removed = merged.taken_out.begin();
   auto to = field.begin();
   for (std::size_t row = 0; row < merged.height.size(); ++row) {
-    if (out != merged.taken_out.end() && std::size_t(*out) == row) {
-      ++out;
+    if (removed != merged.taken_out.end() && std::size_t(*removed) == row) {
+      ++removed;
       continue;
     }
+
     const auto from = field.begin() + std::ptrdiff_t(row * per_row);
-    for (std::size_t i = 0; i < per_row; ++i) *to++ = from[std::ptrdiff_t(i)];
+    to = std::copy_n(from, per_row, to);
   }
   field.erase(to, field.end());
 }

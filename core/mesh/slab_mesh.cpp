@@ -11,12 +11,12 @@ namespace dccast::mesh {
 
 namespace {
 
-constexpr double divide_above = 1.5;   // growth cells
-constexpr std::size_t first_rows = 2;  // of cells, when the mould begins to be filled
+constexpr double divide_above = 1.5;   // height of the top row [growth cells]
+constexpr std::size_t first_rows = 2;  // of cells, at the begin of filling
 
-/// The nodes of a cell, below and above, as the corners of its division.
+/// The nodes of a cell in the order of CellDivision: those of its base, then those above them.
 template <int Dim>
-std::array<int, CellDivision<Dim>::corners> corners_of(const Base<Dim>& base, int cell, int row) {
+std::array<int, CellDivision<Dim>::corners> cell_corners(const Base<Dim>& base, int cell, int row) {
   std::array<int, CellDivision<Dim>::corners> node;
   constexpr std::size_t half = std::size_t(Base<Dim>::nodes_per_cell);
   for (std::size_t k = 0; k < half; ++k) {
@@ -27,9 +27,10 @@ std::array<int, CellDivision<Dim>::corners> corners_of(const Base<Dim>& base, in
   return node;
 }
 
+/// A part of the surface of a cell. @param first_element  of the cell
 template <int Dim>
-Facet<Dim> facet_of(const typename CellDivision<Dim>::Part& part,
-                    const std::array<int, CellDivision<Dim>::corners>& node, int first_element) {
+Facet<Dim> make_facet(const typename CellDivision<Dim>::Part& part,
+                      const std::array<int, CellDivision<Dim>::corners>& node, int first_element) {
   Facet<Dim> facet;
   facet.nodes = static_cast<int>(part.corner.size());
   facet.element = first_element + part.element;
@@ -38,17 +39,20 @@ Facet<Dim> facet_of(const typename CellDivision<Dim>::Part& part,
   return facet;
 }
 
+/// Heights of the initial rows of nodes [m].
 std::vector<double> initial_rows(const SectionSpec& spec) {
   return refined(ends_of_cells(graded_cells(spec.initial_depth, spec.rows, spec.bottom_cell),
                                spec.initial_depth),
                  spec.refinement);
 }
 
-RowMerging merging_of(const SectionSpec& spec) {
+/// The criteria of a section, with the cell of its refinement.
+RowMerging refined_merging(const SectionSpec& spec) {
   return {spec.merging.below, spec.merging.largest_cell / spec.refinement};
 }
 
-/// The topmost initial row of cells becomes a growth cell when the first row is inserted.
+/// Row of nodes below the rows added by growth. The topmost initial row of cells belongs to these:
+/// it becomes a growth cell when the first row is inserted.
 int first_grown(const std::vector<double>& row_heights) {
   return static_cast<int>(row_heights.size()) - 2;
 }
@@ -60,7 +64,7 @@ SlabMesh<Dim>::SlabMesh(const SectionSpec& spec)
     : base_(base_of<Dim>(spec)),
       kind_(spec.element),
       growth_cell_(growth_cell(spec)),
-      merging_(merging_of(spec)),
+      merging_(refined_merging(spec)),
       plan_(initial_rows(spec)),
       first_grown_(first_grown(plan_)),
       heights_(plan_) {
@@ -75,15 +79,16 @@ void SlabMesh<Dim>::start_filling() {
 
 template <int Dim>
 int SlabMesh<Dim>::elements_per_row() const {
-  return base_.cells() * static_cast<int>(division_of<Dim>(kind_).elements.size());
+  return base_.cells() * static_cast<int>(cell_division<Dim>(kind_).elements.size());
 }
 
 template <int Dim>
 void SlabMesh<Dim>::build() {
   mesh_ = Mesh<Dim>{};
-  mesh_.nodes_per_element = static_cast<int>(division_of<Dim>(kind_).elements.front().size());
+  mesh_.nodes_per_element = static_cast<int>(cell_division<Dim>(kind_).elements.front().size());
   for (const auto& wall : base_.walls)
     mesh_.patches.push_back({wall.name, wall.kind, wall.normal, {}});
+
   for (int row = 0; row <= rows(); ++row) place_row_of_nodes(row);
   for (int row = 0; row < rows(); ++row) add_row_of_cells(row);
   set_bottom();
@@ -95,17 +100,17 @@ void SlabMesh<Dim>::place_row_of_nodes(int row) {
   const std::size_t nodes = std::size_t(base_.nodes()), first = std::size_t(row) * nodes;
   if (mesh_.node.size() < Dim * (first + nodes)) mesh_.node.resize(Dim * (first + nodes));
   for (std::size_t i = 0; i < nodes; ++i) {
-    double* at = mesh_.node.data() + Dim * (first + i);
-    for (std::size_t d = 0; d + 1 < Dim; ++d) at[d] = base_.node[i * (Dim - 1) + d];
-    at[Dim - 1] = heights_[std::size_t(row)];
+    double* x = mesh_.node.data() + Dim * (first + i);
+    for (std::size_t d = 0; d + 1 < Dim; ++d) x[d] = base_.node[i * (Dim - 1) + d];
+    x[Dim - 1] = heights_[std::size_t(row)];
   }
 }
 
 template <int Dim>
 void SlabMesh<Dim>::add_row_of_cells(int row) {
   for (int cell = 0; cell < base_.cells(); ++cell) {
-    const auto node = corners_of(base_, cell, row);
-    for (const auto& element : division_of<Dim>(kind_).elements)
+    const auto node = cell_corners(base_, cell, row);
+    for (const auto& element : cell_division<Dim>(kind_).elements)
       for (const int corner : element) mesh_.element_node.push_back(node[std::size_t(corner)]);
   }
   add_walls(row);
@@ -113,70 +118,75 @@ void SlabMesh<Dim>::add_row_of_cells(int row) {
 
 template <int Dim>
 void SlabMesh<Dim>::add_walls(int row) {
-  const auto& division = division_of<Dim>(kind_);
+  const auto& division = cell_division<Dim>(kind_);
   const int per_cell = static_cast<int>(division.elements.size());
   const int first_element = row * elements_per_row();
   for (std::size_t w = 0; w < base_.walls.size(); ++w) {
     for (const auto& piece : base_.walls[w].pieces) {
-      const auto node = corners_of(base_, piece.cell, row);
+      const auto node = cell_corners(base_, piece.cell, row);
       for (const auto& part : division.side[std::size_t(piece.side)])
         mesh_.patches[w].facets.push_back(
-            facet_of<Dim>(part, node, first_element + per_cell * piece.cell));
+            make_facet<Dim>(part, node, first_element + per_cell * piece.cell));
     }
   }
 }
 
 template <int Dim>
 void SlabMesh<Dim>::set_bottom() {
-  const auto& division = division_of<Dim>(kind_);
+  const auto& division = cell_division<Dim>(kind_);
   const int per_cell = static_cast<int>(division.elements.size());
   auto& facets = mesh_.facets(PatchKind::bottom);
   for (int cell = 0; cell < base_.cells(); ++cell)
     for (const auto& part : division.bottom)
-      facets.push_back(facet_of<Dim>(part, corners_of(base_, cell, 0), per_cell * cell));
+      facets.push_back(make_facet<Dim>(part, cell_corners(base_, cell, 0), per_cell * cell));
 }
 
 template <int Dim>
 void SlabMesh<Dim>::set_top() {
-  const auto& division = division_of<Dim>(kind_);
+  const auto& division = cell_division<Dim>(kind_);
   const int per_cell = static_cast<int>(division.elements.size()), row = rows() - 1;
   auto& facets = mesh_.facets(PatchKind::top);
   facets.clear();
   for (int cell = base_.cells() - 1; cell >= 0; --cell)
     for (const auto& part : division.top)
-      facets.push_back(facet_of<Dim>(part, corners_of(base_, cell, row),
-                                     row * elements_per_row() + per_cell * cell));
+      facets.push_back(make_facet<Dim>(part, cell_corners(base_, cell, row),
+                                       row * elements_per_row() + per_cell * cell));
 }
 
 template <int Dim>
-void SlabMesh<Dim>::divide_top_row(double height, std::vector<double>& between) {
+void SlabMesh<Dim>::divide_top_row(double height, std::vector<double>& inserted) {
   const double level = heights_.back();
   heights_.back() = height;
   heights_.push_back(level);
-  between.push_back(height);
+  inserted.push_back(height);
 }
 
 template <int Dim>
 std::vector<double> SlabMesh<Dim>::grow_to(double level) {
   if (level < heights_.back()) throw std::logic_error("SlabMesh: the metal level cannot sink");
-  std::vector<double> between;
+
+  std::vector<double> inserted;
   const bool filling = heights_.back() < plan_.back();
   heights_.back() = level;
+
+  // While the mould is filled, rows are inserted at their planned heights.
   const auto next_is_due = [&] {
     const std::size_t next = heights_.size() - 1;
     if (next + 1 >= plan_.size()) return false;
     return level >= plan_.back() ||
            level - plan_[next] > (divide_above - 1.0) * (plan_[next + 1] - plan_[next]);
   };
-  while (filling && next_is_due()) divide_top_row(plan_[heights_.size() - 1], between);
+  while (filling && next_is_due()) divide_top_row(plan_[heights_.size() - 1], inserted);
+
   while (level > plan_.back() &&
          level - heights_[heights_.size() - 2] > divide_above * growth_cell_)
-    divide_top_row(heights_[heights_.size() - 2] + growth_cell_, between);
-  const int last_old_row = rows() - static_cast<int>(between.size());
+    divide_top_row(heights_[heights_.size() - 2] + growth_cell_, inserted);
+
+  const int last_old_row = rows() - static_cast<int>(inserted.size());
   for (int row = last_old_row; row <= rows(); ++row) place_row_of_nodes(row);
   for (int row = last_old_row; row < rows(); ++row) add_row_of_cells(row);
-  if (!between.empty()) set_top();
-  return between;
+  if (!inserted.empty()) set_top();
+  return inserted;
 }
 
 template <int Dim>
@@ -201,10 +211,12 @@ int rows_at(const SectionSpec& spec, double level) {
   std::vector<double> heights = initial_rows(spec);
   const int first = first_grown(heights);
   const double grown = growth_cell(spec);
+
   while (level - heights[heights.size() - 2] > divide_above * grown * (1.0 + 1e-9)) {
     heights.back() = heights[heights.size() - 2] + grown;
     heights.push_back(heights.back() + grown);
-    const MergedRows merged{heights, rows_to_merge(heights, first, merging_of(spec)), 1, 1};
+
+    const MergedRows merged{heights, rows_to_merge(heights, first, refined_merging(spec)), 1, 1};
     if (!merged.empty()) take_out_rows(merged, 1, heights);
   }
   return static_cast<int>(heights.size()) - 1;

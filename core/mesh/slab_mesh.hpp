@@ -21,8 +21,8 @@ namespace dccast::mesh {
 /// The top row stretches with the metal level. When it is higher than 1.5 growth cells it is
 /// divided: its lower part becomes one growth cell, the rest the new top row. Rows added by growth
 /// can be merged in pairs once they are deep below the metal level; nodes and elements above them
-/// are then renumbered. While the mould is filled, rows are divided off at the planned heights
-/// of the initial rows instead.
+/// are then renumbered. While the mould is filled, the top row is divided at the planned heights of
+/// the initial rows instead.
 template <int Dim>
 class SlabMesh {
 public:
@@ -47,9 +47,9 @@ public:
   ///               only stretched
   std::vector<double> grow_to(double level);
 
-  /// Rows that are now deep enough to be merged; may be empty.
+  /// The rows that are deep enough to be merged; may be empty.
   MergedRows rows_to_merge() const;
-  /// Merges them: @see rows_to_merge()
+  /// Merges rows. @param rows  from rows_to_merge()
   void merge(const MergedRows& rows);
 
   /// Restores the state of a checkpoint. @param row_heights  [m] from `row_heights()`
@@ -57,7 +57,7 @@ public:
 
 private:
   void build();
-  void divide_top_row(double height, std::vector<double>& between);
+  void divide_top_row(double height, std::vector<double>& inserted);
   void place_row_of_nodes(int row);
   void add_row_of_cells(int row);
   void add_walls(int row);

@@ -1,63 +1,19 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
-#include <string_view>
-#include <variant>
-#include <vector>
+
+#include "core/results/sections.hpp"
 
 namespace dccast::results {
-
-/// Named arrays of exact values: the content of a checkpoint and of each record of a journal. The
-/// bytes are described in CHECKPOINT.md.
-///
-/// Units: reals are in SI units and °C.
-class Sections {
-public:
-  using Reals = std::vector<double>;
-  using Integers = std::vector<std::int64_t>;
-  using Value = std::variant<Reals, Integers, std::string>;
-
-  void set(std::string name, Value value) { values_[std::move(name)] = std::move(value); }
-  void set_real(std::string name, double value) { set(std::move(name), Reals{value}); }
-  void set_integer(std::string name, std::int64_t value) { set(std::move(name), Integers{value}); }
-
-  bool has(std::string_view name) const { return values_.find(name) != values_.end(); }
-  /// @throws std::out_of_range  there is no section with that name and type
-  const Reals& reals(std::string_view name) const { return get<Reals>(name); }
-  const Integers& integers(std::string_view name) const { return get<Integers>(name); }
-  const std::string& text(std::string_view name) const { return get<std::string>(name); }
-  double real(std::string_view name) const { return reals(name).at(0); }
-  std::int64_t integer(std::string_view name) const { return integers(name).at(0); }
-
-  const std::map<std::string, Value, std::less<>>& all() const { return values_; }
-
-private:
-  template <class T>
-  const T& get(std::string_view name) const {
-    const auto found = values_.find(name);
-    if (found == values_.end() || !std::holds_alternative<T>(found->second))
-      throw std::out_of_range("no section '" + std::string(name) + "' of that type");
-    return std::get<T>(found->second);
-  }
-
-  std::map<std::string, Value, std::less<>> values_;
-};
-
-std::string encode(const Sections& sections);
-/// Returns nothing if the bytes were not written by encode().
-std::optional<Sections> decode(std::string_view bytes);
 
 /// Result of reading a checkpoint: the content, or the reason why there is none.
 struct [[nodiscard]] CheckpointRead {
   std::optional<Sections> content;
   /// "", "missing", "truncated", "checksum", "not a checkpoint", or the format it has
   std::string reason;
-  /// the file follows another version of CHECKPOINT.md and was not checked
+  /// The file follows another version of CHECKPOINT.md and was not checked.
   bool other_format = false;
 };
 
@@ -65,8 +21,8 @@ struct [[nodiscard]] CheckpointRead {
 /// exists. The format is CHECKPOINT.md. @throws storage::StorageError
 void write_checkpoint(const std::filesystem::path& path, const Sections& content);
 
-/// Damaged content is never an exception: a run without a readable checkpoint starts from the
-/// beginning.
+/// Reads a checkpoint. Damaged content is not an exception: a run without a readable checkpoint
+/// starts from the beginning.
 /// @throws storage::StorageError  the file is there but cannot be read (permission, disk)
 CheckpointRead read_checkpoint(const std::filesystem::path& path);
 

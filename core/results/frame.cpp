@@ -14,8 +14,8 @@ namespace dccast::results {
 
 namespace {
 
-/// (node, 2) as (node, 3), the last one zero.
-std::vector<double> padded(const std::vector<double>& plane) {
+/// Extends (node, 2) to (node, 3), the last component zero.
+std::vector<double> pad_to_3d(const std::vector<double>& plane) {
   std::vector<double> values;
   values.reserve(plane.size() / 2 * 3);
   for (std::size_t i = 0; i + 1 < plane.size(); i += 2)
@@ -34,7 +34,8 @@ double mean(std::span<const double> stress) {
   return (stress[0] + stress[1] + stress[2]) / 3.0;
 }
 
-/// Of the components of tensor_components(): three normal ones, then shears.
+/// sqrt(3/2 s : s) of the deviator s. The first three components are the normal ones, the others
+/// count twice in the product.
 double von_mises(std::span<const double> stress) {
   const double pressure = mean(stress);
   double square = 0.0;  // of the deviator
@@ -51,7 +52,7 @@ double equivalent(std::span<const double> strain) {
   return std::sqrt(2.0 / 3.0 * square);
 }
 
-/// The principal values, largest first.
+/// Principal values of a stress, largest first.
 std::array<double, 3> principal(std::span<const double> s) {
   const bool solid = s.size() == 6;
   const double yz = solid ? s[4] : 0.0, xz = solid ? s[5] : 0.0;
@@ -62,10 +63,10 @@ std::array<double, 3> principal(std::span<const double> s) {
   return {values[2], values[1], values[0]};
 }
 
-/// Numbers for each element from its tensor. @param invariant  gives an array or one number
+/// Numbers of each element from its tensor. @param invariant  returns an array or one number
 template <class Invariant>
-std::vector<double> of_elements(const Frame& frame, const std::vector<double>& tensors,
-                                Invariant&& invariant) {
+std::vector<double> element_invariants(const Frame& frame, const std::vector<double>& tensors,
+                                       Invariant&& invariant) {
   const auto components = static_cast<std::size_t>(tensor_components(frame.dimension));
   std::vector<double> values;
   for (std::size_t i = 0; i < tensors.size(); i += components) {
@@ -78,12 +79,13 @@ std::vector<double> of_elements(const Frame& frame, const std::vector<double>& t
   return values;
 }
 
-std::vector<double> on_all_nodes(const Frame& frame, const std::vector<double>& of_bottom,
-                                 double elsewhere) {
-  if (of_bottom.empty()) return {};
+/// Values of the bottom nodes as a field on all nodes.
+std::vector<double> spread_to_nodes(const Frame& frame, const std::vector<double>& bottom_values,
+                                    double elsewhere) {
+  if (bottom_values.empty()) return {};
   std::vector<double> values(static_cast<std::size_t>(frame.nodes()), elsewhere);
-  for (std::size_t i = 0; i < of_bottom.size(); ++i)
-    values[static_cast<std::size_t>(frame.bottom_node[i])] = of_bottom[i];
+  for (std::size_t i = 0; i < bottom_values.size(); ++i)
+    values[static_cast<std::size_t>(frame.bottom_node[i])] = bottom_values[i];
   return values;
 }
 
@@ -130,7 +132,7 @@ int FrameArray::components(int dimension) const {
   return rank == Rank::vector ? dimension : tensor_components(dimension);
 }
 
-const char* misfit_of(const Frame& frame) {
+const char* find_misfit(const Frame& frame) {
   if (frame.dimension != 2 && frame.dimension != 3) return "node";
   if (frame.nodes_per_element <= 0) return "element_node";
   if (frame.node.size() % static_cast<std::size_t>(frame.dimension) != 0) return "node";
@@ -138,6 +140,7 @@ const char* misfit_of(const Frame& frame) {
       !in_range(frame.element_node, frame.nodes()))
     return "element_node";
   if (!in_range(frame.bottom_node, frame.nodes())) return "bottom_node";
+
   for (const FrameArray& array : frame_arrays()) {
     const std::size_t size = (frame.*array.values).size();
     const auto components = static_cast<std::size_t>(array.components(frame.dimension));
@@ -152,9 +155,10 @@ std::vector<double> flat(const std::vector<std::vector<double>>& points) {
   return values;
 }
 
-std::vector<std::vector<double>> points_of(const std::vector<double>& flat, std::size_t count) {
+std::vector<std::vector<double>> split_points(const std::vector<double>& flat, std::size_t count) {
   if (count == 0 ? !flat.empty() : flat.size() % count != 0)
     throw std::out_of_range("incomplete coordinates of a point");
+
   std::vector<std::vector<double>> points(count);
   auto from = flat.begin();
   for (auto& point : points) {
@@ -169,22 +173,27 @@ std::vector<DerivedField> derived_fields(const Frame& frame) {
   const auto add = [&](DerivedField field) {
     if (!field.values.empty()) fields.push_back(std::move(field));
   };
+
   if (frame.dimension == 2)
     add({"displacement_xyz_m", "m", "displacement, the third component zero", true, 3,
-         padded(frame.displacement)});
+         pad_to_3d(frame.displacement)});
   add({"solid_fraction", "1", "0 liquid, 1 solid", true, 1, solid_fraction(frame.liquid_fraction)});
+
+  // Invariants of the tensors.
   add({"von_mises_pa", "Pa", "von Mises stress of the mean stress of the element", false, 1,
-       of_elements(frame, frame.stress, von_mises)});
+       element_invariants(frame, frame.stress, von_mises)});
   add({"mean_stress_pa", "Pa", "mean normal stress, tension positive", false, 1,
-       of_elements(frame, frame.stress, mean)});
+       element_invariants(frame, frame.stress, mean)});
   add({"principal_stress_pa", "Pa", "principal stresses, the largest first", false, 3,
-       of_elements(frame, frame.stress, principal)});
+       element_invariants(frame, frame.stress, principal)});
   add({"equivalent_viscoplastic_strain", "1", "of viscoplastic_strain: sqrt(2/3 e : e)", false, 1,
-       of_elements(frame, frame.viscoplastic_strain, equivalent)});
+       element_invariants(frame, frame.viscoplastic_strain, equivalent)});
+
+  // Fields of the bottom.
   add({"contact_pressure_pa", "Pa", "bottom_pressure_pa on all nodes, zero away from the bottom",
-       true, 1, on_all_nodes(frame, frame.bottom_pressure, 0.0)});
+       true, 1, spread_to_nodes(frame, frame.bottom_pressure, 0.0)});
   add({"gap_m", "m", "bottom_gap_m on all nodes, NaN away from the bottom", true, 1,
-       on_all_nodes(frame, frame.bottom_gap, std::numeric_limits<double>::quiet_NaN())});
+       spread_to_nodes(frame, frame.bottom_gap, std::numeric_limits<double>::quiet_NaN())});
   return fields;
 }
 

@@ -21,8 +21,8 @@ struct Frame {
   double metal_level = 0.0;  ///< [m] above the bottom block
 
   int dimension = 2;
-  int nodes_per_element =
-      3;  ///< 3 triangle, 4 quadrilateral (2D) or tetrahedron (3D), 8 hexahedron
+  /// 3 triangle, 4 quadrilateral (2D) or tetrahedron (3D), 8 hexahedron
+  int nodes_per_element = 3;
 
   std::vector<double> node;                ///< (node, dimension) [m]
   std::vector<std::int32_t> element_node;  ///< (element, nodes_per_element)
@@ -52,8 +52,8 @@ constexpr int tensor_components(int dimension) {
   return dimension == 2 ? 4 : 6;
 }
 
-/// An array of results in a frame, which is empty where a run does not compute it. Journal, writer,
-/// reader and sidecar all use the table of these.
+/// An array of results in a frame, empty if the run does not compute it. Journal, writer, reader
+/// and sidecar all use frame_arrays(), the table of these.
 struct FrameArray {
   enum class On { nodes, elements, bottom };
   enum class Rank { scalar, vector, tensor };
@@ -73,9 +73,9 @@ struct FrameArray {
 
 std::span<const FrameArray> frame_arrays();
 
-/// The array of a frame that does not fit its mesh, by its size or by a node that is not there;
-/// null where all fit.
-const char* misfit_of(const Frame& frame);
+/// Finds an array of a frame that does not fit its mesh: its size is wrong, or it names a node that
+/// does not exist. @return its name; null if all arrays fit
+const char* find_misfit(const Frame& frame);
 
 /// Data stored once per run.
 struct RunHeader {
@@ -86,8 +86,8 @@ struct RunHeader {
   std::string section;    ///< "plane_strain", "axisymmetric" or "quarter_slab"
   double liquidus = 0.0;  ///< [°C]
   double solidus = 0.0;   ///< [°C]
-  double shell = 0.0;     ///< [°C] below it metal counts as a shell
-  /// half width of the error of mesh and time steps, over the curl [1]; absent: not known
+  double shell = 0.0;     ///< [°C] metal below this temperature counts as shell
+  /// [1] half width of the discretisation error, relative to the curl; absent: not known
   std::optional<double> relative_curl_error = std::nullopt;
   std::vector<std::string> monitor_name;
   int dimension = 2;  ///< number of coordinates; the last one points upwards
@@ -105,8 +105,8 @@ struct RunSummary {
 
 /// Coordinates of points one after the other [m].
 std::vector<double> flat(const std::vector<std::vector<double>>& points);
-/// The reverse for `count` points. @throws std::out_of_range  the values are not whole points
-std::vector<std::vector<double>> points_of(const std::vector<double>& flat, std::size_t count);
+/// The inverse of flat() for `count` points. @throws std::out_of_range  the values do not fill them
+std::vector<std::vector<double>> split_points(const std::vector<double>& flat, std::size_t count);
 
 /// A field of a frame that is derived from other fields and stored for visualisation programs.
 struct DerivedField {

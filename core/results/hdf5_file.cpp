@@ -1,5 +1,7 @@
 #include "core/results/hdf5_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
@@ -12,18 +14,19 @@ namespace dccast::hdf5 {
 
 namespace {
 
-/// Below this many values a checksum and compression cost more than they give: each chunked array
-/// has an index of 2 KB, and unpacked the frames of a start case are a third longer.
+/// Smaller arrays are stored without checksum and compression, which cost more than they save: each
+/// chunked array has an index of 2 KB.
 constexpr std::size_t smallest_chunked = 4096;
-/// One chunk is at most this long, so that a reader of a part need not unpack the whole.
+/// Largest number of values in a chunk, so that a reader of a part need not unpack the whole.
 constexpr hsize_t chunk_values = 1 << 17;
-/// Higher levels take longer and save nothing on shuffled doubles (2.6 MB for 22 frames at 1 and
-/// 4).
+/// Higher levels take longer and save nothing on shuffled doubles: 22 frames take 2.6 MB at levels
+/// 1 and 4.
 constexpr unsigned deflate_level = 1;
-/// Deflate makes at most 1032 bytes of one; so many values need not be stored at all (fill values).
-/// A damaged or hostile file of kilobytes asks for megabytes, not for all the memory.
+/// Limits of the number of values that a file is trusted to contain, so that a damaged or hostile
+/// file of kilobytes cannot ask for all the memory. Deflate expands a byte to at most 1032; fill
+/// values need not be stored at all.
 constexpr double most_values_per_byte = 1032.0;
-constexpr double most_values_of_nothing = 1e6;
+constexpr double most_fill_values = 1e6;
 
 /// The cause of the last failure as reported by the library: the innermost message and the system
 /// error number.
@@ -32,21 +35,25 @@ struct LibraryError {
   int system_code = EIO;
 };
 
-/// Called with the library's lock held, which an exception would leave locked for ever.
-herr_t keep_innermost(unsigned depth, const H5E_error2_t* entry, void* into) try {
-  auto& error = *static_cast<LibraryError*>(into);
-  // The rest repeats time, file and buffer; the error number is reported separately.
+/// Callback that stores the innermost message of the library. It must not throw: the library holds
+/// its lock, which would stay locked.
+/// @param result  a LibraryError
+herr_t keep_innermost(unsigned depth, const H5E_error2_t* entry, void* result) try {
+  auto& error = *static_cast<LibraryError*>(result);
+
+  // The rest of the text repeats time, file and buffer; the error number is reported separately.
   if (depth == 0)
     error.message = std::string(entry->desc).substr(0, std::string(entry->desc).find(": time ="));
   if (entry->maj_num == H5E_RESOURCE) error.system_code = ENOMEM;
-  // The library hands errno over as text only.
+
+  // The library reports errno only as text.
   const std::string text = entry->desc;
   const std::string key = "errno = ";
-  if (const auto at = text.find(key); at != std::string::npos)
-    error.system_code = std::atoi(text.c_str() + at + key.size());
+  if (const auto begin = text.find(key); begin != std::string::npos)
+    error.system_code = std::atoi(text.c_str() + begin + key.size());
   return 0;
 } catch (const std::bad_alloc&) {
-  static_cast<LibraryError*>(into)->system_code = ENOMEM;
+  static_cast<LibraryError*>(result)->system_code = ENOMEM;
   return -1;
 }
 
@@ -56,9 +63,9 @@ LibraryError last_error() {
   return error;
 }
 
-/// Otherwise the library prints every failure to stderr, even those that are handled. The setting
-/// is per thread.
-void be_quiet() {
+/// Keeps the library from printing every failure to stderr, even those that are handled. The
+/// setting is per thread.
+void disable_error_printing() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -69,30 +76,31 @@ Handle text_type() {
   return type;
 }
 
-/// How the file and this program store a number.
-std::pair<hid_t, hid_t> types_of(double) {
+/// Types of a number in the file and in memory.
+std::pair<hid_t, hid_t> number_types(double) {
   return {H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE};
 }
 
-std::pair<hid_t, hid_t> types_of(std::int32_t) {
+std::pair<hid_t, hid_t> number_types(std::int32_t) {
   return {H5T_STD_I32LE, H5T_NATIVE_INT32};
 }
 
-std::pair<hid_t, hid_t> types_of(std::int64_t) {
+std::pair<hid_t, hid_t> number_types(std::int64_t) {
   return {H5T_STD_I64LE, H5T_NATIVE_INT64};
 }
 
-Handle space_of(const Shape& shape) {
+Handle make_space(const Shape& shape) {
   if (shape.empty()) return {H5Screate(H5S_SCALAR), H5Sclose};
   return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose};
 }
 
-/// How a dataset is laid out. Times are not stored: the same run gives the same bytes.
-Handle layout_of(const Shape& shape) {
+/// Storage layout of a dataset. Times are not stored: the same run gives the same bytes.
+Handle make_layout(const Shape& shape) {
   Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(layout.get(), false);
-  if (shape.empty() || count_of(shape) < smallest_chunked) return layout;
-  const hsize_t row = count_of(shape) / shape[0];
+  if (shape.empty() || count_values(shape) < smallest_chunked) return layout;
+
+  const hsize_t row = count_values(shape) / shape[0];
   Shape chunk = shape;
   chunk[0] = std::min(shape[0], std::max<hsize_t>(1, chunk_values / row));
   H5Pset_chunk(layout.get(), static_cast<int>(chunk.size()), chunk.data());
@@ -102,7 +110,7 @@ Handle layout_of(const Shape& shape) {
   return layout;
 }
 
-/// Takes over the strings HDF5 allocated.
+/// Copies strings that the library allocated, and frees them.
 std::vector<std::string> take_texts(std::vector<char*>& texts) {
   std::vector<std::string> taken;
   taken.reserve(texts.size());
@@ -115,20 +123,20 @@ std::vector<std::string> take_texts(std::vector<char*>& texts) {
 
 }  // namespace
 
-std::size_t count_of(const Shape& shape) {
+std::size_t count_values(const Shape& shape) {
   return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
 }
 
-template <class Answer>
-Answer File::checked(Answer answer, const std::string& object, const char* what) const {
-  if (answer >= 0) return answer;
+template <class Result>
+Result File::checked(Result result, const std::string& object, const char* failure) const {
+  if (result >= 0) return result;
   const LibraryError cause = last_error();
-  throw storage::StorageError(cause.system_code, path_.string() + ":" + object,
-                              std::string(what) + " (" + cause.message + ")");
+  throw storage::StorageError(cause.system_code, fmt::format("{}:{}", path_.string(), object),
+                              fmt::format("{} ({})", failure, cause.message));
 }
 
 File File::create(const std::filesystem::path& path) {
-  be_quiet();
+  disable_error_printing();
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18);
   File file(path,
@@ -138,7 +146,7 @@ File File::create(const std::filesystem::path& path) {
 }
 
 File File::open(const std::filesystem::path& path) {
-  be_quiet();
+  disable_error_printing();
   File file(path, Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose));
   file.checked(file.id_.get(), "/", "cannot be opened as HDF5");
   return file;
@@ -153,13 +161,14 @@ void File::create_group(const std::string& object) {
 void File::write_array(const std::string& object, const Shape& shape, hid_t file_type,
                        hid_t memory_type, const void* values, const char* unit,
                        const char* meaning) {
-  const Handle space = space_of(shape);
-  const Handle layout = layout_of(unit == nullptr ? Shape{} : shape);  // texts are not chunked
+  const Handle space = make_space(shape);
+  const Handle layout = make_layout(unit == nullptr ? Shape{} : shape);  // texts are not chunked
   const Handle dataset(H5Dcreate2(id_.get(), object.c_str(), file_type, space.get(), H5P_DEFAULT,
                                   layout.get(), H5P_DEFAULT),
                        H5Dclose);
   checked(dataset.get(), object, "cannot be created");
-  if (count_of(shape) > 0)
+
+  if (count_values(shape) > 0)
     checked(H5Dwrite(dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), object,
             "cannot be written");
   if (unit != nullptr) put_attribute(dataset, object, "unit", unit);
@@ -169,7 +178,7 @@ void File::write_array(const std::string& object, const Shape& shape, hid_t file
 template <class Number>
 void File::write(const std::string& object, const Shape& shape, const std::vector<Number>& values,
                  const char* unit, const char* meaning) {
-  const auto [in_file, in_memory] = types_of(Number{});
+  const auto [in_file, in_memory] = number_types(Number{});
   write_array(object, shape, in_file, in_memory, values.data(), unit, meaning);
 }
 
@@ -190,11 +199,12 @@ void File::write_texts(const std::string& object, const Shape& shape,
 
 void File::put_attribute(const Handle& target, const std::string& object, const char* name,
                          hid_t type, const void* value) {
-  const Handle space = space_of({});
+  const Handle space = make_space({});
   const Handle attribute(
       H5Acreate2(target.get(), name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  checked(attribute.get(), object + "@" + name, "cannot be created");
-  checked(H5Awrite(attribute.get(), type, value), object + "@" + name, "cannot be written");
+  const std::string full_name = fmt::format("{}@{}", object, name);
+  checked(attribute.get(), full_name, "cannot be created");
+  checked(H5Awrite(attribute.get(), type, value), full_name, "cannot be written");
 }
 
 void File::put_attribute(const Handle& target, const std::string& object, const char* name,
@@ -223,14 +233,15 @@ Handle File::open_object(const std::string& object) const {
 
 void File::read_attribute(const std::string& object, const char* name, hid_t type,
                           void* value) const {
-  const std::string whole_name = object + "@" + name;
+  const std::string full_name = fmt::format("{}@{}", object, name);
   const Handle owner = open_object(object);
   const Handle attribute(H5Aopen(owner.get(), name, H5P_DEFAULT), H5Aclose);
-  checked(attribute.get(), whole_name, "is not in the file");
+  checked(attribute.get(), full_name, "is not in the file");
   const Handle space(H5Aget_space(attribute.get()), H5Sclose);
   if (H5Sget_simple_extent_npoints(space.get()) != 1)
-    throw storage::StorageError(EINVAL, path_.string() + ":" + whole_name, "is not one value");
-  checked(H5Aread(attribute.get(), type, value), whole_name, "cannot be read");
+    throw storage::StorageError(EINVAL, fmt::format("{}:{}", path_.string(), full_name),
+                                "is not a single value");
+  checked(H5Aread(attribute.get(), type, value), full_name, "cannot be read");
 }
 
 bool File::has(const std::string& object) const {
@@ -246,18 +257,22 @@ Shape File::shape_of(const std::string& object) const {
   return shape;
 }
 
-/// The product of the lengths is not to be trusted before it is compared with what is stored.
-std::size_t File::count_in(const std::string& object, std::optional<std::size_t> wanted) const {
+/// The lengths are not trusted before their product is compared with the stored bytes.
+std::size_t File::checked_count(const std::string& object,
+                                std::optional<std::size_t> required) const {
   const Handle dataset = open_object(object);
   const double stored = std::min(static_cast<double>(H5Dget_storage_size(dataset.get())),
                                  static_cast<double>(std::filesystem::file_size(path_)));
+
+  // As a real number: the product of hostile lengths overflows an integer.
   const Shape shape = shape_of(object);
   double count = 1.0;
   for (const hsize_t length : shape) count *= static_cast<double>(length);
-  if (count > most_values_of_nothing + most_values_per_byte * stored ||
-      (wanted && count_of(shape) != *wanted))
-    throw storage::StorageError(EINVAL, path_.string() + ":" + object, "has the wrong shape");
-  return count_of(shape);
+  if (count > most_fill_values + most_values_per_byte * stored ||
+      (required && count_values(shape) != *required))
+    throw storage::StorageError(EINVAL, fmt::format("{}:{}", path_.string(), object),
+                                "has the wrong shape");
+  return count_values(shape);
 }
 
 void File::read_array(const std::string& object, hid_t memory_type, void* values) const {
@@ -268,21 +283,21 @@ void File::read_array(const std::string& object, hid_t memory_type, void* values
 
 std::vector<double> File::read_reals(const std::string& object,
                                      std::optional<std::size_t> count) const {
-  std::vector<double> values(count_in(object, count));
+  std::vector<double> values(checked_count(object, count));
   if (!values.empty()) read_array(object, H5T_NATIVE_DOUBLE, values.data());
   return values;
 }
 
 std::vector<std::int64_t> File::read_integers(const std::string& object,
                                               std::optional<std::size_t> count) const {
-  std::vector<std::int64_t> values(count_in(object, count));
+  std::vector<std::int64_t> values(checked_count(object, count));
   if (!values.empty()) read_array(object, H5T_NATIVE_INT64, values.data());
   return values;
 }
 
 std::vector<std::string> File::read_texts(const std::string& object,
                                           std::optional<std::size_t> count) const {
-  std::vector<char*> texts(count_in(object, count), nullptr);
+  std::vector<char*> texts(checked_count(object, count), nullptr);
   const Handle type = text_type();
   if (!texts.empty()) read_array(object, type.get(), texts.data());
   return take_texts(texts);

@@ -19,7 +19,7 @@ class Handle {
 public:
   using Close = herr_t (*)(hid_t);
   Handle() = default;
-  Handle(hid_t id, Close give_back) : id_(id), close_(give_back) {}
+  Handle(hid_t id, Close close_function) : id_(id), close_(close_function) {}
   Handle(Handle&& other) noexcept
       : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
   Handle& operator=(Handle&& other) noexcept {
@@ -41,8 +41,8 @@ private:
 
 using Shape = std::vector<hsize_t>;
 
-/// Number of values in an array of that shape.
-std::size_t count_of(const Shape& shape);
+/// Number of values in an array of this shape.
+std::size_t count_values(const Shape& shape);
 
 /// An HDF5 file. Objects are addressed by their absolute path in the file.
 class File {
@@ -62,13 +62,13 @@ public:
   template <class Number>
   void write(const std::string& object, const Shape& shape, const std::vector<Number>& values,
              const char* unit, const char* meaning);
-  /// A one-dimensional one.
+  /// Writes a one-dimensional dataset.
   template <class Number>
   void write(const std::string& object, const std::vector<Number>& values, const char* unit,
              const char* meaning) {
     write(object, {values.size()}, values, unit, meaning);
   }
-  /// An array of UTF-8 strings, flat with the last index fastest.
+  /// Writes an array of UTF-8 strings, flat with the last index fastest.
   void write_texts(const std::string& object, const Shape& shape,
                    const std::vector<std::string>& texts, const char* meaning);
   void write_texts(const std::string& object, const std::vector<std::string>& texts,
@@ -82,7 +82,8 @@ public:
 
   bool has(const std::string& object) const;
   Shape shape_of(const std::string& object) const;
-  /// @param count  the values that must be there, where given
+  /// Reads all values of a dataset.
+  /// @param count  if given, the required number of values
   /// @return [unit of the dataset]
   std::vector<double> read_reals(const std::string& object,
                                  std::optional<std::size_t> count = {}) const;
@@ -105,19 +106,22 @@ private:
   /// @param unit  null for texts
   void write_array(const std::string& object, const Shape& shape, hid_t file_type,
                    hid_t memory_type, const void* values, const char* unit, const char* meaning);
-  /// @param target  the open object @param object  its path, for messages
+  /// @param target  the open object
+  /// @param object  its path, for messages
   void put_attribute(const Handle& target, const std::string& object, const char* name, hid_t type,
                      const void* value);
   void put_attribute(const Handle& target, const std::string& object, const char* name,
                      const char* text);
   Handle open_object(const std::string& object) const;
   void read_attribute(const std::string& object, const char* name, hid_t type, void* value) const;
-  /// Values of a dataset, as many as its file can hold. @param wanted  see read_reals()
-  std::size_t count_in(const std::string& object, std::optional<std::size_t> wanted) const;
+  /// Number of values of a dataset, checked against the size of its file.
+  /// @param required  see read_reals()
+  std::size_t checked_count(const std::string& object, std::optional<std::size_t> required) const;
   void read_array(const std::string& object, hid_t memory_type, void* values) const;
-  /// @throws storage::StorageError  `answer` is negative
-  template <class Answer>
-  Answer checked(Answer answer, const std::string& object, const char* what) const;
+  /// Passes on the result of a call of the library.
+  /// @throws storage::StorageError  `result` is negative; `failure` says what could not be done
+  template <class Result>
+  Result checked(Result result, const std::string& object, const char* failure) const;
 
   std::filesystem::path path_;
   Handle id_;

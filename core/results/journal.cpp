@@ -1,6 +1,7 @@
 #include "core/results/journal.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -16,8 +17,12 @@ namespace {
 
 constexpr std::string_view magic = "DCJRNL1\n";
 
-/// The record at `offset`; nothing at the end and where a record is damaged.
-std::optional<Record> record_at(storage::FileWindow& file, std::int64_t offset) {
+/// Arrays of node numbers of a frame: name of the section and member.
+constexpr std::pair<const char*, std::vector<std::int32_t> Frame::*> node_numbers[] = {
+    {"element_node", &Frame::element_node}, {"bottom_node", &Frame::bottom_node}};
+
+/// The record at `offset`; nothing at the end, or if the record is damaged.
+std::optional<Record> read_record(storage::FileWindow& file, std::int64_t offset) {
   const auto found = storage::long_records.at(file, offset);
   if (!found) return std::nullopt;
   auto content = decode(found->payload);
@@ -51,8 +56,9 @@ bool visit_journal(const std::filesystem::path& path,
   const storage::File file(path, O_RDONLY);
   storage::FileWindow window(file);
   if (window.at(0, magic.size()) != magic) return false;
+
   std::int64_t end = std::max<std::int64_t>(after, magic.size());
-  while (const auto record = record_at(window, end)) {
+  while (const auto record = read_record(window, end)) {
     if (!visit(*record)) break;
     end = record->end;
   }
@@ -66,51 +72,50 @@ Sections to_sections(const RunHeader& header) {
   content.set("title", header.title);
   content.set("case_json", header.case_json);
   content.set("section", header.section);
+
   content.set_real("liquidus", header.liquidus);
   content.set_real("solidus", header.solidus);
   content.set_real("shell", header.shell);
   if (header.relative_curl_error)
     content.set_real("relative_curl_error", *header.relative_curl_error);
+
   content.set_integer("monitors", static_cast<std::int64_t>(header.monitor_name.size()));
   for (std::size_t i = 0; i < header.monitor_name.size(); ++i)
-    content.set("monitor_name." + std::to_string(i), header.monitor_name[i]);
+    content.set(fmt::format("monitor_name.{}", i), header.monitor_name[i]);
+
   content.set_integer("dimension", header.dimension);
   content.set("monitor_position", flat(header.monitor_position));
   return content;
 }
 
-RunHeader header_of(const Sections& content) {
+RunHeader read_header(const Sections& content) {
   RunHeader header;
   header.program_version = content.text("program_version");
   header.build = content.text("build");
   header.title = content.text("title");
   header.case_json = content.text("case_json");
   header.section = content.text("section");
+
   header.liquidus = content.real("liquidus");
   header.solidus = content.real("solidus");
   header.shell = content.has("shell") ? content.real("shell") : header.solidus;
   if (content.has("relative_curl_error"))
     header.relative_curl_error = content.real("relative_curl_error");
+
   for (std::int64_t i = 0; i < content.integer("monitors"); ++i)
-    header.monitor_name.push_back(content.text("monitor_name." + std::to_string(i)));
+    header.monitor_name.push_back(content.text(fmt::format("monitor_name.{}", i)));
   header.dimension = static_cast<int>(content.integer("dimension"));
   header.monitor_position =
-      points_of(content.reals("monitor_position"), header.monitor_name.size());
+      split_points(content.reals("monitor_position"), header.monitor_name.size());
   return header;
 }
-
-namespace {
-
-constexpr std::pair<const char*, std::vector<std::int32_t> Frame::*> node_numbers[] = {
-    {"element_node", &Frame::element_node}, {"bottom_node", &Frame::bottom_node}};
-
-}  // namespace
 
 Sections to_sections(const Frame& frame) {
   Sections content;
   content.set_integer("step", frame.step);
   content.set("instant", Sections::Reals{frame.time, frame.cast_length, frame.metal_level});
   content.set("shape", Sections::Integers{frame.dimension, frame.nodes_per_element});
+
   content.set("node", frame.node);
   for (const FrameArray& array : frame_arrays()) content.set(array.name, frame.*array.values);
   for (const auto& [name, nodes] : node_numbers)
@@ -118,15 +123,18 @@ Sections to_sections(const Frame& frame) {
   return content;
 }
 
-Frame frame_of(const Sections& content) {
+Frame read_frame(const Sections& content) {
   Frame frame;
   frame.step = content.integer("step");
+
   const auto& instant = content.reals("instant");
   frame.time = instant.at(0);
   frame.cast_length = instant.at(1);
   frame.metal_level = instant.at(2);
+
   frame.dimension = static_cast<int>(content.integers("shape").at(0));
   frame.nodes_per_element = static_cast<int>(content.integers("shape").at(1));
+
   frame.node = content.reals("node");
   for (const FrameArray& array : frame_arrays())
     if (content.has(array.name)) frame.*array.values = content.reals(array.name);

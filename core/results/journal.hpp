@@ -5,8 +5,8 @@
 #include <functional>
 #include <string>
 
-#include "core/results/checkpoint_file.hpp"
 #include "core/results/frame.hpp"
+#include "core/results/sections.hpp"
 #include "core/storage/record_log.hpp"
 
 namespace dccast::results {
@@ -33,7 +33,7 @@ public:
 
 private:
   storage::RecordLog log_;
-  std::string pending_;
+  std::string pending_;  ///< records that write() has not written yet
 };
 
 /// One whole record of a journal.
@@ -54,7 +54,8 @@ bool visit_journal(const std::filesystem::path& path,
 Sections to_sections(const RunHeader& header);
 Sections to_sections(const Frame& frame);
 /// @throws std::out_of_range  a section is missing: the record was written by other software
-RunHeader header_of(const Sections& content);
-Frame frame_of(const Sections& content);
+RunHeader read_header(const Sections& content);
+/// @throws std::out_of_range  as read_header()
+Frame read_frame(const Sections& content);
 
 }  // namespace dccast::results

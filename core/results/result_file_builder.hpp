@@ -30,7 +30,7 @@ public:
   const std::vector<FrameOutline>& frames() const { return frames_; }
 
 private:
-  void take(const Record& record);
+  void add(const Record& record);
 
   std::filesystem::path journal_;
   std::int64_t journal_end_ = 0;  ///< byte after the last record that was added
@@ -39,18 +39,5 @@ private:
   int dimension_ = 2;
   std::vector<FrameOutline> frames_;
 };
-
-}  // namespace dccast::results
-
-namespace dccast::hdf5 {
-class File;
-}
-
-namespace dccast::results {
-
-/// Writes and reads the group /findings of SCHEMA.md. The group exists only if there are findings.
-/// Both functions may throw storage::StorageError.
-void write_findings(hdf5::File& file, const std::vector<Finding>& findings);
-std::vector<Finding> read_findings(const hdf5::File& file);
 
 }  // namespace dccast::results

@@ -1,27 +1,27 @@
 #include "core/results/result_reader.hpp"
 
-#include <cerrno>
-#include <cstdio>
+#include <fmt/format.h>
 
+#include <cerrno>
+
+#include "core/results/findings_group.hpp"
 #include "core/results/hdf5_file.hpp"
-#include "core/results/result_file_builder.hpp"
+
 #include "core/results/step_report.hpp"
 #include "core/storage/storage_error.hpp"
 
 namespace dccast::results {
 
 std::string frame_group(std::size_t index) {
-  char name[40];
-  std::snprintf(name, sizeof name, "/frames/%06zu", index);
-  return name;
+  return fmt::format("/frames/{:06}", index);
 }
 
 namespace {
 
 using hdf5::File;
 
-/// Empty where the run did not store the array.
-std::vector<double> reals_if_any(const File& file, const std::string& object) {
+/// Reads an array; empty if the run did not store it.
+std::vector<double> read_optional_reals(const File& file, const std::string& object) {
   return file.has(object) ? file.read_reals(object) : std::vector<double>{};
 }
 
@@ -30,11 +30,12 @@ std::vector<std::int32_t> narrow(const std::vector<std::int64_t>& values) {
 }
 
 [[noreturn]] void throw_wrong_shape(const File& file, const std::string& object) {
-  throw storage::StorageError(EINVAL, file.path().string() + ":" + object, "has the wrong shape");
+  throw storage::StorageError(EINVAL, fmt::format("{}:{}", file.path().string(), object),
+                              "has the wrong shape");
 }
 
-/// Of a matrix: coordinates of a point, or nodes of an element.
-int columns_of(const File& file, const std::string& object) {
+/// Number of columns of a matrix: coordinates of a point, or nodes of an element.
+int read_columns(const File& file, const std::string& object) {
   constexpr hsize_t most = 8;
   const hdf5::Shape shape = file.shape_of(object);
   if (shape.size() != 2 || shape[1] == 0 || shape[1] > most) throw_wrong_shape(file, object);
@@ -46,7 +47,8 @@ void read_field(const File& file, const HistoryField& field, std::vector<StepRep
   std::string object = history_dataset(field.name_in(dimension));
   // Version 1 had the figures of a quarter slab under the names of a section.
   if (!file.has(object)) object = history_dataset(field.name);
-  if (!file.has(object)) return;  // of a program that did not know it yet
+  if (!file.has(object)) return;  // written by a version without this field
+
   if (field.real()) {
     const auto values = file.read_reals(object, steps.size());
     for (std::size_t i = 0; i < steps.size(); ++i) set_value(field, steps[i], values[i]);
@@ -56,15 +58,15 @@ void read_field(const File& file, const HistoryField& field, std::vector<StepRep
   }
 }
 
-int dimension_of(const File& file) {
-  return columns_of(file, "/monitors/position_m");
+int read_dimension(const File& file) {
+  return read_columns(file, "/monitors/position_m");
 }
 
-std::optional<ValidityLoss> validity_loss_of(const File& file) {
+std::optional<ValidityLoss> read_validity_loss(const File& file) {
   const char* group = "/validity_loss";
   if (!file.has(group)) return std::nullopt;
   std::vector<double> place{file.real_attribute(group, "x_m"), file.real_attribute(group, "y_m")};
-  if (dimension_of(file) == 3) place.push_back(file.real_attribute(group, "z_m"));
+  if (read_dimension(file) == 3) place.push_back(file.real_attribute(group, "z_m"));
   return ValidityLoss{file.text_attribute(group, "kind"),   file.text_attribute(group, "message"),
                       file.real_attribute(group, "time_s"), place,
                       file.real_attribute(group, "value"),  file.real_attribute(group, "limit"),
@@ -77,8 +79,9 @@ ResultReader::ResultReader(const std::filesystem::path& results)
     : file_(std::make_unique<File>(File::open(results))) {
   const auto version = file_->integer_attribute("/", "schema_version");
   if (version < 1 || version > schema_version)
-    throw storage::StorageError(EINVAL, results.string(),
-                                "has a schema version this program does not know");
+    throw storage::StorageError(
+        EINVAL, results.string(),
+        fmt::format("has schema version {}; this program reads 1 to {}", version, schema_version));
   frames_ = static_cast<std::size_t>(file_->integer_attribute("/frames", "count"));
 }
 
@@ -91,25 +94,28 @@ RunHeader ResultReader::header() const {
   header.build = file_->text_attribute("/", "build");
   header.title = file_->text_attribute("/", "title");
   header.section = file_->text_attribute("/", "section");
+
   header.liquidus = file_->real_attribute("/", "liquidus_c");
   header.solidus = file_->real_attribute("/", "solidus_c");
   header.shell =
       file_->has_attribute("/", "shell_c") ? file_->real_attribute("/", "shell_c") : header.solidus;
   if (file_->has_attribute("/", "relative_curl_error"))
     header.relative_curl_error = file_->real_attribute("/", "relative_curl_error");
+
   const auto texts = file_->read_texts("/case");
   header.case_json = texts.empty() ? "" : texts.front();
+
   header.monitor_name = file_->read_texts("/monitors/name");
-  header.dimension = dimension_of(*file_);
+  header.dimension = read_dimension(*file_);
   const auto position = file_->read_reals(
       "/monitors/position_m", header.monitor_name.size() * std::size_t(header.dimension));
-  header.monitor_position = points_of(position, header.monitor_name.size());
+  header.monitor_position = split_points(position, header.monitor_name.size());
   return header;
 }
 
 RunSummary ResultReader::summary() const {
   return {file_->text_attribute("/", "outcome"), file_->text_attribute("/", "message"),
-          validity_loss_of(*file_), read_findings(*file_)};
+          read_validity_loss(*file_), read_findings(*file_)};
 }
 
 std::vector<StepReport> ResultReader::history() const {
@@ -118,14 +124,17 @@ std::vector<StepReport> ResultReader::history() const {
   const auto number = file_->read_integers(history_dataset("step"));
   if (shape.size() != 3 || shape[0] != number.size() || shape[2] < 2 || shape[2] > 3)
     throw_wrong_shape(*file_, object);
+
   std::vector<StepReport> steps(number.size());
   for (StepReport& step : steps) step.dimension = static_cast<int>(shape[2]);
   for (const HistoryField& field : history_fields()) read_field(*file_, field, steps);
+
   const auto flat_displacement = file_->read_reals(object);
-  auto displacement = points_of(flat_displacement, flat_displacement.size() / shape[2]);
-  const auto temperature = reals_if_any(*file_, "/monitors/temperature_c");
+  auto displacement = split_points(flat_displacement, flat_displacement.size() / shape[2]);
+  const auto temperature = read_optional_reals(*file_, "/monitors/temperature_c");
   if (!temperature.empty() && temperature.size() != displacement.size())
     throw_wrong_shape(*file_, "/monitors/temperature_c");
+
   for (std::size_t i = 0; i < displacement.size(); ++i) {
     StepReport& step = steps[i / shape[1]];
     step.monitor_displacement.push_back(std::move(displacement[i]));
@@ -148,16 +157,19 @@ Frame ResultReader::frame(std::size_t index) const {
   frame.time = file_->real_attribute(group, "time_s");
   frame.cast_length = file_->real_attribute(group, "cast_length_m");
   frame.metal_level = file_->real_attribute(group, "metal_level_m");
-  frame.dimension = columns_of(*file_, group + "/node_m");
-  frame.nodes_per_element = columns_of(*file_, group + "/element_node");
+
+  frame.dimension = read_columns(*file_, group + "/node_m");
+  frame.nodes_per_element = read_columns(*file_, group + "/element_node");
   frame.node = file_->read_reals(group + "/node_m");
   frame.element_node = narrow(file_->read_integers(group + "/element_node"));
   frame.bottom_node = narrow(file_->read_integers(group + "/bottom_node"));
+
   for (const FrameArray& array : frame_arrays())
-    frame.*array.values = reals_if_any(*file_, group + "/" + array.dataset);
-  if (const char* array = misfit_of(frame))
-    throw storage::StorageError(EINVAL, file_->path().string() + ":" + group,
-                                std::string("does not fit its mesh: ") + array);
+    frame.*array.values = read_optional_reals(*file_, group + "/" + array.dataset);
+
+  if (const char* array = find_misfit(frame))
+    throw storage::StorageError(EINVAL, fmt::format("{}:{}", file_->path().string(), group),
+                                fmt::format("{} does not fit its mesh", array));
   return frame;
 }
 

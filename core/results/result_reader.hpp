@@ -14,9 +14,9 @@ namespace dccast::results {
 /// Incremented when a dataset changes or is removed, not when one is added.
 inline constexpr int schema_version = 2;
 
-/// "/frames/000012"
+/// Group of a frame, e.g. "/frames/000012".
 std::string frame_group(std::size_t index);
-/// "/history/time_s"
+/// Dataset of a field, e.g. "/history/time_s".
 inline std::string history_dataset(const std::string& field) {
   return std::string("/history/") + field;
 }

@@ -1,8 +1,11 @@
 #include "core/results/result_writer.hpp"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 #include <utility>
 
+#include "core/results/checkpoint_file.hpp"
 #include "core/results/result_file_builder.hpp"
 #include "core/results/xdmf.hpp"
 #include "core/storage/file.hpp"
@@ -21,12 +24,13 @@ struct Cut {
   bool begins_with_header = false;
 };
 
-/// @return  the cut; nothing when the file is no journal or a record lacks what its kind has
+/// Finds the end of the records up to a step.
+/// @return nothing if the file is not a journal or a record is incomplete
 std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
   Cut cut;
   const bool is_journal = visit_journal(journal, [&](const Record& record) {
     if (cut.size == 0) cut.begins_with_header = record.kind == RecordKind::header;
-    if (record.kind == RecordKind::frame && frame_of(record.content).step > step) return false;
+    if (record.kind == RecordKind::frame && read_frame(record.content).step > step) return false;
     ++cut.records;
     cut.size = record.end;
     return true;
@@ -36,6 +40,7 @@ std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
   return std::nullopt;
 }
 
+/// Name of a file while it is being written.
 fs::path unfinished(const fs::path& path) {
   fs::path name = path;
   return name += ".part";
@@ -62,6 +67,7 @@ ResumedWriter ResultWriter::resume(const RunFiles& files, std::vector<StepReport
   const auto cut = find_cut(files.journal, history.empty() ? 0 : history.back().step);
   if (!cut || !cut->begins_with_header) return {nullptr, "the journal is damaged"};
   if (cut->records < records) return {nullptr, "the journal has lost a record"};
+
   return {std::unique_ptr<ResultWriter>(
               new ResultWriter(files, cut->size, cut->records, std::move(history))),
           ""};
@@ -71,15 +77,16 @@ ResultWriter::~ResultWriter() {
   try {
     background_.wait();
   } catch (const std::exception&) {
-    // The run has ended without publishing; the caller knows why.
+    // The run has ended without publishing, and its caller has the error.
   }
+
   builder_.reset();
   std::error_code ignored;
   fs::remove(unfinished(files_.results), ignored);
 }
 
 std::unique_ptr<ResultFileBuilder> ResultWriter::take_builder() {
-  // Where it throws it is lost, and the next one starts over.
+  // If the builder throws it is destroyed, and the next one starts from the beginning.
   if (builder_) return std::move(builder_);
   return std::make_unique<ResultFileBuilder>(files_.journal, unfinished(files_.results));
 }
@@ -93,10 +100,12 @@ void ResultWriter::follow() {
 void ResultWriter::finish(const RunSummary& summary) {
   const auto result_file = take_builder();
   result_file->finish(summary, history_);
+
   const fs::path sidecar = fs::path(files_.results).replace_extension(".xdmf");
   storage::write_file(unfinished(sidecar),
-                      xdmf_of(result_file->frames(), files_.results.filename().string()),
+                      format_xdmf(result_file->frames(), files_.results.filename().string()),
                       storage::readable_by_all);
+
   // The sidecar is published first: whenever results.h5 exists, it exists too.
   storage::publish({{unfinished(sidecar), sidecar}, {unfinished(files_.results), files_.results}});
 }
@@ -111,8 +120,8 @@ void ResultWriter::append(const StepReport& report) {
 }
 
 void ResultWriter::append(const Frame& frame) {
-  if (const char* array = misfit_of(frame))  // a bug of the caller
-    throw std::logic_error(std::string("Frame: does not fit its mesh: ") + array);
+  if (const char* array = find_misfit(frame))  // a bug of the caller
+    throw std::logic_error(fmt::format("Frame: {} does not fit its mesh", array));
   append_record(RecordKind::frame, to_sections(frame));
 }
 

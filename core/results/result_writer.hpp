@@ -51,7 +51,7 @@ public:
   static ResumedWriter resume(const RunFiles& files, std::vector<StepReport> history,
                               std::int64_t records);
 
-  /// Its thread needs a fixed address.
+  /// Not copied: the background thread holds its address.
   ResultWriter(const ResultWriter&) = delete;
   /// Finishes pending work. Of unpublished results only the journal remains.
   ~ResultWriter();
@@ -80,7 +80,7 @@ private:
                std::vector<StepReport> history);
   void append_record(RecordKind kind, const Sections& content);
 
-  // Used by the thread.
+  // Called by the background thread.
   void follow();
   void finish(const RunSummary& summary);
   std::unique_ptr<ResultFileBuilder> take_builder();
@@ -89,10 +89,12 @@ private:
   Journal journal_;
   std::int64_t records_ = 0;         ///< appended to the journal
   std::vector<StepReport> history_;  ///< read by the thread in finish(), when no step follows
-  std::unique_ptr<ResultFileBuilder> builder_;  ///< the thread's
-  storage::Background background_;              ///< last: its thread ends before what it works with
+  std::unique_ptr<ResultFileBuilder> builder_;  ///< used by the background thread only
+  /// Last member: its thread ends before the others are destroyed.
+  storage::Background background_;
 };
 
+/// Result of ResultWriter::resume().
 struct ResumedWriter {
   std::unique_ptr<ResultWriter> writer;
   std::string reason;  ///< why there is no writer

@@ -15,7 +15,7 @@ enum class Severity { note, warning, danger };
 struct Exceedance {
   double time = 0.0;          ///< [s] end of the step
   double value = 0.0;         ///< [unit of the finding]
-  std::vector<double> place;  ///< in the undeformed slab [m]; empty where there is none
+  std::vector<double> place;  ///< in the undeformed slab [m]; empty if there is none
   bool operator==(const Exceedance&) const = default;
 };
 
@@ -26,7 +26,7 @@ struct Finding {
   Severity severity = Severity::warning;
   std::string message;          ///< one sentence: what it means in practice
   std::optional<double> time;   ///< [s] when first found; absent: follows from the case alone
-  std::vector<double> place;    ///< in the undeformed slab [m]; empty where there is none
+  std::vector<double> place;    ///< in the undeformed slab [m]; empty if there is none
   std::optional<double> value;  ///< [`unit`] when first found
   std::optional<double> limit;  ///< [`unit`]
   std::string unit;
@@ -100,23 +100,24 @@ struct StepReport {
   int conjugate_gradient_iterations = 0;
   double shell_at_exit = 0.0;  ///< [m] smallest shell thickness at the mould exit, or at the butt
   double bottom_shell = 0.0;   ///< [m] smallest shell thickness over the bottom
-  double mush_strain =
-      0.0;              ///< [1] largest tensile strain of metal that is coherent, not yet tough
-  int merged_rows = 0;  ///< rows of cells removed by merging in this step
+  /// [1] largest tensile strain of metal that is coherent but not yet tough
+  double mush_strain = 0.0;
+  int merged_rows = 0;                   ///< rows of cells removed by merging in this step
   double merge_mass_error = 0.0;         ///< [1] relative change of the mass by merging
   double merge_energy_error = 0.0;       ///< [1] relative change of the heat content by merging
   double merge_equilibrium_error = 0.0;  ///< [1] forces unbalanced by merging / acting forces
-  // Heat by where it came from and went, mean over the step: metal_heat + level_heat =
-  // stored_heat + side_heat + narrow_heat + bottom_heat. [W/m], quarter slab [W]
-  double metal_heat = 0.0;          ///< [W/m] of the metal that entered, above 0 °C
-  double level_heat = 0.0;          ///< [W/m] in through the metal level; negative: lost to the air
-  double stored_heat = 0.0;         ///< [W/m] gained by the slab
-  double water_share = 0.0;         ///< [1] taken by the side's water, of all it could take
+  // Heat balance, mean over the step: metal_heat + level_heat = stored_heat + side_heat +
+  // narrow_heat + bottom_heat. [W/m], quarter slab [W]
+  double metal_heat = 0.0;   ///< [W/m] of the metal that entered, above 0 °C
+  double level_heat = 0.0;   ///< [W/m] in through the metal level; negative: lost to the air
+  double stored_heat = 0.0;  ///< [W/m] gained by the slab
+  /// [1] heat taken by the side's water, relative to the most it could take
+  double water_share = 0.0;
   double narrow_water_share = 0.0;  ///< [1] the same of a quarter slab's narrow face
-  double wetted_share = 0.0;        ///< [1] of the side under water that is not under vapour
+  double wetted_share = 0.0;  ///< [1] share of the side under water that is not under a vapour film
   double narrow_wetted_share = 0.0;  ///< [1] the same of a quarter slab's narrow face
-  bool water_boiled_away = false;    ///< on some face less is left than covers it
-  bool water_thrown_off = false;     ///< vapour has thrown the water off some face
+  bool water_boiled_away = false;    ///< on some face too little water is left to cover it
+  bool water_thrown_off = false;     ///< a vapour film has thrown the water off some face
   double block_temperature = 0.0;    ///< [°C] of the block's surface, mean over its area
   bool operator==(const StepReport&) const = default;
 };
@@ -124,8 +125,8 @@ struct StepReport {
 /// A number of StepReport that is stored for every step: name in the file, unit and meaning. The
 /// journal, the HDF5 writer and the reader all use this one table.
 ///
-/// Units: a real value is in the unit of its field. What is per metre of face in a section is that
-/// of the whole quarter in a quarter slab, and its name has no `_per_m` there.
+/// Units: a real value is in the unit of its field. A value per metre of face in a section is the
+/// value of the whole quarter in a quarter slab, and its name has no `_per_m` there.
 struct HistoryField {
   const char* name;  ///< dataset below /history, of a section
   const char* unit;
@@ -154,12 +155,13 @@ template <class Number>
 Number value_of(const HistoryField& field, const StepReport& report) {
   return std::visit([&](auto member) { return static_cast<Number>(report.*member); }, field.member);
 }
+/// Sets a field. @param value  [its unit]
 template <class Number>
 void set_value(const HistoryField& field, StepReport& report, Number value) {
   std::visit(
       [&](auto member) {
-        auto& into = report.*member;
-        into = static_cast<std::remove_reference_t<decltype(into)>>(value);
+        auto& target = report.*member;
+        target = static_cast<std::remove_reference_t<decltype(target)>>(value);
       },
       field.member);
 }

@@ -14,9 +14,11 @@ void write_root(File& file, const StudyTable& table) {
   file.write_attribute("/", "schema_version", table_schema_version);
   file.write_attribute("/", "program", std::string("dccast"));
   file.write_attribute("/", "program_version", table.program_version);
+
   file.write_attribute("/", "study", table.study);
   file.write_attribute("/", "title", table.title);
   file.write_attribute("/", "state", table.state);
+
   file.write_texts("/key", table.key, "keys of the case that the sweep changes");
   file.write_texts("/monitor", table.monitor, "names of the monitors");
 }
@@ -24,16 +26,19 @@ void write_root(File& file, const StudyTable& table) {
 void write_runs(File& file, const StudyTable& table) {
   const hdf5::Shape by_key{table.runs(), table.key.size()};
   const hdf5::Shape by_monitor{table.runs(), table.monitor.size()};
+
   file.create_group("/runs");
   file.write_texts("/runs/job", table.job, "UUID of the job of each run");
   file.write_texts("/runs/state", table.run_state, "state of each run");
   file.write_texts("/runs/value", by_key, table.value, "value of each key, as written");
   file.write("/runs/number", by_key, table.number, "SI", "the same as numbers");
+
   file.write("/runs/end_curl_m", by_monitor, table.end_curl, "m", "curl at the end");
   file.write("/runs/relative_curl_error", table.relative_curl_error, "1",
-             "what mesh and time steps leave uncertain of a curl, over the curl");
-  file.write("/runs/solver_s", table.solver_seconds, "s", "processor of the solver");
+             "discretisation error of a curl, relative to the curl");
+  file.write("/runs/solver_s", table.solver_seconds, "s", "processor time of the solver");
   file.write("/runs/refinement", table.refinement, "1", "of a refinement study");
+
   file.write("/runs/beyond_validity", table.beyond_validity, "1",
              "1: beyond validity, the curl is not valid");
   file.write_texts("/runs/failure", table.failure, "why a run failed");

@@ -1,5 +1,8 @@
 #include "core/results/temperature_file.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -17,37 +20,31 @@ constexpr const char* field = "thermal.file";
 constexpr double coldest = -273.15;
 constexpr double hottest = 3000.0;
 
-std::string text_of(const hdf5::Shape& shape) {
-  std::string text = "(";
-  for (std::size_t i = 0; i < shape.size(); ++i) {
-    if (i > 0) text += ", ";
-    text += std::to_string(shape[i]);
-  }
-  text += ")";
-  return text;
+std::string format_shape(const hdf5::Shape& shape) {
+  return fmt::format("({})", fmt::join(shape, ", "));
 }
 
-/// Adds at most one fault for each kind of mistake: a bad file has a million bad values.
+/// Adds at most one fault: a bad file has a million bad values.
 void check_times(const std::string& name, const std::vector<double>& time, Faults& faults) {
   for (std::size_t i = 0; i < time.size(); ++i) {
-    const std::string where = "time_s[" + std::to_string(i) + "]";
     if (!std::isfinite(time[i]))
-      return faults.add(field, name, where + " is not a number", "finite times in s",
-                        "write the time of each row of temperature_c");
+      return faults.add(field, name, fmt::format("time_s[{}] is not a number", i),
+                        "finite times in s", "write the time of each row of temperature_c");
     if (i > 0 && time[i] <= time[i - 1])
-      return faults.add(field, name, where + " is not later than the one before",
+      return faults.add(field, name, fmt::format("time_s[{}] is not later than the one before", i),
                         "strictly increasing times in s", "sort the rows by time");
   }
 }
 
+/// Adds at most one fault.
 void check_temperatures(const std::string& name, const std::vector<double>& temperature,
                         std::size_t nodes, Faults& faults) {
   for (std::size_t i = 0; i < temperature.size(); ++i) {
     if (temperature[i] >= coldest && temperature[i] <= hottest) continue;  // false for NaN
-    return faults.add(field, name,
-                      "temperature_c[" + std::to_string(i / nodes) + ", " +
-                          std::to_string(i % nodes) + "] = " + std::to_string(temperature[i]),
-                      "-273.15 to 3000 degC", "write temperatures in degC");
+    return faults.add(
+        field, name,
+        fmt::format("temperature_c[{}, {}] = {:f}", i / nodes, i % nodes, temperature[i]),
+        "-273.15 to 3000 degC", "write temperatures in degC");
   }
 }
 
@@ -57,22 +54,25 @@ bool check_shapes(const std::string& name, const hdf5::File& file, std::size_t n
   bool found = true;
   for (const char* dataset : {"/time_s", "/temperature_c"}) {
     if (file.has(dataset)) continue;
-    faults.add(field, name, std::string("has no dataset ") + dataset,
+    faults.add(field, name, fmt::format("has no dataset {}", dataset),
                "time_s (t) in s and temperature_c (t, node) in degC", "add the dataset");
     found = false;
   }
   if (!found) return false;
+
   const auto time = file.shape_of("/time_s");
   const auto temperature = file.shape_of("/temperature_c");
   if (time.size() != 1 || time[0] == 0) {
-    faults.add(field, name, "time_s has the shape " + text_of(time), "(t), t at least 1",
-               "write the times as one row");
+    faults.add(field, name, fmt::format("time_s has the shape {}", format_shape(time)),
+               "(t), t at least 1", "write the times as one row");
     return false;
   }
   if (temperature != hdf5::Shape{time[0], nodes}) {
-    faults.add(field, name, "temperature_c has the shape " + text_of(temperature),
-               text_of({time[0], nodes}) + ": the times of time_s, the nodes of the mesh",
-               "write one row a time, in the order of the nodes of the mesh");
+    faults.add(field, name,
+               fmt::format("temperature_c has the shape {}", format_shape(temperature)),
+               fmt::format("{}: the times of time_s, the nodes of the mesh",
+                           format_shape({time[0], nodes})),
+               "write one row for each time, in the order of the nodes of the mesh");
     return false;
   }
   return true;
@@ -88,12 +88,15 @@ void TemperatureHistory::at(double time, std::vector<double>& temperature) const
   const auto next = std::upper_bound(time_.begin(), time_.end(), time);
   const auto right = static_cast<std::size_t>(next - time_.begin());
   temperature.resize(count);
+
+  // Constant before the first time and after the last.
   if (right == 0 || right == time_.size()) {
     const std::size_t row = right == 0 ? 0 : right - 1;
     std::copy_n(temperature_.begin() + static_cast<std::ptrdiff_t>(row * count), count,
                 temperature.begin());
     return;
   }
+
   const double share = (time - time_[right - 1]) / (time_[right] - time_[right - 1]);
   const double* before = temperature_.data() + (right - 1) * count;
   const double* after = temperature_.data() + right * count;
@@ -108,6 +111,7 @@ std::optional<TemperatureHistory> read_temperature_file(const std::filesystem::p
   try {
     const hdf5::File file = hdf5::File::open(path);
     if (!check_shapes(name, file, nodes, faults)) return std::nullopt;
+
     auto time = file.read_reals("/time_s");
     auto temperature = file.read_reals("/temperature_c");
     check_times(name, time, faults);
@@ -116,7 +120,7 @@ std::optional<TemperatureHistory> read_temperature_file(const std::filesystem::p
     return TemperatureHistory(std::move(time), std::move(temperature));
   } catch (const storage::StorageError& error) {
     faults.add(field, name, error.what(), "a readable HDF5 file",
-               "name a file that is there, or leave thermal.file out");
+               "name an existing file, or leave thermal.file out");
     return std::nullopt;
   }
 }

@@ -1,6 +1,6 @@
 #include "core/results/xdmf.hpp"
 
-#include <cstdio>
+#include <fmt/format.h>
 
 #include "core/results/result_reader.hpp"
 
@@ -8,25 +8,20 @@ namespace dccast::results {
 
 namespace {
 
-const char* topology_of(const FrameOutline& frame) {
+const char* topology_name(const FrameOutline& frame) {
   if (frame.nodes_per_element == 3) return "Triangle";
   if (frame.nodes_per_element == 8) return "Hexahedron";
   return frame.dimension == 2 ? "Quadrilateral" : "Tetrahedron";
 }
 
-/// Tensors are matrices: with its four components in plane strain none of XDMF's tensor types fits.
-const char* type_of(const ShownField& field) {
+/// Tensors are written as matrices: none of XDMF's tensor types has four components, as they have
+/// in plane strain.
+const char* attribute_type(const ShownField& field) {
   if (field.components == 1) return "Scalar";
   return field.components == 3 ? "Vector" : "Matrix";
 }
 
-std::string exact(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
-
-std::string escaped(const std::string& text) {
+std::string escape(const std::string& text) {
   std::string safe;
   for (const char c : text) {
     if (c == '&')
@@ -45,54 +40,64 @@ std::string escaped(const std::string& text) {
 
 std::string data_item(const std::string& dimensions, const char* number, int precision,
                       const std::string& address) {
-  return "<DataItem Format=\"HDF\" Dimensions=\"" + dimensions + "\" NumberType=\"" + number +
-         "\" Precision=\"" + std::to_string(precision) + "\">" + address + "</DataItem>";
+  return fmt::format(
+      R"(<DataItem Format="HDF" Dimensions="{}" NumberType="{}" Precision="{}">{}</DataItem>)",
+      dimensions, number, precision, address);
 }
 
-std::string rows(std::int64_t count, int columns) {
-  std::string text = std::to_string(count);
-  if (columns != 1) text.append(1, ' ').append(std::to_string(columns));
-  return text;
+/// Dimensions of an array with one row per node or element.
+std::string row_dimensions(std::int64_t count, int columns) {
+  return columns == 1 ? fmt::format("{}", count) : fmt::format("{} {}", count, columns);
 }
 
 std::string attribute(const FrameOutline& frame, const ShownField& field,
                       const std::string& group) {
-  const std::string size = rows(field.on_nodes ? frame.nodes : frame.elements, field.components);
-  return "        <Attribute Name=\"" + field.name + "\" AttributeType=\"" + type_of(field) +
-         "\" Center=\"" + (field.on_nodes ? "Node" : "Cell") + "\">" +
-         data_item(size, "Float", 8, group + "/" + field.dataset) + "</Attribute>\n";
+  const std::string size =
+      row_dimensions(field.on_nodes ? frame.nodes : frame.elements, field.components);
+  return fmt::format(R"(        <Attribute Name="{}" AttributeType="{}" Center="{}">{}</Attribute>)"
+                     "\n",
+                     field.name, attribute_type(field), field.on_nodes ? "Node" : "Cell",
+                     data_item(size, "Float", 8, fmt::format("{}/{}", group, field.dataset)));
 }
 
 std::string grid(const FrameOutline& frame, const std::string& group) {
   std::string text = "      <Grid Name=\"slab\" GridType=\"Uniform\">\n";
-  text += "        <Time Value=\"" + exact(frame.time) + "\"/>\n";
-  text +=
-      "        <Topology TopologyType=\"" + std::string(topology_of(frame)) +
-      "\" NumberOfElements=\"" + std::to_string(frame.elements) + "\">" +
-      data_item(rows(frame.elements, frame.nodes_per_element), "Int", 4, group + "/element_node") +
-      "</Topology>\n";
-  text += std::string("        <Geometry GeometryType=\"") + (frame.dimension == 2 ? "XY" : "XYZ") +
-          "\">" + data_item(rows(frame.nodes, frame.dimension), "Float", 8, group + "/node_m") +
-          "</Geometry>\n";
+  text += fmt::format("        <Time Value=\"{:.17g}\"/>\n", frame.time);
+
+  text += fmt::format(R"(        <Topology TopologyType="{}" NumberOfElements="{}">{}</Topology>)"
+                      "\n",
+                      topology_name(frame), frame.elements,
+                      data_item(row_dimensions(frame.elements, frame.nodes_per_element), "Int", 4,
+                                group + "/element_node"));
+  text += fmt::format(
+      R"(        <Geometry GeometryType="{}">{}</Geometry>)"
+      "\n",
+      frame.dimension == 2 ? "XY" : "XYZ",
+      data_item(row_dimensions(frame.nodes, frame.dimension), "Float", 8, group + "/node_m"));
+
   for (const ShownField& field : frame.fields) text += attribute(frame, field, group);
-  return text + "      </Grid>\n";
+  text += "      </Grid>\n";
+  return text;
 }
 
 }  // namespace
 
-FrameOutline outline_of(const Frame& frame) {
+FrameOutline make_outline(const Frame& frame) {
   FrameOutline outline{frame.time,    frame.dimension,  frame.nodes_per_element,
                        frame.nodes(), frame.elements(), {}};
+
   for (const auto on : {FrameArray::On::nodes, FrameArray::On::elements})
     for (const FrameArray& array : frame_arrays()) {
       if (array.on != on || (frame.*array.values).empty()) continue;
-      // Of a plane displacement the one with three components is shown.
+
+      // In 2D the derived displacement with three components is shown instead.
       if (frame.dimension == 2 && array.rank == FrameArray::Rank::vector) continue;
       outline.fields.push_back({array.dataset, array.dataset, on == FrameArray::On::nodes,
                                 array.components(frame.dimension)});
     }
+
   for (const DerivedField& field : derived_fields(frame)) {
-    // What ParaView warps by has one name in two and in three dimensions.
+    // The field by which ParaView warps has the same name in 2D and 3D.
     const std::string dataset = field.name;
     const bool padded = dataset == "displacement_xyz_m";
     outline.fields.push_back(
@@ -101,13 +106,14 @@ FrameOutline outline_of(const Frame& frame) {
   return outline;
 }
 
-std::string xdmf_of(const std::vector<FrameOutline>& frames, const std::string& hdf5_name) {
+std::string format_xdmf(const std::vector<FrameOutline>& frames, const std::string& hdf5_name) {
   std::string text =
       "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
       "    <Grid Name=\"casting\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
   for (std::size_t i = 0; i < frames.size(); ++i)
-    text += grid(frames[i], escaped(hdf5_name) + ":" + frame_group(i));
-  return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";
+    text += grid(frames[i], fmt::format("{}:{}", escape(hdf5_name), frame_group(i)));
+  text += "    </Grid>\n  </Domain>\n</Xdmf>\n";
+  return text;
 }
 
 }  // namespace dccast::results

@@ -26,12 +26,13 @@ struct FrameOutline {
   std::vector<ShownField> fields;  ///< fields that exist in the frame
 };
 
-FrameOutline outline_of(const Frame& frame);
+/// Sizes and fields of a frame.
+FrameOutline make_outline(const Frame& frame);
 
-/// The sidecar with which ParaView opens a result file as a time series (XDMF 3). There is one
-/// dataset per frame, because one of ParaView's two XDMF readers does not read hyperslabs of a
-/// common dataset.
+/// The text of the sidecar with which ParaView opens a result file as a time series (XDMF 3). There
+/// is one dataset per frame, because one of ParaView's two XDMF readers does not read hyperslabs of
+/// a common dataset.
 /// @param hdf5_name  name of the result file, which is in the same folder
-std::string xdmf_of(const std::vector<FrameOutline>& frames, const std::string& hdf5_name);
+std::string format_xdmf(const std::vector<FrameOutline>& frames, const std::string& hdf5_name);
 
 }  // namespace dccast::results

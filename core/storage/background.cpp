@@ -6,7 +6,7 @@ namespace dccast::storage {
 
 namespace {
 
-constexpr std::size_t most_tasks = 3;  // one being done, two waiting
+constexpr std::size_t most_tasks = 3;  // one being executed, two waiting
 
 }  // namespace
 
@@ -20,8 +20,9 @@ Background::~Background() {
 }
 
 void Background::post(std::function<void()> task) {
-  // Before there is a task: without memory for a thread it would be waited for without end.
+  // The thread first: if it cannot be started, no task may be left behind that wait() waits for.
   if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+
   {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return tasks_.size() < most_tasks; });
@@ -46,9 +47,12 @@ void Background::run() {
   for (;;) {
     changed_.wait(lock, [this] { return !tasks_.empty() || ending_; });
     if (tasks_.empty()) return;
+
     if (!failure_) {
-      // No other thread takes the first one away; the queue itself changes while it is done.
+      // Only this thread removes the first task; others may append meanwhile, which does not move
+      // it.
       const auto& task = tasks_.front();
+
       lock.unlock();
       std::exception_ptr failure;
       try {
@@ -57,8 +61,10 @@ void Background::run() {
         failure = std::current_exception();
       }
       lock.lock();
+
       failure_ = failure;
     }
+
     tasks_.pop_front();
     changed_.notify_all();
   }

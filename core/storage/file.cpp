@@ -14,6 +14,8 @@
 
 namespace dccast::storage {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 std::string kind_of(mode_t mode) {
@@ -39,13 +41,34 @@ std::string kind_of(mode_t mode) {
                      "is " + kind + ", not " + regular_file + " (move it away)");
 }
 
-/// O_NONBLOCK means nothing to a regular file; the open of a named pipe returns with it.
+/// O_NONBLOCK has no effect on a regular file, but keeps open() of a named pipe from blocking.
 int safe_flags(int flags, Links links) {
   const bool folder = (flags & O_DIRECTORY) != 0;
   if (!folder) flags |= O_NONBLOCK | O_NOCTTY;
   if (!folder && links == Links::refuse) flags |= O_NOFOLLOW;
   return flags | O_CLOEXEC;
 }
+
+constexpr std::int64_t least_read = 1 << 18;  // of a FileWindow [bytes]
+
+std::atomic<std::uint64_t> syncs{0}, sync_ns{0};
+
+/// Adds one sync and its own lifetime to the totals.
+class TimedSync {
+public:
+  TimedSync() = default;
+  TimedSync(const TimedSync&) = delete;
+  ~TimedSync() {
+    const auto taken = std::chrono::steady_clock::now() - begun_;
+    syncs.fetch_add(1, std::memory_order_relaxed);
+    sync_ns.fetch_add(static_cast<std::uint64_t>(
+                          std::chrono::duration_cast<std::chrono::nanoseconds>(taken).count()),
+                      std::memory_order_relaxed);
+  }
+
+private:
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+};
 
 }  // namespace
 
@@ -76,7 +99,7 @@ std::string kind_of_entry(const std::filesystem::path& path) {
 std::int64_t File::size() const {
   struct stat status;
   if (::fstat(descriptor(), &status) != 0)
-    throw StorageError(errno, path_.string(), "cannot be looked at");
+    throw StorageError(errno, path_.string(), "cannot be examined");
   return status.st_size;
 }
 
@@ -108,29 +131,6 @@ void File::cut(std::int64_t size) const {
     throw StorageError(errno, path_.string(), "cannot be cut");
 }
 
-namespace {
-
-std::atomic<std::uint64_t> syncs{0}, sync_ns{0};
-
-/// Counts what its life takes.
-class TimedSync {
-public:
-  TimedSync() = default;
-  TimedSync(const TimedSync&) = delete;
-  ~TimedSync() {
-    const auto taken = std::chrono::steady_clock::now() - begun_;
-    syncs.fetch_add(1, std::memory_order_relaxed);
-    sync_ns.fetch_add(static_cast<std::uint64_t>(
-                          std::chrono::duration_cast<std::chrono::nanoseconds>(taken).count()),
-                      std::memory_order_relaxed);
-  }
-
-private:
-  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
-};
-
-}  // namespace
-
 SyncTotals sync_totals() {
   return {syncs.load(), 1e-9 * static_cast<double>(sync_ns.load())};
 }
@@ -152,19 +152,14 @@ void write_file(const std::filesystem::path& path, std::string_view bytes, mode_
   File(path, O_WRONLY | O_CREAT | O_TRUNC, permissions).write_at(0, bytes);
 }
 
-namespace {
-
-constexpr std::int64_t piece = 1 << 18;  // read at once at least [bytes]
-
-}  // namespace
-
 std::string_view FileWindow::at(std::int64_t offset, std::int64_t length) {
   length = std::clamp<std::int64_t>(length, 0, std::max<std::int64_t>(size_ - offset, 0));
   if (offset < begin_ || offset + length > begin_ + static_cast<std::int64_t>(bytes_.size()))
-    fill(offset, std::max(length, piece));
-  const auto have = static_cast<std::int64_t>(bytes_.size()) - (offset - begin_);
+    fill(offset, std::max(length, least_read));
+
+  const auto available = static_cast<std::int64_t>(bytes_.size()) - (offset - begin_);
   return std::string_view(bytes_).substr(static_cast<std::size_t>(offset - begin_),
-                                         static_cast<std::size_t>(std::min(length, have)));
+                                         static_cast<std::size_t>(std::min(length, available)));
 }
 
 void FileWindow::fill(std::int64_t offset, std::int64_t length) {
@@ -172,8 +167,6 @@ void FileWindow::fill(std::int64_t offset, std::int64_t length) {
   bytes_.resize(static_cast<std::size_t>(length));
   bytes_.resize(file_.read_at(offset, bytes_));
 }
-
-namespace fs = std::filesystem;
 
 void sync_directory(const fs::path& directory) {
   const fs::path named = directory.empty() ? fs::path(".") : directory;

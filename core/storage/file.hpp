@@ -40,7 +40,7 @@ inline constexpr mode_t readable_by_all = 0644;  ///< the files of a run
 
 /// Whether opening a file follows a symbolic link in its place.
 enum class Links {
-  refuse,  ///< the name is the program's own: who put a link there wants another file touched
+  refuse,  ///< for names of the program's own: a link there would redirect it to another file
   follow,  ///< a person gave the path, for example of a certificate
 };
 
@@ -140,7 +140,8 @@ struct Publication {
 void publish(std::initializer_list<Publication> files);
 
 /// Replaces a file by `path`.tmp and publish(): readers see the old or the new content, never a
-/// part of it. What stands at the temporary name is removed first, a link rather than its target.
+/// part of it. An existing entry with the temporary name is removed first; of a link, the link
+/// itself.
 void replace_file(const std::filesystem::path& path, std::string_view content,
                   mode_t permissions = owner_only);
 

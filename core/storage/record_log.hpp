@@ -1,65 +1,13 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <mutex>
-#include <optional>
-#include <string>
 #include <string_view>
 
 #include "core/storage/file.hpp"
+#include "core/storage/record_format.hpp"
 
 namespace dccast::storage {
-
-/// CRC-32C (Castagnoli polynomial 0x1EDC6F41, reflected, as in RFC 3720 section 12.1).
-/// @param bytes   data to be added to the checksum
-/// @param so_far  checksum of the preceding data; zero for the first piece
-std::uint32_t crc32c(const void* bytes, std::size_t size, std::uint32_t so_far = 0);
-
-/// One complete record of a file.
-struct Record {
-  std::string_view payload;
-  std::uint8_t kind = 0;  ///< 0 if the format has none
-  std::int64_t size = 0;  ///< [bytes] including its head
-};
-
-/// Format of the records in a file: a head, then the payload. The head has the length of the
-/// payload, a CRC-32C of everything after the checksum in the record, and in some formats the kind
-/// of the record. Numbers are little-endian and unsigned. Payloads are never empty, so that zeros
-/// are not a record.
-struct RecordFormat {
-  std::size_t head_size;    ///< [bytes]
-  std::size_t length_at;    ///< offset in the head [bytes]
-  std::size_t length_size;  ///< 4 or 8 [bytes]
-  std::size_t checksum_at;  ///< offset in the head [bytes]
-  bool has_kind;            ///< the last byte of the head is the kind
-
-  /// Builds the record of a payload.
-  std::string framed(std::string_view payload, std::uint8_t kind = 0) const;
-
-  /// The payload length given in a head. @param head  at least head_size bytes
-  std::uint64_t length_of(std::string_view head) const;
-
-  /// The record at the start of `bytes`; more bytes may follow it.
-  /// @return empty if the record is truncated, empty, longer than `largest`, or has a wrong
-  ///         checksum
-  std::optional<Record> first_of(std::string_view bytes, std::uint64_t largest) const;
-
-  /// The record at byte `offset` of a file, valid until the window is used again.
-  /// @return as first_of() @throws StorageError
-  std::optional<Record> at(FileWindow& file, std::int64_t offset,
-                           std::uint64_t largest = UINT64_MAX) const;
-};
-
-/// Format of event logs and of descriptions of jobs and studies: length (4 bytes), checksum.
-inline constexpr RecordFormat short_records{
-    .head_size = 8, .length_at = 0, .length_size = 4, .checksum_at = 4, .has_kind = false};
-
-/// Format of journals: checksum, length (8 bytes), kind.
-inline constexpr RecordFormat long_records{
-    .head_size = 13, .length_at = 4, .length_size = 8, .checksum_at = 0, .has_kind = true};
-
-std::string little_endian(std::uint32_t number);
 
 /// An append-only file of complete records; the only other change is to truncate it. One thread may
 /// append while another one syncs. All calls that access the file throw StorageError.
@@ -75,8 +23,8 @@ public:
   /// is unchanged. @return the byte at which they begin
   std::int64_t append(std::string_view records);
 
-  /// Truncates the file to `end` bytes. The next sync() syncs all of it. A failure of sync() is over
-  /// then: what it left in doubt is cut off, or written again where it stands before `end`.
+  /// Truncates the file to `end` bytes. The next sync() syncs all of it. This ends a failure of
+  /// sync(): bytes that it left in doubt are truncated, or written again if they lie before `end`.
   void cut(std::int64_t end);
 
   /// Waits until all appended records are on disk; cheap if there are no new ones. After a failure
@@ -91,9 +39,9 @@ private:
   File file_;
   std::mutex sync_mutex_;  ///< one sync at a time; appends are possible meanwhile
   mutable std::mutex mutex_;
-  std::int64_t end_ = 0;
-  std::int64_t synced_ = 0;
-  int sync_error_ = 0;  ///< errno of a sync that failed
+  std::int64_t end_ = 0;     ///< byte after the last record
+  std::int64_t synced_ = 0;  ///< byte up to which the file is on disk
+  int sync_error_ = 0;       ///< errno of a sync that failed
 };
 
 }  // namespace dccast::storage

@@ -1,5 +1,7 @@
 #include "proto/case_file/alloy_cards.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
@@ -14,25 +16,29 @@
 namespace dccast::case_file {
 namespace {
 
-bool plain_name(const std::string& name) {
+/// Whether a name is permitted: it cannot lead outside its folder.
+bool is_plain_name(const std::string& name) {
   constexpr const char* permitted =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
   return !name.empty() && name.size() <= 100 && name.front() != '.' &&
          name.find_first_not_of(permitted) == std::string::npos;
 }
 
-AlloyCard unknown(const std::string& name, const std::filesystem::path& directory) {
+/// The fault of a card that does not exist, with the known names.
+AlloyCard unknown_card(const std::string& name, const std::filesystem::path& directory) {
   const std::vector<std::string> names = alloy_names(directory);
   const std::string near = nearest(name, names);
   return {{},
-          {make_fault("alloy.card", quoted(name.substr(0, 100)), "unknown alloy", joined(names),
-                      near.empty() ? "see `dccast alloys`" : "did you mean \"" + near + "\"?")}};
+          {make_fault(
+              "alloy.card", quoted(name.substr(0, 100)), "unknown alloy", joined(names),
+              near.empty() ? "see `dccast alloys`" : fmt::format("did you mean \"{}\"?", near))}};
 }
 
 }  // namespace
 
 AlloyCard alloy_card(const std::string& name, const std::filesystem::path& directory) {
-  if (!plain_name(name)) return unknown(name, directory);
+  if (!is_plain_name(name)) return unknown_card(name, directory);
+
   AlloyCard card;
   ReadOutcome read;
   std::error_code error;
@@ -42,11 +48,12 @@ AlloyCard alloy_card(const std::string& name, const std::filesystem::path& direc
   else if (const auto* const shipped = shipped::find(shipped::alloy_cards(), name))
     read = read_text(shipped->text, name + ".toml", card.alloy);
   else
-    return unknown(name, directory);
+    return unknown_card(name, directory);
+
   card.alloy.set_card(name);
   card.faults = read.ok() ? uncertainty_faults(card.alloy) : std::move(read.faults);
   for (v1::Fault& fault : card.faults) {
-    fault.set_message("in alloy card " + describe(fault, read.source));
+    fault.set_message(fmt::format("in alloy card {}", describe(fault, read.source)));
     fault.set_field("alloy.card");
   }
   return card;
@@ -58,7 +65,7 @@ std::vector<std::string> alloy_names(const std::filesystem::path& directory) {
   std::error_code error;
   if (!directory.empty())
     for (const auto& entry : std::filesystem::directory_iterator(directory, error))
-      if (entry.path().extension() == ".toml" && plain_name(entry.path().stem().string()))
+      if (entry.path().extension() == ".toml" && is_plain_name(entry.path().stem().string()))
         names.insert(entry.path().stem().string());
   return {names.begin(), names.end()};
 }
@@ -67,7 +74,8 @@ void complete_alloy(const v1::Alloy& card, v1::Alloy& overrides) {
   v1::Alloy complete = card;
   if (overrides.has_norton_hoff() && !card.has_norton_hoff()) complete.clear_reference_creep();
   if (overrides.has_reference_creep() && !card.has_reference_creep()) complete.clear_norton_hoff();
-  // Coherency is one thing said in two ways: what the case says replaces what the card says.
+
+  // Two keys for the same property exclude each other: that of the case replaces that of the card.
   if (overrides.has_coherency_c()) complete.clear_coherency_solid_fraction();
   if (overrides.has_coherency_solid_fraction()) complete.clear_coherency_c();
   if (overrides.has_density_kg_per_m3()) {
@@ -78,14 +86,17 @@ void complete_alloy(const v1::Alloy& card, v1::Alloy& overrides) {
     complete.clear_solid_conductivity_w_per_m_k();
     complete.clear_liquid_conductivity_w_per_m_k();
   }
-  // What gives the value gives its range.
+
+  // The range of the card does not hold for a value of the case.
   complete.clear_uncertainty();
   for (const v1::KeyRange& line : card.uncertainty())
     if (!has_value_at(overrides, line.key())) *complete.add_uncertainty() = line;
+
+  // Curves are replaced: merging would append their points to those of the card.
   for (const FieldDescriptor* const field : fields_of(*v1::Alloy::descriptor()))
-    // Merging would append the points of a curve to those of the card.
     if (is_curve(*field) && is_present(overrides, *field))
       complete.GetReflection()->ClearField(&complete, field);
+
   complete.MergeFrom(overrides);
   apply_defaults(complete);
   overrides = std::move(complete);

@@ -17,56 +17,56 @@
 /// the (key) options of options.proto. Keys are field names without their unit suffix, quantities
 /// are strings with a unit, enums are lower-case value names.
 ///
-/// The life of a case: the client calls `read_file` and sends what the file says, nothing more. The
-/// server calls `apply_defaults`, `complete_alloy` (alloy_cards.hpp) and `check_ranges`, so a
-/// message that came over the wire from another client is treated in the same way.
+/// The client calls `read_file` and sends only the keys of the file. The server calls
+/// `apply_defaults`, `complete_alloy` (alloy_cards.hpp) and `check_ranges`, so that cases of all
+/// clients are treated in the same way.
 namespace dccast::case_file {
 
 /// A file larger than this is refused before it is parsed [bytes].
 inline constexpr std::size_t maximum_file_bytes = 4 * 1024 * 1024;
 
-/// What reading a file found besides the message.
+/// Result of reading a file, besides the message.
 struct ReadOutcome {
   std::vector<v1::Fault> faults;            ///< empty: the message is complete and in range
   std::vector<v1::Attachment> attachments;  ///< files named by attachment fields
-  std::vector<std::string> files;           ///< the same of a text read elsewhere: their names only
+  std::vector<std::string> files;  ///< names of these files, if the text was read elsewhere
   SourceMap source;
 
   bool ok() const { return faults.empty(); }
 };
 
-/// Reads a TOML file into `message`. Every fault is collected: unknown key, missing or wrong unit,
-/// out of range, NaN, table not increasing, required key absent, broken TOML. What could be read is
-/// in the message all the same. Files named by attachment fields are looked for relative to the
-/// file's folder and read; the field's value becomes the file's base name.
-/// No default is applied. Never throws for what the file holds.
+/// Reads a TOML file into `message`. All faults are collected: unknown key, missing or wrong unit,
+/// out of range, NaN, table not increasing, required key absent, broken TOML. The message contains
+/// everything that could be read. Files named by attachment fields are looked up relative to the
+/// folder of the file and read; the value of the field becomes the base name of its file.
+/// No default is applied. Does not throw, whatever the content of the file.
 ReadOutcome read_file(const std::filesystem::path& file, google::protobuf::Message& message);
 
-/// The same from a text. `name` stands in positions; attachments are looked for in `folder`.
+/// Reads a text. @param name  of the file, for positions  @param folder  of attachments
 ReadOutcome read_text(std::string_view text, const std::string& name,
                       google::protobuf::Message& message, const std::filesystem::path& folder = {});
 
-/// The same from a text whose files stand on another machine: nothing is read from this one. The
-/// files are listed as the text names them, and a field's value becomes the base name.
+/// Reads a text of another machine: no file of this one is read. Files are listed as the text names
+/// them, and the value of their field becomes the base name.
 ReadOutcome read_elsewhere(std::string_view text, const std::string& name,
                            google::protobuf::Message& message);
 
 /// Fills every absent key that has a default. In an Alloy *inside* another message only `card` is
-/// filled: a default must not hide what the card says, see `complete_alloy`.
-/// Idempotent; safe from several threads.
+/// filled: a default must not hide the value of the card, see `complete_alloy`.
+/// Idempotent; may be called from several threads.
 void apply_defaults(google::protobuf::Message& message);
 
-/// Checks a message that may come from anywhere: required keys, ranges, finite numbers, known enum
-/// values, lengths of texts and tables, curves well formed (as many values as abscissae, strictly
-/// increasing, a permitted abscissa). Absent keys that are not required are no fault. All faults at
-/// once, paths as in a file.
+/// Checks a message from any source: required keys, ranges, finite numbers, known enum values,
+/// lengths of texts and tables, well-formed curves (as many values as abscissae, strictly
+/// increasing, a permitted abscissa). Absent keys that are not required are permitted.
+/// @return all faults, with paths as in a file
 std::vector<v1::Fault> check_ranges(const google::protobuf::Message& message);
 
 /// Writes the keys that are present as a TOML file that reads back to the same message.
 std::string to_toml(const google::protobuf::Message& message);
 
-/// Every key that is present with its value as in a file, tables flattened: "monitor[0].x", "0.28
-/// m". In the order of the schema.
+/// All keys that are present with their values as in a file, in the order of the schema. Tables are
+/// flattened: "monitor[0].x", "0.28 m".
 std::vector<std::pair<std::string, std::string>> key_values(
     const google::protobuf::Message& message);
 
@@ -79,10 +79,10 @@ struct KeyReference {
   std::string against;    ///< for curves: "time, cast length"
   std::string default_text;
   std::string doc;
-  bool curve = false;  ///< a table of pairs may stand instead of one value
+  bool curve = false;  ///< a table of pairs may be given instead of one value
   bool required = false;
   std::string size;         ///< "at most 200 bytes", "at most 1000 entries"; empty for other keys
-  std::string uncertainty;  ///< how far the default may be off, as in [uncertainty]
+  std::string uncertainty;  ///< range of the default, as in [uncertainty]
 };
 
 /// Every key of a message, in the order of the schema; tables before their keys.

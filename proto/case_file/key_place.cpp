@@ -8,7 +8,7 @@
 namespace dccast::case_file {
 namespace {
 
-std::optional<Segment> segment_of(std::string_view text) {
+std::optional<Segment> parse_segment(std::string_view text) {
   const std::size_t bracket = text.find('[');
   Segment segment{std::string(text.substr(0, bracket)), std::nullopt};
   if (segment.key.empty()) return std::nullopt;
@@ -20,14 +20,14 @@ std::optional<Segment> segment_of(std::string_view text) {
   return segment;
 }
 
-/// What a path leads to.
+/// The field at a path.
 struct Place {
   const Message* message = nullptr;
   const FieldDescriptor* field = nullptr;
   std::optional<std::size_t> element;
 };
 
-Place place_of(const Message& root, std::string_view path) {
+Place find_place(const Message& root, std::string_view path) {
   const std::vector<Segment> segments = segments_of(path);
   const Message* message = &root;
   for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -35,9 +35,12 @@ Place place_of(const Message& root, std::string_view path) {
     const auto& [key, element] = segments[i];
     const FieldDescriptor* const field = field_of_key(*message->GetDescriptor(), key);
     if (field == nullptr) return {};
+
     if (i + 1 == segments.size()) return {message, field, element};
     if (is_curve(*field) && i + 2 == segments.size())
       return {message, recipe_field(*field, segments[i + 1].key), std::nullopt};
+
+    // On to the table that the segment names.
     if (!is_table(*field)) return {};
     if (!field->is_repeated()) {
       message = &reflection.GetMessage(*message, field);
@@ -50,8 +53,8 @@ Place place_of(const Message& root, std::string_view path) {
   return {};
 }
 
-/// What a key is multiplied by, or what is added to it, before it is changed.
-std::optional<double> unchanged(const Message& message, std::string_view path) {
+/// The number of KEY.scale or KEY.offset that leaves the key unchanged: 1 or 0.
+std::optional<double> neutral_number(const Message& message, std::string_view path) {
   for (const auto& [suffix, number] :
        {std::pair(std::string_view(".scale"), 1.0), std::pair(std::string_view(".offset"), 0.0)})
     if (path.ends_with(suffix) &&
@@ -66,7 +69,7 @@ std::vector<Segment> segments_of(std::string_view path) {
   std::vector<Segment> segments;
   for (std::size_t begin = 0; begin <= path.size();) {
     const std::size_t end = std::min(path.find('.', begin), path.size());
-    auto segment = segment_of(path.substr(begin, end - begin));
+    auto segment = parse_segment(path.substr(begin, end - begin));
     if (!segment) return {};
     segments.push_back(std::move(*segment));
     begin = end + 1;
@@ -75,18 +78,19 @@ std::vector<Segment> segments_of(std::string_view path) {
 }
 
 const FieldDescriptor* field_at(const Message& message, std::string_view path) {
-  return place_of(message, path).field;
+  return find_place(message, path).field;
 }
 
 bool has_value_at(const Message& message, std::string_view path) {
-  const Place place = place_of(message, path);
+  const Place place = find_place(message, path);
   return place.field != nullptr && is_present(*place.message, *place.field);
 }
 
 std::optional<double> number_at(const Message& message, std::string_view path) {
-  const auto [owner, field, element] = place_of(message, path);
-  if (field == nullptr) return unchanged(message, path);
+  const auto [owner, field, element] = find_place(message, path);
+  if (field == nullptr) return neutral_number(message, path);
   if (!is_curve(*field)) return number_of(*owner, *field);
+
   const v1::Curve curve = curve_of(*owner, *field);
   const auto count = static_cast<std::size_t>(curve.value_size());
   if (element ? *element >= count : count != 1) return std::nullopt;

@@ -11,24 +11,24 @@
 /// "schedule.water_flow.scale".
 namespace dccast::case_file {
 
-/// One part of a path: a key, and of a list the element.
+/// One part of a path: a key, and the index if it is an element of a list.
 struct Segment {
   std::string key;
   std::optional<std::size_t> element;
 };
 
-/// The parts of a path; empty if it is none.
+/// The parts of a path; empty if the text is not a path.
 std::vector<Segment> segments_of(std::string_view path);
 
 /// The field at a path of a message; null if there is no such key or element.
 const google::protobuf::FieldDescriptor* field_at(const google::protobuf::Message& message,
                                                   std::string_view path);
 
-/// Whether a value stands at this path.
+/// Whether there is a value at a path.
 bool has_value_at(const google::protobuf::Message& message, std::string_view path);
 
-/// The number at a path: the value of a quantity, a number, an integer, a curve of one point, one
-/// point of a curve; of "KEY.scale" and "KEY.offset" what leaves the key as it is.
+/// The number at a path: the value of a quantity, a number, an integer, a curve of one point, or
+/// one point of a curve; for "KEY.scale" and "KEY.offset" the number that leaves the key unchanged.
 /// @return [unit of the schema]; empty for other keys and absent ones
 std::optional<double> number_at(const google::protobuf::Message& message, std::string_view path);
 

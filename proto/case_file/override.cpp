@@ -1,5 +1,7 @@
 #include "proto/case_file/override.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 #include <span>
@@ -12,22 +14,22 @@
 namespace dccast::case_file {
 namespace {
 
-/// What a change does with the key that its path leads to.
-enum class Deed {
+/// The action of a change on its key.
+enum class Action {
   set,
   set_point,  ///< of a table: "melt_conductivity_factor[1]"
-  recipe,     ///< "0.8 until 100 mm" gives the table of a factor
-  scale,      ///< multiplies what is there, a table as a whole
-  offset      ///< adds to what is there
+  recipe,     ///< sets the table of a factor: "0.8 until 100 mm"
+  scale,      ///< multiplies the present value, a table as a whole
+  offset      ///< adds to the present value
 };
 
 /// The key that a path leads to.
 struct Target {
   Message* message = nullptr;
   const FieldDescriptor* field = nullptr;
-  std::string path;  ///< of the key itself, also where a recipe word stands for it
-  Deed deed = Deed::set;
-  std::size_t point = 0;  ///< of set_point
+  std::string path;  ///< of the key itself, also if a recipe word was given
+  Action action = Action::set;
+  std::size_t point = 0;  ///< index, for set_point
 };
 
 bool is_real(const FieldDescriptor& field) {
@@ -35,7 +37,7 @@ bool is_real(const FieldDescriptor& field) {
          (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE && !field.is_repeated());
 }
 
-/// Follows the path of a change through the tables of a case, and says where it does not lead.
+/// Follows the path of a change through the tables of a case; adds a fault if it leads nowhere.
 class Finder {
 public:
   Finder(Walk& walk, const toml::node& value) : walk_(walk), value_(value) {}
@@ -51,7 +53,8 @@ public:
         return std::nullopt;
       }
       if (!is_table(*field))
-        return key(*message, *field, {segments.begin() + i, segments.end()}, path);
+        return resolve_key(*message, *field, {segments.begin() + i, segments.end()}, path);
+
       path = join_path(path, segment.key);
       if (i + 1 == segments.size()) return refuse_table(*field, path);
       message = enter(*message, *field, segment, path);
@@ -70,48 +73,55 @@ private:
 
   std::nullopt_t refuse_table(const FieldDescriptor& field, const std::string& path) {
     const std::string below = field.is_repeated() ? element_path(path, 0) : path;
-    return refuse(path, "a table; a change sets one key", "a key of the table",
-                  "e.g. " + join_path(below, toml_key(*field.message_type()->field(0))));
+    return refuse(
+        path, "a table; a change sets one key", "a key of the table",
+        fmt::format("e.g. {}", join_path(below, toml_key(*field.message_type()->field(0)))));
   }
 
-  /// @param parts  of the path from the key on: itself, perhaps a recipe word
-  std::optional<Target> key(Message& message, const FieldDescriptor& field,
-                            std::span<const Segment> parts, const std::string& path) {
+  /// The target of a key. @param parts  the path from the key on: the key, perhaps a recipe word
+  std::optional<Target> resolve_key(Message& message, const FieldDescriptor& field,
+                                    std::span<const Segment> parts, const std::string& path) {
     const auto& [name, element] = parts[0];
     const std::string key_path = join_path(path, name);
     if (element) {
       if (!is_curve(field) || parts.size() > 1)
         return refuse(key_path, "this key is no list of tables", "");
-      return Target{&message, &field, element_path(key_path, *element), Deed::set_point, *element};
+      return Target{&message, &field, element_path(key_path, *element), Action::set_point,
+                    *element};
     }
     if (parts.size() == 1) return Target{&message, &field, key_path};
+
     const std::string& word = parts[1].key;
     const bool last = parts.size() == 2;
+
     if (const FieldDescriptor* const factor = recipe_field(field, word); factor != nullptr && last)
       return Target{&message, factor, join_path(path, toml_key(*factor)),
-                    word == "scale" ? Deed::recipe : Deed::set};
+                    word == "scale" ? Action::recipe : Action::set};
     if (last && is_real(field) && (word == "scale" || word == "offset"))
-      return Target{&message, &field, key_path, word == "scale" ? Deed::scale : Deed::offset};
+      return Target{&message, &field, key_path, word == "scale" ? Action::scale : Action::offset};
     return refuse(join_path(key_path, word), "unknown key",
                   recipe_paths(*message.GetDescriptor(), path));
   }
 
-  /// The table that a segment names. One more than there are adds one.
+  /// The table that a segment names; the index after the last one adds a table.
   Message* enter(Message& message, const FieldDescriptor& field, const Segment& segment,
                  const std::string& path) {
     const Reflection& reflection = *message.GetReflection();
     const auto& element = segment.element;
     if (!field.is_repeated()) {
       if (!element) return reflection.MutableMessage(&message, &field);
-      refuse(path, "this table is no list", "", "leave out [" + std::to_string(*element) + "]");
+      refuse(path, "this table is no list", "", fmt::format("leave out [{}]", *element));
       return nullptr;
     }
+
     const auto count = static_cast<std::size_t>(reflection.FieldSize(message, &field));
     if (!element || *element > count) {
       refuse(path, element ? "there is none with this number" : "which of them is missing",
-             element_path(path, 0) + " to " + element_path(path, count) + ", the last one is new");
+             fmt::format("{} to {}, the last one is new", element_path(path, 0),
+                         element_path(path, count)));
       return nullptr;
     }
+
     if (*element < count)
       return reflection.MutableRepeatedMessage(&message, &field, static_cast<int>(*element));
     const bool fits = Entry{walk_, value_, field, path}.passes(count_fault(field, count + 1, path));
@@ -134,7 +144,7 @@ void collect_files(const Message& message, std::set<std::string>& names) {
   }
 }
 
-/// All changes of one call, with what they have in common.
+/// Applies the changes of one call to a message.
 class Changes {
 public:
   Changes(Message& root, ReadOutcome& read, const std::filesystem::path* folder)
@@ -143,21 +153,26 @@ public:
   void apply(const v1::CaseChange& change) {
     ReadOutcome outcome;
     outcome.attachments = std::move(read_.attachments);
-    // What the value is to be read as follows from the key, which may have faults of its own.
+
+    // How the value is read depends on its key, so the key is looked up first; faults of the key
+    // are reported at the untyped value.
     Walk walk{folder_, outcome};
     const ChangeValue untyped = change_value(change.value(), nullptr);
     const auto target = find(walk, untyped.node(), change);
     const ChangeValue value = change_value(change.value(), target ? target->field : nullptr);
     if (target && begin(walk, value.node(), *target)) set(walk, value.node(), *target, change);
-    if (target) read_.source.set(target->path, {0, value_column(change, 1)}, origin_of(change));
-    report(outcome, change, value, target && target->deed == Deed::recipe);
+
+    if (target) read_.source.set(target->path, {0, value_column(change, 1)}, change_origin(change));
+    report(outcome, change, value, target && target->action == Action::recipe);
     read_.attachments = std::move(outcome.attachments);
   }
 
 private:
-  static std::string origin_of(const v1::CaseChange& change) { return "--set " + change.key(); }
+  static std::string change_origin(const v1::CaseChange& change) {
+    return fmt::format("--set {}", change.key());
+  }
 
-  /// Column in KEY=VALUE of a column of the value.
+  /// Converts a column of the value to the column in KEY=VALUE.
   static int value_column(const v1::CaseChange& change, int column) {
     return static_cast<int>(change.key().size()) + 1 + column;
   }
@@ -171,18 +186,21 @@ private:
     return std::nullopt;
   }
 
-  /// What the file said of the key is gone. False if the change cannot be made at all.
+  /// Removes faults and positions that the file has for the key. @return false, with a fault, if
+  /// the change cannot be made
   bool begin(Walk& walk, const toml::node& value, const Target& target) {
     if (!changed_.insert(target.path).second) {
       walk.refuse(value, target.path, "is set twice", "", "keep one of them");
       return false;
     }
+
     const bool is_file = key_of(*target.field).attachment();
     if (is_file && folder_ == nullptr) {
       walk.refuse(value, target.path, "names a file, which a change cannot bring", "",
                   "name the file in the case");
       return false;
     }
+
     std::erase_if(read_.faults,
                   [&](const v1::Fault& fault) { return covers(target.path, fault.field()); });
     read_.source.erase(target.path);
@@ -190,6 +208,7 @@ private:
     return true;
   }
 
+  /// Clears a key that names a file, and drops attachments that no key names any more.
   void forget_file(Walk& walk, const Target& target) {
     target.message->GetReflection()->ClearField(target.message, target.field);
     std::set<std::string> names;
@@ -201,9 +220,9 @@ private:
   static void set(Walk& walk, const toml::node& value, const Target& target,
                   const v1::CaseChange& change) {
     const Entry entry{walk, value, *target.field, target.path};
-    if (target.deed == Deed::set || (target.deed == Deed::recipe && value.is_array()))
+    if (target.action == Action::set || (target.action == Action::recipe && value.is_array()))
       return read_field(entry, *target.message);
-    if (target.deed != Deed::recipe) return adjust(entry, target);
+    if (target.action != Action::recipe) return adjust(entry, target);
     set_curve(target, read_scale(walk, change.value(), *target.field, target.path));
   }
 
@@ -213,49 +232,53 @@ private:
       reflection.MutableMessage(target.message, target.field)->CopyFrom(curve);
   }
 
-  /// Changes values that are there by the number of a change.
+  /// Applies the number of a change to the present values: scale, offset or one point.
   static void adjust(const Entry& entry, const Target& target) {
     const std::string& own_unit = key_of(entry.field).unit();
-    const std::string unit = target.deed == Deed::scale                          ? "1"
-                             : target.deed == Deed::offset && own_unit == "degC" ? "K"
-                                                                                 : own_unit;
+    const std::string unit = target.action == Action::scale                          ? "1"
+                             : target.action == Action::offset && own_unit == "degC" ? "K"
+                                                                                     : own_unit;
     const auto number =
         read_number(entry.walk, entry.node, unit, example_text(entry.field), nullptr, entry.path);
     if (!number) return;
-    v1::Curve curve = values_of(target);
+
+    v1::Curve curve = present_values(target);
     if (target.point >= static_cast<std::size_t>(curve.value_size()))
       return entry.refuse("there is no value here to change", "", "give the key in the case");
+
     for (int i = 0; i < curve.value_size(); ++i) {
       double value = curve.value(i);
-      if (target.deed == Deed::scale) value *= *number;
-      if (target.deed == Deed::offset) value += *number;
-      if (target.deed == Deed::set_point && static_cast<std::size_t>(i) == target.point)
+      if (target.action == Action::scale) value *= *number;
+      if (target.action == Action::offset) value += *number;
+      if (target.action == Action::set_point && static_cast<std::size_t>(i) == target.point)
         value = *number;
+
       if (!entry.passes(
               range_fault(entry.field, value, entry.path, quantity_text(value, own_unit), "")))
         return;
       curve.set_value(i, value);
     }
+
     if (is_curve(entry.field)) return set_curve(target, curve);
     target.message->GetReflection()->SetDouble(target.message, target.field, curve.value(0));
   }
 
-  /// A number as a table of one point; no point where the key is absent.
-  static v1::Curve values_of(const Target& target) {
+  /// The values of the key as a table: a number is one point, an absent key has no point.
+  static v1::Curve present_values(const Target& target) {
     if (is_curve(*target.field)) return curve_of(*target.message, *target.field);
     v1::Curve curve;
     if (const auto number = number_of(*target.message, *target.field)) curve.add_value(*number);
     return curve;
   }
 
-  /// Hands the faults over with their places in KEY=VALUE.
+  /// Adds the faults of a change to those of the case, with their positions in KEY=VALUE.
   void report(const ReadOutcome& outcome, const v1::CaseChange& change, const ChangeValue& value,
               bool is_scale) {
     for (const v1::Fault& fault : outcome.faults) {
       int column = std::max(outcome.source.find(fault.field()).column, 1);
       if (!is_scale && column <= static_cast<int>(value.columns.size()))
         column = value.columns[static_cast<std::size_t>(column) - 1];
-      read_.source.set(fault.field(), {0, value_column(change, column)}, origin_of(change));
+      read_.source.set(fault.field(), {0, value_column(change, column)}, change_origin(change));
       read_.faults.push_back(fault);
     }
   }
@@ -266,16 +289,17 @@ private:
   std::set<std::string> changed_;
 };
 
-/// @param folder  of files; null: a change that names one is refused
+/// Applies changes in order. @param folder  of files; null: a change that names one is refused
 void apply_all(v1::Case& description, const std::vector<v1::CaseChange>& changes, ReadOutcome& read,
                const std::filesystem::path* folder) {
-  Changes made(description, read, folder);
+  Changes applied(description, read, folder);
   for (const v1::CaseChange& change : changes) {
-    made.apply(change);
-    // What gives a value gives its range: the case's own one does not hold for another value.
+    applied.apply(change);
+
+    // The range of uncertainty that the case gives does not hold for the new value.
     auto& ranges = *description.mutable_uncertainty();
-    const auto of_key = [&](const v1::KeyRange& range) { return range.key() == change.key(); };
-    ranges.erase(std::remove_if(ranges.begin(), ranges.end(), of_key), ranges.end());
+    const auto has_key = [&](const v1::KeyRange& range) { return range.key() == change.key(); };
+    ranges.erase(std::remove_if(ranges.begin(), ranges.end(), has_key), ranges.end());
   }
 }
 

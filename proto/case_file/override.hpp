@@ -19,12 +19,13 @@
 ///       `from` and `until` (times or cast lengths) may be absent; outside them the factor is 1
 ///   `schedule.water_flow.shift = "5 s"` sets `schedule.water_flow_shift`
 ///
-/// Of any other quantity, number or table that the case gives:
+/// Any other quantity, number or table that the case gives can be changed relative to its value:
 ///   `alloy.specific_heat.scale = 0.95` multiplies it, a table as a whole
 ///   `schedule.casting_temperature.offset = "5 K"` adds to it
 ///   `alloy.melt_conductivity_factor[1] = 4` sets one point of a table
 namespace dccast::case_file {
 
+/// The change of a key to a value as written.
 v1::CaseChange change_of(const std::string& key, const std::string& value);
 
 /// Parses a change such as "mesh.rows=30"; empty if there is no key or no '='.
@@ -36,13 +37,14 @@ std::optional<v1::CaseChange> parse_change(std::string_view text);
 std::vector<v1::Fault> apply_changes(v1::Case& description,
                                      const std::vector<v1::CaseChange>& changes);
 
-/// The same for a case that was just read: a change also removes a fault of the file in its key.
-/// Faults are added to `read` with the position "--set KEY, column N" (of KEY=VALUE). Files are
-/// looked up in `folder`.
+/// Applies changes to a case that was just read: a change also removes the fault that the file has
+/// in its key. Faults are added to `read` with the position "--set KEY, column N" (of KEY=VALUE).
+/// Files are looked up in `folder`.
 void apply_changes(v1::Case& description, const std::vector<v1::CaseChange>& changes,
                    ReadOutcome& read, const std::filesystem::path& folder = {});
 
-/// The same for a text of another machine (read_elsewhere): a change that names a file is refused.
+/// Applies changes to a case from another machine (read_elsewhere): a change that names a file is
+/// refused.
 void apply_changes_elsewhere(v1::Case& description, const std::vector<v1::CaseChange>& changes,
                              ReadOutcome& read);
 

@@ -13,29 +13,29 @@ namespace {
 
 using google::protobuf::util::MessageDifferencer;
 
-/// From so long after an event, steps of this length.
+/// A length of time steps, from a time after an event on.
 struct Rung {
   double after;  ///< [s]
   double step;   ///< [s]
 };
 using Ladder = std::vector<Rung>;
 
-/// What one quality means for one kind of section. Lengths in m.
+/// Mesh and time steps of a quality for a kind of section. Lengths in m.
 struct Discretisation {
   double column;                      ///< width
-  int fewest_columns = 8;             ///< whatever the width
+  int fewest_columns = 8;             ///< regardless of the width
   std::optional<double> side_cell{};  ///< absent: uniform columns
   double layer = 0.0;                 ///< of a quarter slab
   double wide_side_cell = 0.0;        ///< of a quarter slab
   double bottom_cell, top_cell;       ///< heights of the lowest and the topmost initial row
   double growth_cell;                 ///< height of the rows that growth adds
-  double merge_below = 0.0;           ///< depth at which they are merged; 0: never
+  double merge_below = 0.0;           ///< depth at which these rows are merged; 0: never
   Ladder begin{{0, 0.25}, {10, 1}};   ///< steps from the start of the simulation
-  Ladder event;                       ///< from the start of casting, of the mechanics, of the water
-  std::optional<double> error;        ///< half the band of the curl at the end [1]
+  Ladder event;  ///< steps from the start of casting, of the mechanics, and of the water
+  std::optional<double> error;  ///< half the band of the final curl, relative [1]
 };
 
-const Discretisation& of_section(v1::Quality quality) {
+const Discretisation& section_discretisation(v1::Quality quality) {
   static const Discretisation draft{.column = 14e-3,
                                     .bottom_cell = 3.5e-3,
                                     .top_cell = 7e-3,
@@ -43,12 +43,14 @@ const Discretisation& of_section(v1::Quality quality) {
                                     .begin = {{0, 1}, {10, 4}},
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}},
                                     .error = 0.05};
+
   static const Discretisation engineering{.column = 9.4e-3,
                                           .bottom_cell = 2.25e-3,
                                           .top_cell = 2.25e-3,
                                           .growth_cell = 5e-3,
                                           .event = {{0, 0.05}, {2, 0.125}, {10, 0.25}, {30, 1}},
                                           .error = 0.04};
+
   static const Discretisation fine{
       .column = 7e-3,
       .bottom_cell = 1.5e-3,
@@ -56,15 +58,16 @@ const Discretisation& of_section(v1::Quality quality) {
       .growth_cell = 3.5e-3,
       .event = {{0, 0.025}, {1, 0.05}, {3, 0.125}, {10, 0.25}, {30, 0.5}, {60, 1}},
       .error = 0.04};
+
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
 }
 
-// The curl converges with the square of the widest cell in plan, so columns and layers are nearly
-// uniform; cells at the faces are half as wide, since a wide one stays hot at the surface and gives
-// off too much heat. The shell over the block is 4 to 15 mm thick in the first minute, which
-// decides the lowest rows. Rows that growth adds matter little; deep ones are merged. Runs:
-// docs/quarter-slab.md.
-const Discretisation& of_quarter_slab(v1::Quality quality) {
+/// The curl converges with the square of the widest cell in plan, so columns and layers are nearly
+/// uniform; cells at the faces are narrower, since a wide cell stays hot at the surface and gives
+/// off too much heat. The lowest rows resolve the shell over the block, which is 4 to 15 mm thick
+/// in the first minute. Rows that growth adds have little effect; deep ones are merged. The runs on
+/// which this is based are in docs/quarter-slab.md.
+const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
   static const Discretisation draft{.column = 82e-3,
                                     .fewest_columns = 6,
                                     .side_cell = 60e-3,
@@ -77,6 +80,7 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                     .begin = {{0, 1}, {10, 4}},
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}, {100, 4}},
                                     .error = 0.2};
+
   static const Discretisation engineering{.column = 66e-3,
                                           .fewest_columns = 7,
                                           .side_cell = 50e-3,
@@ -88,6 +92,7 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                           .merge_below = 0.1,
                                           .event = {{0, 0.05}, {2, 0.25}, {10, 1}},
                                           .error = 0.11};
+
   static const Discretisation fine{.column = 47e-3,
                                    .fewest_columns = 10,
                                    .side_cell = 40e-3,
@@ -99,22 +104,23 @@ const Discretisation& of_quarter_slab(v1::Quality quality) {
                                    .merge_below = 0.1,
                                    .event = {{0, 0.05}, {2, 0.125}, {10, 0.25}, {30, 1}},
                                    .error = 0.06};
+
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
 }
 
-const Discretisation& discretisation_of(const v1::Case& c) {
-  return c.section().kind() == v1::Section::QUARTER_SLAB ? of_quarter_slab(c.quality())
-                                                         : of_section(c.quality());
+const Discretisation& choose_discretisation(const v1::Case& c) {
+  return c.section().kind() == v1::Section::QUARTER_SLAB ? quarter_slab_discretisation(c.quality())
+                                                         : section_discretisation(c.quality());
 }
 
-/// Cells of about this size along a length, within what the schema permits.
-int cells_along(double length, double size, int fewest) {
+/// Number of cells of about this size along a length, within the limits of the schema.
+int count_cells(double length, double size, int fewest) {
   constexpr double most = 1000.0;
   return static_cast<int>(std::clamp(std::round(length / size), double(fewest), most));
 }
 
 void fill_columns(const Discretisation& d, double half_width, v1::Mesh& mesh) {
-  if (!mesh.has_columns()) mesh.set_columns(cells_along(half_width, d.column, d.fewest_columns));
+  if (!mesh.has_columns()) mesh.set_columns(count_cells(half_width, d.column, d.fewest_columns));
   if (!mesh.has_side_cell_m())
     mesh.set_side_cell_m(std::min(d.side_cell.value_or(half_width), half_width / mesh.columns()));
 }
@@ -122,14 +128,16 @@ void fill_columns(const Discretisation& d, double half_width, v1::Mesh& mesh) {
 void fill_layers(const Discretisation& d, const v1::Curve& half_thickness, v1::Mesh& mesh) {
   constexpr int fewest = 3;
   const double end = *std::prev(half_thickness.value().end());
-  if (!mesh.has_layers()) mesh.set_layers(cells_along(end, d.layer, fewest));
+  if (!mesh.has_layers()) mesh.set_layers(count_cells(end, d.layer, fewest));
   if (!mesh.has_wide_side_cell_m() && end > 0.0)
     mesh.set_wide_side_cell_m(std::min(d.wide_side_cell, end / mesh.layers()));
 }
 
-/// Rows that grow geometrically over a depth from a lowest to about a topmost height.
-int graded_rows(double depth, double lowest, double topmost) {
+/// Number of rows whose heights grow geometrically over a depth, from the lowest to about the
+/// topmost height [m].
+int count_graded_rows(double depth, double lowest, double topmost) {
   if (depth < 2.0 * (lowest + topmost)) return 4;
+
   const double ratio = (depth - lowest) / (depth - topmost);
   const double rows = std::abs(ratio - 1.0) < 1e-6
                           ? depth / lowest
@@ -137,18 +145,20 @@ int graded_rows(double depth, double lowest, double topmost) {
   return static_cast<int>(std::clamp(std::round(rows), 4.0, 1000.0));
 }
 
-/// Rows that the case gives are its own mesh: growth then goes on in their height.
+/// If the case gives its own rows, growth continues in their height.
 void fill_rows(const Discretisation& d, double depth, v1::Mesh& mesh) {
   if (!mesh.has_growth_cell_m() && !mesh.has_rows())
     mesh.set_growth_cell_m(std::min(d.growth_cell, depth));
+
   const double lowest = mesh.has_bottom_cell_m() ? mesh.bottom_cell_m() : d.bottom_cell;
-  if (!mesh.has_rows()) mesh.set_rows(graded_rows(depth, lowest, std::max(lowest, d.top_cell)));
+  if (!mesh.has_rows())
+    mesh.set_rows(count_graded_rows(depth, lowest, std::max(lowest, d.top_cell)));
   if (!mesh.has_bottom_cell_m())
     mesh.set_bottom_cell_m(std::min(d.bottom_cell, depth / mesh.rows()));
 }
 
-/// Rows whose height the case gives are merged only if it says so. Rows are merged to four growth
-/// cells, but to no more than 15 mm unless the growth cells are higher than half of that.
+/// If the case gives the heights of its rows, they are merged only on request. Rows are merged up
+/// to four growth cells, at most 15 mm, but at least to two growth cells.
 void fill_merging(const Discretisation& d, bool own_rows, v1::Mesh& mesh) {
   constexpr double highest = 15e-3;  // [m]
   if (!mesh.has_merge_below_m())
@@ -158,12 +168,13 @@ void fill_merging(const Discretisation& d, bool own_rows, v1::Mesh& mesh) {
         std::max(2.0 * mesh.growth_cell_m(), std::min(highest, 4.0 * mesh.growth_cell_m())));
 }
 
-/// Adds the steps of a ladder that begins at a time. Tables are interpolated, and steps end at
-/// their points: a step's length is repeated one such step before the next length begins.
-void add_steps(double begin, const Ladder& ladder, double until, v1::Curve& curve) {
+/// Adds the steps of a ladder that begins at a time. Tables are interpolated linearly, and steps
+/// end at their points; therefore each length is repeated one step before the next one begins.
+void add_steps(double begin, const Ladder& ladder, double end, v1::Curve& curve) {
   for (const auto& [after, step] : ladder) {
     const double from = begin + after;
-    if (from >= until) break;
+    if (from >= end) break;
+
     if (curve.value_size() > 0) {
       const double last = *std::prev(curve.value().end());
       if (from - last > *std::prev(curve.at().end())) {
@@ -171,82 +182,75 @@ void add_steps(double begin, const Ladder& ladder, double until, v1::Curve& curv
         curve.add_value(last);
       }
     }
+
     curve.add_at(from);
     curve.add_value(step);
   }
 }
 
-/// When something sudden happens after the simulation has started [s], rising.
+/// Times of sudden events after the start of the simulation, ascending [s]: casting, mechanics,
+/// water.
 std::vector<double> sudden_events(const v1::Case& c, double start) {
   std::vector<double> events{0.0};
   if (!c.mechanics().has_enabled() || c.mechanics().enabled())
     events.push_back(c.mechanics().start_s());
   const v1::Water& water = c.cooling().water();
   if (!water.has_enabled() || water.enabled()) events.push_back(water.start_s());
+
   std::erase_if(events, [&](double e) { return !(e >= start) || !(e < c.time().end_s()); });
   std::sort(events.begin(), events.end());
   events.erase(std::unique(events.begin(), events.end()), events.end());
   return events;
 }
 
-v1::Curve steps(const Discretisation& d, const v1::Case& c) {
+/// The table of time steps.
+v1::Curve make_steps(const Discretisation& d, const v1::Case& c) {
   const double start = -c.schedule().hold_s(), end = c.time().end_s();
   v1::Curve curve;
-  if (!(end > start)) {  // the check of the times says so, and nothing else
+
+  // Nothing to simulate: any valid table, so that only the check of the times reports a fault.
+  if (!(end > start)) {
     curve.add_at(0.0);
     curve.add_value(1.0);
     return curve;
   }
+
   curve.set_abscissa(v1::TIME);
   std::vector<double> events = sudden_events(c, start);
   events.push_back(end);
+
   if (events.front() > start) add_steps(start, d.begin, events.front(), curve);
   for (std::size_t i = 0; i + 1 < events.size(); ++i)
     add_steps(events[i], d.event, events[i + 1], curve);
   return curve;
 }
 
-}  // namespace
-
-void apply_quality(v1::Case& c) {
-  const Discretisation& d = discretisation_of(c);
-  v1::Mesh& mesh = *c.mutable_mesh();
-  const bool own_rows = mesh.has_growth_cell_m() || mesh.has_rows();
-  if (c.section().half_width_m() > 0.0) fill_columns(d, c.section().half_width_m(), mesh);
-  if (c.section().initial_depth_m() > 0.0) fill_rows(d, c.section().initial_depth_m(), mesh);
-  if (c.section().kind() == v1::Section::QUARTER_SLAB) {
-    if (c.section().half_thickness_m().value_size() > 0)
-      fill_layers(d, c.section().half_thickness_m(), mesh);
-    if (mesh.file().empty()) fill_merging(d, own_rows, mesh);
-  }
-  if (c.time().step_s().value_size() == 0) *c.mutable_time()->mutable_step_s() = steps(d, c);
-}
-
-namespace {
-
 /// Whether elements, mesh and steps are those of the quality.
-bool is_of_quality(const v1::Case& complete) {
+bool has_quality_mesh(const v1::Case& complete) {
   const v1::Mesh& mesh = complete.mesh();
   if (mesh.element() != v1::Q1_BENDING || mesh.refinement() != 1 || !mesh.file().empty() ||
       !complete.thermal().file().empty())
     return false;
-  v1::Case open = complete;
+
+  // Fill them once more and compare.
+  v1::Case refilled = complete;
   for (const char* key : {"columns", "rows", "layers", "side_cell_m", "wide_side_cell_m",
                           "bottom_cell_m", "growth_cell_m", "merge_below_m", "merged_cell_m"})
-    open.mesh().GetReflection()->ClearField(open.mutable_mesh(),
-                                            v1::Mesh::descriptor()->FindFieldByName(key));
-  open.mutable_time()->clear_step_s();
-  apply_quality(open);
-  return MessageDifferencer::Equals(open, complete);
+    refilled.mesh().GetReflection()->ClearField(refilled.mutable_mesh(),
+                                                v1::Mesh::descriptor()->FindFieldByName(key));
+  refilled.mutable_time()->clear_step_s();
+  apply_quality(refilled);
+  return MessageDifferencer::Equals(refilled, complete);
 }
 
-/// Castings like those the bands were measured on: sections through the thickness of a slab, and
-/// starts of a quarter slab. Lengths in m, times in s.
+/// Whether the bands were measured for such a casting: a section through the thickness of a slab,
+/// or the start of a quarter slab.
 bool is_measured_casting(const v1::Case& c) {
   const double half_width = c.section().half_width_m();
   if (c.section().kind() == v1::Section::PLANE_STRAIN)
     return half_width >= 0.2 && half_width <= 0.4;
   if (c.section().kind() != v1::Section::QUARTER_SLAB) return false;
+
   const auto& half_thickness = c.section().half_thickness_m().value();
   return half_width >= 0.5 && half_width <= 0.9 && !half_thickness.empty() &&
          half_thickness[0] >= 0.2 && half_thickness[0] <= 0.4 && c.time().end_s() <= 300.0;
@@ -254,16 +258,33 @@ bool is_measured_casting(const v1::Case& c) {
 
 }  // namespace
 
+void apply_quality(v1::Case& c) {
+  const Discretisation& d = choose_discretisation(c);
+  v1::Mesh& mesh = *c.mutable_mesh();
+  const bool own_rows = mesh.has_growth_cell_m() || mesh.has_rows();
+
+  if (c.section().half_width_m() > 0.0) fill_columns(d, c.section().half_width_m(), mesh);
+  if (c.section().initial_depth_m() > 0.0) fill_rows(d, c.section().initial_depth_m(), mesh);
+  if (c.section().kind() == v1::Section::QUARTER_SLAB) {
+    if (c.section().half_thickness_m().value_size() > 0)
+      fill_layers(d, c.section().half_thickness_m(), mesh);
+    if (mesh.file().empty()) fill_merging(d, own_rows, mesh);
+  }
+
+  if (c.time().step_s().value_size() == 0) *c.mutable_time()->mutable_step_s() = make_steps(d, c);
+}
+
 std::optional<double> relative_discretisation_error(const v1::Case& complete) {
-  if (!is_measured_casting(complete) || !is_of_quality(complete)) return std::nullopt;
-  return discretisation_of(complete).error;
+  if (!is_measured_casting(complete) || !has_quality_mesh(complete)) return std::nullopt;
+  return choose_discretisation(complete).error;
 }
 
 std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b) {
   const v1::Section::Kind kind = a.section().kind();
-  if (a.quality() != b.quality() || kind != b.section().kind() || !is_of_quality(a) ||
-      !is_of_quality(b))
+  if (a.quality() != b.quality() || kind != b.section().kind() || !has_quality_mesh(a) ||
+      !has_quality_mesh(b))
     return std::nullopt;
+
   if (kind == v1::Section::QUARTER_SLAB) return quarter_slab_pairs;
   if (is_measured_casting(a) && is_measured_casting(b))
     return PairedError{.of_curl = 0.005, .of_difference = 0.02};
@@ -271,22 +292,25 @@ std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b) {
 }
 
 bool is_same_casting(const v1::Case& a, const v1::Case& b) {
-  const auto alone = [](const v1::Case& complete) {
+  const auto strip = [](const v1::Case& complete) {
     v1::Case c = complete;
     c.clear_title();
     c.clear_output();
     c.clear_checkpoint();
     c.clear_limits();
     c.clear_quality();
+
+    // Of the mesh only the keys that are not its division.
     c.mutable_mesh()->Clear();
     c.mutable_mesh()->set_element(complete.mesh().element());
     c.mutable_mesh()->set_growth(complete.mesh().growth());
     c.mutable_mesh()->set_file(complete.mesh().file());
+
     c.mutable_time()->clear_step_s();
     c.mutable_time()->clear_minimum_step_s();
     return c;
   };
-  return MessageDifferencer::Equals(alone(a), alone(b));
+  return MessageDifferencer::Equals(strip(a), strip(b));
 }
 
 bool quality_matters(const v1::Case& description) {
@@ -304,6 +328,7 @@ v1::Case divided(const v1::Case& description, int parts) {
   apply_quality(fine);
   apply_defaults(*fine.mutable_mesh());
   apply_defaults(*fine.mutable_time());
+
   fine.mutable_mesh()->set_refinement(fine.mesh().refinement() * parts);
   v1::TimeControl& time = *fine.mutable_time();
   for (double& step : *time.mutable_step_s()->mutable_value()) step *= 1.0 / parts;

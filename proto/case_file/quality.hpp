@@ -15,7 +15,7 @@ namespace dccast::case_file {
 /// non-positive size of the section are not filled.
 void apply_quality(v1::Case& description);
 
-/// Whether mesh or time steps depend on the quality: not of a case that gives all of them.
+/// Whether mesh or time steps depend on the quality. They do not if the case gives all of them.
 /// @param description  case as submitted
 bool quality_matters(const v1::Case& description);
 
@@ -27,12 +27,13 @@ bool quality_matters(const v1::Case& description);
 /// @param complete  case with all its defaults
 std::optional<double> relative_discretisation_error(const v1::Case& complete);
 
-/// What mesh and steps leave uncertain of the difference of two curls: a share of the larger curl
-/// and a share of the difference [1].
+/// Discretisation error of the difference of two curls: a share of the larger curl and a share of
+/// the difference.
 struct PairedError {
-  double of_curl;
-  double of_difference;
+  double of_curl;        ///< [1]
+  double of_difference;  ///< [1]
 };
+/// That of two quarter slabs.
 inline constexpr PairedError quarter_slab_pairs{.of_curl = 0.05, .of_difference = 0.2};
 
 /// The error of a difference between two castings of the same quality, from pairs that were
@@ -49,7 +50,8 @@ bool is_same_casting(const v1::Case& a, const v1::Case& b);
 /// too, so that a step can be reduced as often as before.
 v1::Case divided(const v1::Case& description, int parts);
 
-/// Why the cells of a case cannot be divided or its results cannot be compared; empty if they can.
+/// The reason why the cells of a case cannot be divided or its results cannot be compared; empty if
+/// they can.
 std::string reason_against_dividing(const v1::Case& description);
 
 }  // namespace dccast::case_file

@@ -1,11 +1,11 @@
 #include "proto/case_file/quantity.hpp"
 
+#include <fmt/format.h>
 #include <udunits2.h>
 
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -45,7 +45,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 25> suffixes
     {"K", "_k"},
 }};
 
-constexpr std::size_t maximum_unit_length = 64;  // longer ones are no unit anybody writes
+constexpr std::size_t maximum_unit_length = 64;  // no real unit is longer
 
 using Unit = values::Owned<ut_unit, ut_free>;
 using Converter = values::Owned<cv_converter, cv_free>;
@@ -63,8 +63,9 @@ ut_system* unit_system() {
     ut_system* const read = ut_read_xml(nullptr);
     if (read == nullptr)
       throw std::runtime_error(
-          "the units database of UDUNITS-2 cannot be read; is libudunits2-data there?");
-    // The database knows the byte only by its name.
+          "the units database of UDUNITS-2 cannot be read; is libudunits2-data installed?");
+
+    // The database has the byte only by its name.
     const Unit byte(ut_parse(read, "byte", UT_UTF8));
     ut_map_symbol_to_unit("B", UT_UTF8, byte.get());
     return read;
@@ -72,18 +73,21 @@ ut_system* unit_system() {
   return system;
 }
 
-Converter converter_between(const std::string& from, const std::string& to) {
+/// Null if the dimensions differ or a unit is unknown. Must be called with the mutex held.
+Converter make_converter(const std::string& from, const std::string& to) {
   const Unit source(ut_parse(unit_system(), from.c_str(), UT_UTF8));
   const Unit target(ut_parse(unit_system(), to.c_str(), UT_UTF8));
   if (!source || !target) return nullptr;
   return Converter(ut_get_converter(source.get(), target.get()));
 }
 
-bool known(const std::string& unit) {
+/// Must be called with the mutex held.
+bool is_known(const std::string& unit) {
   return Unit(ut_parse(unit_system(), unit.c_str(), UT_UTF8)) != nullptr;
 }
 
-/// "mm/0s": of no use in a unit, and UDUNITS-2 does not free the word after such a zero.
+/// Whether a unit contains a number that begins with zero, as in "mm/0s": meaningless, and
+/// UDUNITS-2 leaks the word after such a zero.
 bool has_zero(const std::string& unit) {
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
   for (std::size_t i = unit.find('0'); i != std::string::npos; i = unit.find('0', i + 1))
@@ -91,8 +95,9 @@ bool has_zero(const std::string& unit) {
   return false;
 }
 
-/// UDUNITS-2 also reads time stamps, logarithmic references and offsets; none is a unit in a case.
-bool plain_unit(const std::string& unit) {
+/// Whether a text can be a unit of a case. UDUNITS-2 also reads time stamps, logarithmic references
+/// and offsets, which cannot.
+bool is_plain_unit(const std::string& unit) {
   if (has_zero(unit)) return false;
   if (unit.size() > maximum_unit_length || unit.find('@') != std::string::npos) return false;
   if (unit.find_first_of("0123456789+-.") == 0) return false;
@@ -105,20 +110,23 @@ Quantity refused(std::string unit, std::string message) {
   return {std::nullopt, std::move(unit), std::move(message)};
 }
 
-std::string hint_for(const std::string& unit, const std::string& wanted) {
+/// A remark on units that are easily confused.
+std::string confusion_hint(const std::string& unit, const std::string& wanted) {
   if (wanted == "degC" && unit == "C") return " (C is the coulomb; write degC or °C)";
   if (wanted == "degC" && unit == "F") return " (F is the farad; write degF or °F)";
   return {};
 }
 
-Quantity converted(double number, const std::string& unit, const std::string& wanted) {
+Quantity convert_to(double number, const std::string& unit, const std::string& wanted) {
   const std::lock_guard lock(udunits_mutex());
-  if (!plain_unit(unit) || !known(unit))
-    return refused(unit, "unknown unit '" + values::shortened(unit) + "'");
-  const Converter converter = converter_between(unit, wanted);
+  if (!is_plain_unit(unit) || !is_known(unit))
+    return refused(unit, fmt::format("unknown unit '{}'", values::shortened(unit)));
+
+  const Converter converter = make_converter(unit, wanted);
   if (!converter)
-    return refused(
-        unit, "unit '" + unit + "' is of another kind than " + wanted + hint_for(unit, wanted));
+    return refused(unit, fmt::format("unit '{}' is of another kind than {}{}", unit, wanted,
+                                     confusion_hint(unit, wanted)));
+
   const double value = cv_convert_double(converter.get(), number);
   if (!std::isfinite(value)) return refused(unit, "not a finite number");
   return {value, unit, {}};
@@ -146,21 +154,22 @@ Quantity parse_quantity(std::string_view text, const std::string& unit) {
   if (error == std::errc::result_out_of_range) return refused({}, "number too large or too small");
   if (error != std::errc{}) return refused({}, "no number at its beginning");
   if (!std::isfinite(number)) return refused({}, "not a finite number");
+
   const std::string_view rest = trimmed(digits.substr(end - digits.data()));
   if (rest.starts_with(',')) return refused({}, "decimal comma; write a point");
-  if (!rest.empty()) return converted(number, std::string(rest), unit.empty() ? "1" : unit);
+  if (!rest.empty()) return convert_to(number, std::string(rest), unit.empty() ? "1" : unit);
   if (unit.empty() || unit == "1") return {number, {}, {}};
   return refused({}, "the unit is missing");
 }
 
 bool convertible(const std::string& from, const std::string& to) {
   const std::lock_guard lock(udunits_mutex());
-  return plain_unit(from) && converter_between(from, to) != nullptr;
+  return is_plain_unit(from) && make_converter(from, to) != nullptr;
 }
 
 std::optional<double> convert(double value, const std::string& from, const std::string& to) {
   const std::lock_guard lock(udunits_mutex());
-  const Converter converter = converter_between(from, to);
+  const Converter converter = make_converter(from, to);
   if (!converter) return std::nullopt;
   return cv_convert_double(converter.get(), value);
 }
@@ -173,7 +182,7 @@ std::string number_text(double value) {
 
 std::string quantity_text(double value, const std::string& unit) {
   if (unit.empty() || unit == "1") return number_text(value);
-  return number_text(value) + " " + unit;
+  return fmt::format("{} {}", number_text(value), unit);
 }
 
 std::string quoted(const std::string& text) {
@@ -183,9 +192,7 @@ std::string quoted(const std::string& text) {
       result += '\\';
       result += c;
     } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
-      char escape[8];
-      std::snprintf(escape, sizeof escape, "\\u%04X", static_cast<unsigned>(c));
-      result += escape;
+      result += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
     } else {
       result += c;
     }

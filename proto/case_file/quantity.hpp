@@ -13,11 +13,11 @@ std::optional<std::string> unit_suffix(std::string_view unit);
 /// A text without blanks and tabs at its ends.
 std::string_view trimmed(std::string_view text);
 
-/// A number read from a text with a unit, or why it could not be read.
+/// A number read from a text with a unit, or the reason why it could not be read.
 struct Quantity {
-  std::optional<double> value;  ///< in the unit asked for
+  std::optional<double> value;  ///< in the requested unit
   std::string unit;             ///< as written
-  std::string message;          ///< what is wrong; empty when there is a value
+  std::string message;          ///< the reason; empty if there is a value
 };
 
 /// Reads "60 mm/min" and converts it by UDUNITS-2. Temperatures are converted with their offset.

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +20,7 @@ public:
       check_field(message, *field, join_path(path, toml_key(*field)));
   }
 
-  /// The depth of the metal and the place of the block are one thing given in two ways.
+  /// The depth of the metal and the place of the block describe the same: they must agree.
   void check_depth(const v1::Case& c) {
     constexpr double same = 1e-9;  // [m]
     const v1::Section& section = c.section();
@@ -31,12 +33,13 @@ public:
   }
 
 private:
+  /// Adds a fault.
   void add(const std::string& path, const std::string& value, const std::string& message,
            const std::string& permitted = {}, const std::string& remedy = {}) {
     faults.push_back(make_fault(path, value, message, permitted, remedy));
   }
 
-  /// Whether there was none.
+  /// Adds the fault, if there is one. @return whether there was none
   bool add(std::optional<v1::Fault> fault) {
     if (!fault) return true;
     faults.push_back(std::move(*fault));
@@ -48,12 +51,13 @@ private:
     if (is_curve(field) && is_present(message, field))
       return check_curve(curve_of(message, field), field, path);
     if (is_present(message, field)) return check_scalar(message, field, path);
-    if (key_of(field).required() && !stands_in(message, key_of(field).unless()))
+
+    if (key_of(field).required() && !is_replaced(message, key_of(field).unless()))
       faults.push_back(missing_fault(field, path));
   }
 
-  /// Whether the key that may stand in for a required one is given.
-  static bool stands_in(const Message& message, const std::string& key) {
+  /// Whether the key that may be given instead of a required one is given.
+  static bool is_replaced(const Message& message, const std::string& key) {
     const FieldDescriptor* const other = field_of_key(*message.GetDescriptor(), key);
     return other != nullptr && is_present(message, *other);
   }
@@ -72,15 +76,15 @@ private:
     if (curve.value_size() == 0 && curve.at_size() == 0)
       return add(path, "", "an empty table", "at least one point");
     if (curve.value_size() != curve.at_size())
-      return add(path,
-                 std::to_string(curve.at_size()) + " abscissae, " +
-                     std::to_string(curve.value_size()) + " values",
+      return add(path, fmt::format("{} abscissae, {} values", curve.at_size(), curve.value_size()),
                  "as many values as abscissae are needed");
     if (!add(count_fault(field, static_cast<std::size_t>(curve.at_size()), path))) return;
+
     for (int i = 0; i < curve.value_size(); ++i)
       check_number(field, curve.value(i), element_path(path, static_cast<std::size_t>(i)));
+
+    // A single point is a constant and needs no abscissa.
     const auto permitted = abscissae_of(field);
-    // One point is a constant, which stands against nothing.
     if (curve.at_size() > 1 && std::ranges::count(permitted, curve.abscissa()) == 0)
       add(path, abscissa_name(curve.abscissa()), "not a permitted abscissa of this table");
     check_abscissae(curve, path);

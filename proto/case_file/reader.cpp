@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -16,9 +18,10 @@ std::string against_text(const FieldDescriptor& field) {
   std::vector<std::string> abscissae;
   for (const v1::Abscissa abscissa : abscissae_of(field)) {
     const std::string unit = abscissa_unit(abscissa);
-    abscissae.push_back(abscissa_name(abscissa) + (unit == "1" ? "" : " [" + unit + "]"));
+    abscissae.push_back(unit == "1" ? abscissa_name(abscissa)
+                                    : fmt::format("{} [{}]", abscissa_name(abscissa), unit));
   }
-  return "against " + joined(abscissae);
+  return fmt::format("against {}", joined(abscissae));
 }
 
 std::string abscissa_example(v1::Abscissa abscissa) {
@@ -35,11 +38,13 @@ std::string abscissa_example(v1::Abscissa abscissa) {
 }
 
 std::string pair_example(const FieldDescriptor& field) {
-  return "[" + abscissa_example(abscissae_of(field).front()) + ", " + example_text(field) + "]";
+  return fmt::format("[{}, {}]", abscissa_example(abscissae_of(field).front()),
+                     example_text(field));
 }
 
-/// Which abscissa is meant, by the unit of the first point; unspecified (and a fault) if none fits.
-v1::Abscissa abscissa_of(const Entry& first) {
+/// The abscissa of a table, by the unit of its first point; unspecified, with a fault, if none
+/// fits.
+v1::Abscissa find_abscissa(const Entry& first) {
   const auto choices = abscissae_of(first.field);
   const bool is_number = first.node.is_number();
   const auto text = first.node.value<std::string>();
@@ -47,26 +52,31 @@ v1::Abscissa abscissa_of(const Entry& first) {
     if ((is_number && abscissa_unit(choice) == "1") ||
         (text && parse_quantity(*text, abscissa_unit(choice)).value))
       return choice;
-  const std::string fault = text ? "first number of a point: " +
-                                       parse_quantity(*text, abscissa_unit(choices.front())).message
-                            : is_number ? "first number of a point: the unit is missing"
-                                        : type_name(first.node) + " where a quantity is expected";
-  first.refuse(fault, against_text(first.field), "e.g. " + pair_example(first.field));
+
+  std::string fault = "first number of a point: the unit is missing";
+  if (text)
+    fault = fmt::format("first number of a point: {}",
+                        parse_quantity(*text, abscissa_unit(choices.front())).message);
+  else if (!is_number)
+    fault = fmt::format("{} where a quantity is expected", type_name(first.node));
+  first.refuse(fault, against_text(first.field), fmt::format("e.g. {}", pair_example(first.field)));
   return v1::ABSCISSA_UNSPECIFIED;
 }
 
-/// A point of the table; false if it has a fault.
+/// Reads a point of a table. @return false, with a fault, if it is not valid
 bool read_point(const Entry& point, v1::Curve& curve) {
   const auto& [walk, node, field, path] = point;
   const toml::array* const pair = node.as_array();
   if (pair == nullptr || pair->size() != 2) {
     point.refuse("a point must be a pair [abscissa, value]", against_text(field),
-                 "e.g. " + pair_example(field));
+                 fmt::format("e.g. {}", pair_example(field)));
     return false;
   }
+
   const Entry first{walk, *pair->get(0), field, path}, second{walk, *pair->get(1), field, path};
-  if (curve.abscissa() == v1::ABSCISSA_UNSPECIFIED) curve.set_abscissa(abscissa_of(first));
+  if (curve.abscissa() == v1::ABSCISSA_UNSPECIFIED) curve.set_abscissa(find_abscissa(first));
   if (curve.abscissa() == v1::ABSCISSA_UNSPECIFIED) return false;
+
   const auto at = read_number(walk, first.node, abscissa_unit(curve.abscissa()),
                               abscissa_example(curve.abscissa()), nullptr, path);
   const auto value = read_number(second);
@@ -74,43 +84,19 @@ bool read_point(const Entry& point, v1::Curve& curve) {
   if (curve.at_size() > 0 && *at <= curve.at(curve.at_size() - 1)) {
     walk.add(
         make_fault(path, written(first.node), "must be larger than that of the point before it",
-                   "strictly increasing " + abscissa_name(curve.abscissa())),
+                   fmt::format("strictly increasing {}", abscissa_name(curve.abscissa()))),
         node);
     return false;
   }
+
   curve.add_at(*at);
   curve.add_value(*value);
   return true;
 }
 
-}  // namespace
-
-v1::Curve read_curve(const Entry& entry) {
-  v1::Curve curve;
-  const toml::array* const points = entry.node.as_array();
-  if (points == nullptr) {
-    if (const auto value = read_number(entry)) {
-      curve.add_at(0.0);
-      curve.add_value(*value);
-    }
-    return curve;
-  }
-  if (points->empty())
-    entry.walk.add(make_fault(entry.path, "[]", "an empty table", "at least one point",
-                              "e.g. [" + pair_example(entry.field) + "]"),
-                   entry.node);
-  if (!entry.passes(count_fault(entry.field, points->size(), entry.path))) return curve;
-  bool sound = true;
-  for (std::size_t i = 0; i < points->size(); ++i)
-    sound &=
-        read_point({entry.walk, *points->get(i), entry.field, element_path(entry.path, i)}, curve);
-  return sound ? curve : v1::Curve();
-}
-
-namespace {
-
 constexpr std::size_t longest_reason = 200;  // of the parser, which repeats parts of the file
 
+/// The outcome of a file that cannot be read at all: one fault.
 ReadOutcome refused(const std::string& name, Position position, const std::string& message,
                     const std::string& remedy = {}) {
   ReadOutcome outcome;
@@ -120,9 +106,9 @@ ReadOutcome refused(const std::string& name, Position position, const std::strin
   return outcome;
 }
 
-/// The stream up to its end, or to a little more than is accepted: enough to recognise a file that
+/// Reads a stream to its end, or to a little more than is accepted: enough to recognise a file that
 /// is too large, or a device without an end.
-std::string beginning_of(std::istream& stream) {
+std::string read_limited(std::istream& stream) {
   std::array<char, 65536> part;
   std::string text;
   while (text.size() <= maximum_file_bytes) {
@@ -133,8 +119,8 @@ std::string beginning_of(std::istream& stream) {
   return text;
 }
 
-/// The parser hands keys over in alphabetical order; people read a file from its top.
-void sort_by_place(ReadOutcome& outcome) {
+/// Orders faults by their position in the file; the parser returns keys in alphabetical order.
+void sort_by_position(ReadOutcome& outcome) {
   std::stable_sort(outcome.faults.begin(), outcome.faults.end(),
                    [&](const v1::Fault& a, const v1::Fault& b) {
                      const Position left = outcome.source.find(a.field());
@@ -143,38 +129,66 @@ void sort_by_place(ReadOutcome& outcome) {
                    });
 }
 
-/// @param folder  of attachments; null: they are listed, not read
+/// Reads a text. @param folder  of attachments; null: they are listed, not read
 ReadOutcome read(std::string_view text, const std::string& name, Message& message,
                  const std::filesystem::path* folder) {
   if (const auto fault = check_text(text))
     return refused(name, fault->position, fault->message, fault->remedy);
+
   toml::table table;
   try {
     table = toml::parse(text, std::string_view(name));
   } catch (const toml::parse_error& error) {
     const auto begin = error.source().begin;
-    return refused(name, {static_cast<int>(begin.line), static_cast<int>(begin.column)},
-                   std::string("not valid TOML: ")
-                       .append(values::shortened(error.description(), longest_reason)));
+    return refused(
+        name, {static_cast<int>(begin.line), static_cast<int>(begin.column)},
+        fmt::format("not valid TOML: {}", values::shortened(error.description(), longest_reason)));
   }
+
   ReadOutcome outcome;
   outcome.source = SourceMap(name);
   outcome.source.set("", {1, 1});
   Walk walk{folder, outcome};
   if (table.empty())
-    outcome.faults.push_back(make_fault("", "", "the file holds no key", "",
+    outcome.faults.push_back(make_fault("", "", "the file contains no key", "",
                                         "see `dccast new --list` for cases to begin with"));
   read_table(walk, table, message, "");
-  sort_by_place(outcome);
+  sort_by_position(outcome);
   return outcome;
 }
 
 ReadOutcome too_large(const std::string& name) {
-  return refused(name, {1, 1}, "larger than " + std::to_string(maximum_file_bytes >> 20) + " MiB",
+  return refused(name, {1, 1}, fmt::format("larger than {} MiB", maximum_file_bytes >> 20),
                  "a case file is a page or two; is this the right file?");
 }
 
 }  // namespace
+
+v1::Curve read_curve(const Entry& entry) {
+  v1::Curve curve;
+
+  // A single quantity is a table of one point.
+  const toml::array* const points = entry.node.as_array();
+  if (points == nullptr) {
+    if (const auto value = read_number(entry)) {
+      curve.add_at(0.0);
+      curve.add_value(*value);
+    }
+    return curve;
+  }
+
+  if (points->empty())
+    entry.walk.add(make_fault(entry.path, "[]", "an empty table", "at least one point",
+                              fmt::format("e.g. [{}]", pair_example(entry.field))),
+                   entry.node);
+  if (!entry.passes(count_fault(entry.field, points->size(), entry.path))) return curve;
+
+  bool valid = true;
+  for (std::size_t i = 0; i < points->size(); ++i)
+    valid &=
+        read_point({entry.walk, *points->get(i), entry.field, element_path(entry.path, i)}, curve);
+  return valid ? curve : v1::Curve();
+}
 
 ReadOutcome read_text(std::string_view text, const std::string& name, Message& message,
                       const std::filesystem::path& folder) {
@@ -192,7 +206,7 @@ ReadOutcome read_file(const std::filesystem::path& file, Message& message) {
   if (std::filesystem::is_directory(file, error)) return refused(file.string(), {}, "is a folder");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return refused(file.string(), {}, "cannot be read");
-  const std::string text = beginning_of(stream);
+  const std::string text = read_limited(stream);
   if (text.size() > maximum_file_bytes) return too_large(file.string());
   return read_text(text, file.string(), message, file.parent_path());
 }

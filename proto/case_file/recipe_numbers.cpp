@@ -1,5 +1,7 @@
 #include "proto/case_file/recipe_numbers.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,10 +14,10 @@
 namespace dccast::case_file {
 namespace {
 
-constexpr double ramp_of_one_value_s = 60.0;
+constexpr double default_ramp_s = 60.0;  // of a table with a single value
 constexpr double integration_step_s = 0.05;
-constexpr double longest_s = 36000.0;
-constexpr double mm_per_min = 60e3;  // [(mm/min)/(m/s)]
+constexpr double longest_s = 36000.0;  // limit of the search for a cast length
+constexpr double mm_per_min = 60e3;    // [(mm/min)/(m/s)]
 
 double speed_at(const v1::Schedule& schedule, double time, double length) {
   return frames::curve_value(schedule.casting_speed_factor(), time, length, 1.0) *
@@ -23,32 +25,38 @@ double speed_at(const v1::Schedule& schedule, double time, double length) {
                              time - schedule.casting_speed_shift_s(), length, 0.0);
 }
 
-/// Integrates the speed by the midpoint rule up to a time or a cast length, whichever comes first.
+/// Time and cast length of a point of the casting.
 struct Course {
   double time_s = 0.0, length_m = 0.0;
 };
-Course course_to(const v1::Schedule& schedule, double time_s, double length_m) {
-  Course at;
-  while (at.time_s < time_s) {
-    const double h = std::min(integration_step_s, time_s - at.time_s);
-    const double half = at.length_m + 0.5 * h * speed_at(schedule, at.time_s, at.length_m);
-    const double moved = h * speed_at(schedule, at.time_s + 0.5 * h, half);
-    if (at.length_m + moved >= length_m) {
-      at.time_s += h * (length_m - at.length_m) / moved;
-      at.length_m = length_m;
-      return at;
+
+/// Integrates the speed by the midpoint rule up to a time or a cast length, whichever comes first.
+Course integrate_speed(const v1::Schedule& schedule, double time_s, double length_m) {
+  Course now;
+  while (now.time_s < time_s) {
+    const double h = std::min(integration_step_s, time_s - now.time_s);
+    const double half = now.length_m + 0.5 * h * speed_at(schedule, now.time_s, now.length_m);
+    const double moved = h * speed_at(schedule, now.time_s + 0.5 * h, half);
+
+    // The length is reached within this step: interpolate.
+    if (now.length_m + moved >= length_m) {
+      now.time_s += h * (length_m - now.length_m) / moved;
+      now.length_m = length_m;
+      return now;
     }
-    at.length_m += moved;
-    at.time_s += h;
+
+    now.length_m += moved;
+    now.time_s += h;
   }
-  return at;
+  return now;
 }
 
+/// A table as a ramp: first and last value, begin and length [unit of the abscissa].
 struct Ramp {
-  double start = 0.0, run = 0.0, from = 0.0, length = ramp_of_one_value_s;
+  double start = 0.0, run = 0.0, from = 0.0, length = default_ramp_s;
 };
 
-Ramp ramp_of(const v1::Curve& curve) {
+Ramp read_ramp(const v1::Curve& curve) {
   if (curve.value().empty()) return {};
   Ramp ramp{curve.value(0), curve.value(curve.value_size() - 1)};
   if (curve.value_size() > 1) {
@@ -58,29 +66,29 @@ Ramp ramp_of(const v1::Curve& curve) {
   return ramp;
 }
 
-double rounded(double value, int digits) {
+double round_to_digits(double value, int digits) {
   if (value == 0.0) return 0.0;
   const double scale = std::pow(10.0, digits - 1 - std::floor(std::log10(std::abs(value))));
   return std::round(value * scale) / scale;
 }
 
-std::string text_of(double value, const std::string& unit) {
+std::string format_rounded(double value, const std::string& unit) {
   // Rounded twice: by the scale, then by the digits that a double can be read back with.
-  return quantity_text(std::stod(number_text(rounded(value, 4))), unit);
+  return quantity_text(std::stod(number_text(round_to_digits(value, 4))), unit);
 }
 
-/// A speed in mm/min, as plants write it; everything else in SI.
+/// A speed in mm/min, as plants write it; other values in SI units.
 std::string value_text(double value, const std::string& unit) {
-  return unit == "m/s" ? text_of(mm_per_min * value, "mm/min") : text_of(value, unit);
+  return unit == "m/s" ? format_rounded(mm_per_min * value, "mm/min") : format_rounded(value, unit);
 }
 
 std::string table_text(const v1::Curve& curve, std::span<const double, 3> numbers,
                        const std::string& unit) {
-  const double from = ramp_of(curve).from;
+  const double from = read_ramp(curve).from;
   const std::string at_unit = ramps_by_length(curve) ? "m" : "s";
-  return "[[\"" + quantity_text(from, at_unit) + "\", \"" + value_text(numbers[0], unit) +
-         "\"], [\"" + text_of(from + numbers[2], at_unit) + "\", \"" +
-         value_text(numbers[1], unit) + "\"]]";
+  return fmt::format(R"([["{}", "{}"], ["{}", "{}"]])", quantity_text(from, at_unit),
+                     value_text(numbers[0], unit), format_rounded(from + numbers[2], at_unit),
+                     value_text(numbers[1], unit));
 }
 
 bool differ(std::span<const double> a, std::span<const double> b) {
@@ -97,8 +105,8 @@ bool ramps_by_length(const v1::Curve& curve) {
 
 Recipe recipe_of(const v1::Case& complete) {
   const v1::Schedule& schedule = complete.schedule();
-  const Ramp speed = ramp_of(schedule.casting_speed_m_per_s());
-  const Ramp water = ramp_of(schedule.water_flow_m2_per_s());
+  const Ramp speed = read_ramp(schedule.casting_speed_m_per_s());
+  const Ramp water = read_ramp(schedule.water_flow_m2_per_s());
   return {speed.start,       speed.run,   speed.length, schedule.filling_s(),
           schedule.hold_s(), water.start, water.run,    water.length};
 }
@@ -107,6 +115,7 @@ std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recip
   const Recipe before = recipe_of(complete);
   const v1::Schedule& schedule = complete.schedule();
   std::vector<v1::CaseChange> changes;
+
   const auto change_ramp = [&](const char* key, const v1::Curve& curve, RecipeNumber first,
                                const char* unit) {
     const std::span<const double, 3> numbers(&recipe[first], 3);
@@ -116,14 +125,17 @@ std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recip
   };
   const auto change_time = [&](const char* key, RecipeNumber number) {
     if (differ({&recipe[number], 1}, {&before[number], 1}))
-      changes.push_back(change_of(key, text_of(recipe[number], "s")));
+      changes.push_back(change_of(key, format_rounded(recipe[number], "s")));
   };
+
   const bool other_speed =
       change_ramp("schedule.casting_speed", schedule.casting_speed_m_per_s(), speed_start, "m/s");
   change_time("schedule.hold", hold);
   change_time("schedule.filling", filling);
   change_ramp("schedule.water_flow", schedule.water_flow_m2_per_s(), water_start, "m2/s");
   if (!other_speed) return changes;
+
+  // With another speed the casting ends at another time.
   v1::Case changed = complete;
   apply_changes(changed, changes);
   const double end = time_of_cast_length(changed, cast_length_at_end(complete));
@@ -133,13 +145,13 @@ std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recip
 }
 
 double cast_length_at_end(const v1::Case& complete) {
-  return course_to(complete.schedule(), complete.time().end_s(),
-                   std::numeric_limits<double>::infinity())
+  return integrate_speed(complete.schedule(), complete.time().end_s(),
+                         std::numeric_limits<double>::infinity())
       .length_m;
 }
 
 double time_of_cast_length(const v1::Case& complete, double length_m) {
-  const Course end = course_to(complete.schedule(), longest_s, length_m);
+  const Course end = integrate_speed(complete.schedule(), longest_s, length_m);
   return end.length_m < length_m ? std::numeric_limits<double>::infinity() : end.time_s;
 }
 

@@ -1,5 +1,8 @@
 #include "proto/case_file/schema.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -10,6 +13,66 @@
 #include "proto/values/printable.hpp"
 
 namespace dccast::case_file {
+namespace {
+
+bool is_message_of(const FieldDescriptor& field, const Descriptor& descriptor) {
+  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE &&
+         field.message_type()->full_name() == descriptor.full_name();
+}
+
+/// The bounds of a key in a unit: "0 to 0.1 m/s", "more than 0 Pa, at most 1 Pa".
+std::string bounds_text(const v1::Key& key, const std::string& unit) {
+  const auto bound = [&](double value) {
+    if (unit != key.unit()) value = convert(value, key.unit(), unit).value_or(value);
+    return fmt::format("{:.6g}", value);  // rounded: for reading only
+  };
+
+  std::vector<std::string> bounds;
+  if (key.has_minimum() && key.has_maximum() && !key.minimum_excluded() &&
+      !key.maximum_excluded()) {
+    bounds.push_back(fmt::format("{} to {}", bound(key.minimum()), bound(key.maximum())));
+  } else {
+    if (key.has_minimum())
+      bounds.push_back(fmt::format("{} {}", key.minimum_excluded() ? "more than" : "at least",
+                                   bound(key.minimum())));
+    if (key.has_maximum())
+      bounds.push_back(fmt::format("{} {}", key.maximum_excluded() ? "less than" : "at most",
+                                   bound(key.maximum())));
+  }
+
+  const bool has_unit = !bounds.empty() && !unit.empty() && unit != "1";
+  return has_unit ? fmt::format("{} {}", joined(bounds), unit) : joined(bounds);
+}
+
+bool in_range(const v1::Key& key, double value) {
+  if (key.has_minimum() &&
+      (value < key.minimum() || (key.minimum_excluded() && value == key.minimum())))
+    return false;
+  return !(key.has_maximum() &&
+           (value > key.maximum() || (key.maximum_excluded() && value == key.maximum())));
+}
+
+/// A long text such as a description may have several lines; a title or a name appears in lists
+/// and logs.
+values::Lines permitted_lines(const FieldDescriptor& field) {
+  constexpr int longest_line = 255;
+  return key_of(field).maximum_length() > longest_line ? values::Lines::several
+                                                       : values::Lines::one;
+}
+
+/// Largest length of a text [bytes].
+std::size_t maximum_length(const FieldDescriptor& field) {
+  const int stated = key_of(field).maximum_length();
+  return stated > 0 ? static_cast<std::size_t>(stated) : 1000;
+}
+
+/// Largest number of entries of a table or points of a curve.
+std::size_t maximum_count(const FieldDescriptor& field) {
+  const int stated = key_of(field).maximum_count();
+  return stated > 0 ? static_cast<std::size_t>(stated) : 10000;
+}
+
+}  // namespace
 
 const v1::Key& key_of(const FieldDescriptor& field) {
   return field.options().GetExtension(v1::key);
@@ -18,8 +81,8 @@ const v1::Key& key_of(const FieldDescriptor& field) {
 std::string toml_key(const FieldDescriptor& field) {
   const auto suffix = unit_suffix(key_of(field).unit());
   if (!suffix || !field.name().ends_with(*suffix))
-    throw std::logic_error("field " + field.full_name() +
-                           " does not end in the suffix of its unit");
+    throw std::logic_error(
+        fmt::format("field {} does not end in the suffix of its unit", field.full_name()));
   return field.name().substr(0, field.name().size() - suffix->size());
 }
 
@@ -57,15 +120,6 @@ std::vector<std::string> enum_texts(const FieldDescriptor& field) {
   return texts;
 }
 
-namespace {
-
-bool is_message_of(const FieldDescriptor& field, const Descriptor& descriptor) {
-  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE &&
-         field.message_type()->full_name() == descriptor.full_name();
-}
-
-}  // namespace
-
 bool is_curve(const FieldDescriptor& field) {
   return is_message_of(field, *v1::Curve::descriptor());
 }
@@ -91,6 +145,7 @@ bool is_present(const Message& message, const FieldDescriptor& field) {
 std::optional<double> number_of(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   if (field.is_repeated() || !is_present(message, field)) return std::nullopt;
+
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_DOUBLE:
       return reflection.GetDouble(message, &field);
@@ -104,7 +159,7 @@ std::optional<double> number_of(const Message& message, const FieldDescriptor& f
 }
 
 v1::Curve curve_of(const Message& message, const FieldDescriptor& field) {
-  // A copy, so that a Curve of a foreign pool (dynamic messages) is read as well as ours.
+  // A copy, so that a Curve of another descriptor pool (dynamic messages) can be read too.
   v1::Curve curve;
   curve.ParseFromString(message.GetReflection()->GetMessage(message, &field).SerializeAsString());
   return curve;
@@ -141,56 +196,23 @@ std::vector<v1::Abscissa> abscissae_of(const FieldDescriptor& field) {
 }
 
 std::string join_path(const std::string& parent, const std::string& key) {
-  return parent.empty() ? key : parent + "." + key;
+  return parent.empty() ? key : fmt::format("{}.{}", parent, key);
 }
 
 std::string element_path(const std::string& list, std::size_t element) {
-  return list + "[" + std::to_string(element) + "]";
+  return fmt::format("{}[{}]", list, element);
 }
 
 std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
+  return fmt::format("{}", fmt::join(words, ", "));
 }
-
-namespace {
-
-std::string bounds_text(const v1::Key& key, const std::string& unit) {
-  const std::string tail = unit.empty() || unit == "1" ? "" : " " + unit;
-  const auto bound = [&](double value) {
-    if (unit != key.unit()) value = convert(value, key.unit(), unit).value_or(value);
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);  // for reading only
-    return std::string(text);
-  };
-  if (key.has_minimum() && key.has_maximum() && !key.minimum_excluded() && !key.maximum_excluded())
-    return bound(key.minimum()) + " to " + bound(key.maximum()) + tail;
-  std::string text;
-  if (key.has_minimum())
-    text = (key.minimum_excluded() ? "more than " : "at least ") + bound(key.minimum());
-  if (key.has_maximum())
-    text += (text.empty() ? "" : ", ") +
-            std::string(key.maximum_excluded() ? "less than " : "at most ") + bound(key.maximum());
-  return text.empty() ? text : text + tail;
-}
-
-bool in_range(const v1::Key& key, double value) {
-  if (key.has_minimum() &&
-      (value < key.minimum() || (key.minimum_excluded() && value == key.minimum())))
-    return false;
-  return !(key.has_maximum() &&
-           (value > key.maximum() || (key.maximum_excluded() && value == key.maximum())));
-}
-
-}  // namespace
 
 std::string range_text(const FieldDescriptor& field, const std::string& other_unit) {
   const v1::Key& key = key_of(field);
   std::string text = bounds_text(key, key.unit());
   const bool translate = !other_unit.empty() && other_unit != key.unit() && key.unit() != "1";
   if (text.empty() || !translate || !convertible(other_unit, key.unit())) return text;
-  return text + " (" + bounds_text(key, other_unit) + ")";
+  return fmt::format("{} ({})", text, bounds_text(key, other_unit));
 }
 
 std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
@@ -202,37 +224,11 @@ std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
   return make_fault(path, written, "out of range", range_text(field, unit_written));
 }
 
-namespace {
-
-/// A description may have lines; a title or a name stands in lists and logs.
-values::Lines lines_of(const FieldDescriptor& field) {
-  constexpr int longest_line = 255;
-  return key_of(field).maximum_length() > longest_line ? values::Lines::several
-                                                       : values::Lines::one;
-}
-
-/// Of a text [bytes].
-std::size_t maximum_length(const FieldDescriptor& field) {
-  const int stated = key_of(field).maximum_length();
-  return stated > 0 ? static_cast<std::size_t>(stated) : 1000;
-}
-
-/// Of the entries of a table or the points of a curve.
-std::size_t maximum_count(const FieldDescriptor& field) {
-  const int stated = key_of(field).maximum_count();
-  return stated > 0 ? static_cast<std::size_t>(stated) : 10000;
-}
-
-}  // namespace
-
 std::string size_text(const FieldDescriptor& field) {
-  const auto at_most = [](std::size_t number, const char* of) {
-    return "at most " + std::to_string(number) + of;
-  };
-  if (is_curve(field)) return at_most(maximum_count(field), " points");
-  if (field.is_repeated()) return at_most(maximum_count(field), " entries");
+  if (is_curve(field)) return fmt::format("at most {} points", maximum_count(field));
+  if (field.is_repeated()) return fmt::format("at most {} entries", maximum_count(field));
   if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING)
-    return at_most(maximum_length(field), " bytes");
+    return fmt::format("at most {} bytes", maximum_length(field));
   return {};
 }
 
@@ -240,20 +236,21 @@ std::optional<v1::Fault> text_fault(const FieldDescriptor& field, const std::str
                                     const std::string& path) {
   if (text.size() > maximum_length(field))
     return make_fault(path, quoted(values::shortened(text, maximum_length(field))),
-                      "a text of " + std::to_string(text.size()) + " bytes", size_text(field),
+                      fmt::format("a text of {} bytes", text.size()), size_text(field),
                       key_of(field).attachment() ? "rename the file" : "shorten it");
-  const auto character = values::unprintable(text, lines_of(field));
+
+  const auto character = values::unprintable(text, permitted_lines(field));
   if (!character) return std::nullopt;
   return make_fault(path, quoted(values::escaped(values::shortened(text))),
-                    "contains " + *character, "characters that can be shown",
-                    "leave that character out");
+                    fmt::format("contains {}", *character), "printable characters",
+                    "remove this character");
 }
 
 std::optional<v1::Fault> count_fault(const FieldDescriptor& field, std::size_t count,
                                      const std::string& path) {
   if (count <= maximum_count(field)) return std::nullopt;
   const bool curve = is_curve(field);
-  return make_fault(path, "", std::to_string(count) + (curve ? " points" : " entries"),
+  return make_fault(path, "", fmt::format("{} {}", count, curve ? "points" : "entries"),
                     size_text(field),
                     curve ? "thin the table out; it is interpolated linearly between points"
                           : "leave some of them out");
@@ -261,7 +258,7 @@ std::optional<v1::Fault> count_fault(const FieldDescriptor& field, std::size_t c
 
 v1::Fault missing_fault(const FieldDescriptor& field, const std::string& path) {
   return make_fault(path, "", "required key is missing", range_text(field),
-                    "e.g. " + toml_key(field) + " = " + example_text(field));
+                    fmt::format("e.g. {} = {}", toml_key(field), example_text(field)));
 }
 
 v1::Fault make_fault(std::string path, const std::string& value, std::string message,
@@ -281,9 +278,10 @@ std::string example_text(const FieldDescriptor& field) {
   if (!standard.empty() && !standard.starts_with('[') && standard != by_quality &&
       standard != "\"\"")
     return standard;
+
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_ENUM:
-      return "\"" + enum_texts(field).front() + "\"";
+      return fmt::format("\"{}\"", enum_texts(field).front());
     case FieldDescriptor::CPPTYPE_BOOL:
       return "true";
     case FieldDescriptor::CPPTYPE_STRING:
@@ -291,6 +289,8 @@ std::string example_text(const FieldDescriptor& field) {
     default:
       break;
   }
+
+  // Numbers in the units that plants use.
   if (key.unit().empty()) return number_text(std::max(1.0, key.minimum()));
   if (key.unit() == "1") return number_text(std::max(0.3, key.minimum()));
   if (key.unit() == "degC") return "\"650 degC\"";

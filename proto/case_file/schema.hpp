@@ -13,8 +13,8 @@
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/options.pb.h"
 
-/// Access to the (key) options of a field, and what they ask of a value. Shared by the reader, the
-/// checks, the writer and the reference.
+/// Access to the (key) options of a field, and the checks of values that follow from them. Shared
+/// by the reader, the checks, the writer and the reference.
 namespace dccast::case_file {
 
 using google::protobuf::Descriptor;
@@ -29,7 +29,7 @@ inline constexpr std::string_view by_quality = "by quality";
 const v1::Key& key_of(const FieldDescriptor& field);
 
 /// Name in a case file: the field's name without the suffix of its unit.
-/// Throws std::logic_error if the field's name does not end in it (an error in the schema).
+/// @throws std::logic_error  the field's name does not end in this suffix: an error in the schema
 std::string toml_key(const FieldDescriptor& field);
 
 /// All fields of a message, in the order of the schema.
@@ -38,13 +38,18 @@ std::vector<const FieldDescriptor*> fields_of(const Descriptor& descriptor);
 /// The field of `descriptor` with this key in a case file, or null.
 const FieldDescriptor* field_of_key(const Descriptor& descriptor, std::string_view key);
 
-/// Enum value <-> its text in a case file ("plane_strain"); the unspecified value has none.
+/// The enum value with a text in a case file ("plane_strain"); null if there is none. The
+/// unspecified value has no text.
 const google::protobuf::EnumValueDescriptor* enum_value_of(const FieldDescriptor& field,
                                                            std::string_view text);
+/// The texts of all enum values.
 std::vector<std::string> enum_texts(const FieldDescriptor& field);
+/// In lower case (ASCII).
 std::string lower(std::string text);
 
+/// A nested message that is a table of values.
 bool is_curve(const FieldDescriptor& field);
+/// A nested message that is an alloy.
 bool is_alloy(const FieldDescriptor& field);
 /// A nested message that is a table of the file (not a Curve).
 bool is_table(const FieldDescriptor& field);
@@ -64,6 +69,7 @@ v1::Curve curve_of(const Message& message, const FieldDescriptor& field);
 /// Unit of an abscissa in UDUNITS-2 syntax, and its name in texts ("cast length").
 std::string abscissa_unit(v1::Abscissa abscissa);
 std::string abscissa_name(v1::Abscissa abscissa);
+/// The abscissae that a table may have.
 std::vector<v1::Abscissa> abscissae_of(const FieldDescriptor& field);
 
 /// "schedule" + "hold" -> "schedule.hold"; no dot at the root.
@@ -75,8 +81,8 @@ std::string element_path(const std::string& list, std::size_t element);
 /// "a, b, c".
 std::string joined(const std::vector<std::string>& words);
 
-/// "0 to 0.1 m/s", "more than 0 Pa", "at least 1"; with `other_unit` also in that: "(0 to 6000
-/// mm/min)". Empty without a range.
+/// The range of a field: "0 to 0.1 m/s", "more than 0 Pa", "at least 1"; empty without a range.
+/// @param other_unit  if given, the range is repeated in this unit: "(0 to 6000 mm/min)"
 std::string range_text(const FieldDescriptor& field, const std::string& other_unit = {});
 
 /// The fault of a number outside the range of its field; empty if there is none.
@@ -85,8 +91,8 @@ std::optional<v1::Fault> range_fault(const FieldDescriptor& field, double value,
                                      const std::string& path, const std::string& written,
                                      const std::string& unit_written);
 
-// A case is stored, listed and reported by a daemon that serves several users, so every text and
-// table has a limit; keys without one of their own have the general one.
+// A case is stored, listed and reported by a daemon that serves several users. Therefore every text
+// and table has a limit of size: its own, or the general one.
 
 /// "at most 200 bytes", "at most 1000 entries", "at most 10000 points"; empty for other keys.
 std::string size_text(const FieldDescriptor& field);

@@ -20,9 +20,11 @@ public:
   SourceMap() = default;
   explicit SourceMap(std::string file) : file_(std::move(file)) {}
 
+  /// Records the position of a key in the file.
   void set(const std::string& path, Position position) { places_[path] = {position, {}}; }
 
-  /// A key whose value comes from `origin` ("--set mesh.rows") instead of the file; the line is 0.
+  /// Records a key whose value comes from `origin` ("--set mesh.rows") instead of the file; the
+  /// line is 0.
   void set(const std::string& path, Position position, const std::string& origin) {
     places_[path] = {position, origin};
   }
@@ -32,7 +34,7 @@ public:
 
   /// Position of `path`, or of its nearest parent in the file; 0:0 if there is none. A fault
   /// reported by the server for a missing key is thus shown at its table.
-  Position find(const std::string& path) const { return place_of(path).position; }
+  Position find(const std::string& path) const { return find_place(path).position; }
 
   /// The file, or the change that gave the key.
   std::string origin_of(const std::string& path) const;
@@ -45,7 +47,7 @@ private:
     std::string origin;  ///< empty: the file
   };
 
-  Place place_of(std::string path) const;
+  Place find_place(std::string path) const;
 
   std::string file_;
   std::map<std::string, Place> places_;
@@ -55,8 +57,8 @@ private:
 /// "schedule.casting_speed[1]" and keys below it.
 bool covers(const std::string& path, const std::string& other);
 
-/// The fault as one line of text: `file:line:column: key = value: message; permitted; remedy`, for
-/// a change `--set KEY, column N: key = ...`. Empty parts are omitted.
+/// The fault as one line of text: `file:line:column: key = value: message; permitted; remedy`; for
+/// a change it begins with `--set KEY, column N`. Empty parts are omitted.
 std::string describe(const v1::Fault& fault, const SourceMap& source);
 
 }  // namespace dccast::case_file

@@ -9,7 +9,7 @@
 
 namespace dccast::case_file {
 
-/// Why a text cannot be a case file, and the position.
+/// The reason why a text cannot be a case file, and its position.
 struct TextFault {
   Position position;
   std::string message;
@@ -19,9 +19,9 @@ struct TextFault {
 /// Checks size, NUL bytes, UTF-8 and depth of nesting before the text is parsed.
 std::optional<TextFault> check_text(std::string_view text);
 
-/// Where the string that begins at `at` ends: behind its last quote, or at the end of the line or
-/// text that it leaves open.
-std::size_t end_of_string(std::string_view text, std::size_t at);
+/// End of the string that begins at byte `begin`: behind its last quote, or, if it is not closed,
+/// behind the end of the line or of the text.
+std::size_t end_of_string(std::string_view text, std::size_t begin);
 
 /// Number of insertions, deletions, replacements and swaps of neighbours between two words.
 int edit_distance(std::string_view a, std::string_view b);

@@ -1,5 +1,7 @@
 #include "proto/case_file/toml_walker.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -21,12 +23,13 @@ constexpr std::uintmax_t maximum_attachment_bytes = std::uintmax_t{1} << 30;
 void read_enum(const Entry& entry, Message& message) {
   const std::vector<std::string> choices = enum_texts(entry.field);
   const auto text = entry.node.value<std::string>();
-  if (!text) return entry.refuse_type("one of the words " + joined(choices));
+  if (!text) return entry.refuse_type(fmt::format("one of the words {}", joined(choices)));
   if (const auto* value = enum_value_of(entry.field, *text))
     return message.GetReflection()->SetEnum(&message, &entry.field, value);
+
   const std::string near = nearest(*text, choices);
   entry.refuse("unknown choice", joined(choices),
-               near.empty() ? "" : "did you mean \"" + near + "\"?");
+               near.empty() ? "" : fmt::format("did you mean \"{}\"?", near));
 }
 
 void read_integer(const Entry& entry, Message& message) {
@@ -35,6 +38,7 @@ void read_integer(const Entry& entry, Message& message) {
   if (!entry.passes(range_fault(entry.field, static_cast<double>(number), entry.path,
                                 written(entry.node), "")))
     return;
+
   const Reflection& reflection = *message.GetReflection();
   if (entry.field.cpp_type() == FieldDescriptor::CPPTYPE_INT64)
     reflection.SetInt64(&message, &entry.field, number);
@@ -44,44 +48,51 @@ void read_integer(const Entry& entry, Message& message) {
     entry.refuse("out of range", range_text(entry.field));
 }
 
-/// Of a file that stands elsewhere. Returns its base name.
+/// Records a file that the client attaches from another machine; returns its base name.
 std::optional<std::string> list_file(const Entry& entry, const std::string& name) {
-  const auto base_of = [](const std::string& file) {
+  const auto base_name = [](const std::string& file) {
     return std::filesystem::path(file).filename().string();
   };
+  const std::string base = base_name(name);
+
   std::vector<std::string>& files = entry.walk.outcome.files;
   for (const std::string& other : files)
-    if (other != name && base_of(other) == base_of(name)) {
-      entry.refuse("another attachment is also called " + base_of(name),
+    if (other != name && base_name(other) == base) {
+      entry.refuse(fmt::format("another attachment is also called {}", base),
                    "files of different names");
       return std::nullopt;
     }
+
   if (std::ranges::count(files, name) == 0) files.push_back(name);
-  return base_of(name);
+  return base;
 }
 
 /// Reads the file that `name` points to into the attachments; returns its base name.
 std::optional<std::string> attach(const Entry& entry, const std::string& name) {
   if (entry.walk.folder == nullptr) return list_file(entry, name);
+
   const std::filesystem::path file = *entry.walk.folder / name;
   std::error_code error;
-  const auto refuse = [&](const std::string& why) {
-    entry.refuse(values::shortened(why, longest_path_echo),
+  const auto refuse = [&](const char* reason, const std::string& subject) {
+    entry.refuse(values::shortened(fmt::format("{}{}", reason, subject), longest_path_echo),
                  "a readable file, relative to the folder of the case file");
     return std::nullopt;
   };
-  if (!std::filesystem::exists(file, error)) return refuse("no such file: " + file.string());
-  if (!std::filesystem::is_regular_file(file, error)) return refuse("not a file: " + file.string());
+  if (!std::filesystem::exists(file, error)) return refuse("no such file: ", file.string());
+  if (!std::filesystem::is_regular_file(file, error)) return refuse("not a file: ", file.string());
   if (std::filesystem::file_size(file, error) > maximum_attachment_bytes)
-    return refuse("larger than 1 GiB: " + file.string());
+    return refuse("larger than 1 GiB: ", file.string());
+
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream content;
   if (!(stream && content << stream.rdbuf()) && std::filesystem::file_size(file, error) > 0)
-    return refuse("cannot be read: " + file.string());
+    return refuse("cannot be read: ", file.string());
+
   const std::string base = file.filename().string();
   for (const v1::Attachment& other : entry.walk.outcome.attachments)
     if (other.name() == base && other.content() != content.str())
-      return refuse("another attachment is also called " + base);
+      return refuse("another attachment is also called ", base);
+
   v1::Attachment& attachment = entry.walk.outcome.attachments.emplace_back();
   attachment.set_name(base);
   attachment.set_content(content.str());
@@ -101,8 +112,10 @@ void read_string(const Entry& entry, Message& message) {
 void read_array_of_tables(const Entry& entry, Message& message) {
   const auto& [walk, node, field, path] = entry;
   const toml::array* const array = node.as_array();
-  if (array == nullptr) return entry.refuse_type("a list of tables, written [[" + path + "]],");
+  if (array == nullptr)
+    return entry.refuse_type(fmt::format("a list of tables, written [[{}]],", path));
   if (!entry.passes(count_fault(field, array->size(), path))) return;
+
   for (std::size_t i = 0; i < array->size(); ++i) {
     const Entry item{walk, *array->get(i), field, element_path(path, i)};
     walk.mark(item.path, item.node.source());
@@ -118,16 +131,18 @@ void read_nested(const Entry& entry, Message& message) {
   if (const toml::table* const table = entry.node.as_table())
     return read_table(entry.walk, *table,
                       *message.GetReflection()->MutableMessage(&message, &entry.field), entry.path);
-  entry.refuse(type_name(entry.node) + " where a table is expected", "",
-               "write [" + entry.path + "] and its keys below it");
+
+  entry.refuse(fmt::format("{} where a table is expected", type_name(entry.node)), "",
+               fmt::format("write [{}] and its keys below it", entry.path));
 }
 
-/// The lines KEY = RANGE of a table; they are judged on the complete case.
+/// Reads the lines KEY = RANGE of a table; they are checked on the complete case.
 void read_ranges(const Entry& entry, Message& message) {
   const auto& [walk, node, field, path] = entry;
   const toml::table* const table = node.as_table();
   if (table == nullptr) return entry.refuse_type("a table of lines KEY = RANGE");
   if (!entry.passes(count_fault(field, table->size(), path))) return;
+
   const FieldDescriptor& key_field = *field.message_type()->FindFieldByName("key");
   const FieldDescriptor& range_field = *field.message_type()->FindFieldByName("range");
   for (const auto& [name, value] : *table) {
@@ -136,7 +151,7 @@ void read_ranges(const Entry& entry, Message& message) {
     const auto range = value.is_string() ? value.value<std::string>() : std::nullopt;
     if (value.is_table()) {
       line.refuse("a table where a range is expected", range_forms,
-                  "put the key in quotes, as it has points");
+                  "put the key in quotes, because it contains points");
     } else if (!range || !parse_range(*range)) {
       line.refuse("is no range", range_forms);
     } else {
@@ -151,25 +166,26 @@ void read_ranges(const Entry& entry, Message& message) {
   }
 }
 
-/// A path of the schema that ends in `key`, for a key that stands in the wrong table.
-std::string elsewhere(const Message& message, const std::string& key) {
+/// A path of the schema that ends in `key`, for a key that is in the wrong table.
+std::string find_in_other_table(const Message& message, const std::string& key) {
   const Descriptor& root = *v1::Case::descriptor();
   if (message.GetDescriptor()->file() != root.file()) return {};
   for (const KeyReference& known : reference(root))
-    if (known.path.ends_with("." + key)) return known.path;
+    if (known.path.ends_with(fmt::format(".{}", key))) return known.path;
   return {};
 }
 
-/// Required keys of a table, and those below a table that is absent altogether.
+/// Adds faults for missing required keys of a table, and of the tables below it that are absent.
 void add_missing(Walk& walk, const Descriptor& descriptor, const toml::table& table,
                  const std::string& path) {
   static const toml::table empty;
   for (const FieldDescriptor* const field : fields_of(descriptor)) {
     const std::string key = toml_key(*field);
     if (table.contains(key)) continue;
+
     const std::string& other = key_of(*field).unless();
-    const bool stands_in = !other.empty() && table.contains(other);
-    if (key_of(*field).required() && !stands_in)
+    const bool replaced = !other.empty() && table.contains(other);
+    if (key_of(*field).required() && !replaced)
       walk.outcome.faults.push_back(missing_fault(*field, join_path(path, key)));
     else if (is_table(*field) && !field->is_repeated())
       add_missing(walk, *field->message_type(), empty, join_path(path, key));
@@ -183,6 +199,7 @@ void read_field(const Entry& entry, Message& message) {
   const Reflection& reflection = *message.GetReflection();
   if (is_ranges(field)) return read_ranges(entry, message);
   if (field.is_repeated()) return read_array_of_tables(entry, message);
+
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_ENUM:
       return read_enum(entry, message);
@@ -200,6 +217,7 @@ void read_field(const Entry& entry, Message& message) {
     default:
       break;
   }
+
   if (is_table(field)) return read_nested(entry, message);
   if (const v1::Curve curve = read_curve(entry); curve.value_size() > 0)
     reflection.MutableMessage(&message, &field)->CopyFrom(curve);
@@ -211,11 +229,13 @@ void add_unknown(Walk& walk, const toml::node& node, const Message& message,
   std::vector<std::string> keys;
   for (const FieldDescriptor* const field : fields_of(*message.GetDescriptor()))
     keys.push_back(toml_key(*field));
+
   std::string remedy = "see `dccast schema`";
   if (const std::string near = nearest(key, keys); !near.empty())
-    remedy = "did you mean '" + near + "'?";
-  else if (const std::string place = elsewhere(message, key); !place.empty())
-    remedy = "there is a key " + place;
+    remedy = fmt::format("did you mean '{}'?", near);
+  else if (const std::string place = find_in_other_table(message, key); !place.empty())
+    remedy = fmt::format("there is a key {}", place);
+
   walk.refuse(node, join_path(path, values::shortened(key)), "unknown key", "", remedy);
 }
 
@@ -236,8 +256,8 @@ void Walk::mark(const std::string& path, const toml::source_region& source) {
 }
 
 void Entry::refuse_type(const std::string& expected) const {
-  refuse(type_name(node) + " where " + expected + " is expected", range_text(field),
-         "e.g. " + toml_key(field) + " = " + example_text(field));
+  refuse(fmt::format("{} where {} is expected", type_name(node), expected), range_text(field),
+         fmt::format("e.g. {} = {}", toml_key(field), example_text(field)));
 }
 
 bool Entry::passes(std::optional<v1::Fault> fault) const {
@@ -285,23 +305,26 @@ std::optional<double> read_number(Walk& walk, const toml::node& node, const std:
     walk.refuse(node, path, message, limits == nullptr ? "" : range_text(*limits), remedy);
     return std::nullopt;
   };
+
   Quantity quantity;
   if (node.is_number() && dimensionless)
     quantity.value = node.value<double>();
   else if (node.is_number())
     return refuse("the unit is missing",
-                  "write it in " + unit + " or a unit of the same kind, e.g. " + example);
+                  fmt::format("write it in {} or a unit of the same kind, e.g. {}", unit, example));
   else if (!node.is_string())
-    return refuse(type_name(node) + " where a quantity is expected", "e.g. " + example);
+    return refuse(fmt::format("{} where a quantity is expected", type_name(node)),
+                  fmt::format("e.g. {}", example));
   else
     quantity = parse_quantity(*node.value<std::string>(), unit);
   if (!quantity.value)
     return refuse(quantity.message,
-                  (dimensionless ? "write a number, e.g. "
-                                 : "expected " + unit + " or a unit of the same kind, e.g. ") +
-                      example);
+                  dimensionless ? fmt::format("write a number, e.g. {}", example)
+                                : fmt::format("expected {} or a unit of the same kind, e.g. {}",
+                                              unit, example));
+
   if (limits == nullptr && !std::isfinite(*quantity.value))
-    return refuse("not a finite number", "e.g. " + example);
+    return refuse("not a finite number", fmt::format("e.g. {}", example));
   if (limits != nullptr && !Entry{walk, node, *limits, path}.passes(range_fault(
                                *limits, *quantity.value, path, written(node), quantity.unit)))
     return std::nullopt;
@@ -324,7 +347,8 @@ void read_table(Walk& walk, const toml::table& table, Message& message, const st
     } else {
       add_unknown(walk, node, message, path, name);
     }
-    // The key says better than its value where to look; a list's points keep their own places.
+
+    // A fault is reported at the key, not at its value; points of a list keep their own positions.
     walk.mark(key_path, key.source());
   }
   add_missing(walk, descriptor, table, path);

@@ -9,8 +9,8 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/schema.hpp"
 
-/// Traversal of a parsed TOML file, and what the changes of a case read in addition; internal part
-/// of the reader.
+/// Traversal of a parsed TOML file, and parsing of the values of changes; internal part of the
+/// reader.
 namespace dccast::case_file {
 
 /// Context of the traversal, passed from table to table.
@@ -23,6 +23,7 @@ struct Walk {
   /// Adds a fault of the value at `path`.
   void refuse(const toml::node& node, const std::string& path, std::string message,
               std::string permitted = {}, std::string remedy = {});
+  /// Records the position of a key.
   void mark(const std::string& path, const toml::source_region& source);
 };
 
@@ -36,9 +37,9 @@ struct Entry {
   void refuse(std::string message, std::string permitted = {}, std::string remedy = {}) const {
     walk.refuse(node, path, std::move(message), std::move(permitted), std::move(remedy));
   }
-  /// @param expected  "a table"
+  /// Adds a fault for a value of the wrong type. @param expected  e.g. "a table"
   void refuse_type(const std::string& expected) const;
-  /// Whether there is no fault.
+  /// Adds the fault, if there is one. @return whether there was none
   bool passes(std::optional<v1::Fault> fault) const;
 };
 
@@ -66,22 +67,22 @@ std::optional<double> read_number(Walk& walk, const toml::node& node, const std:
 /// The number of a field that is real, in its unit and range.
 std::optional<double> read_number(const Entry& entry);
 
-/// The value as the file has it, cut to a readable length.
+/// The value as written in the file, shortened.
 std::string written(const toml::node& node);
 
 /// "a number", "text", "a table", ...
 std::string type_name(const toml::node& node);
 
-/// The key set by a recipe word of a table: for `casting_speed` and "scale" the field
+/// The key that a recipe word of a table sets: for `casting_speed` and "scale" the field
 /// `casting_speed_factor`, for "shift" `casting_speed_shift_s`; null if the table has no such word.
 const FieldDescriptor* recipe_field(const FieldDescriptor& table, std::string_view word);
 
 /// All paths with a recipe word in the message of `path`: "schedule.casting_speed.scale, ...".
 std::string recipe_paths(const Descriptor& descriptor, const std::string& path);
 
-/// Reads "0.8", "80 % until 100 mm", "1.1 from 20 s until 60 s" as a factor over time or cast
-/// length that is 1 outside; empty on a fault. Columns of faults are counted from the first byte of
-/// `text`.
+/// Reads "0.8", "80 % until 100 mm" or "1.1 from 20 s until 60 s" as a factor over time or cast
+/// length that is 1 outside. Columns of faults are counted from the first byte of `text`.
+/// @return empty on a fault
 v1::Curve read_scale(Walk& walk, const std::string& text, const FieldDescriptor& field,
                      const std::string& path);
 

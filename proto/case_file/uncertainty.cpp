@@ -1,5 +1,7 @@
 #include "proto/case_file/uncertainty.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -12,13 +14,13 @@
 namespace dccast::case_file {
 namespace {
 
-/// "10 %" as its number and what follows it.
+/// A number with its unit as written, e.g. 10 and "%".
 struct Written {
   double number = 0.0;
   std::string unit;
 };
 
-std::optional<Written> written(std::string_view text) {
+std::optional<Written> parse_number(std::string_view text) {
   Written result;
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), result.number);
   if (error != std::errc{} || !std::isfinite(result.number)) return std::nullopt;
@@ -26,33 +28,38 @@ std::optional<Written> written(std::string_view text) {
   return result;
 }
 
-std::string text_of(double number, const std::string& unit) {
-  return number_text(number) + (unit.empty() ? "" : " " + unit);
+std::string format_number(double number, const std::string& unit) {
+  return unit.empty() ? number_text(number) : fmt::format("{} {}", number_text(number), unit);
 }
 
-std::optional<Range> around(std::string_view text) {
-  const auto half = written(text);
+/// The range "± text".
+std::optional<Range> parse_symmetric(std::string_view text) {
+  const auto half = parse_number(text);
   if (!half || !(half->number > 0.0)) return std::nullopt;
   if (half->unit != "%")
-    return Range{".offset", text_of(-half->number, half->unit), text_of(half->number, half->unit)};
+    return Range{".offset", format_number(-half->number, half->unit),
+                 format_number(half->number, half->unit)};
+
   const double share = half->number / 100.0;
   if (share >= 1.0) return std::nullopt;
   return Range{".scale", number_text(1.0 - share), number_text(1.0 + share)};
 }
 
-std::optional<Range> between(std::string_view first, std::string_view second) {
-  auto low = written(first);
-  const auto high = written(second);
+/// The range "first..second".
+std::optional<Range> parse_interval(std::string_view first, std::string_view second) {
+  auto low = parse_number(first);
+  const auto high = parse_number(second);
   if (!low || !high) return std::nullopt;
   if (low->unit.empty()) low->unit = high->unit;
   if (low->unit == high->unit && !(low->number < high->number)) return std::nullopt;
   if (high->unit != "times")
-    return Range{"", text_of(low->number, low->unit), text_of(high->number, high->unit)};
+    return Range{"", format_number(low->number, low->unit),
+                 format_number(high->number, high->unit)};
   if (low->unit != "times" || !(low->number > 0.0)) return std::nullopt;
   return Range{".scale", number_text(low->number), number_text(high->number)};
 }
 
-/// Whether a run of this case uses a default at all.
+/// Whether a default affects a run of this case.
 bool is_used(const v1::Case& c, const std::string& key) {
   const auto& cooling = c.cooling();
   if (key == "cooling.level_coefficient") return cooling.top() == v1::Cooling::POURING;
@@ -67,6 +74,7 @@ bool is_used(const v1::Case& c, const std::string& key) {
   return true;
 }
 
+/// Whether a key has its default value.
 bool is_default(const v1::Case& complete, const KeyReference& row) {
   std::string text = row.default_text;
   std::erase(text, '"');
@@ -75,34 +83,40 @@ bool is_default(const v1::Case& complete, const KeyReference& row) {
   return value.value && here && *here == *value.value;
 }
 
-/// What is wrong with a range that a complete case gives.
-std::optional<v1::Fault> fault_of(const v1::Case& complete, const std::string& key,
-                                  const std::string& range) {
+/// The fault of a range that a complete case gives; empty if there is none.
+std::optional<v1::Fault> find_fault(const v1::Case& complete, const std::string& key,
+                                    const std::string& range) {
   const auto refused = [&](const std::string& message, const std::string& permitted = {},
                            const std::string& remedy = {}) {
-    return make_fault("uncertainty." + key, range, message, permitted, remedy);
+    return make_fault(fmt::format("uncertainty.{}", key), range, message, permitted, remedy);
   };
+
   const auto ends = parse_range(range);
   if (!ends) return refused("is no range", range_forms);
+
+  // Both ends must be permitted values of the key.
   v1::Case low = complete, high = complete;
   for (const auto& [end, value] : {std::pair{&low, &ends->low}, {&high, &ends->high}}) {
     const auto faults = apply_changes(*end, {change_of(key + ends->suffix, *value)});
     if (!faults.empty())
-      return refused("at " + *value + ": " + faults.front().message(), faults.front().permitted(),
-                     faults.front().remedy());
+      return refused(fmt::format("at {}: {}", *value, faults.front().message()),
+                     faults.front().permitted(), faults.front().remedy());
   }
   if (!ends->suffix.empty()) return std::nullopt;
+
+  // An absolute range must be ascending and contain the value.
   const auto value = number_at(complete, key);
   if (!value)
     return refused("is a table of several points, which no two ends describe",
                    "\"± 10 %\", \"± 5 K\" or \"0.5..2 times\"",
-                   "or name one point, e.g. " + key + "[0]");
+                   fmt::format("or name one point, e.g. {}[0]", key));
   const double from = number_at(low, key).value_or(*value);
   const double to = number_at(high, key).value_or(*value);
   const double margin = 1e-9 * std::abs(*value);
   if (!(from < to)) return refused("is no range: the smaller end comes first");
   if (from <= *value + margin && *value - margin <= to) return std::nullopt;
-  return refused("does not hold the value of the case", "", "the value is " + number_text(*value));
+  return refused("does not hold the value of the case", "",
+                 fmt::format("the value is {}", number_text(*value)));
 }
 
 }  // namespace
@@ -110,10 +124,11 @@ std::optional<v1::Fault> fault_of(const v1::Case& complete, const std::string& k
 std::optional<Range> parse_range(std::string_view text) {
   const std::string_view body = trimmed(text);
   for (const std::string_view sign : {"±", "+-", "+/-"})
-    if (body.starts_with(sign)) return around(trimmed(body.substr(sign.size())));
+    if (body.starts_with(sign)) return parse_symmetric(trimmed(body.substr(sign.size())));
+
   const auto dots = body.find("..");
   if (dots == std::string::npos) return std::nullopt;
-  return between(trimmed(body.substr(0, dots)), trimmed(body.substr(dots + 2)));
+  return parse_interval(trimmed(body.substr(0, dots)), trimmed(body.substr(dots + 2)));
 }
 
 std::vector<UncertainKey> uncertain_keys(const v1::Case& complete) {
@@ -123,10 +138,12 @@ std::vector<UncertainKey> uncertain_keys(const v1::Case& complete) {
     if (const auto ends = parse_range(range); ends && seen.insert(key).second)
       keys.push_back({key, range, origin, *ends});
   };
+
   for (const v1::KeyRange& line : complete.uncertainty()) add(line.key(), line.range(), "case");
   for (const v1::KeyRange& line : complete.alloy().uncertainty())
     if (has_value_at(complete, "alloy." + line.key()))
       add("alloy." + line.key(), line.range(), "card");
+
   static const auto rows = reference(*v1::Case::descriptor());
   for (const KeyReference& row : rows)
     if (!row.uncertainty.empty() && is_used(complete, row.path) && is_default(complete, row))
@@ -137,7 +154,7 @@ std::vector<UncertainKey> uncertain_keys(const v1::Case& complete) {
 std::vector<v1::Fault> uncertainty_faults(const v1::Case& complete) {
   std::vector<v1::Fault> faults;
   for (const v1::KeyRange& line : complete.uncertainty())
-    if (auto fault = fault_of(complete, line.key(), line.range()))
+    if (auto fault = find_fault(complete, line.key(), line.range()))
       faults.push_back(std::move(*fault));
   return faults;
 }

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
@@ -5,8 +8,7 @@
 namespace dccast::case_file {
 namespace {
 
-/// A number of a quantity: a string with unit, or bare for "1". TOML writes a real number with a
-/// point or an exponent, but reads a whole one too.
+/// A quantity as in a file: a string with its unit, or a bare number for the unit "1".
 std::string real_text(double value, const std::string& unit) {
   if (unit.empty() || unit == "1") return number_text(value);
   return quoted(quantity_text(value, unit));
@@ -15,15 +17,18 @@ std::string real_text(double value, const std::string& unit) {
 std::string curve_text(const v1::Curve& curve, const std::string& unit) {
   if (curve.at_size() == 1 && curve.abscissa() == v1::ABSCISSA_UNSPECIFIED)
     return real_text(curve.value(0), unit);
-  std::string text = "[";
+
+  std::vector<std::string> points;
   for (int i = 0; i < curve.at_size(); ++i)
-    text += (i == 0 ? "[" : ", [") + real_text(curve.at(i), abscissa_unit(curve.abscissa())) +
-            ", " + real_text(curve.value(i), unit) + "]";
-  return text + "]";
+    points.push_back(fmt::format("[{}, {}]",
+                                 real_text(curve.at(i), abscissa_unit(curve.abscissa())),
+                                 real_text(curve.value(i), unit)));
+  return fmt::format("[{}]", fmt::join(points, ", "));
 }
 
 std::string value_text(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
+
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_ENUM:
       return quoted(lower(reflection.GetEnum(message, &field)->name()));
@@ -40,11 +45,13 @@ std::string value_text(const Message& message, const FieldDescriptor& field) {
     default:
       break;
   }
+
   return curve_text(curve_of(message, field), key_of(field).unit());
 }
 
 using KeyValues = std::vector<std::pair<std::string, std::string>>;
 
+/// The lines KEY = RANGE of a field.
 KeyValues range_lines(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   KeyValues lines;
@@ -67,21 +74,24 @@ void for_each_table(const Message& message, const FieldDescriptor& field, const 
           element_path(path, static_cast<std::size_t>(i)));
 }
 
-/// Keys before tables: a key after a table's header would belong to that table. Keys of the schema
-/// are bare keys.
+/// Appends a table to the text: keys before tables, because a key after the header of a table
+/// belongs to that table. Keys of the schema need no quotes.
 void write_table(const Message& message, const std::string& path, std::string& text) {
   for (const FieldDescriptor* const field : fields_of(*message.GetDescriptor()))
     if (!is_table(*field) && is_present(message, *field))
-      text += toml_key(*field) + " = " + value_text(message, *field) + "\n";
+      text += fmt::format("{} = {}\n", toml_key(*field), value_text(message, *field));
+
   for (const FieldDescriptor* const field : fields_of(*message.GetDescriptor())) {
     if (!is_table(*field) || !is_present(message, *field)) continue;
     const std::string name = join_path(path, toml_key(*field));
     const bool list = field->is_repeated() && !is_ranges(*field);
-    const std::string header = list ? "\n[[" + name + "]]\n" : "\n[" + name + "]\n";
+
+    const std::string header =
+        list ? fmt::format("\n[[{}]]\n", name) : fmt::format("\n[{}]\n", name);
     if (is_ranges(*field)) {
       text += header;
       for (const auto& [key, range] : range_lines(message, *field))
-        text += quoted(key) + " = " + quoted(range) + "\n";
+        text += fmt::format("{} = {}\n", quoted(key), quoted(range));
     } else {
       for_each_table(message, *field, name, [&](const Message& table, const std::string&) {
         text += header;
@@ -91,10 +101,12 @@ void write_table(const Message& message, const std::string& path, std::string& t
   }
 }
 
+/// Collects all keys below a path.
 void collect(const Message& message, const std::string& path, KeyValues& values) {
   for (const FieldDescriptor* const field : fields_of(*message.GetDescriptor())) {
     const std::string key = join_path(path, toml_key(*field));
     if (!is_present(message, *field)) continue;
+
     if (!is_table(*field))
       values.emplace_back(key, value_text(message, *field));
     else if (is_ranges(*field))
@@ -107,23 +119,8 @@ void collect(const Message& message, const std::string& path, KeyValues& values)
   }
 }
 
-}  // namespace
-
-KeyValues key_values(const Message& message) {
-  KeyValues values;
-  collect(message, "", values);
-  return values;
-}
-
-std::string to_toml(const Message& message) {
-  std::string text;
-  write_table(message, "", text);
-  return text;
-}
-
-namespace {
-
-std::string type_of(const FieldDescriptor& field) {
+/// The type of a key in the reference.
+std::string describe_type(const FieldDescriptor& field) {
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_ENUM:
       return "choice";
@@ -146,8 +143,9 @@ KeyReference describe_field(const FieldDescriptor& field, const std::string& pat
   std::vector<std::string> against;
   for (const v1::Abscissa abscissa : abscissae_of(field))
     against.push_back(abscissa_name(abscissa));
+
   return {.path = path,
-          .type = type_of(field),
+          .type = describe_type(field),
           .unit = key.unit(),
           .permitted = is_choice ? joined(enum_texts(field)) : range_text(field),
           .against = joined(against),
@@ -159,6 +157,7 @@ KeyReference describe_field(const FieldDescriptor& field, const std::string& pat
           .uncertainty = key.uncertainty()};
 }
 
+/// Appends the rows of a message and of its tables.
 void append(const Descriptor& descriptor, const std::string& parent,
             std::vector<KeyReference>& rows) {
   for (const FieldDescriptor* const field : fields_of(descriptor)) {
@@ -170,6 +169,18 @@ void append(const Descriptor& descriptor, const std::string& parent,
 }
 
 }  // namespace
+
+KeyValues key_values(const Message& message) {
+  KeyValues values;
+  collect(message, "", values);
+  return values;
+}
+
+std::string to_toml(const Message& message) {
+  std::string text;
+  write_table(message, "", text);
+  return text;
+}
 
 std::vector<KeyReference> reference(const Descriptor& descriptor) {
   std::vector<KeyReference> rows;

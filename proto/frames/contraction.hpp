@@ -14,7 +14,7 @@ namespace dccast::frames {
 /// @pre       the curve has a value; without abscissae it is constant
 double curve_value(const v1::Curve& curve, double at);
 
-/// The same at a time [s] and a cast length [m], whichever is the abscissa of the table.
+/// Value of a table at a time [s] or a cast length [m], whichever is its abscissa.
 /// @param otherwise  [unit of the curve] value of a table without points
 double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, double otherwise);
 
@@ -54,11 +54,11 @@ struct Contraction {
   const FaceRow& head() const;
 };
 
-/// Temperature below which metal counts as a shell [°C]; of earlier results the solidus.
+/// Temperature below which metal counts as shell [°C]; for results of earlier versions the solidus.
 double shell_c(const v1::Frame& frame);
 
-/// Half the opening of the mould of a quarter slab [m]. @param x_m  from the middle of the wide
-/// face [m]
+/// Half the opening of the mould of a quarter slab [m].
+/// @param x_m  from the middle of the wide face [m]
 double half_opening_m(const v1::Section& section, double x_m);
 
 /// The contraction cannot be computed from a frame: what is missing, and the remedy.
@@ -88,6 +88,7 @@ struct SteadyFace {
   double residual_m(double wanted_m) const;
 };
 
+/// Evaluates the wide face where the casting is steady.
 /// @throws NoContraction  the solid part above the butt is not high enough: the run is too short
 SteadyFace steady_face(const Contraction& contraction);
 

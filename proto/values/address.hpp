@@ -4,14 +4,16 @@
 
 namespace dccast::values {
 
-/// "casthouse:7118" or "[::1]:7118" in its parts; the port may be empty.
+/// The parts of an address such as "casthouse:7118" or "[::1]:7118".
 struct HostAndPort {
   std::string host;  ///< without brackets
-  std::string port;
+  std::string port;  ///< may be empty
 };
+
 inline HostAndPort host_and_port(const std::string& address) {
   const auto colon = address.rfind(':');
   const bool has_port = colon != std::string::npos && address.find(']', colon) == std::string::npos;
+
   HostAndPort parts{address.substr(0, has_port ? colon : std::string::npos),
                     has_port ? address.substr(colon + 1) : ""};
   if (parts.host.starts_with('[') && parts.host.ends_with(']'))
@@ -20,7 +22,7 @@ inline HostAndPort host_and_port(const std::string& address) {
 }
 
 /// Whether other machines cannot reach this address ("127.0.0.1:0", "[::1]:7117",
-/// "localhost:7117"). A name that only begins as a number of loopback does, is none.
+/// "localhost:7117"). Names that merely begin like a loopback address ("127.example") do not count.
 inline bool is_loopback(const std::string& address) {
   const std::string host = host_and_port(address).host;
   return host == "localhost" || host == "::1" ||

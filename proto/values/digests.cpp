@@ -1,5 +1,6 @@
 #include "proto/values/digests.hpp"
 
+#include <fmt/format.h>
 #include <openssl/evp.h>
 #include <sys/random.h>
 
@@ -15,34 +16,20 @@
 
 namespace dccast::values {
 
-std::string hexadecimal(std::span<const unsigned char> bytes) {
-  std::string text;
-  for (const unsigned char byte : bytes) {
-    text += "0123456789abcdef"[byte >> 4];
-    text += "0123456789abcdef"[byte & 15];
-  }
-  return text;
-}
-
-std::string random_hexadecimal(std::size_t bytes) {
-  std::vector<unsigned char> random(bytes);
-  // Up to 256 bytes come at once and without interruption, getrandom(2).
-  if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
-    throw std::system_error(errno, std::generic_category(), "getrandom");
-  return hexadecimal(random);
-}
-
 namespace {
 
-/// Takes bytes piece by piece and gives their SHA-256.
+/// Computes the SHA-256 of bytes that are added piece by piece.
 class Sha256 {
 public:
   Sha256() : context_(EVP_MD_CTX_new()) {
     if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1)
       throw std::bad_alloc();
   }
-  void take(const void* bytes, std::size_t size) { EVP_DigestUpdate(context_.get(), bytes, size); }
-  std::string in_hexadecimal() {
+
+  void add(const void* bytes, std::size_t size) { EVP_DigestUpdate(context_.get(), bytes, size); }
+
+  /// The digest in hexadecimal; nothing may be added afterwards.
+  std::string finish() {
     std::array<unsigned char, 32> digest;
     EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr);
     return hexadecimal(digest);
@@ -54,15 +41,33 @@ private:
 
 }  // namespace
 
+std::string hexadecimal(std::span<const unsigned char> bytes) {
+  std::string text;
+  for (const unsigned char byte : bytes) {
+    text += "0123456789abcdef"[byte >> 4];
+    text += "0123456789abcdef"[byte & 15];
+  }
+  return text;
+}
+
+std::string random_hexadecimal(std::size_t bytes) {
+  std::vector<unsigned char> random(bytes);
+  // Up to 256 bytes are delivered at once and without interruption, getrandom(2).
+  if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
+    throw std::system_error(errno, std::generic_category(), "getrandom");
+  return hexadecimal(random);
+}
+
 std::string sha256(std::string_view bytes) {
   Sha256 digest;
-  digest.take(bytes.data(), bytes.size());
-  return digest.in_hexadecimal();
+  digest.add(bytes.data(), bytes.size());
+  return digest.finish();
 }
 
 std::string sha256_of_file(const std::filesystem::path& path, std::int64_t most) {
   const auto fail = [&] {
-    return std::system_error(errno, std::generic_category(), "cannot read " + path.string());
+    return std::system_error(errno, std::generic_category(),
+                             fmt::format("cannot read {}", path.string()));
   };
   if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)) {
     errno = EINVAL;  // a named pipe would be waited for
@@ -75,11 +80,12 @@ std::string sha256_of_file(const std::filesystem::path& path, std::int64_t most)
   std::vector<char> piece(1 << 18);
   while (file && most > 0) {
     file.read(piece.data(), std::min(most, static_cast<std::int64_t>(piece.size())));
-    digest.take(piece.data(), static_cast<std::size_t>(file.gcount()));
+    digest.add(piece.data(), static_cast<std::size_t>(file.gcount()));
     most -= file.gcount();
   }
   if (file.bad()) throw fail();
-  return digest.in_hexadecimal();
+
+  return digest.finish();
 }
 
 std::string random_uuid() {

@@ -9,25 +9,26 @@
 
 namespace dccast::values {
 
-/// Two digits a byte, lower case, as every value of the contract is written.
+/// Two lower-case digits per byte, the form of all values of the contract.
 std::string hexadecimal(std::span<const unsigned char> bytes);
 
-/// So many bytes from the system's random numbers. @throws std::system_error
+/// A number of bytes from the system's random number generator. @throws std::system_error
 std::string random_hexadecimal(std::size_t bytes);
 
 /// SHA-256 in lower-case hexadecimal.
 std::string sha256(std::string_view bytes);
 
-/// SHA-256 of a file, read in pieces. @param most  of its first bytes alone  @throws
-/// std::system_error when it cannot be read.
+/// SHA-256 of a file, read in pieces.
+/// @param most  number of bytes from its beginning; the rest is not read
+/// @throws std::system_error  the file cannot be read
 std::string sha256_of_file(const std::filesystem::path& path, std::int64_t most = INT64_MAX);
 
-/// A random UUID (version 4) in lower case: the id of a job, of a study, of a submission that may
-/// have to be repeated.
+/// A random UUID (version 4) in lower case: the id of a job, of a study, or of a submission that
+/// may be repeated.
 std::string random_uuid();
 
-/// Whether `text` is a UUID in lower case, as random_uuid() writes them. Everything else is refused
-/// before it comes near a path or a statement.
+/// Whether `text` is a UUID in lower case, as from random_uuid(). Used to refuse everything else
+/// before it becomes part of a path or of an SQL statement.
 bool is_uuid(std::string_view text);
 
 }  // namespace dccast::values

@@ -15,12 +15,14 @@ namespace dccast::values {
 inline std::vector<double> at_instants(const std::vector<double>& instants_s,
                                        const std::vector<double>& time_s,
                                        const std::vector<double>& value) {
-  // Steps of another length add up to the same time but for their round-off.
+  // Times that were summed over different steps agree up to rounding errors.
   constexpr double margin_s = 1e-6;
+
   std::vector<double> result;
   for (const double instant : instants_s) {
     const auto after = std::lower_bound(time_s.begin(), time_s.end(), instant - margin_s);
     const auto i = static_cast<std::size_t>(after - time_s.begin());
+
     if (after != time_s.end() && *after <= instant + margin_s) {
       result.push_back(value[i]);
     } else if (after == time_s.begin() || after == time_s.end()) {

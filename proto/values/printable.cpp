@@ -1,35 +1,39 @@
 #include "proto/values/printable.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <utility>
 
 namespace dccast::values {
 namespace {
 
-/// One character of a text, or one byte that begins none.
+/// One character of a text, or one byte that is not the beginning of one.
 struct Character {
   std::uint32_t code = 0;
   std::size_t bytes = 1;
   bool is_utf8 = true;
 };
 
-/// @param text  not empty
-Character first_of(std::string_view text) {
+/// Decodes the first character of a text. @param text  not empty
+Character decode_first(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
   if (first < 0x80) return {first};
+
   const Character broken{first, 1, false};
   const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
   if (first < 0xC2 || first > 0xF4 || text.size() < length) return broken;
+
   std::uint32_t code = first & (0x7Fu >> length);
   for (std::size_t i = 1; i < length; ++i) {
     if ((byte(i) & 0xC0) != 0x80) return broken;
     code = code << 6 | (byte(i) & 0x3Fu);
   }
-  // Overlong forms, surrogates, beyond the last character (RFC 3629).
+
+  // Refuse overlong forms, surrogates, and codes beyond the last character (RFC 3629).
   constexpr std::array<std::uint32_t, 5> smallest{0, 0, 0x80, 0x800, 0x10000};
   if (code < smallest[length] || (code >= 0xD800 && code <= 0xDFFF) || code > 0x10FFFF)
     return broken;
@@ -42,6 +46,7 @@ bool is_printable(const Character& c, Lines lines) {
   const auto within = [&](std::uint32_t first, std::uint32_t last) {
     return c.code >= first && c.code <= last;
   };
+
   const bool control = c.code < 0x20 || within(0x7F, 0x9F);
   // U+2028 and U+2029 end lines; the others change the direction of what follows.
   const bool layout = c.code == 0x061C || within(0x200E, 0x200F) || within(0x2028, 0x202E) ||
@@ -49,41 +54,35 @@ bool is_printable(const Character& c, Lines lines) {
   return !control && !layout;
 }
 
-std::string hexadecimal(const char* format, std::uint32_t code) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, code);
-  return text;
-}
-
-std::string name_of(const Character& c) {
-  if (!c.is_utf8) return hexadecimal("the byte 0x%02X, which is no UTF-8,", c.code);
+/// The name of a character for a message, e.g. "U+001B (ESC)".
+std::string describe(const Character& c) {
+  if (!c.is_utf8) return fmt::format("the byte 0x{:02X}, which is no UTF-8,", c.code);
   static constexpr std::array names{
       std::pair{0x00u, "NUL"},       std::pair{0x09u, "tab"},
       std::pair{0x0Au, "line feed"}, std::pair{0x0Du, "carriage return"},
       std::pair{0x1Bu, "ESC"},       std::pair{0x7Fu, "DEL"},
       std::pair{0x9Bu, "CSI"},       std::pair{0x9Du, "OSC"}};
-  std::string name = hexadecimal("U+%04X", c.code);
-  for (const auto& [code, known] : names)
-    if (code == c.code) name.append(" (").append(known).append(")");
-  return name;
+  for (const auto& [code, name] : names)
+    if (code == c.code) return fmt::format("U+{:04X} ({})", code, name);
+  return fmt::format("U+{:04X}", c.code);
 }
 
 }  // namespace
 
 std::optional<std::string> unprintable(std::string_view text, Lines lines) {
-  for (std::size_t at = 0; at < text.size();) {
-    const Character c = first_of(text.substr(at));
-    if (!is_printable(c, lines)) return name_of(c) + " at byte " + std::to_string(at + 1);
-    at += c.bytes;
+  for (std::size_t offset = 0; offset < text.size();) {
+    const Character c = decode_first(text.substr(offset));
+    if (!is_printable(c, lines)) return fmt::format("{} at byte {}", describe(c), offset + 1);
+    offset += c.bytes;
   }
   return std::nullopt;
 }
 
 std::optional<std::size_t> first_broken_utf8(std::string_view text) {
-  for (std::size_t at = 0; at < text.size();) {
-    const Character c = first_of(text.substr(at));
-    if (!c.is_utf8) return at;
-    at += c.bytes;
+  for (std::size_t offset = 0; offset < text.size();) {
+    const Character c = decode_first(text.substr(offset));
+    if (!c.is_utf8) return offset;
+    offset += c.bytes;
   }
   return std::nullopt;
 }
@@ -92,11 +91,12 @@ std::string escaped(std::string_view text, Lines lines) {
   std::string result;
   result.reserve(text.size());
   while (!text.empty()) {
-    const Character c = first_of(text);
+    const Character c = decode_first(text);
     if (is_printable(c, lines))
       result.append(text.substr(0, c.bytes));
     else
-      result += hexadecimal(c.is_utf8 ? "\\u{%X}" : "\\x{%02X}", c.code);
+      result +=
+          c.is_utf8 ? fmt::format("\\u{{{:X}}}", c.code) : fmt::format("\\x{{{:02X}}}", c.code);
     text.remove_prefix(c.bytes);
   }
   return result;
@@ -114,16 +114,17 @@ std::string escaped_in_quotes(std::string_view text) {
 std::string shortened(std::string_view text, std::size_t limit) {
   const std::string_view line = text.substr(0, text.find('\n'));
   std::size_t kept = std::min(line.size(), limit);
-  // Not in the middle of a character of UTF-8.
+
+  // Do not cut a character of UTF-8.
   while (kept > 0 && kept < line.size() && (static_cast<unsigned char>(line[kept]) & 0xC0) == 0x80)
     --kept;
-  return std::string(line.substr(0, kept)) + (kept < text.size() ? "..." : "");
+
+  return fmt::format("{}{}", line.substr(0, kept), kept < text.size() ? "..." : "");
 }
 
 std::string too_long(std::string_view name, std::string_view text, std::size_t limit) {
   if (text.size() <= limit) return {};
-  return std::string(name) + " has " + std::to_string(text.size()) + " bytes; at most " +
-         std::to_string(limit) + " are permitted";
+  return fmt::format("{} has {} bytes; at most {} are permitted", name, text.size(), limit);
 }
 
 }  // namespace dccast::values

@@ -7,22 +7,24 @@
 
 namespace dccast::values {
 
+/// Whether a text is one line or may have several.
 enum class Lines { one, several };
 
-/// The first character of a text that would act on a terminal or a log instead of being shown: a
-/// control of C0 or C1, a mark of direction (bidi), a line or paragraph separator, a byte that is
-/// no UTF-8. Names it with its place, e.g. "U+001B (ESC) at byte 5"; nothing in a text without one.
+/// Finds the first character of a text that would act on a terminal or a log instead of being
+/// shown: a control character (C0 or C1), a direction mark (bidi), a line or paragraph separator,
+/// or a byte that is not UTF-8.
 /// @param lines  several: line feeds and tabs are permitted
+/// @return       its name and position, e.g. "U+001B (ESC) at byte 5"; nothing if there is none
 std::optional<std::string> unprintable(std::string_view text, Lines lines = Lines::one);
 
-/// The first byte that belongs to no character of UTF-8; nothing in a text without one.
+/// Position of the first byte that is not UTF-8; nothing if there is none.
 std::optional<std::size_t> first_broken_utf8(std::string_view text);
 
-/// The text with each of these characters written out: \u{1B}, \x{E9} for a byte that is no UTF-8.
-/// The result is UTF-8.
+/// The text with each unprintable() character written as \u{1B}, or \x{E9} for a byte that is not
+/// UTF-8. The result is UTF-8.
 std::string escaped(std::string_view text, Lines lines = Lines::one);
 
-/// escaped(), for between quotation marks: '"' and '\\' have a backslash before them.
+/// escaped() for a text between quotation marks: '"' and '\\' are preceded by a backslash.
 std::string escaped_in_quotes(std::string_view text);
 
 /// Largest part of a value that a message repeats [bytes].

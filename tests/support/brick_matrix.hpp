@@ -7,8 +7,8 @@
 
 namespace dccast::support {
 
-/// Elasticity of a quarter slab in equal trilinear hexahedra with 2 x 2 x 2 points: a matrix as the
-/// mechanics in three dimensions solves it. Nodes are numbered row by row from the bottom, in a row
+/// Stiffness matrix of a quarter slab of equal trilinear hexahedra with 2 x 2 x 2 points, like the
+/// matrices of the mechanics in 3D. Nodes are numbered row by row from the bottom, within a row
 /// along x first; unknown = 3 node + direction.
 class BrickMatrix {
 public:
@@ -30,25 +30,26 @@ public:
   template <class Modulus>
   std::vector<double> stiffness(double poisson, const Modulus& modulus) const {
     std::vector<double> values(pattern.entries(), 0.0);
-    const std::vector<double> one = cell_stiffness(poisson);
+    const std::vector<double> unit = cell_stiffness(poisson);
     int e = 0;
     for (int k = 0; k < rows_; ++k) {
       for (int j = 0; j < plan_[1]; ++j) {
-        for (int i = 0; i < plan_[0]; ++i) add(values, e++, one, modulus(i, j, k));
+        for (int i = 0; i < plan_[0]; ++i) add(values, e++, unit, modulus(i, j, k));
       }
     }
     return values;
   }
 
-  /// (unknown) held: the normal directions of the planes x = 0 and y = 0, and the upward one of the
-  /// nodes of the bottom within `standing` cells of the centre, along both directions.
+  /// (unknown) not zero where held: the normal displacement on the planes x = 0 and y = 0, and the
+  /// vertical one of the nodes of the bottom within `standing` cells of the centre.
   std::vector<char> supports(int standing) const;
 
   const std::vector<int>& cell_unknowns() const { return cell_unknown_; }
 
 private:
   std::vector<double> cell_stiffness(double poisson) const;
-  void add(std::vector<double>& values, int cell, const std::vector<double>& one,
+  /// Adds the matrix of a cell: `unit`, that of E = 1, times its modulus.
+  void add(std::vector<double>& values, int cell, const std::vector<double>& unit,
            double modulus) const;
 
   std::array<int, 2> plan_;
@@ -60,7 +61,7 @@ public:
   linalg::SparsityPattern pattern;
 };
 
-/// Empties rows and columns of the held unknowns; their diagonal stays.
+/// Sets rows and columns of the held unknowns to zero, except for their diagonal.
 void decouple(const linalg::SparsityPattern& pattern, const std::vector<char>& held,
               std::vector<double>& values);
 

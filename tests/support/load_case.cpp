@@ -12,7 +12,8 @@ namespace dccast::support {
 
 namespace {
 
-void refuse(const std::vector<v1::Fault>& faults) {
+/// @throws std::runtime_error  there are faults
+void require_none(const std::vector<v1::Fault>& faults) {
   if (faults.empty()) return;
   std::string text;
   for (const auto& fault : faults) {
@@ -28,16 +29,12 @@ case_file::ReadOutcome read(const std::string& name, v1::Case& message) {
   return case_file::read_file(name, message);
 }
 
-}  // namespace
-
-namespace {
-
 casting::Case complete_case(v1::Case& message, const std::filesystem::path& folder) {
   case_file::apply_defaults(message);
   const auto card = case_file::alloy_card(message.alloy().card());
-  refuse(card.faults);
+  require_none(card.faults);
   case_file::complete_alloy(card.alloy, *message.mutable_alloy());
-  refuse(case_file::check_ranges(message));
+  require_none(case_file::check_ranges(message));
   return translate::to_core(message, folder);
 }
 
@@ -45,13 +42,13 @@ casting::Case complete_case(v1::Case& message, const std::filesystem::path& fold
 
 casting::Case load_case(const std::string& name) {
   v1::Case message;
-  refuse(read(name, message).faults);
+  require_none(read(name, message).faults);
   return complete_case(message, std::filesystem::path(name).parent_path());
 }
 
 casting::Case load_case(const std::string& name, v1::Quality quality) {
   v1::Case message;
-  refuse(read(name, message).faults);
+  require_none(read(name, message).faults);
   message.set_quality(quality);
   return complete_case(message, std::filesystem::path(name).parent_path());
 }

@@ -11,16 +11,17 @@ enum Quality : int;
 
 namespace dccast::support {
 
-/// A case file as the service would run it: defaults and alloy card filled in.
+/// Loads a case as the service would run it, with its defaults and its alloy card.
 /// @param name  path of a file, or name of a shipped case
-/// @throws std::runtime_error  with every fault, when it has any
+/// @throws std::runtime_error  the case has faults; the message lists all of them
 casting::Case load_case(const std::string& name);
 
-/// The same in another quality than the file says.
+/// Loads a case in another quality than that of the file.
 casting::Case load_case(const std::string& name, v1::Quality quality);
 
-/// The mesh and the steps in which the algorithms are compared and the paper's tables are made, of
-/// the size of the paper's section 5.2: 30 x 22 cells graded to 3 mm at the side and the bottom.
+/// Sets the mesh and the time steps for which algorithms are compared and the paper's tables are
+/// computed: the size of the paper's section 5.2, 30 x 22 cells graded to 3 mm at the side and the
+/// bottom.
 void take_paper_size(casting::Case& casting_case);
 
 }  // namespace dccast::support

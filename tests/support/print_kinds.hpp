@@ -4,7 +4,7 @@
 
 #include "core/mesh/section_spec.hpp"
 
-// How GoogleTest names the parameters of tests that run for several elements or sections.
+// Names of elements and sections for GoogleTest, for tests that run for several of them.
 namespace dccast::mesh {
 
 inline void PrintTo(ElementKind element, std::ostream* out) {

@@ -13,21 +13,23 @@ struct QuarterBlock {
   double depth;          ///< [m]
 };
 
-/// How many cells it has along x, y and z, and how wide those at the faces are.
+/// Its numbers of cells along x, y and z, and the widths of the cells at the faces.
 struct QuarterCells {
   int columns, layers, rows;
   double side, wide_side, bottom;  ///< [m]
 };
 
-/// A quarter slab of the built-in mesh.
+/// A section of a quarter slab with the built-in mesh.
 inline mesh::SectionSpec quarter_section(mesh::ElementKind element, QuarterBlock block,
                                          const QuarterCells& cells) {
   mesh::SectionSpec spec;
   spec.kind = mesh::SectionKind::quarter_slab;
   spec.element = element;
+
   spec.half_width = block.half_width;
   spec.half_thickness = std::move(block.half_thickness);
   spec.initial_depth = block.depth;
+
   spec.columns = cells.columns;
   spec.layers = cells.layers;
   spec.rows = cells.rows;

@@ -7,7 +7,7 @@
 
 namespace dccast {
 
-/// A folder that is gone at the end of a test, with what was put beside it (a quarantine).
+/// A folder that is removed at the end of a test, together with files beside it (a quarantine).
 class TemporaryFolder {
 public:
   TemporaryFolder() {

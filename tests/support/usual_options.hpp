@@ -4,19 +4,22 @@
 
 namespace dccast::testing {
 
-/// A body with its weight, on its block, held by the mould: what tests and the verification change
-/// a thing or two of. Core itself has no defaults.
+/// Options of a body with its weight, on its block, held by the mould. Tests and verification
+/// change single values of them; core itself has no defaults.
 /// @param tolerance  [1] residual relative to the acting forces
 inline mechanics::Options usual_options(double tolerance) {
   mechanics::Options options;
   options.gravity = 9.81;
+
   options.liquid_modulus = 1e3;
   options.liquid_epsilon = 1e-3;
   options.liquid_delta = 2.0;
   options.liquid_beta = 1.0;
+
   options.confinement = true;
   options.confinement_stiffness = 1e12;
   options.contact = true;
+
   options.tolerance = tolerance;
   options.parameters.gamma_p = 1.25e-12;
   options.parameters.gamma_c = 5e8;

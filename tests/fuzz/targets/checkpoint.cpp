@@ -11,11 +11,11 @@ namespace {
 
 void convert(const results::Sections& content) {
   try {
-    results::header_of(content);
+    results::read_header(content);
   } catch (const std::out_of_range&) {
   }
   try {
-    results::frame_of(content);
+    results::read_frame(content);
   } catch (const std::out_of_range&) {
   }
   try {

@@ -14,8 +14,8 @@ namespace dccast::casting {
 
 namespace {
 
-/// Whether the kernel gave memory of these flags, and let it be used.
-bool takes_memory(std::size_t bytes, int flags) {
+/// Whether the kernel provides memory with these flags and lets it be used.
+bool can_use_memory(std::size_t bytes, int flags) {
   void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, flags | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) return false;
   std::memset(memory, 1, bytes);
@@ -23,24 +23,25 @@ bool takes_memory(std::size_t bytes, int flags) {
   return true;
 }
 
-/// Whether a write to a pipe sends another process a signal that ends it. Nothing is written.
-bool aims_a_signal(pid_t at) {
+/// Whether a write to a pipe can be made to send another process a signal that ends it. Nothing is
+/// written.
+bool can_direct_signal(pid_t target) {
   int ends[2];
   if (::pipe(ends) != 0) return false;
-  const bool aimed =
-      ::fcntl(ends[0], F_SETOWN, at) == 0 || ::fcntl(ends[0], F_SETSIG, SIGKILL) == 0;
+  const bool directed =
+      ::fcntl(ends[0], F_SETOWN, target) == 0 || ::fcntl(ends[0], F_SETSIG, SIGKILL) == 0;
   ::close(ends[0]);
   ::close(ends[1]);
-  return aimed;
+  return directed;
 }
 
 }  // namespace
 
 std::string attack(std::size_t bytes) {
   const pid_t daemon = ::getppid();
-  std::string worked;
-  const auto note = [&worked](bool success, const char* what) {
-    if (success) worked += std::string(what) + "\n";
+  std::string succeeded;
+  const auto note = [&succeeded](bool success, const char* attempt) {
+    if (success) succeeded += std::string(attempt) + "\n";
   };
 
   const rlimit nothing{0, 0};
@@ -48,14 +49,14 @@ std::string attack(std::size_t bytes) {
   note(::setpriority(PRIO_PROCESS, static_cast<id_t>(daemon), 19) == 0,
        "setpriority of the daemon");
   note(::kill(daemon, SIGSTOP) == 0, "kill");
-  note(aims_a_signal(daemon), "F_SETOWN, F_SETSIG");
+  note(can_direct_signal(daemon), "F_SETOWN, F_SETSIG");
   const std::string memory = "/proc/" + std::to_string(daemon) + "/mem";
   note(::open(memory.c_str(), O_WRONLY) >= 0, "writing the memory of the daemon");
 
-  note(takes_memory(bytes, MAP_SHARED), "a shared mapping past worker_memory");
+  note(can_use_memory(bytes, MAP_SHARED), "a shared mapping past worker_memory");
   note(::syscall(SYS_memfd_create, "memory", 0) >= 0, "memfd_create");
   note(::shmget(IPC_PRIVATE, 4096, 0600) >= 0, "shmget");
-  return worked;
+  return succeeded;
 }
 
 }  // namespace dccast::casting

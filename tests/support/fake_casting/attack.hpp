@@ -4,9 +4,9 @@
 
 namespace dccast::casting {
 
-/// Does what a worker would do that a file has taken over: tries to end, stop or change its daemon,
-/// and to take `bytes` of memory past its bound. @return what worked, a line each; empty for
-/// nothing
+/// Behaves like a worker that a hostile file has taken over: tries to end, stop or change its
+/// daemon, and to use `bytes` of memory, more than its limit.
+/// @return the attempts that succeeded, one per line; empty if none did
 std::string attack(std::size_t bytes);
 
 }  // namespace dccast::casting

@@ -1,4 +1,4 @@
-// What it does stands in tests/support/fake_casting/README.md.
+// A casting whose behaviour follows from the title of its case: README.md.
 #include <signal.h>
 
 #include <charconv>
@@ -25,6 +25,7 @@ namespace dccast::casting {
 
 namespace {
 
+/// The words KEY=VALUE of a title.
 class Script {
 public:
   explicit Script(const std::string& title) {
@@ -33,13 +34,16 @@ public:
       if (const auto equals = word.find('='); equals != std::string::npos)
         words_[word.substr(0, equals)] = word.substr(equals + 1);
   }
+  /// The number of a key; `otherwise` if it is absent or not a number.
   std::int64_t number(const std::string& key, std::int64_t otherwise) const {
     const auto found = words_.find(key);
     if (found == words_.end()) return otherwise;
-    std::int64_t number = otherwise;  // also of a title that a test has mutated
+
+    std::int64_t number = otherwise;  // tests mutate titles: the value may be anything
     std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
     return number;
   }
+  /// The text of a key; empty if it is absent.
   std::string word(const std::string& key) const {
     const auto found = words_.find(key);
     return found == words_.end() ? "" : found->second;
@@ -49,6 +53,7 @@ private:
   std::map<std::string, std::string> words_;
 };
 
+/// The state of a run, also the content of its checkpoint.
 struct State {
   std::int64_t step = 0;
   double displacement = 0.0;  ///< of the first monitor [m]
@@ -60,7 +65,8 @@ void advance(State& state) {
   state.displacement = 0.9 * state.displacement + 1e-3 * std::sin(static_cast<double>(state.step));
 }
 
-/// Whole or not at all: rename after the write, as the real one does.
+/// Writes a checkpoint completely or not at all: renames it after the write, as the real solver
+/// does.
 void write_checkpoint(const std::filesystem::path& folder, const State& state) {
   {
     std::ofstream file(folder / "checkpoint.bin.part", std::ios::binary);
@@ -91,13 +97,14 @@ void write_results(const std::filesystem::path& folder, const Script& script, st
   std::filesystem::rename(folder / "results.h5.part", folder / "results.h5");
 }
 
-/// A cold quarter slab as high as a metre, which is narrower than its mould by so many per mille of
-/// it in the middle of the face and three tenths of that at its end.
+/// A cold quarter slab one metre high that is narrower than its mould: by `per_mille` of the
+/// opening in the middle of the face, by three tenths of that at its end.
 results::Frame cold_slab(const mesh::SectionSpec& section, double per_mille) {
   results::Frame frame;
   frame.dimension = 3;
   frame.nodes_per_element = 8;
   frame.metal_level = 1.0;
+
   constexpr int columns = 12, layers = 2, rows = 20;
   for (int k = 0; k <= rows; ++k)
     for (int i = 0; i <= columns; ++i)
@@ -110,13 +117,15 @@ results::Frame cold_slab(const mesh::SectionSpec& section, double per_mille) {
         frame.displacement.insert(frame.displacement.end(), {0.0, -share * lost, 0.0});
         frame.temperature.push_back(20.0);
       }
+
+  // One element is enough: only the nodes are read.
   constexpr int row = (columns + 1) * (layers + 1);
   for (const int n : {0, layers + 1, layers + 2, 1}) frame.element_node.push_back(n);
   for (const int n : {0, layers + 1, layers + 2, 1}) frame.element_node.push_back(row + n);
   return frame;
 }
 
-/// Results with one frame, as the real worker writes them.
+/// Writes results with one frame, as the real worker does.
 void write_slab(const std::filesystem::path& folder, const Case& c, double per_mille) {
   results::RunHeader header;
   header.title = c.title;
@@ -124,13 +133,14 @@ void write_slab(const std::filesystem::path& folder, const Case& c, double per_m
   header.liquidus = 649.0;
   header.solidus = 620.0;
   header.dimension = 3;
+
   results::ResultWriter writer({folder / "journal.bin", folder / "results.h5"}, header);
   writer.append(cold_slab(c.section, per_mille));
   writer.publish({});
   std::filesystem::remove(folder / "journal.bin");
 }
 
-results::StepReport report_of(const State& state, std::int64_t steps, double seconds) {
+results::StepReport make_report(const State& state, std::int64_t steps, double seconds) {
   results::StepReport report;
   report.step = state.step;
   report.time = static_cast<double>(state.step);
@@ -143,7 +153,7 @@ results::StepReport report_of(const State& state, std::int64_t steps, double sec
   return report;
 }
 
-Finding finding_of(std::int64_t step) {
+Finding make_finding(std::int64_t step) {
   Finding finding;
   finding.code = "bleed_out_at_exit";
   finding.severity = Severity::danger;
@@ -165,7 +175,7 @@ std::vector<Finding> findings_of_case(const Case&) {
 
 std::vector<Finding> forecast(const Case& casting_case) {
   const auto step = Script(casting_case.title).number("finding_at", -1);
-  return step < 0 ? std::vector<Finding>{} : std::vector{finding_of(step)};
+  return step < 0 ? std::vector<Finding>{} : std::vector{make_finding(step)};
 }
 
 CheckedCase check(const Case& casting_case, const std::vector<std::string>&) {
@@ -187,7 +197,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>&) {
 
 namespace {
 
-/// Everything of one run that outlives a step.
+/// A run with its state.
 struct FakeRun {
   const Script& script;
   const RunDirectory& directory;
@@ -198,10 +208,11 @@ struct FakeRun {
   State state{};
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
 
-  results::StepReport report(const State& of) const {
+  results::StepReport report(const State& reported) const {
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-    return report_of(of, steps, spent.count());
+    return make_report(reported, steps, spent.count());
   }
+  /// Whether the present step is the one that the script names.
   bool is(const char* word) const { return state.step == script.number(word, -1); }
 
   std::optional<RunOutcome> resume();
@@ -211,9 +222,11 @@ struct FakeRun {
   std::optional<RunOutcome> step();
 };
 
-/// @return the outcome when the checkpoint is of "another version" and the run is not to begin
+/// Continues from a checkpoint, if there is one.
+/// @return the outcome if the checkpoint has "another version" and the run must not begin
 std::optional<RunOutcome> FakeRun::resume() {
   if (!directory.resume || !read_checkpoint(directory.path, state)) return std::nullopt;
+
   if (script.number("other_version", 0) != 0) {
     state = {};
     const RunFailure failure{FailureKind::other_version, "another version wrote it", 0, 0, {}, {}};
@@ -224,9 +237,10 @@ std::optional<RunOutcome> FakeRun::resume() {
     std::filesystem::remove(directory.path / "checkpoint.bin");
     return std::nullopt;
   }
+
   resumed = true;
   observer.on_resumed(state.step, static_cast<double>(state.step));
-  if (state.found) observer.on_finding(finding_of(script.number("finding_at", -1)));
+  if (state.found) observer.on_finding(make_finding(script.number("finding_at", -1)));
   return std::nullopt;
 }
 
@@ -235,9 +249,11 @@ void FakeRun::wait() const {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
+/// Crashes, hangs, freezes or attacks, if the script asks for it in this step.
 void FakeRun::misbehave() const {
   if (is("crash_at")) std::abort();
   if (resumed) return;
+
   if (is("crash_once_at")) std::abort();
   if (is("freeze_once_at")) ::raise(SIGSTOP);
   if (const auto bytes = script.number("attack", 0); bytes > 0 && state.step == 2)
@@ -255,17 +271,20 @@ RunOutcome FakeRun::solve_failed() const {
   return {RunEnd::failed, {failure}};
 }
 
-/// @return the outcome when the run ends with this step
+/// Computes a step. @return the outcome if the run ends with it
 std::optional<RunOutcome> FakeRun::step() {
   wait();
   std::this_thread::sleep_for(std::chrono::milliseconds(script.number("sleep_ms", 0)));
   advance(state);
   misbehave();
   if (is("fail_at") || opens_too_far) return solve_failed();
-  if (is("finding_at")) observer.on_finding(finding_of(state.step));
+
+  if (is("finding_at")) observer.on_finding(make_finding(state.step));
   state.found |= is("finding_at");
+
   const Order order = observer.on_step(report(state));
   if (state.step % script.number("checkpoint", 5) == 0) write_checkpoint(directory.path, state);
+
   if (script.number("deaf", 0) != 0 || order == Order::go_on) return std::nullopt;
   if (order == Order::cancel) return RunOutcome{RunEnd::cancelled, {}};
   write_checkpoint(directory.path, state);
@@ -286,11 +305,10 @@ RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObse
   FakeRun fake{script, directory, observer, script.number("steps", 20),
                widest_mm > 0 && 1e3 * casting_case.section.half_thickness(0.0) > double(widest_mm)};
   if (const auto refused = fake.resume()) return *refused;
-  while (fake.state.step < fake.steps) {
-    const auto end = fake.step();
-    if (!end) continue;
-    return *end;
-  }
+
+  while (fake.state.step < fake.steps)
+    if (const auto end = fake.step()) return *end;
+
   if (const auto per_mille = script.number("mould", 0); per_mille > 0)
     write_slab(directory.path, casting_case, static_cast<double>(per_mille));
   else

@@ -44,7 +44,8 @@ protected:
 TEST_P(Motion, ARigidRotationIsFoundAsItIs) {
   for (double angle : {1e-6, 0.0199, 0.0201, -0.1, 0.7, -3.0}) {
     const auto u = turned(angle);
-    for (int e = 0; e < mesh.elements(); ++e) EXPECT_NEAR(turn_of(mesh, e, u)[0], angle, 1e-12);
+    for (int e = 0; e < mesh.elements(); ++e)
+      EXPECT_NEAR(element_turn(mesh, e, u)[0], angle, 1e-12);
     when_liquid.clear();
     EXPECT_NEAR(largest_rotation(mesh, solid, u, mesh.elements(), when_liquid).value,
                 std::abs(angle), 1e-12);

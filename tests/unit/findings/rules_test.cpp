@@ -26,6 +26,7 @@ const Finding* find(const std::vector<Finding>& findings, const std::string& cod
   return found == findings.end() ? nullptr : &*found;
 }
 
+/// Every finding is a sentence, and has value, limit and unit, or none of them.
 void expect_complete(const Finding& finding) {
   EXPECT_TRUE(finding.message.ends_with(".")) << finding.message;
   EXPECT_EQ(finding.value.has_value(), finding.limit.has_value());
@@ -50,15 +51,17 @@ TEST_P(OfCase, IsRaisedBeyondItsLimitAndJustNotAtIt) {
   Case beyond = small_casting(), within = small_casting();
   row.raises(beyond);
   row.does_not(within);
+
   const auto findings = findings_of_case(beyond);
   const Finding* raised = find(findings, row.code);
   ASSERT_NE(raised, nullptr);
   EXPECT_FALSE(raised->time) << "it follows from the case alone";
   expect_complete(*raised);
+
   EXPECT_EQ(find(findings_of_case(within), row.code), nullptr);
 }
 
-void mush_of_5182(Case& c, double coherency) {
+void set_mush_of_5182(Case& c, double coherency) {
   c.alloy.solidus = 515.0;
   c.alloy.liquidus = 637.0;
   c.alloy.coherency = coherency;
@@ -75,10 +78,10 @@ const CaseRow of_case_rows[] = {
      [](Case& c) {
        c.schedule.casting_temperature = {Abscissa::time, {20.0, 40.0}, {680.0, 600.0}};
      }},
-    {"CoherencyOfAnotherCard", "coherency_in_liquid", [](Case& c) { mush_of_5182(c, 620.0); },
-     [](Case& c) { mush_of_5182(c, 576.0); }},
-    {"CoherencyBelowTheSolidus", "coherency_in_liquid", [](Case& c) { mush_of_5182(c, 514.0); },
-     [](Case& c) { mush_of_5182(c, 515.0); }},
+    {"CoherencyOfAnotherCard", "coherency_in_liquid", [](Case& c) { set_mush_of_5182(c, 620.0); },
+     [](Case& c) { set_mush_of_5182(c, 576.0); }},
+    {"CoherencyBelowTheSolidus", "coherency_in_liquid", [](Case& c) { set_mush_of_5182(c, 514.0); },
+     [](Case& c) { set_mush_of_5182(c, 515.0); }},
     {"WaterOff", "water_never_meets", [](Case& c) { c.cooling.water.enabled = false; },
      [](Case&) {}},
     {"WaterTooLate", "water_never_meets", [](Case& c) { c.cooling.water.start = 20.0; },
@@ -165,11 +168,12 @@ TEST(OfCase, ManyTablesAreOneFinding) {
               ::testing::HasSubstr("schedule.casting_speed, schedule.water_flow"));
 }
 
-/// Of the small casting, with nothing to be found.
+/// Figures of a step of the small casting that raise no finding.
 StepFigures sound_step() {
   StepFigures f;
   f.time = 12.5;
   f.moves = f.mechanical = f.left_mould = f.in_gap = true;
+
   f.metal_depth = 0.2;
   f.sump_depth = 0.1;
   f.exit_surface = {400.0, {0.28, 0.1}};
@@ -178,6 +182,7 @@ StepFigures sound_step() {
   f.gap_surface = {590.0, {0.28, 0.12}};
   f.bottom_shell = {0.03, {0.1, 0.0}};
   f.thickest_bottom_shell = 0.035;
+
   f.weight = f.bottom_reaction = 1000.0;
   f.rotation.place = f.slip.place = {0.28, 0.0};
   f.lift = {0.01, {0.28, 0.0}};
@@ -185,6 +190,7 @@ StepFigures sound_step() {
   return f;
 }
 
+/// A change of a step that raises a finding, and one that just does not.
 struct StepRow {
   const char* name;
   const char* code;
@@ -211,17 +217,20 @@ TEST_P(OfStep, IsRaisedBeyondItsLimitAndJustNotAtIt) {
   StepFigures beyond = sound_step(), within = sound_step();
   row.raises(beyond);
   row.does_not(within);
+
   FindingsState state, none;
   judge(with_band(), beyond, state);
   const Finding* raised = find(state.raised, row.code);
   ASSERT_NE(raised, nullptr);
   EXPECT_EQ(raised->time, 12.5);
+  EXPECT_EQ(raised->severity, row.severity);
+  expect_complete(*raised);
+
   ASSERT_TRUE(raised->worst);
   EXPECT_EQ(raised->worst->time, 12.5);
   EXPECT_EQ(raised->worst->value, raised->value);
   EXPECT_EQ(raised->worst->place, raised->place);
-  EXPECT_EQ(raised->severity, row.severity);
-  expect_complete(*raised);
+
   judge(with_band(), within, none);
   EXPECT_EQ(find(none.raised, row.code), nullptr);
 }
@@ -335,6 +344,7 @@ TEST(OfStep, EachCodeIsRaisedOnceWithItsFirstExceedanceAndItsWorst) {
     f.exit_shell = {shell, {0.28 - shell, 0.1}};
     judge(small_casting(), f, state);
   }
+
   ASSERT_EQ(state.raised.size(), 1u);
   const Finding& raised = state.raised[0];
   EXPECT_EQ(raised.time, 12.5);
@@ -343,15 +353,17 @@ TEST(OfStep, EachCodeIsRaisedOnceWithItsFirstExceedanceAndItsWorst) {
   EXPECT_EQ(raised.worst, (results::Exceedance{13.0, 1e-3, {0.28 - 1e-3, 0.1}}));
 }
 
-/// Two rows of one code are in different units: the worst one is that of the row that was first.
+/// Two rows of a code have different units: the worst exceedance is that of the row that raised it.
 TEST(OfStep, TheWorstIsInTheUnitOfTheFirst) {
   FindingsState state;
   StepFigures f = sound_step();
   f.exit_shell.value = 4e-3;
   judge(small_casting(), f, state);
+
   f.exit_surface.value = 640.0;
   f.exit_shell.value = 0.0;
   judge(small_casting(), f, state);
+
   ASSERT_EQ(state.raised.size(), 1u);
   EXPECT_EQ(state.raised[0].unit, "m");
   EXPECT_EQ(state.raised[0].worst->value, 0.0);
@@ -364,6 +376,7 @@ TEST(OfStep, NoneBeforeTheBlockMoves) {
   f.exit_shell.value = f.bottom_shell.value = 0.0;
   f.exit_surface.value = 640.0;
   f.sump_depth = f.metal_depth;
+
   judge(small_casting(), f, state);
   EXPECT_TRUE(state.raised.empty());
 }
@@ -373,16 +386,19 @@ TEST(OfStep, AFailureNamesItsFinding) {
   f.time_step = 0.5;
   f.slip = {0.03, {0.2, 0.0}};
   f.complementarity_error = 0.1;
+
   FindingsState state;
   const RunFailures failures = judge(with_band(), f, state);
   ASSERT_EQ(failures.size(), 2u);
   EXPECT_EQ(failures[0].kind, FailureKind::check_failed);
   EXPECT_EQ(failures[0].finding, "contact_violated");
+
   EXPECT_EQ(failures[1].kind, FailureKind::motion_too_large);
   EXPECT_EQ(failures[1].finding, "slip_too_large");
   EXPECT_EQ(failures[1].time, 12.5);
   EXPECT_EQ(failures[1].time_step, 0.5);
   EXPECT_EQ(failures[1].place, (std::vector{0.2, 0.0}));
+
   ASSERT_TRUE(state.lost);
   EXPECT_EQ(state.lost->message, failures[1].message);
   EXPECT_TRUE(judge(with_band(), f, state).empty()) << "once is enough";
@@ -396,6 +412,7 @@ TEST(OfStep, ALossThatTheRunOutlivesFailsNothing) {
   f.slip.value = 0.03;
   FindingsState state;
   EXPECT_TRUE(judge(c, f, state).empty());
+
   f.closed_shell = {0.0, {0.1, 0.0}};
   EXPECT_TRUE(judge(c, f, state).empty());
   EXPECT_EQ(state.lost->kind, "motion_too_large");
@@ -407,13 +424,14 @@ TEST(OfStep, RotationThatElementsFollowIsADangerAndNoLoss) {
   c.mechanics.options.kinematics = mechanics::Kinematics::corotational;
   StepFigures f = sound_step();
   f.rotation.value = 0.2;
+
   FindingsState state;
   EXPECT_TRUE(judge(c, f, state).empty());
   EXPECT_FALSE(state.lost);
   EXPECT_EQ(find(state.raised, "rotation_too_large")->severity, Severity::danger);
 }
 
-/// What is not a number violates a check, and is no figure of a finding.
+/// A figure that is not a number violates its check, and is left out of the finding.
 TEST(OfStep, AFigureThatIsNoNumberFailsItsCheck) {
   StepFigures f = sound_step();
   f.energy_balance_error = std::nan("");
@@ -452,10 +470,12 @@ TEST(FindingsState, ComesBackFromACheckpoint) {
                    "m",
                    "a.key",
                    results::Exceedance{13.0, 0.04, {0.2, 0.0}}}};
+
   results::Sections sections;
   write_findings(state, sections);
   const auto decoded = results::decode(results::encode(sections));
   ASSERT_TRUE(decoded);
+
   const FindingsState back = read_findings(*decoded);
   EXPECT_EQ(back.raised, state.raised);
   EXPECT_EQ(back.lost, state.lost);
@@ -466,8 +486,9 @@ TEST(FindingsState, ComesBackFromACheckpoint) {
 
 class Recorder : public testing::Recorder {
 public:
-  std::vector<Finding> findings;  ///< the last one of each code, as results hold them
+  std::vector<Finding> findings;  ///< the last one of each code, as in the results
   int times = 0;
+
   void on_finding(const Finding& finding) override {
     ++times;
     const auto known = std::ranges::find(findings, finding.code, &Finding::code);
@@ -478,7 +499,7 @@ public:
   }
 };
 
-/// Without water, cast so fast that nothing freezes in the mould.
+/// A casting without water, so fast that nothing freezes in the mould.
 Case hopeless() {
   Case c = small_casting(mesh::ElementKind::q1);
   c.validity.when_lost = WhenLost::go_on;
@@ -492,6 +513,7 @@ TEST(FindingsOfARun, AreReportedAndKeptInTheResults) {
   const TemporaryFolder folder;
   Recorder recorder;
   EXPECT_EQ(run(hopeless(), {folder / "", false}, recorder).end, RunEnd::succeeded);
+
   for (const char* code : {"no_superheat", "water_never_meets", "bleed_out_at_exit"})
     EXPECT_NE(find(recorder.findings, code), nullptr) << code;
   EXPECT_LE(std::size_t(recorder.times), 2 * recorder.findings.size())
@@ -499,19 +521,22 @@ TEST(FindingsOfARun, AreReportedAndKeptInTheResults) {
   EXPECT_EQ(results::ResultReader(folder / "results.h5").summary().findings, recorder.findings);
 }
 
-/// A stop before and behind the step of each finding: all are reported again, none changes.
+/// A stop before and after the step of each finding: all are reported again, none changes.
 TEST(FindingsOfARun, AreTheSameAfterAResumption) {
   const TemporaryFolder whole;
   Recorder uninterrupted;
   EXPECT_EQ(run(hopeless(), {whole / "", false}, uninterrupted).end, RunEnd::succeeded);
+
   for (const std::int64_t stop : {3, 15, 30}) {
     const TemporaryFolder folder;
     Recorder first, second;
     first.act_after = stop;
     first.then = Order::stop_at_checkpoint;
     ASSERT_EQ(run(hopeless(), {folder / "", false}, first).end, RunEnd::stopped);
+
     second.before = first.reports;
     EXPECT_EQ(run(hopeless(), {folder / "", true}, second).end, RunEnd::succeeded);
+
     EXPECT_EQ(second.resumed_from, stop);
     EXPECT_EQ(second.findings, uninterrupted.findings);
     EXPECT_TRUE(bytes_of(folder / "results.h5") == bytes_of(whole / "results.h5")) << stop;
@@ -523,8 +548,10 @@ TEST(Forecast, OfAnImportedMeshOrGivenTemperaturesThereIsNone) {
   EXPECT_FALSE(forecast(c).empty());
   for (const Finding& finding : forecast(c))
     EXPECT_FALSE(finding.key.empty()) << finding.code << ": the coarse run is judged, not the case";
+
   c.section.file = "mesh.msh";
   EXPECT_TRUE(forecast(c).empty());
+
   c = hopeless();
   c.thermal.file = "temperature.h5";
   EXPECT_TRUE(forecast(c).empty());

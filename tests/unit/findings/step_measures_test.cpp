@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/findings/motion.hpp"
+#include "core/findings/mush_strain.hpp"
 #include "core/findings/shell.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/support/print_kinds.hpp"

@@ -42,7 +42,7 @@ TEST(SteadyFace, NeedsMetalThatIsSolidAboveTheButt) {
     steady_face(rising(0.3));
     FAIL() << "0.27 m is within the butt";
   } catch (const NoContraction& error) {
-    EXPECT_THAT(error.what(), HasSubstr("solid all through up to 300 mm"));
+    EXPECT_THAT(error.what(), HasSubstr("solid only up to 300 mm"));
     EXPECT_THAT(error.what(), HasSubstr("later time.end"));
   }
   EXPECT_THROW(steady_face(contraction_of(quarter_slab(), cooled([](double) { return 640.0; }))),

@@ -36,7 +36,8 @@ const std::string triangle_file =
 const std::string quadrilateral_file =
     head_2 + names + nodes_2 + elements_2(8, boundary_2 + quadrilaterals_2);
 
-/// The same triangles as Gmsh 4 writes them, with a point, parametric nodes and a foreign section.
+/// The same triangles in the format of Gmsh 4, with a point, parametric nodes and an unknown
+/// section.
 const std::string triangle_file_4 =
     head_4 + names +
     "$Entities\n1 4 1 0\n5 0 0 0 0\n"
@@ -49,10 +50,10 @@ const std::string triangle_file_4 =
     "1 3 1 1\n5 13 23\n1 4 1 2\n6 23 22\n7 22 21\n"
     "2 1 2 4\n8 11 12 22\n9 11 21 22\n10 12 13 23\n11 12 23 22\n$EndElements\n";
 
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const auto at = text.find(what);
-  EXPECT_NE(at, std::string::npos) << what;
-  return text.replace(at, what.size(), with);
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto begin = text.find(from);
+  EXPECT_NE(begin, std::string::npos) << from;
+  return text.replace(begin, from.size(), to);
 }
 
 Mesh2D mesh_of(const std::string& text, ElementKind kind = ElementKind::p1) {
@@ -86,15 +87,17 @@ double doubled_area(const Mesh2D& mesh, int element) {
 void expect_the_strip(const Mesh2D& mesh, int elements) {
   EXPECT_EQ(mesh.nodes(), 6);
   EXPECT_EQ(mesh.node, (std::vector<double>{0, 0, 1, 0, 2, 0, 0, 1, 1, 1, 2, 1}));
+
   ASSERT_EQ(mesh.elements(), elements);
   for (int e = 0; e < elements; ++e) EXPECT_EQ(doubled_area(mesh, e), 4.0 / elements);
+
   EXPECT_EQ(patch_nodes(mesh, PatchKind::bottom), (std::vector{0, 1, 2}));
   EXPECT_EQ(patch_nodes(mesh, PatchKind::side), (std::vector{2, 5}));
   EXPECT_EQ(patch_nodes(mesh, PatchKind::symmetry), (std::vector{3, 0}));
   EXPECT_EQ(mesh.facets(PatchKind::top).size(), 2u);
 }
 
-/// The domain lies to the left of a facet of its element.
+/// Every facet is an edge of its element, in the direction in which the domain lies to its left.
 void expect_facets_of_their_elements(const Mesh2D& mesh) {
   for (const auto& patch : mesh.patches) {
     for (const auto& facet : patch.facets) {
@@ -137,6 +140,7 @@ TEST(GmshReader, TurnsSolidElementsRound) {
       "$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 "
       "1\n$EndNodes\n";
   const std::string group = "$PhysicalNames\n1\n2 1 \"bottom\"\n$EndPhysicalNames\n";
+
   for (const char* hexahedron : {"1 2 3 4 5 6 7 8", "1 4 3 2 5 8 7 6"}) {
     Faults faults;
     const auto mesh = parse_gmsh<3>(
@@ -149,6 +153,7 @@ TEST(GmshReader, TurnsSolidElementsRound) {
     EXPECT_EQ(mesh->facets(PatchKind::bottom)[0].node,
               (std::array{0, 3, 2, 1}));  // normal downwards
   }
+
   Faults faults;
   const auto tetrahedron =
       parse_gmsh<3>(head_2 + group + "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n" +
@@ -186,11 +191,13 @@ TEST(GmshReader, WantsABottom) {
 TEST(GmshReader, RefusesTheWrongElementsOrAMixture) {
   EXPECT_EQ(fault_of(triangle_file, ElementKind::q1), "has triangles");
   EXPECT_EQ(fault_of(quadrilateral_file), "has quadrilaterals");
+
   const std::string mixture = head_2 + names + nodes_2 +
                               elements_2(9, boundary_2 +
                                                 "7 2 2 7 1 11 12 22\n8 2 2 7 1 11 22 21\n"
                                                 "9 3 2 7 1 12 13 23 22\n");
   EXPECT_EQ(fault_of(mixture), "has triangles and quadrilaterals");
+
   EXPECT_EQ(fault_of(head_2 + names + nodes_2 + elements_2(6, boundary_2)), "has no elements");
   EXPECT_THAT(fault_of(replaced(triangle_file, "7 2 2 7 1 11 12 22", "7 9 2 7 1 11 12 22 1 1 1")),
               HasSubstr("Gmsh's type 9; only linear ones are read"));
@@ -213,6 +220,7 @@ TEST(GmshReader, RefusesFoldedAndOverlappingElements) {
               HasSubstr("folded or flat"));
   EXPECT_THAT(fault_of(replaced(quadrilateral_file, "11 12 22 21", "11 12 21 22"), ElementKind::q1),
               HasSubstr("folded or flat"));
+
   std::string twice = replaced(triangle_file, "10 2 2 7 1 12 23 22", "10 2 2 7 1 11 12 22");
   twice = replaced(twice, "9 2 2 7 1 12 13 23", "9 2 2 7 1 11 12 22");
   EXPECT_NE(fault_of(twice), "");
@@ -242,7 +250,7 @@ TEST(GmshReader, RefusesAFileWhereverItIsCut) {
       EXPECT_NE(fault_of(text.substr(0, size)), "") << "cut to " << size;
 }
 
-/// Each element has the groups of its entity: a hundred thousand of both were 40 GB.
+/// Each element has all groups of its entity: a hundred thousand of both took 40 GB.
 TEST(GmshReader, RefusesAnEntityInMoreGroupsThanAnyoneNeeds) {
   std::string groups = " 101";
   for (int i = 0; i < 101; ++i) groups += " 7";

@@ -50,12 +50,14 @@ void expect_to_cover(const Mesh2D& mesh, double width, double height) {
 /// is an edge of the element it names, in that element's own direction.
 void expect_closed_boundary(const Mesh2D& mesh, double width, double height) {
   std::map<int, int> next;
-  double twice = 0.0;
+  double twice = 0.0;  // the area by Green's theorem
+
   for (const auto& patch : mesh.patches) {
     for (const auto& facet : patch.facets) {
       ASSERT_TRUE(next.emplace(facet.node[0], facet.node[1]).second) << "two facets leave one node";
       const double *a = mesh.point(facet.node[0]), *b = mesh.point(facet.node[1]);
       twice += a[0] * b[1] - b[0] * a[1];
+
       const int* node = mesh.nodes_of(facet.element);
       bool edge = false;
       for (int i = 0; i < mesh.nodes_per_element; ++i) {
@@ -65,13 +67,15 @@ void expect_closed_boundary(const Mesh2D& mesh, double width, double height) {
     }
   }
   EXPECT_NEAR(0.5 * twice, width * height, 1e-13);
-  int at = next.begin()->first;
+
+  // Follow the facets around the section.
+  int node = next.begin()->first;
   std::size_t length = 0;
   do {
-    ASSERT_TRUE(next.count(at)) << "the boundary is open";
-    at = next[at];
+    ASSERT_TRUE(next.count(node)) << "the boundary is open";
+    node = next[node];
     ++length;
-  } while (at != next.begin()->first && length <= next.size());
+  } while (node != next.begin()->first && length <= next.size());
   EXPECT_EQ(length, next.size()) << "the boundary is one loop";
 }
 
@@ -85,13 +89,14 @@ void expect_patches_in_place(const Mesh2D& mesh, double width, double height) {
 void expect_same(const Mesh2D& a, const Mesh2D& b) {
   EXPECT_EQ(a.node, b.node);
   EXPECT_EQ(a.element_node, b.element_node);
+
   ASSERT_EQ(a.patches.size(), b.patches.size());
   for (std::size_t p = 0; p < a.patches.size(); ++p) {
-    const auto &one = a.patches[p].facets, &other = b.patches[p].facets;
-    ASSERT_EQ(one.size(), other.size()) << a.patches[p].name;
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      EXPECT_EQ(one[i].node, other[i].node);
-      EXPECT_EQ(one[i].element, other[i].element);
+    const auto &first = a.patches[p].facets, &second = b.patches[p].facets;
+    ASSERT_EQ(first.size(), second.size()) << a.patches[p].name;
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      EXPECT_EQ(first[i].node, second[i].node);
+      EXPECT_EQ(first[i].element, second[i].element);
     }
   }
 }
@@ -105,6 +110,7 @@ TEST(GradedCells, SumToTheirLengthAndGrowByOneFactor) {
     const auto widths = graded_cells(length, cells, first);
     ASSERT_EQ(widths.size(), std::size_t(cells));
     EXPECT_NEAR(std::accumulate(widths.begin(), widths.end(), 0.0), length, 1e-14 * cells);
+
     if (cells > 1) {
       EXPECT_NEAR(widths[0], first, 1e-10 * first);
     }
@@ -127,6 +133,7 @@ TEST_P(Slab, HasTheNumbersItsSpecAsksFor) {
     EXPECT_EQ(slab.mesh().nodes(), (7 * refinement + 1) * (5 * refinement + 1));
     EXPECT_EQ(slab.mesh().elements(), per_cell * 35 * refinement * refinement);
     EXPECT_EQ(slab.level(), 0.10);
+
     expect_to_cover(slab.mesh(), 0.28, 0.10);
     expect_closed_boundary(slab.mesh(), 0.28, 0.10);
     expect_patches_in_place(slab.mesh(), 0.28, 0.10);
@@ -164,14 +171,18 @@ TEST_P(Slab, GrowthOnlyAppends) {
     const Mesh2D before = slab.mesh();
     const auto heights = slab.row_heights();
     const int old_rows = slab.rows();
+
     level += rise;
     const auto between = slab.grow_to(level);
     const Mesh2D& after = slab.mesh();
     EXPECT_EQ(slab.level(), level);
     EXPECT_EQ(slab.rows(), old_rows + static_cast<int>(between.size()));
-    // Rows below the top one stay where they were; the top row of nodes becomes another height.
+
+    // Rows below the top one keep their heights; that of the top row of nodes changes.
     for (std::size_t i = 0; i + 1 < heights.size(); ++i)
       EXPECT_EQ(slab.row_heights()[i], heights[i]);
+
+    // Existing nodes and elements keep their numbers.
     const std::size_t fixed = 2 * std::size_t(slab.nodes_per_row()) * std::size_t(old_rows);
     ASSERT_GE(after.node.size(), before.node.size());
     EXPECT_TRUE(
@@ -179,10 +190,12 @@ TEST_P(Slab, GrowthOnlyAppends) {
     ASSERT_GE(after.element_node.size(), before.element_node.size());
     EXPECT_TRUE(std::equal(before.element_node.begin(), before.element_node.end(),
                            after.element_node.begin()));
+
     for (std::size_t i = 0; i < between.size(); ++i) {
       EXPECT_EQ(slab.row_heights()[heights.size() - 1 + i], between[i]);
     }
     EXPECT_LE(level - slab.row_heights()[slab.row_heights().size() - 2], 1.5 * 0.012 + 1e-15);
+
     expect_to_cover(after, 0.28, level);
     expect_closed_boundary(after, 0.28, level);
     expect_patches_in_place(after, 0.28, level);
@@ -193,12 +206,14 @@ TEST_P(Slab, RestoredEqualsGrown) {
   SlabMesh2D grown(small_section(GetParam()));
   for (double level : {0.104, 0.121, 0.1211, 0.18, 0.1999}) {
     grown.grow_to(level);
+
     SlabMesh2D restored(small_section(GetParam()));
-    restored.grow_to(0.3);  // whatever it was before
+    restored.grow_to(0.3);  // its former state does not matter
     restored.restore(grown.row_heights());
     expect_same(restored.mesh(), grown.mesh());
     EXPECT_EQ(restored.rows(), grown.rows());
-    // And goes on the same way.
+
+    // Both continue in the same way.
     SlabMesh2D copy = grown;
     copy.grow_to(level + 0.0177);
     restored.grow_to(level + 0.0177);
@@ -214,6 +229,7 @@ TEST_P(Slab, RowsAreForetoldForSmallAndLargeSteps) {
     by_small.grow_to(level);
     EXPECT_EQ(rows_at(spec, level), by_small.rows()) << level;
     if (i % 50 != 0) continue;
+
     SlabMesh2D at_once(spec);
     at_once.grow_to(level);
     EXPECT_EQ(at_once.rows(), by_small.rows()) << level;
@@ -224,8 +240,8 @@ TEST_P(Slab, RowsAreForetoldForSmallAndLargeSteps) {
   }
 }
 
-/// However fast it is filled, the full mould has the planned rows, and growth goes on as if it had
-/// been full from the start.
+/// Regardless of the speed of filling, the full mould has the planned rows, and growth continues as
+/// if it had been full from the start.
 TEST_P(Slab, FillingEndsWithThePlannedRows) {
   for (const int steps : {1, 3, 40, 500}) {
     SlabMesh2D full(small_section(GetParam())), filled(small_section(GetParam()));
@@ -233,14 +249,17 @@ TEST_P(Slab, FillingEndsWithThePlannedRows) {
     EXPECT_EQ(filled.rows(), 2);
     const double first = filled.level(), last = filled.planned_level();
     EXPECT_EQ(last, full.level());
+
     for (int k = 1; k <= steps; ++k) {
       filled.grow_to(k == steps ? last : first + (last - first) * k / steps);
       const auto& heights = filled.row_heights();
       EXPECT_TRUE(std::ranges::is_sorted(heights, std::less_equal{}));
       EXPECT_GT(heights.back() - heights[heights.size() - 2], 0.4 * heights[1]);
     }
+
     EXPECT_EQ(filled.row_heights(), full.row_heights()) << steps;
     EXPECT_EQ(filled.mesh().element_node, full.mesh().element_node);
+
     full.grow_to(last + 0.02);
     filled.grow_to(last + 0.02);
     EXPECT_EQ(filled.row_heights(), full.row_heights());

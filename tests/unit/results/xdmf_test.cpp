@@ -89,7 +89,7 @@ TEST(Xdmf, GivesTheTimeExactly) {
 }
 
 TEST(Xdmf, RefersToTheFileUnderTheNameGiven) {
-  EXPECT_THAT(xdmf_of({outline_of(sample_frame(0, 3, 2))}, "a & b.h5"),
+  EXPECT_THAT(format_xdmf({make_outline(sample_frame(0, 3, 2))}, "a & b.h5"),
               HasSubstr(">a &amp; b.h5:/frames/000000/node_m<"));
 }
 

@@ -18,17 +18,18 @@ using thermal::HeatSolver;
 using thermal::HeatStepInput;
 using thermal::HeatStepOutcome;
 
-/// A jump in a table is a ramp of this width [K].
+/// Width of the ramp that replaces a jump in a table [K].
 constexpr double ramp = 1e-6;
 
-/// Metal of density 1 whose H(T) has the given slopes: `capacity[i]` above `from[i]`.
-Curve stepped_capacity(const std::vector<double>& from, const std::vector<double>& capacity) {
-  std::vector<double> at{from.front()}, value{capacity.front()};
+/// A piecewise constant table against temperature: `value[i]` above `from[i]`. With density 1 it is
+/// the slope of H(T).
+Curve stepped_table(const std::vector<double>& from, const std::vector<double>& value) {
+  std::vector<double> temperature{from.front()}, table{value.front()};
   for (std::size_t i = 1; i < from.size(); ++i) {
-    at.insert(at.end(), {from[i], from[i] + ramp});
-    value.insert(value.end(), {capacity[i - 1], capacity[i]});
+    temperature.insert(temperature.end(), {from[i], from[i] + ramp});
+    table.insert(table.end(), {value[i - 1], value[i]});
   }
-  return {Abscissa::temperature, std::move(at), std::move(value)};
+  return {Abscissa::temperature, std::move(temperature), std::move(table)};
 }
 
 material::AlloyCard metal_of(const MushyStefanData& mushy) {
@@ -38,10 +39,10 @@ material::AlloyCard metal_of(const MushyStefanData& mushy) {
   card.latent_heat = mushy.latent_heat;
   card.density = Curve(1.0);
   card.specific_heat =
-      stepped_capacity({0.0, mushy.solidus, mushy.liquidus},
-                       {mushy.solid_capacity, 0.5 * (mushy.solid_capacity + mushy.liquid_capacity),
-                        mushy.liquid_capacity});
-  card.conductivity = stepped_capacity(
+      stepped_table({0.0, mushy.solidus, mushy.liquidus},
+                    {mushy.solid_capacity, 0.5 * (mushy.solid_capacity + mushy.liquid_capacity),
+                     mushy.liquid_capacity});
+  card.conductivity = stepped_table(
       {0.0, mushy.solidus, mushy.liquidus},
       {mushy.solid_conductivity, mushy.mushy_conductivity, mushy.liquid_conductivity});
   return card;
@@ -53,13 +54,15 @@ material::AlloyCard metal_of(const StrandData& strand) {
     capacity.push_back((strand.enthalpy[i] - strand.enthalpy[i - 1]) /
                        (strand.temperature[i] - strand.temperature[i - 1]));
   }
+
+  // All of H(T) is in the specific heat; the change of phase of the card lies above all
+  // temperatures.
   material::AlloyCard card;
-  // The whole of H(T) stands in the specific heat; the card's own change lies out of the way.
   card.solidus = strand.top_temperature + 1000.0;
   card.liquidus = card.solidus + 1.0;
   card.density = Curve(1.0);
   card.specific_heat =
-      stepped_capacity({strand.temperature.begin(), strand.temperature.end() - 1}, capacity);
+      stepped_table({strand.temperature.begin(), strand.temperature.end() - 1}, capacity);
   card.conductivity = Curve(strand.conductivity);
   return card;
 }
@@ -81,7 +84,8 @@ double seconds_since(std::clock_t start) {
   return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-/// One column of a strip, whose cold wall is the "metal level" at its top: temperatures by depth.
+/// A strip with one-dimensional heat flow: its cold wall is the "metal level" at its top, and
+/// depths are counted from there.
 class Strip {
 public:
   Strip(const material::AlloyCard& metal, const CoolingSpec& cooling, double length, int cells,
@@ -127,16 +131,18 @@ public:
     return NAN;
   }
 
+  /// Depth of the solid part, by its share of the volume [m].
   double solid_depth(const HeatField& field) const {
     const auto& volume = solver_.forms().volume();
-    double solid = 0.0, all = 0.0;
+    double solid = 0.0, total = 0.0;
     for (std::size_t i = 0; i < volume.size(); ++i) {
       solid += volume[i] * (1.0 - field.liquid_fraction[i]);
-      all += volume[i];
+      total += volume[i];
     }
-    return solid / all * length_;
+    return solid / total * length_;
   }
 
+  /// Mean absolute error of the temperature over the depth [K].
   double mean_error(const HeatField& field, const std::function<double(double)>& exact) const {
     double sum = 0.0;
     for (int row = 0; row <= rows(); ++row) {
@@ -154,7 +160,7 @@ private:
 
 constexpr double steady_change = 1e-7;  // [K] in a step
 
-/// A strand seen from its metal level, on a strip of fixed length.
+/// A strand in the frame of its metal level, on a strip of fixed length.
 class MovingStrand {
 public:
   MovingStrand(const StrandData& strand, int cells)
@@ -168,7 +174,7 @@ public:
   const Strip& strip() const { return strip_; }
   const HeatField& field() const { return field_; }
 
-  /// The exact profile is a good start, no more: the steady state does not depend on it.
+  /// Starts from the exact profile, to save steps: the steady state does not depend on it.
   void start_from(const StrandSolution& exact) {
     for (int row = 0; row <= strip_.rows(); ++row) {
       const double depth = std::min(strip_.depth(row), strand_.length);
@@ -181,13 +187,16 @@ public:
   /// One step. @return largest change of a temperature [K]
   double advance(RunSize& size) {
     const std::vector<double> before = field_.temperature;
-    // The level rises by a cell: seen from the level all metal sinks by one row.
+
+    // The level rises by a cell: relative to the level all metal sinks by one row.
     auto& enthalpy = field_.enthalpy;
     std::rotate(enthalpy.begin(), enthalpy.begin() + row_nodes_, enthalpy.end());
     std::fill(enthalpy.end() - row_nodes_, enthalpy.end(),
               strip_.solver().properties().enthalpy(strand_.top_temperature));
+
     time_ += time_step_;
     take(size, strip_.step(field_, time_, time_step_, strand_.top_temperature));
+
     double change = 0.0;
     for (std::size_t n = 0; n < before.size(); ++n) {
       change = std::max(change, std::abs(field_.temperature[n] - before[n]));
@@ -198,7 +207,7 @@ public:
 private:
   static CoolingSpec cold_at_the_bottom(const StrandData& strand, int cells) {
     CoolingSpec cooling = insulated();
-    // As good as a given temperature: the cell's own conductance is k / cell.
+    // Practically a prescribed temperature: the conductance of a cell is k / cell.
     cooling.bottom_block.contact_coefficient =
         Curve(1e6 * strand.conductivity * cells / strand.length);
     cooling.bottom_block.temperature = Curve(strand.bottom_temperature);
@@ -225,7 +234,7 @@ void measure_profile(StrandFigures& figures) {
 constexpr double probe_depth = 0.010;  // [m]
 constexpr double first_zero_of_j1 = 3.8317059702075123;
 
-int cells_of(const StripSpec& strip) {
+int count_cells(const StripSpec& strip) {
   return static_cast<int>(std::lround(strip.length / strip.cell));
 }
 
@@ -246,7 +255,7 @@ material::AlloyCard metal_of(const StefanData& stefan) {
   return card;
 }
 
-/// No heat passes but through what the caller opens.
+/// Cooling without heat exchange, to which the caller adds.
 CoolingSpec insulated() {
   CoolingSpec cooling;
   cooling.top = thermal::Top::held;
@@ -265,18 +274,21 @@ void take(RunSize& size, const HeatStepOutcome& outcome) {
 StefanFigures run_stefan(const StefanData& stefan, const StripSpec& spec) {
   const std::clock_t start = std::clock();
   const NeumannSolution exact(stefan);
-  Strip strip(metal_of(stefan), insulated(), spec.length, cells_of(spec), spec.element);
+  Strip strip(metal_of(stefan), insulated(), spec.length, count_cells(spec), spec.element);
+
   StefanFigures figures;
   figures.similarity_constant = exact.similarity_constant();
   HeatField field = strip.solver().uniform_field(stefan.initial);
+
   const int steps = static_cast<int>(std::lround(spec.end / spec.time_step));
-  const int first_look = static_cast<int>(std::lround(1.0 / spec.time_step));
+  const int first_sample = static_cast<int>(std::lround(1.0 / spec.time_step));
   for (int i = 1; i <= steps; ++i) {
     const double time = i * spec.time_step;
     take(figures.size, strip.step(field, time, spec.time_step, stefan.wall));
-    if (i != first_look && i != steps) continue;
+    if (i != first_sample && i != steps) continue;
     figures.front.push_back({time, strip.solid_depth(field), exact.front(time)});
   }
+
   figures.probe_temperature = strip.temperature_at(field, probe_depth);
   figures.probe_exact = exact.temperature(probe_depth, spec.end);
   figures.mean_temperature_error =
@@ -289,13 +301,15 @@ StefanFigures run_stefan(const StefanData& stefan, const StripSpec& spec) {
 MushyFigures run_mushy_stefan(const MushyStefanData& mushy, const StripSpec& spec) {
   const std::clock_t start = std::clock();
   const MushySolution exact(mushy);
-  Strip strip(metal_of(mushy), insulated(), spec.length, cells_of(spec), spec.element);
+  Strip strip(metal_of(mushy), insulated(), spec.length, count_cells(spec), spec.element);
+
   MushyFigures figures;
   HeatField field = strip.solver().uniform_field(mushy.initial);
   const int steps = static_cast<int>(std::lround(spec.end / spec.time_step));
   for (int i = 1; i <= steps; ++i) {
     take(figures.size, strip.step(field, i * spec.time_step, spec.time_step, mushy.wall));
   }
+
   figures.solidus = {spec.end, strip.isotherm(field, mushy.solidus), exact.solidus_front(spec.end)};
   figures.liquidus = {spec.end, strip.isotherm(field, mushy.liquidus),
                       exact.liquidus_front(spec.end)};
@@ -313,6 +327,8 @@ StrandFigures run_strand(const StrandData& strand, int cells) {
   const StrandSolution exact(strand);
   MovingStrand moving(strand, cells);
   moving.start_from(exact);
+
+  // Steps until the profile is steady.
   StrandFigures figures;
   double change = INFINITY;
   for (int i = 1; change > steady_change && i < 100 * cells && figures.size.converged; ++i) {
@@ -326,10 +342,12 @@ StrandFigures run_strand(const StrandData& strand, int cells) {
     figures.temperature.push_back(moving.field().temperature[strip.node(row)]);
     figures.exact.push_back(exact.temperature(strip.depth(row)));
   }
+
   for (const double t : strand.temperature) {
     if (t >= strand.top_temperature || t <= strand.bottom_temperature) continue;
     figures.isotherm.push_back({0.0, strip.isotherm(moving.field(), t), exact.depth(t)});
   }
+
   measure_profile(figures);
   figures.size.nodes = strip.nodes();
   figures.size.cpu_s = seconds_since(start);
@@ -339,6 +357,8 @@ StrandFigures run_strand(const StrandData& strand, int cells) {
 StrandFigures run_strand_extrapolated(const StrandData& strand, int cells) {
   StrandFigures coarse = run_strand(strand, cells);
   const StrandFigures fine = run_strand(strand, 2 * cells);
+
+  // Richardson extrapolation of a first-order error.
   for (std::size_t i = 0; i < coarse.depth.size(); ++i) {
     coarse.temperature[i] = 2.0 * fine.temperature[2 * i] - coarse.temperature[i];
   }
@@ -346,6 +366,7 @@ StrandFigures run_strand_extrapolated(const StrandData& strand, int cells) {
   for (std::size_t i = 0; i < coarse.isotherm.size(); ++i) {
     coarse.isotherm[i].computed = 2.0 * fine.isotherm[i].computed - coarse.isotherm[i].computed;
   }
+
   coarse.size.steps += fine.size.steps;
   coarse.size.iterations += fine.size.iterations;
   coarse.size.cpu_s += fine.size.cpu_s;
@@ -360,17 +381,21 @@ CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element,
   const std::clock_t start = std::clock();
   const double side = 0.1, diffusivity = 1e-4, end = 5.0;  // [m], [m2/s], [s]
   const double mean = 300.0, amplitude = 100.0;            // [°C], [K]
+
   material::AlloyCard card;
   card.solidus = 600.0;
   card.liquidus = 650.0;
   card.density = Curve(2500.0);
   card.specific_heat = Curve(1000.0);
   card.conductivity = Curve(diffusivity * 2500.0 * 1000.0);
+
   CoolingSpec cooling = insulated();
   cooling.top = thermal::Top::insulated;
   const mesh::SlabMesh2D slab(uniform_section(side, cells, side, cells, element));
   HeatSolver solver(material::ThermalProperties(card), cooling,
                     thermal::make_heat_forms(slab.mesh(), kind));
+
+  // An eigenmode of the insulated body: cosine or Bessel function across, cosine along.
   const bool round = kind == mesh::SectionKind::axisymmetric;
   const double across = round ? first_zero_of_j1 : std::numbers::pi;
   const auto mode = [&](int node) {
@@ -379,27 +404,31 @@ CosineFigures run_cosine_mode(int cells, int steps, mesh::ElementKind element,
     return (round ? std::cyl_bessel_j(0.0, radial) : std::cos(radial)) *
            std::cos(std::numbers::pi * x[1] / side);
   };
+
   HeatField field = solver.uniform_field(mean);
   for (int n = 0; n < slab.mesh().nodes(); ++n) {
     field.enthalpy[std::size_t(n)] = solver.properties().enthalpy(mean + amplitude * mode(n));
   }
+
   CosineFigures figures;
   const double time_step = end / steps;
   for (int i = 1; i <= steps; ++i) {
     take(figures.size, solver.step(field, {i * time_step, time_step, side, mean, 0.0, {}, {}}));
   }
+
+  // Relative error in the L2 norm against the exact decay.
   const double decay = std::exp(-diffusivity * end / (side * side) *
                                 (across * across + std::numbers::pi * std::numbers::pi));
   const auto& volume = solver.forms().volume();
-  double square = 0.0, all = 0.0;
+  double error_square = 0.0, exact_square = 0.0;
   for (int n = 0; n < slab.mesh().nodes(); ++n) {
     const std::size_t i = std::size_t(n);
     const double exact = amplitude * decay * mode(n);
     const double error = field.temperature[i] - mean - exact;
-    square += volume[i] * error * error;
-    all += volume[i] * exact * exact;
+    error_square += volume[i] * error * error;
+    exact_square += volume[i] * exact * exact;
   }
-  figures.error = std::sqrt(square / all);
+  figures.error = std::sqrt(error_square / exact_square);
   figures.size.nodes = slab.mesh().nodes();
   figures.size.cpu_s = seconds_since(start);
   return figures;

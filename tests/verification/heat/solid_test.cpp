@@ -69,6 +69,7 @@ TEST_P(StefanAlong, FrontAndTemperatureAreTheExactOnes) {
   const mesh::SlabMesh3D slab = bar(axis, element);
   HeatSolver solver(material::ThermalProperties(metal_of(stefan)), wall_on(axis, stefan),
                     thermal::make_heat_forms(slab.mesh()));
+
   HeatField field = solver.uniform_field(stefan.initial);
   RunSize size;
   const double level = axis == 2 ? length : 2 * cell;
@@ -82,18 +83,21 @@ TEST_P(StefanAlong, FrontAndTemperatureAreTheExactOnes) {
   }
   EXPECT_TRUE(size.converged);
   EXPECT_LT(size.worst_balance, 1e-10);
+
+  // Depth of the solid by its share of the volume, and the temperature at 10 mm.
   const auto& volume = solver.forms().volume();
-  double solid = 0.0, all = 0.0, probe = 0.0;
+  double solid = 0.0, total = 0.0, probe = 0.0;
   int probes = 0;
   for (std::size_t n = 0; n < volume.size(); ++n) {
     solid += volume[n] * (1.0 - field.liquid_fraction[n]);
-    all += volume[n];
+    total += volume[n];
     const double depth = length - slab.mesh().point(static_cast<int>(n))[axis];
     if (std::abs(depth - 0.010) > 1e-6) continue;
     probe += field.temperature[n];
     ++probes;
   }
-  EXPECT_NEAR(solid / all * length / exact.front(end), 1.0, 0.02);
+
+  EXPECT_NEAR(solid / total * length / exact.front(end), 1.0, 0.02);
   ASSERT_EQ(probes, 9);
   EXPECT_NEAR(probe / probes, exact.temperature(0.010, end), 0.5);
 }
@@ -110,6 +114,7 @@ class CubeMode : public ::testing::TestWithParam<ElementKind> {
 protected:
   static double error(int cells, ElementKind element) {
     constexpr double side = 0.1, diffusivity = 1e-4, end = 3.0, mean = 300.0, amplitude = 100.0;
+
     material::AlloyCard card;
     card.solidus = 600.0;
     card.liquidus = 650.0;
@@ -121,15 +126,18 @@ protected:
     const mesh::SlabMesh3D slab(box({side, side, side}, {cells, cells, cells}, element));
     HeatSolver solver(material::ThermalProperties(card), cooling,
                       thermal::make_heat_forms(slab.mesh()));
+
     const auto mode = [&](std::size_t node) {
       const double* x = slab.mesh().point(static_cast<int>(node));
       double product = 1.0;
       for (int a = 0; a < 3; ++a) product *= std::cos(std::numbers::pi * x[a] / side);
       return product;
     };
+
     HeatField field = solver.uniform_field(mean);
     for (std::size_t n = 0; n < field.enthalpy.size(); ++n)
       field.enthalpy[n] = solver.properties().enthalpy(mean + amplitude * mode(n));
+
     const int steps = cells * cells;
     for (int i = 1; i <= steps; ++i) {
       HeatStepInput input;
@@ -138,15 +146,17 @@ protected:
       input.metal_level = side;
       EXPECT_TRUE(solver.step(field, input).converged);
     }
+
+    // Relative error in the L2 norm against the exact decay.
     const double decay =
         std::exp(-3.0 * diffusivity * end * std::numbers::pi * std::numbers::pi / (side * side));
-    double square = 0.0, all = 0.0;
+    double error_square = 0.0, exact_square = 0.0;
     for (std::size_t n = 0; n < field.enthalpy.size(); ++n) {
       const double exact = amplitude * decay * mode(n), volume = solver.forms().volume()[n];
-      square += volume * std::pow(field.temperature[n] - mean - exact, 2);
-      all += volume * exact * exact;
+      error_square += volume * std::pow(field.temperature[n] - mean - exact, 2);
+      exact_square += volume * exact * exact;
     }
-    return std::sqrt(square / all);
+    return std::sqrt(error_square / exact_square);
   }
 };
 
@@ -159,8 +169,9 @@ TEST_P(CubeMode, ConvergesWithSecondOrder) {
 
 INSTANTIATE_TEST_SUITE_P(Elements, CubeMode, ::testing::Values(ElementKind::p1, ElementKind::q1));
 
-/// A quarter slab cast until it is steady: what leaves by faces and bottom is what the metal brings
-/// and no longer has at the foot, and what the metal level, held at its temperature, conducts in.
+/// A quarter slab cast until it is steady: the heat that leaves through faces and bottom equals the
+/// heat of the metal that is poured minus that at the foot, plus the heat that the metal level,
+/// held at its temperature, conducts in.
 TEST(SteadyStrand, WallsTakeWhatTheMetalBrings) {
   constexpr double speed = 1e-3, step = 20.0, pouring = 680.0;
   mesh::SectionSpec section = box({0.66, 0.28, 0.1}, {6, 6, 5}, ElementKind::q1);
@@ -168,9 +179,11 @@ TEST(SteadyStrand, WallsTakeWhatTheMetalBrings) {
   section.wide_side_cell = 0.01;
   section.growth_cell = 0.02;
   section.growth = true;
+
   mesh::SlabMesh3D slab(section);
   HeatSolver solver(material::ThermalProperties(thermal::testing::casting_alloy()),
                     thermal::testing::casting_cooling(), thermal::make_heat_forms(slab.mesh()));
+
   HeatField field = solver.uniform_field(pouring);
   double out = 0.0, conducted = 0.0, duration = 0.0;
   constexpr double end = 1600.0, steady = 1200.0;
@@ -181,16 +194,19 @@ TEST(SteadyStrand, WallsTakeWhatTheMetalBrings) {
     input.metal_level = 0.1 + speed * time;
     input.casting_temperature = pouring;
     input.water_flow = 3e-3;
+
     slab.grow_to(input.metal_level);
     input.entry = solver.follow_growth(field, slab.nodes_per_row(), pouring);
     const auto outcome = solver.step(field, input);
     ASSERT_TRUE(outcome.converged);
     EXPECT_LT(outcome.balance.error, 1e-10);
+
     if (time <= steady) continue;
     out += outcome.balance.side + outcome.balance.bottom;
     conducted += outcome.balance.top;
     duration += step;
   }
+
   const auto& properties = solver.properties();
   double foot = 0.0;
   const auto& bottom = solver.forms().bottom_nodes();
@@ -198,6 +214,7 @@ TEST(SteadyStrand, WallsTakeWhatTheMetalBrings) {
   for (std::size_t i = 0; i < bottom.size(); ++i)
     foot += weight[i] * field.enthalpy[std::size_t(bottom[i])];
   const double brought = speed * (0.66 * 0.28 * properties.enthalpy(pouring) - foot);
+
   EXPECT_NEAR(brought / 0.66, 0.74e6, 0.01e6)
       << "the figure of the casting data, per metre of face";
   EXPECT_NEAR(out / (duration * brought + conducted), 1.0, 0.01);

@@ -9,18 +9,19 @@ namespace dccast::verification {
 
 namespace {
 
+/// The runs of one element under refinement.
 struct Family {
   const char* name;
   mesh::ElementKind element;
   std::vector<double> time_s{};
   std::vector<studies::RefinedCurve> curves{};  ///< coarsest first
-  std::vector<double> seconds{};               ///< by curve
+  std::vector<double> seconds{};                ///< by curve
 
   double last_mm(std::size_t level) const { return 1e3 * curves[level].value_m.back(); }
   studies::CurveLimit limit() const { return studies::extrapolate(time_s, curves); }
 };
 
-std::string text_of(const char* format, double a, double b) {
+std::string format(const char* format, double a, double b) {
   char text[160];
   std::snprintf(text, sizeof text, format, a, b);
   return text;
@@ -35,13 +36,14 @@ void add_level(Table& table, Family& family, int refinement, double limit) {
   table.rows.push_back({family.name, refinement, run.last.nodes, run.seconds,
                         curl ? Cell(*curl) : Cell(), Cell(), run.ending()});
   if (run.outcome.end != casting::RunEnd::succeeded) return;
+
   if (family.time_s.empty()) family.time_s = run.time_s;
   family.seconds.push_back(run.seconds);
-  family.curves.push_back(
-      {refinement, values::at_instants(family.time_s, run.time_s, run.curl_m)});
+  family.curves.push_back({refinement, values::at_instants(family.time_s, run.time_s, run.curl_m)});
 }
 
-/// Seconds a family needs for an error, on the line through its two nearest levels in logarithms.
+/// Seconds that a family needs for an error, interpolated in logarithms between its two nearest
+/// levels.
 double seconds_for(const Family& family, double limit_mm, double error_mm) {
   const auto log_error = [&](std::size_t i) {
     return std::log(std::abs(limit_mm - family.last_mm(i)));
@@ -52,17 +54,17 @@ double seconds_for(const Family& family, double limit_mm, double error_mm) {
   return family.seconds[i - 1] * std::pow(family.seconds[i] / family.seconds[i - 1], share);
 }
 
-/// What a family tends to at the end of the casting [mm].
+/// The limit of the final curl of a family [mm].
 struct Limit {
   double value, uncertainty;
   std::string text;
 };
 
-Limit limit_of(const Family& family) {
+Limit find_limit(const Family& family) {
   const studies::CurveLimit curve = family.limit();
   const Limit limit{1e3 * curve.value_m.back(), 1e3 * curve.uncertainty_m.back(), {}};
-  std::string text = text_of("%.3f +- %.3f mm", limit.value, limit.uncertainty);
-  if (curve.order) text += text_of(" (order %.2f)", *curve.order, 0.0);
+  std::string text = format("%.3f +- %.3f mm", limit.value, limit.uncertainty);
+  if (curve.order) text += format(" (order %.2f)", *curve.order, 0.0);
   return {limit.value, limit.uncertainty, text};
 }
 
@@ -76,24 +78,28 @@ ElementComparison compare_elements(const TableOptions& options) {
       std::string("Case `") + casting_name +
       "`, newton, every cell divided, the time steps of the case. `error` is against the limit "
       "to which q1_bending tends. Seconds are processor time of the whole run.";
-  table.columns = {"element", "refinement", "nodes at the end", "cpu [s]",
-                   "curl [mm]", "error [%]", "how it ended"};
+  table.columns = {"element",   "refinement", "nodes at the end", "cpu [s]",
+                   "curl [mm]", "error [%]",  "how it ended"};
   Family families[] = {{"p1", mesh::ElementKind::p1},
                        {"q1", mesh::ElementKind::q1},
                        {"q1_bending", mesh::ElementKind::q1_bending}};
+
   for (Family& family : families) {
     for (const int refinement : {1, 2, 4}) add_level(table, family, refinement, options.limit);
     if (family.curves.size() < 3) return comparison;
   }
+
   const Family& best = families[2];
-  const Limit limit = limit_of(best);
+  const Limit limit = find_limit(best);
   for (auto& row : table.rows) {
     if (row[4].is_number()) row[5] = 100.0 * (row[4].get<double>() - limit.value) / limit.value;
   }
+
+  // All elements must tend to the same curl.
   std::string limits = "Limits:";
   comparison.same_limit = true;
   for (const Family& family : families) {
-    const Limit own = limit_of(family);
+    const Limit own = find_limit(family);
     limits += (&family == families ? " " : ", ") + std::string(family.name) + " " + own.text;
     comparison.same_limit = comparison.same_limit && std::abs(own.value - limit.value) <=
                                                          own.uncertainty + limit.uncertainty;
@@ -101,12 +107,13 @@ ElementComparison compare_elements(const TableOptions& options) {
   table.remarks.push_back(
       limits + ": " +
       (comparison.same_limit ? "one curl, within the uncertainties." : "NOT one curl."));
+
   const double error = std::abs(limit.value - best.last_mm(0));
   table.remarks.push_back(
-      text_of("The error q1_bending has after %.3g s takes q1 %.3g s", best.seconds.front(),
-              seconds_for(families[1], limit.value, error)) +
-      text_of(" and p1 %.3g s (between their levels, in logarithms): q1_bending is the default.",
-              seconds_for(families[0], limit.value, error), 0.0));
+      format("The error q1_bending has after %.3g s takes q1 %.3g s", best.seconds.front(),
+             seconds_for(families[1], limit.value, error)) +
+      format(" and p1 %.3g s (between their levels, in logarithms): q1_bending is the default.",
+             seconds_for(families[0], limit.value, error), 0.0));
   return comparison;
 }
 

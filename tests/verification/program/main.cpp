@@ -1,5 +1,5 @@
-// dccast-verify: the paper's tests and tables, and exact checks, held against the core.
-//   0 all well   2 wrong usage   3 a run failed or missed its bound
+// dccast-verify: compares the core with the paper's tests and tables and with exact solutions.
+//   exit code 0 all passed   2 wrong usage   3 a run failed or missed its bound
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -19,40 +19,45 @@ constexpr int success = 0, usage = 2, missed = 3;
 
 int list(bool as_json) {
   if (as_json) {
-    auto all = nlohmann::json::array();
+    auto tests = nlohmann::json::array();
     for (const NamedTest& t : named_tests()) {
-      all.push_back({{"name", t.name}, {"shows", t.shows}, {"lasts", t.lasts}});
+      tests.push_back({{"name", t.name}, {"shows", t.shows}, {"lasts", t.lasts}});
     }
-    std::cout << all.dump(2) << "\n";
+    std::cout << tests.dump(2) << "\n";
     return success;
   }
+
   for (const NamedTest& t : named_tests()) {
     std::printf("%-14s %-72s %s\n", t.name.c_str(), t.shows.c_str(), t.lasts.c_str());
   }
   return success;
 }
 
-nlohmann::json json_of(const RunRequest& request, const Figures& figures) {
+nlohmann::json to_json(const RunRequest& request, const Figures& figures) {
   nlohmann::json out = figures.more;
   out["name"] = request.name;
   out["algorithm"] = name_of(request.algorithm);
   out["command"] = command_of(request);
-  // JSON has no "not a number": heat runs have null here.
+
+  // JSON has no "not a number": these are null for heat runs.
   out["displacement_error"] = figures.displacement_error;
   out["stress_error"] = figures.stress_error;
+
   out["iterations_per_step"] = figures.iterations_per_step;
   out["cpu_s"] = figures.cpu_s;
-  out["elements"] = nullptr;  // of a heat strip only the nodes are known
+  out["elements"] = nullptr;  // heat strips know their nodes only
   if (figures.elements > 0) out["elements"] = figures.elements;
   out["nodes"] = figures.nodes;
   out["steps"] = figures.steps;
   return out;
 }
 
+/// Prints one figure per line, without those that are not a number.
 void print(const Figures& figures) {
   const auto line = [](const std::string& key, double value) {
     if (value == value) std::printf("%-36s %.6g\n", key.c_str(), value);
   };
+
   line("displacement_error", figures.displacement_error);
   line("stress_error", figures.stress_error);
   line("iterations_per_step", figures.iterations_per_step);
@@ -79,25 +84,30 @@ int run(const RunRequest& request, bool as_json) {
                  failed->why.c_str());
     return missed;
   }
+
   const Figures& figures = std::get<Figures>(result);
-  auto out = json_of(request, figures);
+  auto out = to_json(request, figures);
   if (!as_json) print(figures);
+
+  // Bounds that are claimed for exactly this request.
   int code = success;
   out["misses"] = nlohmann::json::array();
   for (const Claim* claim : claims_about(request)) {
     const double measured = figure(figures, claim->key);
     const Verdict verdict = judge_figure(*claim, measured);
     if (verdict.passed) continue;
+
     code = missed;
     const std::string text = miss_of(verdict);
     out["misses"].push_back(text);
     std::fprintf(stderr, "%s\n", text.c_str());
   }
+
   if (as_json) std::cout << out.dump(2) << "\n";
   return code;
 }
 
-int all(bool nightly, bool as_json) {
+int judge_claims(bool nightly, bool as_json) {
   Runs runs;
   std::vector<Verdict> verdicts;
   for (const Claim& claim : claims()) {
@@ -107,8 +117,10 @@ int all(bool nightly, bool as_json) {
       std::fprintf(stderr, "%s %s\n", verdicts.back().passed ? "pass" : "MISS", claim.what.c_str());
     }
   }
+
   const Table table = table_of(verdicts);
   std::cout << (as_json ? to_json(table).dump(2) + "\n" : to_markdown(table));
+
   const auto misses =
       std::count_if(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return !v.passed; });
   std::fprintf(stderr, "%zu figures, %ld missed\n", verdicts.size(), long(misses));
@@ -201,6 +213,7 @@ struct RunCommand {
   }
 };
 
+/// The options of `history`.
 struct HistoryCommand {
   HistoryRequest request;
   CLI::App* app = nullptr;
@@ -214,6 +227,7 @@ struct HistoryCommand {
   }
 };
 
+/// The options of `shear`.
 struct ShearCommand {
   FictitiousLiquid liquid;
   std::string picture = "shear.svg";
@@ -228,51 +242,60 @@ struct ShearCommand {
   }
 };
 
-int main_of(int argc, char** argv) {
+int run_program(int argc, char** argv) {
   CLI::App program{"dccast-verify: the paper's tests and tables, and exact checks"};
   program.require_subcommand(1);
   bool as_json = false, nightly = false;
+
   auto* list_command = program.add_subcommand("list", "name every test");
   RunCommand run_command;
   run_command.add_to(program);
+
   auto* all_command = program.add_subcommand("all", "every figure with its bound");
   all_command->add_flag("--nightly", nightly, "also those that take minutes");
-  auto* table_command = program.add_subcommand("table", "a table of the paper beside ours");
+
+  auto* table_command = program.add_subcommand("table", "a table of the paper next to ours");
   int number = 0;
   TableOptions table_options;
   table_command->add_option("number", number, "1 to 8, or 11")->required();
   table_command->add_flag("--full", table_options.full,
                           "tables 4 to 6 at the paper's time step (many minutes)");
   table_command->add_option("--limit", table_options.limit,
-                            "table 11: give an algorithm up after so many seconds");
-  auto* elements_command = program.add_subcommand(
-      "elements", "error of the curl by element, and what it costs (minutes)");
+                            "table 11: stop an algorithm after this number of seconds");
+
+  auto* elements_command =
+      program.add_subcommand("elements", "error of the curl by element, and its cost (minutes)");
   elements_command->add_option("--limit", table_options.limit,
-                               "give a run up after so many seconds");
+                               "stop a run after this number of seconds");
+
   HistoryCommand history_command;
   history_command.add_to(program);
   for (auto* command :
        {list_command, run_command.app, all_command, table_command, elements_command}) {
     command->add_flag("--json", as_json, "as JSON");
   }
-  auto* report_command = program.add_subcommand("report", "one HTML file of all of it");
+
+  auto* report_command = program.add_subcommand("report", "an HTML file with all results");
   std::string file = "verification.html";
   ReportOptions report_options;
   report_command->add_option("-o,--output", file, "file to write");
-  report_command->add_flag("--nightly", report_options.nightly, "also what takes minutes");
+  report_command->add_flag("--nightly", report_options.nightly, "also tests that take minutes");
   report_command->add_flag("--no-casting", report_options.no_casting, "leave table 11 out");
   report_command->add_option("--limit", report_options.limit, "as for table 11");
+
   ShearCommand shear_command;
   shear_command.add_to(program);
+
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return program.exit(e) == 0 ? success : usage;
   }
   run_command.finish();
+
   if (*list_command) return list(as_json);
   if (*run_command.app) return run(completed(run_command.request), as_json);
-  if (*all_command) return all(nightly, as_json);
+  if (*all_command) return judge_claims(nightly, as_json);
   if (*table_command) return table(number, table_options, as_json);
   if (*elements_command) return elements_under_refinement(table_options, as_json);
   if (*history_command.app) return write_history(history_command.request) ? success : missed;
@@ -285,7 +308,7 @@ int main_of(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return dccast::verification::main_of(argc, argv);
+    return dccast::verification::run_program(argc, argv);
   } catch (const std::invalid_argument& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 2;

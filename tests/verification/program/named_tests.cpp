@@ -1,5 +1,5 @@
-#include "tests/support/usual_options.hpp"
 #include "tests/verification/program/named_tests.hpp"
+#include "tests/support/usual_options.hpp"
 
 #include <stdexcept>
 
@@ -16,11 +16,15 @@ mechanics::Options options_of(const RunRequest& request) {
   p.plain = request.plain;
   p.increment_test = request.increment_test;
   if (request.algorithm != mechanics::Algorithm::sbm) return options;
-  p.gamma_p = 1e-6, p.lambda_p = 0.5e6;
+
+  // Parameters of the paper for its tests.
+  p.gamma_p = 1e-6;
+  p.lambda_p = 0.5e6;
   if (request.name.starts_with("hertz")) {
     p.gamma_c = hertz_gamma_c;
     return options;
   }
+
   const bool is_t2 = request.name == "T2";
   p.gamma_c = is_t2 ? 0.5e9 : 0.5e12;
   p.lambda_c = is_t2 ? 1e-9 : 1e-12;
@@ -50,6 +54,7 @@ Result run_t1_by_name(const RunRequest& request) {
   run.diagonals = request.diagonals;
   run.liquid = request.liquid;
   const T1Result t1 = run_t1(run);
+
   Figures figures;
   figures.displacement_error = t1.whole.displacement;
   figures.stress_error = t1.whole.stress;
@@ -58,12 +63,15 @@ Result run_t1_by_name(const RunRequest& request) {
   figures.elements = t1.solid_elements;
   figures.nodes = t1.nodes;
   figures.steps = 1;
+
   figures.more = {{"displacement_error_max_norm", t1.whole.displacement_max},
                   {"stress_error_max_norm", t1.whole.stress_max},
                   {"away_displacement_error", t1.away.displacement},
                   {"away_displacement_error_max_norm", t1.away.displacement_max},
                   {"away_stress_error", t1.away.stress},
                   {"away_stress_error_max_norm", t1.away.stress_max}};
+
+  // With a fictitious liquid also the errors relative to those of the pressure given directly.
   if (run.liquid) {
     figures.more["front_pressure_error"] = t1.pressure_on_front_error;
     run.liquid.reset();

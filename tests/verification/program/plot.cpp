@@ -25,7 +25,7 @@ constexpr std::array<const char*, 5> colours{"#1f5f99", "#c2571a", "#3f7f3f", "#
   return text;
 }
 
-/// One logarithmic axis, a little wider than what it shows.
+/// A logarithmic axis with a small margin around its values.
 struct Axis {
   double from, to;  ///< picture coordinates
   double low = 1e300, high = 0.0;
@@ -34,20 +34,20 @@ struct Axis {
     low = std::min(low, value / 1.25);
     high = std::max(high, value * 1.25);
   }
-  double at(double value) const {
+  double position(double value) const {
     return from + (to - from) * std::log(value / low) / std::log(high / low);
   }
-  /// 1, 2 and 5 in every decade; over more than two decades the ones only.
+  /// 1, 2 and 5 in every decade; 1 only if the axis spans more than two decades.
   std::vector<double> ticks() const {
-    std::vector<double> all;
+    std::vector<double> found;
     const bool fine = high / low < 100.0;
     for (int d = static_cast<int>(std::floor(std::log10(low))); std::pow(10.0, d) < high; ++d) {
       for (double m : {1.0, 2.0, 5.0}) {
         const double tick = m * std::pow(10.0, d);
-        if (tick >= low && tick <= high && (fine || m == 1.0)) all.push_back(tick);
+        if (tick >= low && tick <= high && (fine || m == 1.0)) found.push_back(tick);
       }
     }
-    return all;
+    return found;
   }
 };
 
@@ -55,32 +55,33 @@ std::string grid(const Axis& x, const Axis& y) {
   std::string out;
   for (double tick : x.ticks()) {
     out += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>",
-                  x.at(tick), x.at(tick), y.to, y.from);
-    out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%g</text>", x.at(tick),
+                  x.position(tick), x.position(tick), y.to, y.from);
+    out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%g</text>", x.position(tick),
                   y.from + 18, tick);
   }
   for (double tick : y.ticks()) {
     out += format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", x.from,
-                  x.to, y.at(tick), y.at(tick));
+                  x.to, y.position(tick), y.position(tick));
     out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%g</text>", x.from - 8,
-                  y.at(tick) + 4, tick);
+                  y.position(tick) + 4, tick);
   }
   return out;
 }
 
-std::string line_of(const Curve2D& curve, const Axis& x, const Axis& y, const char* colour) {
+std::string draw_curve(const Curve2D& curve, const Axis& x, const Axis& y, const char* colour) {
   std::string path;
   const bool reference = curve.slope != 0.0;
   for (const auto& [px, py] : curve.points) {
-    path += format("%s%.1f %.1f", path.empty() ? "M" : "L", x.at(px), y.at(py));
+    path += format("%s%.1f %.1f", path.empty() ? "M" : "L", x.position(px), y.position(py));
   }
   std::string out = format("<path d=\"%s\" fill=\"none\" stroke=\"%s\" stroke-width=\"%s\"%s/>",
                            path.c_str(), reference ? "#999" : colour, reference ? "1.2" : "2",
                            reference ? " stroke-dasharray=\"5 4\"" : "");
   if (reference) return out;
+
   for (const auto& [px, py] : curve.points) {
-    out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.4\" fill=\"%s\"/>", x.at(px), y.at(py),
-                  colour);
+    out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.4\" fill=\"%s\"/>", x.position(px),
+                  y.position(py), colour);
   }
   return out;
 }
@@ -97,7 +98,7 @@ std::string head(const std::string& title, double w, double h) {
 }
 
 /// Blue through white to red.
-std::string colour_of(double share) {
+std::string diverging_colour(double share) {
   const double s = std::clamp(share, -1.0, 1.0), fade = 1.0 - std::abs(s);
   const double strong[3] = {s < 0 ? 33.0 : 178.0, s < 0 ? 90.0 : 34.0, s < 0 ? 160.0 : 40.0};
   return format("#%02x%02x%02x", int(strong[0] + fade * (247 - strong[0])),
@@ -111,12 +112,18 @@ std::string log_log_svg(const std::string& title, const std::string& x_label,
                         const std::vector<Curve2D>& curves) {
   Axis x{left, width - right}, y{height - bottom, top};
   for (const auto& curve : curves) {
-    for (const auto& [px, py] : curve.points) x.include(px), y.include(py);
+    for (const auto& [px, py] : curve.points) {
+      x.include(px);
+      y.include(py);
+    }
   }
+
   std::string out = head(title, width, height) + grid(x, y);
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const char* colour = colours[i % colours.size()];
-    out += line_of(curves[i], x, y, colour);
+    out += draw_curve(curves[i], x, y, colour);
+
+    // The legend, from the bottom.
     const double row = height - bottom - 12 - 16.0 * double(curves.size() - 1 - i);
     out += format(
         "<rect x=\"%.1f\" y=\"%.1f\" width=\"150\" height=\"16\" fill=\"white\" "
@@ -127,6 +134,7 @@ std::string log_log_svg(const std::string& title, const std::string& x_label,
     out += format("<text x=\"%.1f\" y=\"%.1f\">", width - right - 124, row) +
            escaped(curves[i].name) + "</text>";
   }
+
   out += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", 0.5 * (left + width - right),
                 height - 8) +
          escaped(x_label) + "</text>";
@@ -141,10 +149,12 @@ std::string field_svg(const std::string& title, const mesh::Mesh2D& mesh,
     x_high = std::max(x_high, mesh.point(n)[0]);
     y_high = std::max(y_high, mesh.point(n)[1]);
   }
+
   constexpr double picture = 250, edge = 12;
   const double scale = picture / (x_high - x_low), high = scale * y_high;
   std::string out = head(title, picture + 2 * edge + 76, high + 30 + edge);
-  // One path for each shade: thousands of elements, forty shapes.
+
+  // One path per shade: thousands of elements become some forty shapes.
   std::map<int, std::string> path;
   for (int e = 0; e < mesh.elements(); ++e) {
     const double share = std::clamp(value[std::size_t(e)] / limit, -1.0, 1.0);
@@ -157,22 +167,24 @@ std::string field_svg(const std::string& title, const mesh::Mesh2D& mesh,
     d += "Z";
   }
   for (const auto& [shade, d] : path) {
-    const std::string colour = colour_of(shade / 20.0);
+    const std::string colour = diverging_colour(shade / 20.0);
     out += format("<path fill=\"%s\" stroke=\"%s\" stroke-width=\".5\" d=\"", colour.c_str(),
                   colour.c_str());
     out += d;
     out += "\"/>";
   }
+
+  // The colour scale.
   constexpr int shades = 20;
   for (int i = 0; i < shades; ++i) {
     out += format("<rect x=\"%.1f\" y=\"%.1f\" width=\"14\" height=\"%.1f\" fill=\"%s\"/>",
                   picture + 2 * edge, 40 + i * 8.0, 8.4,
-                  colour_of(1.0 - 2.0 * i / (shades - 1.0)).c_str());
+                  diverging_colour(1.0 - 2.0 * i / (shades - 1.0)).c_str());
   }
   const std::array<std::pair<double, double>, 3> marks{
       {{limit, 48.0}, {0.0, 124.0}, {-limit, 200.0}}};
-  for (const auto& [mark, at] : marks) {
-    out += format("<text x=\"%.1f\" y=\"%.1f\">%g</text>", picture + 2 * edge + 20, at, mark);
+  for (const auto& [mark, mark_y] : marks) {
+    out += format("<text x=\"%.1f\" y=\"%.1f\">%g</text>", picture + 2 * edge + 20, mark_y, mark);
   }
   out +=
       format("<text x=\"%.1f\" y=\"%.1f\">", picture + 2 * edge, 220.0) + escaped(unit) + "</text>";
