@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -41,6 +43,22 @@ void coherency(CaseFindings& found) {
                 "leave alloy.coherency out: the solid fraction follows the card");
 }
 
+/// Mush that pulls on its neighbours while it still flows out of a shell would be solid and melt at
+/// once. The paper's mush, which is as strong as the solid, keeps the coherency that the case
+/// gives.
+void onset_of_stress(CaseFindings& found) {
+  const material::AlloyCard& a = found.casting.alloy;
+  const auto& onset = found.casting.coherency_solid_fraction;
+  if (!a.mush || !onset || a.coherency >= a.retention_temperature()) return;
+
+  const double retention = material::solid_fraction_at(a, a.retention_temperature());
+  found.fault("alloy.coherency_solid_fraction", *onset,
+              "lies above the solid fraction from which metal does not flow out of a shell: metal "
+              "that holds melt back already carries load",
+              fmt::format("at most {:.4g}, alloy.retention_solid_fraction", retention),
+              "lower it, or raise alloy.retention_solid_fraction or alloy.shell_solid_fraction");
+}
+
 /// The paper's algorithms know the creep law only.
 void cold_strength(CaseFindings& found) {
   const Case& c = found.casting;
@@ -66,6 +84,7 @@ void check_alloy(CaseFindings& found) {
                 "at most alloy.liquidus = " + with_unit(a.liquidus, "degC"),
                 "exchange the two, or make them equal for a pure metal");
   if (found.sound({"alloy.solidus", "alloy.coherency"})) coherency(found);
+  onset_of_stress(found);
   cold_strength(found);
   if (!a.liquid_fraction.empty() && found.sound({"alloy.solidus", "alloy.liquid_fraction"}))
     liquid_fraction(found);

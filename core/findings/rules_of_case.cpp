@@ -168,7 +168,7 @@ std::vector<Table> list_tables(const Case& c) {
       {"schedule.water_flow_factor", &c.schedule.water_flow_factor},
       {"cooling.water.temperature", &c.cooling.water.temperature},
       {"cooling.water.coefficient", &c.cooling.water.coefficient},
-      {"cooling.bottom_block.contact_coefficient", &block.contact_coefficient},
+      {"cooling.bottom_block.contact_coefficient", &block.contact_coefficient, block.first_metal},
       {"cooling.bottom_block.temperature", &block.temperature},
   };
 

@@ -164,7 +164,7 @@ SurfaceFlux level_flux(const CoolingSpec& cooling, const SurfaceState& surface) 
 }
 
 double bottom_coefficient(const BottomBlock& block, double time, double gap) {
-  const double contact = block.contact_coefficient(time);
+  const double contact = block.contact_coefficient(time - block.first_metal);
   if (gap <= 0.0 || block.gap_coefficient.empty()) return contact;
   const double first = block.gap_coefficient.at().front();
   if (gap >= first) return block.gap_coefficient(gap);

@@ -37,9 +37,11 @@ inline constexpr double full_flow = 3e-3;
 /// start [m2/s].
 inline constexpr double start_flow = 1.5e-3;
 
-/// Critical flux [W/m2] of the film: that of the case at `full_flow` and 75 K of subcooling s, times
+/// Critical flux [W/m2] of the film: that of the case at `full_flow` and 75 K of subcooling s,
+/// times
 ///   (flow / full_flow)^n (1 + 2.7 sqrt(rho_l/rho_v) (c s / h_fg)^2) / the same at 75 K
-/// (Monde and Katto's form for an impinging jet), times the share of the falling film below the jet.
+/// (Monde and Katto's form for an impinging jet), times the share of the falling film below the
+/// jet.
 /// @param depth  [m] below the water line
 double critical_heat_flux(const Water& water, const Film& film, double depth);
 
@@ -123,8 +125,8 @@ struct BottomPlace {
 };
 
 /// Coefficient of the bottom block without the temperature factor [W/(m2 K)]: contact coefficient
-/// against time if the gap is closed, gap coefficient if it is open, linear between contact and the
-/// first point of the gap table.
+/// against the time since the first metal if the gap is closed, gap coefficient if it is open,
+/// linear between contact and the first point of the gap table.
 /// @param time  [s] @param gap  [m]; zero or less is contact
 double bottom_coefficient(const BottomBlock& block, double time, double gap);
 

@@ -72,7 +72,10 @@ struct BlockBody {
 };
 
 struct BottomBlock {
-  Curve contact_coefficient;      ///< [W/(m2 K)] against time
+  /// [W/(m2 K)] against the time since the first metal: the shell shrinks away from the block after
+  /// a certain time of contact, whenever the block starts.
+  Curve contact_coefficient;
+  double first_metal = 0.0;       ///< [s] time at which metal first stands on the block
   Curve gap_coefficient;          ///< [W/(m2 K)] against gap [m]
   Curve temperature_factor;       ///< [1] against surface temperature [°C]
   Curve temperature;              ///< [°C] against time; of a body its value at the start

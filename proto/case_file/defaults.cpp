@@ -84,12 +84,22 @@ void apply_block_place(v1::Case& c) {
     section.set_initial_depth_m(c.cooling().water().from_m() - section.block_above_water_m());
 }
 
+/// Mechanics begins with the shell that exists when the mould is full.
+void apply_start_of_mechanics(v1::Case& description) {
+  v1::Mechanics& mechanics = *description.mutable_mechanics();
+  if (mechanics.has_start_s()) return;
+  const v1::Schedule& schedule = description.schedule();
+  const bool filled = schedule.filling_s() > 0.0;
+  mechanics.set_start_s(filled ? schedule.filling_s() - schedule.hold_s() : 0.0);
+}
+
 }  // namespace
 
 void apply_defaults(Message& message) {
   if (auto* description = dynamic_cast<v1::Case*>(&message)) {
     apply(*description->mutable_cooling(), Fill::all_keys);
     apply_block_place(*description);
+    apply_start_of_mechanics(*description);
     apply_quality(*description);
   }
   apply(message, Fill::all_keys);

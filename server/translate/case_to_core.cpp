@@ -208,13 +208,15 @@ casting::Schedule schedule(const v1::Schedule& from) {
           .water_flow_shift = from.water_flow_shift_s()};
 }
 
-thermal::CoolingSpec cooling(const v1::Cooling& from) {
+/// @param first_metal  [s] time at which metal first stands on the block
+thermal::CoolingSpec cooling(const v1::Cooling& from, double first_metal) {
   thermal::CoolingSpec to;
   for (const v1::SideZone& each : from.zone()) to.zones.push_back(zone(each));
   to.water = water(from.water());
   if (from.has_narrow_water()) to.narrow_water = water(from.narrow_water());
   const v1::BottomBlock& block = from.bottom_block();
   to.bottom_block = {.contact_coefficient = to_core(block.contact_coefficient_w_per_m2_k()),
+                     .first_metal = first_metal,
                      .gap_coefficient = to_core(block.gap_coefficient_w_per_m2_k()),
                      .temperature_factor = to_core(block.temperature_factor()),
                      .temperature = to_core(block.temperature_c()),
@@ -343,7 +345,7 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   to.coherency_solid_fraction = given(complete.alloy().has_coherency_solid_fraction(),
                                       complete.alloy().coherency_solid_fraction());
   to.schedule = schedule(complete.schedule());
-  to.cooling = cooling(complete.cooling());
+  to.cooling = cooling(complete.cooling(), -to.schedule.hold);
   const v1::Thermal& thermal = complete.thermal();
   to.thermal.initial_temperature =
       given(thermal.has_initial_temperature_c(), thermal.initial_temperature_c());

@@ -5,6 +5,7 @@
 #include <functional>
 #include <ostream>
 
+#include "core/material/thermal_properties.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 
 namespace dccast::casting {
@@ -78,6 +79,13 @@ const Mistake mistakes[] = {
        c.alloy.cold_strength.emplace();
        c.mechanics.options.algorithm = mechanics::Algorithm::vnbm;
      }},
+    {"OnsetOfStressAboveRetention", "alloy.coherency_solid_fraction",
+     [](Case& c) {
+       c.alloy.mush.emplace();
+       c.coherency_solid_fraction = 0.95;
+       c.alloy.coherency = material::coherency_at(c.alloy, 0.95);
+       c.alloy.retention = material::coherency_at(c.alloy, 0.9);
+     }},
     {"CoherencyInTwoWays", "alloy.coherency_solid_fraction",
      [](Case& c) {
        c.alloy.coherency = 630.0;
@@ -150,8 +158,7 @@ const Mistake mistakes[] = {
      }},
     {"ImportedMeshThatGrows", "mesh.growth", [](Case& c) { c.section.file = "slab.msh"; }},
     {"TemperatureOfASlabThatGrows", "thermal.file", [](Case& c) { c.thermal.file = "t.h5"; }},
-    {"FillingLongerThanTheHold", "schedule.filling",
-     [](Case& c) { c.schedule.filling = 10.5; }},
+    {"FillingLongerThanTheHold", "schedule.filling", [](Case& c) { c.schedule.filling = 10.5; }},
     {"FillingOfASlabThatDoesNotGrow", "schedule.filling",
      [](Case& c) {
        c.schedule.filling = 5.0;
@@ -163,8 +170,7 @@ const Mistake mistakes[] = {
        c.mechanics.start = -6.0;
      }},
     {"AlloyWithoutDensity", "alloy.density", [](Case& c) { c.alloy.density = {}; }},
-    {"AlloyWithoutConductivity", "alloy.conductivity",
-     [](Case& c) { c.alloy.conductivity = {}; }},
+    {"AlloyWithoutConductivity", "alloy.conductivity", [](Case& c) { c.alloy.conductivity = {}; }},
     {"GrowthCellTooHigh", "mesh.growth_cell", [](Case& c) { c.section.growth_cell = 0.2; }},
     {"SideCellTooWide", "mesh.side_cell", [](Case& c) { c.section.side_cell = 0.3; }},
     {"BottomCellTooHigh", "mesh.bottom_cell", [](Case& c) { c.section.bottom_cell = 0.3; }},

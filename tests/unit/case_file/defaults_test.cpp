@@ -30,6 +30,23 @@ TEST(Defaults, FillEveryAbsentKeyOnce) {
   EXPECT_EQ(message.SerializeAsString(), once);
 }
 
+/// The shell that exists when the mould is full is the first that can be free of stress.
+TEST(Defaults, MechanicsStartAtTheEndOfFilling) {
+  v1::Case filled;
+  filled.mutable_schedule()->set_hold_s(70.0);
+  filled.mutable_schedule()->set_filling_s(35.0);
+  apply_defaults(filled);
+  EXPECT_DOUBLE_EQ(filled.mechanics().start_s(), -35.0);
+
+  v1::Case full, chosen = filled;
+  apply_defaults(full);
+  EXPECT_DOUBLE_EQ(full.mechanics().start_s(), 0.0);
+
+  chosen.mutable_mechanics()->set_start_s(5.0);
+  apply_defaults(chosen);
+  EXPECT_DOUBLE_EQ(chosen.mechanics().start_s(), 5.0);
+}
+
 TEST(Defaults, OfTheDaemonPassItsChecks) {
   v1::DaemonConfig config;
   apply_defaults(config);

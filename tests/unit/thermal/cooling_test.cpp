@@ -103,6 +103,17 @@ TEST(Zone, MixesByTheLiquidFraction) {
                     {550.0, 0.4});
 }
 
+/// The shell shrinks off the block after some time of contact, however long the hold is.
+TEST(BottomBlock, CountsContactFromTheFirstMetal) {
+  BottomBlock block;
+  block.contact_coefficient = {Abscissa::time, {25, 40}, {3000, 500}};
+  block.temperature = Curve(25.0);
+  block.first_metal = -60.0;
+  EXPECT_DOUBLE_EQ(bottom_coefficient(block, -35.0, 0.0), 3000.0);
+  EXPECT_DOUBLE_EQ(bottom_coefficient(block, -27.5, 0.0), 1750.0);
+  EXPECT_DOUBLE_EQ(bottom_coefficient(block, 0.0, 0.0), 500.0);
+}
+
 TEST(BottomBlock, GoesFromContactThroughTheGap) {
   BottomBlock block;
   block.contact_coefficient = {Abscissa::time, {10, 40}, {2000, 500}};
