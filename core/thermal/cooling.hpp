@@ -37,10 +37,9 @@ inline constexpr double full_flow = 3e-3;
 /// start [m2/s].
 inline constexpr double start_flow = 1.5e-3;
 
-/// Critical flux [W/m2] of the film: that of the case at `full_flow` and 75 K of subcooling s,
-/// times
+/// Critical flux [W/m2] of the film: that of the case at `full_flow` and 75 K of subcooling s times
 ///   (flow / full_flow)^n (1 + 2.7 sqrt(rho_l/rho_v) (c s / h_fg)^2) / the same at 75 K
-/// (Monde and Katto's form for an impinging jet), times the share of the falling film below the
+/// (Monde and Katto's form for an impinging jet), and times the share of the falling film below the
 /// jet.
 /// @param depth  [m] below the water line
 double critical_heat_flux(const Water& water, const Film& film, double depth);

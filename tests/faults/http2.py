@@ -163,12 +163,15 @@ class Peer:
             if room <= 0 or sent > due:
                 self.receive(0.01)
                 continue
-            part = message[sent:sent + room]
-            self.send(frame(DATA, 0, stream, part))
-            sent += len(part)
-            self.windows[0] -= len(part)
-            self.windows[stream] -= len(part)
+            sent += self.send_part(stream, message[sent:sent + room])
         self.send(frame(DATA, END_STREAM, stream))
+
+    def send_part(self, stream, part):
+        """One frame of a message, within the windows; returns its length."""
+        self.send(frame(DATA, 0, stream, part))
+        self.windows[0] -= len(part)
+        self.windows[stream] -= len(part)
+        return len(part)
 
     def send_most_of_a_message(self, stream, size, missing=1, compressed=0, content=None):
         """A message without its last bytes, as fast as the windows permit; for 5 s at most."""
@@ -179,8 +182,4 @@ class Peer:
             if room <= 0:
                 self.receive(0.5)
                 continue
-            part = message[sent:sent + room]
-            self.send(frame(DATA, 0, stream, part))
-            sent += len(part)
-            self.windows[0] -= len(part)
-            self.windows[stream] -= len(part)
+            sent += self.send_part(stream, message[sent:sent + room])

@@ -201,13 +201,17 @@ class Others(ClientTest):
         self.assertEqual(wrong_key.returncode, 2)
         self.assertIn("PEM files", wrong_key.stderr)
 
-    def test_strangers_neither_fill_it_nor_silence_it(self):
-        self.log_in("wall", "viewer")
-        process = subprocess.Popen(
+    def start_for_others(self):
+        """A dashboard that serves other machines, with the settings of the user who logged in."""
+        return subprocess.Popen(
             [os.path.join(BIN, "dccast"), "dashboard", "--listen", "localhost", *self.words],
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
             env={"XDG_CONFIG_HOME": os.path.join(self.folder, "settings"),
                  "PATH": os.environ["PATH"]})
+
+    def test_strangers_neither_fill_it_nor_silence_it(self):
+        self.log_in("wall", "viewer")
+        process = self.start_for_others()
         context = ssl.create_default_context(cafile=self.ca.certificate)
         try:
             port = urllib.parse.urlsplit(process.stdout.readline().strip()).port
@@ -264,11 +268,7 @@ class Others(ClientTest):
 
     def test_a_viewer_looks(self):
         self.log_in("wall", "viewer")
-        process = subprocess.Popen(
-            [os.path.join(BIN, "dccast"), "dashboard", "--listen", "localhost", *self.words],
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-            env={"XDG_CONFIG_HOME": os.path.join(self.folder, "settings"),
-                 "PATH": os.environ["PATH"]})
+        process = self.start_for_others()
         try:
             url = urllib.parse.urlsplit(process.stdout.readline().strip())
             self.assertEqual((url.scheme, url.hostname), ("https", "localhost"))
