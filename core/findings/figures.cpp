@@ -144,6 +144,19 @@ void StepMeter<Dim>::measure_closed_shell(const StepView<Dim>& view, StepFigures
   if (history.shell_stood) f.closed_shell = std::move(shell);
 }
 
+/// Mush shears as melt does, without jamming the butt: its rotation counts from coalescence on.
+template <int Dim>
+std::vector<char> StepMeter<Dim>::grown_together(const StepView<Dim>& view) const {
+  std::vector<char> solid = view.slab.solid;
+  if (!case_.alloy.mush) return solid;
+
+  for (int e = 0; e < view.mesh.elements(); ++e) {
+    if (mesh::mean_at_nodes(view.mesh, e, view.temperature) > properties_.coalescence())
+      solid[std::size_t(e)] = 0;
+  }
+  return solid;
+}
+
 template <int Dim>
 void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f,
                                        FigureHistory& history) const {
@@ -152,8 +165,8 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
   f.bottom_reaction = checks.bottom_reaction / view.face_length;
   f.complementarity_error = checks.complementarity_error;
 
-  f.rotation = largest_rotation(view.mesh, view.slab.solid, view.slab.displacement, view.growing,
-                                history.when_liquid);
+  f.rotation = largest_rotation(view.mesh, grown_together(view), view.slab.displacement,
+                                view.growing, history.when_liquid);
   f.slip = largest_slip(view.mesh, view.slab.solid, view.slab.displacement, view.temperature,
                         properties_, solid_below_);
   if (checks.worst_liquid >= 0)

@@ -98,6 +98,7 @@ private:
   void measure_exit(const StepView<Dim>& view, StepFigures& figures) const;
   void measure_gap(const StepView<Dim>& view, StepFigures& figures) const;
   void measure_bottom(const StepView<Dim>& view, StepFigures& figures) const;
+  std::vector<char> grown_together(const StepView<Dim>& view) const;  ///< (element)
   void measure_mechanics(const StepView<Dim>& view, StepFigures& figures,
                          FigureHistory& history) const;
   void measure_closed_shell(const StepView<Dim>& view, StepFigures& figures,

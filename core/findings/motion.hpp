@@ -33,7 +33,7 @@ Turn<3> element_turn(const mesh::Mesh3D& mesh, int element, std::span<const doub
 /// Rotation before solidification does not count: melt between a holding mould and a receding shell
 /// shears freely, and the strain of the solid is counted from solidification.
 ///
-/// @param solid        (element) carries stress
+/// @param solid        (element) carries stress, and its grains have grown together
 /// @param displacement (node, Dim) [m]
 /// @param growing      first element of the row that still stretches, whose motion is that of the
 ///                     mesh

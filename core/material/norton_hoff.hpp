@@ -66,32 +66,42 @@ ReturnMaps<Count> each_by_itself(const Lanes<Count>& trial_norm, const Lanes<Cou
   return maps;
 }
 
-/// x + c x^5 = R from an upper bound: (R/c)^(1/5) is at most R strength^(-3/16), strength = c R^4.
-template <int Count>
-ReturnMaps<Count> of_fifth_power(const Lanes<Count>& trial_norm, const Lanes<Count>& creep) {
+/// x + c x^n = R for n = 3 or 5, from an upper bound: with strength = c R^(n-1) the root is at most
+/// R strength^-e for each e below 1/n, here 5/16 or 3/16.
+template <int Power, int Count>
+ReturnMaps<Count> of_odd_power(const Lanes<Count>& trial_norm, const Lanes<Count>& creep) {
+  static_assert(Power == 3 || Power == 5);
   using Numbers = Lanes<Count>;
-  const Numbers square = trial_norm * trial_norm, strength = creep * square * square;
-  const Numbers eighth = root<Count>(root<Count>(root<Count>(strength)));
-  const Numbers bound = trial_norm / (eighth * root<Count>(eighth));
+  const auto creep_rate = [](const Numbers& factor, const Numbers& x) {  // factor x^(n-1)
+    if constexpr (Power == 3) return Numbers(factor * (x * x));
+    if constexpr (Power == 5) return Numbers(factor * (x * x) * (x * x));
+  };
+
+  const Numbers strength = creep_rate(creep, trial_norm);
+  const Numbers fourth = root<Count>(root<Count>(strength)), eighth = root<Count>(fourth);
+  const Numbers sixteenth = root<Count>(eighth);
+  const Numbers bound = trial_norm / ((Power == 3 ? fourth : eighth) * sixteenth);
+
   Numbers x = strength > 1.0 ? bound : trial_norm;
   constexpr int most = 60;
   for (int i = 0; i < most; ++i) {
-    const Numbers power = creep * (x * x) * (x * x);
-    const Numbers step = (x + power * x - trial_norm) / (1.0 + 5.0 * power);
+    const Numbers power = creep_rate(creep, x);
+    const Numbers step = (x + power * x - trial_norm) / (1.0 + double(Power) * power);
     x -= step;
     if (!any<Count>((step < 0.0 ? -step : step) > 1e-15 * trial_norm)) break;
   }
-  return {x, 1.0 / (1.0 + 5.0 * creep * (x * x) * (x * x))};
+  return {x, 1.0 / (1.0 + creep_rate(double(Power) * creep, x))};
 }
 
 }  // namespace detail
 
-/// return_map() of several points at once; for the paper's exponent, 6, without calling pow().
+/// return_map() of several points at once; for the exponents 4 and 6 without calling pow().
 /// @param trial_norm  [Pa] @param creep  [Pa^-(q-2)] @param exponent  q [1]
 template <int Count>
 ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
                               double exponent) {
-  if (exponent == 6.0) return detail::of_fifth_power<Count>(trial_norm, creep);
+  if (exponent == 4.0) return detail::of_odd_power<3, Count>(trial_norm, creep);
+  if (exponent == 6.0) return detail::of_odd_power<5, Count>(trial_norm, creep);
   return detail::each_by_itself<Count>(trial_norm, creep, exponent);
 }
 

@@ -22,16 +22,6 @@ constexpr int up = Dim - 1;
 /// coarse factor shrinks to a hundredth: docs/large-solids.md.
 constexpr double rows_of_a_coarse_one = 32.0;
 
-/// Mean of a field over the nodes of an element [unit of the field].
-/// @param field  (node) [unit of the field]
-template <int Dim>
-double mean_at_nodes(const mesh::Mesh<Dim>& mesh, int element, std::span<const double> field) {
-  const int* node = mesh.nodes_of(element);
-  double sum = 0.0;
-  for (int i = 0; i < mesh.nodes_per_element; ++i) sum += field[std::size_t(node[i])];
-  return sum / mesh.nodes_per_element;
-}
-
 /// Mean height of the nodes of an element [m].
 template <int Dim>
 double centroid_height(const mesh::Mesh<Dim>& mesh, int element) {
@@ -174,7 +164,7 @@ template <int Dim>
 void SlabMechanics<Dim>::start(State& state, std::span<const double> temperature) const {
   state.started = true;
   for (int e = 0; e < mesh_->elements(); ++e) {
-    const double t = mean_at_nodes(*mesh_, e, temperature);
+    const double t = mesh::mean_at_nodes(*mesh_, e, temperature);
     const bool solid = options_.liquid == Liquid::solid || t < properties_.coherency();
     state.solid[std::size_t(e)] = solid ? 1 : 0;
     if (!solid) continue;
@@ -232,7 +222,7 @@ void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) {
   std::vector<int> changed;
   for (int e = 0; e < mesh_->elements(); ++e) {
     const bool solid =
-        at_once || mean_at_nodes(*mesh_, e, input.temperature) < properties_.coherency();
+        at_once || mesh::mean_at_nodes(*mesh_, e, input.temperature) < properties_.coherency();
     if (solid == (state.solid[std::size_t(e)] != 0)) continue;
     state.solid[std::size_t(e)] = solid ? 1 : 0;
     changed.push_back(e);
@@ -242,7 +232,7 @@ void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) {
     forget_history(state, std::size_t(e));
     if (state.solid[std::size_t(e)] == 0) continue;
     solidify(state, e, input.metal_level,
-             at_once ? mean_at_nodes(*mesh_, e, input.temperature) : properties_.coherency());
+             at_once ? mesh::mean_at_nodes(*mesh_, e, input.temperature) : properties_.coherency());
   }
 }
 
@@ -262,7 +252,7 @@ void SlabMechanics<Dim>::set_materials(const State& state, const SlabStepInput& 
   for (int e = 0; e < mesh_->elements(); ++e) {
     const std::size_t i = std::size_t(e);
     if (state.solid[i] != 0) {
-      set_solid(e, mean_at_nodes(*mesh_, e, input.temperature), input.metal_level);
+      set_solid(e, mesh::mean_at_nodes(*mesh_, e, input.temperature), input.metal_level);
       continue;
     }
 
@@ -305,7 +295,7 @@ void SlabMechanics<Dim>::set_weight(const State& state, std::span<const double> 
   std::vector<double> specific_weight(std::size_t(mesh_->elements()));  // [N/m3]
   for (int e = 0; e < mesh_->elements(); ++e) {
     const double density = state.solid[std::size_t(e)] != 0
-                               ? properties_.density(mean_at_nodes(*mesh_, e, temperature))
+                               ? properties_.density(mesh::mean_at_nodes(*mesh_, e, temperature))
                                : properties_.liquid_density();
     specific_weight[std::size_t(e)] = density * options_.gravity;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -165,6 +166,16 @@ std::array<std::vector<int>, 2> edges_to_sweep_from(const Mesh<Dim>& mesh, int p
     std::sort(fronts[f].begin(), fronts[f].end());
   }
   return fronts;
+}
+
+/// Mean of a field over the nodes of an element [unit of the field].
+/// @param field  (node) [unit of the field]
+template <int Dim>
+double mean_at_nodes(const Mesh<Dim>& mesh, int element, std::span<const double> field) {
+  const int* node = mesh.nodes_of(element);
+  double sum = 0.0;
+  for (int i = 0; i < mesh.nodes_per_element; ++i) sum += field[std::size_t(node[i])];
+  return sum / mesh.nodes_per_element;
 }
 
 }  // namespace dccast::mesh

@@ -7,7 +7,7 @@ namespace dccast {
 namespace {
 
 TEST(Start3d, TheFirstTwentySecondsPassTheirChecksAndCurlAsBefore) {
-  casting::Case c = support::load_case("start-3d");
+  casting::Case c = support::load_case("start-3d-paper");
   c.time.end = 20.0;
   const auto reports = regression::run(c);
   for (const auto& r : reports) {

@@ -125,7 +125,7 @@ TEST(NewCase, AllFaultsComeAtOnce) {
 
 TEST(CastingSummary, IsAsAPlantPutsIt) {
   EXPECT_EQ(render::casting_summary(shipped_case("start-3d-aa5182")),
-            "slab 1320 x 570 mm of aa5182, speed 40 -> 60 mm/min from 60 s to 200 s (over 116.7 "
+            "slab 1320 x 570 mm of aa5182, speed 38 -> 50 mm/min from 60 s to 200 s (over 102.7 "
             "mm), water 90 -> 180 l/min/m = 20.41 -> 40.82 m3/h");
 }
 
