@@ -1,20 +1,27 @@
 #!/usr/bin/python3
 """Ctrl-C and SIGTERM end a command of the client at once; jobs go on, and there is a way back."""
+import fcntl
 import json
 import os
 import pty
 import re
 import signal
 import socket
+import struct
 import subprocess
+import termios
 import threading
 import time
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, fake_case, main, until
+from support import BIN, WAIT_FACTOR, ServiceTest, fake_case, main, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 LONG = "steps=100000 sleep_ms=5"
+
+
+def waiting_bytes(pipe):
+    return struct.unpack("i", fcntl.ioctl(pipe, termios.FIONREAD, bytes(4)))[0]
 
 
 class StallingProxy:
@@ -57,26 +64,33 @@ class Interrupt(ServiceTest):
     def command(self, *words, address=None):
         return [os.path.join(BIN, "dccast"), "--server", address or self.daemon.address, *words]
 
-    def begin(self, *words, address=None):
+    def begin(self, *words, address=None, stdout=subprocess.PIPE, stderr=subprocess.PIPE):
+        """A pipe that is not read must not fill: a command that waits in its write does nothing
+        else. A test that does not read one of the two gives it a file."""
         process = subprocess.Popen(self.command(*words, address=address), text=True,
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   cwd=self.folder)
-        self.addCleanup(self.end, process)
+                                   stdout=stdout, stderr=stderr, cwd=self.folder)
+        # A command that hangs fails its test, instead of holding it until the limit of the script.
+        limit = threading.Timer(60 * WAIT_FACTOR, process.kill)
+        limit.daemon = True
+        limit.start()
+        self.addCleanup(self.end, process, limit)
         return process
 
     @staticmethod
-    def end(process):
+    def end(process, limit):
+        limit.cancel()
         if process.poll() is None:
             process.kill()
             process.wait()
-        process.stdout.close()
-        process.stderr.close()
+        for pipe in (process.stdout, process.stderr):
+            if pipe:
+                pipe.close()
 
     def interrupted(self, process, number=signal.SIGINT):
         """Sends the signal. Returns what the command said: its own last words, not the generic
         ones of a command that did not leave by itself."""
         process.send_signal(number)
-        out, err = process.stdout.read(), process.stderr.read()
+        out, err = (pipe.read() if pipe else "" for pipe in (process.stdout, process.stderr))
         self.assertEqual(process.wait(timeout=10), 130, err)
         self.assertIn("dccast: interrupted", err)
         self.assertNotIn("a job that was submitted goes on", err)
@@ -205,14 +219,28 @@ class Interrupt(ServiceTest):
 
     def test_between_two_attempts(self):
         job = self.long_job()
-        process = self.begin("watch", "--json", job.id)
-        process.stdout.readline()
+        events = os.path.join(self.folder, "events.json")
+        with open(events, "w", encoding="utf-8") as file:
+            process = self.begin("watch", "--json", job.id, stdout=file)
+        until(lambda: os.path.getsize(events) > 0, 10)
         self.daemon.kill()
         for line in process.stderr:
             if "attempt 3" in line:
                 break
         _, err = self.interrupted(process)
         self.assertIn(f"job {job.id} goes on. Come back", err)
+
+    def test_pipes_that_no_one_reads_hold_nobody(self):
+        job = self.client.submit(fake_case("steps=100000 sleep_ms=1"))
+        reader, writer = os.pipe()
+        self.addCleanup(os.close, reader)
+        fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
+        process = self.begin("watch", job.id, stdout=writer, stderr=writer)
+        os.close(writer)
+        # Less room than a line of progress needs.
+        until(lambda: waiting_bytes(reader) > 4000, 20)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(timeout=10 * WAIT_FACTOR), 130)
 
 
 if __name__ == "__main__":
