@@ -55,7 +55,7 @@ v1::Job Submissions::submit(const NewJob& new_job, const Attachments& attachment
     }
   }
 
-  JobRecord record = record_of_new(new_job, attachments);
+  JobRecord record = make_record(new_job, attachments);
   require_room(record.bytes);
   std::optional<Reservation> reservation;
   {
