@@ -312,7 +312,7 @@ void stop_serving(service::PublicServer& server, service::Context& context, JobS
 
 /// @return the queue in words; nothing when it does not turn
 std::string queue_status(jobs::Scheduler& scheduler, std::chrono::milliseconds longest) {
-  if (!scheduler.turns(longest)) return {};
+  if (!scheduler.is_responsive(longest)) return {};
   const std::string held = scheduler.held();
   return std::to_string(scheduler.queued()) + " queued, " + std::to_string(scheduler.running()) +
          " running" + (held.empty() ? "" : "; the queue is held: " + held);

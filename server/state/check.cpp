@@ -271,7 +271,7 @@ private:
 /// with it as the store and the event log are now.
 void require_no_worker(const StateFolder& folder) {
   for (const std::string& id : jobs::folder_ids(folder.jobs()))
-    if (const auto worker = jobs::holder_of(folder.jobs() / id))
+    if (const auto worker = jobs::find_holder(folder.jobs() / id))
       throw std::runtime_error("job " + id + " still runs in process " +
                                std::to_string(worker->process) +
                                "; start dccastd, which goes on with it, or end that process first");
