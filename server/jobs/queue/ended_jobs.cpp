@@ -96,7 +96,7 @@ void Retention::run(const std::stop_token& stop) {
 
 /// Rows written by an earlier version hold the size of the case only.
 void Retention::measure(const std::stop_token& stop) {
-  for (const JobStore::Ended& job : store_.ended(true)) {
+  for (const JobStore::Ended& job : store_.ended(JobStore::Include::runs_of_studies_too)) {
     if (stop.stop_requested()) return;
     const std::int64_t bytes = bytes_kept(options_.jobs_directory / job.id);
     if (bytes != job.bytes) store_.update_bytes(job.id, bytes);
@@ -104,7 +104,7 @@ void Retention::measure(const std::stop_token& stop) {
 }
 
 void Retention::delete_old_jobs() {
-  const auto ended = store_.ended(false);
+  const auto ended = store_.ended(JobStore::Include::jobs_alone);
   const std::int64_t oldest_ms =
       milliseconds(now()) - std::chrono::milliseconds(options_.time).count();
 
