@@ -11,7 +11,6 @@ import struct
 import subprocess
 import termios
 import threading
-import time
 
 from dccast.v1 import job_pb2
 from support import BIN, WAIT_FACTOR, ServiceTest, fake_case, main, until
@@ -24,6 +23,15 @@ def waiting_bytes(pipe):
     return struct.unpack("i", fcntl.ioctl(pipe, termios.FIONREAD, bytes(4)))[0]
 
 
+def has_socket(process):
+    folder = f"/proc/{process}/fd"
+    try:
+        return any(os.readlink(os.path.join(folder, name)).startswith("socket:")
+                   for name in os.listdir(folder))
+    except OSError:
+        return False  # a descriptor was closed meanwhile
+
+
 class StallingProxy:
     """Between client and daemon; holds back what the daemon sends beyond so many bytes."""
 
@@ -33,6 +41,7 @@ class StallingProxy:
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.address = "127.0.0.1:%d" % self.listener.getsockname()[1]
         self.most = most
+        self.stalled = threading.Event()  # the client gets no more
         self.ends = [self.daemon, self.listener]
         threading.Thread(target=self.take_one, daemon=True).start()
 
@@ -42,6 +51,7 @@ class StallingProxy:
         threading.Thread(target=self.pump, args=(client, self.daemon, 1 << 40),
                          daemon=True).start()
         self.pump(self.daemon, client, self.most)
+        self.stalled.set()
 
     @staticmethod
     def pump(source, target, most):
@@ -176,8 +186,8 @@ class Interrupt(ServiceTest):
         self.addCleanup(proxy.close)
         part = os.path.join(self.folder, "r.h5.part")
         process = self.begin("fetch", job.id, "-o", "r.h5", address=proxy.address)
+        self.assertTrue(proxy.stalled.wait(20 * WAIT_FACTOR))
         until(lambda: os.path.exists(part) and os.path.getsize(part) > 0, 10)
-        time.sleep(0.2)  # the stream stands still by then
         _, err = self.interrupted(process)
         bytes_there = os.path.getsize(part)
         self.assertGreater(bytes_there, 0)
@@ -212,7 +222,7 @@ class Interrupt(ServiceTest):
         for words in (["show", job.id], ["submit", self.case_file(LONG)], ["fetch", job.id]):
             with self.subTest(words=words):
                 process = self.begin(*words)
-                time.sleep(0.3)  # it is in its first call by then
+                until(lambda: has_socket(process.pid), 10)  # it is in its first call
                 self.assertIsNone(process.poll())
                 self.interrupted(process)
         self.assertEqual(os.listdir(self.folder).count("results.h5.part"), 0)
