@@ -1,6 +1,7 @@
 #include "server/access/limits.hpp"
 
 #include <fmt/core.h>
+
 #include <algorithm>
 
 namespace dccast::access {

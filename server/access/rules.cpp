@@ -1,6 +1,7 @@
 #include "server/access/rules.hpp"
 
 #include <fmt/core.h>
+
 #include <map>
 
 #include "dccast/v1/service.pb.h"

@@ -1,6 +1,7 @@
 #include "server/jobs/queue/settlement.hpp"
 
 #include <fmt/core.h>
+
 #include <cmath>
 #include <utility>
 
