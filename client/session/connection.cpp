@@ -1,5 +1,6 @@
 #include "client/session/connection.hpp"
 
+#include <poll.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -101,7 +102,10 @@ void interrupt_by_signals(std::shared_ptr<Interruption> interruption) {
     // Computing, or waiting for a pipe that no one reads. FILE.part stays and can be continued.
     static constexpr char message[] = "\ndccast: interrupted; a job that was submitted goes on\n";
     if (const int code = interruption->exit_code(); code >= 0) ::_exit(code);
-    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message, sizeof message - 1);
+    // The pipe that no one reads may be standard error itself: a write to it would never return.
+    pollfd error_output{STDERR_FILENO, POLLOUT, 0};
+    if (::poll(&error_output, 1, 0) > 0) [[maybe_unused]]
+      const auto written = ::write(STDERR_FILENO, message, sizeof message - 1);
     ::_exit(static_cast<int>(ExitCode::interrupted));
   }).detach();
 }

@@ -28,6 +28,7 @@ inline constexpr std::size_t maximum_file_bytes = 4 * 1024 * 1024;
 /// Result of reading a file, besides the message.
 struct ReadOutcome {
   std::vector<v1::Fault> faults;            ///< empty: the message is complete and in range
+  std::vector<std::string> missing_keys;    ///< paths of absent required keys; each has a fault
   std::vector<v1::Attachment> attachments;  ///< files named by attachment fields
   std::vector<std::string> files;  ///< names of these files, if the text was read elsewhere
   SourceMap source;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -30,8 +31,11 @@ const Message& default_message(const FieldDescriptor& field, const Message& mess
       read_text(fmt::format("{} = {}", toml_key(field), text), "default", *read);
 
   // The text contains one key only, so required ones are missing by design.
+  const auto is_missing = [&outcome](const v1::Fault& fault) {
+    return std::ranges::find(outcome.missing_keys, fault.field()) != outcome.missing_keys.end();
+  };
   for (const v1::Fault& fault : outcome.faults)
-    if (fault.field().starts_with(toml_key(field)) && fault.message() != "required key is missing")
+    if (fault.field().starts_with(toml_key(field)) && !is_missing(fault))
       throw std::logic_error(fmt::format("default of {}: {}", field.full_name(), fault.message()));
 
   return *cached.emplace(&field, std::move(read)).first->second;

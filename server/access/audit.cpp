@@ -1,6 +1,7 @@
 #include "server/access/audit.hpp"
 
 #include <fcntl.h>
+#include <fmt/chrono.h>
 #include <google/protobuf/util/json_util.h>
 #include <time.h>
 #include <unistd.h>
@@ -18,19 +19,15 @@ namespace {
 
 constexpr std::size_t longest_text = 300;  // of each field: a line stays below one block
 
-std::filesystem::path log_of(const std::filesystem::path& directory) {
+std::filesystem::path log_path(const std::filesystem::path& directory) {
   return directory / "audit.log";
 }
 
 std::string time_now() {
   timespec now{};
   ::clock_gettime(CLOCK_REALTIME, &now);
-  tm utc{};
-  ::gmtime_r(&now.tv_sec, &utc);
-  char text[32];
-  ::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
-  const std::string thousandths = std::to_string(1000 + now.tv_nsec / 1'000'000);
-  return std::string(text) + "." + thousandths.substr(1) + "Z";
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(now.tv_sec),
+                     now.tv_nsec / 1'000'000);
 }
 
 google::protobuf::util::JsonPrintOptions names_as_in_the_schema() {
@@ -39,8 +36,8 @@ google::protobuf::util::JsonPrintOptions names_as_in_the_schema() {
   return options;
 }
 
-/// What comes from outside is one printable line, and not long.
-void make_inert(v1::AuditEvent& event) {
+/// Makes every text of a caller a short, printable line.
+void escape_texts(v1::AuditEvent& event) {
   const auto* reflection = event.GetReflection();
   for (int i = 0; i < event.descriptor()->field_count(); ++i) {
     const auto* field = event.descriptor()->field(i);
@@ -58,30 +55,35 @@ bool passes(const v1::AuditEvent& event, const AuditFilter& filter) {
 }  // namespace
 
 AuditLog::AuditLog(const std::filesystem::path& directory)
-    : file_(log_of(directory), O_WRONLY | O_APPEND | O_CREAT, storage::owner_only) {}
+    : file_(log_path(directory), O_WRONLY | O_APPEND | O_CREAT, storage::owner_only) {}
 
 void AuditLog::append(v1::AuditEvent event) {
   event.set_time(time_now());
-  make_inert(event);
+  escape_texts(event);
+
   std::string line;
   const auto written =
       google::protobuf::util::MessageToJsonString(event, &line, names_as_in_the_schema());
   if (!written.ok()) line = "{\"reason\":\"an event that is no JSON\"}";
   line += '\n';
+
   if (::write(file_.descriptor(), line.data(), line.size()) != static_cast<ssize_t>(line.size()))
     throw storage::StorageError(errno, file_.path().string(), "cannot be written");
 }
 
 std::size_t print_audit(const std::filesystem::path& directory, const AuditFilter& filter,
                         std::ostream& out) {
-  std::ifstream in(log_of(directory));
-  if (!in) throw storage::StorageError(errno, log_of(directory).string(), "cannot be read");
+  std::ifstream in(log_path(directory));
+  if (!in) throw storage::StorageError(errno, log_path(directory).string(), "cannot be read");
+
   std::size_t printed = 0;
   for (std::string line; std::getline(in, line);) {
     v1::AuditEvent event;
-    // A line that a full disk has cut is shown, too: it is part of what happened.
+
+    // A line that a full disk has truncated is shown, too.
     const bool whole = google::protobuf::util::JsonStringToMessage(line, &event).ok();
     if (whole && !passes(event, filter)) continue;
+
     out << (whole ? line : values::escaped(line)) << '\n';
     ++printed;
   }

@@ -9,28 +9,28 @@
 
 namespace dccast::access {
 
-/// The audit log: audit.log of the data directory, its owner's alone. One line of JSON an event,
-/// appended by one write(), so that the daemon and a command can both write; nothing in it is ever
-/// changed. It is on the disk when the system writes it there: a crash of the machine may cost its
-/// last seconds, one of the daemon nothing. Safe to use from several threads.
+/// The audit log, audit.log of the data directory; only its owner can read it. Each event is a line
+/// of JSON, appended by one write(), so that the daemon and a command can both write. Lines are
+/// never changed. The file is not synced: a crash of the machine may lose the last seconds, a crash
+/// of the daemon nothing. Safe to use from several threads.
 class AuditLog {
 public:
   /// @param directory  the data directory @throws storage::StorageError
   explicit AuditLog(const std::filesystem::path& directory);
-  /// The time is set here. @throws storage::StorageError
+  /// Appends an event with the present time. @throws storage::StorageError
   void append(v1::AuditEvent event);
 
 private:
   const storage::File file_;
 };
 
-/// Which events are wanted; empty texts: all.
+/// Selects events; empty texts: all.
 struct AuditFilter {
   std::string user{}, job{}, call{};
-  std::string since{};  ///< the beginning of an RFC 3339 time, inclusive
+  std::string since{};  ///< earliest time; a prefix of an RFC 3339 time
 };
 
-/// Prints the lines that pass, as they stand. @return their number
+/// Prints the selected lines unchanged. @return their number
 /// @throws storage::StorageError  there is no log
 std::size_t print_audit(const std::filesystem::path& directory, const AuditFilter& filter,
                         std::ostream& out);

@@ -1,6 +1,7 @@
 #include "server/access/certificates.hpp"
 
 #include <arpa/inet.h>
+#include <fmt/core.h>
 #include <ifaddrs.h>
 #include <netinet/in.h>
 #include <openssl/bio.h>
@@ -30,18 +31,18 @@ using X509Pointer = values::Owned<X509, X509_free>;
 using Bio = values::Owned<BIO, BIO_free>;
 
 constexpr int ca_days = 3650;
-// A desk whose clock is somewhat behind takes a new certificate, too.
-constexpr long begins_before_s = 3600;
+// Clients whose clock is slow accept a new certificate, too.
+constexpr long backdated_s = 3600;
 
-[[noreturn]] void fail(const std::string& what) {
+[[noreturn]] void fail(const std::string& fault) {
   std::array<char, 256> reason{};
   ERR_error_string_n(ERR_get_error(), reason.data(), reason.size());
-  throw Refused(what + ": " + reason.data());
+  throw Refused(fmt::format("{}: {}", fault, reason.data()));
 }
 
 /// @param write  to a BIO
 template <class Write>
-std::string pem_by(Write write) {
+std::string write_pem(Write write) {
   const Bio bio(BIO_new(BIO_s_mem()));
   write(bio.get());
   char* bytes = nullptr;
@@ -49,22 +50,22 @@ std::string pem_by(Write write) {
   return {bytes, static_cast<std::size_t>(size)};
 }
 
-std::string pem_of(X509* certificate) {
-  return pem_by([&](BIO* bio) { PEM_write_bio_X509(bio, certificate); });
+std::string to_pem(X509* certificate) {
+  return write_pem([&](BIO* bio) { PEM_write_bio_X509(bio, certificate); });
 }
 
-std::string pem_of(EVP_PKEY* key) {
-  return pem_by(
+std::string to_pem(EVP_PKEY* key) {
+  return write_pem(
       [&](BIO* bio) { PEM_write_bio_PrivateKey(bio, key, nullptr, nullptr, 0, nullptr, nullptr); });
 }
 
-Bio reader_of(const std::string& text) {
+Bio open_reader(const std::string& text) {
   return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
 }
 
 X509Pointer parse(const std::string& pem, const std::string& where) {
-  X509Pointer certificate(PEM_read_bio_X509(reader_of(pem).get(), nullptr, nullptr, nullptr));
-  if (!certificate) fail(where + " holds no certificate in PEM form");
+  X509Pointer certificate(PEM_read_bio_X509(open_reader(pem).get(), nullptr, nullptr, nullptr));
+  if (!certificate) fail(fmt::format("{} holds no certificate in PEM form", where));
   return certificate;
 }
 
@@ -72,37 +73,43 @@ void extend(X509* certificate, X509* issuer, int kind, const std::string& value)
   X509V3_CTX context;
   X509V3_set_ctx(&context, issuer, certificate, nullptr, nullptr, 0);
   X509_EXTENSION* extension = X509V3_EXT_conf_nid(nullptr, &context, kind, value.c_str());
-  if (extension == nullptr) fail("a certificate cannot state " + value);
+  if (extension == nullptr) fail(fmt::format("a certificate cannot state {}", value));
   X509_add_ext(certificate, extension, -1);
   X509_EXTENSION_free(extension);
 }
 
-struct Wanted {
+/// Content of a certificate to be made.
+struct Content {
   std::string name;
   int days = 0;
   std::vector<std::pair<int, std::string>> extensions;
 };
 
 /// A certificate for `key`. @param issuer, issuer_key  null: signs itself
-X509Pointer make(const Wanted& wanted, EVP_PKEY* key, X509* issuer, EVP_PKEY* issuer_key) {
+X509Pointer make(const Content& content, EVP_PKEY* key, X509* issuer, EVP_PKEY* issuer_key) {
   X509Pointer made(X509_new());
   X509_set_version(made.get(), 2);
+
   std::array<unsigned char, 16> serial;
   if (RAND_bytes(serial.data(), serial.size()) != 1) fail("no random numbers");
   serial[0] &= 0x7f;  // a serial number is positive
   BIGNUM* number = BN_bin2bn(serial.data(), serial.size(), nullptr);
   BN_to_ASN1_INTEGER(number, X509_get_serialNumber(made.get()));
   BN_free(number);
-  X509_gmtime_adj(X509_getm_notBefore(made.get()), -begins_before_s);
-  X509_time_adj_ex(X509_getm_notAfter(made.get()), wanted.days, 0, nullptr);
+
+  X509_gmtime_adj(X509_getm_notBefore(made.get()), -backdated_s);
+  X509_time_adj_ex(X509_getm_notAfter(made.get()), content.days, 0, nullptr);
   X509_set_pubkey(made.get(), key);
+
   X509_NAME* subject = X509_get_subject_name(made.get());
   X509_NAME_add_entry_by_txt(subject, "CN", MBSTRING_UTF8,
-                             reinterpret_cast<const unsigned char*>(wanted.name.c_str()), -1, -1,
+                             reinterpret_cast<const unsigned char*>(content.name.c_str()), -1, -1,
                              0);
   X509_set_issuer_name(made.get(), issuer ? X509_get_subject_name(issuer) : subject);
-  for (const auto& [kind, value] : wanted.extensions)
+
+  for (const auto& [kind, value] : content.extensions)
     extend(made.get(), issuer ? issuer : made.get(), kind, value);
+
   if (X509_sign(made.get(), issuer_key ? issuer_key : key, EVP_sha256()) == 0)
     fail("a certificate cannot be signed");
   return made;
@@ -118,9 +125,9 @@ std::string alternative_names(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) {
     if (name.empty() || name.find_first_of(",: \n") != std::string::npos) {
-      if (!is_address(name)) throw Refused("\"" + name + "\" is no name of a host");
+      if (!is_address(name)) throw Refused(fmt::format("\"{}\" is no name of a host", name));
     }
-    text += (text.empty() ? "" : ",") + std::string(is_address(name) ? "IP:" : "DNS:") + name;
+    text += fmt::format("{}{}:{}", text.empty() ? "" : ",", is_address(name) ? "IP" : "DNS", name);
   }
   return text;
 }
@@ -131,7 +138,7 @@ std::int64_t unix_time(const ASN1_TIME* time) {
   return ::timegm(&parts);
 }
 
-std::string text_of(const GENERAL_NAME& name) {
+std::string to_string(const GENERAL_NAME& name) {
   if (name.type == GEN_DNS) {
     const ASN1_STRING* text = name.d.dNSName;
     return {reinterpret_cast<const char*>(ASN1_STRING_get0_data(text)),
@@ -144,12 +151,12 @@ std::string text_of(const GENERAL_NAME& name) {
   return text.data();
 }
 
-std::vector<std::string> names_of(X509* certificate) {
+std::vector<std::string> alternative_names(X509* certificate) {
   auto* all = static_cast<GENERAL_NAMES*>(
       X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr));
   std::vector<std::string> names;
   for (int i = 0; i < sk_GENERAL_NAME_num(all); ++i)
-    if (std::string name = text_of(*sk_GENERAL_NAME_value(all, i)); !name.empty())
+    if (std::string name = to_string(*sk_GENERAL_NAME_value(all, i)); !name.empty())
       names.push_back(std::move(name));
   GENERAL_NAMES_free(all);
   return names;
@@ -165,8 +172,8 @@ Identity read_issuer(const std::filesystem::path& certificate, const std::filesy
   const std::string text = storage::read_file(key, storage::Links::follow);
   Identity issuer{
       parse(storage::read_file(certificate, storage::Links::follow), certificate.string()),
-      Key(PEM_read_bio_PrivateKey(reader_of(text).get(), nullptr, nullptr, nullptr))};
-  if (!issuer.key) fail(key.string() + " holds no private key");
+      Key(PEM_read_bio_PrivateKey(open_reader(text).get(), nullptr, nullptr, nullptr))};
+  if (!issuer.key) fail(fmt::format("{} holds no private key", key.string()));
   return issuer;
 }
 
@@ -179,16 +186,17 @@ Key new_key() {
 /// @param usage  "serverAuth" or "clientAuth"  @param names  alternative ones; may be empty
 Identity issue(const Identity& issuer, const std::string& name, int days, const std::string& usage,
                const std::vector<std::string>& names) {
-  Wanted wanted{name,
-                days,
-                {{NID_basic_constraints, "critical,CA:FALSE"},
-                 {NID_key_usage, "critical,digitalSignature"},
-                 {NID_ext_key_usage, usage},
-                 {NID_authority_key_identifier, "keyid"}}};
+  Content content{name,
+                  days,
+                  {{NID_basic_constraints, "critical,CA:FALSE"},
+                   {NID_key_usage, "critical,digitalSignature"},
+                   {NID_ext_key_usage, usage},
+                   {NID_authority_key_identifier, "keyid"}}};
   if (!names.empty())
-    wanted.extensions.emplace_back(NID_subject_alt_name, alternative_names(names));
+    content.extensions.emplace_back(NID_subject_alt_name, alternative_names(names));
+
   Key key = new_key();
-  X509Pointer made = make(wanted, key.get(), issuer.certificate.get(), issuer.key.get());
+  X509Pointer made = make(content, key.get(), issuer.certificate.get(), issuer.key.get());
   return {std::move(made), std::move(key)};
 }
 
@@ -196,18 +204,22 @@ Identity issue(const Identity& issuer, const std::string& name, int days, const 
 
 Certificate read_certificate(const std::string& pem, const std::string& where) {
   const X509Pointer parsed = parse(pem, where);
+
   Certificate certificate;
   std::array<char, 256> name{};
   X509_NAME_get_text_by_NID(X509_get_subject_name(parsed.get()), NID_commonName, name.data(),
                             name.size());
   certificate.name = name.data();
-  certificate.names = names_of(parsed.get());
+
+  certificate.names = alternative_names(parsed.get());
   certificate.begins_unix = unix_time(X509_get0_notBefore(parsed.get()));
   certificate.ends_unix = unix_time(X509_get0_notAfter(parsed.get()));
+
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
   unsigned size = 0;
   X509_digest(parsed.get(), EVP_sha256(), digest.data(), &size);
   certificate.sha256 = values::hexadecimal({digest.data(), size});
+
   return certificate;
 }
 
@@ -218,59 +230,68 @@ bool Pki::exists() const {
 
 void Pki::init() const {
   if (exists())
-    throw Refused("there is a CA in " + directory_.string() +
-                  " already; remove that folder to begin anew: all clients then log in again");
+    throw Refused(
+        fmt::format("there is a CA in {} already; remove that folder to begin anew: all "
+                    "clients then log in again",
+                    directory_.string()));
+
   std::filesystem::create_directories(directory_);
   std::filesystem::permissions(directory_, std::filesystem::perms::owner_all);
+
+  // The random name distinguishes the CAs of several daemons; trust depends on the fingerprint.
   const Key key = new_key();
-  // The name tells CAs of several daemons apart; trust rests on the fingerprint.
-  const std::string name = "dccast CA " + values::random_hexadecimal(4);
+  const std::string name = fmt::format("dccast CA {}", values::random_hexadecimal(4));
   const X509Pointer ca = make({name,
                                ca_days,
                                {{NID_basic_constraints, "critical,CA:TRUE,pathlen:0"},
                                 {NID_key_usage, "critical,keyCertSign,cRLSign"},
                                 {NID_subject_key_identifier, "hash"}}},
                               key.get(), nullptr, nullptr);
-  storage::replace_file(this->ca(), pem_of(ca.get()));
-  storage::replace_file(ca_key(), pem_of(key.get()));
+
+  storage::replace_file(this->ca(), to_pem(ca.get()));
+  storage::replace_file(ca_key(), to_pem(key.get()));
 }
 
 void Pki::issue_server(const std::vector<std::string>& names, int days) const {
   if (names.empty()) throw Refused("a certificate of a server needs a name");
   const Identity issuer = read_issuer(ca(), ca_key());
   const Identity made = issue(issuer, names.front().substr(0, 64), days, "serverAuth", names);
-  storage::replace_file(server_key(), pem_of(made.key.get()));
-  // With the CA behind it a client sees whose fingerprint it has, before it trusts anything.
+  storage::replace_file(server_key(), to_pem(made.key.get()));
+
+  // The CA is included, so that a client can compare its fingerprint before it trusts the server.
   storage::replace_file(server(),
-                        pem_of(made.certificate.get()) + pem_of(issuer.certificate.get()));
+                        to_pem(made.certificate.get()) + to_pem(issuer.certificate.get()));
 }
 
 void Pki::issue_user(const std::string& user, int days,
                      const std::filesystem::path& directory) const {
   const Identity made = issue(read_issuer(ca(), ca_key()), user, days, "clientAuth", {});
-  storage::replace_file(directory / (user + ".key"), pem_of(made.key.get()));
-  storage::replace_file(directory / (user + ".pem"), pem_of(made.certificate.get()));
+  storage::replace_file(directory / (user + ".key"), to_pem(made.key.get()));
+  storage::replace_file(directory / (user + ".pem"), to_pem(made.certificate.get()));
 }
 
 std::vector<std::string> names_of_this_machine() {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
   std::vector<std::string> names{host.data(), "localhost"};
-  ifaddrs* all = nullptr;
-  if (::getifaddrs(&all) != 0) return names;
-  for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
-    if (one->ifa_addr == nullptr) continue;
-    const int family = one->ifa_addr->sa_family;
+
+  ifaddrs* first = nullptr;
+  if (::getifaddrs(&first) != 0) return names;
+  for (const ifaddrs* entry = first; entry != nullptr; entry = entry->ifa_next) {
+    if (entry->ifa_addr == nullptr) continue;
+
+    const int family = entry->ifa_addr->sa_family;
     const void* bytes = nullptr;
-    if (family == AF_INET) bytes = &reinterpret_cast<sockaddr_in*>(one->ifa_addr)->sin_addr;
-    if (family == AF_INET6) bytes = &reinterpret_cast<sockaddr_in6*>(one->ifa_addr)->sin6_addr;
-    std::array<char, INET6_ADDRSTRLEN> text{};
+    if (family == AF_INET) bytes = &reinterpret_cast<sockaddr_in*>(entry->ifa_addr)->sin_addr;
+    if (family == AF_INET6) bytes = &reinterpret_cast<sockaddr_in6*>(entry->ifa_addr)->sin6_addr;
     if (bytes == nullptr) continue;
+
+    std::array<char, INET6_ADDRSTRLEN> text{};
     ::inet_ntop(family, bytes, text.data(), text.size());
     const std::string name = text.data();
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
-  ::freeifaddrs(all);
+  ::freeifaddrs(first);
   return names;
 }
 

@@ -8,7 +8,7 @@
 
 namespace dccast::access {
 
-/// So many a second, and a number at once.
+/// A token bucket: a rate, and a number that is permitted at once.
 class Allowance {
 public:
   using Time = std::chrono::steady_clock::time_point;
@@ -16,16 +16,16 @@ public:
       : per_s_(per_s), at_once_(at_once), left_(at_once) {}
   /// @return whether one more is permitted now
   bool take(Time now);
-  bool is_full(Time now) const { return left_at(now) >= at_once_; }
+  bool is_full(Time now) const { return available(now) >= at_once_; }
 
 private:
-  double left_at(Time now) const;
+  double available(Time now) const;
 
   double per_s_, at_once_, left_;
   Time last_{};
 };
 
-/// So many calls a second, each user on its own: a bucket that holds ten seconds' worth. Safe to
+/// Limits the rate of calls of each user, by a bucket that holds the calls of ten seconds. Safe to
 /// use from several threads.
 class CallRate {
 public:
@@ -41,21 +41,23 @@ private:
   std::map<std::string, Allowance> buckets_;
 };
 
-/// How many of something are open, in all and for each user. Safe to use from several threads.
+/// Counts open objects, in total and for each user. Safe to use from several threads.
 class OpenCount {
 public:
-  OpenCount(std::size_t most, std::size_t most_per_user)
-      : most_(most), most_per_user_(most_per_user) {}
-  /// @return which limit refuses one more; empty where it was counted, until leave()
-  std::string enter(const std::string& who, const std::string& what);
+  OpenCount(std::size_t limit, std::size_t limit_per_user)
+      : limit_(limit), limit_per_user_(limit_per_user) {}
+  /// Counts one more, until leave(). @param kind  in the plural, as in the name of the setting
+  /// @return the text of a refusal; empty if it was counted
+  std::string enter(const std::string& who, const std::string& kind);
   void leave(const std::string& who);
   std::size_t open();
 
 private:
-  const std::size_t most_, most_per_user_;
+  const std::size_t limit_;
+  const std::size_t limit_per_user_;
   std::mutex mutex_;
-  std::size_t all_ = 0;
-  std::map<std::string, std::size_t> of_;
+  std::size_t total_ = 0;
+  std::map<std::string, std::size_t> by_user_;
 };
 
 }  // namespace dccast::access

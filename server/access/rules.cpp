@@ -1,5 +1,7 @@
 #include "server/access/rules.hpp"
 
+#include <fmt/core.h>
+
 #include <map>
 
 #include "dccast/v1/service.pb.h"
@@ -12,7 +14,7 @@ using Rules = std::map<const google::protobuf::Descriptor*, CallRule>;
 
 Rules read_rules() {
   Rules rules;
-  rules[nullptr].access.set_role(v1::ADMIN);  // of a request that no call has
+  rules[nullptr].access.set_role(v1::ADMIN);  // for unknown requests
   const auto* service =
       v1::SubmitJobRequest::descriptor()->file()->FindServiceByName("SimulationService");
   for (int i = 0; i < service->method_count(); ++i) {
@@ -24,7 +26,7 @@ Rules read_rules() {
   return rules;
 }
 
-std::string named(const Caller& caller) {
+std::string display_name(const Caller& caller) {
   return caller.name.empty() ? "a local user whom the system cannot name" : caller.name;
 }
 
@@ -52,11 +54,13 @@ Caller Authority::by_certificate(const std::string& name, std::int64_t expires, 
   Caller caller{.by = ProvenBy::certificate, .expires_unix = expires};
   const auto listed = users_.find(name);
   if (!listed) {
-    caller.refusal = "the certificate is of \"" + name +
-                     "\", who is not listed here; an admin can change that: dccastd user add " +
-                     name + " --role submitter";
+    caller.refusal = fmt::format(
+        "the certificate is of \"{}\", who is not listed here; an admin can change that: "
+        "dccastd user add {} --role submitter",
+        name, name);
     return caller;
   }
+
   caller.name = name;
   caller.role = listed->role();
   caller.refusal = lapse(caller, now);
@@ -64,48 +68,56 @@ Caller Authority::by_certificate(const std::string& name, std::int64_t expires, 
 }
 
 std::string Authority::lapse(const Caller& caller, std::int64_t now) {
+  const std::string new_line = fmt::format(
+      "ask an admin for a new line (dccastd user rotate {}) and log in again", caller.name);
+  const bool is_local = caller.by == ProvenBy::local_user;
+
   if (caller.expires_unix != 0 && caller.expires_unix <= now)
-    return "the " + text_of(caller.by) + " of " + caller.name + " has expired; " +
-           (caller.by == ProvenBy::token ? "ask an admin for a new line (dccastd user rotate " +
-                                               caller.name + ") and log in again"
-                                         : "ask who issued it for a new one");
+    return fmt::format("the {} of {} has expired; {}", text_of(caller.by), caller.name,
+                       caller.by == ProvenBy::token ? new_line : "ask who issued it for a new one");
+
   const auto listed = users_.find(caller.name);
+  if (!listed && is_local) return "";  // local users need not be listed
   if (!listed)
-    return caller.by == ProvenBy::local_user
-               ? ""
-               : "user " + caller.name + " was removed; ask an admin (dccastd user add)";
-  const bool owns_daemon = caller.by == ProvenBy::local_user && caller.role >= v1::ADMIN;
+    return fmt::format("user {} was removed; ask an admin (dccastd user add)", caller.name);
+
+  const bool owns_daemon = is_local && caller.role >= v1::ADMIN;
   if (listed->disabled() && !owns_daemon) return disabled_text(caller.name);
+
   if (caller.by != ProvenBy::token) return "";
-  for (const v1::Credential& one : listed->credential())
-    if (one.id() == caller.credential) return "";
-  return "the token of " + caller.name + " was revoked; ask an admin for a new line (dccastd " +
-         "user rotate " + caller.name + ") and log in again";
+  for (const v1::Credential& credential : listed->credential())
+    if (credential.id() == caller.credential) return "";
+  return fmt::format("the token of {} was revoked; {}", caller.name, new_line);
 }
 
-std::string Authority::whom_to_ask() {
-  std::string admins;
-  const v1::Users all = users_.users();
-  for (const v1::User& user : all.user())
-    if (user.role() == v1::ADMIN && !user.disabled()) admins += ", " + user.name();
-  const std::string own = policy_.own_user == "root" ? "" : " or " + policy_.own_user;
-  return "ask an admin: root" + own + " on the server's machine" + admins;
+std::string Authority::describe_admins() {
+  std::string listed;
+  const v1::Users users = users_.users();
+  for (const v1::User& user : users.user())
+    if (user.role() == v1::ADMIN && !user.disabled()) listed += fmt::format(", {}", user.name());
+
+  std::string local = "root";
+  if (policy_.own_user != "root") local += fmt::format(" or {}", policy_.own_user);
+  return fmt::format("{} on the server's machine{}", local, listed);
 }
 
 std::string Authority::role_fault(const Caller& caller, const CallRule& rule) {
   if (caller.role >= rule.access.role()) return "";
-  return named(caller) + " has the role " + text_of(caller.role) + ", and " + rule.name +
-         " needs " + text_of(rule.access.role()) + "; " + whom_to_ask() +
-         " (dccastd user role NAME ROLE)";
+  return fmt::format(
+      "{} has the role {}, and {} needs {}; ask an admin: {} (dccastd user role NAME ROLE)",
+      display_name(caller), text_of(caller.role), rule.name, text_of(rule.access.role()),
+      describe_admins());
 }
 
 std::string Authority::owner_fault(const Caller& caller, const CallRule& rule,
-                                   const std::string& owner, const std::string& what) {
+                                   const std::string& owner, const std::string& subject) {
   if (!needs_ownership(caller, rule) || (!caller.name.empty() && caller.name == owner)) return "";
-  const std::string whose = owner.empty() ? "of no known user" : "of " + owner;
-  return what + " is " + whose + ", and " + named(caller) + " (" + text_of(caller.role) + ") may " +
-         (rule.changes() ? "change" : "read") + " only jobs and studies of their own; ask " +
-         (owner.empty() ? "" : owner + ", or ") + whom_to_ask().substr(4);
+
+  return fmt::format(
+      "{} is of {}, and {} ({}) may {} only jobs and studies of their own; ask {}an admin: {}",
+      subject, owner.empty() ? "no known user" : owner, display_name(caller), text_of(caller.role),
+      rule.changes() ? "change" : "read", owner.empty() ? "" : fmt::format("{}, or ", owner),
+      describe_admins());
 }
 
 }  // namespace dccast::access

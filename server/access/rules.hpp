@@ -20,22 +20,22 @@ struct CallRule {
   bool changes() const { return is_any_of(v1::CHANGES_JOB, v1::CHANGES_STUDY); }
 
 private:
-  bool is_any_of(v1::Touches one, v1::Touches other) const {
-    return access.touches() == one || access.touches() == other;
+  bool is_any_of(v1::Touches first, v1::Touches second) const {
+    return access.touches() == first || access.touches() == second;
   }
 };
 
-/// The rule of the call whose request this is: no two calls have the same. A request that no call
-/// has requires an admin.
+/// The rule of a call, found by its request: no two calls share one. An unknown request requires an
+/// admin.
 const CallRule& rule_of(const google::protobuf::Descriptor& request);
 
-/// Who callers are and what they may do, by the list of users and the settings.
+/// Identifies callers and decides what they may do, from the list of users and the settings.
 class Authority {
 public:
   struct Policy {
-    v1::Role local_role = v1::SUBMITTER;  ///< of local users who are not listed
-    std::string own_user{};               ///< of the daemon: admin like root
-    bool reads_own_only = false;          ///< of callers without the role admin
+    v1::Role local_role = v1::SUBMITTER;  ///< role of local users who are not listed
+    std::string own_user{};               ///< user of the daemon, an admin like root
+    bool reads_own_only = false;          ///< for callers without the role admin
   };
 
   Authority(UserStore& users, Policy policy) : users_(users), policy_(std::move(policy)) {}
@@ -45,22 +45,22 @@ public:
   /// @param name  the common name of a certificate whose chain was verified
   Caller by_certificate(const std::string& name, std::int64_t expires, std::int64_t now);
 
-  /// Why a caller who was proved is one no longer; empty while nothing has changed. For calls that
-  /// last.
+  /// Reason to end the access of a caller whose identity was proved; empty while nothing has
+  /// changed. For calls that last.
   std::string lapse(const Caller& caller, std::int64_t now);
 
-  /// Why the role does not permit the call; empty where it does.
+  /// Reason to deny a call because of the role; empty if allowed.
   std::string role_fault(const Caller& caller, const CallRule& rule);
-  /// Whether the call is for the owner of its job or study alone.
+  /// Whether only the owner of the job or study may make the call.
   bool needs_ownership(const Caller& caller, const CallRule& rule) const {
     return rule.access.touches() != v1::NOTHING && caller.role < v1::ADMIN &&
            (rule.changes() || policy_.reads_own_only);
   }
-  /// Why a job or study of `owner` is not to be touched so; empty where it is.
-  /// @param what  "job" or "study", with its id
+  /// Reason to deny access to a job or study of `owner`; empty if allowed.
+  /// @param subject  "job" or "study", with its id
   std::string owner_fault(const Caller& caller, const CallRule& rule, const std::string& owner,
-                          const std::string& what);
-  /// Whether lists, too, are of the caller's own alone.
+                          const std::string& subject);
+  /// Whether lists, too, show only the caller's own jobs.
   bool reads_own_only(const Caller& caller) const {
     return policy_.reads_own_only && caller.role < v1::ADMIN;
   }
@@ -68,7 +68,7 @@ public:
   UserStore& users() { return users_; }
 
 private:
-  std::string whom_to_ask();
+  std::string describe_admins();
 
   UserStore& users_;
   const Policy policy_;

@@ -1,6 +1,7 @@
 #include "server/access/users.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <openssl/crypto.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -20,32 +21,33 @@ namespace dccast::access {
 namespace {
 
 constexpr std::size_t longest_name = 64;
-constexpr std::size_t longest_machine = 200;  // and "...", below that of access.proto
-constexpr int most_credentials = 100;         // of access.proto
+constexpr std::size_t longest_machine = 200;        // with "..." below the limit of access.proto
+constexpr int largest_number_of_credentials = 100;  // limit of access.proto
 constexpr std::size_t id_bytes = 8, salt_bytes = 16, secret_bytes = 32;
 const std::string header = "# Written by dccastd; see docs/remote.md.\n";
-constexpr const char* token_begins = "dccast-token-";
-constexpr const char* enrolment_begins = "dccast-enrol-";
+constexpr const char* token_prefix = "dccast-token-";
+constexpr const char* enrolment_prefix = "dccast-enrol-";
 
 const std::map<std::string, v1::Role> roles{
     {"viewer", v1::VIEWER}, {"submitter", v1::SUBMITTER}, {"admin", v1::ADMIN}};
 
 void check_name(const std::string& name) {
-  const bool right =
+  const bool is_valid =
       !name.empty() && name.size() <= longest_name && name.front() != '-' &&
       std::all_of(name.begin(), name.end(), [](unsigned char c) {
         return c < 128 && (std::isalnum(c) || c == '.' || c == '_' || c == '-' || c == '@');
       });
-  if (!right)
-    throw Refused("\"" + values::escaped(values::shortened(name)) +
-                  "\" is no name of a user; permitted: 1 to 64 letters, digits and . _ - @");
+  if (!is_valid)
+    throw Refused(
+        fmt::format("\"{}\" is no name of a user; permitted: 1 to 64 letters, digits and . _ - @",
+                    values::escaped(values::shortened(name))));
 }
 
-v1::User& user_of(v1::Users& users, const std::string& name) {
+v1::User& require_user(v1::Users& users, const std::string& name) {
   for (v1::User& user : *users.mutable_user())
     if (user.name() == name) return user;
-  throw Refused("there is no user \"" + values::escaped(values::shortened(name)) +
-                "\"; dccastd user list shows those there are");
+  throw Refused(fmt::format("there is no user \"{}\"; dccastd user list shows those there are",
+                            values::escaped(values::shortened(name))));
 }
 
 bool has_expired(const v1::Credential& credential, std::int64_t now) {
@@ -63,39 +65,45 @@ bool erase_if(google::protobuf::RepeatedPtrField<Entry>& all, Condition conditio
 
 bool erase_credential(v1::User& user, const std::string& id) {
   return erase_if(*user.mutable_credential(),
-                  [&](const v1::Credential& one) { return one.id() == id; });
+                  [&](const v1::Credential& credential) { return credential.id() == id; });
 }
 
-/// Adds a credential. @return the secret, which is kept nowhere
-std::string add_credential(v1::User& user, bool enrolment, std::int64_t now, std::int64_t expires) {
+enum class Kind { token, enrolment };
+
+/// Adds a credential. @return the secret, which is not stored
+std::string add_credential(v1::User& user, Kind kind, std::int64_t now, std::int64_t expires) {
   erase_if(*user.mutable_credential(),
-           [&](const v1::Credential& one) { return has_expired(one, now); });
-  if (user.credential_size() >= most_credentials)
-    throw Refused("user " + user.name() + " has " + std::to_string(most_credentials) +
-                  " tokens; dccastd user rotate revokes them");
+           [&](const v1::Credential& credential) { return has_expired(credential, now); });
+  if (user.credential_size() >= largest_number_of_credentials)
+    throw Refused(fmt::format("user {} has {} tokens; dccastd user rotate revokes them",
+                              user.name(), largest_number_of_credentials));
+
   const std::string secret = values::random_hexadecimal(secret_bytes);
   v1::Credential& added = *user.add_credential();
   added.set_id(values::random_hexadecimal(id_bytes));
   added.set_salt(values::random_hexadecimal(salt_bytes));
   added.set_sha256(values::sha256(added.salt() + secret));
-  added.set_enrolment(enrolment);
+  added.set_enrolment(kind == Kind::enrolment);
   added.set_created_unix(now);
   added.set_expires_unix(expires);
-  return (enrolment ? enrolment_begins : token_begins) + added.id() + "-" + secret;
+
+  const char* prefix = kind == Kind::enrolment ? enrolment_prefix : token_prefix;
+  return fmt::format("{}{}-{}", prefix, added.id(), secret);
 }
 
+/// A token or one-time secret as it is sent.
 struct Parts {
   std::string id, secret;
 };
 
-std::optional<Parts> parts_of(const std::string& text, const std::string& begin) {
+std::optional<Parts> parse_secret(const std::string& text, const std::string& begin) {
   constexpr std::size_t id_digits = 2 * id_bytes, secret_digits = 2 * secret_bytes;
   if (!text.starts_with(begin) || text.size() != begin.size() + id_digits + 1 + secret_digits)
     return std::nullopt;
   return Parts{text.substr(begin.size(), id_digits), text.substr(begin.size() + id_digits + 1)};
 }
 
-bool is_secret_of(const v1::Credential& credential, const std::string& secret) {
+bool matches(const v1::Credential& credential, const std::string& secret) {
   const std::string digest = values::sha256(credential.salt() + secret);
   return digest.size() == credential.sha256().size() &&
          ::CRYPTO_memcmp(digest.data(), credential.sha256().data(), digest.size()) == 0;
@@ -106,11 +114,12 @@ struct Found {
   v1::Credential* credential = nullptr;
 };
 
-Found find_credential(v1::Users& users, const Parts& parts, bool enrolment) {
+Found find_credential(v1::Users& users, const Parts& parts, Kind kind) {
   for (v1::User& user : *users.mutable_user())
-    for (v1::Credential& one : *user.mutable_credential())
-      if (one.enrolment() == enrolment && one.id() == parts.id && is_secret_of(one, parts.secret))
-        return {&user, &one};
+    for (v1::Credential& credential : *user.mutable_credential())
+      if (credential.enrolment() == (kind == Kind::enrolment) && credential.id() == parts.id &&
+          matches(credential, parts.secret))
+        return {&user, &credential};
   return {};
 }
 
@@ -126,14 +135,17 @@ Caller proven(const v1::User& user, const v1::Credential& credential) {
           .expires_unix = credential.expires_unix()};
 }
 
-Caller judge(const Found& found, std::int64_t now, const std::string& what,
+/// @param proof  "token" or "one-time secret", for the text of a refusal
+Caller judge(const Found& found, std::int64_t now, const std::string& proof,
              const std::string& remedy) {
   if (found.user == nullptr)
-    return refused("this " + what + " is unknown here: it was revoked, or used before; " + remedy);
+    return refused(
+        fmt::format("this {} is unknown here: it was revoked, or used before; {}", proof, remedy));
+
   const std::string& name = found.user->name();
   if (found.user->disabled()) return refused(disabled_text(name));
   if (has_expired(*found.credential, now))
-    return refused("this " + what + " of " + name + " has expired; " + remedy);
+    return refused(fmt::format("this {} of {} has expired; {}", proof, name, remedy));
   return proven(*found.user, *found.credential);
 }
 
@@ -147,14 +159,15 @@ std::string text_of(ProvenBy proof) {
 }
 
 std::string disabled_text(const std::string& name) {
-  return "user " + name + " is disabled; an admin can undo it: dccastd user enable " + name;
+  return fmt::format("user {} is disabled; an admin can undo it: dccastd user enable {}", name,
+                     name);
 }
 
-v1::Role role_of(const std::string& text) {
+v1::Role parse_role(const std::string& text) {
   const auto found = roles.find(text);
   if (found != roles.end()) return found->second;
-  throw Refused("\"" + values::escaped(values::shortened(text)) +
-                "\" is no role; permitted: viewer, submitter, admin");
+  throw Refused(fmt::format("\"{}\" is no role; permitted: viewer, submitter, admin",
+                            values::escaped(values::shortened(text))));
 }
 
 std::string text_of(v1::Role role) {
@@ -166,19 +179,20 @@ std::string text_of(v1::Role role) {
 UserStore::UserStore(const std::filesystem::path& directory)
     : file_(directory / "users.toml"), lock_(directory / "users.lock") {}
 
-/// Runs `what` on the newest users, alone, and keeps what it has made of them.
-void UserStore::change(const std::function<void(v1::Users& users)>& what) {
+/// Reads the newest users, applies an edit under the lock, and writes them.
+void UserStore::change(const std::function<void(v1::Users& users)>& edit) {
   const std::lock_guard guard(mutex_);
   const storage::File lock(lock_, O_RDWR | O_CREAT);
   while (::flock(lock.descriptor(), LOCK_EX) != 0)
     if (errno != EINTR) throw storage::StorageError(errno, lock_.string(), "cannot be locked");
+
   read();
-  what(users_);
+  edit(users_);
   storage::replace_file(file_, header + case_file::to_toml(users_));
   read();
 }
 
-UserStore::Place UserStore::place() const {
+UserStore::FileVersion UserStore::version() const {
   struct stat status;
   if (::stat(file_.c_str(), &status) == 0)
     return {status.st_ino, status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec,
@@ -188,22 +202,22 @@ UserStore::Place UserStore::place() const {
 }
 
 void UserStore::read() {
-  const Place now = place();
+  const FileVersion present = version();
   v1::Users users;
-  const std::string text = now == Place{} ? header : storage::read_file(file_);
+  const std::string text = present == FileVersion{} ? header : storage::read_file(file_);
   if (text != header) {  // a file without any key would count as damaged
     const auto outcome = case_file::read_text(text, file_.string(), users);
     if (!outcome.ok())
-      throw Refused(file_.string() + " is damaged (" + outcome.faults.front().field() + ": " +
-                    outcome.faults.front().message() +
-                    "); restore it from a backup, or remove it and add the users again");
+      throw Refused(fmt::format(
+          "{} is damaged ({}: {}); restore it from a backup, or remove it and add the users again",
+          file_.string(), outcome.faults.front().field(), outcome.faults.front().message()));
   }
   users_ = std::move(users);
-  read_from_ = now;
+  read_version_ = present;
 }
 
 void UserStore::refresh() {
-  if (place() != read_from_) read();
+  if (version() != read_version_) read();
 }
 
 std::string UserStore::add(const std::string& name, v1::Role role, std::int64_t now,
@@ -212,12 +226,15 @@ std::string UserStore::add(const std::string& name, v1::Role role, std::int64_t 
   std::string secret;
   change([&](v1::Users& users) {
     if (std::ranges::find(users.user(), name, &v1::User::name) != users.user().end())
-      throw Refused("user " + name + " is there already; dccastd user rotate " + name +
-                    " makes a new line, dccastd user role changes the role");
+      throw Refused(
+          fmt::format("user {} is there already; dccastd user rotate {} makes a new line, "
+                      "dccastd user role changes the role",
+                      name, name));
+
     v1::User& user = *users.add_user();
     user.set_name(name);
     user.set_role(role);
-    secret = add_credential(user, true, now, expires);
+    secret = add_credential(user, Kind::enrolment, now, expires);
   });
   return secret;
 }
@@ -225,57 +242,64 @@ std::string UserStore::add(const std::string& name, v1::Role role, std::int64_t 
 std::string UserStore::rotate(const std::string& name, std::int64_t now, std::int64_t expires) {
   std::string secret;
   change([&](v1::Users& users) {
-    v1::User& user = user_of(users, name);
+    v1::User& user = require_user(users, name);
     user.clear_credential();
-    secret = add_credential(user, true, now, expires);
+    secret = add_credential(user, Kind::enrolment, now, expires);
   });
   return secret;
 }
 
 void UserStore::remove(const std::string& name) {
   change([&](v1::Users& users) {
-    user_of(users, name);
+    require_user(users, name);
     erase_if(*users.mutable_user(), [&](const v1::User& user) { return user.name() == name; });
   });
 }
 
 void UserStore::set_disabled(const std::string& name, bool disabled) {
-  change([&](v1::Users& users) { user_of(users, name).set_disabled(disabled); });
+  change([&](v1::Users& users) { require_user(users, name).set_disabled(disabled); });
 }
 
 void UserStore::set_role(const std::string& name, v1::Role role) {
-  change([&](v1::Users& users) { user_of(users, name).set_role(role); });
+  change([&](v1::Users& users) { require_user(users, name).set_role(role); });
 }
 
 bool UserStore::revoke(const std::string& name, const std::string& credential) {
   bool found = false;
-  change([&](v1::Users& users) { found = erase_credential(user_of(users, name), credential); });
+  change(
+      [&](v1::Users& users) { found = erase_credential(require_user(users, name), credential); });
   return found;
 }
 
 Caller UserStore::enrol(const std::string& secret, const std::string& machine, std::int64_t now,
                         std::int64_t token_expires, std::string& token) {
-  const auto parts = parts_of(secret, enrolment_begins);
+  const auto parts = parse_secret(secret, enrolment_prefix);
   if (!parts)
-    return refused(std::string("this one-time secret is not one of dccastd user add; ") +
-                   ask_for_line);
+    return refused(
+        fmt::format("this one-time secret is not one of dccastd user add; {}", ask_for_line));
+
   Found found;
   const auto judged = [&](v1::Users& users) {
-    found = find_credential(users, *parts, true);
+    found = find_credential(users, *parts, Kind::enrolment);
     return judge(found, now, "one-time secret", ask_for_line);
   };
-  {  // A wrong secret is no reason to write.
+
+  // A wrong secret must not cause a write.
+  {
     const std::lock_guard guard(mutex_);
     refresh();
     if (Caller caller = judged(users_); !caller.proven()) return caller;
   }
+
   Caller caller;
   change([&](v1::Users& users) {
     caller = judged(users);
     if (!caller.proven()) return;
+
     v1::User& user = *found.user;
     erase_credential(user, parts->id);
-    token = add_credential(user, false, now, token_expires);
+    token = add_credential(user, Kind::token, now, token_expires);
+
     v1::Credential& added = *user.mutable_credential()->rbegin();
     added.set_machine(values::shortened(values::escaped(machine), longest_machine));
     caller = proven(user, added);
@@ -284,12 +308,13 @@ Caller UserStore::enrol(const std::string& secret, const std::string& machine, s
 }
 
 Caller UserStore::prove(const std::string& token, std::int64_t now) {
-  const std::string remedy = std::string("log in again: dccast login; ") + ask_for_line;
-  const auto parts = parts_of(token, token_begins);
-  if (!parts) return refused("what was sent is no token of dccastd; " + remedy);
+  const std::string remedy = fmt::format("log in again: dccast login; {}", ask_for_line);
+  const auto parts = parse_secret(token, token_prefix);
+  if (!parts) return refused(fmt::format("what was sent is no token of dccastd; {}", remedy));
+
   const std::lock_guard guard(mutex_);
   refresh();
-  return judge(find_credential(users_, *parts, false), now, "token", remedy);
+  return judge(find_credential(users_, *parts, Kind::token), now, "token", remedy);
 }
 
 v1::Users UserStore::users() {

@@ -1,5 +1,6 @@
 #include "server/daemon/daemon.hpp"
 
+#include <fmt/core.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -38,17 +39,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The data directory, made if need be, and held.
+/// The data directory, created if necessary, and locked.
 class DataDirectory : public state::StateFolder {
 public:
-  explicit DataDirectory(const fs::path& path) : StateFolder(path), lock_(made()) {
-    fs::remove_all(check());  // what checks of a killed daemon left
+  explicit DataDirectory(const fs::path& path) : StateFolder(path), lock_(created()) {
+    fs::remove_all(check());  // files left by the checks of a killed daemon
     fs::create_directories(check());
     fs::create_directories(jobs());
   }
 
 private:
-  const StateFolder& made() const {
+  const StateFolder& created() const {
     state::make_state_folder(*this);
     return *this;
   }
@@ -61,12 +62,12 @@ fs::path worker_program(const v1::DaemonConfig& config) {
                                ? fs::read_symlink("/proc/self/exe").parent_path() / "dccast-worker"
                                : fs::absolute(config.worker_program());
   if (::access(program.c_str(), X_OK) != 0)
-    throw std::runtime_error("the worker program " + program.string() +
-                             " cannot be run; set worker_program");
+    throw std::runtime_error(
+        fmt::format("the worker program {} cannot be run; set worker_program", program.string()));
   return program;
 }
 
-/// As many file descriptors as the system permits.
+/// Raises the limit on file descriptors as far as the system permits. @return the limit
 rlim_t raise_descriptor_limit() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
@@ -76,23 +77,24 @@ rlim_t raise_descriptor_limit() {
   return limit.rlim_cur;
 }
 
-/// Half of the descriptors stay for jobs: their logs, their workers, their results. A connection
-/// has three: the client's, and both ends of the relay's pair.
+/// Largest number of connections. Half of the descriptors are reserved for jobs: logs, workers,
+/// results. A connection needs three: the client's, and both ends of the relay's socket pair.
 int connection_count(int wanted) {
   const auto possible = raise_descriptor_limit() / 6;
   if (static_cast<rlim_t>(wanted) <= possible) return wanted;
-  log::warn("maximum_connections = {}: the limit on open files permits {}", wanted, possible);
+  log::warn("maximum_connections = {} is lowered to {}: more exceed the limit on open files",
+            wanted, possible);
   return static_cast<int>(possible);
 }
 
-/// The settings with what this machine makes of those that leave it open.
-v1::DaemonConfig resolved(v1::DaemonConfig settings) {
+/// Fills in the settings whose defaults depend on this machine.
+v1::DaemonConfig resolve(v1::DaemonConfig settings) {
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const auto number = [](int wanted, int otherwise) { return wanted > 0 ? wanted : otherwise; };
   settings.set_workers(number(settings.workers(), cores));
   settings.set_checkers(number(settings.checkers(), cores));
   settings.set_query_workers(number(settings.query_workers(), cores));
-  // One query has the machine to itself more often than not.
+  // A query usually has the machine to itself.
   settings.set_query_threads(number(settings.query_threads(), std::min(2, cores)));
   if (settings.maximum_memory_bytes() <= 0.0)
     settings.set_maximum_memory_bytes(intake::memory_per_worker(settings.workers()));
@@ -108,7 +110,7 @@ std::chrono::seconds whole_seconds(double seconds) {
   return std::chrono::seconds(std::llround(std::ceil(seconds)));
 }
 
-/// @return null where the daemon starts all workers itself
+/// @return null if the daemon starts all workers itself
 std::unique_ptr<jobs::SlurmExecutor> slurm_executor(const v1::DaemonConfig& config,
                                                     const DataDirectory& directory,
                                                     jobs::Executor& local) {
@@ -154,9 +156,10 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
           .maximum_running_per_user = config.maximum_running_per_user()};
 }
 
-/// What the workers compute with, for answers that are found again, and what holds them; empty when
-/// none answers. @throws jobs::WorkerDidNotAnswer  there is no worker that could be asked
-v1::WorkerAnswer introduction_of(jobs::WarmWorkers& workers) {
+/// Asks a worker for the identity of its solver, by which stored answers are found, and for its
+/// sandbox; both are empty if it does not answer.
+/// @throws jobs::WorkerDidNotAnswer  no worker can be started
+v1::WorkerAnswer identify_worker(jobs::WarmWorkers& workers) {
   constexpr std::chrono::seconds longest{10};
   v1::WorkerRequest request;
   request.mutable_name_solver();
@@ -164,26 +167,29 @@ v1::WorkerAnswer introduction_of(jobs::WarmWorkers& workers) {
     return workers.ask(request, {.deadline = std::chrono::steady_clock::now() + longest});
   } catch (const jobs::WorkerDidNotAnswer& error) {
     if (error.why() == jobs::WorkerDidNotAnswer::Why::not_started) throw;
-    log::warn("queries are answered by a run each time: {}", error.what());
+    log::warn("the solver of the workers is unknown; stored answers are not used: {}",
+              error.what());
     return {};
   }
 }
 
 void refuse_open_address(const std::string& listen) {
   if (listen.starts_with("unix:") || values::is_loopback(listen)) return;
-  throw std::runtime_error("listen = \"" + listen +
-                           "\" can be reached from other machines, and has no TLS; set listen_tls "
-                           "to it, and listen to a loopback address such as 127.0.0.1:7117");
+  throw std::runtime_error(fmt::format(
+      "listen = \"{}\" can be reached from other machines, and has no TLS; set listen_tls "
+      "to it, and listen to a loopback address such as 127.0.0.1:7117",
+      listen));
 }
 
-/// Listens over TLS where the settings have it so.
+/// Listens over TLS if the settings say so.
 class TlsListener {
 public:
   explicit TlsListener(const v1::DaemonConfig& config) : config_(config) {
     if (config.listen_tls().empty()) return;
     files_ = prepare_tls(config);
     listener_.emplace(config.listen_tls());
-    if (files_.own) keeper_ = std::jthread([this](const std::stop_token& stop) { keep(stop); });
+    if (files_.own)
+      renewer_ = std::jthread([this](const std::stop_token& stop) { run_renewer(stop); });
   }
 
   std::optional<service::TlsListening> listening() {
@@ -197,16 +203,16 @@ public:
 
 private:
   /// Renews a certificate of our own a month before its end.
-  void keep(const std::stop_token& stop) {
-    constexpr std::chrono::hours between_looks{1};
+  void run_renewer(const std::stop_token& stop) {
+    constexpr std::chrono::hours interval{1};
     std::mutex mutex;
     std::condition_variable_any ended;
     std::unique_lock lock(mutex);
-    while (!ended.wait_for(lock, stop, between_looks, [&] { return stop.stop_requested(); })) {
+    while (!ended.wait_for(lock, stop, interval, [&] { return stop.stop_requested(); })) {
       try {
         prepare_tls(config_);
       } catch (const std::exception& error) {
-        log::error("the certificate cannot be renewed: {}", error.what());
+        log::error("cannot renew the certificate, trying again in an hour: {}", error.what());
       }
     }
   }
@@ -214,16 +220,16 @@ private:
   const v1::DaemonConfig config_;
   TlsFiles files_;
   std::optional<relay::Listener> listener_;
-  std::jthread keeper_;
+  std::jthread renewer_;
 };
 
-/// Of a job or study, where there is one.
+/// Owner of a job or study, if it exists.
 template <typename Found>
-std::optional<std::string> owner_of(const Found& found) {
+std::optional<std::string> owner(const Found& found) {
   return found ? std::optional(found->owner()) : std::nullopt;
 }
 
-/// @return SIGTERM or SIGINT, or SIGUSR1, which leaves running jobs to their workers
+/// @return SIGTERM, SIGINT, or SIGUSR1, which leaves running jobs to their workers
 int wait_for_signal() {
   const sigset_t awaited = awaited_signals();
   int signal = 0;
@@ -232,13 +238,13 @@ int wait_for_signal() {
   return signal;
 }
 
-/// What runs jobs and studies, in the order in which it is made. Its making puts in order what the
-/// last daemon left.
+/// The parts that run jobs and studies, in the order of their construction. The constructor
+/// recovers the state of the last daemon.
 struct JobSide {
   JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy);
 
   const DataDirectory directory;
-  jobs::WarmWorkers warm_workers;  ///< as many as may answer at once, and one for the next job
+  jobs::WarmWorkers warm_workers;  ///< one for each concurrent answer, and one for the next job
   const v1::WorkerAnswer worker;
   const intake::CaseIntake intake;
   const std::unique_ptr<jobs::JobStore> store;
@@ -259,7 +265,7 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
       warm_workers(worker_program(settings),
                    {.scratch = directory.check(),
                     .kept = settings.checkers() + settings.query_workers() + 1}),
-      worker(introduction_of(warm_workers)),
+      worker(identify_worker(warm_workers)),
       intake(warm_workers, settings.alloy_directory(), directory.check(),
              {settings.maximum_nodes(), settings.maximum_steps(), settings.maximum_memory_bytes()}),
       store(state::open_store(directory)),
@@ -283,60 +289,125 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
   studies.recover();
 }
 
+/// Decides who may call.
+struct AccessSide {
+  AccessSide(const v1::DaemonConfig& config, JobSide& jobs);
+
+  access::UserStore users;
+  access::AuditLog audit;
+  access::Authority authority;
+  service::Gate gate;
+};
+
+AccessSide::AccessSide(const v1::DaemonConfig& config, JobSide& jobs)
+    : users(jobs.directory.path()),
+      audit(jobs.directory.path()),
+      authority(users, {.local_role = config.local_role(),
+                        .own_user = service::user_name(::geteuid()),
+                        .reads_own_only = config.read() == v1::OWN}),
+      gate(authority, audit,
+           {.calls_per_s = config.maximum_calls_per_s(),
+            .streams = static_cast<std::size_t>(config.maximum_streams()),
+            .streams_per_user = static_cast<std::size_t>(config.maximum_streams_per_user())},
+           {.job = [&jobs](const std::string& id) { return owner(jobs.scheduler.find(id)); },
+            .study = [&jobs](const std::string& id) { return owner(jobs.studies.find(id)); }}) {}
+
+/// What the calls of the service work with.
+service::Context make_context(const v1::DaemonConfig& config, JobSide& jobs, service::Gate& gate) {
+  const bool by_slurm = config.executor() == v1::SLURM;
+  return {.settings = config,
+          .scheduler = jobs.scheduler,
+          .logs = jobs.logs,
+          .store = *jobs.store,
+          .studies = jobs.studies,
+          .intake = jobs.intake,
+          .gate = gate,
+          .warm_workers = jobs.warm_workers,
+          .precedence = jobs.precedence,
+          .solver = jobs.worker.solver(),
+          .worker_sandbox = jobs.worker.sandbox(),
+          .query_directory = jobs.directory.check(),
+          .jobs_directory = jobs.directory.jobs(),
+          .version = DCCAST_VERSION,
+          .workers = by_slurm ? config.slurm_jobs() : config.workers()};
+}
+
+/// @return the endpoint, which ends with the last reference; null if the settings name none
+std::shared_ptr<void> serve_metrics_if_set(const v1::DaemonConfig& config, JobSide& jobs,
+                                           service::Context& context, const TlsListener& tls) {
+  if (config.metrics().empty()) return nullptr;
+  return serve_metrics(config.metrics(), {.context = context,
+                                          .tally = jobs.tally,
+                                          .data_directory = jobs.directory.path(),
+                                          .certificate = tls.certificate(),
+                                          .shows_owners = config.read() != v1::OWN});
+}
+
 void log_start(const v1::DaemonConfig& config, const std::string& local, const std::string& tls,
                const service::Context& context, const fs::path& data) {
   if (!config.port_file().empty())
-    storage::replace_file(config.port_file(), local + "\n" + (tls.empty() ? "" : tls + "\n"));
+    storage::replace_file(config.port_file(), tls.empty() ? fmt::format("{}\n", local)
+                                                          : fmt::format("{}\n{}\n", local, tls));
+
   log::info("dccastd {} serves on {}{}, data in {}, {} workers", DCCAST_VERSION, local,
             tls.empty() ? "" : ", over TLS on " + tls, data.string(), context.workers);
-  // Empty where no worker has answered, which is logged before.
+  // Empty if no worker has answered, which was logged before.
   if (!context.worker_sandbox.empty()) log::info("workers: {}", context.worker_sandbox);
 }
 
-/// @param left_running  workers stay for the next daemon
+/// What becomes of running workers when the daemon ends.
+enum class WorkersAtEnd { stop, stay };
+
 void stop_serving(service::PublicServer& server, service::Context& context, JobSide& jobs,
-                  bool left_running) {
+                  WorkersAtEnd workers) {
   server.announce_end();
   jobs.studies.stop();
-  if (left_running) {
+  if (workers == WorkersAtEnd::stay) {
     jobs.scheduler.let_workers_run();
     jobs.executor.let_workers_run();
   } else {
     jobs.scheduler.shut_down();
   }
+
+  // Watchers are told that the daemon ends, and from which event to watch again.
   context.leaving = true;
   jobs.studies.notifier().wake_all();
-  jobs.logs.wake_all();  // watchers learn that the daemon leaves, and from where to watch again
+  jobs.logs.wake_all();
   server.shut_down();
 }
 
-/// @return the queue in words; nothing when it does not turn
+/// @return a description of the queue; nothing if its thread does not respond
 std::string queue_status(jobs::Scheduler& scheduler, std::chrono::milliseconds longest) {
-  if (!scheduler.turns(longest)) return {};
+  if (!scheduler.is_responsive(longest)) return {};
   const std::string held = scheduler.held();
-  return std::to_string(scheduler.queued()) + " queued, " + std::to_string(scheduler.running()) +
-         " running" + (held.empty() ? "" : "; the queue is held: " + held);
+  const std::string status =
+      fmt::format("{} queued, {} running", scheduler.queued(), scheduler.running());
+  return held.empty() ? status : fmt::format("{}; the queue is held: {}", status, held);
 }
 
-/// Those of Slurm need no daemon, and a machine that is given back is hard to get again. Workers
-/// without patience end with their daemon.
-bool leaves_workers(int signal, const v1::DaemonConfig& config, const WorkerPolicy& workers) {
-  if (config.executor() == v1::SLURM) return true;
-  return (signal == SIGUSR1 || workers.left_running) && workers.patience_s > 0.0;
+/// Workers in Slurm stay: they do not depend on a daemon, and a machine that is released is hard to
+/// get again. Workers that have no patience without a daemon end with it.
+WorkersAtEnd decide_on_workers(int signal, const v1::DaemonConfig& config,
+                               const WorkerPolicy& workers) {
+  if (config.executor() == v1::SLURM) return WorkersAtEnd::stay;
+  const bool is_wanted = signal == SIGUSR1 || workers.left_running;
+  return is_wanted && workers.patience_s > 0.0 ? WorkersAtEnd::stay : WorkersAtEnd::stop;
 }
 
 void serve_until_signal(service::PublicServer& server, service::Context& context, JobSide& side,
                         const WorkerPolicy& workers, ServiceManager& manager) {
   const v1::DaemonConfig& config = context.settings;
   manager.ready([&](auto longest) { return queue_status(side.scheduler, longest); });
+
   const int signal = wait_for_signal();
-  const bool left_running = leaves_workers(signal, config, workers);
-  const std::string jobs = left_running
-                               ? "running jobs go on for the next dccastd"
-                               : "running jobs stop at a checkpoint and go back into the queue";
-  log::info("{}: {}", ::strsignal(signal), jobs);
-  manager.stopping(jobs);
-  stop_serving(server, context, side, left_running);
+  const WorkersAtEnd at_end = decide_on_workers(signal, config, workers);
+  const char* consequence = at_end == WorkersAtEnd::stay
+                                ? "running jobs go on for the next dccastd"
+                                : "running jobs stop at a checkpoint and go back into the queue";
+  log::info("{}: {}", ::strsignal(signal), consequence);
+
+  manager.stopping(consequence);
+  stop_serving(server, context, side, at_end);
   if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
   log::info("dccastd has stopped");
 }
@@ -353,55 +424,28 @@ sigset_t awaited_signals() {
 int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   ServiceManager manager;
   service::log_grpc_as_debug();
+
   refuse_open_address(given.listen());
-  const v1::DaemonConfig config = resolved(given);
-  JobSide side(config, workers);
+  const v1::DaemonConfig config = resolve(given);
+  JobSide jobs(config, workers);
+
+  // A caller that connects before the recovery has ended would only wait.
   const relay::Listener listener(config.listen());
   TlsListener tls(config);
-  access::UserStore users(side.directory.path());
-  access::AuditLog audit(side.directory.path());
-  access::Authority authority(users, {.local_role = config.local_role(),
-                                      .own_user = service::user_name(::geteuid()),
-                                      .reads_own_only = config.read() == v1::OWN});
-  service::Gate gate(
-      authority, audit,
-      {.calls_per_s = config.maximum_calls_per_s(),
-       .streams = static_cast<std::size_t>(config.maximum_streams()),
-       .streams_per_user = static_cast<std::size_t>(config.maximum_streams_per_user())},
-      {.job = [&](const std::string& id) { return owner_of(side.scheduler.find(id)); },
-       .study = [&](const std::string& id) { return owner_of(side.studies.find(id)); }});
-  const bool by_slurm = config.executor() == v1::SLURM;
-  service::Context context{.settings = config,
-                           .scheduler = side.scheduler,
-                           .logs = side.logs,
-                           .store = *side.store,
-                           .studies = side.studies,
-                           .intake = side.intake,
-                           .gate = gate,
-                           .warm_workers = side.warm_workers,
-                           .precedence = side.precedence,
-                           .solver = side.worker.solver(),
-                           .worker_sandbox = side.worker.sandbox(),
-                           .query_directory = side.directory.check(),
-                           .jobs_directory = side.directory.jobs(),
-                           .version = DCCAST_VERSION,
-                           .workers = by_slurm ? config.slurm_jobs() : config.workers()};
+  AccessSide access(config, jobs);
+  service::Context context = make_context(config, jobs, access.gate);
   service::PublicServer server(context, listener, tls.listening());
-  side.scheduler.start();
-  side.studies.start();
-  const jobs::Retention retention({.jobs_directory = side.directory.jobs(),
+
+  jobs.scheduler.start();
+  jobs.studies.start();
+  const jobs::Retention retention({.jobs_directory = jobs.directory.jobs(),
                                    .time = whole_seconds(config.keep_time_s()),
                                    .bytes = std::llround(config.keep_size_bytes())},
-                                  *side.store, side.scheduler);
-  std::shared_ptr<void> metrics;
-  if (!config.metrics().empty())
-    metrics = serve_metrics(config.metrics(), {.context = context,
-                                               .tally = side.tally,
-                                               .data_directory = side.directory.path(),
-                                               .certificate = tls.certificate(),
-                                               .shows_owners = config.read() != v1::OWN});
-  log_start(config, listener.address(), tls.address(), context, side.directory.path());
-  serve_until_signal(server, context, side, workers, manager);
+                                  *jobs.store, jobs.scheduler);
+  const auto metrics = serve_metrics_if_set(config, jobs, context, tls);
+
+  log_start(config, listener.address(), tls.address(), context, jobs.directory.path());
+  serve_until_signal(server, context, jobs, workers, manager);
   return 0;
 }
 

@@ -13,23 +13,23 @@ namespace dccast::daemon {
 /// SIGTERM, SIGINT and SIGUSR1.
 sigset_t awaited_signals();
 
-/// Serves until one of them comes; they must be blocked in all threads. @return 0
+/// Serves until one of these signals arrives; they must be blocked in all threads. @return 0
 /// @throws std::runtime_error  the address or the data directory cannot be used
 int serve(const v1::DaemonConfig& config, const WorkerPolicy& workers);
 
-/// Changes or shows users, certificates or the audit log of a data directory, whether a daemon uses
-/// it or not. @throws access::Refused, storage::StorageError
+/// Changes or shows users, certificates or the audit log of a data directory, also while a daemon
+/// uses it. @throws access::Refused, storage::StorageError
 void administrate(const AdministrationCommand& command, const v1::DaemonConfig& config,
                   std::ostream& out);
 
-/// The files of TLS, by the settings or from the daemon's own CA.
+/// The files of TLS, from the settings or from the daemon's own CA.
 struct TlsFiles {
   std::string certificate, key, ca, client_ca;  ///< PEM; client_ca may be empty
   bool own = false;                             ///< of the daemon's own CA
 };
 
-/// Makes CA and certificate where the settings name none and there are none yet, and renews a
-/// certificate of our own that ends within a month. @throws access::Refused, storage::StorageError
+/// Creates CA and certificate if the settings name none and none exist, and renews an own
+/// certificate that ends within a month. @throws access::Refused, storage::StorageError
 TlsFiles prepare_tls(const v1::DaemonConfig& config);
 
 }  // namespace dccast::daemon

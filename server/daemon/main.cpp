@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <grp.h>
 #include <pwd.h>
 #include <signal.h>
@@ -25,33 +26,36 @@ constexpr int exit_invalid = 2;
 constexpr int exit_damage_left = 3;
 constexpr int exit_refused = 4;
 
-/// Before any thread: all of them inherit the mask, and one place waits for the signals.
+/// Blocks the signals that serve() waits for. To be called before any thread starts, because
+/// threads inherit the mask.
 void prepare_signals() {
   const sigset_t awaited = dccast::daemon::awaited_signals();
   ::pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
   ::signal(SIGPIPE, SIG_IGN);
-  // Ignored by who started us, the ends of workers could not be learned.
+  // The program that started us may ignore SIGCHLD; waitpid() would then return no exit status.
   ::signal(SIGCHLD, SIG_DFL);
-  ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
+  ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write() instead
 }
 
-/// Root works as the user whom the data directory belongs to: what root wrote there, the service of
-/// that user could not read.
+/// Root becomes the owner of the data directory, because the service of that user could not read
+/// files written by root.
 void become_owner_of(const std::string& data_directory) {
   struct stat status {};
   if (::geteuid() != 0 || ::stat(data_directory.c_str(), &status) != 0 || status.st_uid == 0)
     return;
+
   const passwd* owner = ::getpwuid(status.st_uid);
   const bool grouped = owner == nullptr ? ::setgroups(0, nullptr) == 0
                                         : ::initgroups(owner->pw_name, status.st_gid) == 0;
   if (!grouped || ::setgid(status.st_gid) != 0 || ::setuid(status.st_uid) != 0)
     throw std::system_error(errno, std::generic_category(),
-                            "cannot become the owner of " + data_directory);
+                            fmt::format("cannot become the owner of {}", data_directory));
 }
 
 int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig& config) {
   using dccast::daemon::Command;
   const dccast::state::StateFolder folder(config.data_directory());
+
   int damages = 0;
   switch (line.command) {
     case Command::serve:
@@ -70,6 +74,7 @@ int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig&
       damages = dccast::state::restore(folder, line.directory, std::cout);
       break;
   }
+
   return damages == 0 ? 0 : exit_damage_left;
 }
 
@@ -78,9 +83,11 @@ int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig&
 int main(int argc, char** argv) {
   const auto line = dccast::daemon::read_command_line(argc, argv);
   if (line.exit_code >= 0) return line.exit_code;
+
   prepare_signals();
-  ::umask(0077);  // what daemon and workers write is the owner's alone
+  ::umask(0077);  // files of daemon and workers are accessible to their owner only
   spdlog::set_default_logger(spdlog::stderr_color_mt("dccastd"));
+
   try {
     const auto config = dccast::daemon::read_config(line.config_file, line.overrides);
     spdlog::set_level(spdlog::level::from_str(config.log_level()));
@@ -88,8 +95,9 @@ int main(int argc, char** argv) {
       dccast::log::set_format(config.log_format() == dccast::v1::JSON
                                   ? dccast::log::Format::json
                                   : dccast::log::Format::journal);
+
     become_owner_of(config.data_directory());
-    // A worker that a file has taken over runs as the same user.
+    // A worker that a malicious file controls runs as the same user.
     dccast::jobs::forbid_inspection();
     return run(line, config);
   } catch (const dccast::daemon::InvalidConfig& error) {

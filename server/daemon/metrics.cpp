@@ -28,7 +28,7 @@ using Label = std::pair<const char*, std::string>;
 using Labels = std::vector<Label>;
 
 /// @return `{state="QUEUED"}`; empty for none
-std::string text_of(const Labels& labels) {
+std::string to_text(const Labels& labels) {
   std::string text;
   for (const auto& [name, value] : labels)
     text += fmt::format("{}{}=\"{}\"", text.empty() ? "{" : ",", name,
@@ -36,8 +36,8 @@ std::string text_of(const Labels& labels) {
   return text.empty() ? text : text + "}";
 }
 
-/// Writes the text format. Small enough to be our own: prometheus-cpp would bring a web server and
-/// two more libraries for it.
+/// Writes the text format of Prometheus. It is simple; prometheus-cpp would add a web server and
+/// two libraries.
 class Exposition {
 public:
   void begin(const char* name, const char* type, const char* help) {
@@ -46,7 +46,7 @@ public:
   }
   template <class Number>
   void sample(Number value, const Labels& labels = {}, const char* suffix = "") {
-    text_ += fmt::format("{}{}{} {}\n", name_, suffix, text_of(labels), static_cast<double>(value));
+    text_ += fmt::format("{}{}{} {}\n", name_, suffix, to_text(labels), static_cast<double>(value));
   }
   template <class Number>
   void gauge(const char* name, const char* help, Number value) {
@@ -54,7 +54,7 @@ public:
     sample(value);
   }
   void histogram(const jobs::Histogram& histogram, const Labels& labels = {}) {
-    const std::string own = text_of(labels);
+    const std::string own = to_text(labels);
     const std::string before = own.empty() ? "{" : own.substr(0, own.size() - 1) + ",";
     std::uint64_t so_far = 0;
     for (std::size_t i = 0; i < histogram.bounds.size(); ++i)
@@ -75,7 +75,8 @@ double seconds_since(std::int64_t since_ms) {
          static_cast<double>(std::max<std::int64_t>(0, jobs::milliseconds(jobs::now()) - since_ms));
 }
 
-/// Sums over the users where their names may not be shown: one sample without the label then.
+/// Values by owner. If names of users must not be shown, it sums them to one sample without a
+/// label.
 template <class Value>
 class ByOwner {
 public:
@@ -126,9 +127,9 @@ void add_jobs(Exposition& to, const MetricSources& from) {
            jobs::quarantined_folders(from.context.jobs_directory).size());
 }
 
-/// 0 for a key that has not been counted.
+/// The count of a key; 0 if it was never counted.
 template <class Counts>
-auto count_of(const Counts& counts, const typename Counts::key_type& key) {
+auto count(const Counts& counts, const typename Counts::key_type& key) {
   const auto found = counts.find(key);
   return found == counts.end() ? typename Counts::mapped_type{} : found->second;
 }
@@ -136,9 +137,11 @@ auto count_of(const Counts& counts, const typename Counts::key_type& key) {
 void add_tally(Exposition& to, const jobs::TallyFigures& tally, bool shows_owners) {
   to.begin("dccast_job_wait_seconds", "histogram", "From submission to the first start of a job.");
   to.histogram(tally.wait_s);
+
   to.begin("dccast_job_run_seconds", "histogram",
            "Wall time of a job that has ended, in all its attempts.");
   to.histogram(tally.run_s);
+
   to.begin("dccast_processor_seconds_total", "counter", "Processor time of ended jobs.");
   ByOwner<double> processor(shows_owners);
   for (const auto& [owner, seconds] : tally.processor_s) processor.add(owner, seconds);
@@ -146,14 +149,16 @@ void add_tally(Exposition& to, const jobs::TallyFigures& tally, bool shows_owner
 
   to.begin("dccast_jobs_ended_total", "counter", "Jobs that have ended, by how.");
   for (const v1::JobState state : {v1::SUCCEEDED, v1::FAILED, v1::CANCELLED})
-    to.sample(count_of(tally.ended, state), {{"state", v1::JobState_Name(state)}});
+    to.sample(count(tally.ended, state), {{"state", v1::JobState_Name(state)}});
+
   to.begin("dccast_job_failures_total", "counter", "Jobs that have failed, by cause.");
-  // All of them from the beginning: the first one of a kind is an increase, too.
+  // All kinds from the beginning, so that the first failure of a kind is an increase, too.
   const auto* kinds = v1::Failure::Kind_descriptor();
   for (int i = 1; i < kinds->value_count(); ++i) {
     const auto kind = static_cast<v1::Failure::Kind>(kinds->value(i)->number());
-    to.sample(count_of(tally.failures, kind), {{"cause", kinds->value(i)->name()}});
+    to.sample(count(tally.failures, kind), {{"cause", kinds->value(i)->name()}});
   }
+
   to.begin("dccast_findings_total", "counter", "Findings of ended jobs (docs/findings.md).");
   for (const auto& [key, count] : tally.findings)
     to.sample(count, {{"code", key.first}, {"severity", v1::Finding::Severity_Name(key.second)}});
@@ -161,22 +166,27 @@ void add_tally(Exposition& to, const jobs::TallyFigures& tally, bool shows_owner
 
 void add_calls(Exposition& to, service::Gate& gate) {
   const service::CallFigures calls = gate.figures();
+
   to.begin("dccast_call_seconds", "histogram",
            "Time to the answer of a call; of a stream until it was open.");
   for (const auto& [key, seconds] : calls.seconds)
     to.histogram(seconds, {{"method", key.first}, {"code", key.second}});
+
   to.begin("dccast_refused_calls_total", "counter",
            "Calls that a limit has refused, by its setting.");
   for (const auto& [limit, count] : calls.refused) to.sample(count, {{"limit", limit}});
+
   to.gauge("dccast_streams_open", "Watches, downloads and queries that are open.",
            gate.open_streams());
 }
 
 void add_processes(Exposition& to) {
   const auto processes = jobs::child_processes();
+
   to.begin("dccast_worker_processes", "gauge",
            "Workers that this daemon has started, by what they are at.");
   for (const auto& [name, total] : processes) to.sample(total.number, {{"name", name}});
+
   to.begin("dccast_worker_resident_memory_bytes", "gauge", "Their memory.");
   for (const auto& [name, total] : processes) to.sample(total.resident_bytes, {{"name", name}});
   to.gauge("process_resident_memory_bytes", "Memory of the daemon.", jobs::resident_bytes("self"));
@@ -187,6 +197,7 @@ void add_disk(Exposition& to, const MetricSources& from) {
   to.begin("dccast_fsync_seconds", "summary", "Waiting for the disk to take files and folders.");
   to.sample(syncs.seconds, {}, "_sum");
   to.sample(syncs.count, {}, "_count");
+
   struct statvfs disk {};
   if (::statvfs(from.data_directory.c_str(), &disk) == 0) {
     const double block = static_cast<double>(disk.f_frsize);
@@ -195,7 +206,9 @@ void add_disk(Exposition& to, const MetricSources& from) {
     to.gauge("dccast_disk_size_bytes", "Size of the file system of the data directory.",
              block * static_cast<double>(disk.f_blocks));
   }
+
   if (from.certificate.empty()) return;
+
   const auto certificate = access::read_certificate(
       storage::read_file(from.certificate, storage::Links::follow), from.certificate);
   to.gauge("dccast_certificate_expires_timestamp_seconds",
@@ -221,7 +234,7 @@ bool is_loopback_name(const std::string& host, const std::string& listening) {
          name == values::host_and_port(listening).host;
 }
 
-/// One page at a time: each asks the store and reads files of /proc.
+/// The page of metrics. It is made once at a time, because it reads the store and files of /proc.
 class MetricsPage {
 public:
   explicit MetricsPage(MetricSources sources) : sources_(std::move(sources)) {}

@@ -1,5 +1,6 @@
 #include "server/daemon/service_manager.hpp"
 
+#include <fmt/core.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -21,7 +22,7 @@ namespace dccast::daemon {
 
 namespace {
 
-/// @return 0 when `text` is no number
+/// @return 0 if `text` is no number
 long long number(const std::string& text) {
   long long value = 0;
   const auto end = text.data() + text.size();
@@ -38,15 +39,17 @@ ServiceManager::ServiceManager()
   if (watched_)
     interval_ = std::clamp(Milliseconds(watchdog_us / 4000), Milliseconds(1), interval_);
   if (address_.empty()) return;
-  if (address_.front() == '@') address_.front() = '\0';  // no file, a name that the kernel keeps
+
+  if (address_.front() == '@') address_.front() = '\0';  // an abstract name instead of a file
   socket_ = storage::FileDescriptor(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  // A manager that does not read does not hold up the end of the daemon.
+  // A manager that does not read must not hold up the end of the daemon.
   constexpr timeval longest{.tv_sec = 1, .tv_usec = 0};
   ::setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof longest);
 }
 
 void ServiceManager::send(const std::string& lines) const {
   if (address_.empty()) return;
+
   sockaddr_un to{};
   to.sun_family = AF_UNIX;
   const std::size_t length = std::min(address_.size(), sizeof to.sun_path);
@@ -54,12 +57,12 @@ void ServiceManager::send(const std::string& lines) const {
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + length);
   if (::sendto(socket_.get(), lines.data(), lines.size(), MSG_NOSIGNAL,
                reinterpret_cast<const sockaddr*>(&to), size) < 0)
-    log::warn("the service manager cannot be reached: {}", ::strerror(errno));
+    log::warn("cannot report to the service manager: {}", ::strerror(errno));
 }
 
 void ServiceManager::ready(std::function<std::string(Milliseconds)> status) {
   if (address_.empty()) return;
-  send("READY=1\nSTATUS=" + status(interval_));
+  send(fmt::format("READY=1\nSTATUS={}", status(interval_)));
   reporter_ = std::jthread(
       [this, status = std::move(status)](const std::stop_token& stop) { report(stop, status); });
 }
@@ -72,15 +75,15 @@ void ServiceManager::report(const std::stop_token& stop,
   while (!ended.wait_for(lock, stop, interval_, [&] { return stop.stop_requested(); })) {
     const std::string text = status(interval_);
     if (text.empty())
-      log::error("the queue does not turn: no sign of life goes to the service manager");
+      log::error("the scheduler thread is stuck; watchdog ping withheld");
     else
-      send((watched_ ? "WATCHDOG=1\nSTATUS=" : "STATUS=") + text);
+      send(fmt::format("{}STATUS={}", watched_ ? "WATCHDOG=1\n" : "", text));
   }
 }
 
 void ServiceManager::stopping(const std::string& why) {
   reporter_ = {};
-  send("STOPPING=1\nSTATUS=" + why);
+  send(fmt::format("STOPPING=1\nSTATUS={}", why));
 }
 
 }  // namespace dccast::daemon

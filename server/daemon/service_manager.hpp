@@ -9,32 +9,35 @@
 
 namespace dccast::daemon {
 
-/// systemd, where it has started the daemon with Type=notify: each message is one datagram of lines
-/// VARIABLE=value to the socket it names, sd_notify(3). Without one nothing is sent.
+/// Reports to systemd, if it has started the daemon with Type=notify: each message is one datagram
+/// of lines VARIABLE=value to a socket, sd_notify(3). Otherwise nothing is sent.
+///
+/// This does not use sd_notify() of libsystemd 252: it waits without a limit for a manager that
+/// does not read, which would hold up the end of the daemon, and it needs NOTIFY_SOCKET in the
+/// environment, which workers would inherit.
 class ServiceManager {
 public:
   using Milliseconds = std::chrono::milliseconds;
 
-  /// Takes NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID out of the environment: workers are not to
-  /// answer for the daemon. Before any thread.
+  /// Removes NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID from the environment, because workers
+  /// must not answer for the daemon. To be called before any thread starts.
   ServiceManager();
 
-  /// It serves. From now on `status` is called in a thread of its own, four times in the time in
-  /// which the manager expects a sign of life; each answer is such a sign, and what `systemctl
-  /// status` shows.
-  /// @param status  given the time in which it should answer; nothing: no sign of life
+  /// Reports that the daemon serves. From now on a thread calls `status` four times in each
+  /// watchdog interval; each answer is sent as a watchdog ping, and `systemctl status` shows it.
+  /// @param status  receives the time in which it should answer; an empty answer withholds the ping
   void ready(std::function<std::string(Milliseconds)> status);
-  /// It stops; `status` is called no more.
+  /// Reports that the daemon stops; `status` is not called any more.
   void stopping(const std::string& why);
 
 private:
   void send(const std::string& lines) const;
   void report(const std::stop_token& stop, const std::function<std::string(Milliseconds)>& status);
 
-  std::string address_;  ///< of the socket, as the kernel takes it; empty: no manager
+  std::string address_;  ///< of the socket, in the form of the kernel; empty: no manager
   storage::FileDescriptor socket_;
   Milliseconds interval_;
-  bool watched_ = false;  ///< the manager expects signs of life
+  bool watched_ = false;  ///< the manager expects watchdog pings
   std::jthread reporter_;
 };
 

@@ -64,11 +64,13 @@ void add_user_commands(CLI::App& app, CommandLine& line) {
   CLI::App& group =
       add_group(app, "user", "Users of other machines; dccastd may be running or not");
   AdministrationCommand& asked = line.administration;
+
   const auto named = [&](const char* verb, const char* what) -> CLI::App& {
     CLI::App& added = add_verb(group, line, verb, what);
     added.add_option("NAME", asked.name, "As jobs name their owner")->required();
     return added;
   };
+
   named("add", "Add a user, and print the line to hand over")
       .add_option("--role", asked.role, "viewer, submitter or admin")
       ->capture_default_str();
@@ -85,18 +87,22 @@ void add_user_commands(CLI::App& app, CommandLine& line) {
 void add_pki_commands(CLI::App& app, CommandLine& line) {
   CLI::App& group = add_group(app, "pki", "The daemon's own CA and certificate");
   AdministrationCommand& asked = line.administration;
+
   const auto with_names = [&](const char* verb, const char* what) {
     CLI::App& added = add_verb(group, line, verb, what);
     added.add_option("--name", asked.names, "A further name or address of this server")
         ->allow_extra_args(false);
     added.add_option("--days", asked.days, "How long the certificate lasts; as a rule 90");
   };
+
   with_names("init", "Make them; serve does so by itself at first need");
   with_names("renew", "A new certificate of the same CA, taken up without a restart");
+
   CLI::App& issue = add_verb(group, line, "issue", "A client certificate in place of a token");
   issue.add_option("NAME", asked.name, "A user")->required();
   issue.add_option("--to", asked.directory, "Where NAME.pem and NAME.key are written")->required();
   issue.add_option("--days", asked.days, "How long it lasts; as a rule 365");
+
   add_verb(group, line, "show", "Names, validity and fingerprints");
 }
 
@@ -112,9 +118,11 @@ void add_audit_command(CLI::App& app, CommandLine& line) {
 
 void add_commands(CLI::App& app, CommandLine& line) {
   app.require_subcommand(0, 1);
+
   add_worker_policy(
       add_command(app, line, "serve", "Serve; the same as no command", Command::serve),
       line.workers);
+
   CLI::App& check = add_command(
       app, line, "check", "Inspect the data directory while no dccastd uses it", Command::check);
   check.add_flag("--repair", line.repair, "Put right what can be, and say what was done");
@@ -122,6 +130,7 @@ void add_commands(CLI::App& app, CommandLine& line) {
   check.add_option("--adopt", line.adopt, "Take a job back out of quarantine; may be repeated")
       ->type_name("ID")
       ->allow_extra_args(false);
+
   add_command(app, line, "backup", "Copy the data directory; its dccastd may go on working",
               Command::backup)
       .add_option("--to", line.directory, "A new or empty directory")
@@ -187,9 +196,11 @@ CommandLine read_command_line(int argc, char** argv) {
       "dccastd: simulation service for DC-cast slabs. Takes jobs over gRPC, runs each in a "
       "worker process, keeps events and results.",
       "dccastd");
+
   add_settings(app, line);
   add_worker_policy(app, line.workers);
   add_commands(app, line);
+
   app.set_version_flag("--version", "dccastd " DCCAST_VERSION);
   app.footer(
       "Example: dccastd --config deploy/config/dccastd.toml --set workers=2\n"
@@ -199,30 +210,37 @@ CommandLine read_command_line(int argc, char** argv) {
       "Exit codes: 0 stopped as asked, or sound; 2 usage or invalid settings; 3 damage is left in "
       "the "
       "data directory; 4 the address or the data directory cannot be used.");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     line.exit_code = app.exit(error, std::cout, std::cerr) == 0 ? 0 : 2;
   }
+
   return line;
 }
 
 v1::DaemonConfig read_config(const std::string& file, const std::vector<std::string>& overrides) {
   v1::DaemonConfig config;
   std::string faults;
+
   if (!file.empty()) add(case_file::read_file(file, config).faults, file, faults);
   for (const std::string& text : overrides) override_key(text, config, faults);
+
   case_file::apply_defaults(config);
   if (faults.empty()) add(case_file::check_ranges(config), "settings", faults);
+
   if (std::ranges::find(log_levels, config.log_level()) == log_levels.end())
     faults +=
         "log_level = " + config.log_level() + ": permitted: trace, debug, info, warn, error\n";
+
   check_listen("listen", config.listen(), faults);
   if (!config.metrics().empty()) check_listen("metrics", config.metrics(), faults);
   if (const std::string& hook = config.job_end_hook();
       !hook.empty() && (hook.front() != '/' || ::access(hook.c_str(), X_OK) != 0))
     faults += "job_end_hook = " + hook + ": permitted: the absolute path of a program\n";
   if (!config.listen_tls().empty()) check_listen("listen_tls", config.listen_tls(), faults);
+
   if (!faults.empty()) throw InvalidConfig(faults.substr(0, faults.size() - 1));
   return config;
 }

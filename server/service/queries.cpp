@@ -143,7 +143,7 @@ public:
 
   double estimated_s() const { return examined_.verdict.estimate().solver_s(); }
   jobs::Urgency urgency() const {
-    return jobs::urgency_of_query(estimated_s(), request_.one_of_several());
+    return jobs::classify_query(estimated_s(), request_.one_of_several());
   }
 
   void run() {
@@ -195,7 +195,7 @@ private:
   }
 
   /// The worker of this query stands still while more urgent ones run.
-  jobs::Precedence::Place enter(const jobs::WorkerProcess& worker) {
+  jobs::Precedence::Registration enter(const jobs::WorkerProcess& worker) {
     const auto on_change = [this, &worker](const std::optional<jobs::MoreUrgentRun>& stopped_for) {
       worker.set_stopped(stopped_for.has_value());
       if (stopped_for) report_stop(*stopped_for);
@@ -210,7 +210,7 @@ private:
     if (stop_reported_ && now - *stop_reported_ < between_reports) return;
 
     stop_reported_ = now;
-    send_(waiting(stopped_for.in_words(), stopped_for.left_s));
+    send_(waiting(stopped_for.description(), stopped_for.remaining_s));
   }
 
   bool replay(Responses answer, const std::string& job) {
@@ -242,7 +242,7 @@ private:
     *order.mutable_case_() = examined_.complete;
     order.set_directory(folder);
     order.set_threads(context_.settings.query_threads());
-    order.set_nice(jobs::nice_of(urgency()));
+    order.set_nice(jobs::nice_value(urgency()));
     v1::CheckpointPolicy& checkpoint = *order.mutable_case_()->mutable_checkpoint();
     checkpoint.set_every_steps(0);  // no one resumes it
     checkpoint.set_every_s(0.0);

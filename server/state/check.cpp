@@ -1,5 +1,7 @@
 #include "server/state/check.hpp"
 
+#include <fmt/core.h>
+
 #include <map>
 #include <memory>
 #include <optional>
@@ -21,11 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The run as its jobs show it: the last attempt that has a row stands for it, unless the file of
-/// the study has something later.
-studies::RunRecord run_of(const studies::StudyRecord& study, const studies::StudyPlan& plan,
-                          int number, const std::map<int, studies::RunRecord>& kept,
-                          jobs::JobStore& jobs) {
+/// Finds a run by its jobs: the last attempt that has a row, unless the file of the study has a
+/// later one.
+studies::RunRecord find_run(const studies::StudyRecord& study, const studies::StudyPlan& plan,
+                            int number, const std::map<int, studies::RunRecord>& kept,
+                            jobs::JobStore& jobs) {
   studies::RunRecord run;
   run.number = number;
   const std::string key = plan.key(number);
@@ -34,6 +36,7 @@ studies::RunRecord run_of(const studies::StudyRecord& study, const studies::Stud
     run.job = job->job.id();
     ++run.attempt;
   }
+
   const auto found = kept.find(number);
   return found != kept.end() && found->second.attempt >= run.attempt ? found->second : run;
 }
@@ -46,20 +49,23 @@ void adopt_study(const StateFolder& folder, studies::StudyStore& store, jobs::Jo
   const auto plan = studies::study_plan(record.request);
   std::vector<studies::RunRecord> runs;
   for (int number = 0; number < plan->most_runs(); ++number) {
-    runs.push_back(run_of(record, *plan, number, kept, jobs));
-    // Of a plan that grows the first run without a job waits; the daemon decides whether it is
+    runs.push_back(find_run(record, *plan, number, kept, jobs));
+    // In a plan that grows, the first run without a job waits: the daemon decides whether it is
     // needed.
     if (number + 1 >= plan->runs() && runs.back().job.empty()) break;
   }
+
   if (!store.insert(record, runs))
-    throw std::runtime_error("its request_id \"" + record.request.request_id() +
-                             "\" belongs to another study");
+    throw std::runtime_error(
+        fmt::format("its request_id \"{}\" belongs to another study", record.request.request_id()));
 }
 
-void check_lost(const StateFolder& folder, studies::StudyStore& store, jobs::JobStore& jobs,
-                const std::string& id, bool repair, Report& report) {
-  const std::string subject = "study " + id + ": ";
-  if (!repair) return report.damage(subject + "it has no row; --repair makes it from its file");
+/// Checks a study that has a file but no row.
+void check_lost_study(const StateFolder& folder, studies::StudyStore& store, jobs::JobStore& jobs,
+                      const std::string& id, const CheckOptions& options, Report& report) {
+  const std::string subject = fmt::format("study {}: ", id);
+  if (!options.repair)
+    return report.damage(subject + "it has no row; --repair makes it from its file");
   try {
     adopt_study(folder, store, jobs, id);
     report.repaired(subject + "its row is made again");
@@ -70,28 +76,31 @@ void check_lost(const StateFolder& folder, studies::StudyStore& store, jobs::Job
   }
 }
 
-void check_file(const StateFolder& folder, studies::StudyStore& store, const std::string& id,
-                bool repair, Report& report) {
+/// Checks the file of a study that has a row.
+void check_study_file(const StateFolder& folder, studies::StudyStore& store, const std::string& id,
+                      const CheckOptions& options, Report& report) {
   try {
     studies::read_study_file(folder.studies(), id);
   } catch (const std::runtime_error& error) {
-    const std::string what = "study " + id + ": " + error.what();
-    if (!repair) return report.note(what + "; --repair writes it from the store");
-    std::filesystem::create_directories(folder.studies());
+    const std::string fault = fmt::format("study {}: {}", id, error.what());
+    if (!options.repair) return report.note(fault + "; --repair writes it from the store");
+
+    fs::create_directories(folder.studies());
     studies::write_study_file(folder.studies(), store.find(id).value());
-    report.repaired(what + "; written from the store");
+    report.repaired(fault + "; written from the store");
   }
 }
 
-/// The rows of jobs are sound by then.
+/// Checks all studies, after the rows of the jobs have been repaired.
 void check_studies(const StateFolder& folder, jobs::JobStore& jobs, const CheckOptions& options,
                    Report& report) {
   studies::StudyStore store(folder.store());
   for (const std::string& id : lost_studies(folder))
-    check_lost(folder, store, jobs, id, options.repair, report);
+    check_lost_study(folder, store, jobs, id, options, report);
+
   const auto ids = store.ids();
-  for (const std::string& id : ids) check_file(folder, store, id, options.repair, report);
-  if (!ids.empty()) report.note(std::to_string(ids.size()) + " studies in the store");
+  for (const std::string& id : ids) check_study_file(folder, store, id, options, report);
+  if (!ids.empty()) report.note(fmt::format("{} studies in the store", ids.size()));
 }
 
 /// One inspection of a whole state folder.
@@ -102,19 +111,12 @@ public:
 
   int run() {
     check_store();
-    std::optional<jobs::JobStore::Bulk> bulk;
-    if (store_ && options_.index_only) bulk.emplace(*store_);
-    if (store_ == nullptr) {
+    if (store_)
+      check_rows();
+    else
       for (const std::string& id : jobs::folder_ids(folder_.jobs()))
-        report_.note("job " + id + ": " + adoptability(folder_.jobs() / id));
-    } else {
-      for (const std::string& id : options_.adopt) take_back(id);
-      for (const std::string& id : jobs::folder_ids(folder_.jobs()))
-        if (!ids_.contains(id)) check_unknown(id);
-      for (const std::string& id : ids_) check_job(folder_, *store_, id, options_, report_);
-      check_studies(folder_, *store_, options_, report_);
-      report_totals();
-    }
+        report_.note(fmt::format("job {}: {}", id, adoptability(folder_.jobs() / id)));
+
     if (!options_.index_only) {
       list_removals();
       list_quarantine();
@@ -123,17 +125,32 @@ public:
   }
 
 private:
-  /// Opens the store, or leaves it closed when it is damaged and not to be repaired.
+  /// Checks all that has a row or should have one. The jobs come before the studies, whose runs are
+  /// found by the rows of their jobs.
+  void check_rows() {
+    std::optional<jobs::JobStore::Bulk> bulk;  // a rebuilt store is synced once, at the end
+    if (options_.index_only) bulk.emplace(*store_);
+
+    for (const std::string& id : options_.adopt) restore_from_quarantine(id);
+    for (const std::string& id : jobs::folder_ids(folder_.jobs()))
+      if (!ids_.contains(id)) check_unknown(id);
+    for (const std::string& id : ids_) check_job(folder_, *store_, id, options_, report_);
+    check_studies(folder_, *store_, options_, report_);
+    report_totals();
+  }
+
+  /// Opens the store. It stays closed if it is damaged and repair is off.
   void check_store() {
     const std::string fault = open();
     if (fault.empty()) return;
     if (!options_.repair) return report_.damage(fault + "; --repair begins it again");
+
     keep_requests();
-    report_.repaired(fault + "; its files are now in " + set_store_aside());
-    if (const std::string still = open(); !still.empty()) report_.damage(still);
+    report_.repaired(fmt::format("{}; its files are now in {}", fault, set_store_aside()));
+    if (const std::string remaining = open(); !remaining.empty()) report_.damage(remaining);
   }
 
-  /// Before version 7 a request to stop stood in the store alone; now it stands in the folder.
+  /// Moves requests to stop into the job folders: before version 7 they were in the store only.
   void keep_requests() const try {
     constexpr std::int64_t last_with_requests = 6;
     if (!fs::exists(folder_.store())) return;
@@ -141,47 +158,54 @@ private:
     jobs::Statement version(store, "PRAGMA user_version");
     if (!version.step() || version.integer(0) == 0 || version.integer(0) > last_with_requests)
       return;
+
     jobs::Statement requests(store, "SELECT id, wish, wish_reason FROM job WHERE wish <> 0");
     while (requests.step()) {
-      const fs::path of_job = folder_.jobs() / requests.text(0);
-      if (!fs::exists(of_job) || jobs::read_request(of_job)) continue;
+      const fs::path job_folder = folder_.jobs() / requests.text(0);
+      if (!fs::exists(job_folder) || jobs::read_request(job_folder)) continue;
+
       const auto action = static_cast<jobs::RequestedAction>(requests.integer(1));
-      jobs::write_request(of_job, {action, requests.text(2)});
+      jobs::write_request(job_folder, {action, requests.text(2)});
     }
   } catch (const jobs::StoreError&) {
-    // It is damaged, or of a version that has them in the folders.
+    // The store is damaged, or of a version without requests.
   }
 
-  /// @return what is wrong with the store; it is closed then
+  /// Opens the store. @return its fault, in which case it is closed; empty for none
   std::string open() {
     try {
       const bool is_missing = storage::kind_of_entry(folder_.store()).empty();
-      if (!options_.repair && is_missing) {  // a check makes none
+      if (!options_.repair && is_missing) {  // opening it would create it
         if (jobs::folder_ids(folder_.jobs()).empty())
-          throw std::runtime_error("there is no job store in " + folder_.path().string() +
-                                   " and no job; nothing to check");
-        return "the job store " + folder_.store().string() + " is missing";
+          throw std::runtime_error(
+              fmt::format("there is no job store in {} and no job; nothing to "
+                          "check",
+                          folder_.path().string()));
+        return fmt::format("the job store {} is missing", folder_.store().string());
       }
+
       store_ = std::make_unique<jobs::JobStore>(folder_.store());
-      std::string fault = store_->first_fault();
+      const std::string fault = store_->first_fault();
       ids_ = store_->ids();
       if (fault.empty()) return {};
+
       store_.reset();
-      return "the job store " + folder_.store().string() + " is damaged: " + fault;
+      return fmt::format("the job store {} is damaged: {}", folder_.store().string(), fault);
     } catch (const jobs::StoreError& error) {
       store_.reset();
-      if (!jobs::must_be_built_again(error)) throw;
-      return std::string(error.what()) + " (" + folder_.store().string() + ")";
+      if (!jobs::must_be_rebuilt(error)) throw;
+      return fmt::format("{} ({})", error.what(), folder_.store().string());
     }
   }
 
-  /// Moves the files of the store to quarantine. @return where
+  /// Moves the files of the store to quarantine. @return their new directory
   std::string set_store_aside() {
     fs::create_directories(folder_.quarantine());
     const fs::path aside = jobs::free_name(folder_.quarantine() / "store");
     fs::create_directory(aside);
     for (const fs::path& file : {folder_.store(), folder_.wal(), folder_.shared_memory()})
       if (!storage::kind_of_entry(file).empty()) fs::rename(file, aside / file.filename());
+
     storage::sync_directory(aside);
     storage::sync_directory(folder_.quarantine());
     storage::sync_directory(folder_.path());
@@ -194,13 +218,14 @@ private:
       return jobs::was_accepted(folder) ? "its row can be made again from its folder"
                                         : "it was never acknowledged";
     } catch (const std::exception& error) {
-      return std::string("its row cannot be made again: ") + error.what();
+      return fmt::format("its row cannot be made again: {}", error.what());
     }
   }
 
-  void take_back(const std::string& id) {
-    const std::string subject = "job " + id + ": ";
+  void restore_from_quarantine(const std::string& id) {
+    const std::string subject = fmt::format("job {}: ", id);
     if (ids_.contains(id)) return report_.note(subject + "the store has it already");
+
     const bool was_in_jobs = fs::exists(folder_.jobs() / id);
     if (!was_in_jobs && !jobs::release_folder(folder_.jobs(), id))
       return report_.damage(subject + "there is no such folder in quarantine");
@@ -214,24 +239,28 @@ private:
     } catch (const jobs::StoreError&) {
       throw;
     } catch (const std::runtime_error& error) {
-      report_.damage("job " + id + ": it cannot be taken back: " + error.what());
+      report_.damage(fmt::format("job {}: it cannot be taken back: {}", id, error.what()));
       return false;
     }
+
     ids_.insert(id);
-    report_.repaired("job " + id + ": taken back into the store as " +
-                     v1::JobState_Name(store_->find(id)->job.state()));
+    report_.repaired(fmt::format("job {}: taken back into the store as {}", id,
+                                 v1::JobState_Name(store_->find(id)->job.state())));
     return true;
   }
 
+  /// Checks a folder of `jobs/` whose job has no row.
   void check_unknown(const std::string& id) {
-    const std::string subject = "job " + id + ": ";
+    const std::string subject = fmt::format("job {}: ", id);
     if (!jobs::was_accepted(folder_.jobs() / id)) {
       if (!options_.repair)
         return report_.note(subject +
                             "it was never acknowledged; the next start moves it to quarantine");
+
       const fs::path aside = jobs::quarantine_folder(folder_.jobs(), id);
       return report_.repaired(subject + "it was never acknowledged; moved to " + aside.string());
     }
+
     if (!options_.repair)
       return report_.damage(subject + "it has no row; " + adoptability(folder_.jobs() / id));
     if (!adopt_folder(id))
@@ -240,24 +269,27 @@ private:
 
   void report_totals() {
     if (report_.with_leftovers > 0)
-      report_.note("checkpoints and journals of " + std::to_string(report_.with_leftovers) +
-                   " ended jobs: " + std::to_string(report_.leftover_bytes) + " bytes" +
-                   (options_.repair ? ", deleted" : "; --repair deletes them"));
-    report_.note(std::to_string(ids_.size()) + " jobs in the store");
+      report_.note(fmt::format("checkpoints and journals of {} ended jobs: {} bytes{}",
+                               report_.with_leftovers, report_.leftover_bytes,
+                               options_.repair ? ", deleted" : "; --repair deletes them"));
+    report_.note(fmt::format("{} jobs in the store", ids_.size()));
   }
 
   void list_removals() {
     if (!fs::exists(folder_.jobs())) return;
     for (const auto& entry : fs::directory_iterator(folder_.jobs()))
       if (entry.path().extension() == ".removed")
-        report_.note(entry.path().string() +
-                     ": a deletion that was cut short; the next start ends it");
+        report_.note(fmt::format("{}: a deletion that was cut short; the next start ends it",
+                                 entry.path().string()));
   }
 
   void list_quarantine() {
-    for (const auto& [id, path] : jobs::quarantined_folders(folder_.jobs()))
-      report_.note("quarantine: " + path.string() + ": " + adoptability(path) +
-                   (ids_.contains(id) ? "; the store has a job of this id" : "; --adopt " + id));
+    for (const auto& [id, path] : jobs::quarantined_folders(folder_.jobs())) {
+      const std::string remedy =
+          ids_.contains(id) ? "the store has a job of this id" : fmt::format("--adopt {}", id);
+      report_.note(
+          fmt::format("quarantine: {}: {}; {}", path.string(), adoptability(path), remedy));
+    }
   }
 
   const StateFolder& folder_;
@@ -267,14 +299,15 @@ private:
   std::set<std::string> ids_;
 };
 
-/// A worker that outlives its daemon writes into the folder of its job, and the next daemon goes on
-/// with it as the store and the event log are now.
+/// Repairs are refused while a worker runs: it writes into the folder of its job, and the next
+/// daemon adopts it with the store and the event log as they are now.
 void require_no_worker(const StateFolder& folder) {
   for (const std::string& id : jobs::folder_ids(folder.jobs()))
-    if (const auto worker = jobs::holder_of(folder.jobs() / id))
-      throw std::runtime_error("job " + id + " still runs in process " +
-                               std::to_string(worker->process) +
-                               "; start dccastd, which goes on with it, or end that process first");
+    if (const auto worker = jobs::find_holder(folder.jobs() / id))
+      throw std::runtime_error(fmt::format(
+          "job {} still runs in process {}; start dccastd, which goes on with it, or end "
+          "that process first",
+          id, worker->process));
 }
 
 }  // namespace
@@ -286,11 +319,12 @@ void rebuild_index(const StateFolder& folder, std::ostream& out) {
 
 int check(const StateFolder& folder, const CheckOptions& options, std::ostream& out) {
   if (!fs::is_directory(folder.path()))
-    throw std::runtime_error("there is no data directory " + folder.path().string());
+    throw std::runtime_error(fmt::format("there is no data directory {}", folder.path().string()));
+
   const StateLock lock(folder);
   if (options.repair || !options.adopt.empty()) require_no_worker(folder);
   const int damages = Check(folder, options, out).run();
-  out << (damages == 0 ? "sound" : std::to_string(damages) + " damages left") << std::endl;
+  out << (damages == 0 ? "sound" : fmt::format("{} damages left", damages)) << std::endl;
   return damages;
 }
 

@@ -10,7 +10,7 @@
 
 namespace dccast::state {
 
-/// The findings of a check, line by line: a word for the kind, the subject, what about it.
+/// Report of a check, line by line: the kind of the finding, its subject, its description.
 struct Report {
   void note(const std::string& text) { out << "note      " << text << '\n'; }
   void repaired(const std::string& text) { out << "repaired  " << text << '\n'; }
@@ -20,20 +20,20 @@ struct Report {
   }
 
   std::ostream& out;
-  int damages = 0;         ///< that are left
-  int with_leftovers = 0;  ///< ended jobs, reported once at the end
+  int damages = 0;         ///< number of damages that remain
+  int with_leftovers = 0;  ///< ended jobs with leftover files, reported once at the end
   std::uintmax_t leftover_bytes = 0;
 };
 
 struct CheckOptions {
-  bool repair = false;               ///< put right what can be; nothing but leftovers is deleted
-  bool deep = false;                 ///< also hold results against their SHA-256
-  std::vector<std::string> adopt{};  ///< ids of quarantined jobs to take back
-  bool index_only = false;           ///< only the store is put right; workers may run
+  bool repair = false;               ///< repair what can be repaired; only leftovers are deleted
+  bool deep = false;                 ///< also compare results with their SHA-256
+  std::vector<std::string> adopt{};  ///< ids of quarantined jobs to restore
+  bool index_only = false;           ///< repair the store only; workers may be running
 };
 
-/// Inspects a state folder that no daemon uses and reports what is wrong with it; with `repair`
-/// puts it right. docs/operations.md describes each line. @return damages that are left
+/// Inspects a state folder that no daemon uses, and reports its faults; with `repair` it repairs
+/// them. docs/operations.md describes each line. @return number of damages that remain
 /// @throws std::runtime_error  there is no such folder, a daemon uses it, or it cannot be read
 int check(const StateFolder& folder, const CheckOptions& options, std::ostream& out);
 

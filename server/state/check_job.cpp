@@ -1,4 +1,6 @@
-// What `dccastd check` looks at in one job: its folder, its event log, its results.
+// The part of `dccastd check` about one job: its folder, its event log, its results.
+#include <fmt/core.h>
+
 #include <array>
 #include <system_error>
 
@@ -18,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a worker needs to go on, and no one once the job has ended well.
+/// Files that only a worker needs, to continue a run.
 constexpr std::array leftover_names{"checkpoint.bin", "journal.bin"};
 
 class JobCheck {
@@ -31,14 +33,16 @@ public:
         report_(report),
         record_(std::move(record)),
         folder_(state.jobs() / record_.job.id()),
-        subject_("job " + record_.job.id() + ": ") {}
+        subject_(fmt::format("job {}: ", record_.job.id())) {}
 
   void run() {
     if (!has_folder() || !check_row()) return;
     if (options_.index_only) return check_running();
+
     check_log();
     check_attachments();
     for (const v1::Artifact& artifact : record_.job.artifacts()) check_artifact(artifact);
+
     if (record_.job.state() == v1::SUCCEEDED || record_.job.state() == v1::CANCELLED)
       check_leftovers();
   }
@@ -46,6 +50,7 @@ public:
 private:
   bool has_folder() {
     if (fs::exists(folder_)) return true;
+
     const fs::path removed = folder_.string() + ".removed";
     if (options_.repair && fs::exists(removed)) {
       jobs::undo_removal(removed);
@@ -56,46 +61,50 @@ private:
       report_.damage(subject_ +
                      "its folder is missing; restore it from a backup, or delete the job");
     }
+
     return fs::exists(folder_);
   }
 
   /// @return whether the folder describes the job
   bool check_row() {
-    std::string what;
+    std::string fault;
     try {
       if (agrees(record_, described_job(folder_))) return true;
-      what = subject_ + "its row is not that of its folder";
+      fault = subject_ + "its row is not that of its folder";
     } catch (const std::runtime_error& error) {
-      report_.damage(subject_ + error.what() + "; restore its folder from a backup");
+      report_.damage(fmt::format("{}{}; restore its folder from a backup", subject_, error.what()));
       return false;
     }
+
     if (options_.repair)
-      make_row_again(what);
+      rebuild_row(fault);
     else
-      report_.damage(what + "; --repair makes the row again");
+      report_.damage(fault + "; --repair makes the row again");
     return true;
   }
 
-  void make_row_again(const std::string& what) {
+  void rebuild_row(const std::string& fault) {
     index_job(store_, folder_);
     record_ = store_.find(record_.job.id()).value();
-    report_.repaired(what + "; the row is made again");
+    report_.repaired(fault + "; the row is made again");
   }
 
-  /// A row that has ended although the run in the folder has not.
+  /// Finds a row that has ended although the run in the folder has not.
   void check_running() {
     if (jobs::is_terminal(record_.job.state()) && jobs::signs_in(folder_).claimed_ns != 0 &&
         !jobs::scan_event_log(folder_ / "events.log").terminal)
-      make_row_again(subject_ + "the store has it as ended");
+      rebuild_row(subject_ + "the store has it as ended");
   }
 
-  /// Attachments are read by the worker alone; a bit that flips in one would go into the results.
+  /// The worker does not verify attachments, so a flipped bit in one would falsify the results.
   void check_attachments() {
     for (const auto& [name, sha256] : jobs::read_job_description(folder_).attachment_sha256) {
       const fs::path path = folder_ / jobs::attachments_folder / name;
       if (fs::exists(path) && (!options_.deep || values::sha256_of_file(path) == sha256)) continue;
-      report_.damage(subject_ + "its attachment " + name + " is missing or damaged" +
-                     "; restore it from a backup, or submit the case again");
+      report_.damage(
+          fmt::format("{}its attachment {} is missing or damaged; restore it from a "
+                      "backup, or submit the case again",
+                      subject_, name));
     }
   }
 
@@ -104,35 +113,38 @@ private:
     jobs::EventLogContent log;
     if (storage::kind_of_entry(path) == storage::regular_file) log = jobs::scan_event_log(path);
     if (log.last_sequence == 0) return begin_log_again(path);
+
     for (const jobs::EventGap& gap : log.gaps) report_.note(subject_ + gap.description());
-    if (!log.sound_header) put_right(subject_ + "the header of its events.log is damaged", path);
+    if (!log.sound_header) repair_log(subject_ + "the header of its events.log is damaged", path);
     if (log.size > log.end)
-      put_right(subject_ + "its events.log ends in " + std::to_string(log.size - log.end) +
-                    (log.torn ? " bytes of a torn event" : " damaged bytes"),
-                path);
+      repair_log(fmt::format("{}its events.log ends in {} {}", subject_, log.size - log.end,
+                             log.torn ? "bytes of a torn event" : "damaged bytes"),
+                 path);
     check_end(log, path);
   }
 
-  /// Opening a log for writing repairs its ends, which the daemon does too.
-  void put_right(const std::string& what, const fs::path& log) {
-    if (!options_.repair) return report_.note(what + "; the next start puts it right");
+  /// Repairs header and end of a log, as the daemon does when it appends to it.
+  void repair_log(const std::string& fault, const fs::path& log) {
+    if (!options_.repair) return report_.note(fault + "; the next start puts it right");
     jobs::EventLog(log).take_over();
-    report_.repaired(what);
+    report_.repaired(fault);
   }
 
-  /// Any file there is moves aside; the row has how the job stands.
+  /// Starts a new log with the state in the row, after setting an existing file aside.
   void begin_log_again(const fs::path& path) {
-    const std::string what = subject_ + "its events.log is lost";
-    if (!options_.repair) return report_.damage(what + "; --repair begins it again");
+    const std::string fault = subject_ + "its events.log is lost";
+    if (!options_.repair) return report_.damage(fault + "; --repair begins it again");
+
     if (!storage::kind_of_entry(path).empty())
       fs::rename(path, jobs::free_name(path.string() + ".damaged"));
+
     jobs::EventLog log(path);
     v1::JobEvent message = jobs::message_event("all earlier events of this job are lost",
                                                v1::JobEvent::Message::WARNING);
     log.append(message);
     append_state(log);
     storage::sync_directory(folder_);
-    report_.repaired(what + "; begun again with the state the store has");
+    report_.repaired(fault + "; begun again with the state the store has");
   }
 
   void append_state(jobs::EventLog& log) {
@@ -144,34 +156,38 @@ private:
   void check_end(const jobs::EventLogContent& log, const fs::path& path) {
     const v1::JobState in_store = record_.job.state();
     if (!log.last_state || log.last_state->state() == in_store) return;
-    const std::string what = subject_ + "the store has " + v1::JobState_Name(in_store) +
-                             ", its events.log ends with " +
-                             v1::JobState_Name(log.last_state->state());
+
+    const std::string fault =
+        fmt::format("{}the store has {}, its events.log ends with {}", subject_,
+                    v1::JobState_Name(in_store), v1::JobState_Name(log.last_state->state()));
     if (!jobs::is_terminal(in_store) || log.terminal) {
-      if (!options_.repair) return report_.damage(what + "; --repair takes the log's");
-      return make_row_again(what);
+      if (!options_.repair) return report_.damage(fault + "; --repair takes the log's");
+      return rebuild_row(fault);
     }
-    if (!options_.repair) return report_.damage(what + "; --repair adds the last event again");
+
+    // An end that the store has was on the disk in the log, whose last event is lost since.
+    if (!options_.repair) return report_.damage(fault + "; --repair adds the last event again");
     jobs::EventLog writer(path);
     append_state(writer);
-    report_.repaired(what + "; the last event is added again");
+    report_.repaired(fault + "; the last event is added again");
   }
 
   void check_artifact(const v1::Artifact& artifact) {
     const fs::path path = folder_ / artifact.name();
     std::error_code error;
     const auto size = static_cast<std::int64_t>(fs::file_size(path, error));
-    std::string what;
+
+    std::string fault;
     if (error)
-      what = " is missing";
+      fault = "is missing";
     else if (size != artifact.size_bytes())
-      what =
-          " has " + std::to_string(size) + " bytes, not " + std::to_string(artifact.size_bytes());
+      fault = fmt::format("has {} bytes, not {}", size, artifact.size_bytes());
     else if (options_.deep && values::sha256_of_file(path) != artifact.sha256())
-      what = " is damaged: its SHA-256 differs";
-    if (!what.empty())
-      report_.damage(subject_ + artifact.name() + what +
-                     "; restore it from a backup, or run the case again");
+      fault = "is damaged: its SHA-256 differs";
+    if (fault.empty()) return;
+
+    report_.damage(fmt::format("{}{} {}; restore it from a backup, or run the case again", subject_,
+                               artifact.name(), fault));
   }
 
   void check_leftovers() {
@@ -179,6 +195,7 @@ private:
     for (const char* name : leftover_names)
       if (fs::exists(folder_ / name)) bytes += fs::file_size(folder_ / name);
     if (bytes == 0) return;
+
     if (options_.repair) jobs::remove_run_files(folder_);
     ++report_.with_leftovers;
     report_.leftover_bytes += bytes;

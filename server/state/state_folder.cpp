@@ -29,20 +29,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A daemon that was killed in the instant in which it started a process leaves its lock to that
-/// one, which lets go of it as soon as it gets the processor: seconds on a busy machine.
+/// If a daemon is killed while it starts a process, that process inherits the lock and releases it
+/// as soon as it runs, which takes seconds on a busy machine.
 constexpr std::chrono::seconds longest_wait{3};
 constexpr std::chrono::milliseconds between_tries{20};
 
-/// The list of a backup's files with their SHA-256, in the form of sha256sum(1). It is written
-/// last: a backup without it is not complete.
+/// The list of a backup's files with their SHA-256, in the format of sha256sum(1). It is written
+/// last: a backup without it is incomplete.
 constexpr const char* manifest_file = "MANIFEST.sha256";
 using Manifest = std::map<std::string, std::string>;  ///< SHA-256 by file
 
 /// Copied in this order; all other files of a job come after them.
 constexpr std::array ordered_names{"checkpoint.bin", "journal.bin", "events.log"};
 
-/// Files that are being written and get their names when they are whole.
+/// Whether a file is still being written; it gets its final name when it is complete.
 bool is_unfinished(const fs::path& file) {
   constexpr std::array extensions{".part", ".tmp", ".next"};
   return std::ranges::find(extensions, file.extension()) != extensions.end();
@@ -66,30 +66,33 @@ void copy_job(const fs::path& from, const fs::path& to) {
   copy_all(from, to);
 }
 
-/// @return false when the job was deleted meanwhile
-bool copied(const fs::path& from, const fs::path& to) {
+/// Copies the folder of a job. @return false if the job was deleted meanwhile
+bool try_copy_job(const fs::path& from, const fs::path& to) {
   for (int tries = 0; tries < 3; ++tries) {
     try {
       copy_job(from, to);
       return true;
     } catch (const fs::filesystem_error& error) {
-      // A file can go between its listing and its copy: an old checkpoint, or the whole job.
+      // A file may be removed between its listing and its copy: an old checkpoint, or the whole
+      // job.
       if (error.code() != std::errc::no_such_file_or_directory) throw;
       fs::remove_all(to);
       if (!fs::exists(from)) return false;
     }
   }
-  throw std::runtime_error(from.string() + " changes too fast to be copied; try again");
+  throw std::runtime_error(
+      fmt::format("{} changes too fast to be copied; try again", from.string()));
 }
 
 /// Syncs the file system of `path` to disk.
 void sync_file_system(const fs::path& path) {
   const storage::File directory(path, O_RDONLY | O_DIRECTORY);
   if (::syncfs(directory.descriptor()) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot sync " + path.string());
+    throw std::system_error(errno, std::generic_category(),
+                            fmt::format("cannot sync {}", path.string()));
 }
 
-Manifest manifest_of(const fs::path& backup) {
+Manifest make_manifest(const fs::path& backup) {
   Manifest manifest;
   for (const auto& entry : fs::recursive_directory_iterator(backup))
     if (entry.is_regular_file())
@@ -97,8 +100,8 @@ Manifest manifest_of(const fs::path& backup) {
   return manifest;
 }
 
-/// Accepted jobs without a row. A daemon may accept jobs meanwhile, each with its row first, so the
-/// rows are read again after the folders.
+/// Accepted jobs without a row. A running daemon may accept jobs meanwhile, and writes the row
+/// before the mark, so the rows are read again after the folders.
 std::set<std::string> lost_beside_daemon(const StateFolder& folder) {
   jobs::JobStore store(folder.store());
   auto lost = lost_jobs(folder, store.ids());
@@ -107,7 +110,7 @@ std::set<std::string> lost_beside_daemon(const StateFolder& folder) {
   return lost;
 }
 
-/// Rows that are lost would be lost in the backup too.
+/// Refuses a store with lost rows, because the backup would lack these jobs.
 void require_whole_store(const StateFolder& folder) {
   const auto lost = lost_beside_daemon(folder);
   if (lost.empty()) return;
@@ -118,16 +121,17 @@ void require_whole_store(const StateFolder& folder) {
       folder.store().string(), lost.size(), *lost.begin(), folder.path().string()));
 }
 
-/// Copies the folders of all jobs in the copied store; forgets those that were deleted meanwhile.
+/// Copies the folders of all jobs in the copied store, and erases the rows of those that were
+/// deleted meanwhile. @return number of jobs
 std::size_t copy_jobs(const StateFolder& from, const StateFolder& to) {
   jobs::JobStore store(to.store());
   for (const std::string& id : store.ids())
-    if (!copied(from.jobs() / id, to.jobs() / id)) store.erase(id);
+    if (!try_copy_job(from.jobs() / id, to.jobs() / id)) store.erase(id);
   return store.ids().size();
 }
 
-/// Copies the files of all studies in the copied store; repairing a restored folder writes those
-/// that were removed meanwhile.
+/// Copies the files of all studies in the copied store. Those that were removed meanwhile are
+/// written again when the restored folder is repaired.
 void copy_studies(const StateFolder& from, const StateFolder& to) {
   fs::create_directories(to.studies());
   for (const std::string& id : studies::StudyStore(to.store()).ids()) {
@@ -136,7 +140,8 @@ void copy_studies(const StateFolder& from, const StateFolder& to) {
   }
 }
 
-/// Users, certificates and the audit log (server/access); each file is replaced whole or appended.
+/// Copies users, certificates and the audit log (server/access). These files are only replaced as a
+/// whole or appended to, so a copy is consistent.
 void copy_access(const StateFolder& from, const StateFolder& to) {
   for (const char* name : {"users.toml", "audit.log"})
     if (fs::exists(from.path() / name)) fs::copy_file(from.path() / name, to.path() / name);
@@ -145,25 +150,32 @@ void copy_access(const StateFolder& from, const StateFolder& to) {
 
 Manifest read_manifest(const fs::path& backup) {
   if (!fs::exists(backup / manifest_file))
-    throw std::runtime_error(backup.string() + " has no " + manifest_file +
-                             ": it is no backup, or one that did not come to its end");
+    throw std::runtime_error(
+        fmt::format("{} has no {}: it is no backup, or one that did not come to its end",
+                    backup.string(), manifest_file));
+
+  constexpr std::size_t sha256_length = 64;               // [characters]
+  constexpr std::size_t name_column = sha256_length + 2;  // after two spaces
   std::istringstream text(storage::read_file(backup / manifest_file));
   Manifest manifest;
   for (std::string line; std::getline(text, line);)
-    if (line.size() > 66) manifest[line.substr(66)] = line.substr(0, 64);
+    if (line.size() > name_column)
+      manifest[line.substr(name_column)] = line.substr(0, sha256_length);
   return manifest;
 }
 
-/// Copies one file and holds the copy against the manifest.
+/// Copies one file and compares the copy with the manifest.
 void copy_verified(const fs::path& file, const std::string& sha256, const fs::path& from,
                    const fs::path& to) {
   if (file.is_absolute() || file.lexically_normal().string().starts_with(".."))
-    throw std::runtime_error("the manifest names " + file.string() + ", outside the backup");
+    throw std::runtime_error(
+        fmt::format("the manifest names {}, outside the backup", file.string()));
+
   fs::create_directories((to / file).parent_path());
   fs::copy_file(from / file, to / file);
   if (values::sha256_of_file(to / file) != sha256)
-    throw std::runtime_error((from / file).string() +
-                             " is damaged: its SHA-256 is not the one in " + manifest_file);
+    throw std::runtime_error(fmt::format("{} is damaged: its SHA-256 is not the one in {}",
+                                         (from / file).string(), manifest_file));
 }
 
 }  // namespace
@@ -172,8 +184,10 @@ StateLock::StateLock(const StateFolder& folder) : lock_(folder.lock(), O_RDWR | 
   const auto end = std::chrono::steady_clock::now() + longest_wait;
   while (::flock(lock_.descriptor(), LOCK_EX | LOCK_NB) != 0) {
     if (std::chrono::steady_clock::now() > end)
-      throw std::runtime_error("another dccastd uses the data directory " + folder.path().string() +
-                               "; stop it, or set another data_directory");
+      throw std::runtime_error(
+          fmt::format("another dccastd uses the data directory {}; stop it, or set another "
+                      "data_directory",
+                      folder.path().string()));
     std::this_thread::sleep_for(between_tries);
   }
 }
@@ -185,23 +199,30 @@ void make_state_folder(const StateFolder& folder) {
 
 void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
   if (storage::kind_of_entry(folder.store()).empty())
-    throw std::runtime_error("there is no job store in " + folder.path().string());
+    throw std::runtime_error(fmt::format("there is no job store in {}", folder.path().string()));
   require_whole_store(folder);
   if (fs::exists(to) && !fs::is_empty(to))
-    throw std::runtime_error(to.string() + " is not empty; give a new directory");
+    throw std::runtime_error(fmt::format("{} is not empty; give a new directory", to.string()));
+
   const StateFolder target(to);
   make_state_folder(target);
   fs::create_directories(target.jobs());
+
+  // The store first: see the header.
   jobs::JobStore(folder.store()).copy_to(target.store());
   const std::size_t count = copy_jobs(folder, target);
   copy_studies(folder, target);
   copy_access(folder, target);
   if (fs::exists(folder.quarantine())) copy_all(folder.quarantine(), target.quarantine());
+
+  // The manifest declares the backup complete, so everything else must be on the disk before it.
   sync_file_system(to);
   std::string manifest;
-  for (const auto& [file, sha256] : manifest_of(to)) manifest += sha256 + "  " + file + "\n";
+  for (const auto& [file, sha256] : make_manifest(to))
+    manifest += fmt::format("{}  {}\n", sha256, file);
   storage::replace_file(to / manifest_file, manifest);
   sync_file_system(to);
+
   out << count << " jobs copied to " << to.string() << std::endl;
 }
 
@@ -211,8 +232,11 @@ int restore(const StateFolder& folder, const fs::path& from, std::ostream& out) 
   {
     const StateLock lock(folder);
     if (!storage::kind_of_entry(folder.store()).empty() || fs::exists(folder.jobs()))
-      throw std::runtime_error("the data directory " + folder.path().string() +
-                               " has jobs; set another data_directory, or move them away");
+      throw std::runtime_error(
+          fmt::format("the data directory {} has jobs; set another data_directory, or move them "
+                      "away",
+                      folder.path().string()));
+
     for (const auto& [file, sha256] : manifest) copy_verified(file, sha256, from, folder.path());
     fs::create_directories(folder.jobs());
   }

@@ -8,7 +8,7 @@
 
 namespace dccast::state {
 
-/// Where things lie in a data directory. Knows names only; touches nothing.
+/// Paths inside a data directory. Only composes names; does not access the disk.
 class StateFolder {
 public:
   explicit StateFolder(const std::filesystem::path& path)
@@ -28,8 +28,7 @@ private:
   std::filesystem::path path_;
 };
 
-/// Holds a data directory for one process, as long as this lives: two daemons on one would run
-/// every job twice.
+/// Locks a data directory for this process: two daemons on one directory would run every job twice.
 class StateLock {
 public:
   /// @throws std::runtime_error  another process has it
@@ -39,20 +38,21 @@ private:
   storage::File lock_;
 };
 
-/// Makes the data directory, the owner's alone. @throws std::filesystem::filesystem_error
+/// Creates the data directory, accessible to its owner only. @throws
+/// std::filesystem::filesystem_error
 void make_state_folder(const StateFolder& folder);
 
-/// Copies a state folder, while its daemon works or not, to a new or empty directory.
+/// Copies a state folder to a new or empty directory; its daemon may be running.
 ///
-/// The store comes first, in one instant; then the folders of the jobs that are in it. So every job
-/// that was acknowledged before has its row and its folder, and a folder is never older than its
-/// row: that is how a daemon finds them after a crash, and `check` lets rows follow the event logs.
-/// Within a folder the checkpoint comes before the journal and the event log it counts on, and
-/// results come last, as a terminal event is written when they have their final names.
+/// The store is copied first, as one snapshot, then the folders of the jobs in it. Every job that
+/// was acknowledged before has a row and a folder, and no folder is older than its row. A daemon
+/// finds the same after a crash, and `check` updates rows from the event logs. Within a folder the
+/// checkpoint is copied before the journal and the event log on which it depends, and results are
+/// copied last, because the terminal event is written after they have their final names.
 /// @throws std::runtime_error  `to` is not empty, the store is damaged, or a file cannot be copied
 void back_up(const StateFolder& folder, const std::filesystem::path& to, std::ostream& out);
 
-/// Makes a state folder from a backup and checks it. @return damages that are left, as check()
+/// Restores a state folder from a backup and checks it. @return damages that remain, as check()
 /// @throws std::runtime_error  the folder is not empty, or the backup is not complete or damaged
 int restore(const StateFolder& folder, const std::filesystem::path& from, std::ostream& out);
 

@@ -4,6 +4,7 @@
 
 #include "core/material/thermal_properties.hpp"
 #include "proto/case_file/quality.hpp"
+#include "server/translate/enumerations.hpp"
 #include "server/translate/translate.hpp"
 
 namespace dccast::translate {
@@ -12,49 +13,37 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a case leaves open has no value.
+/// An optional field. @param is_given  whether the case has it
 std::optional<double> given(bool is_given, double value) {
   return is_given ? std::optional(value) : std::nullopt;
 }
 
-Abscissa abscissa_of(v1::Abscissa from) {
-  return counterpart(from,
-                     {{v1::TIME, Abscissa::time},
-                      {v1::CAST_LENGTH, Abscissa::cast_length},
-                      {v1::TEMPERATURE, Abscissa::temperature},
-                      {v1::GAP, Abscissa::gap},
-                      {v1::DISTANCE, Abscissa::distance},
-                      {v1::LIQUID_FRACTION, Abscissa::liquid_fraction}},
-                     Abscissa::none);
-}
-
+/// Path of an attachment; empty for an empty name.
 fs::path attached(const std::string& name, const fs::path& attachments) {
   return name.empty() ? fs::path() : attachments / name;
 }
 
 mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   mesh::SectionSpec to;
-  to.kind = counterpart(from.section().kind(),
-                        {{v1::Section::AXISYMMETRIC, mesh::SectionKind::axisymmetric},
-                         {v1::Section::QUARTER_SLAB, mesh::SectionKind::quarter_slab}},
-                        mesh::SectionKind::plane_strain);
+  to.kind = to_core(from.section().kind());
   to.half_width = from.section().half_width_m();
   to.half_thickness = to_core(from.section().half_thickness_m());
   to.corner_radius = from.section().corner_radius_m();
   to.initial_depth = from.section().initial_depth_m();
+
   const v1::Mesh& mesh = from.mesh();
-  to.element = counterpart(mesh.element(),
-                           {{v1::P1, mesh::ElementKind::p1}, {v1::Q1, mesh::ElementKind::q1}},
-                           mesh::ElementKind::q1_bending);
+  to.element = to_core(mesh.element());
   to.columns = mesh.columns();
   to.rows = mesh.rows();
   to.layers = mesh.layers();
   to.side_cell = mesh.side_cell_m();
   to.wide_side_cell = mesh.wide_side_cell_m();
   to.bottom_cell = mesh.bottom_cell_m();
+
   to.growth_cell = given(mesh.has_growth_cell_m(), mesh.growth_cell_m());
   to.merging = {mesh.merge_below_m(), mesh.merged_cell_m()};
   to.refinement = mesh.refinement();
+
   to.file = attached(mesh.file(), attachments);
   to.growth = mesh.growth();
   return to;
@@ -76,7 +65,7 @@ std::variant<material::NortonHoffConstants, material::ReferenceCreep> creep(cons
                                   .activation_energy = law.activation_energy_j_per_mol()};
 }
 
-/// Laws of the mush. Without coalescence the mush is the paper's.
+/// Laws of the mush. Without a coalescence fraction, the mush is that of the paper.
 std::optional<material::MushLaw> mush_law(const v1::Alloy& from) {
   if (!from.has_coalescence_solid_fraction()) return std::nullopt;
   return material::MushLaw{.coalescence = from.coalescence_solid_fraction(),
@@ -92,18 +81,19 @@ std::optional<material::ColdStrength> cold_strength(const v1::Alloy& from) {
       .hardening = hardening.value_size() == 0 ? Curve(0.0) : to_core(hardening)};
 }
 
-/// @pre liquidus, solidus and liquid fraction are in the card
-void coherency(const v1::Alloy& from, material::AlloyCard& to) {
+/// Sets the coherency temperature: the liquidus unless the card gives a fraction or a temperature.
+/// @pre liquidus, solidus and liquid fraction are set in the card
+void set_coherency(const v1::Alloy& from, material::AlloyCard& to) {
   to.coherency = from.liquidus_c();
   if (from.has_coherency_solid_fraction())
     to.coherency = material::coherency_at(to, from.coherency_solid_fraction());
   if (from.has_coherency_c()) to.coherency = from.coherency_c();
 }
 
-/// A table of the metal, or solid and liquid weighted by their fractions.
-/// @pre liquidus, solidus and liquid fraction are in the card
-Curve of_metal(const material::AlloyCard& card, const v1::Curve& table, const v1::Curve& solid,
-               double liquid) {
+/// Property of the metal: its table, or solid and liquid weighted by their fractions.
+/// @pre liquidus, solidus and liquid fraction are set in the card
+Curve metal_property(const material::AlloyCard& card, const v1::Curve& table,
+                     const v1::Curve& solid, double liquid) {
   if (solid.value_size() == 0 || liquid <= 0.0) return to_core(table);
   return material::mixed_by_fraction(card, to_core(solid), liquid);
 }
@@ -117,20 +107,26 @@ material::AlloyCard alloy(const v1::Alloy& from) {
   to.specific_heat = to_core(from.specific_heat_j_per_kg_k());
   to.melt_conductivity_factor = to_core(from.melt_conductivity_factor());
   to.liquid_fraction = to_core(from.liquid_fraction());
-  to.density = of_metal(to, from.density_kg_per_m3(), from.solid_density_kg_per_m3(),
-                        from.liquid_density_kg_per_m3());
-  to.conductivity = of_metal(to, from.conductivity_w_per_m_k(), from.solid_conductivity_w_per_m_k(),
-                             from.liquid_conductivity_w_per_m_k());
-  coherency(from, to);
+
+  // These use liquidus, solidus and liquid fraction, which are set above.
+  to.density = metal_property(to, from.density_kg_per_m3(), from.solid_density_kg_per_m3(),
+                              from.liquid_density_kg_per_m3());
+  to.conductivity =
+      metal_property(to, from.conductivity_w_per_m_k(), from.solid_conductivity_w_per_m_k(),
+                     from.liquid_conductivity_w_per_m_k());
+  set_coherency(from, to);
   to.release = material::coherency_at(to, from.shell_solid_fraction());
+
   to.young_modulus = to_core(from.young_modulus_pa());
   to.poisson_ratio = to_core(from.poisson_ratio());
   to.creep = creep(from);
   to.solid_density = to_core(from.solid_density_kg_per_m3());
+
   if (from.has_retention_solid_fraction())
     to.retention = material::coherency_at(to, from.retention_solid_fraction());
   to.mush = mush_law(from);
   to.cold_strength = cold_strength(from);
+
   return to;
 }
 
@@ -145,11 +141,7 @@ thermal::SideZone zone(const v1::SideZone& from) {
           .liquid_coefficient = to_core(from.liquid_coefficient_w_per_m2_k()),
           .solid_coefficient = to_core(from.solid_coefficient_w_per_m2_k()),
           .temperature = to_core(from.temperature_c()),
-          .face = counterpart<std::optional<thermal::Face>>(
-              from.face(),
-              {{v1::SideZone::WIDE, thermal::Face::wide},
-               {v1::SideZone::NARROW, thermal::Face::narrow}},
-              std::nullopt)};
+          .face = to_core(from.face())};
 }
 
 thermal::Wetting wetting(const v1::Wetting& from) {
@@ -168,10 +160,12 @@ thermal::Wetting wetting(const v1::Wetting& from) {
           .evaporation_from = from.evaporation_from_c()};
 }
 
-/// Conductivity and heat capacity of the two materials at 200 °C, recalled; docs/bottom-block.md.
+/// The body of the block. Conductivity [W/(m K)] and heat capacity [J/(m^3 K)] of the two materials
+/// at 200 °C are recalled; docs/bottom-block.md.
 std::optional<thermal::BlockBody> body(const v1::BottomBlock& from) {
   if (!from.has_thickness_m()) return std::nullopt;
-  const bool steel = from.material() == v1::BottomBlock::STEEL;
+
+  const bool steel = is_steel(from.material());
   return thermal::BlockBody{.thickness = from.thickness_m(),
                             .conductivity = steel ? 45.0 : 170.0,
                             .heat_capacity = steel ? 4.1e6 : 2.6e6,
@@ -214,6 +208,7 @@ thermal::CoolingSpec cooling(const v1::Cooling& from, double first_metal) {
   for (const v1::SideZone& each : from.zone()) to.zones.push_back(zone(each));
   to.water = water(from.water());
   if (from.has_narrow_water()) to.narrow_water = water(from.narrow_water());
+
   const v1::BottomBlock& block = from.bottom_block();
   to.bottom_block = {.contact_coefficient = to_core(block.contact_coefficient_w_per_m2_k()),
                      .first_metal = first_metal,
@@ -226,24 +221,20 @@ thermal::CoolingSpec cooling(const v1::Cooling& from, double first_metal) {
                      .wet_gap = block.wet_gap_m(),
                      .profile_x = to_core(block.profile_x_m()),
                      .profile_y = to_core(block.profile_y_m())};
+
   to.dry_coefficient = from.dry_coefficient_w_per_m2_k();
   to.ambient_temperature = from.ambient_temperature_c();
-  to.top = counterpart(
-      from.top(),
-      {{v1::Cooling::INSULATED, thermal::Top::insulated}, {v1::Cooling::HELD, thermal::Top::held}},
-      thermal::Top::pouring);
+  to.top = to_core(from.top());
   to.level_coefficient = from.level_coefficient_w_per_m2_k();
   return to;
 }
 
-/// Absent: corotational where the butt turns by several degrees, in a quarter slab.
-mechanics::Kinematics kinematics_of(const v1::Case& from) {
-  using mechanics::Kinematics;
+/// Kinematics of a case. If it leaves them open: corotational in a quarter slab, whose butt turns
+/// by several degrees.
+mechanics::Kinematics kinematics(const v1::Case& from) {
   const bool solid = from.section().kind() == v1::Section::QUARTER_SLAB;
-  return counterpart(from.mechanics().kinematics(),
-                     {{v1::Mechanics::SMALL_STRAIN, Kinematics::small_strain},
-                      {v1::Mechanics::COROTATIONAL, Kinematics::corotational}},
-                     solid ? Kinematics::corotational : Kinematics::small_strain);
+  return to_core(from.mechanics().kinematics())
+      .value_or(solid ? mechanics::Kinematics::corotational : mechanics::Kinematics::small_strain);
 }
 
 mechanics::AlgorithmParameters parameters(const v1::AlgorithmParameters& from) {
@@ -254,34 +245,30 @@ mechanics::AlgorithmParameters parameters(const v1::AlgorithmParameters& from) {
           .relaxation = from.relaxation()};
 }
 
-/// @param complete  its section decides the kinematics where the case leaves it open
+/// @param complete  its section decides the kinematics if the case leaves them open
 casting::MechanicsCase mechanics_case(const v1::Case& complete) {
   const v1::Mechanics& from = complete.mechanics();
   casting::MechanicsCase to;
   to.enabled = from.enabled();
   to.start = from.start_s();
+
   mechanics::Options& options = to.options;
-  options.algorithm = counterpart(from.algorithm(),
-                                  {{v1::Mechanics::VNBM, mechanics::Algorithm::vnbm},
-                                   {v1::Mechanics::SBM, mechanics::Algorithm::sbm},
-                                   {v1::Mechanics::NBM, mechanics::Algorithm::nbm}},
-                                  mechanics::Algorithm::newton);
-  options.kinematics = kinematics_of(complete);
+  options.algorithm = to_core(from.algorithm());
+  options.kinematics = kinematics(complete);
   options.gravity = from.gravity_m_per_s2();
-  options.liquid = counterpart(from.liquid(),
-                               {{v1::Mechanics::WEAK, mechanics::Liquid::weak},
-                                {v1::Mechanics::SOLID, mechanics::Liquid::solid}},
-                               mechanics::Liquid::prestressed);
+
+  options.liquid = to_core(from.liquid());
   options.liquid_modulus = from.liquid_modulus_pa();
   options.liquid_epsilon = from.liquid_epsilon();
   options.liquid_delta = from.liquid_delta();
   options.liquid_beta = from.liquid_beta();
+
   options.confinement = from.confinement();
-  if (from.hold() == v1::Mechanics::PENALTY)
-    options.confinement_by = mechanics::Confinement::penalty;
+  options.confinement_by = to_core(from.hold());
   options.confinement_stiffness = from.mould_penalty_pa_per_m();
   options.mould_wall = from.mould_wall();
   options.contact = from.contact();
+
   options.tolerance = from.tolerance();
   if (from.has_maximum_iterations()) options.maximum_iterations = from.maximum_iterations();
   options.parameters = parameters(from.parameters());
@@ -298,8 +285,7 @@ casting::Plausibility plausibility(const v1::Plausibility& from) {
 }
 
 casting::Validity validity(const v1::Validity& from) {
-  return {.when_lost = from.when_lost() == v1::Validity::CONTINUE ? casting::WhenLost::go_on
-                                                                  : casting::WhenLost::stop,
+  return {.when_lost = to_core(from.when_lost()),
           .maximum_liquid_pressure_error = from.maximum_liquid_pressure_error(),
           .maximum_rotation = from.maximum_rotation_rad(),
           .maximum_slip = from.maximum_slip_m(),
@@ -313,18 +299,23 @@ casting::Monitor monitor(const v1::Monitor& from) {
           .z = given(from.has_z_m(), from.z_m())};
 }
 
-void small_tables(const v1::Case& from, casting::Case& to) {
+/// Sets the remaining tables of a case, each of a few fields.
+void set_small_tables(const v1::Case& from, casting::Case& to) {
   to.coupling.gap_feedback = from.coupling().gap_feedback();
   to.coupling.iterations = from.coupling().iterations();
   to.coupling.deformed_zones = from.coupling().deformed_zones();
+
   to.time.end = from.time().end_s();
   to.time.step = to_core(from.time().step_s());
   to.time.minimum_step = from.time().minimum_step_s();
+
   for (const v1::Monitor& each : from.monitor()) to.monitors.push_back(monitor(each));
+
   to.output.frame_interval = from.output().frame_interval_s();
   to.output.stresses = from.output().stresses();
   to.checkpoint.every_steps = from.checkpoint().every_steps();
   to.checkpoint.every_seconds = from.checkpoint().every_s();
+
   to.limits.maximum_nodes = from.limits().maximum_nodes();
   to.limits.maximum_steps = from.limits().maximum_steps();
 }
@@ -333,7 +324,7 @@ void small_tables(const v1::Case& from, casting::Case& to) {
 
 Curve to_core(const v1::Curve& curve) {
   if (curve.value_size() == 0) return {};
-  return Curve(abscissa_of(curve.abscissa()), {curve.at().begin(), curve.at().end()},
+  return Curve(to_core(curve.abscissa()), {curve.at().begin(), curve.at().end()},
                {curve.value().begin(), curve.value().end()});
 }
 
@@ -344,24 +335,28 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   to.alloy = alloy(complete.alloy());
   to.coherency_solid_fraction = given(complete.alloy().has_coherency_solid_fraction(),
                                       complete.alloy().coherency_solid_fraction());
+
   to.schedule = schedule(complete.schedule());
   to.cooling = cooling(complete.cooling(), -to.schedule.hold);
+
   const v1::Thermal& thermal = complete.thermal();
   to.thermal.initial_temperature =
       given(thermal.has_initial_temperature_c(), thermal.initial_temperature_c());
   to.thermal.tolerance = thermal.tolerance();
   to.thermal.maximum_iterations = thermal.maximum_iterations();
   to.thermal.file = attached(thermal.file(), attachments);
+
   to.mechanics = mechanics_case(complete);
   to.validity = validity(complete.validity());
   to.plausibility = plausibility(complete.plausibility());
-  small_tables(complete, to);
+  set_small_tables(complete, to);
   to.relative_curl_error = case_file::relative_discretisation_error(complete);
+
   google::protobuf::util::JsonPrintOptions options;
   options.preserve_proto_field_names = true;
   const auto status =
       google::protobuf::util::MessageToJsonString(complete, &to.source_json, options);
-  if (!status.ok()) to.source_json.clear();  // provenance only; a case that came here is printable
+  if (!status.ok()) to.source_json.clear();  // provenance only, so not worth a failure
   return to;
 }
 

@@ -1,5 +1,7 @@
 #include "server/translate/translate.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -15,7 +17,7 @@ namespace dccast::translate {
 
 namespace {
 
-/// Names out of a mesh file, for example, are bytes of any kind; a message takes UTF-8 alone.
+/// Escapes a text for a message, which holds UTF-8 only: a name from a mesh file may be any bytes.
 std::string escaped(const std::string& text) {
   return values::escaped(text, values::Lines::several);
 }
@@ -37,7 +39,7 @@ v1::Fault to_proto(const Fault& from) {
 
 using Field = google::protobuf::FieldDescriptor;
 
-// Members of a report, as results::HistoryField has them; the field of the message has their type.
+// Types of the members in results::HistoryField; the field of the message has the same type.
 using Real = double results::StepReport::*;
 using Int = int results::StepReport::*;
 using Long = std::int64_t results::StepReport::*;
@@ -57,14 +59,16 @@ std::vector<const Field*> message_fields(int dimension) {
   for (const results::HistoryField& field : results::history_fields()) {
     const std::string name = field.name_in(dimension);
     found.push_back(v1::StepReport::descriptor()->FindFieldByName(name));
-    if (found.back() == nullptr) throw std::logic_error("StepReport of job.proto lacks " + name);
+    if (found.back() == nullptr)
+      throw std::logic_error(fmt::format("StepReport of job.proto lacks {}", name));
   }
   return found;
 }
 
-/// The same, looked up once: a query sends hundreds of steps a second.
-const std::vector<const Field*>& fields_of(int dimension) {
-  static const std::vector<const Field*> plane = message_fields(2), solid = message_fields(3);
+/// The same, looked up only once: a query sends hundreds of steps a second.
+const std::vector<const Field*>& cached_fields(int dimension) {
+  static const std::vector<const Field*> plane = message_fields(2);
+  static const std::vector<const Field*> solid = message_fields(3);
   return dimension == 3 ? solid : plane;
 }
 
@@ -84,8 +88,8 @@ std::string upper(std::string name) {
   return name;
 }
 
-/// By its name in results.h5, which is that of the schema in lower case.
-v1::Failure::Kind kind_named(const std::string& name) {
+/// The kind by its name in results.h5, which is that of the schema in lower case.
+v1::Failure::Kind parse_kind(const std::string& name) {
   v1::Failure::Kind kind = v1::Failure::KIND_UNSPECIFIED;
   v1::Failure::Kind_Parse(upper(name), &kind);
   return kind;
@@ -103,11 +107,11 @@ std::string lower(std::string name) {
 
 /// Entry `index` of a field that may be shorter than the table's row.
 template <class Field>
-double number_at(const Field& field, int index) {
+double value_or_unknown(const Field& field, int index) {
   return index < field.size() ? field.Get(index) : unknown;
 }
 
-const v1::CurlCurve* curve_of(const v1::StudyRun& run, const std::string& monitor) {
+const v1::CurlCurve* find_curve(const v1::StudyRun& run, const std::string& monitor) {
   const auto found = std::ranges::find(run.curves(), monitor, &v1::CurlCurve::monitor);
   return found == run.curves().end() ? nullptr : &*found;
 }
@@ -115,20 +119,20 @@ const v1::CurlCurve* curve_of(const v1::StudyRun& run, const std::string& monito
 void add_values(const v1::StudyRun& run, results::StudyTable& table) {
   for (int i = 0; i < static_cast<int>(table.key.size()); ++i) {
     table.value.push_back(i < run.values_size() ? run.values(i) : "");
-    table.number.push_back(number_at(run.numbers(), i));
+    table.number.push_back(value_or_unknown(run.numbers(), i));
   }
   for (int i = 0; i < static_cast<int>(table.monitor.size()); ++i)
-    table.end_curl.push_back(number_at(run.end_curl_m(), i));
+    table.end_curl.push_back(value_or_unknown(run.end_curl_m(), i));
 }
 
 void add_curve(const v1::StudyRun& run, results::StudyTable& table) {
   const int samples = run.curves_size() > 0 ? run.curves(0).time_s_size() : 0;
   for (int i = 0; i < samples; ++i) {
     table.time.push_back(run.curves(0).time_s(i));
-    table.cast_length.push_back(number_at(run.curves(0).cast_length_m(), i));
+    table.cast_length.push_back(value_or_unknown(run.curves(0).cast_length_m(), i));
     for (const std::string& monitor : table.monitor) {
-      const v1::CurlCurve* const curve = curve_of(run, monitor);
-      table.curl.push_back(curve ? number_at(curve->curl_m(), i) : unknown);
+      const v1::CurlCurve* const curve = find_curve(run, monitor);
+      table.curl.push_back(curve ? value_or_unknown(curve->curl_m(), i) : unknown);
     }
   }
   table.curve_start.push_back(static_cast<std::int64_t>(table.time.size()));
@@ -164,6 +168,7 @@ v1::ValidateCaseResponse to_proto(const casting::CheckedCase& checked) {
   for (const Fault& fault : checked.faults.list()) *verdict.add_faults() = to_proto(fault);
   for (const Fault& warning : checked.warnings.list()) *verdict.add_warnings() = to_proto(warning);
   if (!checked.faults.empty()) return verdict;
+
   auto* estimate = verdict.mutable_estimate();
   estimate->set_nodes(checked.estimate.nodes);
   estimate->set_elements(checked.estimate.elements);
@@ -173,12 +178,12 @@ v1::ValidateCaseResponse to_proto(const casting::CheckedCase& checked) {
   return verdict;
 }
 
-std::string in_words(const std::vector<Fault>& faults) {
+std::string describe(const std::vector<Fault>& faults) {
   std::string text;
   for (const Fault& fault : faults) {
     if (!text.empty()) text += "; ";
-    text += fault.field + " = " + fault.value + ": " + fault.message;
-    if (!fault.permitted.empty()) text += " (" + fault.permitted + ")";
+    text += fmt::format("{} = {}: {}", fault.field, fault.value, fault.message);
+    if (!fault.permitted.empty()) text += fmt::format(" ({})", fault.permitted);
   }
   return escaped(text);
 }
@@ -189,13 +194,16 @@ v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header
   to.set_cast_length_m(frame.cast_length);
   to.set_dimension(frame.dimension);
   to.set_nodes_per_element(frame.nodes_per_element);
+
   fill(frame.node, to.mutable_node_m());
   fill(frame.element_node, to.mutable_element_node());
+
   fill(frame.temperature, to.mutable_temperature_c());
   fill(frame.displacement, to.mutable_displacement_m());
   fill(frame.bottom_node, to.mutable_bottom_node());
   fill(frame.bottom_gap, to.mutable_bottom_gap_m());
   fill(frame.bottom_pressure, to.mutable_bottom_pressure_pa());
+
   to.set_metal_level_m(frame.metal_level);
   to.set_liquidus_c(header.liquidus);
   to.set_solidus_c(header.solidus);
@@ -206,16 +214,19 @@ v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header
 v1::StepReport to_proto(const results::StepReport& report,
                         const std::vector<casting::Monitor>& monitors) {
   v1::StepReport to;
+
+  // Most fields follow from the table of history fields, so that a new one needs no line here.
   const auto& reflection = *to.GetReflection();
-  const Field* const* next = fields_of(report.dimension).data();
+  const Field* const* next = cached_fields(report.dimension).data();
   for (const results::HistoryField& field : results::history_fields()) {
-    const Field* of_message = *next++;
-    std::visit(Overloaded{[&](Real m) { reflection.SetDouble(&to, of_message, report.*m); },
-                          [&](Int m) { reflection.SetInt32(&to, of_message, report.*m); },
-                          [&](Long m) { reflection.SetInt64(&to, of_message, report.*m); },
-                          [&](Flag m) { reflection.SetBool(&to, of_message, report.*m); }},
+    const Field* message_field = *next++;
+    std::visit(Overloaded{[&](Real m) { reflection.SetDouble(&to, message_field, report.*m); },
+                          [&](Int m) { reflection.SetInt32(&to, message_field, report.*m); },
+                          [&](Long m) { reflection.SetInt64(&to, message_field, report.*m); },
+                          [&](Flag m) { reflection.SetBool(&to, message_field, report.*m); }},
                field.member);
   }
+
   add_monitors(report, monitors, to);
   to.set_solver_s(report.solver_seconds);
   to.set_process_s(report.process_seconds);
@@ -225,22 +236,25 @@ v1::StepReport to_proto(const results::StepReport& report,
 results::StepReport to_core(const v1::StepReport& report, int dimension) {
   results::StepReport to;
   to.dimension = dimension;
+
   const auto& reflection = *report.GetReflection();
-  const Field* const* next = fields_of(dimension).data();
+  const Field* const* next = cached_fields(dimension).data();
   for (const results::HistoryField& field : results::history_fields()) {
-    const Field* of_message = *next++;
-    std::visit(Overloaded{[&](Real m) { to.*m = reflection.GetDouble(report, of_message); },
-                          [&](Int m) { to.*m = reflection.GetInt32(report, of_message); },
-                          [&](Long m) { to.*m = reflection.GetInt64(report, of_message); },
-                          [&](Flag m) { to.*m = reflection.GetBool(report, of_message); }},
+    const Field* message_field = *next++;
+    std::visit(Overloaded{[&](Real m) { to.*m = reflection.GetDouble(report, message_field); },
+                          [&](Int m) { to.*m = reflection.GetInt32(report, message_field); },
+                          [&](Long m) { to.*m = reflection.GetInt64(report, message_field); },
+                          [&](Flag m) { to.*m = reflection.GetBool(report, message_field); }},
                field.member);
   }
+
   for (const v1::MonitorValue& value : report.monitors()) {
     to.monitor_displacement.emplace_back(value.displacement_m().begin(),
                                          value.displacement_m().end());
     to.monitor_temperature.push_back(value.has_temperature_c() ? value.temperature_c()
                                                                : std::nan(""));
   }
+
   to.solver_seconds = report.solver_s();
   to.process_seconds = report.process_s();
   return to;
@@ -249,21 +263,23 @@ results::StepReport to_core(const v1::StepReport& report, int dimension) {
 v1::Failure to_proto(const casting::RunFailures& failures) {
   const casting::RunFailure& failure = failures.at(0);
   v1::Failure to;
-  to.set_kind(kind_named(casting::name_of(failure.kind)));
+  to.set_kind(parse_kind(casting::name_of(failure.kind)));
   to.set_message(failure.message);
   to.set_time_s(failure.time);
   to.set_time_step_s(failure.time_step);
   fill(failure.residual_history, to.mutable_residual_history());
   fill(failure.place, to.mutable_place_m());
   to.set_finding(failure.finding);
+
   for (std::size_t i = 1; i < failures.size(); ++i)
-    to.add_further_causes(upper(casting::name_of(failures[i].kind)) + ": " + failures[i].message);
+    to.add_further_causes(
+        fmt::format("{}: {}", upper(casting::name_of(failures[i].kind)), failures[i].message));
   return to;
 }
 
 v1::ValidityLoss to_proto(const results::ValidityLoss& loss) {
   v1::ValidityLoss to;
-  to.set_kind(kind_named(loss.kind));
+  to.set_kind(parse_kind(loss.kind));
   to.set_message(loss.message);
   to.set_time_s(loss.time);
   fill(loss.place, to.mutable_place_m());
@@ -276,9 +292,11 @@ v1::ValidityLoss to_proto(const results::ValidityLoss& loss) {
 v1::Finding to_proto(const results::Finding& finding) {
   v1::Finding to;
   to.set_code(finding.code);
+
   v1::Finding::Severity severity = v1::Finding::SEVERITY_UNSPECIFIED;
   v1::Finding::Severity_Parse(upper(results::name_of(finding.severity)), &severity);
   to.set_severity(severity);
+
   to.set_message(finding.message);
   if (finding.time) to.set_time_s(*finding.time);
   fill(finding.place, to.mutable_place_m());
@@ -286,6 +304,7 @@ v1::Finding to_proto(const results::Finding& finding) {
   if (finding.limit) to.set_limit(*finding.limit);
   to.set_unit(finding.unit);
   to.set_key(finding.key);
+
   if (!finding.worst) return to;
   to.mutable_worst()->set_time_s(finding.worst->time);
   to.mutable_worst()->set_value(finding.worst->value);
@@ -299,8 +318,10 @@ results::StudyTable to_table(const v1::StudyResult& result) {
   table.study = result.study().id();
   table.title = result.study().title();
   table.state = lower(v1::StudyState_Name(result.study().state()));
+
   for (const auto& axis : result.study().sweep().axes()) table.key.push_back(axis.key());
   table.monitor = {result.monitors().begin(), result.monitors().end()};
+
   table.curve_start.push_back(0);
   for (const v1::StudyRun& run : result.runs()) add_run(run, table);
   return table;

@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <google/protobuf/io/zero_copy_stream_impl.h>
 #include <google/protobuf/util/delimited_message_util.h>
 #include <signal.h>
@@ -42,15 +43,16 @@ constexpr int exit_not_begun = 1;
 constexpr int exit_link_broken = 1;
 constexpr int exit_usage = 2;
 
-/// A worker without a job, or without a claim on the folder of one, does not outlive its daemon:
-/// the next one would not find it. Checkpoints are complete at any moment, so the kill costs no
-/// more than some steps.
+/// A worker without a claim on the folder of a job dies with its daemon, because the next daemon
+/// would not find it. Checkpoints are complete at any moment, so this costs some steps at most.
+/// @return false if the daemon has ended before
 bool tie_to_parent(const std::string& parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  return std::to_string(::getppid()) == parent;  // else it died before the line above
+  return std::to_string(::getppid()) == parent;
 }
 
-/// Less urgent runs get the processor time that no query wants. There is no way back.
+/// Lowers the priority: less urgent runs get the processor time that queries leave. This cannot be
+/// undone.
 void lower_priority(int steps) {
   errno = 0;
   if (steps > 0 && ::nice(steps) == -1 && errno != 0)
@@ -75,9 +77,9 @@ void limit_stops() {
     std::cerr << "dccast-worker: has no timer that continues it: " << ::strerror(errno) << '\n';
 }
 
-/// From now on the messages of this process belong to a job. A log that cannot be opened is no
-/// reason not to run.
-void write_messages_into(const std::filesystem::path& log) {
+/// Redirects the messages of this process to the log of a job. If the log cannot be opened, the job
+/// runs all the same.
+void redirect_messages(const std::filesystem::path& log) {
   const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   if (file < 0) return;
   ::dup2(file, STDOUT_FILENO);
@@ -85,28 +87,27 @@ void write_messages_into(const std::filesystem::path& log) {
   ::close(file);
 }
 
-/// The case of a job, as the daemon has completed it. @throws std::runtime_error
+/// Reads the case of a job, as the daemon has completed it. @throws std::runtime_error
 void read_case(v1::SolveCase& order) {
   const auto description = jobs::read_job_description(order.directory());
   if (!order.mutable_case_()->ParseFromString(description.complete_case))
-    throw std::runtime_error(std::string("the case in ") + jobs::description_file +
-                             " cannot be read");
+    throw std::runtime_error(fmt::format("the case in {} cannot be read", jobs::description_file));
 }
 
-v1::RunEnd end_of_run(v1::SolveCase& order, JobRun& run) {
+v1::RunEnd read_and_run(v1::SolveCase& order, JobRun& run) {
   try {
     read_case(order);
   } catch (const std::system_error&) {
-    throw;  // the disk
+    throw;  // the disk cannot be read, which is no fault of the job
   } catch (const std::runtime_error& error) {
     return failed_run(v1::Failure::STORAGE,
-                      std::string("the folder of the job is damaged: ") + error.what());
+                      fmt::format("the folder of the job is damaged: {}", error.what()));
   }
   return run_job(order, run);
 }
 
-// Until a worker that was killed a moment ago gives up the folder; on another machine until it has
-// seen that it is superseded, and the server of the files has forgotten its lock.
+// Time until a worker that was just killed releases the folder. On another machine it must first
+// see that it is superseded, and the file server must drop its lock.
 constexpr std::chrono::seconds longest_claim{5};
 constexpr std::chrono::seconds longest_claim_elsewhere{120};
 
@@ -116,30 +117,39 @@ std::string isolation;  ///< what isolate() has reported
 void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
   const jobs::FolderClaim claim(order.directory(), {order.job_id(), order.attempt()},
                                 rank ? longest_claim_elsewhere : longest_claim, rank);
-  if (order.daemon_patience_s() > 0.0) ::prctl(PR_SET_PDEATHSIG, 0);  // the next daemon finds it
-  std::cerr << "dccast-worker: " << isolation << ", " << confine_writing_to(order.directory())
-            << ", "
-            << bound({.memory_bytes = order.memory_bytes(), .file_bytes = order.file_bytes()})
-            << std::endl;
+
+  // With a claim the next daemon finds this process, so it may outlive the present one.
+  if (order.daemon_patience_s() > 0.0) ::prctl(PR_SET_PDEATHSIG, 0);
+
+  const std::string confinement = confine_writing_to(order.directory());
+  const std::string bounds =
+      bound({.memory_bytes = order.memory_bytes(), .file_bytes = order.file_bytes()});
+  std::cerr << fmt::format("dccast-worker: {}, {}, {}\n", isolation, confinement, bounds)
+            << std::flush;
+
   JobRun run(order, claim);
-  v1::RunEnd end = end_of_run(order, run);
+  v1::RunEnd end = read_and_run(order, run);
   if (end.outcome() == v1::RunEnd::FAILED && met_file_bound())
-    // A disk that is full is waited for; this is no more writable later.
+    // Not a storage failure, for which the queue would wait: the file will never fit.
     end = failed_run(
         v1::Failure::INVALID_CASE,
-        "the case makes a file larger than " + storage::megabytes(order.file_bytes()) +
-            ": store fewer frames, or have worker_file raised in the settings of dccastd");
+        fmt::format("the case makes a file larger than {}: store fewer frames, or have worker_file "
+                    "raised in the settings of dccastd",
+                    storage::megabytes(order.file_bytes())));
+
   end.set_attempt(order.attempt());
   end.set_solver(casting::solver_identity());
   run.end(std::move(end));
-  ::_exit(0);  // nothing is left to do, and the next job waits for the end of this process
+
+  // Without destructors: the next job waits for the end of this process.
+  ::_exit(0);
 }
 
-/// From now on this process runs a job and nothing else. @return its exit code
-/// @param rank  of a worker that no daemon started
+/// Runs a job, after which this process ends. @return its exit code
+/// @param rank  of a worker that Slurm has started
 int run_whole_job(v1::SolveCase& order, std::optional<jobs::StartRank> rank = {}) {
   JobRun::prepare_signals();
-  write_messages_into(std::filesystem::path(order.directory()) / "worker.log");
+  redirect_messages(std::filesystem::path(order.directory()) / "worker.log");
   try {
     run_in_folder(order, rank);
     return 0;
@@ -149,40 +159,44 @@ int run_whole_job(v1::SolveCase& order, std::optional<jobs::StartRank> rank = {}
   }
 }
 
-/// The job whose order lies in a folder, on a machine that Slurm chose. What it does there does not
-/// depend on a daemon.
+/// Runs the job whose order is in a folder, on a machine that Slurm chose. It does not depend on a
+/// daemon.
 int run_ordered(const std::string& folder, int attempt) {
   auto order = jobs::read_order(folder);
   if (!order || order->attempt() != attempt) {
     std::cerr << "dccast-worker: " << folder << " has no order for attempt " << attempt << '\n';
     return exit_not_begun;
   }
+
   ::prctl(PR_SET_NAME, "dccast-job");
   if (jobs::has_begun(folder, attempt)) {
     std::cerr << "dccast-worker: attempt " << attempt << " has begun before\n";
     return jobs::exit_begun_before;
   }
+
   order->set_directory(folder);
   return run_whole_job(*order, jobs::StartRank{.attempt = attempt});
 }
 
-/// What lists of processes show of a process at work.
-const char* name_of(const v1::WorkerRequest& request) {
+/// The name of a busy process in lists of processes.
+const char* process_name(const v1::WorkerRequest& request) {
   if (request.has_solve()) return request.solve().job_id().empty() ? "dccast-query" : "dccast-job";
   return request.has_check() ? "dccast-check" : "dccast-read";
 }
 
-/// A worker of the daemon's own machine follows one that Slurm may not have ended yet.
-std::optional<jobs::StartRank> rank_of(const v1::SolveCase& order) {
+/// Rank of a local worker: it needs one only if an earlier start of the job, which may still be
+/// running in Slurm, has announced its own.
+std::optional<jobs::StartRank> rank_if_needed(const v1::SolveCase& order) {
   const auto file = std::filesystem::path(order.directory()) / jobs::rank_file;
   if (::access(file.c_str(), F_OK) != 0) return std::nullopt;
   return jobs::StartRank{.attempt = order.attempt()};
 }
 
-/// A run without a job: every event goes to the daemon. Who wants no more of it kills this process.
+/// A run without a job: every event is sent to the daemon. The daemon kills this process to stop
+/// it.
 ///
-/// A message wakes the daemon, which costs the solver's core more than the message itself. Steps
-/// that follow each other quickly are therefore sent together.
+/// A message wakes the daemon, which costs more processor time than the message itself, so steps
+/// that follow each other quickly are sent together.
 class EventsToDaemon : public RunLink {
 public:
   explicit EventsToDaemon(int socket) : stream_(socket) {}
@@ -201,30 +215,32 @@ private:
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds together{5};
 
-  google::protobuf::io::FileOutputStream stream_;  ///< sends what waits when it is destroyed
+  google::protobuf::io::FileOutputStream stream_;  ///< its destructor sends waiting events
   Clock::time_point sent_{};
 };
 
-/// The verdict on a case; where it is asked for with findings: whether a case that can be run is
-/// one that a plant could run.
-v1::ValidateCaseResponse verdict_on(const v1::CheckCase& asked) {
+/// Checks a case. With findings, it also judges whether a plant could cast a case that can be run.
+v1::ValidateCaseResponse check_case(const v1::CheckCase& asked) {
   const std::filesystem::path folder = asked.directory();
   const casting::Case c = translate::to_core(asked.case_(), folder / jobs::attachments_folder);
   v1::ValidateCaseResponse verdict = translate::to_proto(
       casting::check(c, {asked.faulty_keys().begin(), asked.faulty_keys().end()}));
+
   if (!asked.findings() || verdict.faults_size() > 0 || asked.faulty_keys_size() > 0)
     return verdict;
+
   for (const auto& found : {casting::findings_of_case(c), casting::forecast(c)})
     for (const results::Finding& finding : found)
       *verdict.add_findings() = translate::to_proto(finding);
   return verdict;
 }
 
-v1::QueryResultResponse stored_frame(const v1::ReadFrame& asked) {
+v1::QueryResultResponse read_frame(const v1::ReadFrame& asked) {
   const results::ResultReader reader(std::filesystem::path(asked.directory()) / "results.h5");
   v1::QueryResultResponse found;
   const auto times = reader.frame_times();
   found.mutable_frame_time_s()->Add(times.begin(), times.end());
+
   const auto number = asked.number() == 0 ? times.size() : static_cast<std::size_t>(asked.number());
   if (number >= 1 && number <= times.size())
     *found.mutable_frame() = translate::to_proto(reader.frame(number - 1), reader.header());
@@ -235,10 +251,10 @@ v1::QueryResultResponse stored_frame(const v1::ReadFrame& asked) {
 void fill(v1::WorkerAnswer& answer, const v1::WorkerRequest& request) {
   switch (request.request_case()) {
     case v1::WorkerRequest::kCheck:
-      *answer.mutable_verdict() = verdict_on(request.check());
+      *answer.mutable_verdict() = check_case(request.check());
       return;
     case v1::WorkerRequest::kReadFrame:
-      *answer.mutable_stored() = stored_frame(request.read_frame());
+      *answer.mutable_stored() = read_frame(request.read_frame());
       return;
     case v1::WorkerRequest::kWriteTable:
       return results::write_study_table(request.write_table().path(),
@@ -256,32 +272,37 @@ void fill(v1::WorkerAnswer& answer, const v1::WorkerRequest& request) {
   }
 }
 
-/// Answers requests until the daemon closes the link, or one is the run of a job.
-/// @param scratch  where files of answers are written
+/// Answers requests until the daemon closes the link, or a request is the run of a job.
+/// @param scratch  directory in which requests may write
 int serve_daemon(const std::filesystem::path& scratch) {
   google::protobuf::io::FileInputStream input(STDIN_FILENO);
   std::string confined;
   for (;;) {
     ::prctl(PR_SET_NAME, "dccast-worker");
+
     v1::WorkerRequest request;
     if (!google::protobuf::util::ParseDelimitedFromZeroCopyStream(&request, &input, nullptr))
       return 0;
-    ::prctl(PR_SET_NAME, name_of(request));
+
+    ::prctl(PR_SET_NAME, process_name(request));
     if (!request.solve().job_id().empty()) {
       v1::SolveCase& order = *request.mutable_solve();
       limit_stops();
       lower_priority(order.nice());
-      return run_whole_job(order, rank_of(order));
+      return run_whole_job(order, rank_if_needed(order));
     }
-    // What an answer reads may take this process over: it never gets a job.
+
+    // A file that is read for an answer may take control of this process: it never gets a job.
     if (confined.empty()) confined = confine_writing_to(scratch);
+
     v1::WorkerAnswer answered;
     try {
       fill(answered, request);
     } catch (const std::exception& error) {
       answered.set_refused(error.what());
     }
-    answered.set_sandbox(request.has_name_solver() ? isolation + ", " + confined : "");
+
+    if (request.has_name_solver()) answered.set_sandbox(fmt::format("{}, {}", isolation, confined));
     if (!google::protobuf::util::SerializeDelimitedToFileDescriptor(answered, STDIN_FILENO))
       return exit_link_broken;
   }
@@ -290,17 +311,20 @@ int serve_daemon(const std::filesystem::path& scratch) {
 /// @return the exit code, see main()
 int work(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
-  ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), not our end
+  ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write() instead
   name_memory_exhaustion();
   isolation = isolate();
+
   try {
     if (argc == 4 && argv[1] == std::string("--run"))
       return run_ordered(argv[2], std::atoi(argv[3]));
+
     const std::string parent = jobs::take_variable("DCCAST_WORKER_PARENT");
     if (parent.empty()) {
       std::cerr << "dccast-worker is started by dccastd, see dccastd --help\n";
       return exit_usage;
     }
+
     const std::string scratch = jobs::take_variable("DCCAST_WORKER_SCRATCH");
     return tie_to_parent(parent) ? serve_daemon(scratch) : exit_daemon_gone;
   } catch (const std::bad_alloc&) {

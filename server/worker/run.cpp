@@ -1,5 +1,6 @@
 #include "server/worker/run.hpp"
 
+#include <fmt/core.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/jobs/logs/step_index.hpp"
+#include "server/translate/enumerations.hpp"
 #include "server/translate/translate.hpp"
 
 namespace dccast::worker {
@@ -26,14 +28,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Between two synchronisations of the log, the most that a crash of the machine takes back.
+/// Interval at which the log is synced: a crash of the machine loses at most the last events.
 constexpr std::chrono::milliseconds sync_interval{500};
 
-/// From the request to stop, because no daemon came, to the end of the process: for a run that is
-/// in the middle of a long step.
+/// Time to finish a long step after the run was stopped for lack of a daemon; then the process
+/// ends.
 constexpr std::chrono::seconds last_step_time{60};
 
-// Set by a signal handler, read by the thread of the run: only a lock-free atomic serves both.
+// Set by a signal handler and read by the thread of the run, so it must be a lock-free atomic.
 std::atomic<bool> terminated = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
@@ -41,21 +43,23 @@ extern "C" void note_termination(int) {
   terminated = true;
 }
 
-JobRun::Clock::duration duration_of(double seconds) {
+JobRun::Clock::duration to_duration(double seconds) {
   return std::chrono::duration_cast<JobRun::Clock::duration>(
       std::chrono::duration<double>(seconds));
 }
 
-/// The files of the run are whole at any moment: the next attempt goes on from the checkpoint.
+/// Ends the process. The files of the run are consistent at any moment, so the next attempt
+/// continues from the checkpoint.
 [[noreturn]] void leave(const std::string& why) {
   std::cerr << "dccast-worker: " << why << std::endl;
   ::_exit(exit_daemon_gone);
 }
 
-/// Makes events of what the run reports, and brings it requests to stop.
+/// Converts reports of the run to events, and passes on requests to stop.
 class ReportingObserver : public casting::StepObserver {
 public:
-  ReportingObserver(RunLink& link, const casting::Case& of_run) : link_(link), case_(of_run) {}
+  ReportingObserver(RunLink& link, const casting::Case& casting_case)
+      : link_(link), case_(casting_case) {}
 
   casting::Order on_step(const results::StepReport& report) override {
     send([&](v1::JobEvent& event) {
@@ -104,8 +108,8 @@ private:
   const casting::Case& case_;
 };
 
-/// What the run left, with sizes and checksums: computed once, here, while the files are still in
-/// the page cache and the daemon has better things to do.
+/// Lists the results with sizes and checksums. They are computed here, once, while the files are
+/// still in the page cache.
 void add_artifacts(const fs::path& directory, v1::RunEnd& finished) {
   for (const char* name : {"results.h5", "results.xdmf"}) {
     if (!fs::exists(directory / name)) continue;
@@ -116,30 +120,22 @@ void add_artifacts(const fs::path& directory, v1::RunEnd& finished) {
   }
 }
 
-v1::RunEnd::Outcome to_proto(casting::RunEnd end) {
-  return translate::counterpart(end,
-                                {{casting::RunEnd::succeeded, v1::RunEnd::SUCCEEDED},
-                                 {casting::RunEnd::failed, v1::RunEnd::FAILED},
-                                 {casting::RunEnd::stopped, v1::RunEnd::STOPPED},
-                                 {casting::RunEnd::cancelled, v1::RunEnd::CANCELLED},
-                                 {casting::RunEnd::other_version, v1::RunEnd::OTHER_VERSION_FOUND}},
-                                v1::RunEnd::OUTCOME_UNSPECIFIED);
-}
-
-v1::RunEnd to_finished(const casting::RunOutcome& outcome, const v1::SolveCase& order) {
+v1::RunEnd make_run_end(const casting::RunOutcome& outcome, const v1::SolveCase& order) {
   v1::RunEnd finished;
-  finished.set_outcome(to_proto(outcome.end));
+  finished.set_outcome(translate::to_proto(outcome.end));
   if (!outcome.failures.empty())
     *finished.mutable_failure() = translate::to_proto(outcome.failures);
+
   const bool ended =
       outcome.end == casting::RunEnd::succeeded || outcome.end == casting::RunEnd::failed;
   if (!ended || order.job_id().empty()) return finished;
+
   try {
     add_artifacts(order.directory(), finished);
   } catch (const std::system_error& error) {
-    // What keeps the artifacts from being read comes after what the run failed with.
+    // The failure of the run itself remains the cause.
     if (finished.has_failure())
-      finished.mutable_failure()->add_further_causes(std::string("STORAGE: ") + error.what());
+      finished.mutable_failure()->add_further_causes(fmt::format("STORAGE: {}", error.what()));
     else
       finished = failed_run(v1::Failure::STORAGE, error.what());
   }
@@ -149,19 +145,17 @@ v1::RunEnd to_finished(const casting::RunOutcome& outcome, const v1::SolveCase& 
 v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
   const fs::path directory = order.directory();
   const auto casting_case = translate::to_core(order.case_(), directory / jobs::attachments_folder);
+
   ReportingObserver observer(link, casting_case);
-  const auto outcome = casting::run(
-      casting_case,
-      {.path = directory,
-       .resume = order.resume(),
-       .other_version = translate::counterpart(
-           order.other_version(),
-           {{v1::PAUSE, casting::OtherVersion::wait}, {v1::FAIL, casting::OtherVersion::fail}},
-           casting::OtherVersion::begin_anew),
-       .leaves_run_files = true,
-       .keeps_nothing = order.job_id().empty()},
-      observer, std::max(order.threads(), 1));
-  return to_finished(outcome, order);
+  const auto outcome = casting::run(casting_case,
+                                    {.path = directory,
+                                     .resume = order.resume(),
+                                     .other_version = translate::to_core(order.other_version()),
+                                     .leaves_run_files = true,
+                                     .keeps_nothing = order.job_id().empty()},
+                                    observer, std::max(order.threads(), 1));
+
+  return make_run_end(outcome, order);
 }
 
 }  // namespace
@@ -178,7 +172,7 @@ v1::RunEnd run_job(const v1::SolveCase& order, RunLink& link) {
   try {
     return run(order, link);
   } catch (const InvalidCase& error) {
-    return failed_run(v1::Failure::INVALID_CASE, translate::in_words(error.faults()));
+    return failed_run(v1::Failure::INVALID_CASE, translate::describe(error.faults()));
   } catch (const std::system_error& error) {
     if (storage::is_memory_fault(error.code()))
       return failed_run(v1::Failure::OUT_OF_MEMORY, jobs::out_of_memory_text);
@@ -197,12 +191,12 @@ void JobRun::prepare_signals() {
 JobRun::JobRun(const v1::SolveCase& order, const jobs::FolderClaim& claim)
     : folder_(order.directory()),
       claim_(claim),
-      heartbeat_(duration_of(order.heartbeat_interval_s())),
-      patience_(duration_of(order.daemon_patience_s())),
+      heartbeat_(to_duration(order.heartbeat_interval_s())),
+      patience_(to_duration(order.daemon_patience_s())),
       log_(folder_ / "events.log"),
       daemon_seen_(Clock::now()) {
   log_.take_over();
-  keeper_ = std::jthread([this](const std::stop_token& stop) { keep(stop); });
+  keeper_ = std::jthread([this](const std::stop_token& stop) { run_keeper(stop); });
 }
 
 void JobRun::send(v1::JobEvent event) {
@@ -228,41 +222,47 @@ void JobRun::end(v1::RunEnd end) {
   log_.sync();
 }
 
-/// Without a daemon the run stops at a checkpoint after a while, and the process ends at last. A
-/// daemon is there as long as it touches its file.
+/// Without a daemon the run stops at a checkpoint after a while, and finally the process ends. A
+/// running daemon touches its file.
 void JobRun::look_for_daemon(Clock::time_point now) {
   std::error_code ignored;
   const auto sign =
       std::filesystem::last_write_time(jobs::daemon_file(folder_.parent_path()), ignored);
   if (std::exchange(daemon_sign_, sign) != sign) daemon_seen_ = now;
   if (patience_ == Clock::duration::zero()) return;
+
   const auto waited = now - daemon_seen_;
-  if (waited > patience_ + last_step_time) leave("no dccastd came, and the run does not stop");
+  if (waited > patience_ + last_step_time)
+    leave("no dccastd is running, and the run does not stop");
   if (waited <= patience_ || gave_up_.exchange(true)) return;
-  std::cerr << "dccast-worker: no dccastd came: the run stops at a checkpoint" << std::endl;
+  std::cerr << "dccast-worker: no dccastd is running; stopping at a checkpoint" << std::endl;
 }
 
-void JobRun::keep(const std::stop_token& stop) {
+void JobRun::run_keeper(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any stopped;
   std::unique_lock lock(mutex);
-  auto next_sign = Clock::now();
+  const bool sends_heartbeats = heartbeat_ > Clock::duration::zero();
+  const Clock::duration interval =
+      sends_heartbeats ? std::min<Clock::duration>(sync_interval, heartbeat_) : sync_interval;
+
+  auto next_heartbeat = Clock::now();
   while (!stop.stop_requested()) {
     const auto now = Clock::now();
     if (const std::string loss = claim_.loss(); !loss.empty()) leave(loss);
-    if (heartbeat_ > Clock::duration::zero() && now >= next_sign) {
+
+    if (sends_heartbeats && now >= next_heartbeat) {
       claim_.touch();
-      next_sign = now + heartbeat_;
+      next_heartbeat = now + heartbeat_;
     }
     look_for_daemon(now);
+
     try {
       log_.sync();
     } catch (const std::system_error& error) {
       std::cerr << "dccast-worker: " << error.what() << std::endl;  // the next event is refused
     }
-    const auto interval = heartbeat_ > Clock::duration::zero()
-                              ? std::min<Clock::duration>(sync_interval, heartbeat_)
-                              : Clock::duration(sync_interval);
+
     stopped.wait_for(lock, stop, interval, [] { return false; });
   }
 }

@@ -1,6 +1,7 @@
 #include "server/worker/sandbox.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/landlock.h>
@@ -198,8 +199,9 @@ Filter system_call_filter() {
   return filter;
 }
 
-std::string lacking(const char* what, const char* of) {
-  return std::string(what) + " (" + of + ": " + ::strerror(errno) + ")";
+/// Describes a missing restriction, with the error of the system. @param feature  of the kernel
+std::string lacking(const char* consequence, const char* feature) {
+  return fmt::format("{} ({}: {})", consequence, feature, ::strerror(errno));
 }
 
 // Debian 12's headers end at version 2 of Landlock; the numbers are the kernel's
@@ -211,15 +213,15 @@ constexpr std::uint64_t truncate = 1u << 14;             // version 3
 constexpr std::uint64_t tcp = (1u << 0) | (1u << 1);     // version 4: bind, connect
 constexpr std::uint64_t others = (1u << 0) | (1u << 1);  // version 6: abstract sockets, signals
 
-/// Everything that changes a file system, as far as a version of Landlock knows it.
+/// All rights to change a file system that a version of Landlock knows.
 constexpr std::uint64_t writing(long version) {
   std::uint64_t writes = 0;
-  for (const std::uint64_t one :
+  for (const std::uint64_t right :
        {LANDLOCK_ACCESS_FS_WRITE_FILE, LANDLOCK_ACCESS_FS_REMOVE_DIR,
         LANDLOCK_ACCESS_FS_REMOVE_FILE, LANDLOCK_ACCESS_FS_MAKE_CHAR, LANDLOCK_ACCESS_FS_MAKE_DIR,
         LANDLOCK_ACCESS_FS_MAKE_REG, LANDLOCK_ACCESS_FS_MAKE_SOCK, LANDLOCK_ACCESS_FS_MAKE_FIFO,
         LANDLOCK_ACCESS_FS_MAKE_BLOCK, LANDLOCK_ACCESS_FS_MAKE_SYM})
-    writes |= one;
+    writes |= right;
   if (version >= 2) writes |= LANDLOCK_ACCESS_FS_REFER;
   if (version >= 3) writes |= truncate;
   return writes;
@@ -230,11 +232,14 @@ long restrict_writing(long version, const std::filesystem::path& folder) {
   const Ruleset rules{.files = writing(version),
                       .network = version >= 4 ? tcp : 0,
                       .scope = version >= 6 ? others : 0};
-  // A kernel takes no field that it does not know.
+
+  // A kernel refuses fields that it does not know.
   const std::size_t size = (version >= 6 ? 3 : version >= 4 ? 2 : 1) * sizeof(std::uint64_t);
   const storage::FileDescriptor ruleset(
       static_cast<int>(::syscall(SYS_landlock_create_ruleset, &rules, size, 0)));
+
   if (!ruleset) return -1;
+
   if (!folder.empty()) {
     const storage::FileDescriptor beneath(::open(folder.c_str(), O_PATH | O_CLOEXEC));
     if (!beneath) return -1;
@@ -243,14 +248,15 @@ long restrict_writing(long version, const std::filesystem::path& folder) {
     if (::syscall(SYS_landlock_add_rule, ruleset.get(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0)
       return -1;
   }
+
   return ::syscall(SYS_landlock_restrict_self, ruleset.get(), 0);
 }
 
-std::int64_t most_of_memory() {
+std::int64_t default_memory_limit() {
   return static_cast<std::int64_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE) / 10 * 9;
 }
 
-/// Lowers a limit; never above one that is there. @return the limit in force
+/// Lowers a limit; an existing lower one stays. @return the limit in force
 rlim_t limit(__rlimit_resource resource, std::int64_t most) {
   rlimit now{};
   ::getrlimit(resource, &now);
@@ -259,10 +265,9 @@ rlim_t limit(__rlimit_resource resource, std::int64_t most) {
   return ::setrlimit(resource, &lower) == 0 ? least : now.rlim_cur;
 }
 
-std::string in_megabytes(const char* what, rlim_t bytes) {
-  return what + (bytes == RLIM_INFINITY
-                     ? std::string(" of any size")
-                     : " up to " + storage::megabytes(static_cast<std::int64_t>(bytes)));
+std::string describe_limit(const char* resource, rlim_t bytes) {
+  if (bytes == RLIM_INFINITY) return fmt::format("{} of any size", resource);
+  return fmt::format("{} up to {}", resource, storage::megabytes(static_cast<std::int64_t>(bytes)));
 }
 
 std::atomic<bool> file_bound_met = false;
@@ -272,7 +277,7 @@ extern "C" void note_file_bound(int) {
   file_bound_met = true;
 }
 
-/// A process that cannot map this much more has no memory left to run a step in.
+/// A process that cannot map this much more has no memory left for a step.
 constexpr std::size_t probe_bytes = 64u << 20;
 
 std::atomic<bool> allocation_failed = false;
@@ -318,18 +323,21 @@ std::string confine_writing_to(const std::filesystem::path& folder) {
   const char* anywhere = "writes where its user may";
   if (version < 0) return lacking(anywhere, "Landlock");
   if (restrict_writing(version, folder) != 0) return lacking(anywhere, "Landlock");
-  return (folder.empty() ? std::string("writes no file")
-                         : "writes only beneath " + folder.string()) +
-         " (Landlock " + std::to_string(version) + ")";
+
+  const std::string writes =
+      folder.empty() ? "writes no file" : fmt::format("writes only beneath {}", folder.string());
+  return fmt::format("{} (Landlock {})", writes, version);
 }
 
 std::string bound(const Bounds& bounds) {
-  const std::int64_t memory = bounds.memory_bytes > 0 ? bounds.memory_bytes : most_of_memory();
+  const std::int64_t memory =
+      bounds.memory_bytes > 0 ? bounds.memory_bytes : default_memory_limit();
   std::string text = sanitized ? "memory without a bound (sanitizer)"
-                               : in_megabytes("memory", limit(RLIMIT_DATA, memory));
+                               : describe_limit("memory", limit(RLIMIT_DATA, memory));
   if (bounds.file_bytes <= 0) return text;
-  ::signal(SIGXFSZ, note_file_bound);  // the write is an error, too
-  return text + in_megabytes(", files", limit(RLIMIT_FSIZE, bounds.file_bytes));
+
+  ::signal(SIGXFSZ, note_file_bound);  // the write fails, too
+  return text + describe_limit(", files", limit(RLIMIT_FSIZE, bounds.file_bytes));
 }
 
 bool met_file_bound() {
@@ -337,13 +345,16 @@ bool met_file_bound() {
 }
 
 void name_memory_exhaustion() {
-  static std::array<std::byte, 65536> stack;  // of the handler: the crash may be an overflow
+  // The handler has a stack of its own, because the crash may be an overflow of the stack.
+  static std::array<std::byte, 65536> stack;
   const stack_t alternative{.ss_sp = stack.data(), .ss_flags = 0, .ss_size = stack.size()};
   ::sigaltstack(&alternative, nullptr);
+
   struct sigaction action {};
   action.sa_handler = on_crash;
   action.sa_flags = SA_ONSTACK | SA_NODEFER;
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT}) ::sigaction(signal, &action, nullptr);
+
   std::set_new_handler(note_failed_allocation);
 }
 

@@ -8,38 +8,38 @@
 
 namespace dccast::worker {
 
-/// Sanitizers map more memory than any machine has, look for leaks from a second process and name
-/// functions by another program: their builds have no bound of memory, ptrace and execve.
+/// Sanitizers map more memory than any machine has, search for leaks from a second process and run
+/// another program to name functions: their builds do not limit memory, ptrace and execve.
 using jobs::sanitized;
 
-/// What a worker gives up before it reads anything that came from outside, so that a mesh or a
-/// result file that takes it over reaches no more than the worker's own folder. Each step holds for
-/// the process from then on, and cannot be taken back; docs/sandbox.md has the whole.
+/// The rights that a worker gives up before it reads foreign files, so that a mesh or a result file
+/// that takes control of it reaches only the worker's own folder. A right that was given up cannot
+/// be regained. docs/sandbox.md describes the whole.
 
-/// No sockets, no signals to other processes, no look into them and no change of their limits and
-/// priorities, no memory that bound() does not count, no new privileges, no core dumps. @return
-/// what is in force, for logs, e.g. "no network, no signals to others (seccomp)"; what the kernel
-/// lacks is named, too
+/// Forbids sockets, signals to other processes, their inspection, changes of their limits and
+/// priorities, memory that bound() does not count, new privileges and core dumps.
+/// @return what is in force, for logs, e.g. "no network, no signals to others (seccomp)", and what
+/// the kernel lacks
 std::string isolate();
 
-/// No writing outside of a folder. A worker is confined once, for its job or for its answers.
+/// Forbids writing outside of a folder. A worker is confined once, for its job or for its answers.
 /// @param folder  empty: nowhere  @return as isolate()
 std::string confine_writing_to(const std::filesystem::path& folder);
 
-/// What a job may take; 0: nine tenths of the machine's memory, files of any size.
+/// Limits of a job; 0: nine tenths of the machine's memory, files of any size.
 struct Bounds {
-  std::int64_t memory_bytes = 0;  ///< of data, not of the program and its libraries
-  std::int64_t file_bytes = 0;    ///< of each file
+  std::int64_t memory_bytes = 0;  ///< data, without the program and its libraries
+  std::int64_t file_bytes = 0;    ///< size of each file
 };
-/// Memory or a file beyond its bound is an error of the call that asked for it.
+/// Sets limits: a call that asks for memory or file size beyond its limit fails.
 /// @return as isolate(): "memory up to 8000 MB, files up to 100000 MB"
 std::string bound(const Bounds& bounds);
-/// Whether a file was to become larger than bound() permits.
+/// Whether a write has failed because of the limit of a file.
 bool met_file_bound();
 
-/// From now on this process ends with jobs::exit_out_of_memory when a crash (SIGSEGV, SIGBUS,
-/// SIGABRT) follows from memory that it could not get: a library that does not check malloc(), a
-/// second failure while the first one is reported. Other crashes stay what they are.
+/// Makes this process end with jobs::exit_out_of_memory if a crash (SIGSEGV, SIGBUS, SIGABRT)
+/// follows from lack of memory: a library that does not check malloc(), or a second failure while
+/// the first one is reported. Other crashes are not changed.
 void name_memory_exhaustion();
 
 }  // namespace dccast::worker

@@ -60,10 +60,10 @@ class KilledDaemon(AdoptionTest):
         self.assertTrue(self.client.fetch(job_id))
 
     def test_a_run_that_failed_meanwhile(self):
-        job_id, _ = self.running_job("steps=40 checkpoint=7 wait_at=18 fail_at=20")
+        job_id, worker = self.running_job("steps=40 checkpoint=7 wait_at=18 fail_at=20")
         self.daemon.kill()
         self.let_go(job_id)
-        time.sleep(0.3)
+        self.ends(worker)
         self.restart()
         job = self.client.until_state(job_id, job_pb2.FAILED)
         self.assertEqual((job.attempts, job.failure.kind), (1, job_pb2.Failure.SOLVE_FAILED))

@@ -1,20 +1,35 @@
 #!/usr/bin/python3
 """Ctrl-C and SIGTERM end a command of the client at once; jobs go on, and there is a way back."""
+import fcntl
 import json
 import os
 import pty
 import re
 import signal
 import socket
+import struct
 import subprocess
+import termios
 import threading
-import time
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, fake_case, main, until
+from support import BIN, WAIT_FACTOR, ServiceTest, fake_case, main, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 LONG = "steps=100000 sleep_ms=5"
+
+
+def waiting_bytes(pipe):
+    return struct.unpack("i", fcntl.ioctl(pipe, termios.FIONREAD, bytes(4)))[0]
+
+
+def has_socket(process):
+    folder = f"/proc/{process}/fd"
+    try:
+        return any(os.readlink(os.path.join(folder, name)).startswith("socket:")
+                   for name in os.listdir(folder))
+    except OSError:
+        return False  # a descriptor was closed meanwhile
 
 
 class StallingProxy:
@@ -26,6 +41,7 @@ class StallingProxy:
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.address = "127.0.0.1:%d" % self.listener.getsockname()[1]
         self.most = most
+        self.stalled = threading.Event()  # the client gets no more
         self.ends = [self.daemon, self.listener]
         threading.Thread(target=self.take_one, daemon=True).start()
 
@@ -35,6 +51,7 @@ class StallingProxy:
         threading.Thread(target=self.pump, args=(client, self.daemon, 1 << 40),
                          daemon=True).start()
         self.pump(self.daemon, client, self.most)
+        self.stalled.set()
 
     @staticmethod
     def pump(source, target, most):
@@ -57,26 +74,33 @@ class Interrupt(ServiceTest):
     def command(self, *words, address=None):
         return [os.path.join(BIN, "dccast"), "--server", address or self.daemon.address, *words]
 
-    def begin(self, *words, address=None):
+    def begin(self, *words, address=None, stdout=subprocess.PIPE, stderr=subprocess.PIPE):
+        """A pipe that is not read must not fill: a command that waits in its write does nothing
+        else. A test that does not read one of the two gives it a file."""
         process = subprocess.Popen(self.command(*words, address=address), text=True,
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   cwd=self.folder)
-        self.addCleanup(self.end, process)
+                                   stdout=stdout, stderr=stderr, cwd=self.folder)
+        # A command that hangs fails its test, instead of holding it until the limit of the script.
+        limit = threading.Timer(60 * WAIT_FACTOR, process.kill)
+        limit.daemon = True
+        limit.start()
+        self.addCleanup(self.end, process, limit)
         return process
 
     @staticmethod
-    def end(process):
+    def end(process, limit):
+        limit.cancel()
         if process.poll() is None:
             process.kill()
             process.wait()
-        process.stdout.close()
-        process.stderr.close()
+        for pipe in (process.stdout, process.stderr):
+            if pipe:
+                pipe.close()
 
     def interrupted(self, process, number=signal.SIGINT):
         """Sends the signal. Returns what the command said: its own last words, not the generic
         ones of a command that did not leave by itself."""
         process.send_signal(number)
-        out, err = process.stdout.read(), process.stderr.read()
+        out, err = (pipe.read() if pipe else "" for pipe in (process.stdout, process.stderr))
         self.assertEqual(process.wait(timeout=10), 130, err)
         self.assertIn("dccast: interrupted", err)
         self.assertNotIn("a job that was submitted goes on", err)
@@ -162,8 +186,8 @@ class Interrupt(ServiceTest):
         self.addCleanup(proxy.close)
         part = os.path.join(self.folder, "r.h5.part")
         process = self.begin("fetch", job.id, "-o", "r.h5", address=proxy.address)
+        self.assertTrue(proxy.stalled.wait(20 * WAIT_FACTOR))
         until(lambda: os.path.exists(part) and os.path.getsize(part) > 0, 10)
-        time.sleep(0.2)  # the stream stands still by then
         _, err = self.interrupted(process)
         bytes_there = os.path.getsize(part)
         self.assertGreater(bytes_there, 0)
@@ -198,21 +222,35 @@ class Interrupt(ServiceTest):
         for words in (["show", job.id], ["submit", self.case_file(LONG)], ["fetch", job.id]):
             with self.subTest(words=words):
                 process = self.begin(*words)
-                time.sleep(0.3)  # it is in its first call by then
+                until(lambda: has_socket(process.pid), 10)  # it is in its first call
                 self.assertIsNone(process.poll())
                 self.interrupted(process)
         self.assertEqual(os.listdir(self.folder).count("results.h5.part"), 0)
 
     def test_between_two_attempts(self):
         job = self.long_job()
-        process = self.begin("watch", "--json", job.id)
-        process.stdout.readline()
+        events = os.path.join(self.folder, "events.json")
+        with open(events, "w", encoding="utf-8") as file:
+            process = self.begin("watch", "--json", job.id, stdout=file)
+        until(lambda: os.path.getsize(events) > 0, 10)
         self.daemon.kill()
         for line in process.stderr:
             if "attempt 3" in line:
                 break
         _, err = self.interrupted(process)
         self.assertIn(f"job {job.id} goes on. Come back", err)
+
+    def test_pipes_that_no_one_reads_hold_nobody(self):
+        job = self.client.submit(fake_case("steps=100000 sleep_ms=1"))
+        reader, writer = os.pipe()
+        self.addCleanup(os.close, reader)
+        fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
+        process = self.begin("watch", job.id, stdout=writer, stderr=writer)
+        os.close(writer)
+        # Less room than a line of progress needs.
+        until(lambda: waiting_bytes(reader) > 4000, 20)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(timeout=10 * WAIT_FACTOR), 130)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,12 @@ import signal
 import time
 
 from adoption import SUCCEEDED, AdoptionTest
-from support import curve, fake_case, main, start_ticks
+from support import curve, fake_case, job_log, main, start_ticks, until
+
+
+def text_of(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
 
 
 class NoDaemonComes(AdoptionTest):
@@ -22,9 +27,10 @@ class NoDaemonComes(AdoptionTest):
         self.assertGreater(self.resumed_once(job_id, expected), 20)
 
     def test_a_daemon_that_comes_late_goes_on_with_a_run_that_has_not_stopped_yet(self):
-        job_id, _ = self.running_job("steps=200 checkpoint=7 sleep_ms=20 deaf=1")
+        job_id, worker = self.running_job("steps=200 checkpoint=7 sleep_ms=20 deaf=1")
+        log = job_log(worker)
         self.daemon.kill()
-        time.sleep(1.5)
+        until(lambda: "stopping at a checkpoint" in text_of(log), 10)
         self.restart()
         self.client.until_state(job_id, SUCCEEDED)
         self.sound_events(list(self.client.watch(job_id)))

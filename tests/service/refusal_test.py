@@ -300,7 +300,7 @@ class Checks(ServiceTest):
 
     def test_a_check_nobody_waits_for_is_stopped(self):
         check = self.validate("check_ms=15000")
-        time.sleep(0.5)
+        until(self.checking, 10)
         check.cancel()
         begin = time.monotonic()
         self.client.submit(fake_case("steps=1"))  # there is one checker: it is free again
@@ -308,7 +308,7 @@ class Checks(ServiceTest):
 
     def test_a_check_that_was_cancelled_before_its_turn_is_not_begun(self):
         first = self.validate("check_ms=2000")
-        time.sleep(0.3)
+        until(self.checking, 10)
         begin = time.monotonic()
         self.validate("check_ms=15000").cancel()
         self.client.submit(fake_case("steps=1"))

@@ -109,7 +109,7 @@ class QueueThatHangs(ServiceManagerTest):
         super().setUp()
 
     def silences(self):
-        return self.daemon.said().count("the queue does not turn")
+        return self.daemon.said().count("watchdog ping withheld")
 
     def test_no_sign_of_life_until_it_turns_again(self):
         job_id, _ = self.running_job()

@@ -13,7 +13,7 @@ namespace dccast::jobs {
 /// One start of a worker.
 struct WorkerLaunch {
   std::string job_id;
-  int attempt = 0;  ///< together with the job's id it names this start
+  int attempt = 0;  ///< identifies this start together with the job's id
   std::filesystem::path folder{};
   v1::SolveCase order{};  ///< handed to the process; empty in adopt()
   Urgency urgency = Urgency::batch;
@@ -23,54 +23,53 @@ struct WorkerLaunch {
 /// The end of a worker's process.
 struct WorkerExit {
   std::string how;            ///< "exit code 1", "signal 9 (Killed)"
-  std::optional<int> code{};  ///< nothing after a signal, or where it is not known
-  bool of_machine = false;    ///< its machine was lost or taken away: no fault of the job
+  std::optional<int> code{};  ///< nothing after a signal, or if it is not known
+  bool of_machine = false;    ///< its machine was lost or withdrawn: no fault of the job
 };
 
-/// What has become of a worker that an earlier daemon started.
+/// State of a worker that an earlier daemon started.
 enum class Adoption {
-  found,  ///< it runs or still waits for a machine; this executor leads it from now on
-  gone,   ///< nothing of it is left that could write into the folder of its job
+  found,  ///< it runs or waits for a machine; this executor supervises it from now on
+  gone,   ///< no process of it is left that could write into the folder of its job
 };
 
-/// Starts workers somewhere and reports when they end. Nothing else: what a worker does stands in
-/// the folder of its job, and the outcome of the job is the scheduler's. A second executor starts
-/// workers on other machines. Calls come from any thread and do not wait.
+/// Starts workers and reports when they end. What a worker does is recorded in the folder of its
+/// job; the scheduler decides the outcome of the job. Functions may be called from any thread and
+/// do not block.
 class Executor {
 public:
-  /// All are called from the executor's thread.
+  /// Reports of the executor, called from its thread.
   struct Calls {
     /// The executor lacks a resource (descriptors, memory, the program): no fault of the job.
     std::function<void(const std::string& job_id, int attempt, const std::string& why)> not_started;
     std::function<void(const std::string& job_id, int attempt, const WorkerExit& exit)> ended;
-    /// It has no machine yet, or none that can be asked for it, and gives no signs of life; called
-    /// now and then as long as that is so, and once with an empty `why` when it has begun.
+    /// The worker has no machine yet, or its machine cannot be reached, so that no heartbeat is
+    /// expected. Called repeatedly while that lasts, then once with an empty `why`.
     std::function<void(const std::string& job_id, int attempt, const std::string& why)> waits;
-    /// It is stopped for a more urgent run and gives no signs of life until it is called with an
-    /// empty `why`.
+    /// The worker is stopped for a more urgent run. No heartbeat is expected until the next call
+    /// with an empty `why`.
     std::function<void(const std::string& job_id, int attempt, const std::string& why)> stopped;
   };
   virtual ~Executor() = default;
-  /// Before the first start.
+  /// To be called before the first start.
   virtual void set_calls(Calls calls) = 0;
-  /// Workers that may run at once.
+  /// Number of workers that may run at once.
   virtual int capacity() const = 0;
-  /// `ended` or `not_started` follows. @throws std::exception  it cannot even be tried
+  /// Starts a worker; `ended` or `not_started` follows. @throws std::exception  it cannot be tried
   virtual void start(const WorkerLaunch& launch) = 0;
-  /// Requests a worker to stop at a checkpoint (SIGTERM). Nothing happens when it is gone.
+  /// Requests a worker to stop at a checkpoint (SIGTERM). Does nothing if it has ended.
   virtual void stop(const std::string& job_id, int attempt) = 0;
-  /// Ends a worker at once. Nothing happens when it is gone; `ended` follows otherwise.
+  /// Kills a worker; `ended` follows. Does nothing if it has ended.
   virtual void kill(const std::string& job_id, int attempt) = 0;
-  /// Looks for a worker that an earlier daemon started, before the first start; may take its time,
-  /// but must not wait for a call back. A worker that is found is ended by kill(), and `ended`
-  /// reports its end.
-  /// @param wanted  false: whatever works in the folder is ended here, and the answer is gone; so
-  /// is
-  ///                what the executor cannot lead on with
+  /// Looks for a worker of an earlier daemon, before the first start. The call may take long, but
+  /// must not wait for a callback. A worker that is found can be killed, and `ended` reports its
+  /// end.
+  /// @param wanted  false: any worker in the folder is killed, and the result is `gone`. A worker
+  ///                that cannot be supervised is killed in either case.
   virtual Adoption adopt(const WorkerLaunch& launch, bool wanted) = 0;
-  /// No adopt() comes any more: whatever else works in the folders of jobs may be ended.
+  /// Announces the last adopt(): other workers in the folders of jobs may be killed from now on.
   virtual void end_adoption() {}
-  /// Leaves workers at their jobs to the next daemon. No call back comes any more.
+  /// Leaves running workers to the next daemon. No callback follows.
   virtual void let_workers_run() {}
 };
 

@@ -16,22 +16,22 @@
 
 namespace dccast::jobs {
 
-/// Hands jobs to worker processes of the daemon, and leads on those of the last daemon.
+/// Runs jobs in worker processes on the daemon's machine, and supervises those of the last daemon.
 ///
-/// A worker gives up the signal it gets at the daemon's death once it has claimed the folder of its
-/// job (FolderClaim): it outlives the daemon then, and the next one finds it by its claim.
+/// A worker dies with its daemon until it has claimed the folder of its job (FolderClaim). After
+/// that it outlives the daemon, and the next daemon finds it by its claim.
 ///
-/// Its workers stop while more urgent runs need the machine (Precedence). One that is asked to end
-/// is stopped no more, and one whose daemon dies while it is stopped is continued by the system.
+/// Workers are stopped while more urgent runs need the machine (Precedence). A worker that is
+/// requested to end is no longer stopped. If the daemon dies, its stopped workers are continued by
+/// the system.
 class LocalExecutor : public Executor {
 public:
   /// @param workers     outlives this object
-  /// @param capacity    workers that may run at once
+  /// @param capacity    number of workers that may run at once
   /// @param precedence  outlives this object
   LocalExecutor(WarmWorkers& workers, int capacity, Precedence& precedence);
-  /// Kills what it has started and is still running, unless that was left to itself, and waits for
-  /// its end. A worker of an earlier daemon is left to the next one: this one has only tried to
-  /// serve, or has ended it before.
+  /// Kills the workers it has started, unless let_workers_run() was called, and waits for their
+  /// end. Workers of an earlier daemon are left to the next one.
   ~LocalExecutor() override { end_thread(); }
 
   void set_calls(Calls calls) override { calls_ = std::move(calls); }
@@ -39,26 +39,26 @@ public:
   void start(const WorkerLaunch& launch) override;
   void stop(const std::string& job_id, int attempt) override;
   void kill(const std::string& job_id, int attempt) override;
-  /// Found is the worker that claims the folder of the job, when it is of this attempt and of the
-  /// protocol of this program. Any other that claims the folder is killed.
+  /// Adopts the worker that claims the folder of the job, if it belongs to this attempt and uses
+  /// the protocol of this program. Any other worker that claims the folder is killed.
   Adoption adopt(const WorkerLaunch& launch, bool wanted) override;
-  /// Those that have claimed a folder.
+  /// Only workers that have claimed a folder survive.
   void let_workers_run() override;
 
 private:
   using Key = std::pair<std::string, int>;  ///< job and attempt
-  struct Led {
+  struct Supervised {
     std::unique_ptr<WorkerProcess> process;
-    Precedence::Place place{};  ///< none once it was asked to end
+    Precedence::Registration registration{};  ///< none once it was requested to end
   };
 
   void end_thread();
   void run();
   void post(std::function<void()> order);
   void hand_over(const WorkerLaunch& launch);
-  void lead(const WorkerLaunch& launch, std::unique_ptr<WorkerProcess> process);
+  void supervise(const WorkerLaunch& launch, std::unique_ptr<WorkerProcess> process);
   void set_stopped(const Key& key, const std::optional<MoreUrgentRun>& stopped_for);
-  void wait_for_something();
+  void wait_for_event();
   void collect();
 
   WarmWorkers& warm_;
@@ -69,10 +69,10 @@ private:
   std::mutex mutex_;
   std::deque<std::function<void()>> orders_;
 
-  // Of the thread alone.
+  // Used only by the thread.
   bool stopping_ = false;
   bool leaves_workers_ = false;
-  std::map<Key, Led> workers_;
+  std::map<Key, Supervised> workers_;
   std::thread thread_;
 };
 

@@ -18,35 +18,36 @@ bool stops_others(Urgency urgency) {
 
 }  // namespace
 
-Urgency urgency_of_query(double estimated_s, bool one_of_several) {
+Urgency classify_query(double estimated_s, bool one_of_several) {
   if (estimated_s > longest_draft_s) return Urgency::long_query;
   if (one_of_several) return Urgency::comparison;
   return estimated_s > longest_quick_s ? Urgency::draft : Urgency::quick;
 }
 
-int nice_of(Urgency urgency) {
+int nice_value(Urgency urgency) {
   switch (urgency) {
     case Urgency::quick:
     case Urgency::draft:
       return 0;
     case Urgency::comparison:
     case Urgency::long_query:
-      return 10;  // leaves a job a tenth of a core that both want
+      return 10;  // leaves a tenth of a core to a job that shares it
     case Urgency::batch:
       return 19;
   }
   return 19;
 }
 
-std::string MoreUrgentRun::in_words() const {
+std::string MoreUrgentRun::description() const {
   return "stopped while a more urgent query runs";
 }
 
-void Precedence::Place::leave() {
+void Precedence::Registration::leave() {
   if (auto* const precedence = std::exchange(precedence_, nullptr)) precedence->remove(entry_);
 }
 
-Precedence::Place Precedence::enter(Urgency urgency, double estimated_s, OnChange on_change) {
+Precedence::Registration Precedence::enter(Urgency urgency, double estimated_s,
+                                           OnChange on_change) {
   const std::lock_guard lock(mutex_);
   entries_.push_back({urgency, estimated_s, std::move(on_change)});
   const auto entry = std::prev(entries_.end());
@@ -56,7 +57,7 @@ Precedence::Place Precedence::enter(Urgency urgency, double estimated_s, OnChang
 
 void Precedence::remove(Entries::iterator entry) {
   const std::lock_guard lock(mutex_);
-  // Its worker may be used again, and must not stay stopped.
+  // The worker may be used again, so it must not stay stopped.
   if (entry->stopped) entry->on_change(std::nullopt);
   entries_.erase(entry);
   stop_or_continue_all();
@@ -66,7 +67,7 @@ void Precedence::stop_or_continue_all() {
   const auto first = std::ranges::min_element(entries_, {}, &Entry::urgency);
   if (first == entries_.end()) return;
 
-  // Of equally urgent runs the one that was there first: the others need as long again at most.
+  // Of equally urgent runs the first one began first; its remaining time is the one to report.
   const std::chrono::duration<double> ran = std::chrono::steady_clock::now() - first->begin;
   const MoreUrgentRun more_urgent{std::max(0.0, first->estimated_s - ran.count())};
 

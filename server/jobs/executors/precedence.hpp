@@ -11,8 +11,8 @@
 
 namespace dccast::jobs {
 
-/// How soon a run is wanted, the most urgent first. A quick or a draft run stops all runs that are
-/// less urgent, on this machine, until it has ended.
+/// Urgency of a run, the most urgent first. A quick or a draft run stops all less urgent runs on
+/// this machine until it has ended.
 enum class Urgency {
   quick,       ///< one query of few seconds: a thickness section
   draft,       ///< one query of up to half a minute: a 3D draft
@@ -21,31 +21,32 @@ enum class Urgency {
   batch,       ///< a job of the queue, the run of a study
 };
 
-/// @param estimated_s     solving time [s], of the check of the case
+/// Urgency of a query.
+/// @param estimated_s     solving time [s], estimated by the check of the case
 /// @param one_of_several  the caller compares several runs
-Urgency urgency_of_query(double estimated_s, bool one_of_several);
+Urgency classify_query(double estimated_s, bool one_of_several);
 
-/// How far a worker lowers its own priority (nice), 0 to 19. It cannot raise it again.
-int nice_of(Urgency urgency);
+/// The nice value of a worker, 0 to 19. A worker can lower its priority, but not raise it again.
+int nice_value(Urgency urgency);
 
-/// For how long a worker stays stopped at most, should no one continue it: its own timer does then.
-/// Runs that are stopped for longer, behind one query after the other, therefore get some of the
-/// processor at last.
+/// Longest time for which a worker stays stopped; then its own timer continues it. Runs behind an
+/// unbroken sequence of queries therefore still make progress.
 inline constexpr std::chrono::seconds longest_stop{30};
 
-/// The run that others are stopped for.
+/// The run for which others are stopped.
 struct MoreUrgentRun {
-  double left_s = 0.0;  ///< solving time that it still needs, from its estimate [s]
+  double remaining_s = 0.0;  ///< remaining solving time, from its estimate [s]
 
   /// "stopped while a more urgent query runs"
-  std::string in_words() const;
+  std::string description() const;
 };
 
-/// Which runs of this machine stand still for more urgent ones. Safe to use from several threads.
+/// Decides which runs of this machine are stopped for more urgent ones. Safe to use from several
+/// threads.
 class Precedence {
 public:
-  /// Called with the more urgent run when this one is to stop, and with nothing when it may go on.
-  /// It comes from the thread of any run and must neither wait nor call this object.
+  /// Called with the more urgent run to stop this one, and with nothing to continue it. The call
+  /// comes from the thread of any run; it must neither block nor call this object.
   using OnChange = std::function<void(const std::optional<MoreUrgentRun>& stopped_for)>;
 
 private:
@@ -59,21 +60,21 @@ private:
   using Entries = std::list<Entry>;
 
 public:
-  /// The place of a run among the others, from its begin to its end. A run that ends while it is
-  /// stopped is told to go on first.
-  class Place {
+  /// Registration of a run, from its begin to its end. A run that ends while it is stopped is
+  /// continued first.
+  class Registration {
   public:
-    Place() = default;
-    Place(Precedence& precedence, Entries::iterator entry)
+    Registration() = default;
+    Registration(Precedence& precedence, Entries::iterator entry)
         : precedence_(&precedence), entry_(entry) {}
-    Place(Place&& other) noexcept
+    Registration(Registration&& other) noexcept
         : precedence_(std::exchange(other.precedence_, nullptr)), entry_(other.entry_) {}
-    Place& operator=(Place&& other) noexcept {
+    Registration& operator=(Registration&& other) noexcept {
       std::swap(precedence_, other.precedence_);
       std::swap(entry_, other.entry_);
       return *this;
     }
-    ~Place() { leave(); }
+    ~Registration() { leave(); }
     void leave();
 
   private:
@@ -83,7 +84,7 @@ public:
 
   /// @param estimated_s  solving time [s]
   /// @param on_change    may be called before this returns
-  [[nodiscard]] Place enter(Urgency urgency, double estimated_s, OnChange on_change);
+  [[nodiscard]] Registration enter(Urgency urgency, double estimated_s, OnChange on_change);
 
 private:
   void remove(Entries::iterator entry);

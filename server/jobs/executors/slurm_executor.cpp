@@ -1,5 +1,6 @@
 #include "server/jobs/executors/slurm_executor.hpp"
 
+#include <fmt/core.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -14,37 +15,38 @@ namespace dccast::jobs {
 
 namespace {
 
-/// A signal may get lost when slurmctld restarts.
+/// Interval at which a signal is repeated: it may be lost when slurmctld restarts.
 constexpr std::chrono::seconds between_signals{10};
 
-/// Between two questions while nothing is led.
+/// Polling interval while no job is supervised.
 constexpr std::chrono::seconds idle_interval{60};
 
 const WorkerExit left_in_order{.how = "exit code 0", .code = 0};
 
-/// Slurm takes the machine of such a job away, or has lost sight of it; its processes may run on.
-bool is_of_machine(const std::string& state) {
+/// Whether Slurm has withdrawn or lost the machine of a job. Its processes may still be running.
+bool shows_lost_machine(const std::string& state) {
   return state == "NODE_FAIL" || state == "PREEMPTED" || state == "BOOT_FAIL" || state == "REVOKED";
 }
 
-/// Slurm could not start a worker, or took a running one for a second start of itself, after a
-/// crash of slurmctld. It stays so until someone releases it.
+/// Whether Slurm holds a job because it could not start it, or because it took a running job for a
+/// second start after a crash of slurmctld. The job stays held until a user releases it.
 bool is_held_after_failure(const SlurmJob& job) {
   return job.state == "SPECIAL_EXIT" || job.state == "REQUEUE_HOLD" ||
          job.reason.find("launch_failed") != std::string::npos ||
          job.reason.find("launch failed") != std::string::npos;
 }
 
-WorkerExit exit_of(const SlurmJob& job) {
+WorkerExit describe(const SlurmJob& job) {
   if (job.state == "OUT_OF_MEMORY")
     return {.how = "OUT_OF_MEMORY in Slurm", .code = exit_out_of_memory};
-  WorkerExit exit{.how = job.state + " in Slurm"};
+
+  WorkerExit exit{.how = fmt::format("{} in Slurm", job.state)};
   if (WIFEXITED(job.exit_status) && job.state == "FAILED") exit.code = WEXITSTATUS(job.exit_status);
-  if (job.exit_status != 0) exit.how += ", " + describe_exit(job.exit_status);
+  if (job.exit_status != 0) exit.how += fmt::format(", {}", describe_exit(job.exit_status));
   return exit;
 }
 
-/// A signal or an end that is wanted; what does not reach Slurm is tried again.
+/// Runs a command whose failure is only logged, because the next poll repeats it.
 template <typename Command>
 void try_command(const Command& command) {
   try {
@@ -81,7 +83,7 @@ void SlurmExecutor::post(std::function<void()> order) {
   changed_.notify_all();
 }
 
-void SlurmExecutor::lead(const WorkerLaunch& launch, bool submitted) {
+void SlurmExecutor::supervise(const WorkerLaunch& launch, bool submitted) {
   post([this, launch, submitted] {
     const auto now = Clock::now();
     starts_[{launch.job_id, launch.attempt}] = {
@@ -91,57 +93,62 @@ void SlurmExecutor::lead(const WorkerLaunch& launch, bool submitted) {
 
 void SlurmExecutor::start(const WorkerLaunch& launch) {
   if (launch.order.goes_first()) return local_.start(launch);
-  lead(launch, false);
+  supervise(launch, false);
 }
 
-void SlurmExecutor::want(const std::string& job_id, int attempt, bool Start::*what) {
-  post([this, key = Key(job_id, attempt), what] {
-    if (const auto found = starts_.find(key); found != starts_.end()) found->second.*what = true;
+void SlurmExecutor::request(const std::string& job_id, int attempt, bool Start::*flag) {
+  post([this, key = Key(job_id, attempt), flag] {
+    if (const auto found = starts_.find(key); found != starts_.end()) found->second.*flag = true;
   });
 }
 
 void SlurmExecutor::stop(const std::string& job_id, int attempt) {
   local_.stop(job_id, attempt);
-  want(job_id, attempt, &Start::stop);
+  request(job_id, attempt, &Start::stop);
 }
 
 void SlurmExecutor::kill(const std::string& job_id, int attempt) {
   local_.kill(job_id, attempt);
-  want(job_id, attempt, &Start::kill);
+  request(job_id, attempt, &Start::kill);
 }
 
 Adoption SlurmExecutor::adopt(const WorkerLaunch& launch, bool wanted) {
   const auto order = read_order(launch.folder);
   if (!order || order->attempt() != launch.attempt) return local_.adopt(launch, wanted);
   if (!wanted || shows_end_of_run(launch.folder, launch.attempt)) return Adoption::gone;
-  lead(launch, true);
+  supervise(launch, true);
   return Adoption::found;
 }
 
 void SlurmExecutor::run() {
-  auto next_look = Clock::now();
+  auto next_poll = Clock::now();
   while (!stopping_) {
     std::deque<std::function<void()>> orders;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait_until(lock, next_look, [this] { return !orders_.empty(); });
+      changed_.wait_until(lock, next_poll, [this] { return !orders_.empty(); });
       orders.swap(orders_);
     }
-    const std::size_t before = starts_.size();
+
+    // A new start is submitted at once, without waiting for the next poll.
+    const std::size_t starts_before = starts_.size();
     for (const auto& order : orders) order();
-    if (stopping_ || (Clock::now() < next_look && starts_.size() == before)) continue;
+    if (stopping_) return;
+    if (Clock::now() < next_poll && starts_.size() == starts_before) continue;
+
     try {
-      look();
+      poll();
     } catch (const std::exception& error) {
       log::error("Slurm: {}", error.what());
     }
-    next_look = Clock::now() + options_.interval;
+    next_poll = Clock::now() + options_.interval;
   }
 }
 
-void SlurmExecutor::look() {
-  if (starts_.empty() && Clock::now() - last_look_ < idle_interval) return;
-  last_look_ = Clock::now();
+void SlurmExecutor::poll() {
+  if (starts_.empty() && Clock::now() - last_poll_ < idle_interval) return;
+  last_poll_ = Clock::now();
+
   std::optional<SlurmJobs> jobs;
   std::string fault;
   try {
@@ -150,20 +157,24 @@ void SlurmExecutor::look() {
   } catch (const SlurmError& error) {
     fault = error.what();
   }
+
+  // Logged once for each change, not at every poll.
   if (fault != std::exchange(fault_, fault)) {
     if (fault.empty())
       log::info("Slurm answers again");
     else
-      log::warn("Slurm gives no answer, its jobs go on: {}", fault);
+      log::warn("Slurm gives no answer; its jobs go on and are supervised again later: {}", fault);
   }
-  for (auto at = starts_.begin(); at != starts_.end();) {
-    const auto end = follow(at->second, jobs ? &*jobs : nullptr);
+
+  for (auto start = starts_.begin(); start != starts_.end();) {
+    const auto end = follow(start->second, jobs ? &*jobs : nullptr);
     if (!end) {
-      ++at;
+      ++start;
       continue;
     }
-    const auto [job_id, attempt] = at->first;
-    at = starts_.erase(at);
+
+    const auto [job_id, attempt] = start->first;
+    start = starts_.erase(start);
     if (end->not_started)
       calls_.not_started(job_id, attempt, end->exit.how);
     else
@@ -177,8 +188,8 @@ void SlurmExecutor::cancel_strays(const SlurmJobs& jobs) {
     if (job.ended() || starts_.contains({job_id, job.name.attempt}) ||
         !std::filesystem::exists(options_.jobs_directory / job_id))
       continue;
-    log::info("job {}: its attempt {} is not led any more and is ended in Slurm", job_id,
-              job.name.attempt);
+
+    log::info("job {}: cancelling orphaned attempt {} in Slurm", job_id, job.name.attempt);
     slurm_cancel(job.name);
   }
 }
@@ -200,27 +211,34 @@ void SlurmExecutor::report_waiting(Start& start, const std::string& why) {
 std::optional<SlurmExecutor::End> SlurmExecutor::follow(Start& start, const SlurmJobs* jobs) {
   const FolderSigns signs = signs_in(start.launch.folder);
   if (std::exchange(start.signs, signs) != signs) start.last_sign = Clock::now();
-  // What a client wants lies in the folder; a worker that is not there yet does not see it.
+
+  // A request of a client is a file in the folder, which a worker that has not begun does not see.
   if (read_request(start.launch.folder)) start.stop = true;
+
   if (jobs == nullptr) {
     if (start.submitted && is_silent(start) && shows_end(start)) return End{left_in_order};
     start.last_listed = Clock::now();  // it is not known to be absent
-    report_waiting(start, "Slurm gives no answer: " + fault_);
+    report_waiting(start, fmt::format("Slurm gives no answer: {}", fault_));
     return std::nullopt;
   }
+
   if (!start.submitted) return submit(start, *jobs);
-  const SlurmJob* newest = nullptr;
+
+  // Slurm may show a start twice, after it was requeued: the one that has not ended counts.
+  const SlurmJob* current = nullptr;
   for (auto [job, end] = jobs->equal_range(start.launch.job_id); job != end; ++job)
-    if (job->second.name.attempt == start.launch.attempt && (!newest || newest->ended()))
-      newest = &job->second;
-  if (newest == nullptr) return follow_absent(start);
+    if (job->second.name.attempt == start.launch.attempt && (!current || current->ended()))
+      current = &job->second;
+  if (current == nullptr) return follow_absent(start);
+
   start.last_listed = Clock::now();
-  return newest->ended() ? follow_ended(start, *newest) : follow_listed(start, *newest);
+  return current->ended() ? follow_ended(start, *current) : follow_listed(start, *current);
 }
 
 std::optional<SlurmExecutor::End> SlurmExecutor::submit(Start& start, const SlurmJobs& jobs) {
   if (start.stop || start.kill)
-    return End{{.how = "it was not submitted to Slurm any more", .of_machine = true}};
+    return End{{.how = "it was stopped before it was submitted to Slurm", .of_machine = true}};
+
   const auto [first, last] = jobs.equal_range(start.launch.job_id);
   const bool earlier =
       std::any_of(first, last, [](const auto& entry) { return !entry.second.ended(); });
@@ -232,19 +250,21 @@ std::optional<SlurmExecutor::End> SlurmExecutor::submit(Start& start, const Slur
     report_waiting(start, "an earlier start of the job is being ended in Slurm");
     return std::nullopt;
   }
+
   v1::SolveCase order = start.launch.order;
   order.set_directory(std::filesystem::absolute(start.launch.folder));
-  order.set_daemon_patience_s(0.0);  // it needs none
+  order.set_daemon_patience_s(0.0);  // it does not depend on a daemon
   try {
     write_order(order);
     slurm_submit(start.name(), order.directory(), std::max(order.threads(), 1), options_);
   } catch (const SlurmError& error) {
     if (error.refused) return End{{.how = error.what()}, true};
-    log::warn("job {}: whether Slurm has it is not known yet: {}", start.launch.job_id,
-              error.what());
+    log::warn("job {}: it is not known yet whether Slurm accepted attempt {}: {}",
+              start.launch.job_id, start.launch.attempt, error.what());
   } catch (const storage::StorageError& error) {
     return End{{.how = error.what()}, true};
   }
+
   start.submitted = true;
   start.last_sign = start.last_listed = Clock::now();
   report_waiting(start, "Slurm has it");
@@ -252,13 +272,16 @@ std::optional<SlurmExecutor::End> SlurmExecutor::submit(Start& start, const Slur
 }
 
 std::optional<SlurmExecutor::End> SlurmExecutor::follow_listed(Start& start, const SlurmJob& job) {
-  if (is_silent(start) && shows_end(start)) return End{left_in_order};  // Slurm sees it later
+  // Slurm shows the end of a job some time after the folder does.
+  if (is_silent(start) && shows_end(start)) return End{left_in_order};
   start.ended.reset();
-  // Slurm would start it again, after two minutes.
+
+  // A requeued job waits for two minutes; its attempt must not begin a second time.
   const bool again = job.state == "PENDING" && has_begun(start.launch.folder, start.launch.attempt);
   const bool held = again || is_held_after_failure(job);
   const bool runs = job.runs() || (held && !is_silent(start));
-  report_waiting(start, runs ? "" : "waits in Slurm: " + job.state + ", " + job.reason);
+  report_waiting(start, runs ? "" : fmt::format("waits in Slurm: {}, {}", job.state, job.reason));
+
   start.of_machine |= held && !runs;
   if (start.kill || start.of_machine || (start.stop && !runs)) {
     try_command([&] { slurm_cancel(job.name); });
@@ -273,22 +296,28 @@ std::optional<SlurmExecutor::End> SlurmExecutor::follow_ended(Start& start, cons
   if (shows_end(start)) return End{left_in_order};
   const auto now = Clock::now();
   if (!start.ended) start.ended = now;
-  if (job.state == "COMPLETED") {  // so there is an end, which a network file system shows late
+
+  // A completed worker has written the end of its run, which a network file system may show late.
+  if (job.state == "COMPLETED") {
     if (now - *start.ended < options_.visibility) return std::nullopt;
-    return End{{.how = "exit code 0, and no end of its run can be seen", .code = 0}};
+    return End{{.how = "exit code 0, but its event log shows no end of the run", .code = 0}};
   }
-  const WorkerExit exit = exit_of(job);
-  if (!start.of_machine && !is_of_machine(job.state) && exit.code != exit_begun_before)
+
+  const WorkerExit exit = describe(job);
+  if (!start.of_machine && !shows_lost_machine(job.state) && exit.code != exit_begun_before)
     return End{exit};
+
+  // Its processes may still write: the next attempt begins only after they have fallen silent.
   if (!is_silent(start)) return std::nullopt;
-  return End{{.how = "its machine was lost or taken away (" + job.state + " in Slurm)",
+  return End{{.how = fmt::format("its machine was lost or taken away ({} in Slurm)", job.state),
               .of_machine = true}};
 }
 
 std::optional<SlurmExecutor::End> SlurmExecutor::follow_absent(Start& start) {
   if (shows_end(start)) return End{left_in_order};
   if (Clock::now() - start.last_listed < options_.unsure || !is_silent(start)) return std::nullopt;
-  log::warn("job {}: Slurm does not know its attempt {} and nothing writes into its folder",
+
+  log::warn("job {}: Slurm has lost attempt {}, and nothing writes into its folder; ending it",
             start.launch.job_id, start.launch.attempt);
   return End{{.how = "Slurm has lost it", .of_machine = true}};
 }

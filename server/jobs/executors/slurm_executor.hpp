@@ -17,17 +17,17 @@
 
 namespace dccast::jobs {
 
-/// Hands jobs to Slurm, on machines that see the folders of jobs at the same paths. There is no
-/// connection to a worker: it has its order in the folder of its job (worker_claim.hpp) and writes
-/// there. It needs no daemon, and the next one finds it in Slurm by name.
+/// Runs jobs through Slurm, on machines that see the folders of jobs at the same paths. There is no
+/// connection to a worker: it reads its order in the folder of its job (worker_claim.hpp) and
+/// writes there. It does not depend on the daemon, and the next daemon finds it in Slurm by name.
 ///
-/// Slurm shows the state of jobs, the folder is the truth: a worker has ended when the folder shows
-/// the end of its run, or when Slurm has seen its end, or when Slurm does not know it and the
-/// folder is silent. A job is submitted only when no earlier start of it is left in Slurm. Starts
-/// that Slurm shows and that are not led are cancelled: after a crash slurmctld takes jobs for
-/// running that had ended before.
+/// Slurm shows the state of jobs, but the folder is authoritative. A worker has ended if the folder
+/// shows the end of its run, if Slurm shows its end, or if Slurm does not know it and nothing
+/// writes into the folder. A job is submitted only if no earlier start of it is left in Slurm.
+/// Starts in Slurm that this executor does not supervise are cancelled, because slurmctld may take
+/// ended jobs for running after a crash.
 ///
-/// Jobs that go first are not for a queue: the local executor has them.
+/// Jobs with `goes_first` bypass the queue of Slurm: the local executor runs them.
 class SlurmExecutor : public Executor {
 public:
   /// @param local  outlives this object
@@ -48,22 +48,22 @@ public:
 private:
   using Clock = std::chrono::steady_clock;
 
-  /// A start that was ordered and has not ended.
+  /// A start that was requested and has not ended.
   struct Start {
     WorkerLaunch launch;
     bool submitted = false;
-    bool stop = false;  ///< SIGTERM is wanted
+    bool stop = false;  ///< a stop (SIGTERM) is requested
     bool kill = false;
-    bool of_machine = false;  ///< it is cancelled because Slurm cannot start it
-    bool waits = false;       ///< as it was reported last
+    bool of_machine = false;  ///< it is being cancelled because Slurm cannot start it
+    bool waits = false;       ///< as last reported
     FolderSigns signs{};
     Clock::time_point last_sign{};
-    Clock::time_point last_listed{};  ///< by Slurm, or submitted
+    Clock::time_point last_listed{};  ///< time when Slurm last showed it, or of its submission
     Clock::time_point last_signal{};
-    std::optional<Clock::time_point> ended{};  ///< in Slurm, as far as was seen
+    std::optional<Clock::time_point> ended{};  ///< time when Slurm first showed its end
     SlurmName name() const { return {launch.job_id, launch.attempt}; }
   };
-  /// How a start has ended.
+  /// End of a start.
   struct End {
     WorkerExit exit;
     bool not_started = false;
@@ -71,13 +71,13 @@ private:
   using Key = std::pair<std::string, int>;
 
   void post(std::function<void()> order);
-  void lead(const WorkerLaunch& launch, bool submitted);
-  void want(const std::string& job_id, int attempt, bool Start::*what);
+  void supervise(const WorkerLaunch& launch, bool submitted);
+  void request(const std::string& job_id, int attempt, bool Start::*flag);
   void end_thread();
   void run();
-  void look();
-  /// What is known of a start. @param jobs  null: Slurm gives no answer, for the reason `fault_`
-  /// @return how it has ended
+  void poll();
+  /// Updates a start. @param jobs  null: Slurm gives no answer, for the reason `fault_`
+  /// @return its end, once it has ended
   std::optional<End> follow(Start& start, const SlurmJobs* jobs);
   std::optional<End> submit(Start& start, const SlurmJobs& jobs);
   std::optional<End> follow_listed(Start& start, const SlurmJob& job);
@@ -95,12 +95,12 @@ private:
   std::condition_variable changed_;
   std::deque<std::function<void()>> orders_;
 
-  // Of the thread alone.
+  // Used only by the thread.
   bool stopping_ = false;
   std::map<Key, Start> starts_;
-  bool adopts_ = true;  ///< what Slurm has may still be adopted
-  Clock::time_point last_look_{};
-  std::string fault_;  ///< why Slurm gives no answer; empty: it does
+  bool adopts_ = true;  ///< starts in Slurm may still be adopted
+  Clock::time_point last_poll_{};
+  std::string fault_;  ///< why Slurm gives no answer; empty: it answers
   std::thread thread_;
 };
 

@@ -14,49 +14,62 @@ WarmWorkers::WarmWorkers(std::filesystem::path program, const WarmWorkerLimits& 
 
 v1::WorkerAnswer WarmWorkers::ask(const v1::WorkerRequest& request, const CallLimits& limits,
                                   const OnEvent& on_event) {
-  auto worker = lend(false);
+  auto worker = lend(Purpose::answer);
   v1::WorkerAnswer answer;
   try {
-    const auto place = limits.enter ? limits.enter(*worker) : Precedence::Place();
+    const auto registration = limits.enter ? limits.enter(*worker) : Precedence::Registration();
     answer = worker->ask(request, limits, on_event);
   } catch (...) {
-    worker.reset();  // first: two at once may be one too many for the memory
+    worker.reset();  // before its successor starts: the memory may not suffice for both
     give_back(nullptr);
     throw;
   }
+
+  // A priority that was lowered cannot be raised again.
   const bool has_low_priority = request.solve().nice() > 0;
   if (has_low_priority || worker->answers() >= limits_.answers ||
       worker->resident_bytes() > limits_.idle_bytes)
     worker.reset();
   give_back(std::move(worker));
+
   if (answer.has_refused()) throw WorkerDidNotAnswer(Why::refused, answer.refused());
   return answer;
 }
 
-/// One that has given answers is of no use to a job, and its caches are warm.
-WarmWorkers::Idle::iterator WarmWorkers::idle_for(bool job) {
+/// Jobs need a worker that has given no answer. Answers prefer one that has: its caches are warm,
+/// and no job can use it.
+WarmWorkers::Idle::iterator WarmWorkers::choose_idle(Purpose purpose) {
+  const bool for_job = purpose == Purpose::job;
   const auto found = std::ranges::find_if(
-      idle_, [&](const auto& worker) { return (worker->answers() == 0) == job; });
-  return found != idle_.end() || job || idle_.empty() ? found : std::prev(idle_.end());
+      idle_, [&](const auto& worker) { return (worker->answers() == 0) == for_job; });
+
+  if (found != idle_.end() || for_job || idle_.empty()) return found;
+  return std::prev(idle_.end());
 }
 
-std::unique_ptr<WorkerProcess> WarmWorkers::lend(bool for_job) {
+std::unique_ptr<WorkerProcess> WarmWorkers::lend(Purpose purpose) {
+  const bool for_job = purpose == Purpose::job;
   std::unique_lock lock(mutex_);
   const int failures = failures_;
   ++waiting_;
   jobs_waiting_ += for_job;
   changed_.notify_all();
+
   auto chosen = idle_.end();
   changed_.wait(lock, [&] {
-    std::erase_if(idle_, [](const auto& worker) { return !worker->waits(); });
-    chosen = idle_for(for_job);
+    std::erase_if(idle_, [](const auto& worker) { return !worker->is_idle(); });
+    chosen = choose_idle(purpose);
     return chosen != idle_.end() || failures_ != failures;
   });
+
+  // A failed start has already reset the counters.
   if (failures_ == failures) {
     --waiting_;
     jobs_waiting_ -= for_job;
   }
+
   if (chosen == idle_.end()) throw WorkerDidNotAnswer(Why::not_started, failure_);
+
   auto worker = std::move(*chosen);
   idle_.erase(chosen);
   if (!for_job) ++lent_;
@@ -83,6 +96,7 @@ void WarmWorkers::run(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (changed_.wait(lock, stop, [this] { return wants_more(); })) {
     lock.unlock();
+
     std::unique_ptr<WorkerProcess> worker;
     std::string failure;
     try {
@@ -90,7 +104,9 @@ void WarmWorkers::run(const std::stop_token& stop) {
     } catch (const std::exception& error) {
       failure = error.what();
     }
+
     lock.lock();
+
     fails_ = worker == nullptr;
     if (worker) {
       idle_.push_back(std::move(worker));
@@ -99,6 +115,7 @@ void WarmWorkers::run(const std::stop_token& stop) {
       ++failures_;
       waiting_ = jobs_waiting_ = 0;
     }
+
     changed_.notify_all();
   }
 }

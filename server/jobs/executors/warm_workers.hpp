@@ -14,49 +14,50 @@
 namespace dccast::jobs {
 
 struct WarmWorkerLimits {
-  std::filesystem::path scratch{};  ///< where answers may write files; empty: nowhere
-  int kept = 1;                     ///< workers that wait or answer while no more are needed
-  int answers = 200;  ///< after which a worker is replaced, so that leaks do not add up
-  std::int64_t idle_bytes = 512'000'000;  ///< one that holds more after an answer is replaced
+  std::filesystem::path scratch{};  ///< directory in which requests may write; empty: none
+  int kept = 1;                     ///< number of idle and busy workers that are kept
+  int answers = 200;  ///< after which a worker is replaced, so that leaks do not accumulate
+  std::int64_t idle_bytes = 512'000'000;  ///< an idle worker that uses more is replaced [bytes]
 };
 
-/// Workers kept warm, for answers and for jobs: starting the program takes 30 ms, an answer may
-/// take less than one. One that is gone is replaced before it is missed. Safe to use from several
-/// threads; each caller has a worker of its own, so callers decide how many there are.
+/// Pool of started workers, for requests and for jobs: starting the program takes 30 ms, an answer
+/// may take less than 1 ms. A worker that is used up is replaced in advance. Safe to use from
+/// several threads. Each caller has a worker of its own, so the callers decide how many there are.
 ///
-/// All of them are children of one thread that lives as long as this object: the signal a worker
-/// gets when its parent dies (PR_SET_PDEATHSIG) counts the death of the parent *thread*.
+/// All workers are children of one thread that lives as long as this object, because the signal at
+/// the death of the parent (PR_SET_PDEATHSIG) is sent at the end of the parent *thread*.
 class WarmWorkers {
 public:
   explicit WarmWorkers(std::filesystem::path program, const WarmWorkerLimits& limits = {});
 
-  /// The answer of a worker. @throws WorkerDidNotAnswer  also for one that is refused
+  /// Asks a worker. @throws WorkerDidNotAnswer  also if the worker refuses to answer
   v1::WorkerAnswer ask(
       const v1::WorkerRequest& request, const CallLimits& limits,
       const OnEvent& on_event = [](v1::JobEvent&) {});
-  /// A worker for a job, which does not come back: one that has given no answer, since what that
-  /// read may have taken it over. @throws WorkerDidNotAnswer  none can be started
-  std::unique_ptr<WorkerProcess> take() { return lend(true); }
+  /// Takes a worker out of the pool, for a job. It has given no answer before: a file that it read
+  /// for an answer may have taken control of it. @throws WorkerDidNotAnswer  none can be started
+  std::unique_ptr<WorkerProcess> take() { return lend(Purpose::job); }
 
 private:
   using Idle = std::vector<std::unique_ptr<WorkerProcess>>;
+  enum class Purpose { answer, job };
 
-  std::unique_ptr<WorkerProcess> lend(bool for_job);
-  Idle::iterator idle_for(bool job);
+  std::unique_ptr<WorkerProcess> lend(Purpose purpose);
+  Idle::iterator choose_idle(Purpose purpose);
   void give_back(std::unique_ptr<WorkerProcess> worker);
   bool wants_more() const;
   void run(const std::stop_token& stop);
 
   const std::filesystem::path program_;
   const WarmWorkerLimits limits_;
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< guards all below
   std::condition_variable_any changed_;
   Idle idle_;
-  int lent_ = 0;          ///< those that answer
-  int waiting_ = 0;       ///< callers, since the last failure
-  int jobs_waiting_ = 0;  ///< those of them that want one for a job
-  int failures_ = 0;      ///< to start one; those who wait see it change
-  bool fails_ = false;    ///< the last try did: the next one is made for a caller
+  int lent_ = 0;          ///< workers that are answering
+  int waiting_ = 0;       ///< callers that have waited since the last failure
+  int jobs_waiting_ = 0;  ///< those of them that need a worker for a job
+  int failures_ = 0;      ///< failed starts; waiting callers see the number change
+  bool fails_ = false;    ///< the last start failed: the next one is made on demand only
   std::string failure_;
   std::jthread starter_;
 };

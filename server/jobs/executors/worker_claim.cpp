@@ -30,14 +30,15 @@ std::optional<StartRank> highest_rank(const std::filesystem::path& folder) {
   }
 }
 
-/// Of the file as its server has it now; nothing where it is none, or cannot be opened.
+/// Status of a file. Opening it makes a network file system ask its server for the present state.
+/// @return nothing if the file does not exist or cannot be opened
 std::optional<struct stat> status_of(const std::filesystem::path& path) {
   try {
     struct stat status {};
     const storage::File file(path, O_RDONLY);
     if (::fstat(file.descriptor(), &status) == 0) return status;
   } catch (const std::system_error&) {
-    // Not there, most likely.
+    // Most likely the file does not exist.
   }
   return std::nullopt;
 }
@@ -56,20 +57,21 @@ bool try_lock(const storage::File& file) {
   struct flock lock = whole_file();
   if (::fcntl(file.descriptor(), F_SETLK, &lock) == 0) return true;
   if (errno == EACCES || errno == EAGAIN) return false;
-  throw std::system_error(errno, std::generic_category(), "cannot lock " + file.path().string());
+  throw std::system_error(errno, std::generic_category(),
+                          fmt::format("cannot lock {}", file.path().string()));
 }
 
 /// @return the process that has the lock; 0 for none
-pid_t owner_of_lock(const storage::File& file) {
+pid_t find_lock_owner(const storage::File& file) {
   struct flock lock = whole_file();
   if (::fcntl(file.descriptor(), F_GETLK, &lock) != 0)
     throw std::system_error(errno, std::generic_category(),
-                            "cannot inspect the lock on " + file.path().string());
-  // Negative is a process of another machine, which has no handle here.
+                            fmt::format("cannot inspect the lock on {}", file.path().string()));
+  // A negative id is a process of another machine, which has no handle here.
   return lock.l_type == F_UNLCK ? 0 : std::max(lock.l_pid, 0);
 }
 
-/// @return nothing for a text that is not whole
+/// @return nothing for an incomplete text
 std::optional<WorkerClaim> parse_claim(const std::string& text) {
   if (!text.ends_with('\n')) return std::nullopt;
   std::istringstream words(text);
@@ -97,8 +99,7 @@ std::optional<v1::SolveCase> read_order(const std::filesystem::path& folder) {
 
 bool announce_rank(const std::filesystem::path& folder, const StartRank& rank) {
   if (is_superseded(folder, rank)) return false;
-  storage::replace_file(folder / rank_file,
-                        std::to_string(rank.attempt) + " " + std::to_string(rank.restart) + "\n");
+  storage::replace_file(folder / rank_file, fmt::format("{} {}\n", rank.attempt, rank.restart));
   return true;
 }
 
@@ -124,7 +125,7 @@ bool shows_end_of_run(const std::filesystem::path& folder, int attempt) {
     const auto end = scan_event_log(folder / "events.log").run_end;
     return end && end->attempt() == attempt && missing_artifact(folder, *end).empty();
   } catch (const std::exception&) {
-    return false;  // a file that cannot be read now
+    return false;  // the file cannot be read now
   }
 }
 
@@ -133,10 +134,10 @@ std::string missing_artifact(const std::filesystem::path& folder, const v1::RunE
   for (const v1::Artifact& artifact : end.artifacts()) {
     const auto status = status_of(folder / artifact.name());
     if (!status)
-      return "result " + artifact.name() +
-             " is not there: " + std::generic_category().message(errno);
+      return fmt::format("result {} is missing: {}", artifact.name(),
+                         std::generic_category().message(errno));
     if (status->st_size != artifact.size_bytes())
-      return "result " + artifact.name() + " has not the size its worker wrote";
+      return fmt::format("result {} does not have the size that its worker wrote", artifact.name());
   }
   return {};
 }
@@ -145,15 +146,17 @@ FolderClaim::FolderClaim(const std::filesystem::path& folder, const WorkerClaim&
                          std::chrono::milliseconds longest, std::optional<StartRank> rank)
     : rank_(rank) {
   if (rank && !announce_rank(folder, *rank))
-    throw FolderTaken("a later start of the job has " + folder.string());
+    throw FolderTaken(fmt::format("a later start of the job has claimed {}", folder.string()));
+
   lock_ = storage::File(folder / claim_file, O_RDWR | O_CREAT);
   const auto end = std::chrono::steady_clock::now() + longest;
   while (!try_lock(lock_)) {
     if (std::chrono::steady_clock::now() > end)
-      throw FolderTaken("another worker (process " + std::to_string(owner_of_lock(lock_)) +
-                        ") writes into " + folder.string());
+      throw FolderTaken(fmt::format("another worker (process {}) writes into {}",
+                                    find_lock_owner(lock_), folder.string()));
     std::this_thread::sleep_for(between_tries);
   }
+
   lock_.cut(0);
   lock_.write_at(0, fmt::format("{} {} {}\n", claim.protocol, claim.attempt, claim.job_id));
 }
@@ -165,6 +168,7 @@ std::string FolderClaim::loss() const {
   if (::fstat(lock_.descriptor(), &held) != 0 || ::stat(lock_.path().c_str(), &there) != 0 ||
       held.st_dev != there.st_dev || held.st_ino != there.st_ino)
     return "the folder of the job is gone";
+
   if (rank_ && is_superseded(lock_.path().parent_path(), *rank_))
     return "a later start of the job has its folder";
   return {};
@@ -174,20 +178,24 @@ void FolderClaim::touch() const {
   ::futimens(lock_.descriptor(), nullptr);
 }
 
-std::optional<ClaimHolder> holder_of(const std::filesystem::path& folder) {
+std::optional<ClaimHolder> find_holder(const std::filesystem::path& folder) {
   const auto path = folder / claim_file;
   if (!std::filesystem::exists(path)) return std::nullopt;
+
   const storage::File file(path, O_RDWR);
-  const pid_t process = owner_of_lock(file);
+  const pid_t process = find_lock_owner(file);
   if (process == 0) return std::nullopt;
+
   ClaimHolder holder{.process = process, .handle = open_process(process)};
   const int error = errno;
-  // It has had the lock all the time, so that its id has not gone to another process before the
-  // line above.
-  if (owner_of_lock(file) != process) return std::nullopt;
+
+  // If it still has the lock, its id was not given to another process before open_process().
+  if (find_lock_owner(file) != process) return std::nullopt;
+
   if (!holder.handle)
     throw std::system_error(error, std::generic_category(),
-                            "cannot follow the worker " + std::to_string(process));
+                            fmt::format("cannot open a handle of worker process {}", process));
+
   holder.claim = parse_claim(storage::read_file(path));
   return holder;
 }

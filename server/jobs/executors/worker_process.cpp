@@ -1,5 +1,6 @@
 #include "server/jobs/executors/worker_process.hpp"
 
+#include <fmt/core.h>
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/util/delimited_message_util.h>
 #include <poll.h>
@@ -27,15 +28,15 @@ namespace {
 
 using Why = WorkerDidNotAnswer::Why;
 
-// How often a worker that answers is looked at: a call that was cancelled keeps it no longer.
-constexpr int look_interval_ms = 20;
-// A frame of the largest mesh that is permitted takes a tenth of this; more is no answer.
+// Polling interval of a busy worker: a cancelled call frees it after this time at the latest.
+constexpr int poll_interval_ms = 20;
+// A frame of the largest permitted mesh takes a tenth of this.
 constexpr std::uint32_t largest_answer = 1u << 30;
 constexpr std::size_t longest_varint = 10;
 
-/// Waits until a child that has closed its link is gone. A program may close that some time before
-/// its end.
-void let_it_end(pid_t process) {
+/// Waits for the end of a child that has closed its socket, for 1 s at most: a program closes it
+/// some time before its end.
+void wait_for_end(pid_t process) {
   for (int i = 0; i < 100; ++i) {
     siginfo_t ended{};
     if (::waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOWAIT | WNOHANG) != 0 ||
@@ -46,7 +47,7 @@ void let_it_end(pid_t process) {
 }
 
 /// Collects a child. @param options  of waitpid()
-/// @return its id, 0 while it runs, -1 when it is not ours to wait for
+/// @return its id, 0 while it runs, -1 if it is not our child
 pid_t collect(pid_t child, int options, int& status) {
   pid_t collected;
   do collected = ::waitpid(child, &status, options);
@@ -54,23 +55,25 @@ pid_t collect(pid_t child, int options, int& status) {
   return collected;
 }
 
-/// The daemon's environment without what is a worker's own, and with one thread for BLAS: jobs
-/// share the cores, and the solver was measured to gain nothing from two.
+/// Environment of a worker: that of the daemon without the variables of workers, and with one
+/// thread for BLAS. Jobs share the cores, and measurements showed no gain of the solver from two
+/// threads.
 std::vector<std::string> worker_environment(const std::filesystem::path& scratch) {
   auto variables = environment(
       false, {"DCCAST_WORKER_", "OPENBLAS_NUM_THREADS=", "OMP_NUM_THREADS=", "OMP_THREAD_LIMIT="});
-  // CHOLMOD's supernodal code asks OpenMP for threads whatever OMP_NUM_THREADS is; the limit it
-  // keeps to.
+
+  // CHOLMOD's supernodal code sets its number of threads regardless of OMP_NUM_THREADS, but
+  // respects OMP_THREAD_LIMIT.
   variables.insert(variables.end(),
                    {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMP_THREAD_LIMIT=1",
-                    "DCCAST_WORKER_PARENT=" + std::to_string(::getpid()),
-                    "DCCAST_WORKER_SCRATCH=" + scratch.string()});
+                    fmt::format("DCCAST_WORKER_PARENT={}", ::getpid()),
+                    fmt::format("DCCAST_WORKER_SCRATCH={}", scratch.string())});
   return variables;
 }
 
 [[noreturn]] void fail_to_start(const std::filesystem::path& program, int error) {
   throw WorkerDidNotAnswer(Why::not_started,
-                           "cannot start " + program.string() + ": " + ::strerror(error));
+                           fmt::format("cannot start {}: {}", program.string(), ::strerror(error)));
 }
 
 }  // namespace
@@ -83,7 +86,8 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program,
     fail_to_start(program, errno);
   socket_ = storage::FileDescriptor(ends[0]);
   const storage::FileDescriptor theirs(ends[1]);
-  // Its end of the socket is the program's standard input; what libraries print goes to our log.
+
+  // The socket is the worker's standard input. Output of its libraries goes to the daemon's log.
   if (const int error = spawn({program}, worker_environment(scratch),
                               {theirs.get(), STDERR_FILENO, STDERR_FILENO}, &process_)) {
     process_ = 0;
@@ -114,7 +118,7 @@ v1::WorkerAnswer WorkerProcess::ask(const v1::WorkerRequest& request, const Call
 }
 
 void WorkerProcess::hand_over(const v1::SolveCase& job) {
-  constexpr std::chrono::seconds longest{1};  // the buffer of the socket takes it at once
+  constexpr std::chrono::seconds longest{1};  // the socket's buffer holds the whole request
   v1::WorkerRequest request;
   *request.mutable_solve() = job;
   try {
@@ -137,9 +141,9 @@ void WorkerProcess::set_stopped(bool stopped) const {
     ::syscall(SYS_pidfd_send_signal, handle_.get(), stopped ? SIGSTOP : SIGCONT, nullptr, 0);
 }
 
-bool WorkerProcess::waits() const {
+bool WorkerProcess::is_idle() const {
   pollfd look{socket_.get(), POLLIN, 0};
-  return ::poll(&look, 1, 0) == 0;  // it sends nothing unasked: anything readable is its end
+  return ::poll(&look, 1, 0) == 0;  // it sends nothing unasked: a readable socket means its end
 }
 
 std::int64_t WorkerProcess::resident_bytes() const {
@@ -152,10 +156,12 @@ std::optional<WorkerExit> WorkerProcess::exit() {
     pollfd look{handle_.get(), POLLIN, 0};
     return ::poll(&look, 1, 0) > 0 ? std::optional(unknown) : std::nullopt;
   }
+
   int status = 0;
   const pid_t collected = collect(process_, WNOHANG, status);
   if (collected == 0) return std::nullopt;
   if (std::exchange(process_, 0) != collected) return unknown;
+
   WorkerExit exit{describe_exit(status)};
   if (WIFEXITED(status)) exit.code = WEXITSTATUS(status);
   return exit;
@@ -164,23 +170,27 @@ std::optional<WorkerExit> WorkerProcess::exit() {
 void WorkerProcess::wait_until(short events, const CallLimits& limits) const {
   pollfd look{socket_.get(), events, 0};
   for (;;) {
-    // Asked first: a worker whose events come faster than this looks would never be called off.
+    // Checked before the poll: a worker that sends events without a pause can be called off, too.
     if (limits.called_off())
-      throw WorkerDidNotAnswer(Why::called_off, "no one waits for this answer any more");
+      throw WorkerDidNotAnswer(Why::called_off, "the caller no longer waits for the answer");
     if (std::chrono::steady_clock::now() > limits.deadline)
-      throw WorkerDidNotAnswer(Why::too_slow, name_ + " took longer than it may");
-    if (::poll(&look, 1, look_interval_ms) > 0) return;
+      throw WorkerDidNotAnswer(Why::too_slow, fmt::format("{} exceeded its time limit", name_));
+
+    if (::poll(&look, 1, poll_interval_ms) > 0) return;
+
     if (resident_bytes() > limits.largest_bytes)
       throw WorkerDidNotAnswer(
-          Why::too_large, name_ + " took more than " + storage::megabytes(limits.largest_bytes));
+          Why::too_large,
+          fmt::format("{} took more than {}", name_, storage::megabytes(limits.largest_bytes)));
   }
 }
 
 void WorkerProcess::send(const google::protobuf::MessageLite& message, const CallLimits& limits) {
   std::ostringstream text;
   google::protobuf::util::SerializeDelimitedToOstream(message, &text);
-  const std::string all = std::move(text).str();
-  for (std::string_view bytes = all; !bytes.empty();) {
+  const std::string framed = std::move(text).str();
+
+  for (std::string_view bytes = framed; !bytes.empty();) {
     const auto sent =
         ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent >= 0)
@@ -200,16 +210,22 @@ v1::WorkerAnswer WorkerProcess::receive(const CallLimits& limits) {
     std::uint32_t size = 0;
     const bool has_size = input.ReadVarint32(&size);
     const auto begin = static_cast<std::size_t>(input.CurrentPosition());
+
     v1::WorkerAnswer answer;
     const bool whole = has_size && received_.size() - begin >= size;
     const bool wrong_size = has_size ? size > largest_answer : received_.size() >= longest_varint;
+
     if (wrong_size ||
         (whole && !answer.ParseFromArray(received_.data() + begin, static_cast<int>(size))))
-      throw WorkerDidNotAnswer(Why::died, name_ + " sent an answer that cannot be read");
+      throw WorkerDidNotAnswer(Why::died,
+                               fmt::format("{} sent an answer that cannot be read", name_));
+
     if (whole) {
-      received_ = received_.substr(begin + size);  // a large answer leaves no large buffer
+      // A copy: erasing from the front would keep the buffer of a large answer.
+      received_ = received_.substr(begin + size);
       return answer;
     }
+
     receive_more(limits);
   }
 }
@@ -230,16 +246,18 @@ void WorkerProcess::receive_more(const CallLimits& limits) {
 }
 
 void WorkerProcess::report_death() {
-  let_it_end(process_);
+  wait_for_end(process_);
   ::kill(process_, SIGKILL);
+
   int status = 0;
   const pid_t process = std::exchange(process_, 0);
   if (collect(process, 0, status) != process)
-    throw WorkerDidNotAnswer(Why::died, name_ + " has ended, how is not known");
+    throw WorkerDidNotAnswer(Why::died, fmt::format("{} ended with an unknown exit code", name_));
+
   const bool killed =
       WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM);
   throw WorkerDidNotAnswer(killed ? Why::killed : Why::died,
-                           name_ + " ended with " + describe_exit(status));
+                           fmt::format("{} ended with {}", name_, describe_exit(status)));
 }
 
 }  // namespace dccast::jobs

@@ -7,68 +7,69 @@
 #include "dccast/v1/job.pb.h"
 #include "server/jobs/folder/job_folder.hpp"
 
-/// What is known of a job, and the messages of its life.
+/// The records of a job, and the events that its log holds.
 namespace dccast::jobs {
 
-/// A job with what the service keeps to itself.
+/// A job with the fields that the service does not publish.
 struct JobRecord {
   v1::Job job;
-  RequestedAction requested_action = RequestedAction::none;  ///< of its folder, not of its row
-  std::string request_reason;                                ///< the same
-  int losses = 0;                                            ///< times its worker died
+  RequestedAction requested_action = RequestedAction::none;  ///< from its folder, not its row
+  std::string request_reason;                                ///< from its folder, not its row
+  int losses = 0;                                            ///< number of deaths of its worker
   std::int64_t lost_step = -1;  ///< last step reported before the last loss; -1: never lost
-  std::string first_loss;       ///< how the worker died the first time: the cause that is kept
-  std::int64_t bytes = 0;       ///< of the case and its attachments; once ended of its folder
-  std::string answer_key{};     ///< of all that decides its figures: intake::answer_key()
-  std::string solver{};         ///< identity of the solver that succeeded with it; empty: none has
+  std::string first_loss;       ///< how the worker died the first time, the cause that is reported
+  std::int64_t bytes = 0;       ///< case and attachments; after the end its whole folder [bytes]
+  std::string answer_key{};     ///< digest of everything that determines its results, by
+                                ///< intake::answer_key()
+  std::string solver{};         ///< identity of the solver that succeeded; empty: none has
 };
 
-/// A case that was found good, ready to become a job.
+/// A case that has passed all checks, ready to become a job.
 struct NewJob {
   std::string request_id;  ///< empty: none
   std::string study{};     ///< empty: none
   std::string title;
   v1::Priority priority = v1::NORMAL;
-  std::string owner{};         ///< who submits it
-  std::string case_sha256;     ///< of the case as it was submitted, with its attachments
+  std::string owner{};         ///< identity of the submitter
+  std::string case_sha256;     ///< of the submitted case with its attachments
   std::string submitted_case;  ///< serialised
   std::string complete_case;   ///< serialised, with defaults and alloy card
   std::vector<std::string> labels{};
-  std::vector<v1::CaseChange> changes{};  ///< made in the case already
+  std::vector<v1::CaseChange> changes{};  ///< already applied to the case
   std::string case_file{};                ///< as the submitter wrote it; empty: not known
   std::vector<std::string> after{};       ///< jobs that must succeed first
-  double time_limit_s = 0.0;              ///< of wall time; 0: none of its own
-  std::string mail{};                     ///< for the hook of the server; empty: none
-  double estimated_s = 0.0;               ///< what the check took the run for; 0: not known
+  double time_limit_s = 0.0;              ///< of wall time [s]; 0: no limit of its own
+  std::string mail{};                     ///< address for the hook of the server; empty: none
+  double estimated_s = 0.0;               ///< run time estimated by the check [s]; 0: not known
   std::string answer_key{};               ///< see JobRecord
-  /// It starts at once, beside the others, as long as this daemon serves; else as they do.
+  /// Starts at once, in addition to the jobs of the queue. A restarted daemon queues it normally.
   bool goes_first = false;
 };
 
-/// The job as it is stored first: with an id of its own, queued, created now.
-JobRecord record_of_new(const NewJob& new_job, const Attachments& attachments);
+/// Creates the first record of a job: queued, with a new id, created now.
+JobRecord make_record(const NewJob& new_job, const Attachments& attachments);
 
 google::protobuf::Timestamp now();
-/// Milliseconds since 1970, as the store keeps them; 0 for an unset time.
+/// Milliseconds since 1970, the unit of the store; 0 for an unset time.
 std::int64_t milliseconds(const google::protobuf::Timestamp& time);
 google::protobuf::Timestamp timestamp(std::int64_t milliseconds);
 
 bool is_terminal(v1::JobState state);
 
-/// Adds what went wrong: the first cause stays, further ones are listed after it.
+/// Adds a failure. The first one remains the cause; further ones are listed after it.
 void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& message);
 
-/// Adds a finding, or replaces that of the same code: the last one has its worst exceedance.
+/// Adds a finding, or replaces the one of the same code: the latest holds the worst exceedance.
 void keep_finding(google::protobuf::RepeatedPtrField<v1::Finding>& findings,
                   const v1::Finding& finding);
 
 v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level);
 
-/// The event of a job that has come into its present state.
+/// The event of a job that has entered its present state.
 /// @param job    with its new state, and failure and artifacts if it has ended
-/// @param cause  why, one line for people
+/// @param cause  one line for the user
 v1::JobEvent state_event(const v1::Job& job, const std::string& cause);
-/// The same with what the next daemon needs to know of the attempts so far.
+/// The same event with the losses and the solver, which the next daemon needs.
 v1::JobEvent state_event(const JobRecord& record, const std::string& cause);
 
 }  // namespace dccast::jobs

@@ -1,14 +1,13 @@
 #include "server/jobs/folder/job_folder.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <sstream>
-#include <stdexcept>
 #include <system_error>
 
 #include "core/storage/file.hpp"
@@ -46,18 +45,21 @@ void remove_file(const std::filesystem::path& path) {
   if (error) log::warn("cannot remove {}: {}", path.string(), error.message());
 }
 
-/// Of a file that need not be there; nothing also where something else stands in its place.
-std::optional<std::string> content_of(const std::filesystem::path& path) {
+/// Reads an optional file. @return nothing if there is none, or if the entry is no regular file
+std::optional<std::string> read_if_present(const std::filesystem::path& path) {
   const std::string kind = storage::kind_of_entry(path);
   if (kind.empty()) return std::nullopt;
   if (kind == storage::regular_file) return storage::read_file(path);
+
+  // Opening a named pipe would block; a directory cannot be read.
   log::warn("{} is {}, not {}: it is ignored", path.string(), kind, storage::regular_file);
   return std::nullopt;
 }
 
 void make_directory(const std::filesystem::path& path) {
   if (::mkdir(path.c_str(), 0700) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot make " + path.string());
+    throw std::system_error(errno, std::generic_category(),
+                            fmt::format("cannot make {}", path.string()));
 }
 
 void write_attachments(const std::filesystem::path& folder, const Attachments& attachments) {
@@ -78,11 +80,14 @@ void create_job_folder(const std::filesystem::path& folder, const Attachments& a
                        const JobDescription& description, const std::string& text) {
   try {
     write_attachments(folder, attachments);
+
     JobDescription with_digests = description;
     for (const v1::Attachment& attachment : attachments)
       with_digests.attachment_sha256[attachment.name()] = values::sha256(attachment.content());
     write_job_description(folder, with_digests);
     if (!text.empty()) storage::create_durably(folder / submitted_file, text);
+
+    // The names of the files become durable with their directories.
     if (!attachments.empty()) storage::sync_directory(folder / attachments_folder);
     storage::sync_directory(folder);
     storage::sync_directory(folder.parent_path());
@@ -94,17 +99,17 @@ void create_job_folder(const std::filesystem::path& folder, const Attachments& a
 
 void write_request(const std::filesystem::path& folder, const Request& request) {
   const char* action = request.action == RequestedAction::cancel ? "cancel" : "pause";
-  storage::replace_file(folder / request_file, std::string(action) + "\n" + request.reason);
+  storage::replace_file(folder / request_file, fmt::format("{}\n{}", action, request.reason));
 }
 
 std::optional<Request> read_request(const std::filesystem::path& folder) {
-  const auto content = content_of(folder / request_file);
-  if (!content) return std::nullopt;
-  const std::string& text = *content;
-  const std::size_t line = std::min(text.find('\n'), text.size());
+  const auto text = read_if_present(folder / request_file);
+  if (!text) return std::nullopt;
+
+  const std::size_t line = std::min(text->find('\n'), text->size());
   const auto action =
-      text.substr(0, line) == "pause" ? RequestedAction::pause : RequestedAction::cancel;
-  return Request{action, text.substr(std::min(line + 1, text.size()))};
+      text->substr(0, line) == "pause" ? RequestedAction::pause : RequestedAction::cancel;
+  return Request{action, text->substr(std::min(line + 1, text->size()))};
 }
 
 void remove_request(const std::filesystem::path& folder) {
@@ -121,15 +126,16 @@ void write_marks(const std::filesystem::path& folder, const v1::Job& job) {
 
 void read_marks(const std::filesystem::path& folder, v1::Job& job) {
   const std::filesystem::path path = folder / marks_file;
-  const auto content = content_of(path);
-  if (!content) return;
-  const std::string& bytes = *content;
+  const auto bytes = read_if_present(path);
+  if (!bytes) return;
+
   v1::Job marks;
   const auto record =
-      storage::short_records.first_of(bytes, static_cast<std::uint32_t>(bytes.size()));
+      storage::short_records.first_of(*bytes, static_cast<std::uint32_t>(bytes->size()));
   if (!record || record->payload.empty() ||
       !marks.ParseFromString(std::string(record->payload.substr(1))))
-    return log::warn("{} is damaged: the job has the labels it was submitted with", path.string());
+    return log::warn("{} is damaged: the job keeps the labels of its submission", path.string());
+
   *job.mutable_labels() = marks.labels();
   job.set_pinned(marks.pinned());
 }
@@ -139,7 +145,7 @@ std::int64_t bytes_kept(const std::filesystem::path& folder) {
   std::error_code error;
   for (std::filesystem::recursive_directory_iterator file(folder, error), end;
        !error && file != end; file.increment(error)) {
-    std::error_code gone;
+    std::error_code gone;  // a file may be removed during the walk
     const bool counts = file->is_regular_file(gone) &&
                         std::ranges::find(run_files, file->path().filename()) == run_files.end();
     const auto size = counts ? file->file_size(gone) : 0;
@@ -178,87 +184,6 @@ CheckFolder::CheckFolder(const std::filesystem::path& parent, const Attachments&
 
 CheckFolder::~CheckFolder() {
   remove_folder(path_);
-}
-
-namespace {
-
-constexpr std::uint32_t largest_part = UINT32_MAX;  // a case is bounded where it is taken
-constexpr std::size_t sha256_length = 64;           // [characters]
-constexpr std::size_t name_column = sha256_length + 2;
-
-std::string header(std::uint32_t version) {
-  return "DCCASTJD" + storage::little_endian(version) + storage::little_endian(0);
-}
-
-/// One byte in front, as a frame is never empty but a message may be.
-std::string part(std::string_view content) {
-  return storage::short_records.framed('\1' + std::string(content));
-}
-
-std::string_view take_part(std::string_view& rest) {
-  const auto record = storage::short_records.first_of(rest, largest_part);
-  if (!record) throw std::runtime_error("is damaged (wrong checksum)");
-  rest.remove_prefix(static_cast<std::size_t>(record->size));
-  return record->payload.substr(1);
-}
-
-JobDescription parse_parts(std::string_view bytes) {
-  JobDescription description;
-  if (!description.job.ParseFromString(std::string(take_part(bytes))))
-    throw std::runtime_error("cannot be parsed");
-  description.submitted_case = take_part(bytes);
-  description.complete_case = take_part(bytes);
-  if (!bytes.empty()) description.answer_key = take_part(bytes);
-  if (bytes.empty()) return description;
-  std::istringstream digests{std::string(take_part(bytes))};
-  for (std::string line; std::getline(digests, line);)
-    if (line.size() > name_column)
-      description.attachment_sha256[line.substr(name_column)] = line.substr(0, sha256_length);
-  return description;
-}
-
-JobDescription parse(std::string_view bytes) {
-  const std::string first = header(1);
-  if (bytes.starts_with(first)) return parse_parts(bytes.substr(first.size()));
-  bytes.remove_prefix(std::min(bytes.size(), first.size()));  // damaged, maybe: the parts decide
-  const std::size_t half = bytes.size() / 2;
-  try {
-    return parse_parts(bytes.substr(0, half));
-  } catch (const std::runtime_error&) {
-    return parse_parts(bytes.substr(half));
-  }
-}
-
-}  // namespace
-
-void write_job_description(const std::filesystem::path& folder, const JobDescription& description) {
-  std::string digests;
-  for (const auto& [name, sha256] : description.attachment_sha256)
-    digests += sha256 + "  " + name + "\n";
-  const std::string parts = part(description.job.SerializeAsString()) +
-                            part(description.submitted_case) + part(description.complete_case) +
-                            part(description.answer_key) + part(digests);
-  storage::create_durably(folder / description_file, header(2) + parts + parts);
-}
-
-JobDescription read_job_description(const std::filesystem::path& folder) {
-  const std::filesystem::path path = folder / description_file;
-  if (!std::filesystem::exists(path))
-    throw std::runtime_error(std::string("it has no ") + description_file +
-                             ": it was submitted to an earlier version of dccastd");
-  try {
-    return parse(storage::read_file(path));
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(std::string("its ") + description_file + " " + error.what());
-  }
-}
-
-bool read_complete_case(const std::filesystem::path& folder, v1::Case& to) {
-  try {
-    return to.ParseFromString(read_job_description(folder).complete_case);
-  } catch (const std::runtime_error&) {
-    return false;
-  }
 }
 
 }  // namespace dccast::jobs

@@ -35,7 +35,7 @@ std::vector<std::string> names_in(const fs::path& directory) {
   return names;
 }
 
-fs::path quarantine_of(const fs::path& jobs_directory) {
+fs::path quarantine_path(const fs::path& jobs_directory) {
   return fs::absolute(jobs_directory).parent_path() / "quarantine";
 }
 
@@ -44,10 +44,12 @@ void end_removals(const fs::path& jobs_directory, const std::set<std::string>& k
     if (!name.ends_with(removed_suffix)) continue;
     const std::string id = name.substr(0, name.size() - removed_suffix.size());
     if (!values::is_uuid(id)) continue;
+
+    // With a row the deletion did not happen; without one only the folder is left to delete.
     if (known_ids.contains(id)) {
       undo_removal(jobs_directory / name);
     } else {
-      log::info("job {}: its folder is deleted, as was asked for", id);
+      log::info("job {}: deleting its folder, as requested before the restart", id);
       fs::remove_all(jobs_directory / name);
     }
   }
@@ -58,16 +60,17 @@ void end_removals(const fs::path& jobs_directory, const std::set<std::string>& k
 fs::path free_name(const fs::path& wanted) {
   fs::path name = wanted;
   for (int number = 2; fs::exists(name); ++number)
-    name = wanted.string() + "-" + std::to_string(number);
+    name = fmt::format("{}-{}", wanted.string(), number);
   return name;
 }
 
 fs::path quarantine_folder(const fs::path& jobs_directory, const std::string& id) {
-  const fs::path quarantine = quarantine_of(jobs_directory);
+  const fs::path quarantine = quarantine_path(jobs_directory);
   if (fs::create_directories(quarantine)) {
     fs::permissions(quarantine, fs::perms::owner_all);
     storage::sync_directory(quarantine.parent_path());
   }
+
   const fs::path target = free_name(
       quarantine / fmt::format("{}-{:%Y%m%dT%H%M%SZ}", id, fmt::gmtime(std::time(nullptr))));
   move(jobs_directory / id, target);
@@ -77,14 +80,15 @@ fs::path quarantine_folder(const fs::path& jobs_directory, const std::string& id
 void quarantine_unknown_folders(const fs::path& jobs_directory,
                                 const std::set<std::string>& known_ids) {
   end_removals(jobs_directory, known_ids);
+
   for (const std::string& id : folder_ids(jobs_directory))
     if (!known_ids.contains(id))
-      log::warn("job {}: the store does not know it; its folder is now {}; dccastd check lists it",
-                id, quarantine_folder(jobs_directory, id).string());
+      log::warn("job {}: not in the store; its folder was moved to {}; dccastd check lists it", id,
+                quarantine_folder(jobs_directory, id).string());
 }
 
 std::vector<QuarantinedFolder> quarantined_folders(const fs::path& jobs_directory) {
-  const fs::path quarantine = quarantine_of(jobs_directory);
+  const fs::path quarantine = quarantine_path(jobs_directory);
   std::vector<QuarantinedFolder> folders;
   for (const std::string& name : names_in(quarantine))
     if (const std::string id = name.substr(0, id_length); values::is_uuid(id))
@@ -101,10 +105,12 @@ std::set<std::string> folder_ids(const fs::path& jobs_directory) {
 
 bool release_folder(const fs::path& jobs_directory, const std::string& id) {
   if (fs::exists(jobs_directory / id)) return false;
+
   const auto folders = quarantined_folders(jobs_directory);
   const auto newest = std::find_if(folders.rbegin(), folders.rend(),
                                    [&](const QuarantinedFolder& each) { return each.id == id; });
   if (newest == folders.rend()) return false;
+
   move(newest->path, jobs_directory / id);
   return true;
 }

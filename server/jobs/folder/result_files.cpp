@@ -37,11 +37,12 @@ storage::File open_result(const std::filesystem::path& job_folder, const v1::Art
     if (storage::is_resource_fault(error.code())) throw;
     refuse(path, fmt::format("cannot be read ({})", error.code().message()));
   }
+
   if (file.size() != artifact.size_bytes()) refuse(path, "has not the size that its worker wrote");
   return file;
 }
 
-ResultDigests::State ResultDigests::state_of(const storage::File& file) {
+ResultDigests::State ResultDigests::examine(const storage::File& file) {
   struct stat status {};
   if (::fstat(file.descriptor(), &status) != 0)
     throw storage::StorageError(errno, file.path().string(), "cannot be examined");
@@ -51,9 +52,10 @@ ResultDigests::State ResultDigests::state_of(const storage::File& file) {
 
 void ResultDigests::require_sound(const std::filesystem::path& job_folder,
                                   const v1::Artifact& artifact) {
-  constexpr std::size_t most_kept = 1000;
+  constexpr std::size_t largest_count = 1000;
+
   const storage::File file = open_result(job_folder, artifact);
-  const State state = state_of(file);
+  const State state = examine(file);
   {
     const std::lock_guard lock(mutex_);
     const auto found = sound_.find(file.path());
@@ -64,7 +66,7 @@ void ResultDigests::require_sound(const std::filesystem::path& job_folder,
     refuse(file.path(), "is not what its worker wrote: its SHA-256 differs");
 
   const std::lock_guard lock(mutex_);
-  if (sound_.size() >= most_kept) sound_.clear();
+  if (sound_.size() >= largest_count) sound_.clear();
   sound_[file.path()] = state;
 }
 

@@ -1,11 +1,11 @@
 #include "server/jobs/logs/event_logs.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <poll.h>
 #include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include "server/jobs/log.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,6 +16,7 @@
 #include "core/storage/file.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/jobs/folder/quarantine.hpp"
+#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 
@@ -23,14 +24,54 @@ namespace {
 
 constexpr std::chrono::milliseconds sync_interval{500};
 
-// From one look at all followed files to the next: the system reports changes of local files, not
-// of those that another machine writes.
-constexpr int look_interval_ms = 100;
-constexpr int look_interval_without_reports_ms = 10;
+// All followed files are polled as well: inotify reports changes of local files, but not those made
+// by another machine.
+constexpr int poll_interval_ms = 100;
+constexpr int poll_interval_without_inotify_ms = 10;
 
-// Opening a file makes a network file system ask its server how long it is by now; an open one it
-// answers for from memory, for up to a minute.
+// A network file system may show the old size of an open file for up to a minute; opening the file
+// makes it ask its server.
 constexpr std::chrono::seconds reopen_interval{2};
+
+void set_aside(const std::filesystem::path& path, const std::string& why) {
+  const auto aside = free_name(path.string() + ".damaged");
+  std::filesystem::rename(path, aside);
+  log::warn("{}; moved to {}, the log begins again", why, aside.string());
+}
+
+/// Opens a log. If nothing of it is left it begins again, because the description of the job is in
+/// another file.
+std::shared_ptr<EventLog> open_or_begin(const std::filesystem::path& path) {
+  const std::string kind = storage::kind_of_entry(path);
+  if (!kind.empty() && kind != storage::regular_file)
+    set_aside(path, fmt::format("{} is {}", path.string(), kind));
+
+  try {
+    return std::make_shared<EventLog>(path);
+  } catch (const NoEventLog& error) {
+    set_aside(path, error.what());
+    return std::make_shared<EventLog>(path);
+  }
+}
+
+/// Reads all pending events. @return the watches whose files have changed
+std::set<int> read_changes(const storage::FileDescriptor& inotify) {
+  std::set<int> changed;
+  if (!inotify) return changed;
+
+  alignas(inotify_event) std::array<char, 4096> buffer;
+  for (;;) {
+    const ssize_t size = ::read(inotify.get(), buffer.data(), buffer.size());
+    if (size <= 0) return changed;
+
+    const char* const end = buffer.data() + size;
+    for (const char* position = buffer.data(); position < end;) {
+      const auto* event = reinterpret_cast<const inotify_event*>(position);
+      changed.insert(event->wd);
+      position += sizeof *event + event->len;
+    }
+  }
+}
 
 }  // namespace
 
@@ -41,52 +82,31 @@ EventLogs::EventLogs(std::filesystem::path jobs_directory)
       syncer_([this](const std::stop_token& stop) { run_syncer(stop); }),
       follower_([this](const std::stop_token& stop) { run_follower(stop); }) {}
 
-std::shared_ptr<EventLogs::Slot> EventLogs::slot_of(const std::string& job_id) {
+std::shared_ptr<EventLogs::Slot> EventLogs::find_slot(const std::string& job_id) {
   const std::lock_guard lock(logs_mutex_);
   if (const auto found = logs_.find(job_id); found != logs_.end()) return found->second;
-  // A slot that only the map holds is of a log that no one has open or is about to open.
+
+  // A slot that only the map holds belongs to a log that no one has open or is opening.
   std::erase_if(logs_, [](const auto& entry) {
     return entry.second.use_count() == 1 && entry.second->log.expired();
   });
   return logs_[job_id] = std::make_shared<Slot>();
 }
 
-std::shared_ptr<EventLog> EventLogs::open_now(const std::string& job_id) {
+std::shared_ptr<EventLog> EventLogs::find_open(const std::string& job_id) {
   const std::lock_guard lock(logs_mutex_);
   const auto found = logs_.find(job_id);
   return found == logs_.end() ? nullptr : found->second->log.lock();
 }
 
-namespace {
-
-void set_aside(const std::filesystem::path& path, const std::string& why) {
-  const auto aside = free_name(path.string() + ".damaged");
-  std::filesystem::rename(path, aside);
-  log::warn("{}; it begins again, and is now {}", why, aside.string());
-}
-
-/// What a job is, its folder says in another file: a log of which nothing is left begins again.
-std::shared_ptr<EventLog> opened(const std::filesystem::path& path) {
-  const std::string kind = storage::kind_of_entry(path);
-  if (!kind.empty() && kind != storage::regular_file)
-    set_aside(path, path.string() + " is " + kind);
-
-  try {
-    return std::make_shared<EventLog>(path);
-  } catch (const NoEventLog& error) {
-    set_aside(path, error.what());
-    return std::make_shared<EventLog>(path);
-  }
-}
-
-}  // namespace
-
 std::shared_ptr<EventLog> EventLogs::open(const std::string& job_id) {
-  const auto slot = slot_of(job_id);
+  const auto slot = find_slot(job_id);
   const std::lock_guard opening(slot->opening);
-  if (auto log = open_now(job_id)) return log;
-  auto log = opened(jobs_directory_ / job_id / "events.log");
-  log->on_append([this, job_id] { mark(job_id); });
+  if (auto log = find_open(job_id)) return log;
+
+  auto log = open_or_begin(jobs_directory_ / job_id / "events.log");
+  log->on_append([this, job_id] { note_appended(job_id); });
+
   const std::lock_guard lock(logs_mutex_);
   slot->log = log;
   return log;
@@ -104,20 +124,22 @@ void EventLogs::follow(const std::string& job_id) {
   const auto path = jobs_directory_ / job_id / "events.log";
   const std::lock_guard lock(mutex_);
   Followed& followed = followed_.emplace_back(Followed{.job_id = job_id});
-  if (changes_) followed.mark = ::inotify_add_watch(changes_.get(), path.c_str(), IN_MODIFY);
+  if (changes_) followed.watch = ::inotify_add_watch(changes_.get(), path.c_str(), IN_MODIFY);
 }
 
-/// @param marked  marks of the files that have changed; empty: look at all
-/// @param reopen  open each of them once more
-void EventLogs::refresh_followed(const std::set<int>& marked, bool reopen) {
+/// Reads what was appended to followed logs, and stops following those that no one holds any more.
+/// @param changed  watches of the files to read; empty: all files
+/// @param reopen   open each of them once more
+void EventLogs::refresh_followed(const std::set<int>& changed, bool reopen) {
   std::vector<std::string> jobs;
   {
     const std::lock_guard lock(mutex_);
     for (const Followed& followed : followed_)
-      if (marked.empty() || marked.contains(followed.mark)) jobs.push_back(followed.job_id);
+      if (changed.empty() || changed.contains(followed.watch)) jobs.push_back(followed.job_id);
   }
+
   for (const std::string& job_id : jobs) {
-    const std::shared_ptr<EventLog> log = open_now(job_id);
+    const std::shared_ptr<EventLog> log = find_open(job_id);
     try {
       if (log && reopen) storage::File(jobs_directory_ / job_id / "events.log", O_RDONLY);
       if (log) log->refresh();
@@ -125,34 +147,31 @@ void EventLogs::refresh_followed(const std::set<int>& marked, bool reopen) {
       log::error("job {}: {}", job_id, error.what());
     }
     if (log) continue;
+
     const std::lock_guard lock(mutex_);
     std::erase_if(followed_, [&](const Followed& followed) {
       if (followed.job_id != job_id) return false;
-      if (followed.mark >= 0) ::inotify_rm_watch(changes_.get(), followed.mark);
+      if (followed.watch >= 0) ::inotify_rm_watch(changes_.get(), followed.watch);
       return true;
     });
   }
 }
 
 void EventLogs::run_follower(const std::stop_token& stop) {
-  alignas(inotify_event) std::array<char, 4096> buffer;
-  auto last_look = std::chrono::steady_clock::now();
-  auto last_reopened = last_look;
+  const int interval_ms = changes_ ? poll_interval_ms : poll_interval_without_inotify_ms;
+  auto last_poll = std::chrono::steady_clock::now();
+  auto last_reopened = last_poll;
+
   while (!stop.stop_requested()) {
-    const int interval_ms = changes_ ? look_interval_ms : look_interval_without_reports_ms;
     pollfd waiting{changes_.get(), POLLIN, 0};
     ::poll(&waiting, changes_ ? 1 : 0, interval_ms);
-    std::set<int> marked;
-    for (ssize_t got; changes_ && (got = ::read(changes_.get(), buffer.data(), buffer.size())) > 0;)
-      for (const char* at = buffer.data(); at < buffer.data() + got;) {
-        const auto* event = reinterpret_cast<const inotify_event*>(at);
-        marked.insert(event->wd);
-        at += sizeof *event + event->len;
-      }
-    if (!marked.empty()) refresh_followed(marked, false);
+    const std::set<int> changed = read_changes(changes_);
+    if (!changed.empty()) refresh_followed(changed, false);
+
     const auto now = std::chrono::steady_clock::now();
-    if (now - last_look < std::chrono::milliseconds(interval_ms)) continue;
-    last_look = now;
+    if (now - last_poll < std::chrono::milliseconds(interval_ms)) continue;
+    last_poll = now;
+
     const bool reopen = now - last_reopened >= reopen_interval;
     if (reopen) last_reopened = now;
     refresh_followed({}, reopen);
@@ -165,7 +184,7 @@ void EventLogs::wake_all() {
   changed_.notify_all();
 }
 
-void EventLogs::mark(const std::string& job_id) {
+void EventLogs::note_appended(const std::string& job_id) {
   {
     const std::lock_guard lock(mutex_);
     to_sync_.insert(job_id);
@@ -174,12 +193,11 @@ void EventLogs::mark(const std::string& job_id) {
   changed_.notify_all();
 }
 
-/// Those of jobs that have ended are notified of nothing, where they could be dropped.
+/// Watchers of ended jobs are never notified again, so they are dropped when a new one comes.
 void EventLogs::drop_expired() {
-  for (auto at = watchers_.begin(); at != watchers_.end();) {
-    std::erase_if(at->second, [](const auto& watcher) { return watcher.expired(); });
-    at = at->second.empty() ? watchers_.erase(at) : std::next(at);
-  }
+  for (auto& [job_id, watchers] : watchers_)
+    std::erase_if(watchers, [](const auto& watcher) { return watcher.expired(); });
+  std::erase_if(watchers_, [](const auto& entry) { return entry.second.empty(); });
 }
 
 void EventLogs::run_notifier(const std::stop_token& stop) {
@@ -188,29 +206,35 @@ void EventLogs::run_notifier(const std::stop_token& stop) {
     {
       std::unique_lock lock(mutex_);
       if (!changed_.wait(lock, stop, [this] { return !to_notify_.empty(); })) return;
+
       const std::string job_id = *to_notify_.begin();
       to_notify_.erase(to_notify_.begin());
+
       if (const auto found = watchers_.find(job_id); found != watchers_.end())
         for (const auto& watcher : found->second)
           if (auto held = watcher.lock()) alive.push_back(std::move(held));
     }
+
+    // Without the lock: a watcher may call this object.
     for (const auto& watcher : alive) watcher->on_appended();
   }
 }
 
 void EventLogs::run_syncer(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
+    // Shows workers that a daemon is running.
     ::utimensat(AT_FDCWD, daemon_file(jobs_directory_).c_str(), nullptr, 0);
+
     std::set<std::string> jobs;
     {
       std::unique_lock lock(mutex_);
       changed_.wait_for(lock, stop, sync_interval, [] { return false; });
       jobs.swap(to_sync_);
     }
+
     for (const std::string& job_id : jobs) {
-      // A log that no one holds any more has ended (and was synced then) or its job was requeued;
-      // opening it again would be for the disk's sake only.
-      const std::shared_ptr<EventLog> log = open_now(job_id);
+      // A log that is no longer open was synced when it was closed.
+      const std::shared_ptr<EventLog> log = find_open(job_id);
       try {
         if (log) log->sync();
       } catch (const std::system_error& error) {

@@ -15,54 +15,54 @@
 
 namespace dccast::jobs {
 
-/// Someone who follows an event log. Its call must not block: it reads with its own cursor.
+/// Follows an event log. The call must not block; the watcher reads with its own cursor.
 class Watcher {
 public:
   virtual ~Watcher() = default;
   virtual void on_appended() = 0;
 };
 
-/// The open event logs: each file is open once. Wakes watchers on a thread of its
-/// own, so that a writer never waits for a watcher; syncs appended events to disk about every
-/// 0.5 s; follows the files that workers append to.
+/// The open event logs; each file is opened once. Notifies watchers on a separate thread, so that a
+/// writer never waits for a watcher. Syncs appended events to disk about every 0.5 s. Follows the
+/// files that workers append to.
 class EventLogs {
 public:
-  /// @param jobs_directory  with one folder per job
+  /// @param jobs_directory  holds one folder per job
   explicit EventLogs(std::filesystem::path jobs_directory);
 
-  /// The log of a job, opened if it is not open. Reading a long file delays no call for another
-  /// job's log. @throws as EventLog's constructor
+  /// The log of a job, opened if it is not open yet. Reading a long file does not delay calls for
+  /// the logs of other jobs. @throws as EventLog's constructor
   std::shared_ptr<EventLog> open(const std::string& job_id);
 
-  /// Calls the watcher soon, and after every event of the job from now on, as long as it lives.
+  /// Calls the watcher soon, and after every further event of the job while the watcher lives.
   void watch(const std::string& job_id, std::weak_ptr<Watcher> watcher);
 
-  /// Takes what the worker of a job appends, as it happens, as long as somebody else holds the log.
+  /// Reads what the worker of a job appends, while anyone else holds the log.
   void follow(const std::string& job_id);
 
-  /// Calls every watcher once more: something else than a log has changed.
+  /// Calls every watcher, because something other than a log has changed.
   void wake_all();
 
 private:
-  /// Where the log of one job is kept while somebody holds it.
+  /// Entry for the log of one job.
   struct Slot {
-    std::mutex opening;           ///< one thread opens the file, others wait for it
-    std::weak_ptr<EventLog> log;  ///< of logs_mutex_
+    std::mutex opening;           ///< held by the thread that opens the file
+    std::weak_ptr<EventLog> log;  ///< guarded by logs_mutex_
   };
 
-  std::shared_ptr<Slot> slot_of(const std::string& job_id);
-  std::shared_ptr<EventLog> open_now(const std::string& job_id);
-  void mark(const std::string& job_id);
+  std::shared_ptr<Slot> find_slot(const std::string& job_id);
+  std::shared_ptr<EventLog> find_open(const std::string& job_id);
+  void note_appended(const std::string& job_id);
   void run_notifier(const std::stop_token& stop);
   void run_syncer(const std::stop_token& stop);
   void run_follower(const std::stop_token& stop);
-  void refresh_followed(const std::set<int>& marked, bool reopen);
+  void refresh_followed(const std::set<int>& changed, bool reopen);
   void drop_expired();
 
   std::filesystem::path jobs_directory_;
   std::mutex logs_mutex_;
   std::map<std::string, std::shared_ptr<Slot>> logs_;
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< guards all below
   std::condition_variable_any changed_;
   std::set<std::string> to_notify_;
   std::set<std::string> to_sync_;
@@ -70,9 +70,9 @@ private:
   /// A log that a worker appends to.
   struct Followed {
     std::string job_id;
-    int mark = -1;  ///< of the system on its file; -1: none, it is looked at now and then
+    int watch = -1;  ///< inotify watch on its file; -1: none, the file is polled
   };
-  storage::FileDescriptor changes_;  ///< inotify; nothing where the system has none left
+  storage::FileDescriptor changes_;  ///< inotify; empty if the system has none left
   std::vector<Followed> followed_;
   std::jthread notifier_;
   std::jthread syncer_;

@@ -17,36 +17,38 @@ namespace dccast::jobs {
 
 namespace {
 
-/// From a kill to the next try, should it get lost.
+/// Interval at which a kill is repeated, in case it is lost.
 constexpr std::chrono::seconds between_kills{2};
 
 double seconds(std::chrono::milliseconds time) {
   return std::chrono::duration<double>(time).count();
 }
 
-/// When an attempt began. Of one that an earlier daemon has started it is known for the first one.
-Attempt::Clock::time_point begin_of(const Attempt& attempt) {
+/// Begin of an attempt. For attempts of an earlier daemon it is known only for the first one.
+Attempt::Clock::time_point begin_time(const Attempt& attempt) {
   const auto now_at = Attempt::Clock::now();
   if (!attempt.adopted || attempt.number > 1) return now_at;
+
   return now_at - std::chrono::milliseconds(std::max<std::int64_t>(
                       0, milliseconds(now()) - milliseconds(attempt.record.job.start_time())));
 }
 
-/// Begins to count anew: the daemon itself stood still (a stopped process, a suspended machine) and
-/// has seen no signs.
+/// Restarts the timers of a worker, because the daemon itself was suspended and missed heartbeats.
 void forgive_silence(Attempt& attempt, Attempt::Clock::time_point now) {
   attempt.looked = attempt.last_sign = attempt.last_progress = now;
 }
 
-/// Looks for new signs of life: the time of the claim on the folder, the events of the log.
-void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,
-                    Attempt::Clock::time_point now) {
+/// Looks for new heartbeats: the time of the claim on the folder, and the events of the log.
+void update_heartbeats(Attempt& attempt, const std::filesystem::path& folder,
+                       Attempt::Clock::time_point now) {
   attempt.looked = now;
+
   const std::int64_t sign = signs_in(folder).claimed_ns;
   if (std::exchange(attempt.sign, sign) != sign) {
     if (!std::exchange(attempt.begun, true)) attempt.last_progress = now;
     attempt.last_sign = now;
   }
+
   const std::int64_t sequence = attempt.log->last_sequence();
   if (std::exchange(attempt.sequence, sequence) != sequence)
     attempt.last_sign = attempt.last_progress = now;
@@ -55,24 +57,27 @@ void look_for_signs(Attempt& attempt, const std::filesystem::path& folder,
 /// The first moment at which the worker of an attempt will have been silent for too long.
 struct SilenceDeadline {
   Attempt::Clock::time_point at;
-  std::string what;  ///< what it will not have done by then
+  std::string fault;  ///< what the worker will have failed to do by then
 };
 
 SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& limits) {
   if (!attempt.begun)
     return {attempt.last_sign + limits.hello,
             fmt::format("did not begin within {:g} s of its start", seconds(limits.hello))};
+
   const SilenceDeadline heartbeat{
       attempt.last_sign + limits.heartbeat,
       fmt::format("gave no sign of life for {:g} s", seconds(limits.heartbeat))};
   if (limits.stall.count() == 0) return heartbeat;
+
   const SilenceDeadline stall{
       attempt.last_progress + limits.stall,
       fmt::format("was alive but made no step for {:g} s", seconds(limits.stall))};
+
   return heartbeat.at <= stall.at ? heartbeat : stall;
 }
 
-/// Lets the timers of an attempt go on where they stood when its worker was stopped.
+/// Shifts the timers of an attempt by the time for which its worker was stopped.
 void shift_timers(Attempt& attempt, Attempt::Clock::duration stopped) {
   using TimePoint = Attempt::Clock::time_point;
   for (TimePoint* time :
@@ -83,22 +88,23 @@ void shift_timers(Attempt& attempt, Attempt::Clock::duration stopped) {
   if (attempt.kill_at) *attempt.kill_at += stopped;
 }
 
-/// When to look for signs again.
-Attempt::Clock::time_point next_look(const Attempt& attempt, const WatchdogLimits& limits) {
+/// Time of the next check for heartbeats.
+Attempt::Clock::time_point next_check(const Attempt& attempt, const WatchdogLimits& limits) {
   auto shortest = std::min(limits.hello, limits.heartbeat);
   if (limits.stall.count() > 0) shortest = std::min(shortest, limits.stall);
   return attempt.looked + std::max(shortest / 4, std::chrono::milliseconds(1));
 }
 
-/// Why the folder of a job takes nothing now; empty when it does.
-std::string storage_error_of(const std::filesystem::path& folder, const WorkerExit& exit) {
+/// Why nothing can be written into the folder of a job now; empty if it can.
+std::string find_storage_error(const std::filesystem::path& folder, const WorkerExit& exit) {
   try {
     probe_directory(folder);
   } catch (const std::system_error& error) {
     if (daemon_lacks(error)) return error.what();
   }
+
   if (exit.code != exit_storage) return {};
-  return "its worker could not write into " + folder.string() + " (see worker.log there)";
+  return fmt::format("its worker could not write into {} (see worker.log there)", folder.string());
 }
 
 }  // namespace
@@ -111,29 +117,35 @@ double ran_s(const Attempt& attempt, Attempt::Clock::time_point now) {
 Settlement settle(JobRecord& record, EventLog& log, const std::filesystem::path& folder,
                   const std::optional<WorkerExit>& exit, AttemptFacts facts) {
   log.refresh();
+
   const EventLogContent content = log.content();
   facts.reached_step = content.reached_step;
   if (content.last_step) facts.reached_time = content.last_step->time_s();
+
   if (const auto request = read_request(folder)) {
     record.requested_action = request->action;
     record.request_reason = request->reason;
   }
+
+  // The worker has recorded the end of its run: the exit of its process does not matter.
   if (const auto& end = content.run_end; end && end->attempt() == record.job.attempts()) {
     facts.missing_artifact = missing_artifact(folder, *end);
     if (end->outcome() == v1::RunEnd::OTHER_VERSION_FOUND) set_checkpoint_aside(folder);
     if (end->outcome() == v1::RunEnd::SUCCEEDED) record.solver = end->solver();
     return settle_run_end(record, *end, facts);
   }
+
   if (!exit)
     return settle_stopped(record, "dccastd was restarted; goes on from its last checkpoint");
-  facts.storage_error = storage_error_of(folder, *exit);
+
+  facts.storage_error = find_storage_error(folder, *exit);
   return settle_lost(record, *exit, facts);
 }
 
 Attempts::Attempts(AttemptOptions options, Executor& executor)
     : options_(std::move(options)), executor_(executor) {}
 
-std::filesystem::path Attempts::folder_of(const Attempt& attempt) const {
+std::filesystem::path Attempts::folder(const Attempt& attempt) const {
   return options_.jobs_directory / attempt.job_id;
 }
 
@@ -143,55 +155,67 @@ std::shared_ptr<Attempt> Attempts::add(JobRecord record, std::shared_ptr<EventLo
   attempt->job_id = record.job.id();
   attempt->number = record.job.attempts();
   attempt->adopted = attempt->begun = adopted;
+
   attempt->sequence = log->last_sequence();
   attempt->log = std::move(log);
   attempt->record = std::move(record);
-  attempt->sign = signs_in(folder_of(*attempt)).claimed_ns;
+  attempt->sign = signs_in(folder(*attempt)).claimed_ns;
+
   forgive_silence(*attempt, Clock::now());
-  count_time_from(*attempt, begin_of(*attempt));
+  start_timer(*attempt, begin_time(*attempt));
+
   if (const auto early = ended_unknown_.find({attempt->job_id, attempt->number});
       adopted && early != ended_unknown_.end())
     attempt->exit = early->second;
+
   return attempts_[attempt->job_id] = attempt;
 }
 
-void Attempts::count_time_from(Attempt& attempt, Clock::time_point since) {
+void Attempts::start_timer(Attempt& attempt, Clock::time_point since) {
   attempt.since = since;
+
   double limit_s = attempt.record.job.time_limit_s();
   if (limit_s <= 0.0 || (options_.maximum_time_s > 0.0 && options_.maximum_time_s < limit_s))
     limit_s = options_.maximum_time_s;
   if (limit_s <= 0.0) return;
+
   const std::chrono::duration<double> left(limit_s - attempt.record.job.run_s());
   attempt.time_limit_at = since + std::chrono::duration_cast<Clock::duration>(left);
 }
 
-WorkerLaunch Attempts::launch_of(const Attempt& attempt) const {
-  WorkerLaunch launch{attempt.job_id, attempt.number, folder_of(attempt), order_of(attempt)};
+WorkerLaunch Attempts::make_launch(const Attempt& attempt) const {
+  WorkerLaunch launch{attempt.job_id, attempt.number, folder(attempt), make_order(attempt)};
+
   launch.estimated_s = attempt.record.job.estimated_s();
-  if (attempt.goes_first) launch.urgency = urgency_of_query(launch.estimated_s, false);
-  launch.order.set_nice(nice_of(launch.urgency));
+  if (attempt.goes_first) launch.urgency = classify_query(launch.estimated_s, false);
+  launch.order.set_nice(nice_value(launch.urgency));
+
   return launch;
 }
 
-v1::SolveCase Attempts::order_of(const Attempt& attempt) const {
+v1::SolveCase Attempts::make_order(const Attempt& attempt) const {
   v1::SolveCase order;
   order.set_job_id(attempt.job_id);
   order.set_attempt(attempt.number);
-  order.set_directory(folder_of(attempt));
+  order.set_directory(folder(attempt));
+
   order.set_resume(attempt.number > 1);
   order.set_other_version(options_.other_version);
+
   order.set_threads(attempt.goes_first ? options_.first_threads : options_.job_threads);
   order.set_goes_first(attempt.goes_first);
+
   order.set_heartbeat_interval_s(seconds(options_.heartbeat_interval));
   order.set_daemon_patience_s(seconds(options_.daemon_patience));
   order.set_memory_bytes(options_.worker_memory_bytes);
   order.set_file_bytes(options_.worker_file_bytes);
+
   return order;
 }
 
 void Attempts::start(Attempt& attempt) {
   try {
-    executor_.start(launch_of(attempt));
+    executor_.start(make_launch(attempt));
   } catch (const std::exception& error) {
     worker_not_started(attempt.job_id, attempt.number, error.what());
   }
@@ -234,8 +258,9 @@ void Attempts::worker_not_started(const std::string& job_id, int number, const s
 void Attempts::worker_waits(const std::string& job_id, int number, const std::string& why) {
   const auto attempt = find(job_id);
   if (!attempt || attempt->number != number) return;
+
   attempt->waits = why;
-  count_time_from(*attempt, Clock::now());
+  start_timer(*attempt, Clock::now());
   if (!why.empty()) forgive_silence(*attempt, Clock::now());
 }
 
@@ -246,6 +271,7 @@ void Attempts::worker_stopped(const std::string& job_id, int number, const std::
   const auto now = Clock::now();
   const bool was_stopped = !attempt->stopped_for.empty();
   if (was_stopped) shift_timers(*attempt, now - attempt->stopped_at);
+
   attempt->stopped_for = why;
   attempt->stopped_at = now;
 }
@@ -263,12 +289,13 @@ void Attempts::end_recovery() {
   ended_unknown_.clear();
 }
 
-AttemptFacts Attempts::facts_of(const Attempt& attempt) const {
+AttemptFacts Attempts::facts(const Attempt& attempt) const {
   AttemptFacts facts{.shutting_down = shutting_down_,
                      .worker_restarts = options_.worker_restarts,
                      .other_version = options_.other_version,
                      .hung = attempt.hung,
                      .over_time = attempt.over_time};
+
   if (const auto failures = storage_failures_.find(attempt.job_id);
       failures != storage_failures_.end())
     facts.storage_failures = failures->second.in_a_row;
@@ -281,6 +308,7 @@ void Attempts::count_storage_failure(const Attempt& attempt, const Settlement& s
     storage_failures_.erase(attempt.job_id);
     return;
   }
+
   StorageFailures& failures = storage_failures_[attempt.job_id];
   failures.in_a_row = reached_step > failures.reached_step ? 1 : failures.in_a_row + 1;
   failures.reached_step = reached_step;
@@ -289,26 +317,31 @@ void Attempts::count_storage_failure(const Attempt& attempt, const Settlement& s
 void Attempts::kill_overdue(Clock::time_point now) {
   const auto kill = [&](Attempt& attempt, const std::string& why) {
     attempt.kill_at = now + between_kills;
-    log::warn("job {}: its worker {}: killed", attempt.job_id, why);
+    log::warn("job {}: killing its worker, which {}", attempt.job_id, why);
     executor_.kill(attempt.job_id, attempt.number);
   };
+
   for (const auto& [id, attempt] : attempts_) {
     if (attempt->exit || !attempt->stopped_for.empty()) continue;
+
     if (attempt->kill_at) {
       if (now >= *attempt->kill_at) kill(*attempt, "did not leave in time");
       continue;
     }
+
     if (now >= attempt->time_limit_at && attempt->waits.empty()) {
       attempt->over_time = fmt::format("it has run for {:.0f} s", ran_s(*attempt, now));
-      log::info("job {}: at its time limit, {}", id, attempt->over_time);
+      log::info("job {}: stopping it at its time limit: {}", id, attempt->over_time);
       stop(*attempt);
       continue;
     }
-    if (now >= next_look(*attempt, options_.watchdog))
-      look_for_signs(*attempt, folder_of(*attempt), now);
+
+    if (now >= next_check(*attempt, options_.watchdog))
+      update_heartbeats(*attempt, folder(*attempt), now);
+
     if (const auto silence = silence_deadline(*attempt, options_.watchdog); now >= silence.at) {
-      attempt->hung = silence.what;
-      kill(*attempt, silence.what);
+      attempt->hung = silence.fault;
+      kill(*attempt, silence.fault);
     }
   }
 }
@@ -317,12 +350,15 @@ Attempts::Clock::time_point Attempts::next_deadline() const {
   Clock::time_point deadline = Clock::now() + std::chrono::hours(1);
   for (const auto& [id, attempt] : attempts_) {
     if (attempt->exit || !attempt->stopped_for.empty()) continue;
+
     if (attempt->kill_at)
       deadline = std::min(deadline, *attempt->kill_at);
     else
-      deadline = std::min({deadline, attempt->time_limit_at, next_look(*attempt, options_.watchdog),
-                           silence_deadline(*attempt, options_.watchdog).at});
+      deadline =
+          std::min({deadline, attempt->time_limit_at, next_check(*attempt, options_.watchdog),
+                    silence_deadline(*attempt, options_.watchdog).at});
   }
+
   return deadline;
 }
 

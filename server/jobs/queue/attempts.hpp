@@ -17,75 +17,75 @@
 
 namespace dccast::jobs {
 
-/// One try at a job, from the start of its worker until what became of the job is on the disk. The
-/// scheduler's mutex guards it.
+/// One attempt at a job, from the start of its worker until the outcome is on the disk. Guarded by
+/// the scheduler's mutex.
 struct Attempt {
   using Clock = std::chrono::steady_clock;
 
   std::string job_id;
-  int number = 0;  ///< counts the attempts at the job from 1
+  int number = 0;  ///< attempts at the job are counted from 1
   std::shared_ptr<EventLog> log;
   bool adopted = false;     ///< its worker was started by an earlier daemon
-  bool goes_first = false;  ///< beside those that the capacity of the executor permits
+  bool goes_first = false;  ///< runs in addition to the capacity of the executor
   JobRecord record;
 
-  Clock::time_point since;  ///< it has a machine
+  Clock::time_point since;  ///< when it got its machine
   Clock::time_point time_limit_at = Clock::time_point::max();
-  std::string over_time;  ///< which limit it has reached; empty: none
+  std::string over_time;  ///< its run time if it has reached its limit; empty: it has not
 
   std::optional<Clock::time_point> kill_at;
-  std::string hung;  ///< why its worker was taken to hang and killed; empty: it was not
-  std::optional<WorkerExit> exit;  ///< its process has ended
+  std::string hung;                ///< why its worker was killed as hanging; empty: it was not
+  std::optional<WorkerExit> exit;  ///< set when its process has ended
   std::string waits;               ///< why its worker has no machine yet; empty: it has one
-  std::string not_started;         ///< why there never was a worker; empty: there was one
-  std::string stopped_for;         ///< what its worker is stopped for; empty: it is not
-  Clock::time_point stopped_at;    ///< since when it is; all timers stand still meanwhile
+  std::string not_started;         ///< why no worker was started; empty: one was
+  std::string stopped_for;         ///< why its worker is stopped; empty: it is not
+  Clock::time_point stopped_at;    ///< when it was stopped; all timers pause meanwhile
 
-  // Signs of life.
+  // Heartbeats.
   bool begun = false;               ///< the worker has claimed the folder
-  Clock::time_point looked;         ///< when the signs were looked at last
-  Clock::time_point last_sign;      ///< when there was a new one; of the start until then
-  Clock::time_point last_progress;  ///< when there was a new event
+  Clock::time_point looked;         ///< time of the last check
+  Clock::time_point last_sign;      ///< time of the last heartbeat, at first of the start
+  Clock::time_point last_progress;  ///< time of the last event
   std::int64_t sign = 0;            ///< time of the claim [ns]
-  std::int64_t sequence = 0;        ///< of the last event that was seen
+  std::int64_t sequence = 0;        ///< of the last event
 };
 
-/// How long a worker may be silent; from the settings of the daemon.
+/// Longest silences of a worker, from the settings of the daemon.
 struct WatchdogLimits {
   std::chrono::milliseconds hello{30000};      ///< from its start to its claim on the folder
-  std::chrono::milliseconds heartbeat{60000};  ///< between two signs of life
+  std::chrono::milliseconds heartbeat{60000};  ///< between two heartbeats
   std::chrono::milliseconds stall{3600000};    ///< between two events; 0: no limit
 };
 
-/// How long the job of an attempt has run, with its attempts before and without the time for which
-/// its worker was stopped [s].
+/// Run time of an attempt's job, with its earlier attempts and without the time for which its
+/// worker was stopped [s].
 double ran_s(const Attempt& attempt, Attempt::Clock::time_point now);
 
 struct AttemptOptions {
   std::filesystem::path jobs_directory;
-  int worker_restarts = 2;                       ///< times a job whose worker died is tried again
-  std::chrono::milliseconds stop_grace{20000};   ///< from the request to stop to the kill
-  std::chrono::milliseconds daemon_patience{0};  ///< a worker runs on without a daemon; 0: it ends
+  int worker_restarts = 2;                             ///< restarts of a job whose worker died
+  std::chrono::milliseconds stop_grace{20000};         ///< from the request to stop to the kill
+  std::chrono::milliseconds daemon_patience{0};        ///< a worker runs so long without a daemon
   std::chrono::milliseconds heartbeat_interval{2000};  ///< asked of workers; 0: none
   WatchdogLimits watchdog{};
   v1::OtherVersion other_version = v1::BEGIN_ANEW;
   std::string solver{};         ///< identity of the solver that the workers run; empty: not known
-  int job_threads = 1;          ///< of a quarter slab
-  int first_threads = 1;        ///< the same for a job that goes first
+  int job_threads = 1;          ///< threads of a quarter slab
+  int first_threads = 1;        ///< the same for a job with `goes_first`
   double maximum_time_s = 0.0;  ///< of a job's wall time; 0: no limit
-  std::int64_t worker_memory_bytes = 0;  ///< most of data; 0: nine tenths of its machine's
-  std::int64_t worker_file_bytes = 0;    ///< most of one file; 0: no bound
+  std::int64_t worker_memory_bytes = 0;  ///< limit of its data; 0: 90 % of the machine's memory
+  std::int64_t worker_file_bytes = 0;    ///< limit of one file; 0: none
 };
 
-/// The attempts under way: their workers and the signs these give. The scheduler's mutex guards it.
+/// The attempts under way, with the heartbeats of their workers. Guarded by the scheduler's mutex.
 class Attempts {
 public:
   using Clock = Attempt::Clock;
 
   Attempts(AttemptOptions options, Executor& executor);
 
-  /// A job that is RUNNING now. @param adopted  the executor has found its worker; else it is
-  ///                                            started with start()
+  /// Adds an attempt at a job that is RUNNING now.
+  /// @param adopted  the executor has found its worker; otherwise start() starts it
   std::shared_ptr<Attempt> add(JobRecord record, std::shared_ptr<EventLog> log, bool adopted);
   void start(Attempt& attempt);
   void erase(const Attempt& attempt) { attempts_.erase(attempt.job_id); }
@@ -96,54 +96,54 @@ public:
     return static_cast<int>(std::ranges::count_if(
         attempts_, [&](const auto& entry) { return condition(*entry.second); }));
   }
-  /// Those of jobs that still run.
+  /// Number of attempts whose process still runs.
   int running() const {
     return count([](const Attempt& each) { return !each.exit; });
   }
-  /// Those that count for the capacity of the executor.
-  int of_queue() const {
+  /// Number of attempts that use the capacity of the executor.
+  int count_queued() const {
     return count([](const Attempt& each) { return !each.goes_first; });
   }
-  int of_queue(const std::string& owner) const {
+  int count_queued(const std::string& owner) const {
     return count(
         [&](const Attempt& each) { return !each.goes_first && each.record.job.owner() == owner; });
   }
-  /// The attempt at a job; null when there is none.
+  /// The attempt at a job; null if there is none.
   std::shared_ptr<Attempt> find(const std::string& job_id) const;
-  /// Those whose processes have ended.
+  /// The attempts whose processes have ended.
   std::vector<std::shared_ptr<Attempt>> ended() const;
 
-  /// The worker has been requested to stop: it is killed when it has not after a while.
+  /// Notes that the worker was requested to stop; it is killed after the grace time.
   void expect_stop(Attempt& attempt);
-  /// Lets every worker leave at a checkpoint; its job goes back into the queue.
+  /// Requests every worker to stop at a checkpoint; the jobs go back into the queue.
   void stop_all();
   void stop(Attempt& attempt);
 
   void worker_not_started(const std::string& job_id, int number, const std::string& why);
-  /// @param why  empty: it waits no more
+  /// @param why  empty: it no longer waits
   void worker_waits(const std::string& job_id, int number, const std::string& why);
-  /// @param why  empty: it goes on
+  /// @param why  empty: it continues
   void worker_stopped(const std::string& job_id, int number, const std::string& why);
   void worker_ended(const std::string& job_id, int number, const WorkerExit& exit);
-  /// Every worker of an earlier daemon was added. Until then one may end before it is.
+  /// Announces that every worker of an earlier daemon was added. Until then, one may end first.
   void end_recovery();
 
-  /// Kills workers that do not leave in time or hang.
+  /// Kills workers that hang or do not stop in time.
   void kill_overdue(Clock::time_point now);
   Clock::time_point next_deadline() const;
   void forgive_silences(Clock::time_point now);
 
-  /// What settle() needs to know of an attempt that has ended.
-  AttemptFacts facts_of(const Attempt& attempt) const;
+  /// Collects the input of settle() for an attempt that has ended.
+  AttemptFacts facts(const Attempt& attempt) const;
   /// Counts attempts in a row that ended because something could not be written.
   void count_storage_failure(const Attempt& attempt, const Settlement& settlement,
                              std::int64_t reached_step);
 
 private:
-  std::filesystem::path folder_of(const Attempt& attempt) const;
-  WorkerLaunch launch_of(const Attempt& attempt) const;
-  v1::SolveCase order_of(const Attempt& attempt) const;
-  void count_time_from(Attempt& attempt, Clock::time_point since);
+  std::filesystem::path folder(const Attempt& attempt) const;
+  WorkerLaunch make_launch(const Attempt& attempt) const;
+  v1::SolveCase make_order(const Attempt& attempt) const;
+  void start_timer(Attempt& attempt, Clock::time_point since);
 
   const AttemptOptions options_;
   Executor& executor_;
@@ -151,7 +151,7 @@ private:
   std::map<std::pair<std::string, int>, WorkerExit> ended_unknown_;  ///< by job and attempt
   bool shutting_down_ = false;
   std::map<std::string, std::shared_ptr<Attempt>> attempts_;  ///< by job
-  /// Attempts in a row that ended because something could not be written, and got no further.
+  /// Consecutive attempts that ended because a write failed, and made no progress.
   struct StorageFailures {
     int in_a_row = 0;
     std::int64_t reached_step = 0;
@@ -159,9 +159,9 @@ private:
   std::map<std::string, StorageFailures> storage_failures_;  ///< by job
 };
 
-/// What a job becomes whose worker has gone, from the job's own folder: how its run ended by the
-/// log, else how its process did. Waits for the disk.
-/// @param exit  nothing: it ended while there was no daemon
+/// Decides the outcome of a job whose worker has ended, from the end of the run in its event log,
+/// or else from the exit of its process. Waits for the disk.
+/// @param exit  nothing: the worker ended while no daemon was running
 /// @throws std::system_error  the log cannot be read or taken over
 Settlement settle(JobRecord& record, EventLog& log, const std::filesystem::path& folder,
                   const std::optional<WorkerExit>& exit, AttemptFacts facts);

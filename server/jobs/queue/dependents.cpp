@@ -7,7 +7,7 @@ bool Dependents::add(const v1::Job& job) {
 
   before_[job.id()] = {job.after().begin(), job.after().end()};
   for (const std::string& before : job.after()) awaited_by_[before].insert(job.id());
-  to_look_at_.insert(job.id());
+  to_check_.insert(job.id());
   return true;
 }
 
@@ -22,24 +22,24 @@ void Dependents::remove(const std::string& id) {
     if (awaited->second.empty()) awaited_by_.erase(awaited);
   }
   before_.erase(found);
-  to_look_at_.erase(id);
+  to_check_.erase(id);
 }
 
-void Dependents::note_change_of(const std::string& id) {
+void Dependents::note_change(const std::string& id) {
   if (const auto found = awaited_by_.find(id); found != awaited_by_.end())
-    to_look_at_.insert(found->second.begin(), found->second.end());
+    to_check_.insert(found->second.begin(), found->second.end());
 }
 
 std::optional<Dependents::Dependent> Dependents::take_next() {
-  if (to_look_at_.empty()) return std::nullopt;
+  if (to_check_.empty()) return std::nullopt;
 
-  const std::string id = *to_look_at_.begin();
-  to_look_at_.erase(to_look_at_.begin());
+  const std::string id = *to_check_.begin();
+  to_check_.erase(to_check_.begin());
   return Dependent{id, before_.at(id)};
 }
 
-void Dependents::look_again_at(const std::string& id) {
-  if (before_.contains(id)) to_look_at_.insert(id);
+void Dependents::check_again(const std::string& id) {
+  if (before_.contains(id)) to_check_.insert(id);
 }
 
 }  // namespace dccast::jobs

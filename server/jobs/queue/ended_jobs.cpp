@@ -1,6 +1,7 @@
 #include "server/jobs/queue/ended_jobs.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <string.h>
 
 #include <utility>
@@ -15,7 +16,8 @@ namespace dccast::jobs {
 
 namespace {
 
-constexpr std::size_t most_waiting = 10000;  // then a hook that hangs loses jobs, not memory
+// A hook that hangs loses the jobs beyond this number, instead of filling the memory.
+constexpr std::size_t largest_backlog = 10000;
 
 }  // namespace
 
@@ -27,8 +29,9 @@ EndHook::EndHook(std::string program, std::chrono::seconds longest)
 void EndHook::on_transition(const v1::Job& job, v1::JobState from) {
   if (program_.empty() || !is_terminal(job.state()) || is_terminal(from)) return;
   const std::lock_guard lock(mutex_);
-  if (ended_.size() >= most_waiting)
-    return log::error("job {}: too many jobs wait for {}; it is not run", job.id(), program_);
+  if (ended_.size() >= largest_backlog)
+    return log::error("job {}: too many jobs wait for {}; it is not run for this one", job.id(),
+                      program_);
   ended_.push_back(job);
   changed_.notify_all();
 }
@@ -50,14 +53,18 @@ void EndHook::run_program(const v1::Job& job, const std::stop_token& stop) const
   const storage::FileDescriptor nothing(::open("/dev/null", O_RDWR | O_CLOEXEC));
   const std::string& state = v1::JobState_Name(job.state());
   auto variables = environment(false, {"DCCAST_"});
-  variables.insert(variables.end(), {"DCCAST_JOB=" + job.id(), "DCCAST_STATE=" + state,
-                                     "DCCAST_OWNER=" + job.owner(), "DCCAST_TITLE=" + job.title(),
-                                     "DCCAST_MAIL=" + job.mail(), "DCCAST_STUDY=" + job.study()});
+  variables.insert(
+      variables.end(),
+      {fmt::format("DCCAST_JOB={}", job.id()), fmt::format("DCCAST_STATE={}", state),
+       fmt::format("DCCAST_OWNER={}", job.owner()), fmt::format("DCCAST_TITLE={}", job.title()),
+       fmt::format("DCCAST_MAIL={}", job.mail()), fmt::format("DCCAST_STUDY={}", job.study())});
+
   pid_t process = 0;
   const int error = spawn({program_, job.id(), state}, variables,
                           {nothing.get(), nothing.get(), nothing.get()}, &process);
   if (error != 0)
     return log::error("job {}: cannot run {}: {}", job.id(), program_, ::strerror(error));
+
   const auto status = wait_for(process, longest_, stop);
   if (!status)
     log::error("job {}: {} was killed after {} s at most", job.id(), program_, longest_.count());
@@ -80,36 +87,39 @@ void Retention::run(const std::stop_token& stop) {
     try {
       if (!std::exchange(measured, true)) measure(stop);
       if (options_.time.count() == 0 && options_.bytes == 0) return;
-      if (scheduler_.held().empty()) look();
+      if (scheduler_.held().empty()) delete_old_jobs();
     } catch (const std::exception& error) {
-      log::error("old jobs cannot be looked at now: {}", error.what());
+      log::error("cannot delete old jobs now, trying again later: {}", error.what());
     }
   } while (!never.wait_for(lock, stop, options_.interval, [&] { return stop.stop_requested(); }));
 }
 
-/// Rows of an earlier version have the size of the case alone.
+/// Rows written by an earlier version hold the size of the case only.
 void Retention::measure(const std::stop_token& stop) {
-  for (const JobStore::Ended& job : store_.ended(true)) {
+  for (const JobStore::Ended& job : store_.ended(JobStore::Include::runs_of_studies_too)) {
     if (stop.stop_requested()) return;
     const std::int64_t bytes = bytes_kept(options_.jobs_directory / job.id);
     if (bytes != job.bytes) store_.update_bytes(job.id, bytes);
   }
 }
 
-void Retention::look() {
-  const auto ended = store_.ended(false);
+void Retention::delete_old_jobs() {
+  const auto ended = store_.ended(JobStore::Include::jobs_alone);
   const std::int64_t oldest_ms =
       milliseconds(now()) - std::chrono::milliseconds(options_.time).count();
+
   std::int64_t bytes = 0;
   for (const JobStore::Ended& job : ended) bytes += job.pinned ? 0 : job.bytes;
+
   for (const JobStore::Ended& job : ended) {
     const bool too_old = options_.time.count() > 0 && job.ended_ms < oldest_ms;
     const bool too_much = options_.bytes > 0 && bytes > options_.bytes;
     if (!too_old && !too_much) return;  // those that follow have ended later
     if (job.pinned || scheduler_.is_awaited(job.id)) continue;
-    const auto reply = scheduler_.remove(
-        job.id, too_old ? "keep_time" : "keep_size",
-        [](const v1::Job& found) { return !found.pinned(); });  // since it was listed
+
+    // It may have been pinned since it was listed.
+    const auto reply = scheduler_.remove(job.id, too_old ? "keep_time" : "keep_size",
+                                         [](const v1::Job& found) { return !found.pinned(); });
     if (reply.kind == Reply::Kind::done) bytes -= job.bytes;
   }
 }

@@ -11,17 +11,18 @@
 
 #include "server/jobs/queue/scheduler.hpp"
 
-/// What the daemon does with jobs that have ended.
+/// Actions of the daemon on jobs that have ended.
 namespace dccast::jobs {
 
 /// Runs an administrator's program once for each job that has ended, one after the other, as
 /// `PROGRAM ID STATE` with DCCAST_JOB, DCCAST_STATE, DCCAST_OWNER, DCCAST_TITLE, DCCAST_MAIL and
-/// DCCAST_STUDY in its environment. No shell reads a text of a user. It is started at most once for
-/// a job: what waits when the daemon ends is lost. Safe to use from several threads.
+/// DCCAST_STUDY in its environment. No shell interprets a text of a user. The program is started at
+/// most once for a job; jobs that wait when the daemon ends are lost. Safe to use from several
+/// threads.
 class EndHook {
 public:
   /// @param program  empty: none
-  /// @param longest  then it is killed with what it has started
+  /// @param longest  time limit, at which the program and its children are killed
   explicit EndHook(std::string program, std::chrono::seconds longest = std::chrono::seconds(60));
   /// For Ledger::observe_transitions().
   void on_transition(const v1::Job& job, v1::JobState from);
@@ -41,12 +42,13 @@ private:
 struct RetentionOptions {
   std::filesystem::path jobs_directory;
   std::chrono::seconds time{0};  ///< jobs that ended longer ago are deleted; 0: never
-  std::int64_t bytes = 0;        ///< that ended jobs may hold; beyond, the oldest go; 0: no bound
+  std::int64_t bytes =
+      0;  ///< disk space of ended jobs, beyond which the oldest are deleted; 0: no limit
   std::chrono::milliseconds interval{10000};
 };
 
-/// Measures at the start what ended jobs hold, and deletes old ones, as a request would. Pinned
-/// ones, those of studies and those that a job waits for stay, and count nothing. Deletes nothing
+/// Deletes old jobs, as a request would. Pinned jobs, jobs of studies and jobs that others wait for
+/// stay, and do not count. Measures the disk space of ended jobs at the start. Deletes nothing
 /// while the queue is held.
 class Retention {
 public:
@@ -55,7 +57,7 @@ public:
 private:
   void run(const std::stop_token& stop);
   void measure(const std::stop_token& stop);
-  void look();
+  void delete_old_jobs();
 
   const RetentionOptions options_;
   JobStore& store_;

@@ -7,7 +7,7 @@
 
 namespace dccast::jobs {
 
-JobQueue::Order& JobQueue::order_of(const Entry& entry) {
+JobQueue::Order& JobQueue::find_order(const Entry& entry) {
   return entry.goes_first ? first_ : orders_[entry.owner];
 }
 
@@ -15,8 +15,9 @@ void JobQueue::push(const v1::Job& job, bool goes_first) {
   const int level = job.priority() == v1::HIGH ? 2 : job.priority() == v1::LOW ? 0 : 1;
   const Entry entry{goes_first, job.owner(),
                     milliseconds(job.create_time()) - level * priority_bonus_ms, job.estimated_s()};
-  if (!place_of_.emplace(job.id(), entry).second) return;
-  order_of(entry).insert({entry.key, job.id()});
+
+  if (!entries_.emplace(job.id(), entry).second) return;
+  find_order(entry).insert({entry.key, job.id()});
   count_estimate(entry, 1);
 }
 
@@ -27,64 +28,74 @@ void JobQueue::count_estimate(const Entry& entry, int change) {
 }
 
 void JobQueue::erase(const std::string& job_id) {
-  const auto found = place_of_.find(job_id);
-  if (found == place_of_.end()) return;
+  const auto found = entries_.find(job_id);
+  if (found == entries_.end()) return;
+
   const Entry& entry = found->second;
-  order_of(entry).erase({entry.key, job_id});
+  find_order(entry).erase({entry.key, job_id});
   if (!entry.goes_first && orders_[entry.owner].empty()) orders_.erase(entry.owner);
   count_estimate(entry, -1);
-  place_of_.erase(found);
+  entries_.erase(found);
 }
 
 void JobQueue::charge(const std::string& owner, double seconds, std::int64_t at_ms) {
   if (half_life_.count() == 0) return;
-  constexpr double most_half_lives = 500.0;  // 2^500 is far from what a double holds
+
+  constexpr double longest_span = 500.0;  // [half-lives]; 2^500 is far below the largest double
   if (use_since_ms_ == 0) use_since_ms_ = at_ms;
   const auto half_lives_until = [this](std::int64_t time_ms) {
     return 1e-3 * static_cast<double>(time_ms - use_since_ms_) /
            static_cast<double>(half_life_.count());
   };
-  if (half_lives_until(at_ms) > most_half_lives) {
-    for (auto& [name, use] : use_) use = std::ldexp(use, -static_cast<int>(most_half_lives));
-    use_since_ms_ += static_cast<std::int64_t>(most_half_lives) * 1000 * half_life_.count();
+
+  if (half_lives_until(at_ms) > longest_span) {
+    for (auto& [name, use] : use_) use = std::ldexp(use, -static_cast<int>(longest_span));
+    use_since_ms_ += static_cast<std::int64_t>(longest_span) * 1000 * half_life_.count();
   }
+
   use_[owner] += seconds * std::exp2(half_lives_until(at_ms));
 }
 
-double JobQueue::use_of(const std::string& owner) const {
+double JobQueue::past_use(const std::string& owner) const {
   const auto found = use_.find(owner);
   return found == use_.end() ? 0.0 : found->second;
 }
 
-bool JobQueue::is_before(const Orders::value_type& one, const Orders::value_type& other) const {
-  return std::pair(use_of(one.first), *one.second.begin()) <
-         std::pair(use_of(other.first), *other.second.begin());
+bool JobQueue::is_before(const Orders::value_type& left, const Orders::value_type& right) const {
+  return std::pair(past_use(left.first), *left.second.begin()) <
+         std::pair(past_use(right.first), *right.second.begin());
 }
 
 std::optional<std::string> JobQueue::front(
     const std::function<bool(const std::string& owner)>& may_start) const {
   if (!first_.empty()) return first_.begin()->second;
+
   const Orders::value_type* next = nullptr;
-  for (const auto& one : orders_)
-    if ((!may_start || may_start(one.first)) && (next == nullptr || is_before(one, *next)))
-      next = &one;
+  for (const auto& order : orders_)
+    if ((!may_start || may_start(order.first)) && (next == nullptr || is_before(order, *next)))
+      next = &order;
   if (next == nullptr) return std::nullopt;
   return next->second.begin()->second;
 }
 
 int JobQueue::position(const std::string& job_id) const {
-  const auto found = place_of_.find(job_id);
-  if (found == place_of_.end()) return 0;
+  const auto found = entries_.find(job_id);
+  if (found == entries_.end()) return 0;
+
   const Entry& entry = found->second;
   if (entry.goes_first) return static_cast<int>(first_.order_of_key({entry.key, job_id})) + 1;
+
+  // Owners take turns: of each other owner, as many jobs come first as of this one.
   const auto own = orders_.find(entry.owner);
   const std::size_t before_it = own->second.order_of_key({entry.key, job_id});
   std::size_t position = first_.size() + before_it + 1;
+
   for (const auto& other : orders_)
     if (other.first != entry.owner && half_life_.count() == 0)
       position += other.second.order_of_key({entry.key, job_id});
     else if (other.first != entry.owner)
       position += std::min(other.second.size(), before_it + (is_before(other, *own) ? 1 : 0));
+
   return static_cast<int>(position);
 }
 

@@ -14,42 +14,42 @@
 
 namespace dccast::jobs {
 
-/// The order in which queued jobs start. Their owners share the processors: the next job is one of
-/// the owner who has used them least, where use of a while ago counts less. The jobs of one owner
-/// go by priority, then age. Each level of priority is worth half an hour of waiting, so that a low
-/// job cannot wait forever behind a stream of high ones. As all jobs age alike, that makes a fixed
-/// key: the time of submission minus the bonus.
+/// The order in which queued jobs start. Owners share the processors: the next job belongs to the
+/// owner with the least use of them, where older use counts less. Jobs of one owner are ordered by
+/// priority and age. Each level of priority is worth half an hour of waiting, so that a low job
+/// cannot wait forever behind a stream of high ones. All jobs age alike, so the key is fixed: the
+/// time of submission minus the bonus.
 class JobQueue {
 public:
   static constexpr std::int64_t priority_bonus_ms = 30 * 60 * 1000;
-  /// Charged for a job that starts, until it is known what it takes [s].
+  /// Charged for a job at its start, until its use is known [s].
   static constexpr double start_charge_s = 60.0;
 
-  /// @param half_life  after which use counts half; 0: owners do not share, one order for all
+  /// @param half_life  of past use; 0: owners do not share, one order for all jobs
   explicit JobQueue(std::chrono::seconds half_life = std::chrono::hours(24))
       : half_life_(half_life) {}
 
-  /// @param goes_first  before all that do not
+  /// @param goes_first  starts before all jobs without it
   void push(const v1::Job& job, bool goes_first = false);
   void erase(const std::string& job_id);
   /// Counts processor seconds for an owner. @param at_ms  when they were used, since 1970
   void charge(const std::string& owner, double seconds, std::int64_t at_ms);
-  /// The next job. @return nothing when none waits
+  /// The next job. @return nothing if no job waits
   /// @param may_start  whether an owner may have one more job running
   std::optional<std::string> front(
       const std::function<bool(const std::string& owner)>& may_start = {}) const;
   bool front_goes_first() const { return !first_.empty(); }
-  std::size_t size() const { return place_of_.size(); }
-  /// Mean estimate of the jobs that wait and have one [s]; 0: none has.
+  std::size_t size() const { return entries_.size(); }
+  /// Mean estimate of the waiting jobs that have one [s]; 0: none has.
   double mean_estimated_s() const { return estimated_ == 0 ? 0.0 : estimated_s_ / estimated_; }
-  /// 1 is next; 0: not in the queue. Where several owners wait, as if each job took the same time.
-  /// Takes the logarithm of the queue's length for each of them.
+  /// Position of a job: 1 is next, 0: not in the queue. With several owners it assumes that all
+  /// jobs take the same time. The cost for each owner is logarithmic in the length of the queue.
   int position(const std::string& job_id) const;
 
 private:
-  using Place = std::pair<std::int64_t, std::string>;
-  /// A set that knows how many are before an element.
-  using Order = __gnu_pbds::tree<Place, __gnu_pbds::null_type, std::less<>, __gnu_pbds::rb_tree_tag,
+  using Key = std::pair<std::int64_t, std::string>;
+  /// A set that counts the elements before a given one.
+  using Order = __gnu_pbds::tree<Key, __gnu_pbds::null_type, std::less<>, __gnu_pbds::rb_tree_tag,
                                  __gnu_pbds::tree_order_statistics_node_update>;
   struct Entry {
     bool goes_first;
@@ -58,19 +58,19 @@ private:
     double estimated_s;
   };
   using Orders = std::map<std::string, Order>;
-  Order& order_of(const Entry& entry);
+  Order& find_order(const Entry& entry);
   void count_estimate(const Entry& entry, int change);
-  double use_of(const std::string& owner) const;
+  double past_use(const std::string& owner) const;
   /// Whether a job of this owner is taken before one of the other.
-  bool is_before(const Orders::value_type& one, const Orders::value_type& other) const;
+  bool is_before(const Orders::value_type& left, const Orders::value_type& right) const;
 
   const std::chrono::seconds half_life_;
   Order first_;
   Orders orders_;  ///< by owner; none is empty
-  std::map<std::string, Entry> place_of_;
+  std::map<std::string, Entry> entries_;
   double estimated_s_ = 0.0;  ///< of all that have an estimate
   int estimated_ = 0;         ///< their number
-  /// By owner, as of `use_since_ms_`: later use counts more there, so that nothing has to decay.
+  /// By owner, relative to `use_since_ms_`: later use counts more, so that nothing has to decay.
   std::map<std::string, double> use_;
   std::int64_t use_since_ms_ = 0;
 };

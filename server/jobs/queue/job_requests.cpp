@@ -16,6 +16,7 @@ Reply JobRequests::settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& re
   const std::string id = record.job.id();
   const auto folder = state_.jobs_directory / id;
   if (is_terminal(to)) record.bytes = bytes_kept(folder);
+
   state_.ledger.transition(record, to, cause);
   if (is_terminal(to)) remove_run_files(folder);
 
@@ -53,7 +54,7 @@ Reply JobRequests::stop(const std::string& id, const Request& request) {
   return settle_idle(lock, *record, settlement.state, settlement.cause);
 }
 
-/// The worker looks for the request after each step, and is killed when it has not left in time.
+/// The worker checks for a request after each step. It is killed if it does not stop in time.
 Reply JobRequests::stop_worker(std::unique_lock<std::mutex>& lock, Attempt& attempt,
                                const Request& request) {
   if (attempt.record.requested_action >= request.action)
@@ -107,13 +108,13 @@ Reply JobRequests::remove(const std::string& id, const std::string& why,
   log::info("job {}: deleted, {}", id, why);
 
   lock.lock();
-  state_.dependents.note_change_of(id);
+  state_.dependents.note_change(id);
   state_.changed.notify_all();
   return {Reply::Kind::done, {}};
 }
 
-/// The row goes before the content of the folder does: without its row nothing refers to the
-/// folder any more, and a large one takes its time.
+/// Erases the row before the content of the folder, because deleting a large folder takes long and
+/// without the row nothing refers to it.
 void JobRequests::erase(const JobRecord& record) {
   const std::string& id = record.job.id();
   const auto removed = begin_removal(state_.jobs_directory, id);
@@ -126,7 +127,7 @@ void JobRequests::erase(const JobRecord& record) {
 
   std::error_code error;
   if (removed) std::filesystem::remove_all(*removed, error);
-  if (error) log::warn("job {}: part of its folder is left: {}", id, error.message());
+  if (error) log::warn("job {}: deleted, but part of its folder remains: {}", id, error.message());
   state_.ledger.report(record.job);
 }
 
@@ -141,7 +142,7 @@ Reply JobRequests::mark(const std::string& id, const std::function<void(v1::Job&
   v1::Job& job = record->job;
   change(job);
 
-  // The folder first, which is the truth.
+  // The folder first, because it is authoritative.
   const auto folder = state_.jobs_directory / id;
   write_marks(folder, job);
   try {

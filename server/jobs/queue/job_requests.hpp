@@ -16,18 +16,18 @@ struct Reply {
     done,
     not_found,
     wrong_state,
-    being_cancelled,  ///< it will be in the right state as soon as its worker has left
+    being_cancelled,  ///< the state will be right as soon as its worker has ended
   };
   Kind kind = Kind::done;
-  v1::Job job;  ///< as it is now, unless not_found
+  v1::Job job;  ///< its present state, unless not_found
 };
 
-/// Requests about one job. Safe to use from several threads; what throws has changed nothing.
+/// Requests about one job. Safe to use from several threads. A request that throws changes nothing.
 class JobRequests {
 public:
   JobRequests(QueueState& state, JobViews& views) : state_(state), views_(views) {}
 
-  /// Cancels or pauses a job: at once where no worker has it, else by a request in its folder.
+  /// Cancels or pauses a job: at once if no worker runs it, else by a request in its folder.
   Reply stop(const std::string& id, const Request& request);
   Reply resume(const std::string& id);
   /// See Scheduler::remove().
@@ -36,7 +36,7 @@ public:
   /// See Scheduler::mark().
   Reply mark(const std::string& id, const std::function<void(v1::Job& job)>& change);
 
-  /// Brings a job that no worker runs into another state. The caller holds the job (ExclusiveJob).
+  /// Brings a job that no worker runs into another state. The caller has locked it (ExclusiveJob).
   /// @param lock  released; held only while the queue changes
   Reply settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& record, v1::JobState to,
                     const std::string& cause);

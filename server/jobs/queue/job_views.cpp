@@ -11,7 +11,7 @@ namespace dccast::jobs {
 using Clock = std::chrono::steady_clock;
 
 v1::Job JobViews::view(JobRecord record) {
-  // An end that is written counts, although its attempt may still be there.
+  // A recorded end counts, even if its attempt still exists.
   const auto attempt = state_.attempts.find(record.job.id());
   if (attempt && !is_terminal(record.job.state())) return view(*attempt);
 
@@ -26,10 +26,10 @@ v1::Job JobViews::view(JobRecord record) {
     job.set_held(fmt::format("waits for {}", fmt::join(job.after(), ", ")));
   else if (!state_.user_may_start(job.owner()))
     job.set_held(fmt::format("{} has {} jobs running; maximum_running_per_user = {}", job.owner(),
-                             state_.attempts.of_queue(job.owner()),
+                             state_.attempts.count_queued(job.owner()),
                              state_.options.maximum_running_per_user));
   else
-    foresee(job);
+    predict(job);
   return job;
 }
 
@@ -38,15 +38,15 @@ v1::Job JobViews::view(const Attempt& attempt) const {
   attempt.log->complete(job);
   job.set_held(attempt.waits.empty() ? attempt.stopped_for : attempt.waits);
 
-  const double left_s = forecast_.left_s(job, ran_s(attempt, Clock::now()));
+  const double left_s = forecast_.remaining_s(job, ran_s(attempt, Clock::now()));
   if (job.state() == v1::RUNNING && attempt.waits.empty() && left_s > 0.0)
     job.set_ends_in_s(left_s);
   return job;
 }
 
-/// When a job of the queue starts and ends, from what jobs took before. What holds a job has no end
-/// that could be known: this is for jobs that nothing holds.
-void JobViews::foresee(v1::Job& job) {
+/// Predicts start and end of a queued job from the run times of earlier jobs. Only for jobs that
+/// nothing holds, because the end of a hold is not known.
+void JobViews::predict(v1::Job& job) {
   const double own_s = forecast_.run_s(job.estimated_s());
   const double each_s = forecast_.run_s(state_.queue.mean_estimated_s());
   if (own_s <= 0.0 || job.queue_position() == 0) return;
@@ -56,17 +56,18 @@ void JobViews::foresee(v1::Job& job) {
   job.set_ends_in_s(job.starts_in_s() + own_s);
 }
 
-/// Kept for a moment: a list asks for each of its jobs.
+/// Remaining times of the running jobs. Cached for a moment, because a list asks for each of its
+/// jobs.
 const std::vector<double>& JobViews::remaining_s() {
-  constexpr std::chrono::milliseconds good_for{500};
+  constexpr std::chrono::milliseconds cache_time{500};
   const auto now_at = Clock::now();
-  if (now_at <= remaining_at_ + good_for) return remaining_s_;
+  if (now_at <= remaining_at_ + cache_time) return remaining_s_;
 
   remaining_at_ = now_at;
   remaining_s_.clear();
   for (const auto& [id, attempt] : state_.attempts.by_job())
     if (!attempt->goes_first)
-      remaining_s_.push_back(forecast_.left_s(view(*attempt), ran_s(*attempt, now_at)));
+      remaining_s_.push_back(forecast_.remaining_s(view(*attempt), ran_s(*attempt, now_at)));
   return remaining_s_;
 }
 

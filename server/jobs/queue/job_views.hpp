@@ -8,24 +8,25 @@
 
 namespace dccast::jobs {
 
-/// Jobs as clients see them: with their place in the queue, what holds them, and when they are
-/// expected to start and end. All functions expect the mutex of the state to be held.
+/// Jobs as clients see them: with their position in the queue, the reason that holds them, and
+/// their expected start and end. All functions expect the mutex of the state to be held.
 class JobViews {
 public:
   explicit JobViews(const QueueState& state) : state_(state) {}
 
   v1::Job view(JobRecord record);
   v1::Job view(const Attempt& attempt) const;
-  /// Learns from a job that has ended how long jobs take.
+  /// Adds an ended job to the forecast.
   void learn(const v1::Job& job) { forecast_.learn(job); }
 
 private:
-  void foresee(v1::Job& job);
+  void predict(v1::Job& job);
   const std::vector<double>& remaining_s();
 
   const QueueState& state_;
   Forecast forecast_;
-  std::vector<double> remaining_s_;  ///< of the jobs of the queue that run, as of `remaining_at_`
+  std::vector<double>
+      remaining_s_;  ///< of the running jobs of the queue, computed at `remaining_at_`
   std::chrono::steady_clock::time_point remaining_at_{};
 };
 

@@ -19,7 +19,7 @@ void enter(JobRecord& record, v1::JobState to) {
   if (!job.has_end_time()) *job.mutable_end_time() = timestamp(milliseconds(now()));
 }
 
-Durability durability_of(v1::JobState state) {
+Durability required_durability(v1::JobState state) {
   return is_terminal(state) ? Durability::full : Durability::normal;
 }
 
@@ -30,11 +30,15 @@ void Ledger::write_event(JobRecord& record, const std::string& cause) {
   const auto log = logs_.open(job.id());
   log->take_over();
   log->complete(job);
+
   const bool terminal = is_terminal(job.state());
   if (terminal && log->terminal_event()) return;
+
   v1::JobEvent event = state_event(record, cause);
   log->prepare(event);
   if (!terminal) return;
+
+  // The end of a job is on the disk before anyone sees it.
   try {
     log->sync();
   } catch (...) {
@@ -48,13 +52,16 @@ void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::
   log::info("job {}: {} -> {}: {}", job.id(), v1::JobState_Name(from),
             v1::JobState_Name(job.state()), values::escaped(cause));
   for (const TransitionObserver& observer : transition_observers_) observer(job, from);
+
   try {
-    store_.update(record, durability_of(job.state()));
+    store_.update(record, required_durability(job.state()));
     const std::lock_guard lock(mutex_);
     kept_.erase(job.id());
   } catch (const std::exception& error) {
-    log::error("job {}: {}; its event log has what it is, the store follows", job.id(),
-               error.what());
+    log::error(
+        "job {}: cannot update the store: {}; the event log is correct, and the store is "
+        "updated later",
+        job.id(), error.what());
     return keep(record, error.what());
   }
   report(job);
@@ -89,10 +96,11 @@ void Ledger::settle(JobRecord& record, v1::JobState to, const std::string& cause
   try {
     transition(record, to, cause);
   } catch (const std::exception& error) {
-    log::error("job {}: cannot write that it is {}: {}", record.job.id(), v1::JobState_Name(to),
+    log::error("job {}: cannot record the state {}: {}", record.job.id(), v1::JobState_Name(to),
                error.what());
     if (daemon_lacks(error)) throw;
-    // The files of the job itself are damaged: that is how it ends, unless it has ended before.
+
+    // The files of the job itself are damaged, so the job fails, unless it has ended before.
     const v1::JobState from = record.job.state();
     add_failure(record.job, v1::Failure::STORAGE, error.what());
     if (!is_terminal(from)) enter(record, v1::FAILED);
@@ -122,18 +130,21 @@ bool Ledger::retry() {
     const std::lock_guard lock(mutex_);
     kept = kept_;
   }
+
   for (const auto& [id, record] : kept) {
     try {
-      store_.update(record, durability_of(record.job.state()));
+      store_.update(record, required_durability(record.job.state()));
     } catch (const std::exception&) {
-      return false;  // reported when it was refused first
+      return false;  // logged at the first refusal
     }
+
     report(record.job);
     const std::lock_guard lock(mutex_);
-    if (const auto there = kept_.find(id);
-        there != kept_.end() && there->second.job.state() == record.job.state())
-      kept_.erase(there);
+    if (const auto found = kept_.find(id);
+        found != kept_.end() && found->second.job.state() == record.job.state())
+      kept_.erase(found);
   }
+
   const std::lock_guard lock(mutex_);
   return kept_.empty();
 }

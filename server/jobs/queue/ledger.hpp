@@ -14,50 +14,50 @@
 namespace dccast::jobs {
 
 using JobObserver = std::function<void(const v1::Job&)>;
-/// Is called with a job as it is since it left the state `from`.
+/// Called with a job after its transition from the state `from`.
 using TransitionObserver = std::function<void(const v1::Job& job, v1::JobState from)>;
 
-/// What every job is. A transition is written to the job's event log, which is the truth, then to
-/// the store, which is an index, then as one line with its cause to the program's log. What the
-/// store does not take is kept here until it does.
+/// The states of all jobs. A transition is written to the job's event log, which is authoritative,
+/// then to the store, which is an index, then as one line with its cause to the program's log.
+/// Changes that the store refuses are kept here and retried.
 ///
-/// Waits for the disk; the caller sees to it that one thread at a time changes a job.
+/// Waits for the disk. The caller ensures that only one thread at a time changes a job.
 class Ledger {
 public:
   Ledger(JobStore& store, EventLogs& logs) : store_(store), logs_(logs) {}
 
-  /// Brings a job into a state. Watchers see it after announce(). When this throws, nothing has
-  /// changed, neither `record` nor what the folder of the job has.
+  /// Brings a job into a state. Watchers see it after announce(). If this throws, neither `record`
+  /// nor the folder of the job has changed.
   /// @throws std::exception  the event cannot be written
   void transition(JobRecord& record, v1::JobState to, const std::string& cause);
-  /// The same where a job whose own files are damaged fails.
-  /// @throws std::exception  the disk takes nothing now
+  /// The same, but a job whose own files are damaged becomes FAILED.
+  /// @throws std::exception  nothing can be written now
   void settle(JobRecord& record, v1::JobState to, const std::string& cause);
-  /// Takes a job for what it is without writing anything: the store gets it with retry().
+  /// Keeps a record without writing it; retry() writes it to the store.
   void keep(const JobRecord& record, const std::string& why);
-  /// Has the observer called with every job that the store has in another state, or no more, by the
-  /// thread that changed it: it must not wait, nor ask for a job. An empty one ends that; the last
-  /// call has returned then.
+  /// Sets an observer of every job whose row has changed or was erased. It is called by the thread
+  /// that changed the job, and must neither block nor read a job. An empty observer ends the calls;
+  /// the last one has returned then.
   void observe(JobObserver observer);
   void report(const v1::Job& job);
-  /// Has the observer called once for every transition from now on, under the same conditions.
-  /// Before other threads use this object.
+  /// Adds an observer that is called once for every transition, under the same conditions. To be
+  /// called before other threads use this object.
   void observe_transitions(TransitionObserver observer) {
     transition_observers_.push_back(std::move(observer));
   }
-  /// Changes a job that the store has not taken yet, before the next try.
+  /// Changes a kept record before the next retry().
   void change_kept(const v1::Job& marks);
-  /// Lets watchers see the last transition.
+  /// Shows the last transition to watchers.
   void announce(const std::string& job_id);
 
-  /// Writes what the store has refused. @return whether nothing is left
+  /// Writes the kept records to the store. @return whether none is left
   bool retry();
-  /// What the store refused last, while something is kept; empty when nothing is.
+  /// The last error of the store while records are kept; empty if there are none.
   std::string refusal() const;
 
-  /// The job as it is. @throws StoreError
+  /// The present record of a job. @throws StoreError
   std::optional<JobRecord> find(const std::string& id);
-  /// The job as the store has not taken it yet.
+  /// The record of a job that the store has refused, if any.
   std::optional<JobRecord> kept(const std::string& id) const;
 
 private:
@@ -69,7 +69,7 @@ private:
   std::vector<TransitionObserver> transition_observers_;
   std::mutex observer_mutex_;
   JobObserver observer_;
-  mutable std::mutex mutex_;               ///< of all below
+  mutable std::mutex mutex_;               ///< guards all below
   std::map<std::string, JobRecord> kept_;  ///< by job
   std::string refusal_;
 };

@@ -1,6 +1,7 @@
 #include "server/jobs/queue/queue_hold.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -17,11 +18,10 @@ namespace dccast::jobs {
 
 namespace {
 
-// About what a step and a frame of a small case take.
+// About the size of a step and a frame of a small case [bytes].
 constexpr std::size_t probe_size = 256 * 1024;
 
-// A fault that comes back at once, such as a worker program that is not there, is tried less and
-// less often.
+// A fault that returns at once, such as a missing worker program, is retried less and less often.
 constexpr QueueHold::Clock::duration shortest_interval = std::chrono::seconds(1);
 constexpr QueueHold::Clock::duration longest_interval = std::chrono::seconds(30);
 
@@ -38,14 +38,16 @@ std::optional<std::string> daemon_lacks(const std::exception& error) {
 void require_free_space(const std::filesystem::path& directory, std::int64_t minimum) {
   struct statvfs status;
   if (::statvfs(directory.c_str(), &status) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot look at " + directory.string());
+    throw std::system_error(errno, std::generic_category(),
+                            fmt::format("cannot examine {}", directory.string()));
+
   const auto free =
       static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
   if (free >= minimum) return;
-  throw std::system_error(ENOSPC, std::generic_category(),
-                          "only " + storage::megabytes(free) + " are free in " +
-                              directory.string() + ", and minimum_free_bytes is " +
-                              storage::megabytes(minimum));
+  throw std::system_error(
+      ENOSPC, std::generic_category(),
+      fmt::format("only {} are free in {}, and minimum_free_bytes is {}", storage::megabytes(free),
+                  directory.string(), storage::megabytes(minimum)));
 }
 
 void probe_directory(const std::filesystem::path& directory) {
@@ -63,7 +65,7 @@ bool QueueHold::set(const std::string& reason) {
   const bool came_back = Clock::now() - lifted_ < 2 * shortest_interval;
   interval_ = came_back ? std::min(2 * interval_, longest_interval) : shortest_interval;
   reason_ = reason;
-  look_again_later();
+  retry_later();
   return true;
 }
 
@@ -72,8 +74,8 @@ void QueueHold::lift() {
   lifted_ = Clock::now();
 }
 
-void QueueHold::look_again_later() {
-  next_look_ = Clock::now() + interval_;
+void QueueHold::retry_later() {
+  next_check_ = Clock::now() + interval_;
 }
 
 }  // namespace dccast::jobs

@@ -10,19 +10,19 @@
 namespace dccast::jobs {
 
 /// Whether an error means that the daemon is short of disk, descriptors or memory: a state that
-/// passes, and no fault of a job. @return what is lacking, in words; nothing for any other error
+/// passes, and no fault of a job. @return a description of the lack; nothing for any other error
 std::optional<std::string> daemon_lacks(const std::exception& error);
 
-/// @throws std::system_error (ENOSPC)  the file system of a directory has less free than that
-/// [bytes]
+/// Checks the free space of the file system that holds a directory. @param minimum  [bytes]
+/// @throws std::system_error (ENOSPC)  less is free
 void require_free_space(const std::filesystem::path& directory, std::int64_t minimum);
 
 /// Writes a file of some size into a directory, syncs it to disk and removes it again.
-/// @throws std::system_error  the directory takes nothing
+/// @throws std::system_error  the directory is not writable
 void probe_directory(const std::filesystem::path& directory);
 
-/// Why no job is started now, and when to see whether that has passed. A hold is the daemon's own
-/// fault, such as a full disk: it fails no job.
+/// Reason why no job is started now, and when to check whether it has passed. A hold is a fault of
+/// the daemon, such as a full disk, so no job fails because of it.
 class QueueHold {
 public:
   using Clock = std::chrono::steady_clock;
@@ -31,15 +31,15 @@ public:
   bool set(const std::string& reason);
   void lift();
   bool holds() const { return reason_.has_value(); }
-  /// Empty when nothing holds the queue.
+  /// Empty if nothing holds the queue.
   std::string reason() const { return reason_.value_or(""); }
-  /// When to look again.
-  Clock::time_point next_look() const { return next_look_; }
-  void look_again_later();
+  /// Time of the next check.
+  Clock::time_point next_check() const { return next_check_; }
+  void retry_later();
 
 private:
   std::optional<std::string> reason_;
-  Clock::time_point next_look_{};
+  Clock::time_point next_check_{};
   Clock::time_point lifted_{};
   Clock::duration interval_{};
 };

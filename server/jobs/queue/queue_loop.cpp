@@ -14,7 +14,7 @@ namespace dccast::jobs {
 
 namespace {
 
-/// A thread that wakes later than this was not only kept waiting: the process stood still.
+/// A thread that wakes later than this was not only delayed: the process was suspended.
 constexpr std::chrono::milliseconds standstill{250};
 
 }  // namespace
@@ -47,7 +47,7 @@ void QueueLoop::let_workers_run() {
   thread_.join();
 }
 
-bool QueueLoop::turns(std::chrono::milliseconds longest) {
+bool QueueLoop::is_responsive(std::chrono::milliseconds longest) {
   std::unique_lock lock(state_.mutex);
   round_requested_ = true;
   state_.changed.notify_all();
@@ -60,13 +60,13 @@ void QueueLoop::run() {
   while (!stopping_) {
     if (std::exchange(round_requested_, false)) state_.changed.notify_all();
 
-    // Waking much too late means that the daemon stood still: it has seen no signs of life.
+    // Waking much too late means that the daemon was suspended: it has missed heartbeats.
     if (Clock::now() > expected_wake_ + standstill) state_.attempts.forgive_silences(Clock::now());
     state_.attempts.kill_overdue(Clock::now());
 
     lock.unlock();  // these write to disk
     settle_ended_attempts();
-    look_whether_hold_has_passed();
+    resume_after_hold();
     release_dependents();
     while (start_next()) {
     }
@@ -80,12 +80,12 @@ void QueueLoop::run() {
 
     expected_wake_ = state_.attempts.next_deadline();
     if (state_.queue_hold.holds())
-      expected_wake_ = std::min(expected_wake_, state_.queue_hold.next_look());
+      expected_wake_ = std::min(expected_wake_, state_.queue_hold.next_check());
     state_.changed.wait_until(lock, expected_wake_);
   }
 }
 
-/// What the disk does not take now the next daemon recovers from the folders of the jobs.
+/// Changes that cannot be written now are recovered from the job folders at the next start.
 bool QueueLoop::may_end() const {
   const Attempts& attempts = state_.attempts;
   const bool leaves_no_worker =
@@ -109,20 +109,21 @@ void QueueLoop::settle_ended_attempts() {
   for (const auto& attempt : ended) settle_attempt(attempt);
 }
 
-/// Decides and writes what a job becomes whose worker has ended. What the disk does not take is
-/// tried again once it does; until then the job is as it was.
+/// Decides and writes the outcome of a job whose worker has ended. If it cannot be written, the
+/// queue is held and the job stays as it is until the next try.
 void QueueLoop::settle_attempt(const std::shared_ptr<Attempt>& attempt) {
   const auto folder = state_.jobs_directory / attempt->job_id;
   std::unique_lock lock(state_.mutex);
   const ExclusiveJob job(state_, lock, attempt->job_id);
+
   JobRecord record = attempt->record;
   if (attempt->not_started.empty()) record.job.set_run_s(ran_s(*attempt, Clock::now()));
-  AttemptFacts facts = state_.attempts.facts_of(*attempt);
+  AttemptFacts facts = state_.attempts.facts(*attempt);
   lock.unlock();
 
   Settlement settlement;
   try {
-    settlement = settlement_of(*attempt, record, std::move(facts));
+    settlement = decide(*attempt, record, std::move(facts));
     if (is_terminal(settlement.state)) record.bytes = bytes_kept(folder);
     state_.ledger.settle(record, settlement.state, settlement.cause);
   } catch (const std::exception& error) {
@@ -138,20 +139,19 @@ void QueueLoop::settle_attempt(const std::shared_ptr<Attempt>& attempt) {
   state_.ledger.announce(attempt->job_id);
 }
 
-Settlement QueueLoop::settlement_of(const Attempt& attempt, JobRecord& record,
-                                    AttemptFacts facts) const {
+Settlement QueueLoop::decide(const Attempt& attempt, JobRecord& record, AttemptFacts facts) const {
   if (attempt.not_started.empty())
     return settle(record, *attempt.log, state_.jobs_directory / attempt.job_id, attempt.exit,
                   std::move(facts));
 
-  // The job waits as if this attempt had not been.
+  // No worker was started: the attempt does not count.
   record.job.set_attempts(attempt.number - 1);
   Settlement settlement = settle_stopped(record, attempt.not_started);
   settlement.daemon_lacks = attempt.not_started;
   return settlement;
 }
 
-/// @param record  as it was settled
+/// @param record  after its settlement
 void QueueLoop::forget_attempt(const Attempt& attempt, const JobRecord& record,
                                const Settlement& settlement) {
   v1::Job job = record.job;
@@ -161,7 +161,7 @@ void QueueLoop::forget_attempt(const Attempt& attempt, const JobRecord& record,
 
   if (job.state() == v1::QUEUED) state_.queue.push(job);
   if (is_terminal(job.state())) {
-    state_.dependents.note_change_of(job.id());
+    state_.dependents.note_change(job.id());
     log->complete(job);
     views_.learn(job);
     state_.charge(job, milliseconds(now()));
@@ -171,10 +171,10 @@ void QueueLoop::forget_attempt(const Attempt& attempt, const JobRecord& record,
     if (!lack.empty()) state_.hold(lack);
 }
 
-void QueueLoop::look_whether_hold_has_passed() {
+void QueueLoop::resume_after_hold() {
   {
     const std::lock_guard lock(state_.mutex);
-    if (!state_.queue_hold.holds() || Clock::now() < state_.queue_hold.next_look()) return;
+    if (!state_.queue_hold.holds() || Clock::now() < state_.queue_hold.next_check()) return;
   }
 
   bool passed = false;
@@ -188,8 +188,9 @@ void QueueLoop::look_whether_hold_has_passed() {
   }
 
   const std::lock_guard lock(state_.mutex);
-  if (!passed) return state_.queue_hold.look_again_later();
-  log::info("the queue goes on; it was held: {}", state_.queue_hold.reason());
+  if (!passed) return state_.queue_hold.retry_later();
+
+  log::info("the queue continues; it was held: {}", state_.queue_hold.reason());
   state_.queue_hold.lift();
   state_.changed.notify_all();
 }
@@ -207,14 +208,13 @@ void QueueLoop::release_dependents() {
       release_dependent(*dependent);
     } catch (const std::exception& error) {
       const std::lock_guard lock(state_.mutex);
-      state_.dependents.look_again_at(dependent->id);
+      state_.dependents.check_again(dependent->id);
       return state_.hold(error.what());
     }
   }
 }
 
-/// A job whose jobs before it have succeeded goes into the queue. If one of them has not and never
-/// will, the job is cancelled.
+/// Queues a job if all jobs before it have succeeded. Cancels it if one of them never will.
 void QueueLoop::release_dependent(const Dependents::Dependent& dependent) {
   std::string refusal;
   bool waits = false;
@@ -238,6 +238,7 @@ void QueueLoop::release_dependent(const Dependents::Dependent& dependent) {
   const ExclusiveJob job(state_, lock, dependent.id);
   if (!state_.dependents.contains(dependent.id)) return;
   lock.unlock();
+
   auto record = state_.ledger.find(dependent.id);
   if (!record || record->job.state() != v1::QUEUED) return;
 
@@ -245,6 +246,7 @@ void QueueLoop::release_dependent(const Dependents::Dependent& dependent) {
     requests_.settle_idle(lock, *record, v1::CANCELLED, refusal);
     return;
   }
+
   lock.lock();
   state_.dependents.remove(dependent.id);
   state_.queue.push(record->job);
@@ -252,7 +254,7 @@ void QueueLoop::release_dependent(const Dependents::Dependent& dependent) {
 
 bool QueueLoop::may_start() const {
   return !state_.shutting_down && !state_.queue_hold.holds() &&
-         (state_.attempts.of_queue() < state_.executor.capacity() ||
+         (state_.attempts.count_queued() < state_.executor.capacity() ||
           state_.queue.front_goes_first());
 }
 
@@ -276,8 +278,10 @@ bool QueueLoop::start_next() {
     lock.lock();
     const bool goes_first = state_.queue.front_goes_first() && state_.queue.front() == id;
     state_.queue.erase(*id);
-    if (!log) return true;  // it waits no more
+    if (!log) return true;  // it no longer waits
+
     state_.queue.charge(record.job.owner(), JobQueue::start_charge_s, milliseconds(now()));
+
     const auto attempt = state_.attempts.add(std::move(record), std::move(log), false);
     attempt->goes_first = goes_first;
     state_.attempts.start(*attempt);
@@ -286,18 +290,19 @@ bool QueueLoop::start_next() {
     refuse_start(*id, error);
     return true;
   }
+
   lock.unlock();
   state_.ledger.announce(*id);
   return true;
 }
 
-/// Writes that a job runs. @return no log for a job that does not wait
+/// Records that a job is running. @return no log if the job does not wait
 std::pair<JobRecord, std::shared_ptr<EventLog>> QueueLoop::begin_attempt(const std::string& id) {
   require_free_space(state_.jobs_directory, state_.options.minimum_free_bytes);
   auto record = state_.ledger.find(id);
   if (!record || record->job.state() != v1::QUEUED) return {};
   auto log = state_.logs.open(id);
-  remove_request(state_.jobs_directory / id);  // that a crash has left
+  remove_request(state_.jobs_directory / id);  // a crash may have left one
 
   v1::Job& job = record->job;
   job.set_attempts(job.attempts() + 1);
@@ -324,7 +329,7 @@ void QueueLoop::refuse_start(const std::string& id, const std::exception& error)
     }
     const std::lock_guard lock(state_.mutex);
     state_.dequeue(id);
-  } catch (const std::exception& lack) {  // what becomes of the job is seen later
+  } catch (const std::exception& lack) {  // the job is tried again after the hold
     const std::lock_guard lock(state_.mutex);
     state_.hold(lack.what());
   }

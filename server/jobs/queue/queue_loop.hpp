@@ -15,7 +15,7 @@
 namespace dccast::jobs {
 
 /// The thread of the queue: starts jobs, settles those whose workers have ended, kills workers that
-/// hang, and looks whether the disk takes something again.
+/// hang, and checks whether a hold of the queue has passed.
 class QueueLoop {
 public:
   QueueLoop(QueueState& state, JobViews& views, JobRequests& requests)
@@ -28,8 +28,8 @@ public:
   void shut_down();
   /// See Scheduler::let_workers_run().
   void let_workers_run();
-  /// See Scheduler::turns().
-  bool turns(std::chrono::milliseconds longest);
+  /// See Scheduler::is_responsive().
+  bool is_responsive(std::chrono::milliseconds longest);
 
 private:
   using Clock = std::chrono::steady_clock;
@@ -47,8 +47,8 @@ private:
   // These take the mutex themselves, and wait for the disk without it.
   void settle_ended_attempts();
   void settle_attempt(const std::shared_ptr<Attempt>& attempt);
-  Settlement settlement_of(const Attempt& attempt, JobRecord& record, AttemptFacts facts) const;
-  void look_whether_hold_has_passed();
+  Settlement decide(const Attempt& attempt, JobRecord& record, AttemptFacts facts) const;
+  void resume_after_hold();
   void release_dependents();
   void release_dependent(const Dependents::Dependent& dependent);
   bool start_next();
@@ -58,8 +58,8 @@ private:
   QueueState& state_;
   JobViews& views_;
   JobRequests& requests_;
-  bool stopping_ = false;            ///< the thread is to end at once
-  bool round_requested_ = false;     ///< see turns()
+  bool stopping_ = false;            ///< the thread must end at once
+  bool round_requested_ = false;     ///< see is_responsive()
   Clock::time_point expected_wake_;  ///< of the thread
   std::thread thread_;
 };

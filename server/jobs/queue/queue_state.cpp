@@ -20,8 +20,9 @@ QueueState::QueueState(SchedulerOptions scheduler_options, JobStore& job_store,
 
 void QueueState::hold(const std::string& reason) {
   if (queue_hold.set(reason))
-    log::error("the queue is held, no job fails for it: {}; looking again every few seconds",
-               reason);
+    log::error(
+        "the queue is held: {}; no job fails because of it; checking again every few seconds",
+        reason);
   changed.notify_all();
 }
 
@@ -32,7 +33,7 @@ void QueueState::enqueue(const v1::Job& job, bool goes_first) {
 void QueueState::dequeue(const std::string& id) {
   queue.erase(id);
   dependents.remove(id);
-  dependents.note_change_of(id);
+  dependents.note_change(id);
 }
 
 void QueueState::charge(const v1::Job& job, std::int64_t at_ms) {
@@ -43,7 +44,7 @@ void QueueState::charge(const v1::Job& job, std::int64_t at_ms) {
 
 bool QueueState::user_may_start(const std::string& owner) const {
   return options.maximum_running_per_user == 0 ||
-         attempts.of_queue(owner) < options.maximum_running_per_user;
+         attempts.count_queued(owner) < options.maximum_running_per_user;
 }
 
 ExclusiveJob::ExclusiveJob(QueueState& state, std::unique_lock<std::mutex>& lock,

@@ -22,31 +22,30 @@ namespace dccast::jobs {
 
 struct SchedulerOptions {
   AttemptOptions attempts;
-  int maximum_queued = 10000;                       ///< jobs that may wait
+  int maximum_queued = 10000;                       ///< limit of waiting jobs
   std::int64_t maximum_waiting_bytes = 4000000000;  ///< cases and attachments of unfinished jobs
-  std::int64_t minimum_free_bytes = 0;              ///< below it no job is taken or started
+  std::int64_t minimum_free_bytes = 0;              ///< below it no job is accepted or started
   std::chrono::seconds share_half_life{86400};      ///< see JobQueue
   int maximum_running_per_user = 0;                 ///< 0: no limit
 };
 
-/// What the parts of the scheduler share: the jobs that wait and those that run. The mutex guards
-/// what stands below it, and the member functions expect it to be held.
+/// State shared by the parts of the scheduler: waiting and running jobs. The mutex guards the
+/// members below it, and the member functions expect it to be held.
 ///
-/// No thread waits for the disk while it holds the mutex: what changes a job holds the job instead
-/// (ExclusiveJob), and readers see the job as it was until the change is on the disk.
+/// No thread waits for the disk while it holds the mutex. A change of a job locks that job instead
+/// (ExclusiveJob), and readers see its old state until the change is on the disk.
 struct QueueState {
   QueueState(SchedulerOptions scheduler_options, JobStore& job_store, EventLogs& event_logs,
              Executor& of_workers);
 
-  /// Starts nothing until the daemon is able to work again.
+  /// Holds the queue until the fault has passed.
   void hold(const std::string& reason);
-  /// Puts a job into the queue, or beside it until the jobs before it have succeeded.
+  /// Queues a job, or lets it wait until the jobs before it have succeeded.
   void enqueue(const v1::Job& job, bool goes_first = false);
   void dequeue(const std::string& id);
-  /// Charges the owner for what a job has taken of the processors, beyond what was charged for its
-  /// starts.
+  /// Charges the owner for the processor time of a job, beyond what was charged at its starts.
   void charge(const v1::Job& job, std::int64_t at_ms);
-  /// Kept queries are beside the queue and do not count.
+  /// Whether a user may have one more job running. Kept queries do not count.
   bool user_may_start(const std::string& owner) const;
   int waiting() const { return static_cast<int>(queue.size()) + dependents.size(); }
 
@@ -67,7 +66,8 @@ struct QueueState {
   bool shutting_down = false;
 };
 
-/// Holds a job for one thread. Made and ended with the mutex held; it may be released in between.
+/// Locks a job for one thread. Created and destroyed with the mutex held, which may be released in
+/// between.
 class ExclusiveJob {
 public:
   ExclusiveJob(QueueState& state, std::unique_lock<std::mutex>& lock, const std::string& id);

@@ -46,8 +46,8 @@ bool Recovery::recover_job(JobRecord& record) {
     throw;
   } catch (const std::exception& error) {
     if (const auto lack = daemon_lacks(error)) {
-      // The job keeps waiting and goes on from its last checkpoint.
-      log::error("job {}: cannot be recovered now and waits: {}", id, error.what());
+      // The job stays in the queue and continues from its last checkpoint.
+      log::error("job {}: cannot be recovered now; it waits in the queue: {}", id, error.what());
       record.job.set_state(v1::QUEUED);
       state_.ledger.keep(record, *lack);
     } else {
@@ -80,7 +80,7 @@ bool Recovery::find_worker_or_settle(JobRecord& record) {
     return false;
   };
 
-  // An event is written before the store is: the log is never behind.
+  // An event is written before the row, so the log is never behind the store.
   const EventLogContent content = log->content();
   const v1::JobState state = content.last_state ? content.last_state->state() : job.state();
   job.set_attempts(std::max(job.attempts(), content.attempts));
@@ -88,7 +88,7 @@ bool Recovery::find_worker_or_settle(JobRecord& record) {
   if (request) record.requested_action = request->action;
 
   if (adopt_worker(record, state)) {
-    log::info("job {}: its worker still runs, and goes on under this daemon", job.id());
+    log::info("job {}: adopted its running worker", job.id());
     job.set_state(v1::RUNNING);
     return true;
   }
@@ -119,7 +119,7 @@ void Recovery::learn_from_ended_jobs() {
                 [this](const JobRecord& record) { views_.learn(record.job); });
 }
 
-/// Charges owners for the jobs of some half-lives; older ones count next to nothing.
+/// Charges owners for the jobs of the last half-lives; older jobs hardly count.
 void Recovery::charge_recent_use() {
   constexpr int half_lives = 7, most_jobs = 10000;
   const auto half_life = state_.options.share_half_life;

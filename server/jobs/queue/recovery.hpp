@@ -5,8 +5,8 @@
 
 namespace dccast::jobs {
 
-/// Puts in order what the last daemon left: jobs whose workers have ended meanwhile become what
-/// their folders have. Before there are other threads.
+/// Recovers the jobs of the last daemon: settles those whose workers have ended meanwhile, from
+/// their folders, and adopts running workers. Runs before other threads start.
 class Recovery {
 public:
   Recovery(QueueState& state, JobViews& views) : state_(state), views_(views) {}

@@ -11,17 +11,19 @@ Scheduler::Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs,
       submissions_(state_, views_),
       requests_(state_, views_),
       loop_(state_, views_, requests_) {
-  const auto noted = [this](auto note) {
-    return [this, note](const std::string& job_id, int number, const auto& report) {
+  // Reports of the executor come from its own thread.
+  const auto report_to = [this](auto function) {
+    return [this, function](const std::string& job_id, int number, const auto& report) {
       const std::lock_guard lock(state_.mutex);
-      (state_.attempts.*note)(job_id, number, report);
+      (state_.attempts.*function)(job_id, number, report);
       state_.changed.notify_all();
     };
   };
-  executor.set_calls({.not_started = noted(&Attempts::worker_not_started),
-                      .ended = noted(&Attempts::worker_ended),
-                      .waits = noted(&Attempts::worker_waits),
-                      .stopped = noted(&Attempts::worker_stopped)});
+
+  executor.set_calls({.not_started = report_to(&Attempts::worker_not_started),
+                      .ended = report_to(&Attempts::worker_ended),
+                      .waits = report_to(&Attempts::worker_waits),
+                      .stopped = report_to(&Attempts::worker_stopped)});
 }
 
 void Scheduler::recover() {
@@ -49,12 +51,13 @@ std::shared_ptr<EventLog> Scheduler::log(const std::string& id) {
   };
   if (!lacks_its_end()) return log;
 
-  // Its end is being announced, or the file was damaged since: watchers must see an end all the
-  // same.
+  // The end is being announced, or the file was damaged since; watchers must see an end in either
+  // case.
   std::unique_lock lock(state_.mutex);
   const ExclusiveJob job(state_, lock, id);
   lock.unlock();
   if (!lacks_its_end()) return log;
+
   v1::JobEvent event =
       state_event(state_.store.find(id).value(), "ended; part of the event log is lost");
   log->append(event);
@@ -64,11 +67,13 @@ std::shared_ptr<EventLog> Scheduler::log(const std::string& id) {
 std::vector<v1::Job> Scheduler::list(const JobStore::Page& page) {
   std::vector<JobRecord> records = state_.store.list(page);
   std::vector<v1::Job> jobs;
+
   const std::lock_guard lock(state_.mutex);
   for (JobRecord& record : records) {
     if (auto kept = state_.ledger.kept(record.job.id())) record = std::move(*kept);
     jobs.push_back(views_.view(std::move(record)));
   }
+
   return jobs;
 }
 

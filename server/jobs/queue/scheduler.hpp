@@ -20,31 +20,31 @@
 
 namespace dccast::jobs {
 
-/// The door of the queue: takes jobs, orders them, has them run, answers requests about them. Each
-/// part of that is a class of its own over one QueueState.
+/// Interface of the queue: accepts jobs, orders them, runs them, and answers requests about them.
+/// Each of these tasks is a class of its own over one QueueState.
 ///
-/// Safe to use from several threads. A request that throws has changed nothing: it throws
-/// StoreError or std::system_error when the disk refuses.
+/// Safe to use from several threads. A request that throws has changed nothing; it throws
+/// StoreError or std::system_error if it cannot write.
 class Scheduler {
 public:
   Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs, Executor& executor);
 
-  /// Puts in order what the last daemon left: lets store and event logs agree, goes on with the
-  /// workers that the executor finds again, puts the other running jobs back into the queue,
-  /// quarantines unknown folders.
+  /// Recovers the state of the last daemon: makes store and event logs agree, adopts the workers
+  /// that the executor finds, puts other running jobs back into the queue, quarantines unknown
+  /// folders.
   void recover();
-  /// Begins to run jobs.
+  /// Starts to run jobs.
   void start();
   /// Stops running jobs at a checkpoint and puts them back into the queue; returns when all workers
-  /// are gone. Nothing is submitted or started any more.
+  /// have ended. Nothing is submitted or started any more.
   void shut_down() { loop_.shut_down(); }
 
-  /// Stops at once and leaves running jobs to their workers, for the next daemon to go on with.
-  /// Nothing is submitted, started or ended any more.
+  /// Stops at once and leaves running jobs to their workers, which the next daemon adopts. Nothing
+  /// is submitted, started or ended any more.
   void let_workers_run() { loop_.let_workers_run(); }
 
-  /// Takes a job; it is on the disk when this returns. The same request_id and case give the same
-  /// job. @throws QueueFull, RequestIdTaken, ShuttingDown, StorageHeld
+  /// Accepts a job and writes it to disk. The same request_id and case return the same job.
+  /// @throws QueueFull, RequestIdTaken, ShuttingDown, StorageHeld
   v1::Job submit(const NewJob& new_job, const Attachments& attachments) {
     return submissions_.submit(new_job, attachments);
   }
@@ -64,24 +64,23 @@ public:
   Reply pause(const std::string& id) { return requests_.stop(id, {RequestedAction::pause, ""}); }
   Reply resume(const std::string& id) { return requests_.resume(id); }
   /// @param why      for the log
-  /// @param permits  false: the job stays, and is in the wrong state for this
+  /// @param permits  returns false to keep the job; the reply is then wrong_state
   Reply remove(const std::string& id, const std::string& why = "by request",
                const std::function<bool(const v1::Job& job)>& permits = {}) {
     return requests_.remove(id, why, permits);
   }
-  /// Changes labels, and whether the job is kept for good. What `change` throws leaves the job as
-  /// it was.
+  /// Changes labels, and whether the job is pinned. If `change` throws, the job stays unchanged.
   Reply mark(const std::string& id, const std::function<void(v1::Job& job)>& change) {
     return requests_.mark(id, change);
   }
   /// Whether a job waits for this one to succeed.
   bool is_awaited(const std::string& id);
-  /// Has the thread of the queue make a round. @return whether it began one in time; false when it
-  /// hangs, for example on a disk. Does not return while another thread hangs with the mutex.
-  bool turns(std::chrono::milliseconds longest) { return loop_.turns(longest); }
+  /// Wakes the thread of the queue. @return whether it began a round in time; false if it hangs,
+  /// for example on a disk. Does not return while another thread hangs with the mutex.
+  bool is_responsive(std::chrono::milliseconds longest) { return loop_.is_responsive(longest); }
   int queued();
   int running();
-  /// Why nothing is started now; empty when nothing holds the queue.
+  /// Why nothing is started now; empty if nothing holds the queue.
   std::string held();
 
 private:

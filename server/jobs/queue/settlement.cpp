@@ -1,5 +1,7 @@
 #include "server/jobs/queue/settlement.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <utility>
 
@@ -12,18 +14,19 @@ namespace {
 
 using v1::RunEnd;
 
-/// Attempts in a row that may end because something was not written, without getting any further.
-/// The queue was held between them until the daemon could write: it is this job that cannot.
-constexpr int most_storage_failures = 10;
+/// Largest number of consecutive attempts that a failed write may end without progress. The queue
+/// was held between them until the daemon could write, so the fault concerns this job alone.
+constexpr int largest_storage_failures = 10;
 
-/// Something could not be written. The queue is held for that as long as it may pass.
+/// A write failed. The queue is held while the fault may pass.
 Settlement settle_for_storage(JobRecord& record, const std::string& error,
                               const AttemptFacts& facts) {
-  if (facts.storage_failures >= most_storage_failures) {
+  if (facts.storage_failures >= largest_storage_failures) {
     add_failure(record.job, v1::Failure::STORAGE, error);
     return {v1::FAILED, error};
   }
-  Settlement settlement = settle_stopped(record, error + "; goes on once writing works again");
+  Settlement settlement =
+      settle_stopped(record, fmt::format("{}; goes on once writing works again", error));
   settlement.daemon_lacks = error;
   return settlement;
 }
@@ -35,8 +38,8 @@ Settlement settle_succeeded(JobRecord& record, const RunEnd& end, const AttemptF
   return {v1::FAILED, facts.missing_artifact};
 }
 
-/// What the worker could not write, whatever else went wrong before; empty when it wrote all.
-std::string unwritten(const v1::Failure& failure) {
+/// The error of a failed write, which may follow another failure; empty if all was written.
+std::string find_write_error(const v1::Failure& failure) {
   if (failure.kind() == v1::Failure::STORAGE) return failure.message();
   for (const std::string& further : failure.further_causes())
     if (further.starts_with("STORAGE: ")) return further.substr(further.find(' ') + 1);
@@ -45,10 +48,11 @@ std::string unwritten(const v1::Failure& failure) {
 
 Settlement settle_failed(JobRecord& record, const RunEnd& end, const AttemptFacts& facts) {
   const v1::Failure& failure = end.failure();
-  // The run comes to the same end once its results can be written.
-  if (const std::string error = unwritten(failure);
-      !error.empty() && facts.storage_failures < most_storage_failures)
+  // Run again when its results can be written: it will end in the same way.
+  if (const std::string error = find_write_error(failure);
+      !error.empty() && facts.storage_failures < largest_storage_failures)
     return settle_for_storage(record, error, facts);
+
   *record.job.mutable_failure() = failure;
   *record.job.mutable_artifacts() = end.artifacts();
   return {v1::FAILED, failure.message()};
@@ -61,29 +65,29 @@ Settlement settle_other_version(JobRecord& record, const RunEnd& end, const Atte
     return {v1::FAILED, reason};
   }
   record.requested_action = RequestedAction::none;
-  return {v1::PAUSED, reason + "; resuming it starts the run over"};
+  return {v1::PAUSED, fmt::format("{}; resuming it starts the run over", reason)};
 }
 
-/// Whether it was stopped for its time limit alone.
+/// Whether it was stopped for its time limit and not cancelled as well.
 bool is_over_time(const JobRecord& record, const AttemptFacts& facts) {
   return !facts.over_time.empty() && record.requested_action != RequestedAction::cancel;
 }
 
 Settlement settle_over_time(JobRecord& record, const AttemptFacts& facts) {
-  const std::string message =
-      facts.over_time + " and has reached its time limit at " +
-      std::to_string(std::lround(100.0 * record.job.last_step().progress())) +
-      " % of the casting; submit it again with a longer one (dccast submit --from " +
-      record.job.id() + " --time-limit), with a coarser quality or a shorter time.end";
+  const std::string message = fmt::format(
+      "{} and has reached its time limit at {} % of the casting; submit it again with a longer one "
+      "(dccast submit --from {} --time-limit), with a coarser quality or a shorter time.end",
+      facts.over_time, std::lround(100.0 * record.job.last_step().progress()), record.job.id());
   add_failure(record.job, v1::Failure::TIME_LIMIT, message);
   record.job.mutable_failure()->set_time_s(facts.reached_time);
   return {v1::FAILED, message};
 }
 
-std::string times_died(const JobRecord& record, bool same_step, std::int64_t step) {
+/// Describes the deaths of a worker. @param repeated_step  the step after which it died twice
+std::string describe_losses(const JobRecord& record, std::optional<std::int64_t> repeated_step) {
   std::string message = record.first_loss;
-  if (record.losses > 1) message += "; in all it died " + std::to_string(record.losses) + " times";
-  if (same_step) message += ", twice in the step after " + std::to_string(step);
+  if (record.losses > 1) message += fmt::format("; in all it died {} times", record.losses);
+  if (repeated_step) message += fmt::format(", twice in the step after {}", *repeated_step);
   return message;
 }
 
@@ -91,9 +95,10 @@ std::string times_died(const JobRecord& record, bool same_step, std::int64_t ste
 
 Settlement settle_stopped(JobRecord& record, const std::string& cause) {
   const RequestedAction requested = std::exchange(record.requested_action, RequestedAction::none);
+  if (requested == RequestedAction::cancel && record.request_reason.empty())
+    return {v1::CANCELLED, "cancelled by request"};
   if (requested == RequestedAction::cancel)
-    return {v1::CANCELLED, record.request_reason.empty() ? "cancelled by request"
-                                                         : "cancelled: " + record.request_reason};
+    return {v1::CANCELLED, fmt::format("cancelled: {}", record.request_reason)};
   if (requested == RequestedAction::pause) return {v1::PAUSED, "paused by request"};
   return {v1::QUEUED, cause};
 }
@@ -120,21 +125,25 @@ Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptF
   if (record.requested_action != RequestedAction::none || facts.shutting_down)
     return settle_stopped(record, "dccastd is shutting down; its worker was killed");
   if (exit.of_machine)
-    return settle_stopped(record, exit.how + "; goes on from its last checkpoint");
+    return settle_stopped(record, fmt::format("{}; goes on from its last checkpoint", exit.how));
   if (exit.code == exit_out_of_memory) {
     add_failure(record.job, v1::Failure::OUT_OF_MEMORY, out_of_memory_text);
     return {v1::FAILED, out_of_memory_text};
   }
-  const std::string loss =
-      "worker " + (facts.hung.empty() ? "died with " + exit.how : facts.hung + " and was killed") +
-      " after step " + std::to_string(facts.reached_step);
+
+  const std::string end = facts.hung.empty() ? fmt::format("died with {}", exit.how)
+                                             : fmt::format("{} and was killed", facts.hung);
+  const std::string loss = fmt::format("worker {} after step {}", end, facts.reached_step);
   if (record.losses++ == 0) record.first_loss = loss;
-  const bool same_step = record.lost_step == facts.reached_step;
-  record.lost_step = facts.reached_step;
+  const std::int64_t previous_step = std::exchange(record.lost_step, facts.reached_step);
   if (record.losses <= facts.worker_restarts)
-    return {v1::QUEUED, loss + "; restart " + std::to_string(record.losses) + " of " +
-                            std::to_string(facts.worker_restarts)};
-  const std::string message = times_died(record, same_step, facts.reached_step);
+    return {v1::QUEUED,
+            fmt::format("{}; restart {} of {}", loss, record.losses, facts.worker_restarts)};
+
+  // Twice in one step points to the case rather than to the machine.
+  std::optional<std::int64_t> repeated_step;
+  if (previous_step == facts.reached_step) repeated_step = facts.reached_step;
+  const std::string message = describe_losses(record, repeated_step);
   add_failure(record.job, facts.hung.empty() ? v1::Failure::WORKER_LOST : v1::Failure::WORKER_HUNG,
               message);
   record.job.mutable_failure()->set_time_s(facts.reached_time);

@@ -9,37 +9,36 @@
 
 namespace dccast::jobs {
 
-/// What a job becomes when its worker has left it.
+/// Outcome of an attempt: the next state of its job.
 struct Settlement {
-  v1::JobState state = v1::QUEUED;  ///< QUEUED: it waits again and goes on from its checkpoint
-  std::string cause;                ///< one line for people
-  std::string daemon_lacks{};       ///< why nothing else should start now; empty: no reason
+  v1::JobState state = v1::QUEUED;  ///< QUEUED: it waits again and continues from its checkpoint
+  std::string cause;                ///< one line for the user
+  std::string daemon_lacks{};       ///< a resource whose lack must hold the queue; empty: none
 };
 
-/// What is known of an attempt when its job is settled.
+/// Input of a settlement: what is known of the attempt.
 struct AttemptFacts {
   bool shutting_down = false;
   int worker_restarts = 2;
   v1::OtherVersion other_version = v1::BEGIN_ANEW;
-  int storage_failures = 0;       ///< attempts in a row that were ended by it and got no further
-  std::int64_t reached_step = 0;  ///< last one reported, or that of the checkpoint it went on from
-  double reached_time = 0.0;      ///< [s]
-  std::string hung{};             ///< why the worker was taken to hang; empty: it was not
-  std::string over_time{};        ///< how long it has run, where that is too long; empty: it is not
-  std::string
-      missing_artifact{};  ///< a result that is not on the disk although the run's end names it
-  std::string storage_error{};  ///< why the folder of the job takes nothing; empty: it does
+  int storage_failures = 0;  ///< consecutive attempts that a failed write ended, without progress
+  std::int64_t reached_step = 0;   ///< last step reported, or that of its checkpoint
+  double reached_time = 0.0;       ///< [s]
+  std::string hung{};              ///< why the worker was killed as hanging; empty: it was not
+  std::string over_time{};         ///< its run time if that exceeds the limit; empty: it does not
+  std::string missing_artifact{};  ///< a result that the end of the run names but the disk lacks
+  std::string storage_error{};     ///< why nothing can be written into the folder; empty: it can
 };
 
-/// The worker has left its run in good order. Fills in failure, artifacts and what was requested.
+/// The worker has recorded the end of its run. Sets failure, artifacts and requested action.
 Settlement settle_run_end(JobRecord& record, const v1::RunEnd& end, const AttemptFacts& facts);
 
-/// The attempt was stopped by order, or never began: what was requested decides; without a request
+/// The attempt was stopped on request, or never began. The request decides the outcome; without one
 /// the job waits again.
-/// @param cause  why it waits, for people
+/// @param cause  why it waits, for the user
 Settlement settle_stopped(JobRecord& record, const std::string& cause);
 
-/// The worker died in the middle of its run.
+/// The worker died during its run.
 Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptFacts& facts);
 
 }  // namespace dccast::jobs

@@ -13,13 +13,13 @@ namespace dccast::jobs {
 
 namespace {
 
-/// A job that was to join a study must not be answered with one outside of it.
-void require_same_submission(const v1::Job& there, const NewJob& new_job) {
-  const bool same_case = there.case_sha256() == new_job.case_sha256;
-  if (same_case && there.study() == new_job.study) return;
+/// A repeated request must name the same case, and the same study.
+void require_same_submission(const v1::Job& existing, const NewJob& new_job) {
+  const bool same_case = existing.case_sha256() == new_job.case_sha256;
+  if (same_case && existing.study() == new_job.study) return;
   throw RequestIdTaken(
       fmt::format("request_id \"{}\" was used for another {} (job {}); choose a new one",
-                  new_job.request_id, same_case ? "study" : "case", there.id()));
+                  new_job.request_id, same_case ? "study" : "case", existing.id()));
 }
 
 /// Counts a submission as a waiting job from the first check of the queue to its place in it.
@@ -37,8 +37,8 @@ private:
   int& count_;
 };
 
-/// Removes a folder whose job was not taken. The caller reports the cause; the next recovery
-/// removes what is left.
+/// Removes the folder of a job that was not accepted. The caller reports the cause; the next
+/// recovery removes remaining files.
 void discard(const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);
@@ -47,15 +47,15 @@ void discard(const std::filesystem::path& folder) {
 }  // namespace
 
 v1::Job Submissions::submit(const NewJob& new_job, const Attachments& attachments) {
-  // A repeated request gets the job that its first one has made.
+  // A repeated request returns the job of the first one.
   if (!new_job.request_id.empty()) {
-    if (const auto there = state_.store.find_request(new_job.request_id)) {
-      require_same_submission(there->job, new_job);
-      return current(there->job);
+    if (const auto existing = state_.store.find_request(new_job.request_id)) {
+      require_same_submission(existing->job, new_job);
+      return current(existing->job);
     }
   }
 
-  JobRecord record = record_of_new(new_job, attachments);
+  JobRecord record = make_record(new_job, attachments);
   require_room(record.bytes);
   std::optional<Reservation> reservation;
   {
@@ -67,9 +67,9 @@ v1::Job Submissions::submit(const NewJob& new_job, const Attachments& attachment
     reservation.emplace(state_.mutex, under_way_);
   }
 
-  if (const auto there = write_new_job(record, new_job, attachments)) {
-    require_same_submission(*there, new_job);
-    return current(*there);
+  if (const auto existing = write_new_job(record, new_job, attachments)) {
+    require_same_submission(*existing, new_job);
+    return current(*existing);
   }
   log::info("job {}: QUEUED: submitted{}", record.job.id(),
             record.job.title().empty() ? "" : fmt::format(" as \"{}\"", record.job.title()));
@@ -80,7 +80,7 @@ v1::Job Submissions::submit(const NewJob& new_job, const Attachments& attachment
   return views_.view(std::move(record));
 }
 
-/// A job that was there already, as it is now.
+/// The present state of an existing job.
 v1::Job Submissions::current(const v1::Job& job) {
   auto record = state_.ledger.find(job.id());
   if (!record) return job;
@@ -109,8 +109,8 @@ void Submissions::require_room(std::int64_t bytes) {
         waiting, bytes, state_.options.maximum_waiting_bytes));
 }
 
-/// Stores a new job on disk: folder, event log, row. @return the job that has its request_id
-/// already, because someone was faster; nothing of the new one is left then
+/// Writes a new job to disk: folder, event log, row. @return the existing job if a concurrent
+/// submission has used the same request_id; nothing of the new job remains then
 std::optional<v1::Job> Submissions::write_new_job(const JobRecord& record, const NewJob& new_job,
                                                   const Attachments& attachments) {
   const auto folder = state_.jobs_directory / record.job.id();
@@ -124,13 +124,13 @@ std::optional<v1::Job> Submissions::write_new_job(const JobRecord& record, const
     log->sync();
     storage::sync_directory(folder);
 
-    const auto there = state_.store.insert(record);
-    if (!there) {
+    const auto existing = state_.store.insert(record);
+    if (!existing) {
       mark_accepted(folder);
       return std::nullopt;
     }
     discard(folder);
-    return there->job;
+    return existing->job;
   } catch (...) {
     discard(folder);
     throw;

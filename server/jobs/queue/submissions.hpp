@@ -19,12 +19,12 @@ struct RequestIdTaken : std::runtime_error {
 struct ShuttingDown : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-/// The daemon's disk takes no new job now.
+/// The queue is held because the daemon cannot write.
 struct StorageHeld : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Takes new jobs. Safe to use from several threads.
+/// Accepts new jobs. Safe to use from several threads.
 class Submissions {
 public:
   Submissions(QueueState& state, JobViews& views) : state_(state), views_(views) {}
@@ -40,7 +40,7 @@ private:
 
   QueueState& state_;
   JobViews& views_;
-  int under_way_ = 0;  ///< submissions, which count as waiting jobs
+  int under_way_ = 0;  ///< submissions in progress, which count as waiting jobs
 };
 
 }  // namespace dccast::jobs

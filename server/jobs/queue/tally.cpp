@@ -22,6 +22,7 @@ void Tally::count(const v1::Job& job, v1::JobState from) {
     figures_.wait_s.add(1e-3 *
                         static_cast<double>(std::max<std::int64_t>(
                             0, milliseconds(job.start_time()) - milliseconds(job.create_time()))));
+
   if (!is_terminal(job.state())) return;
   ++figures_.ended[job.state()];
   if (job.attempts() > 0) figures_.run_s.add(job.run_s());
@@ -37,11 +38,13 @@ TallyFigures Tally::figures() const {
 }
 
 void Forecast::learn(const v1::Job& job) {
-  constexpr double kept = 0.95;  // some twenty jobs count
+  constexpr double kept = 0.95;  // the mean covers some twenty jobs
   if (job.state() != v1::SUCCEEDED || job.run_s() <= 0.0) return;
-  all_s_ = kept * all_s_ + job.run_s();
-  all_ = kept * all_ + 1.0;
+
+  total_s_ = kept * total_s_ + job.run_s();
+  weight_ = kept * weight_ + 1.0;
   if (job.estimated_s() <= 0.0) return;
+
   taken_s_ = kept * taken_s_ + job.run_s();
   estimated_s_ = kept * estimated_s_ + job.estimated_s();
 }
@@ -49,27 +52,31 @@ void Forecast::learn(const v1::Job& job) {
 double Forecast::run_s(double estimated_s) const {
   if (estimated_s > 0.0)
     return estimated_s_ > 0.0 ? estimated_s * taken_s_ / estimated_s_ : estimated_s;
-  return all_ > 0.0 ? all_s_ / all_ : 0.0;
+  return weight_ > 0.0 ? total_s_ / weight_ : 0.0;
 }
 
-double Forecast::left_s(const v1::Job& job, double ran_s) const {
-  constexpr double enough = 0.05;  // of the run, to know its pace
+double Forecast::remaining_s(const v1::Job& job, double ran_s) const {
+  constexpr double enough = 0.05;  // part of the run after which its own pace is known
+
   const double progress = job.last_step().progress();
   if (progress >= enough && ran_s > 0.0) return ran_s * (1.0 - progress) / progress;
   return std::max(0.0, run_s(job.estimated_s()) - ran_s);
 }
 
-double Forecast::start_s(std::vector<double> left_s, int capacity, int place, double each_s) {
-  constexpr int most_looked_at = 200;  // beyond, the queue flows evenly
+double Forecast::start_s(std::vector<double> remaining_s, int capacity, int place, double each_s) {
+  constexpr int longest_simulated = 200;  // beyond, the queue flows evenly
   std::priority_queue<double, std::vector<double>, std::greater<>> free_at(std::greater<>(),
-                                                                           std::move(left_s));
+                                                                           std::move(remaining_s));
+
   while (static_cast<int>(free_at.size()) < capacity) free_at.push(0.0);
-  for (int i = 1; i < std::min(place, most_looked_at); ++i) {
+
+  for (int i = 1; i < std::min(place, longest_simulated); ++i) {
     const double start = free_at.top();
     free_at.pop();
     free_at.push(start + each_s);
   }
-  return free_at.top() + std::max(0, place - most_looked_at) * each_s / std::max(1, capacity);
+
+  return free_at.top() + std::max(0, place - longest_simulated) * each_s / std::max(1, capacity);
 }
 
 }  // namespace dccast::jobs

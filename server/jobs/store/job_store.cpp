@@ -15,11 +15,10 @@ namespace {
 
 constexpr std::int64_t this_version = 8;
 
-// Times are milliseconds since 1970, states and priorities the numbers of job.proto, the rest
-// serialised messages of job.proto. Labels stand one a line, each between two line ends; `changes`
-// is a Job with only these and the jobs that it waits for. Of studies, see
-// server/studies/study_store: the request of each, and the job of each of its runs.
-// A column a line.
+// Columns of the tables, one a line. Times are milliseconds since 1970, states and priorities are
+// numbers of job.proto, blobs are serialised messages of job.proto. Labels are stored one a line,
+// each between two line ends. `changes` is a Job with the fields that have no column. The tables of
+// studies belong to server/studies/study_store.
 constexpr const char* job_columns = R"sql(
 id TEXT PRIMARY KEY
 request_id TEXT UNIQUE
@@ -75,57 +74,65 @@ CREATE INDEX study_run_to_queue ON study_run (study, number) WHERE job = '' AND 
 CREATE TABLE probe (id INTEGER PRIMARY KEY CHECK (id = 1), at_ms INTEGER NOT NULL) STRICT;
 )sql";
 
-/// SQLite has no checksums of its own: a bit that flips in a row would be read. Each row keeps one
-/// of its columns, and `PRAGMA integrity_check` computes it again.
-std::string table(const std::string& name, const std::string& columns,
-                  const std::string& key = "") {
-  std::string definitions, names;
+/// The statement that creates a table. SQLite has no checksums, so a flipped bit in a row would go
+/// unnoticed: each row holds a checksum of its columns, which `PRAGMA integrity_check` verifies.
+/// @param table_constraint  "", or one that begins with a comma
+std::string create_table(const std::string& name, const std::string& columns,
+                         const std::string& table_constraint = "") {
+  std::string definitions;
+  std::string names;
   std::istringstream lines(columns);
   for (std::string line; std::getline(lines, line);) {
     if (line.empty()) continue;
     definitions += line + ", ";
     names += (names.empty() ? "" : ", ") + line.substr(0, line.find(' '));
   }
-  const std::string sum = "sum_of(" + names + ")";
-  return "CREATE TABLE " + name + " (" + definitions + "sum INTEGER NOT NULL AS (" + sum +
-         ") STORED CHECK (sum = " + sum + ")" + key + ") STRICT";
+
+  const std::string sum = fmt::format("sum_of({})", names);
+  return fmt::format(
+      "CREATE TABLE {} ({}sum INTEGER NOT NULL AS ({}) STORED CHECK (sum = {}){}) STRICT", name,
+      definitions, sum, sum, table_constraint);
 }
 
 std::string schema() {
-  return table("job", job_columns) + ";" + table("study", study_columns) + ";" +
-         table("study_run", study_run_columns, ", PRIMARY KEY (study, number)") +
-         ", WITHOUT ROWID;" + indexes + "PRAGMA user_version = " + std::to_string(this_version);
+  const std::string study_run =
+      create_table("study_run", study_run_columns, ", PRIMARY KEY (study, number)");
+  return fmt::format("{};{};{}, WITHOUT ROWID;{}PRAGMA user_version = {}",
+                     create_table("job", job_columns), create_table("study", study_columns),
+                     study_run, indexes, this_version);
 }
 
-/// Makes the tables in an empty file. A store of an earlier version is not brought up to date but
-/// built again from the folders of the jobs. @throws StoreError  also for a file of another version
+/// Creates the tables in an empty file. A store of an earlier version is not converted but rebuilt
+/// from the folders of the jobs. @throws StoreError  also for a file of another version
 void require_schema(Database& database, const std::filesystem::path& path) {
   std::int64_t version = 0;
   database.read("PRAGMA user_version", [&](const Statement& row) { version = row.integer(0); });
   if (version == this_version) return;
+
   if (version > this_version)
-    throw StoreError("job store " + path.string() + " was written by a later version of dccastd (" +
-                         std::to_string(version) + "); use that one, or another data_directory",
+    throw StoreError(fmt::format("job store {} was written by a later version of dccastd ({}); use "
+                                 "that one, or another data_directory",
+                                 path.string(), version),
                      0);
   if (version > 0)
-    throw StoreError("job store " + path.string() + " is of an earlier version (" +
-                         std::to_string(version) + ")",
-                     SQLITE_SCHEMA);
+    throw StoreError(
+        fmt::format("job store {} is of an earlier version ({})", path.string(), version),
+        SQLITE_SCHEMA);
+
   Transaction transaction(database);
   database.execute(schema().c_str());
   transaction.commit();
 }
 
-/// The labels of a job, one a line, each between two line ends.
+/// The labels of a job, one a line, each between two line ends, so that a whole label can be found.
 std::string label_lines(const v1::Job& job) {
   std::string lines;
   for (const std::string& label : job.labels()) lines += (lines.empty() ? "\n" : "") + label + "\n";
   return lines;
 }
 
-/// A Job with only the last step, the artifacts, the loss of validity, the findings and the time it
-/// ran set.
-v1::Job outcome_of(const v1::Job& job) {
+/// The content of the column `outcome`: the fields of a job that its run sets.
+v1::Job select_outcome(const v1::Job& job) {
   v1::Job outcome;
   if (job.has_last_step()) *outcome.mutable_last_step() = job.last_step();
   *outcome.mutable_artifacts() = job.artifacts();
@@ -135,8 +142,8 @@ v1::Job outcome_of(const v1::Job& job) {
   return outcome;
 }
 
-/// A Job with only the changes, the jobs before it and what has no column set.
-v1::Job changes_of(const v1::Job& job) {
+/// The content of the column `changes`: the other fields of a job that have no column.
+v1::Job select_changes(const v1::Job& job) {
   v1::Job changes;
   *changes.mutable_changes() = job.changes();
   *changes.mutable_after() = job.after();
@@ -147,35 +154,43 @@ v1::Job changes_of(const v1::Job& job) {
   return changes;
 }
 
-/// Texts of an earlier version may hold characters that are refused now, and go to terminals.
-JobRecord record_of(const Statement& row) {
+/// Reads a row of the table `job`. Texts of earlier versions may hold characters that are refused
+/// today, so they are escaped before they reach a terminal.
+JobRecord read_record(const Statement& row) {
   JobRecord record;
   v1::Job& job = record.job;
   job.ParseFromString(row.text(11));
   job.MergeFromString(row.text(19));
+
   job.set_id(row.text(0));
   job.set_request_id(values::escaped(row.text(1)));
   job.set_case_sha256(row.text(2));
   job.set_title(values::escaped(row.text(3)));
   job.set_priority(static_cast<v1::Priority>(row.integer(4)));
   job.set_state(static_cast<v1::JobState>(row.integer(5)));
+
   *job.mutable_create_time() = timestamp(row.integer(6));
   if (row.integer(7) != 0) *job.mutable_start_time() = timestamp(row.integer(7));
   if (row.integer(8) != 0) *job.mutable_end_time() = timestamp(row.integer(8));
   job.set_attempts(static_cast<int>(row.integer(9)));
   if (const std::string failure = row.text(10); !failure.empty())
     job.mutable_failure()->ParseFromString(failure);
+
   record.losses = static_cast<int>(row.integer(12));
   record.lost_step = row.integer(13);
   record.first_loss = row.text(14);
+
   job.set_study(row.text(15));
   job.set_owner(row.text(16));
   record.bytes = row.integer(17);
+
   std::istringstream labels(row.text(18));
   for (std::string label; std::getline(labels, label);)
     if (!label.empty()) job.add_labels(values::escaped(label));
+
   record.answer_key = row.text(20);
   record.solver = row.text(21);
+
   return record;
 }
 
@@ -192,7 +207,7 @@ JobStore::JobStore(const std::filesystem::path& path) : database_(path) {
 JobStore::Bulk::~Bulk() {
   store_.bulk_ = false;
   try {
-    store_.probe();  // a commit that waits for the disk takes all before it along
+    store_.probe();  // one durable commit makes all earlier ones durable
   } catch (const StoreError& error) {
     log::error("{}", error.what());
   }
@@ -201,9 +216,9 @@ JobStore::Bulk::~Bulk() {
 template <typename... Values>
 void JobStore::write(Durability durability, std::string_view sql, const Values&... values) {
   const std::lock_guard lock(mutex_);
-  database_.execute(bulk_                            ? "PRAGMA synchronous = OFF"
-                    : durability == Durability::full ? "PRAGMA synchronous = FULL"
-                                                     : "PRAGMA synchronous = NORMAL");
+  const char* synchronous = durability == Durability::full ? "FULL" : "NORMAL";
+  if (bulk_) synchronous = "OFF";
+  database_.execute(fmt::format("PRAGMA synchronous = {}", synchronous).c_str());
   Statement(database_, sql, values...).step();
 }
 
@@ -227,21 +242,21 @@ std::vector<JobRecord> JobStore::select(const std::string& where_and_order,
   std::vector<JobRecord> records;
   read(
       "SELECT * FROM job " + where_and_order,
-      [&](const Statement& row) { records.push_back(record_of(row)); }, values...);
+      [&](const Statement& row) { records.push_back(read_record(row)); }, values...);
   return records;
 }
 
 std::optional<JobRecord> JobStore::insert(const JobRecord& record) {
   const v1::Job& job = record.job;
   if (!job.request_id().empty())
-    if (auto there = find_request(job.request_id())) return there;
+    if (auto existing = find_request(job.request_id())) return existing;
   write(Durability::full,
         "INSERT INTO job (id, request_id, case_sha256, title, priority, state, created_ms, study, "
         "owner, bytes, labels, changes, answer_key) "
         "VALUES (?, NULLIF(?, ''), ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         job.id(), job.request_id(), job.case_sha256(), job.title(), job.priority(), job.state(),
         milliseconds(job.create_time()), job.study(), job.owner(), record.bytes, label_lines(job),
-        changes_of(job), record.answer_key);
+        select_changes(job), record.answer_key);
   return std::nullopt;
 }
 
@@ -252,13 +267,13 @@ void JobStore::update(const JobRecord& record, Durability durability) {
         "failure = NULLIF(?, x''), outcome = ?, losses = ?, lost_step = ?, first_loss = ?, "
         "solver = ?, bytes = ? WHERE id = ?",
         job.state(), milliseconds(job.start_time()), milliseconds(job.end_time()), job.attempts(),
-        job.failure(), outcome_of(job), record.losses, record.lost_step, record.first_loss,
+        job.failure(), select_outcome(job), record.losses, record.lost_step, record.first_loss,
         record.solver, record.bytes, job.id());
 }
 
 void JobStore::update_marks(const v1::Job& job) {
   write(Durability::full, "UPDATE job SET labels = ?, changes = ? WHERE id = ?", label_lines(job),
-        changes_of(job), job.id());
+        select_changes(job), job.id());
 }
 
 void JobStore::update_bytes(const std::string& id, std::int64_t bytes) {
@@ -298,7 +313,7 @@ std::optional<JobRecord> JobStore::find_request(const std::string& request_id) {
   return found.empty() ? std::nullopt : std::optional(std::move(found.front()));
 }
 
-// Of job.proto: 1 to 3 are QUEUED, RUNNING, PAUSED; 4 to 6 are SUCCEEDED, FAILED, CANCELLED.
+// States in SQL: 1 to 3 are QUEUED, RUNNING, PAUSED; 4 to 6 are SUCCEEDED, FAILED, CANCELLED.
 
 std::vector<JobRecord> JobStore::unfinished() {
   return select("WHERE state BETWEEN 1 AND 3 ORDER BY created_ms, id");
@@ -331,10 +346,12 @@ std::vector<JobStore::Group> JobStore::groups() {
   return groups;
 }
 
-std::vector<JobStore::Ended> JobStore::ended(bool of_studies) {
+std::vector<JobStore::Ended> JobStore::ended(Include include) {
+  const char* condition = include == Include::jobs_alone ? " AND study = ''" : "";
   std::vector<Ended> ended;
-  read("SELECT id, ended_ms, bytes, changes FROM job WHERE state BETWEEN 4 AND 6" +
-           std::string(of_studies ? "" : " AND study = ''") + " ORDER BY ended_ms, id",
+  read(fmt::format("SELECT id, ended_ms, bytes, changes FROM job WHERE state BETWEEN 4 AND 6{} "
+                   "ORDER BY ended_ms, id",
+                   condition),
        [&](const Statement& row) {
          v1::Job changes;
          changes.ParseFromString(row.text(3));
@@ -352,8 +369,9 @@ std::set<std::string> JobStore::ids() {
 std::optional<std::string> JobStore::find_answer(const std::string& answer_key,
                                                  const std::string& solver) {
   if (answer_key.empty() || solver.empty()) return std::nullopt;
+
+  // The second condition on the key is implied; it lets SQLite use the index.
   std::optional<std::string> id;
-  // The condition on the key lets SQLite use the index.
   read(
       "SELECT id FROM job WHERE answer_key = ? AND answer_key <> '' AND solver = ? "
       "AND state = 4 ORDER BY created_ms DESC LIMIT 1",
@@ -368,21 +386,23 @@ std::vector<JobRecord> JobStore::list(const Page& page) {
     sql += condition;
     texts.push_back(text);
   };
+
   if (!page.states.empty()) sql += fmt::format(" AND state IN ({:d})", fmt::join(page.states, ","));
   // The second condition is implied; it lets SQLite use the index of the jobs that have a study.
   if (!page.study.empty()) require(" AND study = ? AND study <> ''", page.study);
   if (!page.owner.empty()) require(" AND owner = ?", page.owner);
   if (!page.id_prefix.empty()) {
     require(" AND id >= ?", page.id_prefix);
-    // Behind every character of an id: they are hexadecimal digits and '-'.
+    // '~' sorts after every character of an id: these are hexadecimal digits and '-'.
     require(" AND id < ?", page.id_prefix + "~");
   }
-  if (page.since_ms > 0) sql += " AND created_ms >= " + std::to_string(page.since_ms);
+  if (page.since_ms > 0) sql += fmt::format(" AND created_ms >= {}", page.since_ms);
   if (!page.title.empty()) require(" AND title GLOB ?", page.title);
   for (const std::string& label : page.labels)
-    require(" AND instr(labels, ?) > 0", "\n" + label + "\n");
-  return select(sql + " ORDER BY created_ms DESC, id DESC LIMIT " + std::to_string(page.size),
-                page.before_ms, texts);
+    require(" AND instr(labels, ?) > 0", fmt::format("\n{}\n", label));
+
+  sql += fmt::format(" ORDER BY created_ms DESC, id DESC LIMIT {}", page.size);
+  return select(sql, page.before_ms, texts);
 }
 
 }  // namespace dccast::jobs

@@ -14,40 +14,39 @@
 
 namespace dccast::jobs {
 
-/// normal: survives a crash of the daemon. full: survives one of the machine.
+/// normal: survives a crash of the daemon. full: survives a crash of the machine.
 enum class Durability { normal, full };
 
-/// All jobs, in one SQLite file (WAL): an index of the folders of the jobs. Safe to use from
-/// several threads; who reads waits for no write. Every call throws
-/// StoreError when the file cannot be read or written; the virtual ones are those that tests let
-/// fail.
+/// All jobs in one SQLite file (WAL), an index of the folders of the jobs. Safe to use from several
+/// threads; readers never wait for a writer. Every call throws StoreError if the file cannot be
+/// read or written. The virtual functions are those that tests let fail.
 class JobStore {
 public:
   virtual ~JobStore() = default;
-  /// Opens the store, or makes it. @throws StoreError  also for a file of another version
+  /// Opens or creates the store. @throws StoreError  also for a file of another version
   explicit JobStore(const std::filesystem::path& path);
 
-  /// Adds a job, durably. Nothing is added when its request_id is there already.
-  /// @return the job that has this request_id already; nothing when the new one was added
+  /// Adds a job, durably, unless a job with its request_id exists.
+  /// @return the existing job; nothing if the new one was added
   std::optional<JobRecord> insert(const JobRecord& record);
-  /// Writes what changes in a job's life.
+  /// Writes the fields that change during the life of a job.
   virtual void update(const JobRecord& record, Durability durability);
-  /// Writes labels and whether the job is kept for good, durably.
+  /// Writes labels and whether the job is pinned, durably.
   virtual void update_marks(const v1::Job& job);
   void update_bytes(const std::string& id, std::int64_t bytes);
   void erase(const std::string& id);
 
   virtual std::optional<JobRecord> find(const std::string& id);
   std::optional<JobRecord> find_request(const std::string& request_id);
-  /// The newest job that has succeeded with this key by this solver. @return its id
+  /// The id of the newest job that has succeeded with this key and this solver.
   std::optional<std::string> find_answer(const std::string& answer_key, const std::string& solver);
   /// Jobs that have not ended, oldest first.
   std::vector<JobRecord> unfinished();
-  /// What the jobs that have not ended hold of cases and attachments [bytes].
+  /// Size of the cases and attachments of all jobs that have not ended [bytes].
   std::int64_t unfinished_bytes();
-  /// Jobs of an owner that have not ended.
+  /// Number of an owner's jobs that have not ended.
   int unfinished_of(const std::string& owner);
-  /// What all jobs of an owner hold on the disk [bytes].
+  /// Disk space of all jobs of an owner [bytes].
   std::int64_t bytes_of(const std::string& owner);
 
   /// The jobs of an owner in one state.
@@ -65,31 +64,32 @@ public:
     std::int64_t ended_ms, bytes;
     bool pinned;
   };
-  /// The one that ended first comes first. @param of_studies  also those
-  std::vector<Ended> ended(bool of_studies);
-  /// Writes something durably, for no other reason than to see whether that works.
+  enum class Include { jobs_alone, runs_of_studies_too };
+  /// The ended jobs, in the order of their ends.
+  std::vector<Ended> ended(Include include);
+  /// Tests whether a durable write succeeds.
   void probe();
   std::set<std::string> ids();
-  /// Jobs in one state.
+  /// Number of jobs in one state.
   int count(v1::JobState state);
 
   struct Page {
-    std::int64_t before_ms = INT64_MAX;  ///< only jobs created before, or then and with a lesser id
+    std::int64_t before_ms = INT64_MAX;  ///< only jobs created earlier, or then with a smaller id
     std::string before_id{};
     std::vector<v1::JobState> states{};  ///< empty: all
     std::string study{};                 ///< empty: all jobs, of a study or not
     std::string owner{};                 ///< empty: all
     std::string id_prefix{};             ///< empty: all
-    std::vector<std::string> labels{};   ///< a job has all of them
+    std::vector<std::string> labels{};   ///< only jobs that have all of them
     std::int64_t since_ms = 0;           ///< only jobs created then or later
-    std::string title{};                 ///< pattern of a shell; empty: all
+    std::string title{};                 ///< shell pattern; empty: all
     int size = 50;
   };
   /// Newest first.
   std::vector<JobRecord> list(const Page& page);
 
-  /// While it lives, nothing waits for the disk; its end does, for all. For a store that can be
-  /// made again.
+  /// During its lifetime no write waits for the disk; its destructor syncs all of them. For a store
+  /// that is being rebuilt.
   class Bulk {
   public:
     explicit Bulk(JobStore& store) : store_(store) { store_.bulk_ = true; }
@@ -100,9 +100,9 @@ public:
     JobStore& store_;
   };
 
-  /// Reads every page and holds it against the others. @return the first fault; empty for none
+  /// Checks all pages of the file. @return the first fault; empty for none
   std::string first_fault();
-  /// Writes all that is committed to a new file, in one instant, while others go on writing here.
+  /// Copies the committed state to a new file, while other threads continue to write here.
   void copy_to(const std::filesystem::path& path);
 
 private:
@@ -116,7 +116,7 @@ private:
   template <typename... Values>
   std::vector<JobRecord> select(const std::string& where_and_order, const Values&... values);
 
-  std::mutex mutex_;  ///< of the connection that writes
+  std::mutex mutex_;  ///< guards the connection that writes
   Database database_;
   bool bulk_ = false;
   std::mutex reading_;

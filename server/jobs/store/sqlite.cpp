@@ -17,7 +17,7 @@ namespace dccast::jobs {
 
 namespace {
 
-/// What primary result codes mean, for people. The rest is for the program's log.
+/// Meanings of primary result codes, for the user.
 const std::map<int, std::string> meanings{
     {SQLITE_FULL, "the disk is full"},
     {SQLITE_IOERR, "the disk cannot be read or written"},
@@ -29,24 +29,23 @@ const std::map<int, std::string> meanings{
     {SQLITE_LOCKED, "another process holds the file"},
     {SQLITE_NOMEM, "there is not enough memory"}};
 
-[[noreturn]] void fail(sqlite3* handle, std::string_view doing) {
+[[noreturn]] void fail(sqlite3* handle, std::string_view action) {
   const int code = sqlite3_errcode(handle) & 0xff;
   log::error("job store: {} (SQLite {}, system error {}) in: {}", sqlite3_errmsg(handle),
-             sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), doing);
+             sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), action);
+
   const auto known = meanings.find(code);
-  throw StoreError(
-      "the job store failed: " + (known != meanings.end()
-                                      ? known->second
-                                      : "SQLite refused with code " + std::to_string(code)),
-      code);
+  const std::string meaning =
+      known != meanings.end() ? known->second : fmt::format("SQLite refused with code {}", code);
+  throw StoreError(fmt::format("the job store failed: {}", meaning), code);
 }
 
-/// sum_of(...): CRC-32C of the values, each behind its type and size.
+/// The SQL function sum_of(...): CRC-32C of the values, each preceded by its type and size.
 void sum_of(sqlite3_context* context, int count, sqlite3_value** values) {
   std::uint32_t sum = 0;
   for (int i = 0; i < count; ++i) {
     const int type = sqlite3_value_type(values[i]);
-    const void* bytes = sqlite3_value_blob(values[i]);  // an integer as its digits
+    const void* bytes = sqlite3_value_blob(values[i]);  // converts an integer to its digits
     const std::array head{type, sqlite3_value_bytes(values[i])};
     sum = storage::crc32c(head.data(), sizeof head, sum);
     sum = storage::crc32c(bytes, static_cast<std::size_t>(head[1]), sum);
@@ -54,14 +53,14 @@ void sum_of(sqlite3_context* context, int count, sqlite3_value** values) {
   sqlite3_result_int64(context, sum);
 }
 
-/// SQLite writes through a link, waits for a named pipe and says little of either. The store can be
-/// made again, so that whatever stands in its place counts as damage.
+/// SQLite follows links and waits for named pipes, with unclear messages. The store can be rebuilt,
+/// so anything but a regular file counts as damage.
 void require_regular_files(const std::filesystem::path& store) {
   for (const char* suffix : {"", "-wal", "-shm"}) {
     const std::filesystem::path path = store.string() + suffix;
     const std::string kind = storage::kind_of_entry(path);
     if (kind.empty() || kind == storage::regular_file) continue;
-    throw StoreError(fmt::format("{} is {}, not {}; `dccastd check --repair` makes the store again",
+    throw StoreError(fmt::format("{} is {}, not {}; `dccastd check --repair` rebuilds the store",
                                  path.string(), kind, storage::regular_file),
                      SQLITE_NOTADB);
   }
@@ -78,9 +77,11 @@ Database::Database(const std::filesystem::path& path) {
       sqlite3_create_function(handle_, "sum_of", any_number, SQLITE_UTF8 | SQLITE_DETERMINISTIC,
                               nullptr, sum_of, nullptr, nullptr) == SQLITE_OK)
     return;
+
   log::error("job store {}: {}", path.string(), sqlite3_errmsg(handle_));
   sqlite3_close(handle_);
-  throw StoreError("the job store " + path.string() + " cannot be opened", SQLITE_CANTOPEN);
+  throw StoreError(fmt::format("the job store {} cannot be opened", path.string()),
+                   SQLITE_CANTOPEN);
 }
 
 Database::~Database() {
@@ -95,7 +96,7 @@ int Database::changes() const {
   return sqlite3_changes(handle_);
 }
 
-bool must_be_built_again(const StoreError& error) {
+bool must_be_rebuilt(const StoreError& error) {
   return error.code() == SQLITE_CORRUPT || error.code() == SQLITE_NOTADB ||
          error.code() == SQLITE_SCHEMA;
 }
@@ -164,7 +165,8 @@ Transaction::~Transaction() {
   try {
     database_.execute("ROLLBACK");
   } catch (const StoreError& error) {
-    // A full disk rolls back by itself; what remains is worth a line, the cause is already thrown.
+    // SQLite rolls back by itself when the disk is full. The exception with the cause is on its
+    // way.
     log::warn("{}", error.what());
   }
 }

@@ -15,25 +15,24 @@ struct sqlite3_stmt;
 
 namespace dccast::jobs {
 
-/// The store cannot be read or written. The text is one sentence for people; statement and message
-/// of SQLite go to the program's log.
+/// The store cannot be read or written. The text is one sentence for the user; the statement and
+/// the message of SQLite are in the program's log.
 class StoreError : public std::runtime_error {
 public:
   StoreError(const std::string& what, int code) : std::runtime_error(what), code_(code) {}
-  int code() const { return code_; }  ///< of SQLite, primary
+  int code() const { return code_; }  ///< primary result code of SQLite
 
 private:
   int code_;
 };
 
-/// Whether the file itself is damaged or of an earlier version, rather than the disk full or out of
-/// reach.
-bool must_be_built_again(const StoreError& error);
+/// Whether the file is damaged or of an earlier version, so that it must be rebuilt.
+bool must_be_rebuilt(const StoreError& error);
 
-/// Whether the disk is full or out of reach, or memory short: a state that passes.
+/// Whether the fault may pass: the disk is full or out of reach, or memory is short.
 bool is_passing(const StoreError& error);
 
-/// One SQLite connection. Not safe for several threads: its owner has a mutex.
+/// One SQLite connection. Not safe to use from several threads; its owner has a mutex.
 class Database {
 public:
   /// @throws StoreError
@@ -41,7 +40,7 @@ public:
   Database(const Database&) = delete;
   ~Database();
   void execute(const char* sql);
-  /// Runs a query. @param values  for its question marks  @param take  called with each row
+  /// Runs a query. @param take  called with each row  @param values  for the question marks
   template <typename Take, typename... Values>
   void read(std::string_view sql, const Take& take, const Values&... values);
   int changes() const;
@@ -51,7 +50,7 @@ private:
   sqlite3* handle_ = nullptr;
 };
 
-/// A prepared statement; bind() in the order of the question marks, then step().
+/// A prepared statement: bind() in the order of the question marks, then step().
 class Statement {
 public:
   Statement(Database& database, std::string_view sql);
@@ -72,7 +71,7 @@ public:
   bool step();
 
   std::int64_t integer(int column) const;
-  std::string text(int column) const;  ///< of text and blobs; empty for NULL
+  std::string text(int column) const;  ///< text or blob; empty for NULL
 
 private:
   void check(int code);
@@ -88,7 +87,7 @@ void Database::read(std::string_view sql, const Take& take, const Values&... val
   while (statement.step()) take(statement);
 }
 
-/// BEGIN IMMEDIATE ... COMMIT; rolls back when it is left without commit().
+/// BEGIN IMMEDIATE ... COMMIT; the destructor rolls back unless commit() was called.
 class Transaction {
 public:
   explicit Transaction(Database& database) : database_(database) {

@@ -36,6 +36,9 @@ JOBS_ROOMS = {"folder": {"folder"}, "logs": {"folder", "logs"}, "store": {"folde
 JOBS_ROOMS["executors"] = JOBS_ROOMS["logs"] | {"executors"}
 JOBS_ROOMS["queue"] = JOBS_ROOMS["executors"] | JOBS_ROOMS["store"] | {"queue"}
 
+# The program's log, which all rooms of the server write to.
+NAMESPACES_OF_THEIR_OWN = {"server/jobs/log.hpp", "server/jobs/log.cpp"}
+
 # Rooms of the client, each with those that it sees.
 CLIENT_ROOMS = {"model": {"model"}, "session": {"model", "session"}}
 CLIENT_ROOMS["text"] = CLIENT_ROOMS["html"] = {"model", "session", "text", "html"}
@@ -198,6 +201,25 @@ class Sources(unittest.TestCase):
             broken += [f"{path} links dccast_jobs_{linked}"
                        for linked in re.findall(r"\bdccast_jobs_(\w+)", text_of(path))
                        if linked not in visible | {"base"}]
+        self.assert_none(broken)
+
+    def test_rooms_of_the_server_name_their_namespaces_and_targets(self):
+        """server/ROOM is namespace dccast::ROOM and target dccast_ROOM. A part of a room, a folder below
+        it, shares the namespace, and is target dccast_ROOM_PART."""
+        broken = []
+        for path in SOURCES:
+            if path.parts[0] != "server" or str(path) in NAMESPACES_OF_THEIR_OWN:
+                continue
+            named = set(re.findall(r"^namespace (dccast[\w:]*) \{$", text_of(path), re.M))
+            if f"dccast::{path.parts[1]}" not in named and named - {"dccast"}:
+                broken.append(f"{path} is in {sorted(named)}")
+        for path in CMAKE_FILES:
+            if path.parts[0] != "server" or len(path.parts) < 3:
+                continue
+            expected = "_".join(("dccast", *path.parts[1:-1])).replace("dccast_daemon", "dccastd")
+            targets = re.findall(r"add_(?:library|executable)\((\S+)", text_of(path))
+            if not any(target.startswith(expected) for target in targets):
+                broken.append(f"{path} makes {targets}")
         self.assert_none(broken)
 
     def test_client_rooms_see_only_rooms_before_them(self):

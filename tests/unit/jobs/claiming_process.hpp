@@ -17,8 +17,8 @@ class ClaimingProcess {
 public:
   ClaimingProcess(const std::filesystem::path& folder, const WorkerClaim& claim) : id_(::fork()) {
     if (id_ == 0) hold(folder, claim);
-    while (!holder_of(folder)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    while (!holder_of(folder)->claim) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (!find_holder(folder)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (!find_holder(folder)->claim) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   ClaimingProcess(const ClaimingProcess&) = delete;
   ~ClaimingProcess() {

@@ -223,7 +223,7 @@ TEST_F(JobStoreTest, RefusesAStoreOfAnotherVersion) {
       const JobStore store(path);
       FAIL() << version;
     } catch (const StoreError& error) {
-      EXPECT_EQ(must_be_built_again(error), built_again) << error.what();
+      EXPECT_EQ(must_be_rebuilt(error), built_again) << error.what();
     }
   }
 }

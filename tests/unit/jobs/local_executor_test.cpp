@@ -57,7 +57,7 @@ TEST_F(LocalExecutorAdoption, LeadsOnAWorkerThatClaimsTheFolder) {
   EXPECT_EQ(adopt(), Adoption::found);
   executor_.kill("a-job", 1);
   EXPECT_EQ(ends_.wait_for_one(), "a-job 1: an unknown exit code");
-  EXPECT_FALSE(holder_of(folder_.path()));
+  EXPECT_FALSE(find_holder(folder_.path()));
 }
 
 TEST_F(LocalExecutorAdoption, EndsAWorkerThatItCannotLeadOn) {
@@ -69,11 +69,11 @@ TEST_F(LocalExecutorAdoption, EndsAWorkerThatItCannotLeadOn) {
   for (const WorkerClaim& claim : {other_job, other_attempt, other_protocol}) {
     ClaimingProcess worker(folder_.path(), claim);
     EXPECT_EQ(adopt(2), Adoption::gone);
-    EXPECT_FALSE(holder_of(folder_.path()));
+    EXPECT_FALSE(find_holder(folder_.path()));
   }
   ClaimingProcess worker(folder_.path(), right);
   EXPECT_EQ(adopt(2, false), Adoption::gone) << "its job does not run";
-  EXPECT_FALSE(holder_of(folder_.path()));
+  EXPECT_FALSE(find_holder(folder_.path()));
 }
 
 TEST_F(LocalExecutorAdoption, LeavesItToTheNextDaemonWhenTold) {
@@ -81,7 +81,7 @@ TEST_F(LocalExecutorAdoption, LeavesItToTheNextDaemonWhenTold) {
   ClaimingProcess worker(folder_.path(), {.job_id = "a-job", .attempt = 1});
   EXPECT_EQ(adopt(), Adoption::found);
   executor_.let_workers_run();
-  EXPECT_TRUE(holder_of(folder_.path()));
+  EXPECT_TRUE(find_holder(folder_.path()));
   EXPECT_TRUE(ends_.ended.empty());
 }
 

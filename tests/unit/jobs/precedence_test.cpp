@@ -8,20 +8,20 @@ namespace dccast::jobs {
 namespace {
 
 TEST(UrgencyOfAQuery, FollowsFromItsEstimateAndFromWhetherItIsOneOfSeveral) {
-  EXPECT_EQ(urgency_of_query(2.8, false), Urgency::quick);
-  EXPECT_EQ(urgency_of_query(9.1, false), Urgency::draft);
-  EXPECT_EQ(urgency_of_query(42.0, false), Urgency::long_query);
-  EXPECT_EQ(urgency_of_query(2.8, true), Urgency::comparison);
-  EXPECT_EQ(urgency_of_query(9.1, true), Urgency::comparison);
-  EXPECT_EQ(urgency_of_query(42.0, true), Urgency::long_query);
+  EXPECT_EQ(classify_query(2.8, false), Urgency::quick);
+  EXPECT_EQ(classify_query(9.1, false), Urgency::draft);
+  EXPECT_EQ(classify_query(42.0, false), Urgency::long_query);
+  EXPECT_EQ(classify_query(2.8, true), Urgency::comparison);
+  EXPECT_EQ(classify_query(9.1, true), Urgency::comparison);
+  EXPECT_EQ(classify_query(42.0, true), Urgency::long_query);
 }
 
 class PrecedenceTest : public testing::Test {
 protected:
-  Precedence::Place enter(Urgency urgency, const std::string& name) {
+  Precedence::Registration enter(Urgency urgency, const std::string& name) {
     return precedence_.enter(urgency, 3.0, [this, name](const auto& stopped_for) {
       stopped_[name] = stopped_for.has_value();
-      if (stopped_for) reason_ = stopped_for->in_words();
+      if (stopped_for) reason_ = stopped_for->description();
     });
   }
 

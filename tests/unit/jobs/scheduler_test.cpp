@@ -65,12 +65,12 @@ TEST_F(SchedulerTest, ATurnIsNotMadeWhileTheThreadOfTheQueueHangs) {
     may_go_on.get_future().wait();
   };
   daemon.scheduler.start();
-  EXPECT_TRUE(daemon.scheduler.turns(std::chrono::seconds(10))) << "an idle one turns";
+  EXPECT_TRUE(daemon.scheduler.is_responsive(std::chrono::seconds(10))) << "an idle one turns";
   daemon.scheduler.submit(new_job(), {});
   begun.get_future().wait();
-  EXPECT_FALSE(daemon.scheduler.turns(std::chrono::milliseconds(20)));
+  EXPECT_FALSE(daemon.scheduler.is_responsive(std::chrono::milliseconds(20)));
   may_go_on.set_value();
-  EXPECT_TRUE(daemon.scheduler.turns(std::chrono::seconds(10)));
+  EXPECT_TRUE(daemon.scheduler.is_responsive(std::chrono::seconds(10)));
 }
 
 // The daemon is asked to leave while the start of a job is being written.

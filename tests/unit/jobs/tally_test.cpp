@@ -65,9 +65,9 @@ TEST(Forecast, EstimatesAreCorrectedByWhatTheLastJobsTook) {
 TEST(Forecast, WhatIsLeftFollowsThePaceOfTheRunOnceItHasOne) {
   const Forecast forecast;
   v1::Job job = ended(v1::RUNNING, 0.0, 100.0);
-  EXPECT_DOUBLE_EQ(forecast.left_s(job, 10.0), 90.0);
+  EXPECT_DOUBLE_EQ(forecast.remaining_s(job, 10.0), 90.0);
   job.mutable_last_step()->set_progress(0.25);
-  EXPECT_DOUBLE_EQ(forecast.left_s(job, 10.0), 30.0);
+  EXPECT_DOUBLE_EQ(forecast.remaining_s(job, 10.0), 30.0);
 }
 
 TEST(Forecast, AJobStartsWhenThoseBeforeItLeaveAWorker) {

@@ -15,16 +15,16 @@ namespace fs = std::filesystem;
 
 TEST(WorkerClaim, NamesTheProcessThatHasTheFolder) {
   const TemporaryFolder folder;
-  EXPECT_FALSE(holder_of(folder.path())) << "nobody has ever claimed it";
+  EXPECT_FALSE(find_holder(folder.path())) << "nobody has ever claimed it";
   ClaimingProcess worker(folder.path(), {.job_id = "a-job", .attempt = 3});
-  const auto holder = holder_of(folder.path());
+  const auto holder = find_holder(folder.path());
   ASSERT_TRUE(holder);
   EXPECT_EQ(holder->process, worker.id());
   ASSERT_TRUE(holder->claim);
   EXPECT_EQ(holder->claim->job_id, "a-job");
   EXPECT_EQ(holder->claim->attempt, 3);
   EXPECT_EQ(holder->claim->protocol, worker_protocol);
-  EXPECT_TRUE(holder_of(folder.path())) << "to look is not to take";
+  EXPECT_TRUE(find_holder(folder.path())) << "to look is not to take";
 }
 
 TEST(WorkerClaim, EndsWithItsProcess) {
@@ -34,9 +34,9 @@ TEST(WorkerClaim, EndsWithItsProcess) {
     EXPECT_THROW(FolderClaim(folder.path(), {.job_id = "a-job", .attempt = 2},
                              std::chrono::milliseconds(20)),
                  FolderTaken);
-    EXPECT_TRUE(holder_of(folder.path())) << "a refused one takes nothing away";
+    EXPECT_TRUE(find_holder(folder.path())) << "a refused one takes nothing away";
   }
-  EXPECT_FALSE(holder_of(folder.path()));
+  EXPECT_FALSE(find_holder(folder.path()));
   EXPECT_NO_THROW(
       FolderClaim(folder.path(), {.job_id = "a-job", .attempt = 2}, std::chrono::milliseconds(0)));
 }
@@ -55,7 +55,7 @@ TEST(WorkerClaim, DoesNotUnderstandATextThatIsNotWhole) {
   ClaimingProcess worker(folder.path(), {.job_id = "a-job", .attempt = 1});
   for (const char* text : {"", "1 1 a-job", "one 1 a-job\n", "1 1\n"}) {
     std::ofstream(folder / "worker.lock") << text;
-    const auto holder = holder_of(folder.path());
+    const auto holder = find_holder(folder.path());
     ASSERT_TRUE(holder) << text;
     EXPECT_FALSE(holder->claim) << text;
   }

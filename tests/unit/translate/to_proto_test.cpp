@@ -168,7 +168,7 @@ TEST(CheckToProto, WritesOutBytesThatAreNoUtf8) {
   casting::CheckedCase checked;
   checked.faults.add("mesh.file", "slab.msh", "has no group bott\xe9m");
   EXPECT_EQ(to_proto(checked).faults(0).message(), "has no group bott\\x{E9}m");
-  EXPECT_EQ(in_words(checked.faults.list()), "mesh.file = slab.msh: has no group bott\\x{E9}m");
+  EXPECT_EQ(describe(checked.faults.list()), "mesh.file = slab.msh: has no group bott\\x{E9}m");
 }
 
 TEST(CheckToProto, GivesAnEstimateOnlyWithoutFaults) {
@@ -181,7 +181,7 @@ TEST(CheckToProto, GivesAnEstimateOnlyWithoutFaults) {
   const auto verdict = to_proto(checked);
   EXPECT_FALSE(verdict.has_estimate());
   EXPECT_EQ(verdict.faults(0).remedy(), "move it");
-  EXPECT_EQ(in_words(checked.faults.list()), "monitor[0].y = 7: is outside (0 to 1 m)");
+  EXPECT_EQ(describe(checked.faults.list()), "monitor[0].y = 7: is outside (0 to 1 m)");
 }
 
 /// A frame of one quadrilateral in which every quantity that a v1::Frame holds has values of its

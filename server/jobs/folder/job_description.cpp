@@ -1,0 +1,107 @@
+#include "server/jobs/folder/job_description.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+#include "core/storage/file.hpp"
+#include "core/storage/record_log.hpp"
+
+namespace dccast::jobs {
+
+namespace {
+
+constexpr std::uint32_t largest_part = UINT32_MAX;  // the size of a case is limited at submission
+constexpr std::size_t sha256_length = 64;           // [characters]
+constexpr std::size_t name_column = sha256_length + 2;
+
+std::string header(std::uint32_t version) {
+  return "DCCASTJD" + storage::little_endian(version) + storage::little_endian(0);
+}
+
+/// Frames a part behind one byte, because a message may be empty but a frame may not.
+std::string framed_part(std::string_view content) {
+  return storage::short_records.framed('\1' + std::string(content));
+}
+
+std::string_view take_part(std::string_view& rest) {
+  const auto record = storage::short_records.first_of(rest, largest_part);
+  if (!record) throw std::runtime_error("is damaged (wrong checksum)");
+  rest.remove_prefix(static_cast<std::size_t>(record->size));
+  return record->payload.substr(1);
+}
+
+JobDescription parse_parts(std::string_view bytes) {
+  JobDescription description;
+  if (!description.job.ParseFromString(std::string(take_part(bytes))))
+    throw std::runtime_error("cannot be parsed");
+
+  description.submitted_case = take_part(bytes);
+  description.complete_case = take_part(bytes);
+  if (!bytes.empty()) description.answer_key = take_part(bytes);
+
+  if (bytes.empty()) return description;  // written before the digests were kept
+  std::istringstream digests{std::string(take_part(bytes))};
+  for (std::string line; std::getline(digests, line);)
+    if (line.size() > name_column)
+      description.attachment_sha256[line.substr(name_column)] = line.substr(0, sha256_length);
+
+  return description;
+}
+
+JobDescription parse(std::string_view bytes) {
+  const std::string first = header(1);
+  if (bytes.starts_with(first)) return parse_parts(bytes.substr(first.size()));
+
+  // The header itself may be damaged: the checksums of the parts decide.
+  bytes.remove_prefix(std::min(bytes.size(), first.size()));
+  const std::size_t half = bytes.size() / 2;
+  try {
+    return parse_parts(bytes.substr(0, half));
+  } catch (const std::runtime_error&) {
+    return parse_parts(bytes.substr(half));
+  }
+}
+
+}  // namespace
+
+void write_job_description(const std::filesystem::path& folder, const JobDescription& description) {
+  std::string digests;
+  for (const auto& [name, sha256] : description.attachment_sha256)
+    digests += fmt::format("{}  {}\n", sha256, name);
+
+  std::string parts;
+  parts += framed_part(description.job.SerializeAsString());
+  parts += framed_part(description.submitted_case);
+  parts += framed_part(description.complete_case);
+  parts += framed_part(description.answer_key);
+  parts += framed_part(digests);
+  storage::create_durably(folder / description_file, header(2) + parts + parts);
+}
+
+JobDescription read_job_description(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / description_file;
+  if (!std::filesystem::exists(path))
+    throw std::runtime_error(fmt::format(
+        "it has no {}: it was submitted to an earlier version of dccastd", description_file));
+
+  try {
+    return parse(storage::read_file(path));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("its {} {}", description_file, error.what()));
+  }
+}
+
+bool read_complete_case(const std::filesystem::path& folder, v1::Case& to) {
+  try {
+    return to.ParseFromString(read_job_description(folder).complete_case);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
+}  // namespace dccast::jobs
