@@ -6,6 +6,7 @@
 #include "client/commands/commands.hpp"
 #include "client/session/servers.hpp"
 #include "client/text/table.hpp"
+#include "proto/values/local_socket.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -60,7 +61,7 @@ Endpoint Program::endpoint() const {
   }
   const StoredServers stored(servers);
   if (const StoredServer* named = stored.find(server)) return named->endpoint;
-  return endpoint_of(server.empty() ? "127.0.0.1" : server);
+  return endpoint_of(server.empty() ? values::local_server() : server);
 }
 
 void add_info(cli::CommandLine& line, Program& program) {

@@ -17,12 +17,15 @@
 #include <stdexcept>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "core/storage/file.hpp"
 #include "proto/values/address.hpp"
+#include "proto/values/local_socket.hpp"
 #include "server/daemon/metrics.hpp"
 #include "server/daemon/service_manager.hpp"
 #include "server/intake/case_intake.hpp"
+#include "server/intake/uploads.hpp"
 #include "server/jobs/executors/local_executor.hpp"
 #include "server/jobs/executors/slurm_executor.hpp"
 #include "server/jobs/executors/warm_workers.hpp"
@@ -176,6 +179,25 @@ void refuse_open_address(const std::string& listen) {
                            "to it, and listen to a loopback address such as 127.0.0.1:7117");
 }
 
+/// The socket at which local clients look for a daemon, beside the address of the settings.
+/// @return nothing: `listen` is a socket already, there is no place for one, or another daemon of
+/// this user has it
+std::unique_ptr<relay::Listener> socket_of_user(const v1::DaemonConfig& config) {
+  const auto path = values::own_socket();
+  if (!path || config.listen().starts_with("unix:")) return nullptr;
+  if (values::is_listening(*path)) {
+    log::info("another program listens at {}: local clients reach this dccastd at {} alone", *path,
+              config.listen());
+    return nullptr;
+  }
+  try {
+    return std::make_unique<relay::Listener>("unix:" + *path);
+  } catch (const std::runtime_error& error) {
+    log::warn("{}; local clients reach this dccastd at {} alone", error.what(), config.listen());
+    return nullptr;
+  }
+}
+
 /// Listens over TLS where the settings have it so.
 class TlsListener {
 public:
@@ -241,6 +263,7 @@ struct JobSide {
   jobs::WarmWorkers warm_workers;  ///< as many as may answer at once, and one for the next job
   const v1::WorkerAnswer worker;
   const intake::CaseIntake intake;
+  intake::Uploads uploads;
   const std::unique_ptr<jobs::JobStore> store;
   jobs::EventLogs logs;
   jobs::Precedence precedence;
@@ -262,6 +285,12 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
       worker(introduction_of(warm_workers)),
       intake(warm_workers, settings.alloy_directory(), directory.check(),
              {settings.maximum_nodes(), settings.maximum_steps(), settings.maximum_memory_bytes()}),
+      uploads(directory.uploads(),
+              {.largest = std::llround(settings.maximum_attachment_bytes()),
+               .of_user = std::llround(settings.maximum_uploads_per_user_bytes()),
+               .all = std::llround(settings.maximum_uploads_bytes()),
+               .minimum_free = std::llround(settings.minimum_free_bytes()),
+               .lifetime = milliseconds(settings.upload_lifetime_s())}),
       store(state::open_store(directory)),
       logs(directory.jobs()),
       local(warm_workers, settings.workers(), precedence),
@@ -357,6 +386,9 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   const v1::DaemonConfig config = resolved(given);
   JobSide side(config, workers);
   const relay::Listener listener(config.listen());
+  const auto socket = socket_of_user(config);
+  std::vector<const relay::Listener*> local{&listener};
+  if (socket) local.push_back(socket.get());
   TlsListener tls(config);
   access::UserStore users(side.directory.path());
   access::AuditLog audit(side.directory.path());
@@ -377,6 +409,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
                            .store = *side.store,
                            .studies = side.studies,
                            .intake = side.intake,
+                           .uploads = side.uploads,
                            .gate = gate,
                            .warm_workers = side.warm_workers,
                            .precedence = side.precedence,
@@ -386,7 +419,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
                            .jobs_directory = side.directory.jobs(),
                            .version = DCCAST_VERSION,
                            .workers = by_slurm ? config.slurm_jobs() : config.workers()};
-  service::PublicServer server(context, listener, tls.listening());
+  service::PublicServer server(context, local, tls.listening());
   side.scheduler.start();
   side.studies.start();
   const jobs::Retention retention({.jobs_directory = side.directory.jobs(),
@@ -400,6 +433,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
                                                .data_directory = side.directory.path(),
                                                .certificate = tls.certificate(),
                                                .shows_owners = config.read() != v1::OWN});
+  if (socket) log::info("local clients find it at {}", socket->address());
   log_start(config, listener.address(), tls.address(), context, side.directory.path());
   serve_until_signal(server, context, side, workers, manager);
   return 0;

@@ -98,10 +98,9 @@ JobRecord record_of_new(const NewJob& new_job, const Attachments& attachments) {
   job.set_mail(new_job.mail);
   job.set_estimated_s(new_job.estimated_s);
   *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
-  auto bytes =
-      new_job.submitted_case.size() + new_job.complete_case.size() + new_job.case_file.size();
-  for (const v1::Attachment& attachment : attachments) bytes += attachment.content().size();
-  record.bytes = static_cast<std::int64_t>(bytes);
+  record.bytes = static_cast<std::int64_t>(new_job.submitted_case.size() +
+                                           new_job.complete_case.size() + new_job.case_file.size());
+  for (const AttachedFile& attachment : attachments) record.bytes += attachment.bytes;
   record.answer_key = new_job.answer_key;
   return record;
 }

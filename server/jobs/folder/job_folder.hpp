@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/job.pb.h"
@@ -40,13 +43,26 @@ bool read_complete_case(const std::filesystem::path& folder, v1::Case& to);
 /// so that no attachment can take the name of one of those.
 inline constexpr const char* attachments_folder = "attachments";
 
-using Attachments = google::protobuf::RepeatedPtrField<v1::Attachment>;
+/// A file that a case names, as it lies in the data directory.
+struct AttachedFile {
+  std::string name;  ///< that the case gives it
+  std::string sha256;
+  std::int64_t bytes = 0;
+  std::filesystem::path path{};        ///< synced to disk, and never written again
+  std::shared_ptr<const void> hold{};  ///< keeps the file from being removed
+};
+using Attachments = std::vector<AttachedFile>;
 
 /// Whether an attachment may have this name: one plain component of a path.
 bool is_plain_file_name(const std::string& name);
 
 /// The case as its submitter wrote it, byte by byte.
 inline constexpr const char* submitted_file = "case.toml";
+
+/// Makes a folder of copies, under the names of their case. They are no links: a worker that a file
+/// has taken over may write in its own folder, and must not reach the files of other jobs. They
+/// survive a crash of the machine once the parent of `folder` is synced. @throws std::system_error
+void add_attachments(const std::filesystem::path& folder, const Attachments& attachments);
 
 /// Makes the folder of a job with its attachments and its description; all of it survives a crash
 /// of the machine once this has returned. @throws std::system_error; what was written is removed
