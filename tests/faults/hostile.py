@@ -111,18 +111,18 @@ class UploadBesideStrangers(RemoteFault):
             env=environment())
         try:
             time.sleep(self.before)
-            self.upload(scene)
+            self.upload(scene, count.tried)
         except OSError as error:
             count.found("wrong", f"{kind}: the upload was ended: {type(error).__name__}")
         finally:
             strangers.kill()
             strangers.wait(10)
 
-    def upload(self, scene):
+    def upload(self, scene, number):
         with contextlib.closing(Peer(scene.daemon.tls_address, self.ca(scene), self.token,
                                      machine=self.machine)) as peer:
             stream = peer.begin("UploadAttachment")
-            peer.send_slowly(stream, upload_of(self.size), self.lasts)
+            peer.send_slowly(stream, upload_of(self.size, number), self.lasts)
             end = time.monotonic() + 5.0
             while stream not in peer.messages:
                 if time.monotonic() > end:

@@ -50,13 +50,14 @@ def framed(message):
     return struct.pack(">BI", 0, len(content)) + content
 
 
-def upload_of(size):
-    """All that a client sends of a file of zeros."""
+def upload_of(size, number=0):
+    """All that a client sends of a file. @param number  of the file: the server takes none twice"""
     chunk = 256_000
-    named = job_pb2.Attachment(name="x.msh", sha256=hashlib.sha256(bytes(size)).hexdigest(),
+    content = bytes([number]) * size
+    named = job_pb2.Attachment(name="x.msh", sha256=hashlib.sha256(content).hexdigest(),
                                size_bytes=size)
     return framed(service_pb2.UploadAttachmentRequest(attachment=named)) + b"".join(
-        framed(service_pb2.UploadAttachmentRequest(chunk=bytes(min(chunk, size - begin))))
+        framed(service_pb2.UploadAttachmentRequest(chunk=content[begin:begin + chunk]))
         for begin in range(0, size, chunk))
 
 
