@@ -1,9 +1,13 @@
 // The call that brings the files of cases. What is kept of them is in server/intake/uploads.hpp.
 #include "server/intake/uploads.hpp"
 
+#include <grpcpp/alarm.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -28,9 +32,14 @@ class UploadStream final : public grpc::ServerReadReactor<Request>,
                            public LastingCall,
                            public std::enable_shared_from_this<UploadStream> {
 public:
+  /// @param silence  after so long without a part of the file the stream ends
   UploadStream(WorkPool& lane, CallOrigin origin, intake::Uploads& uploads,
-               v1::UploadAttachmentResponse& response)
-      : lane_(lane), origin_(std::move(origin)), uploads_(uploads), response_(response) {}
+               std::chrono::milliseconds silence, v1::UploadAttachmentResponse& response)
+      : lane_(lane),
+        origin_(std::move(origin)),
+        uploads_(uploads),
+        silence_(silence),
+        response_(response) {}
 
   void begin() {
     self_ = shared_from_this();
@@ -39,6 +48,7 @@ public:
   }
 
   void OnReadDone(bool ok) override {
+    last_read_ = Clock::now();
     do_in_lane([this, ok] {
       if (ok)
         take();
@@ -57,6 +67,23 @@ public:
   void lapse(const grpc::Status& status) override { end(status); }
 
 private:
+  using Clock = std::chrono::steady_clock;
+
+  /// One who holds an upload open keeps a place that others wait for.
+  void watch_for_silence() {
+    // The alarm keeps its function until it ends itself, which is with this object.
+    alarm_.Set(std::chrono::system_clock::now() + silence_,
+               [weak = weak_from_this()](bool expired) {
+                 if (const auto self = weak.lock(); self && expired) self->end_if_silent();
+               });
+  }
+
+  void end_if_silent() {
+    if (Clock::now() - last_read_.load() >= silence_)
+      return end({grpc::DEADLINE_EXCEEDED, "the rest of the file did not come; upload it again"});
+    if_open([this] { watch_for_silence(); });
+  }
+
   template <class Work>
   void do_in_lane(Work work) {
     const bool taken = lane_.post([self = shared_from_this(), work = std::move(work)] { work(); });
@@ -73,6 +100,7 @@ private:
       admitted_ = true;
       origin_.gate().enter(call_.caller, weak_from_this());
       entered_ = true;
+      if_open([this] { watch_for_silence(); });
     });
     go_on(status);
   }
@@ -152,9 +180,12 @@ private:
   WorkPool& lane_;
   CallOrigin origin_;
   intake::Uploads& uploads_;
+  const std::chrono::milliseconds silence_;
   v1::UploadAttachmentResponse& response_;
   std::shared_ptr<UploadStream> self_;
   std::atomic<bool> cancelled_{false};
+  std::atomic<Clock::time_point> last_read_{Clock::now()};
+  grpc::Alarm alarm_;
   // Of the lane, which does one piece of work of this stream at a time.
   Call call_;  ///< once it was admitted
   bool admitted_ = false;
@@ -169,8 +200,11 @@ private:
 
 grpc::ServerReadReactor<Request>* SimulationService::UploadAttachment(
     Wire* wire, v1::UploadAttachmentResponse* response) {
+  constexpr double longest_silence_s = 60.0;
+  const double silence_s = std::min(longest_silence_s, context_.settings.upload_lifetime_s());
   const auto stream = std::make_shared<UploadStream>(
-      lanes_.uploads, origin_of(wire, Request::default_instance()), context_.uploads, *response);
+      lanes_.uploads, origin_of(wire, Request::default_instance()), context_.uploads,
+      std::chrono::milliseconds(std::llround(1000.0 * silence_s)), *response);
   stream->begin();
   return stream.get();
 }

@@ -108,7 +108,7 @@ class Uploads(ServiceTest):
         self.client.stub.DeleteStudy(study_pb2.DeleteStudyRequest(id=study.id), timeout=10)
         self.assertFalse(os.path.exists(kept))
 
-    def test_the_command_line_uploads_and_goes_on_after_a_restart(self):
+    def test_the_command_line_uploads_a_file_once(self):
         path = os.path.join(self.folder, "slab.toml")
         with open(os.path.join(self.folder, "slab.msh"), "w", encoding="ascii") as file:
             file.write("mesh")
@@ -143,6 +143,17 @@ class Quota(ServiceTest):
 
         self.client.submit(**case_with(first))
         self.client.upload("second.msh", b"b" * 600_000)  # the job has its own copy of the first
+
+    def test_an_upload_that_stands_still_is_ended(self):
+        def stalled():
+            yield service_pb2.UploadAttachmentRequest(attachment=job_pb2.Attachment(
+                name="slab.msh", sha256="0" * 64, size_bytes=500_000))
+            yield service_pb2.UploadAttachmentRequest(chunk=b"x" * 1000)
+            time.sleep(20)
+        error = self.refused(grpc.StatusCode.DEADLINE_EXCEEDED,
+                             self.client.stub.UploadAttachment, stalled(), timeout=15)
+        self.assertIn("did not come", error.details())
+        until(lambda: os.listdir(os.path.join(self.folder, "data", "uploads")) == [], 5)
 
     def test_files_that_are_not_used_expire(self):
         self.client.upload("first.msh", b"a" * 600_000)
