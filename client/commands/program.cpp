@@ -36,7 +36,7 @@ ExitCode run(const InfoOptions& options, Program& program) {
             << "\nworkers  " << info.workers() << "\nrunning  " << info.running() << "\nqueued   "
             << info.queued() << " of at most " << info.maximum_queued() << "\npaused   "
             << info.paused() << "\nlargest  " << info.maximum_message_bytes()
-            << " bytes of case and attachments\n"
+            << " bytes of a request\n"
             << ceilings_text(info) << "build    " << info.build() << '\n';
   if (!info.worker_sandbox().empty()) std::cout << "sandbox  " << info.worker_sandbox() << '\n';
   if (!info.storage_fault().empty())
