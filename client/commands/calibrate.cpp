@@ -147,7 +147,7 @@ void write_case(Connection& connection, const CalibrateOptions& options,
     throw invalid(options.base.file + " has faults");
   }
   v1::CreateStudyRequest request;
-  put_case(read, request);
+  put_case(read, connection, request);
   write_output(options.output, calibrated_case(connection, request, result));
 }
 

@@ -66,7 +66,7 @@ grpc::Status create(const Options& options, const std::string& study, const Case
                     Connection& connection) {
   v1::CreateStudyRequest request;
   request.set_request_id(study);
-  put_case(checked, request);
+  put_case(checked, connection, request);
   request.mutable_refinement()->set_levels(options.levels);
   v1::Study created;
   try {

@@ -195,10 +195,17 @@ ExitCode run(const ReportOptions& options, Program& program) {
   require_free(options.output, options.force);
   Connection connection = program.connect();
   const v1::Job job = connection.call(&Stub::GetJob, resolve_job(connection, options.id));
-  const std::string page = render::report_of(connection, job, std::cerr);
+  grpc::Status frame_status;
+  const std::string page = render::report_of(connection, job, std::cerr, frame_status);
+  // The histories are those of the event log and sound; a results file that was changed or lost
+  // after the run ends as `fetch` of it does.
+  const bool results_lost = frame_status.error_code() == grpc::StatusCode::DATA_LOSS;
+  const ExitCode outcome =
+      results_lost ? failure_of(frame_status, connection.server()).code() : ExitCode::done;
+
   if (options.output == "-") {
     std::cout << page;
-    return ExitCode::done;
+    return outcome;
   }
   if (fs::path(options.output).extension() == ".pdf")
     print_pdf(page, options.output);
@@ -209,7 +216,7 @@ ExitCode run(const ReportOptions& options, Program& program) {
         {{"job", job.id()}, {"file", options.output}, {"bytes", fs::file_size(options.output)}});
   else
     std::cout << options.output << '\n';
-  return ExitCode::done;
+  return outcome;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "client/commands/commands.hpp"
 #include "client/session/servers.hpp"
 #include "proto/values/address.hpp"
+#include "proto/values/local_socket.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -96,7 +97,7 @@ ExitCode run(const DoctorOptions& options, Program& program) {
   const StoredServers servers(program.servers);
   const StoredServer* stored = servers.find(text);
   Endpoint endpoint = stored != nullptr ? stored->endpoint : Endpoint{.address = text};
-  if (endpoint.address.empty()) endpoint.address = std::string("127.0.0.1") + default_port;
+  if (endpoint.address.empty()) endpoint.address = address_of(values::local_server());
   std::vector<std::string> found;
   const Diagnosis diagnosis = diagnose(endpoint,
                                        {.timeout = std::chrono::seconds(options.timeout_s),

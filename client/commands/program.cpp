@@ -6,6 +6,7 @@
 #include "client/commands/commands.hpp"
 #include "client/session/servers.hpp"
 #include "client/text/table.hpp"
+#include "proto/values/local_socket.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -35,7 +36,7 @@ ExitCode run(const InfoOptions& options, Program& program) {
             << "\nworkers  " << info.workers() << "\nrunning  " << info.running() << "\nqueued   "
             << info.queued() << " of at most " << info.maximum_queued() << "\npaused   "
             << info.paused() << "\nlargest  " << info.maximum_message_bytes()
-            << " bytes of case and attachments\n"
+            << " bytes of a request\n"
             << ceilings_text(info) << "build    " << info.build() << '\n';
   if (!info.worker_sandbox().empty()) std::cout << "sandbox  " << info.worker_sandbox() << '\n';
   if (!info.storage_fault().empty())
@@ -60,7 +61,7 @@ Endpoint Program::endpoint() const {
   }
   const StoredServers stored(servers);
   if (const StoredServer* named = stored.find(server)) return named->endpoint;
-  return endpoint_of(server.empty() ? "127.0.0.1" : server);
+  return endpoint_of(server.empty() ? values::local_server() : server);
 }
 
 void add_info(cli::CommandLine& line, Program& program) {

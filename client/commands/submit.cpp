@@ -71,8 +71,8 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& o
 
 /// @param number  of the case, from 1: several of one request id have its name and their number
 v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const SubmitOptions& options,
-                                std::size_t number) {
-  v1::SubmitJobRequest request = submission_of(checked);
+                                Connection& connection, std::size_t number) {
+  v1::SubmitJobRequest request = submission_of(checked, connection);
   if (options.request_id.empty())
     request.set_request_id(values::random_uuid());
   else
@@ -90,7 +90,7 @@ v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const SubmitOptio
 /// @return  empty if the server has found further faults, which have then been printed
 std::optional<v1::Job> submit(CaseUnderCheck& checked, const SubmitOptions& options,
                               Connection& connection, std::size_t number) {
-  const v1::SubmitJobRequest request = request_of(checked, options, number);
+  const v1::SubmitJobRequest request = request_of(checked, options, connection, number);
   v1::Job job;
   const grpc::Status status = submit_with_retries(connection, request, job);
   checked.faults = faults_of(status);

@@ -26,7 +26,9 @@ std::string report_page(const v1::Job& job, const v1::QueryResultResponse& resul
 
 /// That page with all that the server has for the job: result, study, frames. Throws CommandFailed.
 /// @param notes  receives what the page lacks, a line each
-std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes);
+/// @param frame_status  set to why there is no picture of the slab; OK where there is one
+std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes,
+                      grpc::Status& frame_status);
 
 /// What comparison_text() says, with charts of the differences and their causes.
 std::string comparison_page(const std::vector<Answer>& answers,

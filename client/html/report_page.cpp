@@ -324,9 +324,9 @@ std::string evidence(const ReportedRun& run) {
 /// The result with the last frame; without it if there is none, if it is too large for a response,
 /// or if the stored results cannot be read.
 v1::QueryResultResponse result_of(Connection& connection, const std::string& id,
-                                  std::ostream& notes) {
+                                  std::ostream& notes, grpc::Status& status) {
   v1::QueryResultResponse result;
-  const grpc::Status status = try_query_result(connection, id, true, result);
+  status = try_query_result(connection, id, true, result);
   if (status.ok()) return result;
   notes << "dccast: " << status.error_message()
         << "; the report goes without a picture of the slab\n";
@@ -357,8 +357,9 @@ std::string report_page(const v1::Job& job, const v1::QueryResultResponse& resul
                     first_sheet(run, series) + details(run) + evidence(run));
 }
 
-std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes) {
-  const v1::QueryResultResponse result = result_of(connection, job.id(), notes);
+std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes,
+                      grpc::Status& frame_status) {
+  const v1::QueryResultResponse result = result_of(connection, job.id(), notes, frame_status);
   return report_page(job, result, study_around(connection, job),
                      frames_for_slider(connection, job.id(), result));
 }

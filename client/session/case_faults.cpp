@@ -39,16 +39,21 @@ Json fault_json(const v1::Fault& fault, const case_file::SourceMap& source) {
 }
 
 /// @return  empty if the server cannot be reached and only local faults can be reported
-std::optional<v1::ValidateCaseResponse> ask(Connection& connection,
-                                            const v1::ValidateCaseRequest& request,
-                                            bool has_local_faults) {
-  v1::ValidateCaseResponse response;
-  const grpc::Status status = connection.try_call(&Stub::ValidateCase, request, response);
-  if (status.ok()) return response;
-  const CommandFailed failure = failure_of(status, connection.server());
-  if (!has_local_faults) throw failure;
-  std::cerr << "dccast: not checked by the server: " << failure.what() << '\n';
-  return std::nullopt;
+std::optional<v1::ValidateCaseResponse> ask(Connection& connection, const CaseUnderCheck& checked) {
+  try {
+    upload_files(connection, checked.read.attachments);
+    v1::ValidateCaseRequest request;
+    *request.mutable_case_() = checked.description;
+    name_files(checked, request);
+    for (const v1::Fault& fault : checked.faults) request.add_faulty_keys(fault.field());
+    return connection.call(&Stub::ValidateCase, request);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const CommandFailed& failure) {
+    if (checked.faults.empty()) throw;
+    std::cerr << "dccast: not checked by the server: " << failure.what() << '\n';
+    return std::nullopt;
+  }
 }
 
 /// A file that could not be parsed leaves nothing to be checked.
@@ -97,11 +102,11 @@ CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
                         all);
 }
 
-v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked) {
+v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked, Connection& connection) {
   constexpr std::size_t longest_file = 1 << 20;  // service.proto
   v1::SubmitJobRequest request;
   if (checked.text.size() <= longest_file) request.set_case_file(checked.text);
-  put_case(checked, request);
+  put_case(checked, connection, request);
   return request;
 }
 
@@ -115,12 +120,7 @@ std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,
 
 void check_with_server(CaseUnderCheck& checked, Connection& connection) {
   if (cannot_be_judged(checked.faults)) return;
-  v1::ValidateCaseRequest request;
-  *request.mutable_case_() = checked.description;
-  request.mutable_attachments()->Assign(checked.read.attachments.begin(),
-                                        checked.read.attachments.end());
-  for (const v1::Fault& fault : checked.faults) request.add_faulty_keys(fault.field());
-  const auto response = ask(connection, request, !checked.faults.empty());
+  const auto response = ask(connection, checked);
   if (!response) return;
   checked.faults =
       merge_faults(checked.faults, {response->faults().begin(), response->faults().end()});

@@ -9,6 +9,7 @@
 
 #include "client/model/json.hpp"
 #include "client/session/connection.hpp"
+#include "client/session/uploads.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/uncertainty.hpp"
 
@@ -40,17 +41,30 @@ CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
 CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
                                 const std::vector<v1::CaseChange>& changes);
 
-/// Gives a request the case, its changes and its attachments.
+/// Names the files of a case in a request.
 template <typename Request>
-void put_case(const CaseUnderCheck& checked, Request& request) {
-  *request.mutable_case_() = checked.description;
-  request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
-  request.mutable_attachments()->Assign(checked.read.attachments.begin(),
-                                        checked.read.attachments.end());
+void name_files(const CaseUnderCheck& checked, Request& request) {
+  for (const case_file::AttachedFile& file : checked.read.attachments) {
+    v1::Attachment& named = *request.add_attachments();
+    named.set_name(file.name);
+    named.set_sha256(file.sha256);
+    named.set_size_bytes(file.bytes);
+  }
 }
 
-/// A request that submits a case without faults; without its id and priority.
-v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked);
+/// Gives a request the case, its changes and its files, which are uploaded. Throws as
+/// upload_files().
+template <typename Request>
+void put_case(const CaseUnderCheck& checked, Connection& connection, Request& request) {
+  upload_files(connection, checked.read.attachments);
+  name_files(checked, request);
+  *request.mutable_case_() = checked.description;
+  request.mutable_changes()->Assign(checked.changes.begin(), checked.changes.end());
+}
+
+/// A request that submits a case without faults, whose files are uploaded; without its id and
+/// priority.
+v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked, Connection& connection);
 
 /// Adds the faults that ValidateCase of the server finds in the parts that could be read. If the
 /// server cannot be reached, local faults are reported alone, with a message on standard error;

@@ -51,6 +51,18 @@ Connection::Connection(Endpoint endpoint, std::shared_ptr<Interruption> interrup
       grpc::CreateCustomChannel(endpoint_.address, credentials_of(endpoint_), arguments));
 }
 
+grpc::Status Connection::with_retries(const std::function<grpc::Status()>& attempt) {
+  auto pause = policy_.first_pause;
+  for (int made = 1;; ++made, pause *= 2) {
+    const grpc::Status status = attempt();
+    if (!status.ok() && interruption_->came()) throw Interrupted("");
+    if (status.error_code() != grpc::StatusCode::UNAVAILABLE || made >= policy_.attempts)
+      return status;
+    announce_retry(status, made);
+    interruption_->sleep(pause);
+  }
+}
+
 void Connection::announce_retry(const grpc::Status& status, int attempts_made) const {
   std::cerr << "dccast: no answer from " << server() << " (" << reason_of(status)
             << "); trying again (" << attempts_made << " of " << policy_.attempts - 1 << ")"

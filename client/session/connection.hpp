@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -147,26 +148,31 @@ public:
   template <typename Request, typename Response>
   grpc::Status try_call(Method<Request, Response> method, const Request& request,
                         Response& response) {
-    auto pause = policy_.first_pause;
-    for (int made = 1;; ++made, pause *= 2) {
-      const grpc::Status status = try_once(method, request, response);
-      if (status.error_code() != grpc::StatusCode::UNAVAILABLE || made >= policy_.attempts)
-        return status;
-      announce_retry(status, made);
-      interruption_->sleep(pause);
-    }
+    const auto attempt = [&] { return try_once(method, request, response); };
+    const grpc::Status status = with_retries(attempt);
+    if (status.error_code() != grpc::StatusCode::ABORTED || !restore_) return status;
+    restore_(*this);
+    return with_retries(attempt);
   }
+
+  /// Repeats a call with increasing pauses while the server is UNAVAILABLE, with a message on
+  /// standard error. @return the status of the last attempt. Throws Interrupted.
+  grpc::Status with_retries(const std::function<grpc::Status()>& attempt);
+
+  /// What a call depends on and the server may have lost, which it then answers with ABORTED.
+  void set_restore(std::function<void(Connection&)> restore) { restore_ = std::move(restore); }
 
   void set_policy(const CallPolicy& policy) { policy_ = policy; }
 
 private:
   void announce_retry(const grpc::Status& status, int attempts_made) const;
 
-  static constexpr std::chrono::seconds deadline{60};  // enough for a case with large attachments
+  static constexpr std::chrono::seconds deadline{60};
   Endpoint endpoint_;
   std::unique_ptr<Stub> stub_;
   std::shared_ptr<Interruption> interruption_;
   CallPolicy policy_;
+  std::function<void(Connection&)> restore_;
 };
 
 }  // namespace dccast::client

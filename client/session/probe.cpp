@@ -9,10 +9,13 @@
 
 #include <array>
 #include <cstdlib>
+#include <filesystem>
+#include <string_view>
 
 #include "client/session/socket.hpp"
 #include "client/session/ssh_tunnel.hpp"
 #include "proto/values/digests.hpp"
+#include "proto/values/local_socket.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::client {
@@ -231,6 +234,20 @@ Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
   return {};
 }
 
+constexpr std::string_view unix_scheme = "unix:";
+
+/// Of a socket of this machine it is the file that says why it cannot be used.
+Diagnosis at_unix_socket(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_socket(path, error))
+    return {"there is no socket at " + path + (error ? " (" + error.message() + ")" : ""),
+            "start dccastd, whose log names where it serves, or give that address"};
+  if (!values::is_listening(path))
+    return {"no program listens at the socket " + path + ", which a dccastd has left",
+            "start dccastd again"};
+  return {};
+}
+
 /// What a socket finds out elsewhere one ssh does here.
 Diagnosis through_ssh(const std::string& server, const ProbeOptions& options,
                       std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
@@ -263,6 +280,12 @@ Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
     return {
         "the address begins with " + address.substr(0, scheme + 3) + ", as that of a web page does",
         "write " + address.substr(scheme + 3) + " alone"};
+  if (address.starts_with(unix_scheme)) {
+    const Diagnosis wire = at_unix_socket(address.substr(unix_scheme.size()));
+    if (!wire.sound()) return wire;
+    found.push_back("connected to " + address);
+    return call(endpoint, options, found, std::move(interruption));
+  }
   const values::HostAndPort to = values::host_and_port(address);
   if (to.port.empty())
     return {"the address " + address + " names no port",

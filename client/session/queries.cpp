@@ -86,7 +86,7 @@ std::optional<Answer> ask_query(
     Connection& connection, CaseUnderCheck& checked, const QueryMode& mode,
     const std::function<void(const v1::QueryButtCurlResponse&)>& on_response) {
   v1::QueryButtCurlRequest request;
-  put_case(checked, request);
+  put_case(checked, connection, request);
   request.set_keep(mode.keep);
   request.set_one_of_several(mode.one_of_several);
   Answer answer;

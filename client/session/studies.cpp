@@ -57,7 +57,7 @@ std::optional<v1::Study> create_study(
   }
   v1::CreateStudyRequest request;
   request.set_request_id(values::random_uuid());
-  put_case(checked, request);
+  put_case(checked, connection, request);
   *request.mutable_labels() = {base.labels.begin(), base.labels.end()};
   add_plan(request);
   v1::Study study;

@@ -180,7 +180,8 @@ constexpr const char* html = "text/html; charset=utf-8";
 
 Reply report(Connection& connection, const std::string& id) {
   std::ostringstream unseen;  // the page itself states what it lacks
-  return {.body = render::report_of(connection, job_of(connection, id), unseen),
+  grpc::Status frame_status;  // the page says what it lacks
+  return {.body = render::report_of(connection, job_of(connection, id), unseen, frame_status),
           .type = html,
           .stands_alone = true};
 }
@@ -274,7 +275,7 @@ void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
 
 /// Queues the case as a job.
 v1::Job kept(Connection& connection, CaseUnderCheck checked) {
-  v1::SubmitJobRequest request = submission_of(checked);
+  v1::SubmitJobRequest request = submission_of(checked, connection);
   request.set_request_id(values::random_uuid());
   v1::Job job;
   const grpc::Status status = submit_with_retries(connection, request, job);

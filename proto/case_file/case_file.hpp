@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -25,12 +26,20 @@ namespace dccast::case_file {
 /// A file larger than this is refused before it is parsed [bytes].
 inline constexpr std::size_t maximum_file_bytes = 4 * 1024 * 1024;
 
+/// A file of this machine that a case names.
+struct AttachedFile {
+  std::string name;  ///< that the case gives it
+  std::filesystem::path path{};
+  std::string sha256{};
+  std::int64_t bytes = 0;
+};
+
 /// Result of reading a file, besides the message.
 struct ReadOutcome {
-  std::vector<v1::Fault> faults;            ///< empty: the message is complete and in range
-  std::vector<std::string> missing_keys;    ///< paths of absent required keys; each has a fault
-  std::vector<v1::Attachment> attachments;  ///< files named by attachment fields
-  std::vector<std::string> files;  ///< names of these files, if the text was read elsewhere
+  std::vector<v1::Fault> faults;          ///< empty: the message is complete and in range
+  std::vector<std::string> missing_keys;  ///< paths of absent required keys; each has a fault
+  std::vector<AttachedFile> attachments;  ///< files named by attachment fields
+  std::vector<std::string> files;         ///< names of these files, if the text was read elsewhere
   SourceMap source;
 
   bool ok() const { return faults.empty(); }
@@ -39,8 +48,8 @@ struct ReadOutcome {
 /// Reads a TOML file into `message`. All faults are collected: unknown key, missing or wrong unit,
 /// out of range, NaN, table not increasing, required key absent, broken TOML. The message contains
 /// everything that could be read. Files named by attachment fields are looked up relative to the
-/// folder of the file and read; the value of the field becomes the base name of its file.
-/// No default is applied. Does not throw, whatever the content of the file.
+/// folder of the file, and their SHA-256 is computed; the value of the field becomes the base name
+/// of its file. No default is applied. Does not throw, whatever the content of the file.
 ReadOutcome read_file(const std::filesystem::path& file, google::protobuf::Message& message);
 
 /// Reads a text. @param name  of the file, for positions  @param folder  of attachments

@@ -214,7 +214,7 @@ private:
     std::set<std::string> names;
     collect_files(root_, names);
     std::erase_if(walk.outcome.attachments,
-                  [&](const v1::Attachment& file) { return !names.contains(file.name()); });
+                  [&](const AttachedFile& file) { return !names.contains(file.name); });
   }
 
   static void set(Walk& walk, const toml::node& value, const Target& target,

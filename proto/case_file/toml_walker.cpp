@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/text_checks.hpp"
 #include "proto/case_file/uncertainty.hpp"
+#include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::case_file {
@@ -67,7 +67,7 @@ std::optional<std::string> list_file(const Entry& entry, const std::string& name
   return base;
 }
 
-/// Reads the file that `name` points to into the attachments; returns its base name.
+/// Adds the file that `name` points to to the attachments; returns its base name.
 std::optional<std::string> attach(const Entry& entry, const std::string& name) {
   if (entry.walk.folder == nullptr) return list_file(entry, name);
 
@@ -83,20 +83,18 @@ std::optional<std::string> attach(const Entry& entry, const std::string& name) {
   if (std::filesystem::file_size(file, error) > maximum_attachment_bytes)
     return refuse("larger than 1 GiB: ", file.string());
 
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream content;
-  if (!(stream && content << stream.rdbuf()) && std::filesystem::file_size(file, error) > 0)
+  AttachedFile attachment{.name = file.filename().string(), .path = file};
+  try {
+    attachment.sha256 = values::sha256_of_file(file);
+    attachment.bytes = static_cast<std::int64_t>(std::filesystem::file_size(file));
+  } catch (const std::system_error&) {
     return refuse("cannot be read: ", file.string());
+  }
+  for (const AttachedFile& other : entry.walk.outcome.attachments)
+    if (other.name == attachment.name && other.sha256 != attachment.sha256)
+      return refuse("another attachment is also called ", attachment.name);
 
-  const std::string base = file.filename().string();
-  for (const v1::Attachment& other : entry.walk.outcome.attachments)
-    if (other.name() == base && other.content() != content.str())
-      return refuse("another attachment is also called ", base);
-
-  v1::Attachment& attachment = entry.walk.outcome.attachments.emplace_back();
-  attachment.set_name(base);
-  attachment.set_content(content.str());
-  return base;
+  return entry.walk.outcome.attachments.emplace_back(std::move(attachment)).name;
 }
 
 void read_string(const Entry& entry, Message& message) {

@@ -18,28 +18,33 @@ namespace dccast::values {
 
 namespace {
 
-/// Computes the SHA-256 of bytes that are added piece by piece.
-class Sha256 {
-public:
-  Sha256() : context_(EVP_MD_CTX_new()) {
-    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1)
-      throw std::bad_alloc();
-  }
-
-  void add(const void* bytes, std::size_t size) { EVP_DigestUpdate(context_.get(), bytes, size); }
-
-  /// The digest in hexadecimal; nothing may be added afterwards.
-  std::string finish() {
-    std::array<unsigned char, 32> digest;
-    EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr);
-    return hexadecimal(digest);
-  }
-
-private:
-  Owned<EVP_MD_CTX, EVP_MD_CTX_free> context_;
-};
+/// Of a hexadecimal number.
+bool is_lower_case_digit(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+}
 
 }  // namespace
+
+struct Sha256::Context {
+  Owned<EVP_MD_CTX, EVP_MD_CTX_free> digest{EVP_MD_CTX_new()};
+};
+
+Sha256::Sha256() : context_(std::make_unique<Context>()) {
+  if (!context_->digest || EVP_DigestInit_ex(context_->digest.get(), EVP_sha256(), nullptr) != 1)
+    throw std::bad_alloc();
+}
+
+Sha256::~Sha256() = default;
+
+void Sha256::add(std::string_view bytes) {
+  EVP_DigestUpdate(context_->digest.get(), bytes.data(), bytes.size());
+}
+
+std::string Sha256::finish() {
+  std::array<unsigned char, 32> digest;
+  EVP_DigestFinal_ex(context_->digest.get(), digest.data(), nullptr);
+  return hexadecimal(digest);
+}
 
 std::string hexadecimal(std::span<const unsigned char> bytes) {
   std::string text;
@@ -60,7 +65,7 @@ std::string random_hexadecimal(std::size_t bytes) {
 
 std::string sha256(std::string_view bytes) {
   Sha256 digest;
-  digest.add(bytes.data(), bytes.size());
+  digest.add(bytes);
   return digest.finish();
 }
 
@@ -80,7 +85,7 @@ std::string sha256_of_file(const std::filesystem::path& path, std::int64_t most)
   std::vector<char> piece(1 << 18);
   while (file && most > 0) {
     file.read(piece.data(), std::min(most, static_cast<std::int64_t>(piece.size())));
-    digest.add(piece.data(), static_cast<std::size_t>(file.gcount()));
+    digest.add({piece.data(), static_cast<std::size_t>(file.gcount())});
     most -= file.gcount();
   }
   if (file.bad()) throw fail();
@@ -100,10 +105,14 @@ std::string random_uuid() {
 bool is_uuid(std::string_view text) {
   constexpr std::string_view form = "hhhhhhhh-hhhh-hhhh-hhhh-hhhhhhhhhhhh";
   const auto fits = [](char c, char wanted) {
-    if (wanted == '-') return c == '-';
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+    return wanted == '-' ? c == '-' : is_lower_case_digit(c);
   };
   return std::ranges::equal(text, form, fits);
+}
+
+bool is_sha256(std::string_view text) {
+  constexpr std::size_t length = 64;
+  return text.size() == length && std::ranges::all_of(text, is_lower_case_digit);
 }
 
 }  // namespace dccast::values

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +15,20 @@ std::string hexadecimal(std::span<const unsigned char> bytes);
 
 /// A number of bytes from the system's random number generator. @throws std::system_error
 std::string random_hexadecimal(std::size_t bytes);
+
+/// The SHA-256 of bytes that are added piece by piece.
+class Sha256 {
+public:
+  Sha256();
+  ~Sha256();
+  void add(std::string_view bytes);
+  /// The digest in lower-case hexadecimal; nothing may be added afterwards.
+  std::string finish();
+
+private:
+  struct Context;
+  std::unique_ptr<Context> context_;
+};
 
 /// SHA-256 in lower-case hexadecimal.
 std::string sha256(std::string_view bytes);
@@ -30,5 +45,8 @@ std::string random_uuid();
 /// Whether `text` is a UUID in lower case, as from random_uuid(). Used to refuse everything else
 /// before it becomes part of a path or of an SQL statement.
 bool is_uuid(std::string_view text);
+
+/// Whether `text` is a SHA-256 in lower-case hexadecimal.
+bool is_sha256(std::string_view text);
 
 }  // namespace dccast::values

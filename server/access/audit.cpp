@@ -6,9 +6,10 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
-#include <fstream>
 #include <ostream>
+#include <string_view>
 
 #include "core/storage/storage_error.hpp"
 #include "proto/values/printable.hpp"
@@ -52,6 +53,26 @@ bool passes(const v1::AuditEvent& event, const AuditFilter& filter) {
          (filter.call.empty() || event.call() == filter.call) && event.time() >= filter.since;
 }
 
+/// @param take  called with each line of the file, of any length
+template <class Take>
+void read_lines(const storage::File& file, const Take& take) {
+  std::array<char, 65536> piece;
+  std::string line;
+  std::int64_t offset = 0;
+  while (const std::size_t size = file.read_at(offset, piece)) {
+    offset += static_cast<std::int64_t>(size);
+    for (const char c : std::string_view(piece.data(), size)) {
+      if (c != '\n') {
+        line += c;
+        continue;
+      }
+      take(line);
+      line.clear();
+    }
+  }
+  if (!line.empty()) take(line);
+}
+
 }  // namespace
 
 AuditLog::AuditLog(const std::filesystem::path& directory)
@@ -73,20 +94,17 @@ void AuditLog::append(v1::AuditEvent event) {
 
 std::size_t print_audit(const std::filesystem::path& directory, const AuditFilter& filter,
                         std::ostream& out) {
-  std::ifstream in(log_path(directory));
-  if (!in) throw storage::StorageError(errno, log_path(directory).string(), "cannot be read");
-
   std::size_t printed = 0;
-  for (std::string line; std::getline(in, line);) {
+  read_lines(storage::File(log_path(directory), O_RDONLY), [&](const std::string& line) {
     v1::AuditEvent event;
 
     // A line that a full disk has truncated is shown, too.
     const bool whole = google::protobuf::util::JsonStringToMessage(line, &event).ok();
-    if (whole && !passes(event, filter)) continue;
+    if (whole && !passes(event, filter)) return;
 
     out << (whole ? line : values::escaped(line)) << '\n';
     ++printed;
-  }
+  });
   return printed;
 }
 

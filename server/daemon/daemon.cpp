@@ -18,12 +18,15 @@
 #include <stdexcept>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "core/storage/file.hpp"
 #include "proto/values/address.hpp"
+#include "proto/values/local_socket.hpp"
 #include "server/daemon/metrics.hpp"
 #include "server/daemon/service_manager.hpp"
 #include "server/intake/case_intake.hpp"
+#include "server/intake/uploads.hpp"
 #include "server/jobs/executors/local_executor.hpp"
 #include "server/jobs/executors/slurm_executor.hpp"
 #include "server/jobs/executors/warm_workers.hpp"
@@ -181,6 +184,27 @@ void refuse_open_address(const std::string& listen) {
       listen));
 }
 
+/// The socket at which local clients look for a daemon, beside the address of the settings.
+/// @return nothing: `listen` is a socket already, there is no place for one, or another daemon of
+/// this user has it
+std::unique_ptr<relay::Listener> socket_of_user(const v1::DaemonConfig& config) {
+  const auto path = values::own_socket();
+  if (!path || config.listen().starts_with("unix:")) return nullptr;
+
+  if (values::is_listening(*path)) {
+    log::info("another program listens at {}: local clients reach this dccastd at {} alone", *path,
+              config.listen());
+    return nullptr;
+  }
+
+  try {
+    return std::make_unique<relay::Listener>("unix:" + *path);
+  } catch (const std::runtime_error& error) {
+    log::warn("{}; local clients reach this dccastd at {} alone", error.what(), config.listen());
+    return nullptr;
+  }
+}
+
 /// Listens over TLS if the settings say so.
 class TlsListener {
 public:
@@ -247,6 +271,7 @@ struct JobSide {
   jobs::WarmWorkers warm_workers;  ///< one for each concurrent answer, and one for the next job
   const v1::WorkerAnswer worker;
   const intake::CaseIntake intake;
+  intake::Uploads uploads;
   const std::unique_ptr<jobs::JobStore> store;
   jobs::EventLogs logs;
   jobs::Precedence precedence;
@@ -268,6 +293,12 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
       worker(identify_worker(warm_workers)),
       intake(warm_workers, settings.alloy_directory(), directory.check(),
              {settings.maximum_nodes(), settings.maximum_steps(), settings.maximum_memory_bytes()}),
+      uploads(directory.uploads(),
+              {.largest = std::llround(settings.maximum_attachment_bytes()),
+               .of_user = std::llround(settings.maximum_uploads_per_user_bytes()),
+               .all = std::llround(settings.maximum_uploads_bytes()),
+               .minimum_free = std::llround(settings.minimum_free_bytes()),
+               .lifetime = milliseconds(settings.upload_lifetime_s())}),
       store(state::open_store(directory)),
       logs(directory.jobs()),
       local(warm_workers, settings.workers(), precedence),
@@ -321,6 +352,7 @@ service::Context make_context(const v1::DaemonConfig& config, JobSide& jobs, ser
           .store = *jobs.store,
           .studies = jobs.studies,
           .intake = jobs.intake,
+          .uploads = jobs.uploads,
           .gate = gate,
           .warm_workers = jobs.warm_workers,
           .precedence = jobs.precedence,
@@ -431,10 +463,13 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
 
   // A caller that connects before the recovery has ended would only wait.
   const relay::Listener listener(config.listen());
+  const auto socket = socket_of_user(config);
+  std::vector<const relay::Listener*> local{&listener};
+  if (socket) local.push_back(socket.get());
   TlsListener tls(config);
   AccessSide access(config, jobs);
   service::Context context = make_context(config, jobs, access.gate);
-  service::PublicServer server(context, listener, tls.listening());
+  service::PublicServer server(context, local, tls.listening());
 
   jobs.scheduler.start();
   jobs.studies.start();
@@ -444,6 +479,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
                                   *jobs.store, jobs.scheduler);
   const auto metrics = serve_metrics_if_set(config, jobs, context, tls);
 
+  if (socket) log::info("local clients find it at {}", socket->address());
   log_start(config, listener.address(), tls.address(), context, jobs.directory.path());
   serve_until_signal(server, context, jobs, workers, manager);
   return 0;

@@ -77,17 +77,18 @@ void hold_against(const Ceilings& ceilings, v1::ValidateCaseResponse& verdict) {
 
 void check_names(const jobs::Attachments& attachments, std::set<std::string>& names,
                  v1::ValidateCaseResponse& verdict) {
-  for (const v1::Attachment& attachment : attachments) {
-    if (!jobs::is_plain_file_name(attachment.name()))
+  for (const jobs::AttachedFile& attachment : attachments) {
+    const std::string& name = attachment.name;
+    if (!jobs::is_plain_file_name(name))
       *verdict.add_faults() = fault_of(
-          attachments_field, values::escaped(attachment.name()), "is not the plain name of a file",
+          attachments_field, values::escaped(name), "is not the plain name of a file",
           "1 to 255 bytes without a slash, not \".\" or \"..\"", "attach it under its last name");
-    else if (const auto character = values::unprintable(attachment.name()))
+    else if (const auto character = values::unprintable(name))
       *verdict.add_faults() =
-          fault_of(attachments_field, values::escaped(attachment.name()), "contains " + *character,
+          fault_of(attachments_field, values::escaped(name), "contains " + *character,
                    "characters that can be shown", "rename the file");
-    else if (!names.insert(attachment.name()).second)
-      *verdict.add_faults() = fault_of(attachments_field, attachment.name(), "is attached twice",
+    else if (!names.insert(name).second)
+      *verdict.add_faults() = fault_of(attachments_field, name, "is attached twice",
                                        "one file of a name", "rename one of them");
   }
 }
@@ -258,8 +259,8 @@ std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& atta
   const auto status = google::protobuf::util::MessageToJsonString(submitted, &text);
   if (!status.ok()) throw std::runtime_error("the case cannot be written as JSON");
   std::set<std::string> files;  // in any order they are the same files
-  for (const v1::Attachment& attachment : attachments)
-    files.insert(attachment.name() + " " + values::sha256(attachment.content()));
+  for (const jobs::AttachedFile& attachment : attachments)
+    files.insert(attachment.name + " " + attachment.sha256);
   for (const std::string& file : files) text += "\n" + file;
   return values::sha256(text);
 }

@@ -106,7 +106,7 @@ void Connection::open() {
   service_.emplace(Side{Socket(loop_, pair[0]), plain_stream(pair[0])});
 
   name_ = owner_.peers().add(std::make_shared<const Peer>(peer_));
-  guard_.emplace(name_);
+  guard_.emplace(name_, owner_.memory().of_call);
   owner_.serve(pair[1]);
 }
 

@@ -28,6 +28,7 @@ public:
   virtual PeerTable& peers() = 0;
   /// Hands one end of a socket pair to gRPC. @param socket  is taken over
   virtual void serve(int socket) = 0;
+  virtual const MemoryBounds& memory() const = 0;
   /// Unfinished requests of a connection hold so many more bytes.
   virtual void on_growth(std::size_t bytes) = 0;
   /// @param hostile  for what its client has sent

@@ -31,10 +31,11 @@ std::string literal_field(std::string_view name, std::string_view value) {
 
 }  // namespace
 
-FrameGuard::FrameGuard(std::string_view connection)
+FrameGuard::FrameGuard(std::string_view connection, std::size_t most_of_call)
     : requests_(preface_bytes),
       answers_(0),
-      connection_field_(literal_field(connection_header, connection)) {}
+      connection_field_(literal_field(connection_header, connection)),
+      most_of_call_(most_of_call) {}
 
 std::string_view FrameGuard::take(std::string_view bytes, Clock::time_point now,
                                   std::string& forwarded) {
@@ -120,7 +121,7 @@ std::string_view FrameGuard::take_headers(const Frame& frame) {
     if (frame.flags & Frame::end_stream)
       forget(frame.stream);
     else if (begins)
-      keep(frame.stream, kept_per_call);
+      keep(frame.stream, {.around = kept_per_call});
   }
   header_block_ += frame.size;
   return header_block_ > most_of_a_header_block ? "its headers are too long" : "";
@@ -132,20 +133,27 @@ std::string_view FrameGuard::take_body(const Frame& frame) {
     forget(frame.stream);
   } else if (unfinished_.contains(frame.stream)) {
     // gRPC throws away what comes for a call that has ended.
-    keep(frame.stream, frame.size + kept_per_frame);
+    keep(frame.stream, {.content = frame.size, .around = kept_per_frame});
   }
   return {};
 }
 
-void FrameGuard::keep(std::uint32_t stream, std::size_t bytes) {
-  unfinished_[stream] += bytes;
-  unfinished_bytes_ += bytes;
+std::size_t FrameGuard::held(const Unfinished& request) const {
+  return std::min(request.content, most_of_call_) + request.around;
+}
+
+void FrameGuard::keep(std::uint32_t stream, const Unfinished& more) {
+  Unfinished& request = unfinished_[stream];
+  unfinished_bytes_ -= held(request);
+  request.content += more.content;
+  request.around += more.around;
+  unfinished_bytes_ += held(request);
 }
 
 void FrameGuard::forget(std::uint32_t stream) {
   const auto found = unfinished_.find(stream);
   if (found == unfinished_.end()) return;
-  unfinished_bytes_ -= found->second;
+  unfinished_bytes_ -= held(found->second);
   unfinished_.erase(found);
 }
 

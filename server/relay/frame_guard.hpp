@@ -22,7 +22,8 @@ public:
   using Clock = std::chrono::steady_clock;
 
   /// @param connection  value of the connection header; at most 100 characters
-  explicit FrameGuard(std::string_view connection = "");
+  /// @param most_of_call  what gRPC holds of the content of one call [bytes]
+  explicit FrameGuard(std::string_view connection = "", std::size_t most_of_call = SIZE_MAX);
 
   /// @param bytes      the next ones of the connection, wherever they are cut
   /// @param forwarded  what goes on to gRPC is added to it
@@ -42,7 +43,13 @@ private:
   std::string_view take_body(const Frame& frame);
   void forward_head(Frame frame, std::string& forwarded);
   void forward_connection_header(std::string& forwarded);
-  void keep(std::uint32_t stream, std::size_t bytes);
+  /// What gRPC keeps of a call whose request has not ended [bytes].
+  struct Unfinished {
+    std::size_t content = 0;
+    std::size_t around = 0;  ///< of its headers, and of the frames that its content came in
+  };
+  std::size_t held(const Unfinished& request) const;
+  void keep(std::uint32_t stream, const Unfinished& more);
   void forget(std::uint32_t stream);
 
   // A client that looks at the first event of a job takes each call back, some hundred a second; an
@@ -56,8 +63,9 @@ private:
   /// Call whose headers end with the frame at hand, and have yet to get ours.
   std::optional<std::uint32_t> needs_connection_;
   std::size_t header_block_ = 0;
-  std::uint32_t last_begun_ = 0;                     ///< numbers of calls only grow
-  std::map<std::uint32_t, std::size_t> unfinished_;  ///< bytes by open call
+  std::uint32_t last_begun_ = 0;  ///< numbers of calls only grow
+  const std::size_t most_of_call_;
+  std::map<std::uint32_t, Unfinished> unfinished_;  ///< by open call
   std::size_t unfinished_bytes_ = 0;
 };
 

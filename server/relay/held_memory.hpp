@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,9 @@ struct MemoryBounds {
   std::size_t of_user = 0;       ///< one user
   std::size_t of_strangers = 0;  ///< all who have not shown who they are
   std::size_t of_machine = 0;    ///< strangers of one machine
+  /// What gRPC holds of the content of one call at most: it reads no further before the call takes
+  /// what has come.
+  std::size_t of_call = SIZE_MAX;
 };
 
 /// What the unfinished requests of one connection hold.

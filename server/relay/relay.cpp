@@ -75,6 +75,7 @@ public:
   // ConnectionOwner.
   PeerTable& peers() override { return peers_; }
   void serve(int socket) override { serve_(socket); }
+  const MemoryBounds& memory() const override { return memory_; }
 
   void on_growth(std::size_t bytes) override {
     constexpr std::size_t between_looks = 1'000'000;

@@ -21,10 +21,10 @@ using Unary = SimulationService::Unary;
 Unary* SimulationService::ValidateCase(Wire* wire, const v1::ValidateCaseRequest* request,
                                        v1::ValidateCaseResponse* response) {
   return answer(wire, *request, lanes_.checks, [=, this](const Call& call) {
-    auto examined =
-        context_.intake.examine(request->case_(), request->attachments(),
-                                {request->faulty_keys().begin(), request->faulty_keys().end()},
-                                waiting_time(call, context_.settings.check_timeout_s()), true);
+    auto examined = context_.intake.examine(
+        request->case_(), uploaded_files(context_, call, request->attachments()),
+        {request->faulty_keys().begin(), request->faulty_keys().end()},
+        waiting_time(call, context_.settings.check_timeout_s()), true);
     *response = std::move(examined.verdict);
     if (response->faults().empty()) *response->mutable_complete() = std::move(examined.complete);
   });
@@ -83,8 +83,7 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
     response->set_workers(context_.workers);
     response->set_queued(context_.scheduler.queued());
     response->set_running(context_.scheduler.running());
-    response->set_maximum_message_bytes(
-        static_cast<std::int64_t>(context_.settings.maximum_message_bytes()));
+    response->set_maximum_message_bytes(request_bytes);
     response->set_maximum_queued(context_.settings.maximum_queued());
     response->set_storage_fault(context_.scheduler.held());
     response->set_quarantined(

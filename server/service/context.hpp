@@ -7,6 +7,7 @@
 
 #include "dccast/v1/config.pb.h"
 #include "server/intake/case_intake.hpp"
+#include "server/intake/uploads.hpp"
 #include "server/jobs/executors/precedence.hpp"
 #include "server/jobs/logs/event_logs.hpp"
 #include "server/jobs/logs/step_index.hpp"
@@ -29,6 +30,7 @@ struct Context {
   jobs::JobStore& store;
   studies::Studies& studies;
   const intake::CaseIntake& intake;
+  intake::Uploads& uploads;
   Gate& gate;
   jobs::WarmWorkers& warm_workers;
   jobs::Precedence& precedence;

@@ -85,9 +85,14 @@ void check_joins_own_study(Context& context, const access::Caller& caller, const
          id, study->owner().empty() ? "no known user" : study->owner());
 }
 
+/// What SubmitJob's first half finds for its second.
+struct SoundSubmission {
+  intake::ExaminedCase examined;
+  jobs::Attachments attachments;
+};
+
 /// SubmitJob's first half: everything that can be wrong with the case.
-intake::ExaminedCase examine(Context& context, const Call& call,
-                             const v1::SubmitJobRequest& request) {
+SoundSubmission examine(Context& context, const Call& call, const v1::SubmitJobRequest& request) {
   check_joins_own_study(context, call.caller, request.study());
   check_text("request_id", request.request_id());
   check_labels(request.labels());
@@ -96,13 +101,15 @@ intake::ExaminedCase examine(Context& context, const Call& call,
   check_mail(request.mail());
   check_case_file(request.case_file());
   check_jobs_before(context, call.caller, request.after());
-  return sound_case(context, call, request.case_(), request.attachments());
+  auto attachments = uploaded_files(context, call, request.attachments());
+  auto examined = sound_case(context, call, request.case_(), attachments);
+  return {std::move(examined), std::move(attachments)};
 }
 
 /// Its second half: the job on the disk.
 v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& request,
-               const intake::ExaminedCase& examined) {
-  jobs::NewJob job = intake::new_job(request.case_(), request.attachments(), examined);
+               const SoundSubmission& sound) {
+  jobs::NewJob job = intake::new_job(request.case_(), sound.attachments, sound.examined);
   job.request_id = request.request_id();
   job.study = request.study();
   job.priority = request.priority();
@@ -113,7 +120,7 @@ v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& r
   job.after = {request.after().begin(), request.after().end()};
   job.time_limit_s = request.time_limit_s();
   job.mail = request.mail();
-  return context.scheduler.submit(job, request.attachments());
+  return context.scheduler.submit(job, sound.attachments);
 }
 
 /// Each star doubles what a title may cost.
@@ -250,11 +257,11 @@ private:
 }  // namespace
 
 Unary* SimulationService::SubmitJob(Wire* wire, const v1::SubmitJobRequest* request, v1::Job* job) {
-  const auto examined = std::make_shared<intake::ExaminedCase>();
-  const auto check = [=, this](const Call& call) { *examined = examine(context_, call, *request); };
+  const auto sound = std::make_shared<SoundSubmission>();
+  const auto check = [=, this](const Call& call) { *sound = examine(context_, call, *request); };
   const auto keep = [=, this](const Call& call) {
     check_may_queue(context_, call, request->request_id());
-    *job = submit(context_, call, *request, *examined);
+    *job = submit(context_, call, *request, *sound);
     call.note->set_job(job->id());
     call.note->set_case_sha256(job->case_sha256());
   };

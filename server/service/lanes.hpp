@@ -24,6 +24,7 @@ struct Lanes {
   WorkPool status{4, many};          ///< one look into the store
   WorkPool histories{2, many};       ///< reads event logs
   WorkPool stored_answers{2, many};  ///< looks whether a query was answered before; likewise
+  WorkPool uploads{2, many};         ///< writes chunks of files to disk
   WorkPool durable{4, many};         ///< syncs new jobs and requests to disk
   WorkPool checks;                   ///< asks a worker; one thread for each that may be at work
   WorkPool query_checks;  ///< likewise, before a query runs: it waits for no job and no study

@@ -116,13 +116,15 @@ class Query {
 public:
   /// @param complete  with defaults and alloy card, see CaseIntake::complete_case()
   Query(Context& context, const Call& call, const v1::QueryButtCurlRequest& request,
-        intake::ExaminedCase complete, const SendQueryResponse& send)
+        const jobs::Attachments& attachments, intake::ExaminedCase complete,
+        const SendQueryResponse& send)
       : context_(context),
         request_(request),
+        attachments_(attachments),
         examined_(std::move(complete)),
         call_(call),
         send_(send),
-        key_(intake::answer_key(examined_.complete, request.attachments())) {}
+        key_(intake::answer_key(examined_.complete, attachments)) {}
 
   /// @return whether the answer was there already
   bool answer_from_store() {
@@ -156,7 +158,7 @@ private:
   /// Runs it for this answer alone; nothing is left of the run.
   void run_without_job(jobs::CallLimits waiting) {
     waiting.enter = [this](const jobs::WorkerProcess& worker) { return enter(worker); };
-    const jobs::CheckFolder folder(context_.query_directory, request_.attachments());
+    const jobs::CheckFolder folder(context_.query_directory, attachments_);
     begin("");
     const RunEnd end = context_.warm_workers
                            .ask(run_request(folder.path()), waiting,
@@ -169,11 +171,11 @@ private:
   /// Runs it as a job that goes first, which stays.
   void run_as_job(const jobs::CallLimits& waiting) {
     check_may_queue(context_, call_);
-    jobs::NewJob job = intake::new_job(request_.case_(), request_.attachments(), examined_);
+    jobs::NewJob job = intake::new_job(request_.case_(), attachments_, examined_);
     job.owner = call_.caller.name;
     job.changes = {request_.changes().begin(), request_.changes().end()};
     job.goes_first = true;
-    const std::string id = context_.scheduler.submit(job, request_.attachments()).id();
+    const std::string id = context_.scheduler.submit(job, attachments_).id();
     call_.note->set_job(id);
     call_.note->set_case_sha256(job.case_sha256);
     begin(id);
@@ -293,6 +295,7 @@ private:
 
   Context& context_;
   const v1::QueryButtCurlRequest& request_;
+  const jobs::Attachments& attachments_;
   intake::ExaminedCase examined_;
   const Call& call_;
   const SendQueryResponse& send_;
@@ -330,9 +333,10 @@ private:
 
   bool look_for_stored_answer() {
     check_changes(request_.changes());
-    auto complete = context_.intake.complete_case(request_.case_(), request_.attachments());
+    attachments_ = uploaded_files(context_, call_, request_.attachments());
+    auto complete = context_.intake.complete_case(request_.case_(), attachments_);
     if (complete.verdict.faults_size() == 0) {
-      query_.emplace(context_, call_, request_, std::move(complete), send_);
+      query_.emplace(context_, call_, request_, attachments_, std::move(complete), send_);
       if (query_->answer_from_store()) return false;
     }
     return hand_over(
@@ -341,7 +345,7 @@ private:
   }
 
   bool check_case() {
-    auto checked = sound_case(context_, call_, request_.case_(), request_.attachments());
+    auto checked = sound_case(context_, call_, request_.case_(), attachments_);
     query_.value().set_checked(std::move(checked));
     const auto report_wait = [this](const QueryWait& wait) {
       send(waiting(in_words(wait), wait.expected_s));
@@ -406,6 +410,7 @@ private:
   const v1::QueryButtCurlRequest request_;
   const SendQueryResponse send_ = [this](Response response) { send(std::move(response)); };
   Call call_;
+  jobs::Attachments attachments_;
   std::optional<Query> query_;
   std::mutex mutex_;  ///< of all below
   std::deque<Response> waiting_;

@@ -53,6 +53,13 @@ grpc::Status file_refuses(const std::system_error& error) {
                       why)};
 }
 
+/// The details have the fault, as those of check_verdict().
+grpc::Status upload_refused(const intake::UploadRefused& refused) {
+  v1::ValidateCaseResponse details;
+  *details.add_faults() = refused.fault();
+  return {grpc::RESOURCE_EXHAUSTED, refused.what(), details.SerializeAsString()};
+}
+
 grpc::Status internal(const std::string& what) {
   const std::string shown = values::escaped(what, values::Lines::several);
   log::error("{}", values::escaped(what));
@@ -137,6 +144,12 @@ grpc::Status guarded(const std::function<void()>& handler) {
     return refusal.status;
   } catch (const jobs::QueueFull& error) {
     return {grpc::RESOURCE_EXHAUSTED, error.what()};
+  } catch (const intake::UploadRefused& refused) {
+    return upload_refused(refused);
+  } catch (const intake::UploadBroken& error) {
+    return {grpc::INVALID_ARGUMENT, error.what()};
+  } catch (const intake::TooManyUploads& error) {
+    return {grpc::UNAVAILABLE, error.what()};
   } catch (const jobs::RequestIdTaken& error) {
     return {grpc::ALREADY_EXISTS, error.what()};
   } catch (const jobs::StorageHeld& error) {
@@ -227,6 +240,29 @@ void check_verdict(const v1::ValidateCaseResponse& verdict, const std::string& w
   const v1::Fault& first = verdict.faults(0);
   message += "; first: " + first.field() + ": " + first.message().substr(0, 512);
   throw Refusal{{grpc::INVALID_ARGUMENT, message, details.SerializeAsString()}};
+}
+
+void check_attachment(const v1::Attachment& attachment) {
+  const std::string name = values::escaped(values::shortened(attachment.name()));
+  if (!values::is_sha256(attachment.sha256()))
+    refuse("the sha256 of attachment \"{}\" is not 64 hexadecimal digits in lower case", name);
+  if (attachment.size_bytes() < 0) refuse("the size_bytes of attachment \"{}\" is negative", name);
+}
+
+jobs::Attachments uploaded_files(Context& context, const Call& call,
+                                 const google::protobuf::RepeatedPtrField<v1::Attachment>& named) {
+  jobs::Attachments files;
+  for (const v1::Attachment& attachment : named) {
+    check_attachment(attachment);
+    auto file = context.uploads.find(call.caller.name, attachment);
+    if (!file)
+      refuse(grpc::ABORTED,
+             "attachment \"{}\" (SHA-256 {}) is not on the server; upload it (UploadAttachment), "
+             "then call again",
+             values::escaped(values::shortened(attachment.name())), attachment.sha256());
+    files.push_back(std::move(*file));
+  }
+  return files;
 }
 
 intake::ExaminedCase sound_case(Context& context, const Call& call, const v1::Case& submitted,

@@ -61,6 +61,12 @@ void check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& cha
 /// @param whose  before the message; empty: of the one case of the request
 void check_verdict(const v1::ValidateCaseResponse& verdict, const std::string& whose = {});
 
+/// A file with a size and a SHA-256.
+void check_attachment(const v1::Attachment& attachment);
+/// The files that a request names, which its caller has uploaded; ABORTED: one is not there.
+jobs::Attachments uploaded_files(Context& context, const Call& call,
+                                 const google::protobuf::RepeatedPtrField<v1::Attachment>& named);
+
 /// A case without faults, completed.
 intake::ExaminedCase sound_case(Context& context, const Call& call, const v1::Case& submitted,
                                 const jobs::Attachments& attachments,
@@ -96,6 +102,10 @@ inline constexpr std::size_t page_bytes = 1 << 20;
 
 /// What any answer is held to [bytes]: those 4 MiB, less the frame of the message.
 inline constexpr std::size_t answer_bytes = (4 << 20) - 4096;
+
+/// What any request is held to [bytes]: a case, its file (1 MiB, of SubmitJob), and what else a
+/// request has.
+inline constexpr std::size_t request_bytes = 2'100'000;
 
 /// A page of a list by age, newest first.
 struct AgePage {

@@ -19,12 +19,15 @@
 
 #include "server/jobs/log.hpp"
 #include "server/service/call.hpp"
+#include "server/service/refusals.hpp"
 
 namespace dccast::service {
 
 namespace {
 
 constexpr const char* alive = "alive";
+
+constexpr int read_ahead = 512 * 1024;  // [bytes]
 
 /// Of all connections.
 constexpr std::pair<const char*, int> channel_arguments[]{
@@ -38,6 +41,9 @@ constexpr std::pair<const char*, int> channel_arguments[]{
     // alive reconnects without noticing.
     {GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10000},
     {GRPC_ARG_MAX_CONNECTION_IDLE_MS, 600000},
+    // What gRPC reads of a call ahead of its handler: uploads come no faster than they are written.
+    {GRPC_ARG_HTTP2_BDP_PROBE, 0},
+    {GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, read_ahead},
     // No more calls are open than a busy client needs: what waits beyond is the client's.
     {GRPC_ARG_MAX_CONCURRENT_STREAMS, 100}};
 constexpr std::size_t memory_of_transports = 256'000'000;  // [bytes]
@@ -98,15 +104,13 @@ public:
   }
 };
 
-/// How much requests may hold that have not come whole. A user may send one of the largest,
-/// whatever strangers hold, who need a few hundred bytes.
-relay::MemoryBounds memory_bounds(std::size_t largest) {
-  constexpr std::size_t megabyte = 1'000'000;
-  return {.all = largest + 32 * megabyte,
-          .of_user = largest + 16 * megabyte,
-          .of_strangers = 16 * megabyte,
-          .of_machine = 8 * megabyte};
-}
+/// How much requests may hold that have not come whole. A user may upload as many files at once as
+/// intake::Uploads takes, whatever strangers hold, who need a few hundred bytes.
+constexpr relay::MemoryBounds memory_bounds{.all = 96'000'000,
+                                            .of_user = 80'000'000,
+                                            .of_strangers = 16'000'000,
+                                            .of_machine = 8'000'000,
+                                            .of_call = request_bytes + read_ahead};
 
 }  // namespace
 
@@ -116,7 +120,7 @@ void log_grpc_as_debug() {
   });
 }
 
-PublicServer::PublicServer(Context& context, const relay::Listener& local,
+PublicServer::PublicServer(Context& context, const std::vector<const relay::Listener*>& local,
                            std::optional<TlsListening> tls)
     : service_(context), context_(context) {
   grpc::EnableDefaultHealthCheckService(true);
@@ -129,8 +133,7 @@ PublicServer::PublicServer(Context& context, const relay::Listener& local,
   builder.experimental().SetInterceptorCreators(std::move(interceptors));
   builder.RegisterService(&service_);
 
-  const double largest = context.settings.maximum_message_bytes();
-  builder.SetMaxReceiveMessageSize(static_cast<int>(largest));
+  builder.SetMaxReceiveMessageSize(request_bytes);
   // The limit of a message holds for its bytes on the wire: a few megabytes of gzip stand for
   // gigabytes, which gRPC would unpack before anything looks at them.
   for (const auto algorithm : {GRPC_COMPRESS_GZIP, GRPC_COMPRESS_DEFLATE})
@@ -139,15 +142,15 @@ PublicServer::PublicServer(Context& context, const relay::Listener& local,
   builder.SetResourceQuota(grpc::ResourceQuota("dccastd").Resize(memory_of_transports));
 
   const auto connections = static_cast<std::size_t>(context.settings.maximum_connections());
-  relay_.emplace(context.gate.peers(), std::move(serve),
-                 memory_bounds(static_cast<std::size_t>(largest)));
-  relay_->add(local, {.connections = connections}, std::nullopt);
+  relay_.emplace(context.gate.peers(), std::move(serve), memory_bounds);
+  for (const relay::Listener* listener : local)
+    relay_->add(*listener, {.connections = connections}, std::nullopt);
   if (tls)
     relay_->add(tls->listener, {.connections = connections, .per_peer = tls->connections_per_peer},
                 tls->files);
 
   server_ = builder.BuildAndStart();
-  if (!server_) throw std::runtime_error("gRPC cannot serve on " + local.address());
+  if (!server_) throw std::runtime_error("gRPC cannot serve on " + local.front()->address());
   relay_->start();
   server_->GetHealthCheckService()->SetServingStatus(alive, true);
   health_ = std::jthread([this](const std::stop_token& stop) { report_health(stop); });

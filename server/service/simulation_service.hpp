@@ -46,6 +46,10 @@ public:
   Unary* DeleteJob(Wire*, const v1::DeleteJobRequest*, v1::DeleteJobResponse*) override;
   Stream<v1::JobEvent>* WatchJob(Wire*, const v1::WatchJobRequest*) override;
 
+  // uploads.cpp
+  grpc::ServerReadReactor<v1::UploadAttachmentRequest>* UploadAttachment(
+      Wire*, v1::UploadAttachmentResponse*) override;
+
   // results.cpp
   Unary* QueryResult(Wire*, const v1::QueryResultRequest*, v1::QueryResultResponse*) override;
   Stream<v1::FetchResultResponse>* FetchResult(Wire*, const v1::FetchResultRequest*) override;

@@ -21,7 +21,8 @@ namespace {
 constexpr int most_checked = 24;
 
 /// CreateStudy's first half: everything that can be wrong with the plan and its cases.
-void examine(Context& context, const Call& call, const v1::CreateStudyRequest& request) {
+void examine(Context& context, const Call& call, const v1::CreateStudyRequest& request,
+             const jobs::Attachments& attachments) {
   check_text("request_id", request.request_id());
   check_labels(request.labels());
   check_changes(request.changes());
@@ -34,8 +35,23 @@ void examine(Context& context, const Call& call, const v1::CreateStudyRequest& r
     // From the first run to the last.
     const int number = checked == 1 ? 0 : i * (plan->runs() - 1) / (checked - 1);
     const studies::PlannedRun run = plan->run(number);
-    sound_case(context, call, run.description, request.attachments(), run.name);
+    sound_case(context, call, run.description, attachments, run.name);
   }
+}
+
+/// Gives a request for further runs of a study the case of that study, which its caller may read.
+/// @return the files that the case names
+jobs::Attachments complete(Context& context, const Call& call, v1::CreateStudyRequest& request) {
+  const std::string before = request.sweep().further_of();
+  if (before.empty()) return uploaded_files(context, call, request.attachments());
+
+  check_study_id(before);
+  const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
+  if (const auto status = context.gate.permit_touch(call.caller, reading, before); !status.ok())
+    throw Refusal{status};
+  auto attachments = context.studies.complete(request);
+  if (!attachments) refuse_unknown_study(before);
+  return std::move(*attachments);
 }
 
 v1::Prediction predict(Context& context, const v1::PredictStudyRequest& request) {
@@ -92,22 +108,15 @@ private:
 
 Unary* SimulationService::CreateStudy(Wire* wire, const v1::CreateStudyRequest* request,
                                       v1::Study* study) {
-  const auto whole = std::make_shared<v1::CreateStudyRequest>();
+  const auto whole = std::make_shared<v1::CreateStudyRequest>(*request);
+  const auto attachments = std::make_shared<jobs::Attachments>();
   const auto check = [=, this](const Call& call) {
-    const std::string& before = request->sweep().further_of();
-    if (!before.empty()) {
-      check_study_id(before);
-      const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
-      if (const auto status = context_.gate.permit_touch(call.caller, reading, before);
-          !status.ok())
-        throw Refusal{status};
-    }
-    if (!context_.studies.complete(*request, *whole)) refuse_unknown_study(before);
+    *attachments = complete(context_, call, *whole);
     check_may_queue(context_, call);
-    examine(context_, call, *whole);
+    examine(context_, call, *whole, *attachments);
   };
   const auto create = [=, this](const Call& call) {
-    *study = context_.studies.create(*whole, call.caller.name);
+    *study = context_.studies.create(*whole, *attachments, call.caller.name);
     call.note->set_study(study->id());
   };
   return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, create}});

@@ -137,6 +137,9 @@ void copy_studies(const StateFolder& from, const StateFolder& to) {
   for (const std::string& id : studies::StudyStore(to.store()).ids()) {
     const fs::path file = studies::study_file(from.studies(), id);
     if (fs::exists(file)) fs::copy_file(file, studies::study_file(to.studies(), id));
+    const fs::path attachments = studies::attachments_of_study(from.studies(), id);
+    if (fs::exists(attachments))
+      copy_all(attachments, studies::attachments_of_study(to.studies(), id));
   }
 }
 

@@ -18,6 +18,8 @@ public:
   std::filesystem::path jobs() const { return path_ / "jobs"; }
   std::filesystem::path studies() const { return path_ / "studies"; }
   std::filesystem::path check() const { return path_ / "check"; }  ///< of cases being checked
+  /// Of files that users have uploaded for cases that are still to come.
+  std::filesystem::path uploads() const { return path_ / "uploads"; }
   std::filesystem::path store() const { return path_ / "jobs.sqlite"; }
   std::filesystem::path wal() const { return path_ / "jobs.sqlite-wal"; }
   std::filesystem::path shared_memory() const { return path_ / "jobs.sqlite-shm"; }

@@ -66,6 +66,10 @@ void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
   }
 }
 
+[[noreturn]] void refuse_taken(const std::string& id) {
+  throw jobs::RequestIdTaken("there is a study " + id + " already; choose a new request_id");
+}
+
 /// The runs of a plan, none of which is a job yet.
 std::vector<RunRecord> runs_to_queue(int count) {
   std::vector<RunRecord> runs(count);
@@ -97,9 +101,14 @@ Studies::~Studies() {
 void Studies::recover() {
   std::filesystem::create_directories(options_.directory);
   for (const StudyRecord& study : store_.removing()) remove_now(study);
-  for (const std::string& id : store_.ids())
-    if (!std::filesystem::exists(study_file(options_.directory, id)))
-      write_study_file(options_.directory, store_.find(id).value());
+  remove_orphaned_attachments(options_.directory, store_.ids());
+  for (const std::string& id : store_.ids()) {
+    StudyRecord record = store_.find(id).value();
+    const bool changed = move_attachments_out(options_.directory, record);
+    if (changed || !std::filesystem::exists(study_file(options_.directory, id)))
+      write_study_file(options_.directory, record);
+    if (changed) store_.extend(record, {});
+  }
 }
 
 void Studies::start() {
@@ -117,8 +126,9 @@ void Studies::stop() {
   feeder_.join();
 }
 
-v1::Study Studies::create(const v1::CreateStudyRequest& request, const std::string& owner) {
-  const std::string sha256 = intake::fingerprint(request.case_(), request.attachments());
+v1::Study Studies::create(const v1::CreateStudyRequest& request,
+                          const jobs::Attachments& attachments, const std::string& owner) {
+  const std::string sha256 = intake::fingerprint(request.case_(), attachments);
   const std::lock_guard lock(requests_mutex_);
   if (!request.request_id().empty())
     if (auto there = store_.find_request(request.request_id())) {
@@ -130,20 +140,19 @@ v1::Study Studies::create(const v1::CreateStudyRequest& request, const std::stri
   if (const std::string reason = scheduler_.held(); !reason.empty())
     throw jobs::StorageHeld("the queue is held and takes no study now: " + reason +
                             "; it goes on by itself once that has passed: try again then");
-  return create_new(request, owner, sha256);
+  return create_new(request, attachments, owner, sha256);
 }
 
-bool Studies::complete(const v1::CreateStudyRequest& request, v1::CreateStudyRequest& whole) const {
-  whole = request;
-  if (request.sweep().further_of().empty()) return true;
+std::optional<jobs::Attachments> Studies::complete(v1::CreateStudyRequest& request) const {
   const auto before = store_.find(request.sweep().further_of());
-  if (!before) return false;
-  *whole.mutable_case_() = before->request.case_();
-  *whole.mutable_attachments() = before->request.attachments();
-  return true;
+  if (!before) return std::nullopt;
+  *request.mutable_case_() = before->request.case_();
+  *request.mutable_attachments() = before->request.attachments();
+  return study_attachments(options_.directory, *before);
 }
 
-v1::Study Studies::create_new(const v1::CreateStudyRequest& request, const std::string& owner,
+v1::Study Studies::create_new(const v1::CreateStudyRequest& request,
+                              const jobs::Attachments& attachments, const std::string& owner,
                               const std::string& case_sha256) {
   StudyRecord record;
   record.id = values::is_uuid(request.request_id()) ? request.request_id() : values::random_uuid();
@@ -152,9 +161,9 @@ v1::Study Studies::create_new(const v1::CreateStudyRequest& request, const std::
   record.case_sha256 = case_sha256;
   record.request = request;
   const int runs = plan_of(record)->runs();
-  if (!store_.insert(record, runs_to_queue(runs)))
-    throw jobs::RequestIdTaken("there is a study " + record.id +
-                               " already; choose a new request_id");
+  if (store_.find(record.id)) refuse_taken(record.id);  // its files must stay as they are
+  write_study_attachments(options_.directory, record.id, attachments);
+  if (!store_.insert(record, runs_to_queue(runs))) refuse_taken(record.id);
   write_study_file(options_.directory, record);
   log::info("study {}: {} runs", record.id, runs);
   wake_feeder();

@@ -63,10 +63,12 @@ public:
   /// The study of a request whose plan and cases are sound. With a request_id that is known: that
   /// study. Runs whose job was deleted are queued again then, and a refinement study grows to more
   /// levels. @throws jobs::RequestIdTaken, jobs::StorageHeld
-  v1::Study create(const v1::CreateStudyRequest& request, const std::string& owner);
-  /// Copies a request, with the case of the study whose further runs it asks for.
-  /// @return false: there is no such study
-  bool complete(const v1::CreateStudyRequest& request, v1::CreateStudyRequest& whole) const;
+  /// @param attachments  that the request names
+  v1::Study create(const v1::CreateStudyRequest& request, const jobs::Attachments& attachments,
+                   const std::string& owner);
+  /// Gives a request for further runs of a study the case of that study.
+  /// @return the files that the case names; nothing: there is no such study
+  std::optional<jobs::Attachments> complete(v1::CreateStudyRequest& request) const;
   std::optional<v1::Study> find(const std::string& id);
   std::vector<v1::Study> list(const StudyStore::Page& page);
   StudyReply cancel(const std::string& id, const std::string& reason);
@@ -95,8 +97,8 @@ private:
 
   v1::Study view(const StudyRecord& record);
   std::shared_ptr<const StudyPlan> plan_of(const StudyRecord& record);
-  v1::Study create_new(const v1::CreateStudyRequest& request, const std::string& owner,
-                       const std::string& case_sha256);
+  v1::Study create_new(const v1::CreateStudyRequest& request, const jobs::Attachments& attachments,
+                       const std::string& owner, const std::string& case_sha256);
   v1::Study take_up(StudyRecord record, const v1::CreateStudyRequest& request,
                     const std::string& case_sha256);
   void keep(const StudyRecord& record, const std::vector<RunRecord>& runs);

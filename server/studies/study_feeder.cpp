@@ -19,9 +19,9 @@ namespace {
 constexpr std::chrono::seconds try_again{1};  // after the queue or the disk took nothing
 constexpr int most_unanswered = 3;            // checks of one run
 
-jobs::NewJob new_job(const StudyRecord& study, const PlannedRun& planned,
-                     const intake::ExaminedCase& examined) {
-  jobs::NewJob job = intake::new_job(planned.description, study.request.attachments(), examined);
+jobs::NewJob new_job(const StudyRecord& study, const jobs::Attachments& attachments,
+                     const PlannedRun& planned, const intake::ExaminedCase& examined) {
+  jobs::NewJob job = intake::new_job(planned.description, attachments, examined);
   job.study = study.id;
   // A study must not stand in the way of a question, unless its request sets a priority.
   job.priority =
@@ -117,14 +117,15 @@ bool Studies::feed_grown(const StudyRecord& study, const StudyPlan& plan, const 
 void Studies::feed_run(const StudyRecord& study, const RunRecord& run, const PlannedRun& planned) {
   using Why = jobs::WorkerDidNotAnswer::Why;
   try {
+    const auto attachments = study_attachments(options_.directory, study);
     const auto examined =
-        intake_.examine(planned.description, study.request.attachments(), {},
+        intake_.examine(planned.description, attachments, {},
                         {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
     if (examined.verdict.faults_size() > 0)
       refuse(study, run,
              planned.name + " is refused: " + case_file::describe(examined.verdict.faults(0), {}));
     else
-      make_job(study, run, planned.key, new_job(study, planned, examined));
+      make_job(study, run, planned.key, new_job(study, attachments, planned, examined));
   } catch (const jobs::WorkerDidNotAnswer& error) {
     // A case that brings workers down again and again is at fault itself.
     if (error.why() == Why::not_started) throw;
@@ -147,7 +148,7 @@ void Studies::make_job(const StudyRecord& study, RunRecord run, const std::strin
   // another user with this request_id.
   do {
     job.request_id = job_request_id(study.id, key, ++run.attempt);
-    queued = scheduler_.submit(job, study.request.attachments());
+    queued = scheduler_.submit(job, study_attachments(options_.directory, study));
   } while (queued.state() == v1::CANCELLED || queued.owner() != study.owner);
   run.job = queued.id();
   const auto plan = plan_of(study);

@@ -1,7 +1,9 @@
 #include "server/studies/study_file.hpp"
 
 #include <fcntl.h>
+#include <google/protobuf/unknown_field_set.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "core/storage/file.hpp"
@@ -87,6 +89,64 @@ fs::path study_file(const fs::path& directory, const std::string& id) {
   return directory / (id + ".bin");
 }
 
+fs::path attachments_of_study(const fs::path& directory, const std::string& id) {
+  return directory / (id + ".attachments");
+}
+
+jobs::Attachments study_attachments(const fs::path& directory, const StudyRecord& record) {
+  const fs::path folder = attachments_of_study(directory, record.id);
+  jobs::Attachments files;
+  for (const v1::Attachment& named : record.request.attachments())
+    files.push_back({.name = named.name(),
+                     .sha256 = named.sha256(),
+                     .bytes = named.size_bytes(),
+                     .path = folder / named.name()});
+  return files;
+}
+
+void write_study_attachments(const fs::path& directory, const std::string& id,
+                             const jobs::Attachments& attachments) {
+  if (attachments.empty()) return;
+  const fs::path folder = attachments_of_study(directory, id);
+  fs::remove_all(folder);  // of a creation that a crash cut short
+  jobs::add_attachments(folder, attachments);
+  storage::sync_directory(directory);
+}
+
+void remove_orphaned_attachments(const fs::path& directory, const std::vector<std::string>& known) {
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    const std::string id = entry.path().stem().string();
+    const bool is_orphan = entry.path().extension() == ".attachments" &&
+                           std::ranges::find(known, id) == known.end() &&
+                           !fs::exists(study_file(directory, id));
+    if (is_orphan) fs::remove_all(entry.path());
+  }
+}
+
+bool move_attachments_out(const fs::path& directory, StudyRecord& record) {
+  constexpr int content_field = 2;  // of Attachment, until uploads were streamed
+  const fs::path folder = attachments_of_study(directory, record.id);
+  bool moved = false;
+  for (v1::Attachment& file : *record.request.mutable_attachments()) {
+    if (!file.sha256().empty()) continue;
+    const auto& unknown = v1::Attachment::GetReflection()->GetUnknownFields(file);
+    std::string content;
+    for (int i = 0; i < unknown.field_count(); ++i)
+      if (unknown.field(i).number() == content_field &&
+          unknown.field(i).type() == google::protobuf::UnknownField::TYPE_LENGTH_DELIMITED)
+        content = unknown.field(i).length_delimited();
+
+    fs::create_directories(folder);
+    storage::replace_file(folder / file.name(), content);
+    file.DiscardUnknownFields();
+    file.set_sha256(values::sha256(content));
+    file.set_size_bytes(static_cast<std::int64_t>(content.size()));
+    moved = true;
+  }
+  if (moved) storage::sync_directory(directory);
+  return moved;
+}
+
 void write_study_file(const fs::path& directory, const StudyRecord& record) {
   v1::Study study;
   study.set_id(record.id);
@@ -146,6 +206,7 @@ StudyRecord read_study_file(const fs::path& directory, const std::string& id) {
 
 void remove_study_file(const fs::path& directory, const std::string& id) {
   if (fs::remove(study_file(directory, id))) storage::sync_directory(directory);
+  fs::remove_all(attachments_of_study(directory, id));
 }
 
 std::set<std::string> ids_of_study_files(const fs::path& directory) {

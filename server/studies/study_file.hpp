@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dccast/v1/study.pb.h"
+#include "server/jobs/folder/job_folder.hpp"
 
 namespace dccast::studies {
 
@@ -50,6 +51,29 @@ inline std::string job_request_id(const std::string& study, const std::string& k
 /// in hexadecimal. A frame follows for each time a run without a job was cancelled, refused or put
 /// back to wait: its number, attempt and outcome, 4 bytes each, and a serialised Failure.
 std::filesystem::path study_file(const std::filesystem::path& directory, const std::string& id);
+
+/// Folder of the files that the case of a study names: `studies/<id>.attachments`. Written before
+/// study and row, removed after them.
+std::filesystem::path attachments_of_study(const std::filesystem::path& directory,
+                                           const std::string& id);
+
+/// The files that the request of a study names, in the study's folder.
+jobs::Attachments study_attachments(const std::filesystem::path& directory,
+                                    const StudyRecord& record);
+
+/// Puts the files of a study into its folder; they survive a crash of the machine once this has
+/// returned. @throws std::system_error
+void write_study_attachments(const std::filesystem::path& directory, const std::string& id,
+                             const jobs::Attachments& attachments);
+
+/// Removes the files of studies whose creation did not come to its end.
+/// @param known  ids of the studies that have a row @throws std::filesystem::filesystem_error
+void remove_orphaned_attachments(const std::filesystem::path& directory,
+                                 const std::vector<std::string>& known);
+
+/// In studies of earlier versions the request holds the files themselves: moves them into the
+/// study's folder. @return whether the request has changed @throws std::system_error
+bool move_attachments_out(const std::filesystem::path& directory, StudyRecord& record);
 
 /// Writes the file, or replaces its first three frames; it survives a crash of the machine once
 /// this has returned. @throws std::system_error

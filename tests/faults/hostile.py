@@ -13,11 +13,16 @@ from cases import fake
 from clients import ANSWER, memory_of
 from dccast.v1 import service_pb2
 from hostile_peers import KINDS
-from http2 import DATA, END_HEADERS, END_STREAM, HEADERS, Peer, frame, text, whole
+from http2 import DATA, END_HEADERS, END_STREAM, HEADERS, Peer, frame, text, upload_of, whole
 from oracle import must
 
 MOST_MEMORY = 300e6
 WAYS = ("local", "over TLS without a token", "over TLS with a token")
+
+
+def environment():
+    """For another Python, which is to find the same modules."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 
 class HostilePeers(RemoteFault):
@@ -42,7 +47,7 @@ class HostilePeers(RemoteFault):
         peers = subprocess.Popen(
             ["setpriv", "--pdeathsig", "KILL", *user, sys.executable,
              os.path.join(os.path.dirname(__file__), "hostile_peers.py"), type(self).__name__,
-             str(self.lasts), *where], env={**os.environ, "HOSTILE_JOB": self.long_job})
+             str(self.lasts), *where], env={**environment(), "HOSTILE_JOB": self.long_job})
         try:
             slowest = self.watch_others(scene, self.lasts + self.after, count, way)
         finally:
@@ -87,7 +92,7 @@ class HostilePeers(RemoteFault):
 
 
 class UploadBesideStrangers(RemoteFault):
-    """Peers without a token that hold requests: an upload of 40 MB by another user ends with an answer"""
+    """Peers without a token that hold requests: an upload of 40 MB by another user is taken"""
     kinds = ("UnbegunCalls", "UnfinishedEnrolments", "UnfinishedUploads", "SlowBodies")
     short = long = at_once = len(kinds)
     lasts, before = 8.0, 1.0
@@ -102,23 +107,24 @@ class UploadBesideStrangers(RemoteFault):
         kind = self.kinds[count.tried % len(self.kinds)]
         strangers = subprocess.Popen(
             [sys.executable, os.path.join(os.path.dirname(__file__), "hostile_peers.py"), kind,
-             str(self.before + self.lasts + 1.0), scene.daemon.tls_address, self.ca(scene)])
+             str(self.before + self.lasts + 1.0), scene.daemon.tls_address, self.ca(scene)],
+            env=environment())
         try:
             time.sleep(self.before)
-            self.upload(scene)
+            self.upload(scene, count.tried)
         except OSError as error:
             count.found("wrong", f"{kind}: the upload was ended: {type(error).__name__}")
         finally:
             strangers.kill()
             strangers.wait(10)
 
-    def upload(self, scene):
+    def upload(self, scene, number):
         with contextlib.closing(Peer(scene.daemon.tls_address, self.ca(scene), self.token,
                                      machine=self.machine)) as peer:
-            stream = peer.begin("SubmitJob")
-            peer.send_slowly(stream, self.size, self.lasts)
+            stream = peer.begin("UploadAttachment")
+            peer.send_slowly(stream, upload_of(self.size, number), self.lasts)
             end = time.monotonic() + 5.0
-            while stream not in peer.answered:
+            while stream not in peer.messages:
                 if time.monotonic() > end:
                     raise TimeoutError
                 peer.receive(0.1)

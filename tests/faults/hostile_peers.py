@@ -4,6 +4,7 @@ Run as a program, beside the harness that measures: hostile_peers.py KIND SECOND
 """
 import contextlib
 import dataclasses
+import functools
 import gzip
 import os
 import resource
@@ -14,10 +15,11 @@ import time
 
 from http2 import (ACK, CONTINUATION, DATA, END_HEADERS, END_STREAM, HEADERS, INITIAL_WINDOW_SIZE,
                    PING, PREFACE, RST_STREAM, SETTINGS, WINDOW_UPDATE, Peer, frame, setting, text,
-                   whole)
+                   upload_of, whole)
 
 EMPTY_MESSAGE = bytes(5)
 CANCEL = (8).to_bytes(4, "big")
+REQUEST = 2_000_000  # the server takes little more
 UPLOAD = 63_000_000
 
 
@@ -88,20 +90,30 @@ def slow_headers(peer):
 
 
 def slow_body(peer):
-    """As many calls as may be open, each with a byte now and then of a message of 63 MB."""
+    """As many calls as may be open, each with a byte now and then of a message of 2 MB."""
     streams = [peer.begin("SubmitJob") for _ in range(30)]
     for stream in streams:
-        peer.send(frame(DATA, 0, stream, b"\0" + UPLOAD.to_bytes(4, "big")))
+        peer.send(frame(DATA, 0, stream, b"\0" + REQUEST.to_bytes(4, "big")))
     while True:
         for stream in streams:
             peer.send(frame(DATA, 0, stream, b"x"))
         peer.receive(0.1)
 
 
+def unfinished_request(peer):
+    for _ in range(10):
+        peer.send_most_of_a_message(peer.begin("SubmitJob"), REQUEST)
+    silent(peer)
+
+
+@functools.cache
+def most_of_an_upload():
+    return upload_of(UPLOAD)[:-1]
+
+
 def unfinished_upload(peer):
-    peer.send_most_of_a_message(peer.begin("SubmitJob"), UPLOAD)
-    while True:
-        peer.receive(1.0)
+    peer.send_what_fits(peer.begin("UploadAttachment"), most_of_an_upload())
+    silent(peer)
 
 
 def unbegun_calls(peer):
@@ -111,7 +123,7 @@ def unbegun_calls(peer):
 
 def unfinished_enrolment(peer):
     """A call that takes no token."""
-    peer.send_most_of_a_message(peer.begin("Enrol"), UPLOAD)
+    peer.send_most_of_a_message(peer.begin("Enrol"), REQUEST)
     silent(peer)
 
 
@@ -204,9 +216,11 @@ KINDS = {
     "SlowHeaders": Kind("headers byte by byte, on 90 connections", slow_headers, 90),
     "SlowBodies": Kind("bodies byte by byte, on 40 connections", slow_body, 40),
     "UnfinishedUploads": Kind("40 uploads of 63 MB that lack their last byte", unfinished_upload, 40),
+    "UnfinishedRequests": Kind("400 requests of 2 MB that lack their last byte, on 40 connections",
+                               unfinished_request, 40),
     "UnbegunCalls": Kind("single bytes of calls that were never begun, on 95 connections",
                          unbegun_calls, 95),
-    "UnfinishedEnrolments": Kind("40 enrolments of 63 MB that lack their last byte",
+    "UnfinishedEnrolments": Kind("40 enrolments of 2 MB that lack their last byte",
                                  unfinished_enrolment, 40),
     "GzipBombs": Kind("8.5 MB of gzip that stand for 8 GB", gzip_bomb, 8),
     "SilentPeers": Kind("1,000 connections that send nothing", silent, 1000, greets=False, raw=True),

@@ -1,11 +1,14 @@
 """As much of HTTP/2 as a hostile peer needs: frames and headers by hand, over TCP or TLS."""
 import collections
 import contextlib
+import hashlib
 import select
 import socket
 import ssl
 import struct
 import time
+
+from dccast.v1 import job_pb2, service_pb2
 
 DATA, HEADERS, RST_STREAM, SETTINGS, PING, GOAWAY, WINDOW_UPDATE, CONTINUATION = 0, 1, 3, 4, 6, 7, 8, 9
 END_STREAM, END_HEADERS, ACK = 1, 4, 1
@@ -39,6 +42,23 @@ def whole(value, bits, first=0):
 def text(value):
     value = value.encode("ascii") if isinstance(value, str) else value
     return whole(len(value), 7) + value
+
+
+def framed(message):
+    """A message as gRPC sends it."""
+    content = message.SerializeToString()
+    return struct.pack(">BI", 0, len(content)) + content
+
+
+def upload_of(size, number=0):
+    """All that a client sends of a file. @param number  of the file: the server takes none twice"""
+    chunk = 256_000
+    content = bytes([number]) * size
+    named = job_pb2.Attachment(name="x.msh", sha256=hashlib.sha256(content).hexdigest(),
+                               size_bytes=size)
+    return framed(service_pb2.UploadAttachmentRequest(attachment=named)) + b"".join(
+        framed(service_pb2.UploadAttachmentRequest(chunk=content[begin:begin + chunk]))
+        for begin in range(0, size, chunk))
 
 
 class Peer:
@@ -118,6 +138,8 @@ class Peer:
                     self.first_window = value
             if self.acknowledges:
                 self.owed += frame(SETTINGS, ACK, 0)
+        if kind == PING and not flags & ACK:
+            self.owed += frame(PING, ACK, 0, payload)
         if kind == DATA and payload:
             self.messages.add(stream)
         if kind == HEADERS and flags & END_STREAM:
@@ -153,17 +175,16 @@ class Peer:
         self.send(frame(HEADERS, END_HEADERS, stream, self.headers(method, *more)))
         return stream
 
-    def send_slowly(self, stream, size, seconds):
-        """A message of zeros, over so many seconds, and the end of the call."""
+    def send_slowly(self, stream, content, seconds):
+        """Messages as framed() gives them, over so many seconds, and the end of the call."""
         begin, sent = time.monotonic(), 0
-        message = struct.pack(">BI", 0, size) + bytes(size)
-        while sent < len(message):
-            due = len(message) * (time.monotonic() - begin) / seconds
+        while sent < len(content):
+            due = len(content) * (time.monotonic() - begin) / seconds
             room = min(self.windows[0], self.windows[stream], LARGEST_FRAME)
             if room <= 0 or sent > due:
                 self.receive(0.01)
                 continue
-            sent += self.send_part(stream, message[sent:sent + room])
+            sent += self.send_part(stream, content[sent:sent + room])
         self.send(frame(DATA, END_STREAM, stream))
 
     def send_part(self, stream, part):
@@ -175,11 +196,15 @@ class Peer:
 
     def send_most_of_a_message(self, stream, size, missing=1, compressed=0, content=None):
         """A message without its last bytes, as fast as the windows permit; for 5 s at most."""
-        message = struct.pack(">BI", compressed, size) + (content or bytes(size - missing))
+        self.send_what_fits(stream, struct.pack(">BI", compressed, size) +
+                            (content or bytes(size - missing)))
+
+    def send_what_fits(self, stream, content):
+        """As fast as the windows permit; for 5 s at most."""
         end, sent = time.monotonic() + 5, 0
-        while sent < len(message) and time.monotonic() < end:
+        while sent < len(content) and time.monotonic() < end:
             room = min(self.windows[0], self.windows[stream], LARGEST_FRAME)
             if room <= 0:
                 self.receive(0.5)
                 continue
-            sent += self.send_part(stream, message[sent:sent + room])
+            sent += self.send_part(stream, content[sent:sent + room])

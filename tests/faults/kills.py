@@ -1,8 +1,11 @@
 """kill -9 at random instants: nothing acknowledged is lost, nothing is done twice."""
+import contextlib
 import os
 import signal
 import subprocess
 import threading
+
+import grpc
 
 from cases import COARSE, REAL, coarse, failing_check, fake, shipped
 from fault import Fault
@@ -134,6 +137,51 @@ class KillUnderLoad(Fault):
         scene.daemon.wait()
         scene.come_back()
         scene.send_again()
+
+
+class KillDuringUploads(Fault):
+    """kill -9 of the daemon while clients upload files and submit cases with them: no job lacks its file"""
+    short, long = 3, 30
+    at_once = 3
+    jobs = 12  # for each kill
+
+    def disturb(self, scene, count):
+        killed = threading.Timer(scene.chance.uniform(0.0, 0.5),
+                                 scene.daemon.process.send_signal, (signal.SIGKILL,))
+        killed.start()
+        for _ in range(self.jobs):
+            self.submit(scene)
+        killed.join()
+        scene.daemon.wait()
+        scene.come_back()
+        if os.listdir(scene.data("uploads")):
+            count.found("wrong", "uploads of a killed daemon are left")
+        unsure, scene.unsure = scene.unsure, []
+        for expected in unsure:  # a client uploads the file again, too
+            self.send(scene, expected)
+
+    def begin(self, scene):
+        self.contents = {}  # of the file of a request
+
+    def submit(self, scene):
+        expected = scene.next_request(fake(scene.chance.choice(TINY)), None)
+        self.contents[expected.request_id] = scene.chance.randbytes(
+            scene.chance.choice((10, 300_000, 1_000_000)))
+        with contextlib.suppress(grpc.RpcError):  # the daemon has gone
+            self.send(scene, expected)
+
+    def send(self, scene, expected):
+        named = scene.client.upload("slab.msh", self.contents[expected.request_id])
+        expected.case.mesh.file = named.name
+        scene.send(expected, attachments=[named])
+        expected.case.mesh.ClearField("file")  # the fake worker does the same without it
+
+    def look_back(self, scene, count):
+        for job_id, expected in scene.acknowledged.items():
+            path = scene.data("jobs", job_id, "attachments", "slab.msh")
+            with open(path, "rb") as file:
+                if file.read() != self.contents[expected.request_id]:
+                    count.found("lost", f"job {job_id}: its file")
 
 
 def submitting_client(scene):

@@ -194,7 +194,8 @@ class Cases(PackageTest):
             read(with_mesh(f"{secret}x"))
         case = read(with_mesh(secret))
         self.assertEqual(case.message.mesh.file, "secret.msh")
-        self.assertEqual([(a.name, a.content) for a in case.attachments], [("secret.msh", b"secret")])
+        self.assertEqual([(f.name, f.path.read_bytes()) for f in case.files],
+                         [("secret.msh", b"secret")])
         with self.assertRaises(dccast.DccastError) as caught:
             read(CASE, {"mesh.file": str(secret)})
         self.assertEqual(caught.exception.field, "mesh.file")

@@ -18,7 +18,7 @@ from support import BIN, ServiceTest, fake_case, main, until, work_of
 
 
 class Refusal(ServiceTest):
-    settings = {"maximum_queued": 3, "workers": 1, "maximum_message": "65536 bytes"}
+    settings = {"maximum_queued": 3, "workers": 1, "maximum_attachment": "65536 bytes"}
 
     def tearDown(self):
         self.assertTrue(self.daemon.running())
@@ -126,7 +126,7 @@ class Refusal(ServiceTest):
             self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
             sound = fake_case("steps=1")
             for rest in ({"request_id": text}, {"labels": [text]},
-                         {"attachments": [job_pb2.Attachment(name=text, content=b"x")]},
+                         {"attachments": [self.client.upload(text, b"x")]},
                          {"changes": [job_pb2.CaseChange(key="title", value=text)]}):
                 if "\n" in text and "changes" in rest:
                     continue  # the value of a key may have lines
@@ -141,32 +141,34 @@ class Refusal(ServiceTest):
     def test_attachments(self):
         case = fake_case("steps=1")
         for name in ("", "..", "a/b", "/etc/passwd", "x" * 300):
-            attachment = job_pb2.Attachment(name=name, content=b"x")
+            attachment = self.client.upload(name, b"x")
             self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case,
                          attachments=[attachment])
         checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
-            case=fake_case("check=fault"), attachments=[job_pb2.Attachment(name="a/b")]), timeout=10)
+            case=fake_case("check=fault"), attachments=[self.client.upload("a/b", b"")]),
+            timeout=10)
         self.assertEqual([fault.field for fault in checked.faults], ["attachments"])
         self.assertEqual([fault.field for fault in checked.warnings if "wait" in fault.message],
                          ["attachments"])
-        twice = [job_pb2.Attachment(name="a", content=b"x")] * 2
+        twice = [self.client.upload("a", b"x")] * 2
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case, attachments=twice)
         case.mesh.file = "slab.msh"
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
         self.assertIn("attachments", error.details())
-        job = self.client.submit(case, attachments=[
-            job_pb2.Attachment(name="slab.msh", content=b"mesh")])
+        job = self.client.submit(case, attachments=[self.client.upload("slab.msh", b"mesh")])
         path = os.path.join(self.folder, "data", "jobs", job.id, "attachments", "slab.msh")
         with open(path, "rb") as file:
             self.assertEqual(file.read(), b"mesh")
         self.assertEqual(os.listdir(os.path.join(self.folder, "data", "check")), [])
 
     def test_a_message_too_large(self):
-        case = fake_case("steps=1")
-        case.mesh.file = "slab.msh"
-        attachment = job_pb2.Attachment(name="slab.msh", content=b"x" * 100000)
-        self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit, case,
-                     attachments=[attachment])
+        self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit, fake_case("steps=1"),
+                     case_file=b"x" * 2_200_000)
+
+    def test_an_attachment_too_large(self):
+        error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.upload, "slab.msh",
+                             b"x" * 100000)
+        self.assertIn("maximum_attachment", error.details())
 
     def test_garbage_on_the_socket(self):
         host, port = self.daemon.address.rsplit(":", 1)
@@ -221,18 +223,18 @@ class RealWorker(ServiceTest):
         mesh = ("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 1 \"bott\u00e9m\"\n"
                 "$EndPhysicalNames\n").encode("latin-1")
         checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
-            case=case, attachments=[job_pb2.Attachment(name="slab.msh", content=mesh)]), timeout=10)
+            case=case, attachments=[self.client.upload("slab.msh", mesh)]), timeout=10)
         self.assertTrue(checked.faults)
         broken = b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$bott\xe9m\n"
         checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
-            case=case, attachments=[job_pb2.Attachment(name="slab.msh", content=broken)]), timeout=10)
+            case=case, attachments=[self.client.upload("slab.msh", broken)]), timeout=10)
         self.assertTrue(checked.faults)
 
     def test_a_file_that_ends_its_worker_costs_one_answer(self):
         case = fake_case("temperatures")
         case.mesh.growth = False
         case.thermal.file = "temperatures.h5"
-        attachment = job_pb2.Attachment(name="temperatures.h5", content=DAMAGED_HDF5)
+        attachment = self.client.upload("temperatures.h5", DAMAGED_HDF5)
         error = self.refused(grpc.StatusCode.INTERNAL, self.client.submit, case,
                              attachments=[attachment])
         self.assertIn("dccast-worker ended with signal 11", error.details())

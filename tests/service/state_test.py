@@ -346,6 +346,8 @@ class ReplacedFiles(StateTest):
                     if os.path.lexists(path):
                         os.remove(path)
                     make(path)
+                    if name == "audit.log":
+                        self.assertNotEqual(self.command("audit")[0], 0)  # and it does not wait
                     with self.assertRaises(RuntimeError) as refused:
                         self.daemon.start()
                     self.assertIn(f"is a {kind}, not a regular file (move it away)",
@@ -377,8 +379,12 @@ class ChangedResults(StateTest):
         self.assertRegex(error.details(), "size|SHA-256")
         report = os.path.join(self.folder, "report.html")
         shown = subprocess.run([*client, "report", job, "-o", report], capture_output=True,
-                               text=True, timeout=60, check=True)
+                               text=True, timeout=60, check=False)
         self.assertIn("without a picture of the slab", shown.stderr)
+        self.assertTrue(os.path.exists(report))
+        fetched = subprocess.run([*client, "fetch", job, "-o", report + ".h5"], capture_output=True,
+                                 text=True, timeout=60, check=False)
+        self.assertEqual((shown.returncode, fetched.returncode), (4, 4), fetched.stderr)
         # Histories are those of the event log.
         self.assertGreater(len(self.client.steps(job)), 5)
 

@@ -3,6 +3,7 @@
 Everything is started on a free loopback port and stopped by its process id.
 """
 import contextlib
+import hashlib
 import os
 import shutil
 import signal
@@ -164,6 +165,21 @@ class Client:
 
     def close(self):
         self.channel.close()
+
+    def upload(self, name, content, chunk=256_000):
+        """Uploads a file. Returns what a case names it by."""
+        named = job_pb2.Attachment(name=name, sha256=hashlib.sha256(content).hexdigest(),
+                                   size_bytes=len(content))
+        self.upload_as(named, content, chunk)
+        return named
+
+    def upload_as(self, named, content, chunk=256_000):
+        """Uploads what may be another file than it is said to be. Returns the response."""
+        def messages():
+            yield service_pb2.UploadAttachmentRequest(attachment=named)
+            for begin in range(0, len(content), chunk):
+                yield service_pb2.UploadAttachmentRequest(chunk=content[begin:begin + chunk])
+        return self.stub.UploadAttachment(messages(), timeout=60)
 
     def submit(self, case, **rest):
         return self.stub.SubmitJob(service_pb2.SubmitJobRequest(case=case, **rest), timeout=20)

@@ -1,6 +1,7 @@
 """Cases: from a file, a text or a shipped name to what the calls of the server take."""
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import pathlib
@@ -17,12 +18,27 @@ Value = Union[str, int, float, bool, Sequence["Value"]]
 Changes = Mapping[str, Value]
 
 
+@dataclass(frozen=True)
+class AttachedFile:
+    """A file that a case names, which is uploaded with the first call about the case."""
+
+    name: str  #: that the case gives it
+    path: pathlib.Path
+    sha256: str
+    size: int
+
+    @property
+    def message(self) -> job_pb2.Attachment:
+        """What names the file in a call."""
+        return job_pb2.Attachment(name=self.name, sha256=self.sha256, size_bytes=self.size)
+
+
 @dataclass
 class Case:
     """A case that was read by the server, with the changes that were made to it."""
 
     message: case_pb2.Case
-    attachments: list[job_pb2.Attachment] = field(default_factory=list)
+    files: list[AttachedFile] = field(default_factory=list)
     changes: list[job_pb2.CaseChange] = field(default_factory=list)
 
 
@@ -67,9 +83,13 @@ def read_case(transport: Transport, source: Source, changes: list[job_pb2.CaseCh
     read = transport.call("ReadCase", request)
     if read.faults:
         raise errors.invalid_case(read.faults, read.lines)
-    attachments = [job_pb2.Attachment(name=os.path.basename(name), content=(folder / name).read_bytes())
-                   for name in read.files]
-    return Case(read.case, attachments, changes)
+    return Case(read.case, [_attached(folder / name) for name in read.files], changes)
+
+
+def _attached(path: pathlib.Path) -> AttachedFile:
+    with path.open("rb") as file:
+        return AttachedFile(path.name, path, hashlib.file_digest(file, "sha256").hexdigest(),
+                            path.stat().st_size)
 
 
 def _changed(case: Case, changes: list[job_pb2.CaseChange]) -> Case:

@@ -68,7 +68,9 @@ def of_call(error: grpc.RpcError, server: str) -> DccastError:
             verdict = service_pb2.ValidateCaseResponse()
             verdict.ParseFromString(value)
             if verdict.faults:
-                return invalid_case(verdict.faults)
+                failure = invalid_case(verdict.faults)
+                failure.code = code
+                return failure
     if code == "UNAVAILABLE":
         return DccastError(code, f"no answer from {server}: {error.details()}",
                            remedy="is dccastd running there? Another address: connect(...) or DCCAST_SERVER")

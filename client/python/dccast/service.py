@@ -63,9 +63,8 @@ class Service:
         True
         """
         read = self.read(case, changes, **keys)
-        verdict: service_pb2.ValidateCaseResponse = self._transport.call(
-            "ValidateCase", service_pb2.ValidateCaseRequest(case=read.message,
-                                                            attachments=read.attachments))
+        verdict: service_pb2.ValidateCaseResponse = self._call_about(
+            read, "ValidateCase", service_pb2.ValidateCaseRequest())
         if verdict.faults:
             raise errors.invalid_case(verdict.faults)
         return verdict
@@ -81,9 +80,27 @@ class Service:
         <dccast.Job ... SUCCEEDED 'Start stage, thickness section, 0 to 145 s'>
         """
         read = self.read(case, changes, **keys)
-        return Job(self._transport, self._transport.call("SubmitJob", service_pb2.SubmitJobRequest(
-            request_id=request_id or str(uuid.uuid4()), case=read.message, attachments=read.attachments,
-            priority=job_pb2.Priority.Value(priority.upper()), labels=labels, changes=read.changes)))
+        return Job(self._transport, self._call_about(read, "SubmitJob", service_pb2.SubmitJobRequest(
+            request_id=request_id or str(uuid.uuid4()), priority=job_pb2.Priority.Value(priority.upper()), labels=labels, changes=read.changes)))
+
+    def _put(self, case: Case, request: Any) -> None:
+        """Gives a request the case, and the server the files that it does not have yet."""
+        for file in case.files:
+            self._transport.upload(file.message, file.path)
+        request.case.CopyFrom(case.message)
+        del request.attachments[:]
+        request.attachments.extend(file.message for file in case.files)
+
+    def _call_about(self, case: Case, method: str, request: Any) -> Any:
+        """A call about a case; once more where the server has lost a file of it, as by a restart."""
+        self._put(case, request)
+        try:
+            return self._transport.call(method, request)
+        except errors.DccastError as error:
+            if error.code != "ABORTED":
+                raise
+        self._put(case, request)
+        return self._transport.call(method, request)
 
     def query(self, case: Source, changes: Changes | None = None, *, keep: bool = False,
               on_step: Callable[[job_pb2.StepReport], None] = lambda _: None,
@@ -97,8 +114,9 @@ class Service:
         """
         read = self.read(case, changes, **keys)
         answer = Answer()
-        stream = self._transport.stream("QueryButtCurl", service_pb2.QueryButtCurlRequest(
-            case=read.message, attachments=read.attachments, changes=read.changes, keep=keep))
+        request = service_pb2.QueryButtCurlRequest(changes=read.changes, keep=keep)
+        self._put(read, request)
+        stream = self._transport.stream("QueryButtCurl", request)
         try:
             for response in stream:
                 answer.take(response)
@@ -169,9 +187,8 @@ class Service:
             axes=[study_pb2.SweepPlan.Axis(key=key, values=[written(value) for value in values])
                   for key, values in axes.items()],
             design=study_pb2.SweepPlan.Design.Value(design.upper()), runs=runs, seed=seed)
-        return Study(self._transport, self._transport.call("CreateStudy", study_pb2.CreateStudyRequest(
-            request_id=request_id or str(uuid.uuid4()), case=read.message, attachments=read.attachments,
-            sweep=plan, priority=job_pb2.Priority.Value(priority.upper()), labels=labels,
+        return Study(self._transport, self._call_about(read, "CreateStudy", study_pb2.CreateStudyRequest(
+            request_id=request_id or str(uuid.uuid4()), sweep=plan, priority=job_pb2.Priority.Value(priority.upper()), labels=labels,
             changes=read.changes)))
 
     def study(self, study: str) -> Study:

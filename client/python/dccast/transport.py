@@ -3,6 +3,8 @@ from __future__ import annotations
 
 import os
 import pathlib
+import socket
+import threading
 import time
 import tomllib
 from collections.abc import Callable, Iterator
@@ -12,12 +14,14 @@ from typing import Any, TypeVar
 import grpc
 
 from dccast import errors
-from dccast.v1 import service_pb2_grpc
+from dccast.v1 import service_pb2, service_pb2_grpc
 
 PORT = 7117
+SERVICE_SOCKET = "/run/dccast/dccastd.sock"
 ATTEMPTS = 4  # of a call that may be repeated
 FIRST_PAUSE_S = 0.2  # doubled after every attempt
 DEADLINE_S = 60.0
+CHUNK_BYTES = 256_000  # of an upload, service.proto
 STREAM_ATTEMPTS = 12  # without progress, before a stream is given up
 LONGEST_PAUSE_S = 5.0
 PASSING = {"OK", "UNAVAILABLE", "DEADLINE_EXCEEDED", "CANCELLED", "UNKNOWN", "INTERNAL",
@@ -89,9 +93,31 @@ def with_port(server: str) -> str:
     return server if ":" in server.rsplit("]", 1)[-1] else f"{server}:{PORT}"
 
 
+def _listens(path: str) -> bool:
+    with socket.socket(socket.AF_UNIX) as caller:
+        caller.setblocking(False)
+        try:
+            caller.connect(path)
+        except BlockingIOError:  # its queue is full
+            return True
+        except OSError:
+            return False
+    return True
+
+
+def _local_server() -> str:
+    """The socket of this user's daemon, else of this machine's, where one listens; else loopback."""
+    own = os.environ.get("XDG_RUNTIME_DIR", "")
+    sockets = [f"{own}/dccastd.sock"] if own.startswith("/") else []
+    for path in [*sockets, SERVICE_SOCKET]:
+        if _listens(path):
+            return f"unix:{path}"
+    return "127.0.0.1"
+
+
 def endpoint(server: str | None) -> Endpoint:
     """The server that is meant: the argument, else $DCCAST_SERVER, else `server` of the settings file,
-    else the first login, else this machine. One that `dccast login` has stored is found by its name or
+    else the first login, else this machine (its socket where a daemon listens there, else loopback). One that `dccast login` has stored is found by its name or
     address."""
     folder = settings_folder()
     settings = pathlib.Path(os.environ.get("DCCAST_CONFIG") or folder / "client.toml")
@@ -100,7 +126,7 @@ def endpoint(server: str | None) -> Endpoint:
         address = login.get("address", "")
         if named in ("", login.get("name"), address, address.rpartition(":")[0].strip("[]")):
             return Endpoint(address, *(login.get(key, "") for key in ("ca", "certificate", "key", "token")))
-    found = Endpoint(with_port(named or "127.0.0.1"))
+    found = Endpoint(with_port(named or _local_server()))
     if not found.is_local:
         raise errors.DccastError("UNAUTHENTICATED", f"there is no login for {found.address}",
                                  remedy="dccast login, with the line that the administrator gives")
@@ -142,6 +168,36 @@ class Transport:
             time.sleep(pause)
             pause *= 2
         raise AssertionError("not reached")
+
+    def upload(self, named: Any, path: pathlib.Path) -> None:
+        """Uploads a file, unless the server has it. @raises DccastError"""
+        pause = FIRST_PAUSE_S
+        for attempt in range(1, ATTEMPTS + 1):
+            try:
+                self._upload_once(named, path)
+                return
+            except grpc.RpcError as error:
+                if attempt == ATTEMPTS or error.code().name != "UNAVAILABLE":
+                    raise errors.of_call(error, self.server) from None
+            time.sleep(pause)
+            pause *= 2
+
+    def _upload_once(self, named: Any, path: pathlib.Path) -> None:
+        answered = threading.Event()  # the server takes the content, or has it
+
+        def messages() -> Iterator[Any]:
+            yield service_pb2.UploadAttachmentRequest(attachment=named)
+            answered.wait()
+            with path.open("rb") as file:
+                while not call.done() and (chunk := file.read(CHUNK_BYTES)):
+                    yield service_pb2.UploadAttachmentRequest(chunk=chunk)
+
+        call = self.stub.UploadAttachment.future(messages())
+        try:
+            call.initial_metadata()
+        finally:
+            answered.set()
+        call.result()
 
     def stream(self, method: str, request: Any) -> Any:
         """A stream, which is iterated and cancelled. It raises grpc.RpcError."""

@@ -108,10 +108,9 @@ JobRecord make_record(const NewJob& new_job, const Attachments& attachments) {
 
   // In the precision of the store, so that a record read back is equal.
   *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
-  auto bytes =
-      new_job.submitted_case.size() + new_job.complete_case.size() + new_job.case_file.size();
-  for (const v1::Attachment& attachment : attachments) bytes += attachment.content().size();
-  record.bytes = static_cast<std::int64_t>(bytes);
+  record.bytes = static_cast<std::int64_t>(new_job.submitted_case.size() +
+                                           new_job.complete_case.size() + new_job.case_file.size());
+  for (const AttachedFile& attachment : attachments) record.bytes += attachment.bytes;
 
   record.answer_key = new_job.answer_key;
 

@@ -62,14 +62,20 @@ void make_directory(const std::filesystem::path& path) {
                             fmt::format("cannot make {}", path.string()));
 }
 
-void write_attachments(const std::filesystem::path& folder, const Attachments& attachments) {
+void copy_attachments(const std::filesystem::path& folder, const Attachments& attachments) {
   make_directory(folder);
-  make_directory(folder / attachments_folder);
-  for (const v1::Attachment& attachment : attachments)
-    storage::create_durably(folder / attachments_folder / attachment.name(), attachment.content());
+  for (const AttachedFile& attachment : attachments)
+    std::filesystem::copy_file(attachment.path, folder / attachment.name);
 }
 
 }  // namespace
+
+void add_attachments(const std::filesystem::path& folder, const Attachments& attachments) {
+  copy_attachments(folder, attachments);
+  for (const AttachedFile& attachment : attachments)
+    storage::File(folder / attachment.name, O_RDWR).sync();
+  if (!attachments.empty()) storage::sync_directory(folder);
+}
 
 bool is_plain_file_name(const std::string& name) {
   return !name.empty() && name.size() <= 255 && name != "." && name != ".." &&
@@ -79,16 +85,15 @@ bool is_plain_file_name(const std::string& name) {
 void create_job_folder(const std::filesystem::path& folder, const Attachments& attachments,
                        const JobDescription& description, const std::string& text) {
   try {
-    write_attachments(folder, attachments);
+    make_directory(folder);
+    add_attachments(folder / attachments_folder, attachments);
 
     JobDescription with_digests = description;
-    for (const v1::Attachment& attachment : attachments)
-      with_digests.attachment_sha256[attachment.name()] = values::sha256(attachment.content());
+    for (const AttachedFile& attachment : attachments)
+      with_digests.attachment_sha256[attachment.name] = attachment.sha256;
     write_job_description(folder, with_digests);
     if (!text.empty()) storage::create_durably(folder / submitted_file, text);
 
-    // The names of the files become durable with their directories.
-    if (!attachments.empty()) storage::sync_directory(folder / attachments_folder);
     storage::sync_directory(folder);
     storage::sync_directory(folder.parent_path());
   } catch (...) {
@@ -175,7 +180,8 @@ void mark_accepted(const std::filesystem::path& folder) {
 CheckFolder::CheckFolder(const std::filesystem::path& parent, const Attachments& attachments)
     : path_(parent / values::random_uuid()) {
   try {
-    write_attachments(path_, attachments);
+    make_directory(path_);
+    copy_attachments(path_ / attachments_folder, attachments);
   } catch (...) {
     remove_folder(path_);
     throw;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dccast/v1/job.pb.h"
 #include "server/jobs/folder/job_description.hpp"
@@ -13,13 +16,26 @@ namespace dccast::jobs {
 /// that no attachment can replace one of those.
 inline constexpr const char* attachments_folder = "attachments";
 
-using Attachments = google::protobuf::RepeatedPtrField<v1::Attachment>;
+/// A file that a case names, as it lies in the data directory.
+struct AttachedFile {
+  std::string name;  ///< that the case gives it
+  std::string sha256;
+  std::int64_t bytes = 0;
+  std::filesystem::path path{};        ///< synced to disk, and never written again
+  std::shared_ptr<const void> hold{};  ///< keeps the file from being removed
+};
+using Attachments = std::vector<AttachedFile>;
 
 /// Whether a name is permitted for an attachment: a single component of a path.
 bool is_plain_file_name(const std::string& name);
 
 /// The case file of the submitter, byte by byte.
 inline constexpr const char* submitted_file = "case.toml";
+
+/// Makes a folder of copies, under the names of their case. They are no links: a worker that a file
+/// has taken over may write in its own folder, and must not reach the files of other jobs. They
+/// survive a crash of the machine once the parent of `folder` is synced. @throws std::system_error
+void add_attachments(const std::filesystem::path& folder, const Attachments& attachments);
 
 /// Creates the folder of a job with its attachments and its description, synced to disk.
 /// @param text  content of `submitted_file`; empty: no such file

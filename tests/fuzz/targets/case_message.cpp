@@ -44,7 +44,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   if (!request.ParseFromArray(bytes, static_cast<int>(size))) return 0;
   v1::Case& complete = *request.mutable_case_();
   v1::ValidateCaseResponse verdict;
-  intake::check_attachment_names(complete, request.attachments(), verdict);
+  jobs::Attachments attachments;
+  for (const v1::Attachment& named : request.attachments())
+    attachments.push_back({.name = named.name(), .sha256 = named.sha256()});
+  intake::check_attachment_names(complete, attachments, verdict);
   case_file::quality_matters(complete);
   case_file::apply_defaults(complete);
   case_file::complete_alloy(shipped_card(), *complete.mutable_alloy());
@@ -59,6 +62,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     fuzz::require(verdict.faults_size() > 0, "a case without a fault is translated");
   }
   intake::make_printable(verdict);
-  fuzz::require(!intake::answer_key(complete, request.attachments()).empty(), "a case has a key");
+  fuzz::require(!intake::answer_key(complete, attachments).empty(), "a case has a key");
   return 0;
 }

@@ -51,7 +51,7 @@ TEST(Defaults, OfTheDaemonPassItsChecks) {
   v1::DaemonConfig config;
   apply_defaults(config);
   EXPECT_TRUE(check_ranges(config).empty());
-  EXPECT_DOUBLE_EQ(config.maximum_message_bytes(), 64e6);
+  EXPECT_DOUBLE_EQ(config.maximum_attachment_bytes(), 64e6);
   EXPECT_EQ(config.listen(), "127.0.0.1:7117");
 }
 

@@ -150,10 +150,10 @@ TEST(Override, AFileTakesThePlaceOfTheOneBefore) {
   v1::Case description;
   description.mutable_mesh()->set_file("old.msh");
   ReadOutcome read;
-  read.attachments.emplace_back().set_name("old.msh");
+  read.attachments.push_back({.name = "old.msh"});
   apply_changes(description, changes({"mesh.file=new.msh"}), read, folder);
   ASSERT_THAT(read.attachments, SizeIs(1));
-  EXPECT_EQ(read.attachments[0].name(), "new.msh");
+  EXPECT_EQ(read.attachments[0].name, "new.msh");
   EXPECT_EQ(description.mesh().file(), "new.msh");
 }
 

@@ -10,6 +10,7 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/case_file/text_checks.hpp"
+#include "proto/values/digests.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -157,7 +158,7 @@ TEST(Reader, AttachmentsAreReadRelativeToTheFile) {
   v1::Case message;
   const ReadOutcome outcome = read_file(folder / "my.toml", message);
   ASSERT_EQ(outcome.attachments.size(), 1u);
-  EXPECT_EQ(outcome.attachments[0].content(), "mesh");
+  EXPECT_EQ(outcome.attachments[0].sha256, values::sha256("mesh"));
   EXPECT_EQ(message.mesh().file(), "slab.msh");
   ASSERT_EQ(outcome.faults.size(), 1u);
   EXPECT_THAT(outcome.faults[0].message(), HasSubstr("no such file"));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/logs/event_log.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -20,10 +21,17 @@ TEST(PlainFileName, IsOneComponentOfAPath) {
     EXPECT_FALSE(is_plain_file_name(name)) << name;
 }
 
+/// A file of the folder, under a name of a case.
+AttachedFile attached(const TemporaryFolder& folder, const std::string& name,
+                      const std::string& content) {
+  const auto path = folder.path() / "uploaded";
+  storage::write_file(path, content);
+  return {.name = name, .sha256 = values::sha256(content), .bytes = 3, .path = path};
+}
+
 TEST(CheckFolder, HoldsTheAttachmentsAndIsGoneAfterwards) {
   const TemporaryFolder parent;
-  Attachments attachments;
-  attachments.Add()->set_name("mesh");
+  const Attachments attachments{attached(parent, "mesh", "abc")};
   std::filesystem::path path;
   {
     const CheckFolder folder(parent.path(), attachments);
@@ -35,9 +43,7 @@ TEST(CheckFolder, HoldsTheAttachmentsAndIsGoneAfterwards) {
 
 TEST(JobFolder, LeavesNothingBehindWhenItFails) {
   const TemporaryFolder parent;
-  Attachments attachments;
-  attachments.Add()->set_name("same");
-  attachments.Add()->set_name("same");
+  const Attachments attachments(2, attached(parent, "same", "abc"));
   EXPECT_THROW(create_job_folder(parent.path() / "job", attachments, {}), std::system_error);
   EXPECT_FALSE(std::filesystem::exists(parent.path() / "job"));
 }
@@ -61,10 +67,7 @@ void expect_whole(const JobDescription& read) {
 TEST(JobFolder, SaysWhatItsJobIsWithTheDigestsOfItsAttachments) {
   const TemporaryFolder parent;
   const auto folder = parent.path() / "job";
-  Attachments attachments;
-  attachments.Add()->set_name("a mesh");
-  attachments.at(0).set_content("abc");
-  create_job_folder(folder, attachments, description());
+  create_job_folder(folder, {attached(parent, "a mesh", "abc")}, description());
   const JobDescription read = read_job_description(folder);
   expect_whole(read);
   EXPECT_EQ(read.attachment_sha256.at("a mesh"),

@@ -162,6 +162,26 @@ TEST_F(FrameGuardTest, UnfinishedBytesAreThoseOfCallsThatHaveNotEnded) {
   EXPECT_EQ(guard.unfinished_bytes(), 0U);
 }
 
+/// gRPC reads no further before the call has taken what came: an upload may be of any size.
+TEST_F(FrameGuardTest, OfTheContentOfACallNoMoreCountsThanGrpcHolds) {
+  FrameGuard bounded("42", 50000);
+  const auto give = [&](const std::string& bytes) {
+    EXPECT_EQ(bounded.take(bytes, now, forwarded), "");
+    return static_cast<double>(bounded.unfinished_bytes());
+  };
+  const double begun = give(preface + begin(1) + begin(3));
+
+  double held = 0.0;
+  for (int i = 0; i < 100; ++i) held = give(frame(data, 0, 1, 16000));
+  EXPECT_NEAR(held - begun, 50000.0, 10000.0);
+  give(frame(data, 0, 3, 20000));
+  EXPECT_NEAR(give(frame(data, end_stream, 1)), 20000.0 + begun / 2.0, 1000.0);
+
+  // Small pieces take what gRPC keeps around each, without that bound.
+  for (int i = 0; i < 10000; ++i) held = give(frame(data, 0, 3, 1));
+  EXPECT_GE(held, 640000.0);
+}
+
 TEST_F(FrameGuardTest, ABodyInSmallPiecesCountsWhatGrpcKeepsOfThem) {
   EXPECT_EQ(send(begin(1)), "");
   for (int i = 0; i < 1000; ++i) EXPECT_EQ(send(frame(data, 0, 1, 1)), "");

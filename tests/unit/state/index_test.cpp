@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "server/state/check.hpp"
 #include "tests/unit/state/state_folder_fixture.hpp"
 
@@ -119,9 +120,10 @@ TEST_F(IndexTest, ARequestInAStoreOfAnEarlierVersionGoesIntoTheFolder) {
 
 TEST_F(IndexTest, AnAttachmentThatIsDamagedIsReported) {
   jobs::JobDescription job = description("");
-  jobs::Attachments attachments;
-  attachments.Add()->set_name("mesh");
-  attachments.at(0).set_content("abc");
+  const fs::path uploaded = folder_.path() / "uploaded";
+  storage::write_file(uploaded, "abc");
+  const jobs::Attachments attachments{
+      {.name = "mesh", .sha256 = values::sha256("abc"), .bytes = 3, .path = uploaded}};
   const fs::path of_job = folder_.jobs() / job.job.id();
   jobs::create_job_folder(of_job, attachments, job);
   append_state(job.job.id(), v1::QUEUED);

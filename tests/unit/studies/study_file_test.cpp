@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/storage/file.hpp"
+#include "proto/values/digests.hpp"
 #include "tests/support/from_hex.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -27,6 +28,31 @@ TEST(StudyFile, OfAnEarlierVersionIsRead) {
   EXPECT_EQ(read.case_sha256, "ab12");
   write_study_file(folder.path(), read);
   EXPECT_EQ(storage::read_file(study_file(folder.path(), id)), earlier);
+}
+
+/// Until uploads were streamed, a request held the files of its case: field 2 of Attachment.
+TEST(StudyFile, FilesInsideARequestOfAnEarlierVersionMoveIntoTheFolder) {
+  const TemporaryFolder folder;
+  StudyRecord record;
+  record.id = "0d6c3a52-8f5e-4c1b-9f4e-2a7b1c3d5e6f";
+  ASSERT_TRUE(
+      record.request.ParseFromString(std::string("\x1a\x0f\x0a\x08slab.msh\x12\x03"
+                                                 "abc")));
+  ASSERT_EQ(record.request.attachments(0).name(), "slab.msh");
+
+  EXPECT_TRUE(move_attachments_out(folder.path(), record));
+  EXPECT_FALSE(move_attachments_out(folder.path(), record));
+  const auto files = study_attachments(folder.path(), record);
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_EQ(storage::read_file(files[0].path), "abc");
+  EXPECT_EQ(files[0].sha256, values::sha256("abc"));
+  EXPECT_EQ(files[0].bytes, 3);
+
+  // What has neither row nor file goes; what has one stays.
+  remove_orphaned_attachments(folder.path(), {record.id});
+  EXPECT_TRUE(std::filesystem::exists(files[0].path));
+  remove_orphaned_attachments(folder.path(), {});
+  EXPECT_FALSE(std::filesystem::exists(files[0].path));
 }
 
 }  // namespace
