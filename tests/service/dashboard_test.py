@@ -393,6 +393,7 @@ class Pages(InBrowser):
             checkbox.send_keys(Keys.SPACE)
         self.find(".bar button").send_keys(Keys.ENTER)
         self.wait_for("2 jobs compared")
+        self.wait_for("run 2, corner: ")
         self.assertTrue(self.find("figure svg").get_attribute("aria-label").startswith("Curl of"))
         self.go("jobs")
         self.find(f"a[href='#/job/{jobs[0]}']").click()
@@ -532,7 +533,12 @@ class RealPages(InBrowser):
             slider.send_keys(Keys.ARROW_LEFT)
         self.wait_for("Changed: corner", seconds=60)
         self.assertIn("±", self.find(".what-if strong").text)
-        self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "path.band")), 6)
+        self.wait_for("run 2, corner: ", "#difference")
+        self.assertRegex(self.find("#difference").text, r"± \d[.\d]* mm, (real|within its error)\.")
+        self.assertIn("less 1, mm", self.find("#difference table").text)
+        # While the next key press is computed, only the case as it is has bands.
+        WebDriverWait(self.browser, 60).until(
+            lambda browser: len(browser.find_elements(By.CSS_SELECTOR, "path.band")) == 6)
         [b for b in self.browser.find_elements(By.CSS_SELECTOR, ".bar button")
          if b.text == "Keep as a job"][0].click()
         self.wait_for("Queued as")

@@ -1,0 +1,143 @@
+#include "client/html/judgement_parts.hpp"
+
+#include <fmt/core.h>
+
+#include <cctype>
+#include <vector>
+
+#include "client/html/html_parts.hpp"
+#include "client/html/pages.hpp"
+#include "client/text/findings.hpp"
+#include "client/text/judgement_text.hpp"
+#include "client/text/table.hpp"
+#include "proto/values/plant_units.hpp"
+
+namespace dccast::client::render {
+namespace {
+
+std::vector<double> scaled(const google::protobuf::RepeatedField<double>& values, double factor) {
+  std::vector<double> shown;
+  for (const double value : values) shown.push_back(factor * value);
+  return shown;
+}
+
+std::string capitalised(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return html_escaped(text);
+}
+
+/// "12.3 ± 1.4", "35.5, -0.0 +3.9".
+std::string with_error(const std::string& value, const std::string& error) {
+  if (error.empty()) return value;
+  return value + (error.starts_with('-') ? ", " : " ± ") + error;
+}
+
+std::string bar_svg(const Bar& bar) {
+  constexpr double half = 60.0;
+  return fmt::format(
+      "<svg viewBox='0 0 {0:.0f} 10' style='width:{0:.0f}px' aria-hidden='true'>"
+      "<rect x='{1:.1f}' y='1' width='{2:.1f}' height='8' style='fill:var(--line-0)'/>"
+      "<line class='zero' x1='{3:.0f}' x2='{3:.0f}' y1='0' y2='10'/></svg>",
+      2.0 * half, half * (1.0 + bar.low), half * (bar.high - bar.low), half);
+}
+
+std::string findings_list(const v1::Comparison& comparison) {
+  std::string html;
+  for (const auto& run : comparison.runs()) {
+    const auto add = [&](const std::string& text) {
+      html += element("li", html_escaped(fmt::format("{}: {}", run.name(), text)));
+    };
+    for (const v1::Finding& finding : run.findings()) add(finding_line(finding));
+    if (run.has_validity_loss()) add(validity_text(run.validity_loss()));
+  }
+  return html.empty() ? "" : card("Findings", element("ul", html));
+}
+
+}  // namespace
+
+Chart chart_of(const v1::Chart& chart) {
+  const double x_factor = values::plant_unit(chart.x().unit()).factor;
+  const double y_factor = values::plant_unit(chart.y().unit()).factor;
+  Chart shown{chart.heading(), axis_label(chart.x()), axis_label(chart.y()), {}};
+  for (const v1::Chart::Line& line : chart.lines()) {
+    ChartLine& drawn = shown.lines.emplace_back();
+    drawn.name = line.name();
+    drawn.x = scaled(line.x(), x_factor);
+    drawn.y = scaled(line.y(), y_factor);
+    if (!line.low().empty())
+      drawn.band = {drawn.x, drawn.y, scaled(line.low(), y_factor), scaled(line.high(), y_factor)};
+  }
+  if (chart.has_region())
+    shown.wanted = Chart::Wanted{y_factor * chart.region().low(), y_factor * chart.region().high(),
+                                 chart.region().name()};
+  if (chart.has_beyond_x()) {
+    shown.beyond_from = x_factor * chart.beyond_x();
+    shown.beyond_name = beyond_validity;
+  }
+  return shown;
+}
+
+std::string table_part(const v1::Table& table) {
+  const std::string note = table.note().empty() ? "" : element("p", html_escaped(table.note()));
+  if (table.rows().empty()) return note;
+
+  std::vector<std::string> headings;
+  std::vector<std::string> rows(static_cast<std::size_t>(table.rows_size()));
+  for (const ShownColumn& column : shown_columns(table)) {
+    headings.push_back(column.heading + (column.unit.empty() ? "" : ", " + column.unit));
+    for (std::size_t row = 0; row < rows.size(); ++row)
+      rows[row] +=
+          cells({with_error(column.cells[row], column.has_error ? column.errors[row] : "")});
+  }
+  if (const auto bars = bars_of(table); !bars.empty()) {
+    headings.emplace_back("less | more");
+    for (std::size_t row = 0; row < rows.size(); ++row)
+      rows[row] += element("td", bar_svg(bars[row]));
+  }
+
+  std::string body;
+  for (const std::string& row : rows) body += element("tr", row);
+  return figures_table(element("tr", cells(headings, "th")), body) + note;
+}
+
+std::string sentences_part(const v1::Judgement& judgement) {
+  std::string html;
+  for (const std::string& sentence : judgement.sentences())
+    html += element("p class='answer'", html_escaped(sentence));
+  return html;
+}
+
+std::string judgement_parts(const v1::Judgement& judgement) {
+  std::string html;
+  for (const v1::JudgementPart& part : judgement.parts()) {
+    if (part.place() == v1::JudgementPart::TERMINAL) continue;
+    html += part.has_table()
+                ? card(capitalised(part.table().heading()), table_part(part.table()))
+                : card(capitalised(part.chart().heading()), svg_chart(chart_of(part.chart())));
+  }
+  return html;
+}
+
+std::string svg_file(const Chart& chart) {
+  const std::string svg = svg_chart(chart);
+  const std::string begin = "<svg ";
+  const std::string end = "</svg>";
+  const auto head = svg.find('>');
+  return svg_file(svg.substr(begin.size(), head - begin.size()),
+                  svg.substr(head + 1, svg.size() - end.size() - head - 1));
+}
+
+std::string judgement_page(const v1::StudyJudgement& study) {
+  return study_page(study.study(), "Study", study.judgement().heading(),
+                    sentences_part(study.judgement()) + judgement_parts(study.judgement()));
+}
+
+std::string comparison_page(const v1::Comparison& comparison) {
+  const v1::Judgement& judgement = comparison.judgement();
+  return whole_page(
+      "dccast comparison",
+      "<p class='kicker'>dccast comparison</p>" + element("h1", html_escaped(judgement.heading())),
+      sentences_part(judgement) + findings_list(comparison) + judgement_parts(judgement));
+}
+
+}  // namespace dccast::client::render
