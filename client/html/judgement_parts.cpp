@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cctype>
+#include <utility>
 #include <vector>
 
 #include "client/html/html_parts.hpp"
@@ -81,23 +82,25 @@ std::string table_part(const v1::Table& table) {
   const std::string note = table.note().empty() ? "" : element("p", html_escaped(table.note()));
   if (table.rows().empty()) return note;
 
-  std::vector<std::string> headings;
+  std::string head;
   std::vector<std::string> rows(static_cast<std::size_t>(table.rows_size()));
-  for (const ShownColumn& column : shown_columns(table)) {
-    headings.push_back(column.heading + (column.unit.empty() ? "" : ", " + column.unit));
+  const auto add = [&](const std::string& kind, const std::string& heading, auto cell_of) {
+    head += element("th" + kind, html_escaped(heading));
     for (std::size_t row = 0; row < rows.size(); ++row)
-      rows[row] +=
-          cells({with_error(column.cells[row], column.has_error ? column.errors[row] : "")});
-  }
-  if (const auto bars = bars_of(table); !bars.empty()) {
-    headings.emplace_back("less | more");
-    for (std::size_t row = 0; row < rows.size(); ++row)
-      rows[row] += element("td", bar_svg(bars[row]));
-  }
+      rows[row] += element("td" + kind, cell_of(row));
+  };
+  for (const ShownColumn& column : shown_columns(table))
+    add(column.is_number ? "" : " class='text'",
+        column.heading + (column.unit.empty() ? "" : ", " + column.unit), [&](std::size_t row) {
+          return html_escaped(
+              with_error(column.cells[row], column.has_error ? column.errors[row] : ""));
+        });
+  if (const auto bars = bars_of(table); !bars.empty())
+    add("", "less | more", [&](std::size_t row) { return bar_svg(bars[row]); });
 
   std::string body;
   for (const std::string& row : rows) body += element("tr", row);
-  return figures_table(element("tr", cells(headings, "th")), body) + note;
+  return figures_table(element("tr", head), body) + note;
 }
 
 std::string sentences_part(const v1::Judgement& judgement) {
@@ -109,12 +112,20 @@ std::string sentences_part(const v1::Judgement& judgement) {
 
 std::string judgement_parts(const v1::Judgement& judgement) {
   std::string html;
+  std::string charts;  // that follow each other, side by side
+  const auto close_charts = [&] {
+    if (!charts.empty()) html += element("div class='pair'", std::exchange(charts, {}));
+  };
   for (const v1::JudgementPart& part : judgement.parts()) {
     if (part.place() == v1::JudgementPart::TERMINAL) continue;
-    html += part.has_table()
-                ? card(capitalised(part.table().heading()), table_part(part.table()))
-                : card(capitalised(part.chart().heading()), svg_chart(chart_of(part.chart())));
+    if (part.has_chart()) {
+      charts += card(capitalised(part.chart().heading()), svg_chart(chart_of(part.chart())));
+      continue;
+    }
+    close_charts();
+    html += card(capitalised(part.table().heading()), table_part(part.table()));
   }
+  close_charts();
   return html;
 }
 

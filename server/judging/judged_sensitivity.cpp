@@ -89,14 +89,14 @@ v1::Cell end_cell(const End& end) {
 
 void add_effect_table(const v1::StudyResult& result, const std::string& key,
                       const std::string& heading, JudgementPart::Place place,
-                      const std::vector<Effect>& effects, v1::Judgement& judgement) {
+                      const std::vector<Effect>& effects, double base_m, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, key, heading, place);
   *table.add_columns() = text_column("kind", "kind");
   *table.add_columns() = text_column("name", "key");
   *table.add_columns() = text_column("range", "range");
   for (const char* end : {"low", "high"}) {
     v1::Table::Column& column = *table.add_columns();
-    column = number_column(end, end, "m", shown_curl_m);
+    column = number_column(end, end, "m", shown_curl_m(base_m));
     column.set_is_signed(true);
     column.set_has_bars(true);
   }
@@ -114,9 +114,9 @@ void add_effect_table(const v1::StudyResult& result, const std::string& key,
 void add_case_itself(const std::string& monitor, const Effects& found, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "case_itself", "the case itself", JudgementPart::PAGE);
   *table.add_columns() = text_column("monitor", "monitor");
-  *table.add_columns() = number_column("curl", "curl at the end", "m", shown_curl_m);
-  *table.add_columns() =
-      number_column("difference_error", "error of a small difference", "m", shown_curl_m);
+  *table.add_columns() = number_column("curl", "curl at the end", "m", shown_curl_m(*found.base_m));
+  *table.add_columns() = number_column("difference_error", "error of a small difference", "m",
+                                       shown_curl_m(*found.base_m));
   add_row(table, {text_cell(monitor), number_cell(*found.base_m),
                   found.error_m ? number_cell(*found.error_m) : v1::Cell()});
 }
@@ -146,11 +146,11 @@ void judge_sensitivity(const StudyToJudge& study, v1::Judgement& judgement) {
       result, "responding",
       fmt::format("curl of the {} at the end: {} mm; change at the two ends of each range", monitor,
                   mm(*found.base_m)),
-      JudgementPart::TERMINAL, responding, judgement);
+      JudgementPart::TERMINAL, responding, *found.base_m, judgement);
   add_effect_table(result, "effects",
                    fmt::format("change of the curl of the {} at the end, {} mm in the case itself",
                                monitor, mm(*found.base_m)),
-                   JudgementPart::PAGE, all, judgement);
+                   JudgementPart::PAGE, all, *found.base_m, judgement);
   add_lost_runs(result, JudgementPart::ANYWHERE, judgement);
 
   judgement.add_sentences(

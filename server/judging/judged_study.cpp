@@ -142,8 +142,13 @@ void add_limits(const v1::StudyResult& result, v1::Judgement& judgement) {
 
 }  // namespace
 
+double shown_curl_m(double curl_m) {
+  constexpr double small_m = 1e-2;
+  return std::abs(curl_m) < small_m ? 1e-5 : 1e-4;
+}
+
 std::string mm(double metres) {
-  return fmt::format("{:.1f}", 1e3 * metres);
+  return fmt::format("{:.{}f}", 1e3 * metres, std::abs(metres) < 1e-3 ? 2 : 1);
 }
 
 std::string percent(double share) {

@@ -83,12 +83,13 @@ void add_history(const v1::Spread& spread, v1::Judgement& judgement) {
   constexpr int most_instants = 8;
   v1::Table& table =
       add_table(judgement, "history", "curl of the " + spread.monitor(), JudgementPart::TERMINAL);
+  const double shown_m = shown_curl_m(last(spread.high_m()));
   *table.add_columns() = number_column("time", "t", "s", 1.0);
   *table.add_columns() = number_column("cast_length", "cast", "m", 1e-3);
-  *table.add_columns() = number_column("low", "5 %", "m", shown_curl_m);
-  *table.add_columns() = number_column("median", "50 %", "m", shown_curl_m);
-  *table.add_columns() = number_column("high", "95 %", "m", shown_curl_m);
-  *table.add_columns() = number_column("surface_error", "surface off by", "m", shown_curl_m);
+  *table.add_columns() = number_column("low", "5 %", "m", shown_m);
+  *table.add_columns() = number_column("median", "50 %", "m", shown_m);
+  *table.add_columns() = number_column("high", "95 %", "m", shown_m);
+  *table.add_columns() = number_column("surface_error", "surface off by", "m", shown_m);
 
   // During the hold nothing curls.
   const auto& time_s = spread.time_s();
@@ -119,6 +120,8 @@ void add_curl_chart(const v1::StudyResult& result, v1::Judgement& judgement) {
   v1::Chart::Line& mesh = add_line(chart, "mesh and time steps", vector_of(spread.time_s()),
                                    vector_of(spread.median_m()));
   add_band(mesh, run->relative_curl_error());
+  // The band alone: its middle is the line above.
+  for (double& value : *mesh.mutable_y()) value = std::numeric_limits<double>::quiet_NaN();
 }
 
 void add_shares_chart(const v1::StudyResult& result, v1::Judgement& judgement) {

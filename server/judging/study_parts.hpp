@@ -8,9 +8,11 @@
 /// The judgements of the kinds of studies, and what they share.
 namespace dccast::judging {
 
-inline constexpr double shown_curl_m = 1e-4;  ///< curls of studies are shown in tenths of a mm
+/// Smallest difference worth showing beside a curl [m]: a tenth of a millimetre, of a small curl a
+/// hundredth.
+double shown_curl_m(double curl_m);
 
-/// A length in tenths of a millimetre, for sentences: "12.3".
+/// A length in tenths of a millimetre, for sentences: "12.3"; below one millimetre in hundredths.
 std::string mm(double metres);
 /// A share in whole percent, for sentences: "61".
 std::string percent(double share);
