@@ -126,6 +126,7 @@ std::vector<Answer> answers_of_files(Connection& connection, const std::vector<N
     cases.push_back(case_of(connection, file));
     if (!cases.back().faults.empty()) refuse(cases.back(), file.text);
   }
+
   std::vector<Answer> answers;
   const auto on_wait = [&](std::size_t index, const auto& waiting) {
     std::cerr << files[index].text << ": " << render::waiting_text(waiting) << std::endl;
@@ -225,7 +226,7 @@ std::string comparison_text(const v1::Comparison& comparison) {
   constexpr int columns = 120;
   return fmt::format("{}\n{}{}\n{}", names_text(comparison),
                      render::parts_text(comparison.judgement(), render::terminal_of(STDOUT_FILENO),
-                                        {.capitals = true, .headings = false, .columns = columns}),
+                                        {.capitals = true, .headings = false}),
                      findings_text(comparison),
                      render::sentences_text(comparison.judgement(), columns, 2));
 }

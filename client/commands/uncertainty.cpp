@@ -30,14 +30,6 @@ void take_band(const std::string& band, std::vector<std::string>& changes) {
   changes.push_back("plausibility.greatest_curl=" + range->high);
 }
 
-v1::StudyJudgement judge(Connection& connection, const DataOptions& options,
-                         const std::string& id) {
-  v1::JudgeStudyRequest request;
-  request.set_id(id);
-  request.set_monitor(options.point);
-  return connection.call(&Stub::JudgeStudy, request);
-}
-
 /// Beside the judgement the figures of every run, and of the monitor at every instant.
 Json uncertainty_json(Connection& connection, const DataOptions& options,
                       const v1::StudyJudgement& answer) {
@@ -66,7 +58,7 @@ struct Kind {
 
 void print(Connection& connection, const DataOptions& options, const Kind& kind,
            const std::string& id) {
-  const v1::StudyJudgement answer = judge(connection, options, id);
+  const v1::StudyJudgement answer = judge_study(connection, id, options.point);
   if (!options.plot.empty()) write_output(options.plot, render::judgement_page(answer));
   if (options.json)
     print_line(kind.json(connection, options, answer));
@@ -79,6 +71,7 @@ ExitCode run(DataOptions options, const Kind& kind, Program& program) {
     throw invalid("give a case FILE to begin, or --study ID to take one up again");
   require_free(options.plot, options.force);
   take_band(options.band, options.base.set);
+
   Connection connection = program.connect();
   std::string id = options.study.empty() ? "" : resolve_study(connection, options.study);
   const std::string come_back = "dccast " + kind.name + " --study ";
@@ -96,6 +89,7 @@ ExitCode run(DataOptions options, const Kind& kind, Program& program) {
       return ExitCode::done;
     }
   }
+
   if (!options.no_wait) follow_with_progress(connection, id, come_back + id);
   print(connection, options, kind, id);
   return ExitCode::done;

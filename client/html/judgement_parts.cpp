@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cctype>
 #include <utility>
 #include <vector>
@@ -33,13 +34,16 @@ std::string with_error(const std::string& value, const std::string& error) {
   return value + (error.starts_with('-') ? ", " : " ± ") + error;
 }
 
-std::string bar_svg(const Bar& bar) {
-  constexpr double half = 60.0;
+/// @param both  bars go both ways from zero; else zero is at the left
+std::string bar_svg(const Bar& bar, bool both) {
+  constexpr double width = 120.0;
+  const double zero = both ? 0.5 * width : 0.0;
+  const double scale = width - zero;
   return fmt::format(
       "<svg viewBox='0 0 {0:.0f} 10' style='width:{0:.0f}px' aria-hidden='true'>"
       "<rect x='{1:.1f}' y='1' width='{2:.1f}' height='8' style='fill:var(--line-0)'/>"
       "<line class='zero' x1='{3:.0f}' x2='{3:.0f}' y1='0' y2='10'/></svg>",
-      2.0 * half, half * (1.0 + bar.low), half * (bar.high - bar.low), half);
+      width, zero + scale * bar.low, scale * (bar.high - bar.low), zero);
 }
 
 std::string findings_list(const v1::Comparison& comparison) {
@@ -68,6 +72,7 @@ Chart chart_of(const v1::Chart& chart) {
     if (!line.low().empty())
       drawn.band = {drawn.x, drawn.y, scaled(line.low(), y_factor), scaled(line.high(), y_factor)};
   }
+
   if (chart.has_region())
     shown.wanted = Chart::Wanted{y_factor * chart.region().low(), y_factor * chart.region().high(),
                                  chart.region().name()};
@@ -95,8 +100,10 @@ std::string table_part(const v1::Table& table) {
           return html_escaped(
               with_error(column.cells[row], column.has_error ? column.errors[row] : ""));
         });
-  if (const auto bars = bars_of(table); !bars.empty())
-    add("", "less | more", [&](std::size_t row) { return bar_svg(bars[row]); });
+  if (const auto bars = bars_of(table); !bars.empty()) {
+    const bool both = std::ranges::any_of(bars, [](const Bar& bar) { return bar.low < 0.0; });
+    add("", both ? "less | more" : "", [&](std::size_t row) { return bar_svg(bars[row], both); });
+  }
 
   std::string body;
   for (const std::string& row : rows) body += element("tr", row);
@@ -116,6 +123,7 @@ std::string judgement_parts(const v1::Judgement& judgement) {
   const auto close_charts = [&] {
     if (!charts.empty()) html += element("div class='pair'", std::exchange(charts, {}));
   };
+
   for (const v1::JudgementPart& part : judgement.parts()) {
     if (part.place() == v1::JudgementPart::TERMINAL) continue;
     if (part.has_chart()) {

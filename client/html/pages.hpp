@@ -47,9 +47,6 @@ std::string judgement_page(const v1::StudyJudgement& study);
 /// count.
 std::string calibration_page(const v1::StudyResult& result);
 
-/// Recipes: what came out, the curl of each with its band, and the table shown in the terminal.
-std::string recipe_page(const v1::StudyResult& result);
-
 /// The page of any study. @param kind  "Study"  @param note  text below its title  @param body HTML
 std::string study_page(const v1::Study& study, const std::string& kind, const std::string& note,
                        const std::string& body);

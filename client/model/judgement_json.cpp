@@ -11,6 +11,7 @@ void add_number(const std::string& key, const std::string& suffix, const v1::Cel
                 Json& row) {
   const bool whole = suffix.empty() && cell.value() == std::round(cell.value());
   row[key + suffix] = whole ? Json(static_cast<std::int64_t>(cell.value())) : Json(cell.value());
+  if (cell.has_until()) row[key + "_until" + suffix] = cell.until();
   if (!cell.has_upper_error()) return;
   if (cell.lower_error() == cell.upper_error()) {
     row[key + "_error" + suffix] = cell.upper_error();
@@ -22,9 +23,10 @@ void add_number(const std::string& key, const std::string& suffix, const v1::Cel
 
 void add_cell(const v1::Table::Column& column, const v1::Cell& cell, Json& row) {
   const std::string& unit = column.unit().empty() ? cell.unit() : column.unit();
-  if (cell.has_value())
+  if (cell.has_value()) {
     add_number(column.key(), case_file::unit_suffix(unit).value_or(""), cell, row);
-  else if (!cell.code().empty())
+    if (!cell.code().empty()) row[column.key() + "_code"] = cell.code();
+  } else if (!cell.code().empty())
     row[column.key()] = cell.code();
   else if (!cell.case_value().empty())
     row[column.key()] = cell.case_value();

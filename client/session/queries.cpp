@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "client/session/jobs.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::client {
 namespace {
@@ -114,12 +115,13 @@ std::optional<Answer> ask_query(
 }
 
 v1::ComparedRun compared_run(const Answer& answer) {
+  constexpr std::size_t longest_name = 100;  // a path may be longer than a request permits
   v1::ComparedRun run;
   if (answer.job.empty())
     run.set_answer(answer.key);
   else
     run.set_job(answer.job);
-  run.set_name(answer.name);
+  run.set_name(values::shortened(values::escaped(answer.name), longest_name));
   return run;
 }
 

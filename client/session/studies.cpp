@@ -151,6 +151,14 @@ v1::StudyResult evaluate_study(Connection& connection, const std::string& id, bo
   return connection.call(&Stub::EvaluateStudy, request);
 }
 
+v1::StudyJudgement judge_study(Connection& connection, const std::string& id,
+                               const std::string& monitor) {
+  v1::JudgeStudyRequest request;
+  request.set_id(id);
+  request.set_monitor(monitor);
+  return connection.call(&Stub::JudgeStudy, request);
+}
+
 v1::StudyResult find_study(Connection& connection, const std::string& id) {
   v1::EvaluateStudyRequest request;
   request.set_id(id);

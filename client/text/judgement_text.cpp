@@ -44,19 +44,19 @@ std::string rounded_text(double value, int decimals) {
 std::string cell_text(const Column& column, const v1::Cell& cell) {
   if (!cell.text().empty()) return cell.text();
   if (!cell.case_value().empty()) return shown_value(cell.case_value());
-  if (!cell.code().empty()) {
-    std::string words = cell.code();
-    std::ranges::replace(words, '_', ' ');
-    return words;
-  }
-  if (!cell.has_value()) return {};
+  std::string words = cell.code();
+  std::ranges::replace(words, '_', ' ');
+  if (!cell.has_value()) return words;
 
   const bool own_unit = column.unit().empty();
   const auto plant = values::plant_unit(own_unit ? cell.unit() : column.unit());
-  std::string text = rounded_text(plant.factor * cell.value(), decimals_of(column, plant.factor));
+  const int decimals = decimals_of(column, plant.factor);
+  std::string text = rounded_text(plant.factor * cell.value(), decimals);
+  if (cell.has_until())
+    text += fmt::format(" to {}", rounded_text(plant.factor * cell.until(), decimals));
   if (column.is_signed() && !text.starts_with('-')) text.insert(0, "+");
   if (own_unit && !plant.name.empty()) text += fmt::format(" {}", plant.name);
-  return text;
+  return words.empty() ? text : fmt::format("{} {}", text, words);
 }
 
 std::string error_text(const Column& column, const v1::Cell& cell) {
@@ -111,9 +111,35 @@ void fit_page(std::vector<ShownColumn>& columns, int page_columns) {
   }
 }
 
+/// Whether bars fit beside the columns.
+bool has_room(const std::vector<ShownColumn>& columns, int page_columns) {
+  constexpr int bars = 17;
+  constexpr int between = 2;
+  int total = 0;
+  for (const ShownColumn& column : columns) {
+    total += width_of(column.cells, column.heading) + between;
+    if (column.has_error) total += width_of(column.errors, "± mm") + between;
+  }
+  return total + bars <= page_columns;
+}
+
 std::string in_capitals(std::string text) {
   for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   return text;
+}
+
+/// In the unit of the numbers.
+Bar bar_of(const v1::Table& table, const v1::Table::Row& row) {
+  Bar bar;
+  for (int i = 0; i < row.cells_size(); ++i) {
+    const v1::Cell& cell = row.cells(i);
+    if (!table.columns(i).has_bars()) continue;
+    if (cell.has_until()) return {cell.value(), cell.until()};
+
+    bar.low = std::min(bar.low, cell.value());
+    bar.high = std::max(bar.high, cell.value());
+  }
+  return bar;
 }
 
 /// "====|    ": to the left what lowers a figure, to the right what raises it.
@@ -165,21 +191,24 @@ std::string chart_text(const v1::Chart& chart, const Terminal& terminal) {
 std::string shown_value(const std::string& value) {
   static constexpr std::string_view speed = " m/s";
   std::string text;
-  for (const char* at = value.c_str(); *at != '\0';) {
-    char* end = nullptr;
-    double number = std::isdigit(static_cast<unsigned char>(*at)) ? std::strtod(at, &end) : 0.0;
-    if (end == nullptr) {
-      if (*at != '"') text += *at;
-      ++at;
+  for (const char* rest = value.c_str(); *rest != '\0';) {
+    if (std::isdigit(static_cast<unsigned char>(*rest)) == 0) {
+      if (*rest != '"') text += *rest;
+      ++rest;
       continue;
     }
-    at = end;
-    const char* const behind = at + speed.size();
-    const bool is_speed = std::string_view(at).starts_with(speed) &&
+
+    char* end = nullptr;
+    double number = std::strtod(rest, &end);
+    rest = end;
+
+    // " m/s2" is no speed.
+    const char* const behind = rest + speed.size();
+    const bool is_speed = std::string_view(rest).starts_with(speed) &&
                           std::isalnum(static_cast<unsigned char>(*behind)) == 0;
     if (is_speed) {
       number *= mm_per_min;
-      at = behind;
+      rest = behind;
     }
     text += fmt::format("{:.6g}{}", number, is_speed ? " mm/min" : "");
   }
@@ -210,15 +239,11 @@ std::vector<Bar> bars_of(const v1::Table& table) {
   std::vector<Bar> bars;
   double most = 0.0;
   for (const v1::Table::Row& row : table.rows()) {
-    Bar& bar = bars.emplace_back();
-    for (int i = 0; i < row.cells_size(); ++i) {
-      if (!table.columns(i).has_bars()) continue;
-      bar.low = std::min(bar.low, row.cells(i).value());
-      bar.high = std::max(bar.high, row.cells(i).value());
-    }
-    most = std::max({most, -bar.low, bar.high});
+    bars.push_back(bar_of(table, row));
+    most = std::max({most, std::abs(bars.back().low), std::abs(bars.back().high)});
   }
   if (most <= 0.0) return {};
+
   for (Bar& bar : bars) bar = {bar.low / most, bar.high / most};
   return bars;
 }
@@ -230,7 +255,7 @@ std::string axis_label(const v1::Chart::Axis& axis) {
 
 std::string table_text(const v1::Table& table, const TextStyle& style) {
   std::string text = style.headings && !table.heading().empty() ? table.heading() + "\n" : "";
-  const std::string note = table.note().empty() ? "" : table.note() + "\n";
+  const std::string note = table.note().empty() ? "" : wrapped(table.note(), style.columns) + "\n";
   if (table.rows().empty()) return text + note;
 
   std::vector<ShownColumn> columns = shown_columns(table);
@@ -250,7 +275,7 @@ std::string table_text(const v1::Table& table, const TextStyle& style) {
   }
   std::vector<std::string> bars;
   std::ranges::transform(bars_of(table), std::back_inserter(bars), bar_text);
-  if (!bars.empty()) add("   less|more", "", false, bars);
+  if (!bars.empty() && has_room(columns, style.columns)) add("   less|more", "", false, bars);
   return text + Table(headings, rows).text() + note;
 }
 
@@ -274,7 +299,8 @@ std::string sentences_text(const v1::Judgement& judgement, int columns, int inde
 
 std::string study_judgement_text(const v1::StudyJudgement& study, const Terminal& terminal) {
   const std::string parts = parts_text(study.judgement(), terminal);
-  const std::string sentences = sentences_text(study.judgement(), TextStyle().columns, 0);
+  constexpr int columns = 100;  // of text that is read, tables may be wider
+  const std::string sentences = sentences_text(study.judgement(), columns, 0);
   std::string text = fmt::format("study {}: {}\n{}\n", study.study().id(), study.study().title(),
                                  study.judgement().heading());
   for (const std::string& part : {parts, sentences})

@@ -27,10 +27,11 @@ std::vector<ShownColumn> shown_columns(const v1::Table& table);
 /// "+12.3 mm" as a figure of an axis or of a bar: its plant unit and the factor from SI.
 std::string axis_label(const v1::Chart::Axis& axis);
 
-/// What the numbers of a row that are worth bars span, relative to the largest one of the table.
+/// What the numbers of a row that are worth bars span, with zero unless they are a range; relative
+/// to the largest one of the table, -1 to 1.
 struct Bar {
-  double low = 0.0;   ///< -1 to 0
-  double high = 0.0;  ///< 0 to 1
+  double low = 0.0;
+  double high = 0.0;
 };
 /// (row) Empty where the table has no such numbers.
 std::vector<Bar> bars_of(const v1::Table& table);
@@ -38,7 +39,7 @@ std::vector<Bar> bars_of(const v1::Table& table);
 struct TextStyle {
   bool capitals = false;  ///< headings of columns in capitals
   bool headings = true;   ///< a line above each table that names it
-  int columns = 100;      ///< of the page
+  int columns = 120;      ///< of the page
 };
 
 /// In at most so many columns, if its numbers fit: longer texts are cut.

@@ -196,6 +196,7 @@ int monitor_of(const v1::StudyResult& result, const std::string& name) {
     return found == result.monitors().end() ? -1
                                             : static_cast<int>(found - result.monitors().begin());
   }
+
   int largest = result.monitors().empty() ? -1 : 0;
   double most = -1.0;
   for (const v1::StudyRun& run : result.runs())
@@ -220,7 +221,9 @@ v1::Judgement judge_study(const StudyToJudge& study) {
                                     losses.empty() ? "" : fmt::format(" ({})", losses)));
 
   const auto purpose = result.study().sweep().purpose();
-  if (purpose == v1::SweepPlan::UNCERTAINTY) {
+  if (result.study().has_recipe()) {
+    judge_recipe(result, judgement);
+  } else if (purpose == v1::SweepPlan::UNCERTAINTY) {
     judge_uncertainty(study, judgement);
   } else if (purpose == v1::SweepPlan::SENSITIVITY) {
     judge_sensitivity(study, judgement);

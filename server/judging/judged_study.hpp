@@ -24,8 +24,8 @@ int monitor_of(const v1::StudyResult& result, const std::string& name);
 /// The first valid run; of a sensitivity study that is the case itself. Null: there is none.
 const v1::StudyRun* first_valid_run(const v1::StudyResult& result);
 
-/// The answer of a study so far. Uncertainty and sensitivity have sentences; of other kinds the
-/// runs are listed with their curls, and of a refinement study the limits.
+/// The answer of a study so far. Uncertainty, sensitivity and recipes have sentences; of other
+/// kinds the runs are listed with their curls, and of a refinement study the limits.
 v1::Judgement judge_study(const StudyToJudge& study);
 
 }  // namespace dccast::judging

@@ -29,5 +29,6 @@ void add_lost_runs(const v1::StudyResult& result, v1::JudgementPart::Place place
 
 void judge_uncertainty(const StudyToJudge& study, v1::Judgement& judgement);
 void judge_sensitivity(const StudyToJudge& study, v1::Judgement& judgement);
+void judge_recipe(const v1::StudyResult& result, v1::Judgement& judgement);
 
 }  // namespace dccast::judging

@@ -84,6 +84,19 @@ class Comparisons(ServiceTest):
         self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.compare, {"job": job},
                      {"job": waiting.id})
 
+    def test_a_file_with_a_long_name_is_compared(self):
+        folder = os.path.join(self.folder, *(["a-folder-with-a-rather-long-name"] * 8))
+        os.makedirs(folder)
+        path = os.path.join(folder, "my.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write('title = "steps=20"\n[section]\nhalf_width = "0.25 m"\ninitial_depth = "50 mm"\n'
+                       '[time]\nend = "145 s"\n[[monitor]]\nname = "corner"\nx = "0.25 m"\ny = "0 m"\n')
+        printed = subprocess.run(
+            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "compare", path, path],
+            capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual(printed.returncode, 0, printed.stderr)
+        self.assertIn("run 2, corner: no difference.", printed.stdout)
+
     def test_the_command_line_prints_the_same(self):
         jobs = [self.finished_job(columns=columns) for columns in (30, 40)]
         command = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "compare"]

@@ -22,6 +22,10 @@ def _cells(column: Any, cell: Any) -> Iterator[tuple[str, Any]]:
     suffix = _suffix(column.unit or cell.unit)
     if cell.HasField("value"):
         yield column.key + suffix, cell.value
+        if cell.HasField("until"):
+            yield f"{column.key}_until{suffix}", cell.until
+        if cell.code:
+            yield f"{column.key}_code", cell.code
     elif text := cell.text or cell.case_value or cell.code:
         yield column.key, text
     if column.has_error:

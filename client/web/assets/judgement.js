@@ -21,10 +21,11 @@ const shownValue = value => value.replaceAll('"', '').replace(/\d+(?:\.\d+)?(?:e
 /** "12.3 ± 1.4", "35.5, -0.0 +3.9", a text, a code as words. */
 export function cellText(column, cell = {}) {
   if (cell.text || cell.case_value) return cell.text || shownValue(cell.case_value);
-  if (cell.code) return cell.code.replaceAll('_', ' ');
-  if (cell.value === undefined || cell.value === null) return '';
+  const words = (cell.code || '').replaceAll('_', ' ');
+  if (cell.value === undefined || cell.value === null) return words;
   const number = numberText(column, cell, cell.value), unit = column.unit ? '' : plant(cell.unit)[0];
-  const text = `${column.is_signed && !number.startsWith('-') ? '+' : ''}${number}${unit && ` ${unit}`}`;
+  if (cell.until !== undefined) return `${number} to ${numberText(column, cell, cell.until)}${unit && ` ${unit}`}`;
+  const text = `${column.is_signed && !number.startsWith('-') ? '+' : ''}${number}${unit && ` ${unit}`}${words && ` ${words}`}`;
   if (cell.upper_error === undefined) return text;
   const [lower, upper] = [cell.lower_error, cell.upper_error].map(error => numberText(column, cell, error));
   return lower === upper ? `${text} ± ${upper}` : `${text}, -${lower} +${upper}`;

@@ -87,7 +87,20 @@ TEST(JudgementText, WideTextsAreCutToThePage) {
   auto& row = *table.add_rows();
   for (int i = 0; i < 3; ++i) row.add_cells()->set_case_value(std::string(300, 'x'));
   std::istringstream lines(table_text(table));
-  for (std::string line; std::getline(lines, line);) EXPECT_LE(display_width(line), 100) << line;
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(display_width(line), 120) << line;
+}
+
+TEST(JudgementText, ARangeReadsFromTo) {
+  v1::Table table = curl_table();
+  v1::Cell& curl = *table.add_rows()->add_cells();
+  curl.set_text("corner");
+  v1::Cell& range = *table.mutable_rows(0)->add_cells();
+  range.set_value(0.0312);
+  range.set_until(0.1445);
+  EXPECT_THAT(table_text(table), HasSubstr("31.2 to 144.5"));
+  v1::Judgement judgement;
+  *judgement.add_parts()->mutable_table() = table;
+  EXPECT_THAT(judgement_json(judgement).dump(), HasSubstr("\"curl_until_m\":0.1445"));
 }
 
 TEST(JudgementText, BarsHaveOneScale) {
