@@ -547,6 +547,18 @@ class RealPages(InBrowser):
         self.assertEqual(changes["schedule.water_flow.scale"], "0.80")
         self.assertEqual(self.complaints(), [])
 
+    def test_a_study_shows_its_answer(self):
+        made = subprocess.run(
+            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "uncertainty",
+             os.path.join(CASES, "start-2d-thickness.toml"), "--set", "time.end=20 s", "--only",
+             "alloy.conductivity", "--only", "cooling.water.temperature", "--runs", "10"],
+            capture_output=True, text=True, timeout=90, check=True)
+        self.go("study/" + re.search(r"study ([0-9a-f-]{36})", made.stdout)[1])
+        self.wait_for("9 of 10 castings have", "#answer", seconds=30)
+        self.assertIn("alone, %", self.find("#answer table").text)
+        self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "#answer figure svg")), 2)
+        self.assertEqual(self.complaints(), [])
+
     def test_the_slab_is_drawn_cut_and_probed(self):
         path = os.path.join(CASES, "start-3d.toml")
         submitted = subprocess.run(
