@@ -1,9 +1,7 @@
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <iostream>
 #include <map>
-#include <string_view>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
@@ -36,22 +34,13 @@ std::string way_back(const Options& options, const std::string& study) {
   return command;
 }
 
-/// The refinement in "refinement 4: the case has ..."; 0 where a message begins otherwise.
-int refused_refinement(const std::string& message) {
-  constexpr std::string_view word = "refinement ";
-  int refinement = 0;
-  if (message.starts_with(word))
-    std::from_chars(message.data() + word.size(), message.data() + message.size(), refinement);
-  return refinement;
-}
-
 /// Reports why the server rejects a study of this case.
-void print_refusal(const CaseUnderCheck& checked, const grpc::Status& status) {
-  const int refinement = refused_refinement(status.error_message());
+void print_refusal(const CaseUnderCheck& checked, const v1::ValidateCaseResponse& verdict) {
+  const int refinement = verdict.refinement();
   const auto& mesh = checked.description.mesh();
   const int base = mesh.has_refinement() ? mesh.refinement() : 1;
   const bool finer = refinement > base;
-  for (const v1::Fault& fault : faults_of(status))
+  for (const v1::Fault& fault : verdict.faults())
     std::cerr << (finer ? "refinement " + std::to_string(refinement) + ": " : "")
               << describe(fault, checked.read.source) << '\n';
   if (!finer) return;
@@ -103,8 +92,9 @@ bool submit(const Options& options, const std::string& study, Connection& connec
   if (status.error_code() == grpc::StatusCode::ALREADY_EXISTS)
     throw invalid("study " + study + " is of another case" +
                   ". Take it up without FILE, or begin a new one without --study");
-  if (!faults_of(status).empty()) {
-    print_refusal(checked, status);
+  const v1::ValidateCaseResponse verdict = verdict_of(status);
+  if (!verdict.faults().empty()) {
+    print_refusal(checked, verdict);
     return false;
   }
   check(status, connection.server());

@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <iostream>
 
 #include "client/cli/common_options.hpp"
@@ -7,7 +9,7 @@
 #include "client/session/case_faults.hpp"
 #include "client/session/plan_requests.hpp"
 #include "client/session/studies.hpp"
-#include "client/text/data_study_text.hpp"
+#include "client/text/judgement_text.hpp"
 #include "client/text/plant_units.hpp"
 #include "client/text/study_text.hpp"
 #include "proto/case_file/override.hpp"
@@ -128,11 +130,12 @@ ExitCode print(Connection& connection, const RecipeOptions& options, const std::
     throw invalid("study " + id + " designs no recipe; dccast studies show " + id +
                   " shows what it is");
   if (!options.output.empty()) write_chosen(options, result.recipe());
-  if (!options.plot.empty()) write_output(options.plot, render::recipe_page(result));
+  const v1::StudyJudgement judgement = judge_study(connection, id);
+  if (!options.plot.empty()) write_output(options.plot, render::judgement_page(judgement));
   if (options.json)
     print_line(to_json(result));
   else if (options.plot != "-" && options.output != "-")
-    std::cout << render::recipe_text(result);
+    std::cout << render::study_judgement_text(judgement, render::terminal_of(STDOUT_FILENO));
   const bool open = result.study().state() == v1::STUDY_RUNNING;
   return open || result.recipe().chosen() >= 0 ? ExitCode::done : ExitCode::solve_failed;
 }

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -6,12 +7,16 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
+#include "client/html/html_parts.hpp"
+#include "client/html/judgement_parts.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/comparison.hpp"
+#include "client/model/judgement_json.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
-#include "client/text/comparison_text.hpp"
+#include "client/text/answer_text.hpp"
+#include "client/text/findings.hpp"
+#include "client/text/judgement_text.hpp"
 #include "client/text/progress.hpp"
 
 namespace dccast::client::commands {
@@ -121,6 +126,7 @@ std::vector<Answer> answers_of_files(Connection& connection, const std::vector<N
     cases.push_back(case_of(connection, file));
     if (!cases.back().faults.empty()) refuse(cases.back(), file.text);
   }
+
   std::vector<Answer> answers;
   const auto on_wait = [&](std::size_t index, const auto& waiting) {
     std::cerr << files[index].text << ": " << render::waiting_text(waiting) << std::endl;
@@ -134,11 +140,11 @@ std::vector<Answer> answers_of_files(Connection& connection, const std::vector<N
   return answers;
 }
 
-Answer answer_of_named_job(Connection& connection, const std::string& text) {
-  const std::string id = resolve_job(connection, text);
-  Answer answer = answer_of_job(connection, id);
-  answer.name = text == "last" ? id.substr(0, 8) : text;
-  return answer;
+v1::ComparedRun compared_job(Connection& connection, const std::string& text) {
+  v1::ComparedRun run;
+  run.set_job(resolve_job(connection, text));
+  if (text != "last") run.set_name(text);
+  return run;
 }
 
 std::vector<NamedRun> runs_of(const CompareOptions& options) {
@@ -148,31 +154,46 @@ std::vector<NamedRun> runs_of(const CompareOptions& options) {
   return runs;
 }
 
-std::vector<Answer> answers_to(Connection& connection, const std::vector<NamedRun>& runs) {
-  std::vector<NamedRun> files;
-  for (const NamedRun& run : runs)
-    if (has_to_be_computed(run)) files.push_back(run);
-  std::vector<Answer> computed = answers_of_files(connection, files);
-  auto next = computed.begin();
-  std::vector<Answer> answers;
-  for (const NamedRun& run : runs)
-    answers.push_back(has_to_be_computed(run) ? std::move(*next++)
-                                              : answer_of_named_job(connection, run.text));
-  return answers;
-}
-
 /// The case files at another quality: draft, or engineering where they are draft themselves.
-std::vector<Answer> companions_of(Connection& connection, const std::vector<NamedRun>& runs,
-                                  const std::vector<Answer>& answers) {
-  std::vector<NamedRun> files;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (!is_case_file(runs[i].text) || runs[i].text == "-") continue;
-    files.push_back(runs[i]);
-    v1::CaseChange& quality = files.back().changes.emplace_back();
+std::vector<NamedRun> companions_of(const std::vector<NamedRun>& files,
+                                    const std::vector<Answer>& answers) {
+  std::vector<NamedRun> companions;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (!is_case_file(files[i].text) || files[i].text == "-") continue;
+    companions.push_back(files[i]);
+    v1::CaseChange& quality = companions.back().changes.emplace_back();
     quality.set_key("quality");
     quality.set_value(answers[i].description.quality() == v1::DRAFT ? "engineering" : "draft");
   }
-  return answers_of_files(connection, files);
+  return companions;
+}
+
+/// Computes what has to be computed, and lets the server compare.
+v1::Comparison compare(Connection& connection, const std::vector<NamedRun>& runs, bool paired) {
+  std::vector<NamedRun> files;
+  std::ranges::copy_if(runs, std::back_inserter(files), has_to_be_computed);
+  const std::vector<Answer> answers = answers_of_files(connection, files);
+
+  v1::CompareRunsRequest request;
+  auto next = answers.begin();
+  for (const NamedRun& run : runs)
+    *request.add_runs() =
+        has_to_be_computed(run) ? compared_run(*next++) : compared_job(connection, run.text);
+  if (paired)
+    for (const Answer& answer : answers_of_files(connection, companions_of(files, answers)))
+      *request.add_companions() = compared_run(answer);
+  v1::Comparison comparison = connection.call(&Stub::CompareRuns, request);
+
+  // Answers of one key are one to the server: titles and the texts of changes are the client's.
+  next = answers.begin();
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!has_to_be_computed(runs[i])) continue;
+    auto& summary = *comparison.mutable_runs(static_cast<int>(i));
+    summary.set_title(next->description.title());
+    *summary.mutable_changes() = {next->changes.begin(), next->changes.end()};
+    ++next;
+  }
+  return comparison;
 }
 
 void require_runs(const CompareOptions& options) {
@@ -182,30 +203,67 @@ void require_runs(const CompareOptions& options) {
     throw invalid("--set changes the first RUN, a case file or a job; standard input is read once");
 }
 
-void write_comparison(const std::vector<Answer>& answers,
-                      const std::vector<CurlDifference>& differences, const std::string& file) {
-  const auto monitors = render::monitors_of(answers);
-  const bool svg = file.ends_with(".svg");
-  if (svg && monitors.size() != 1)
-    throw invalid("an SVG holds one monitor and these runs have " +
-                  std::to_string(monitors.size()) + "; give an HTML file: -o comparison.html");
-  write_output(file, svg ? render::svg_file(render::comparison_chart(answers, monitors[0]))
-                         : render::comparison_page(answers, differences));
+std::string names_text(const v1::Comparison& comparison) {
+  std::string text;
+  for (int i = 0; i < comparison.runs_size(); ++i) {
+    const auto& run = comparison.runs(i);
+    text += fmt::format("{}  {}{}{}\n", i + 1, run.name(), run.title().empty() ? "" : "  ",
+                        run.title());
+    if (!run.changes().empty()) text += fmt::format("   {}\n", changes_text(run.changes()));
+  }
+  return text;
+}
+
+std::string findings_text(const v1::Comparison& comparison) {
+  std::string text;
+  for (int i = 0; i < comparison.runs_size(); ++i)
+    for (const v1::Finding& finding : comparison.runs(i).findings())
+      text += fmt::format("run {}: {}\n", i + 1, render::finding_line(finding));
+  return text;
+}
+
+std::string comparison_text(const v1::Comparison& comparison) {
+  constexpr int columns = 120;
+  return fmt::format("{}\n{}{}\n{}", names_text(comparison),
+                     render::parts_text(comparison.judgement(), render::terminal_of(STDOUT_FILENO),
+                                        {.capitals = true, .headings = false}),
+                     findings_text(comparison),
+                     render::sentences_text(comparison.judgement(), columns, 2));
+}
+
+Json comparison_json(const v1::Comparison& comparison) {
+  Json json = judgement_json(comparison.judgement());
+  json["runs"] = json_list(comparison.runs(), to_json);
+  return json;
+}
+
+/// The one chart of curls as an SVG file.
+std::string comparison_svg(const v1::Judgement& judgement) {
+  std::vector<const v1::Chart*> curls;
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.chart().key() == "curl") curls.push_back(&part.chart());
+  if (curls.size() != 1)
+    throw invalid(
+        fmt::format("an SVG holds one monitor and these runs have {}; give an HTML file: "
+                    "-o comparison.html",
+                    curls.size()));
+  return render::svg_file(render::chart_of(*curls.front()));
 }
 
 ExitCode run(const CompareOptions& options, Program& program) {
   require_runs(options);
   require_free(options.output, options.force);
   Connection connection = program.connect();
-  const std::vector<NamedRun> runs = runs_of(options);
-  const std::vector<Answer> answers = answers_to(connection, runs);
-  const auto differences = curl_differences(
-      answers, options.paired ? companions_of(connection, runs, answers) : std::vector<Answer>{});
-  if (!options.output.empty()) write_comparison(answers, differences, options.output);
+  const v1::Comparison comparison = compare(connection, runs_of(options), options.paired);
+
+  if (!options.output.empty())
+    write_output(options.output, options.output.ends_with(".svg")
+                                     ? comparison_svg(comparison.judgement())
+                                     : render::comparison_page(comparison));
   if (options.json)
-    print_line(render::comparison_json(answers, differences));
+    print_line(comparison_json(comparison));
   else
-    std::cout << render::comparison_text(answers, differences, render::terminal_of(1));
+    std::cout << comparison_text(comparison);
   return ExitCode::done;
 }
 

@@ -1,15 +1,15 @@
-#include <algorithm>
+#include <unistd.h>
+
 #include <iostream>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/html/pages.hpp"
+#include "client/model/judgement_json.hpp"
 #include "client/model/study.hpp"
 #include "client/session/data_study.hpp"
-#include "client/session/jobs.hpp"
 #include "client/session/studies.hpp"
-#include "client/text/data_study_text.hpp"
-#include "proto/case_file/quality.hpp"
+#include "client/text/judgement_text.hpp"
 #include "proto/case_file/uncertainty.hpp"
 
 namespace dccast::client::commands {
@@ -30,109 +30,48 @@ void take_band(const std::string& band, std::vector<std::string>& changes) {
   changes.push_back("plausibility.greatest_curl=" + range->high);
 }
 
-/// The first valid run; of a sensitivity study that is the case itself. Null: there is none.
-const v1::StudyRun* first_valid(const v1::StudyResult& result) {
-  const auto found = std::ranges::find_if(result.runs(), [](const v1::StudyRun& run) {
-    return run.state() == v1::SUCCEEDED && !run.beyond_validity();
-  });
-  return found == result.runs().end() ? nullptr : &*found;
-}
-
-/// Half the band of mesh and time steps relative to the curl.
-std::optional<double> mesh_error(const v1::StudyResult& result) {
-  const v1::StudyRun* const run = first_valid(result);
-  return run && run->has_relative_curl_error() ? std::optional(run->relative_curl_error())
-                                               : std::nullopt;
-}
-
-/// The error of a small difference between runs, relative to the curl.
-std::optional<double> difference_error(Connection& connection, const v1::StudyResult& result) {
-  const v1::StudyRun* const run = first_valid(result);
-  if (!run) return std::nullopt;
-  const v1::Case of_run = query_result(connection, run->job()).case_();
-  const auto pair = case_file::paired_error(of_run, of_run);
-  return pair ? std::optional(pair->of_curl) : std::nullopt;
-}
-
-int chosen_monitor(const v1::StudyResult& result, const std::string& point) {
-  const int monitor = monitor_of(result, point);
-  if (monitor >= 0) return monitor;
-  std::string known;
-  for (const std::string& name : result.monitors()) known += "\n  " + name;
-  throw CommandFailed(ExitCode::not_found,
-                      point.empty() ? "the case has no monitor"
-                                    : "no monitor named \"" + point + "\"; there are:" + known);
-}
-
-v1::StudyResult spread_of(Connection& connection, const std::string& id, const std::string& point) {
-  const v1::StudyResult runs = evaluate_study(connection, id);
+/// Beside the judgement the figures of every run, and of the monitor at every instant.
+Json uncertainty_json(Connection& connection, const DataOptions& options,
+                      const v1::StudyJudgement& answer) {
   v1::EvaluateStudyRequest request;
-  request.set_id(id);
-  request.set_spread(runs.monitors(chosen_monitor(runs, point)));
-  return connection.call(&Stub::EvaluateStudy, request);
+  request.set_id(answer.study().id());
+  const v1::StudyResult runs = connection.call(&Stub::EvaluateStudy, request);
+  if (const int monitor = monitor_of(runs, options.point); monitor >= 0)
+    request.set_spread(runs.monitors(monitor));
+  Json json = to_json(connection.call(&Stub::EvaluateStudy, request));
+  json["judgement"] = judgement_json(answer.judgement());
+  return json;
 }
 
-void print_uncertainty(Connection& connection, const DataOptions& options, const std::string& id) {
-  const v1::StudyResult result = spread_of(connection, id, options.point);
-  const auto relative = mesh_error(result);
-  if (!options.plot.empty()) write_output(options.plot, render::uncertainty_page(result, relative));
-  if (options.json) {
-    Json json = to_json(result);
-    const auto at_end_m = render::mesh_error_at_end_m(result.spread(), relative);
-    json["mesh_error_m"] = at_end_m ? Json(*at_end_m) : Json();
-    print_line(json);
-  } else if (options.plot != "-") {
-    std::cout << render::uncertainty_text(result, relative);
-  }
-}
-
-Json effects_json(const v1::StudyResult& result, int monitor, std::optional<double> of_curl) {
-  const Effects effects = effects_of(result, monitor, of_curl);
-  const auto number = [](const std::optional<double>& value) {
-    return value ? Json(*value) : Json();
-  };
-  const auto effect_json = [&](const Effect& effect) -> Json {
-    const auto& axis = result.study().sweep().axes(effect.axis);
-    return {{"key", axis.key()},
-            {"lever", is_lever(axis.key())},
-            {"low", axis.values(0)},
-            {"high", axis.values(1)},
-            {"low_m", number(effect.low_m)},
-            {"high_m", number(effect.high_m)},
-            {"low_failure", effect.low_failure},
-            {"high_failure", effect.high_failure}};
-  };
-  return {{"study", to_json(result.study())},
-          {"monitor", result.monitors(monitor)},
-          {"curl_m", number(effects.base_m)},
-          {"error_m", number(effects.error_m)},
-          {"effects", json_list(effects.effects, effect_json)}};
-}
-
-void print_sensitivity(Connection& connection, const DataOptions& options, const std::string& id) {
-  const v1::StudyResult result = evaluate_study(connection, id);
-  const int monitor = chosen_monitor(result, options.point);
-  const auto of_curl = difference_error(connection, result);
-  if (!options.plot.empty())
-    write_output(options.plot, render::sensitivity_page(result, monitor, of_curl));
-  if (options.json)
-    print_line(effects_json(result, monitor, of_curl));
-  else if (options.plot != "-")
-    std::cout << render::sensitivity_text(result, monitor, of_curl);
+Json sensitivity_json(Connection&, const DataOptions&, const v1::StudyJudgement& answer) {
+  Json json = judgement_json(answer.judgement());
+  json["study"] = to_json(answer.study());
+  return json;
 }
 
 /// What distinguishes the two commands.
 struct Kind {
   std::string name;
   void (*lay_out)(Connection&, const DataPlan&, v1::CreateStudyRequest&);
-  void (*print)(Connection&, const DataOptions&, const std::string&);
+  Json (*json)(Connection&, const DataOptions&, const v1::StudyJudgement&);
 };
+
+void print(Connection& connection, const DataOptions& options, const Kind& kind,
+           const std::string& id) {
+  const v1::StudyJudgement answer = judge_study(connection, id, options.point);
+  if (!options.plot.empty()) write_output(options.plot, render::judgement_page(answer));
+  if (options.json)
+    print_line(kind.json(connection, options, answer));
+  else if (options.plot != "-")
+    std::cout << render::study_judgement_text(answer, render::terminal_of(STDOUT_FILENO));
+}
 
 ExitCode run(DataOptions options, const Kind& kind, Program& program) {
   if (options.base.file.empty() == options.study.empty())
     throw invalid("give a case FILE to begin, or --study ID to take one up again");
   require_free(options.plot, options.force);
   take_band(options.band, options.base.set);
+
   Connection connection = program.connect();
   std::string id = options.study.empty() ? "" : resolve_study(connection, options.study);
   const std::string come_back = "dccast " + kind.name + " --study ";
@@ -150,17 +89,18 @@ ExitCode run(DataOptions options, const Kind& kind, Program& program) {
       return ExitCode::done;
     }
   }
+
   if (!options.no_wait) follow_with_progress(connection, id, come_back + id);
-  kind.print(connection, options, id);
+  print(connection, options, kind, id);
   return ExitCode::done;
 }
 
 ExitCode run_uncertainty(const DataOptions& options, Program& program) {
-  return run(options, {"uncertainty", lay_out_uncertainty, print_uncertainty}, program);
+  return run(options, {"uncertainty", lay_out_uncertainty, uncertainty_json}, program);
 }
 
 ExitCode run_sensitivity(const DataOptions& options, Program& program) {
-  return run(options, {"sensitivity", lay_out_sensitivity, print_sensitivity}, program);
+  return run(options, {"sensitivity", lay_out_sensitivity, sensitivity_json}, program);
 }
 
 void add_common(const cli::Command& command, DataOptions& options, const char* plot) {

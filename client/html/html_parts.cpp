@@ -18,7 +18,7 @@ h1{margin:4px 0 0;font-size:26px;line-height:1.25;font-weight:650}h2{margin:0 0 
 .tile span{display:block;font-size:12px}.tile strong{color:var(--ink);font-size:24px;font-weight:650;font-variant-numeric:tabular-nums}
 .tile small,.tile em{display:block;font-size:12px}.tile em{font-style:normal;font-size:15px;color:var(--ink);font-variant-numeric:tabular-nums}.note{color:var(--soft);font-size:13.5px;margin:0 2px 16px}
 table.figures th,table.figures td{width:auto;text-align:right;padding:5px 0 5px 14px}table.figures th:first-child,table.figures td:first-child{text-align:left;padding-left:0}
-table.figures td:last-child:not(:nth-child(2)){color:inherit;font-size:inherit}table.figures td{font-variant-numeric:tabular-nums}
+table.figures .text{text-align:left}table.figures td:last-child:not(:nth-child(2)){color:inherit;font-size:inherit}table.figures td{font-variant-numeric:tabular-nums}
 table.figures thead th{color:var(--soft);font-size:13px}table.figures tr.this td{font-weight:650}table.figures tr.first>*{border-top:2px solid var(--zero)}
 .scroll{overflow-x:auto}.card p{margin:10px 0 0;color:var(--soft);font-size:13px}
 .card{background:var(--card);border:1px solid var(--rule);border-radius:8px;padding:16px 18px;margin:0 0 16px;min-width:0;break-inside:avoid}

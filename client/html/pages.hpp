@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/model/comparison.hpp"
+#include "client/model/answer.hpp"
 #include "client/model/study.hpp"
 #include "client/session/connection.hpp"
 #include "client/session/plan_requests.hpp"
@@ -30,9 +30,8 @@ std::string report_page(const v1::Job& job, const v1::QueryResultResponse& resul
 std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes,
                       grpc::Status& frame_status);
 
-/// What comparison_text() says, with charts of the differences and their causes.
-std::string comparison_page(const std::vector<Answer>& answers,
-                            const std::vector<CurlDifference>& differences);
+/// A comparison with charts of the differences and of what caused them.
+std::string comparison_page(const v1::Comparison& comparison);
 
 /// A sweep: the final curl against each numeric key and against pairs of such keys, with the table
 /// of all runs.
@@ -42,22 +41,13 @@ std::string sweep_page(const v1::StudyResult& result);
 /// shown in the terminal.
 std::string mould_page(const MouldDesign& design);
 
-/// An uncertainty study: the band of the data, that of mesh and time steps apart, the shares of the
-/// data against time, and the runs that do not count.
-/// @param mesh_error  half the band of mesh and steps relative to the curl; empty: not known
-std::string uncertainty_page(const v1::StudyResult& result, std::optional<double> mesh_error);
-
-/// A sensitivity study: a bar for every lever and datum. @param of_curl  as for effects_of()
-std::string sensitivity_page(const v1::StudyResult& result, int monitor,
-                             std::optional<double> of_curl);
+/// What the server concludes from a study: its sentences, then the tables and charts they rest on.
+std::string judgement_page(const v1::StudyJudgement& study);
 
 /// A calibration: what was measured over what is computed, with the bands of the data before and
 /// after and that of mesh and time steps, keys and curves as tables, and the runs that do not
 /// count.
 std::string calibration_page(const v1::StudyResult& result);
-
-/// Recipes: what came out, the curl of each with its band, and the table shown in the terminal.
-std::string recipe_page(const v1::StudyResult& result);
 
 /// The page of any study. @param kind  "Study"  @param note  text below its title  @param body HTML
 std::string study_page(const v1::Study& study, const std::string& kind, const std::string& note,

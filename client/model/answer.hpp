@@ -51,6 +51,7 @@ double curl_of(const v1::MonitorValue& monitor);
 struct Answer {
   std::string name;         ///< name of the file or job, for tables
   std::string job;          ///< id of the job; empty if it is not stored
+  std::string key;          ///< names the answer to the server where there is no job
   bool from_store = false;  ///< no solver ran
   v1::Case description;     ///< complete
   std::vector<v1::CaseChange> changes;

@@ -131,11 +131,15 @@ void check_with_server(CaseUnderCheck& checked, Connection& connection) {
   sort_by_place(checked);
 }
 
+v1::ValidateCaseResponse verdict_of(const grpc::Status& status) {
+  v1::ValidateCaseResponse verdict;
+  if (!verdict.ParseFromString(status.error_details())) verdict.Clear();
+  return verdict;
+}
+
 std::vector<v1::Fault> faults_of(const grpc::Status& status) {
-  v1::ValidateCaseResponse response;
-  if (status.error_details().empty() || !response.ParseFromString(status.error_details()))
-    return {};
-  return {response.faults().begin(), response.faults().end()};
+  const v1::ValidateCaseResponse verdict = verdict_of(status);
+  return {verdict.faults().begin(), verdict.faults().end()};
 }
 
 void print_faults(const CaseUnderCheck& checked, std::ostream& stream) {

@@ -1,7 +1,6 @@
 #include "client/session/data_study.hpp"
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 #include "client/model/study.hpp"
@@ -15,38 +14,6 @@
 
 namespace dccast::client {
 namespace {
-
-/// A lever of a plant with the range in which sensitivity moves it: a tenth, or what a plant
-/// changes between two castings.
-struct Lever {
-  const char* key;
-  const char* range;
-  bool (*is_there)(const v1::Case&) = nullptr;  ///< in this case; null: in every one
-};
-
-bool has_points_in_time(const v1::Curve& curve) {
-  return curve.value_size() > 1 && curve.abscissa() == v1::TIME;
-}
-
-const std::array levers{
-    Lever{"schedule.casting_speed.scale", "0.9..1.1"},
-    Lever{
-        "schedule.casting_speed.shift", "-10 s..10 s",
-        [](const v1::Case& c) { return has_points_in_time(c.schedule().casting_speed_m_per_s()); }},
-    Lever{"schedule.water_flow.scale", "0.9..1.1",
-          [](const v1::Case& c) { return c.cooling().water().enabled(); }},
-    Lever{"schedule.water_flow.shift", "-10 s..10 s",
-          [](const v1::Case& c) { return has_points_in_time(c.schedule().water_flow_m2_per_s()); }},
-    Lever{"schedule.casting_temperature.offset", "-10 K..10 K"},
-    Lever{"cooling.water.temperature.offset", "-5 K..5 K"},
-    Lever{"cooling.bottom_block.temperature.offset", "-20 K..20 K"},
-    Lever{"schedule.filling.scale", "0.9..1.1",
-          [](const v1::Case& c) { return c.schedule().filling_s() > 0.0; }},
-    Lever{"schedule.hold.scale", "0.9..1.1",
-          [](const v1::Case& c) { return c.schedule().hold_s() > 0.0; }},
-    Lever{"section.block_above_water.offset", "-5 mm..5 mm",
-          [](const v1::Case& c) { return c.section().has_block_above_water_m(); }},
-};
 
 v1::ValidateCaseResponse validated(Connection& connection, const v1::CreateStudyRequest& request) {
   v1::ValidateCaseRequest question;
@@ -243,7 +210,7 @@ void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
   add_data(keys, plan, sweep);
   std::set<std::string> data;
   for (const v1::SweepPlan::Axis& axis : sweep.axes()) data.insert(datum_of(axis.key()));
-  for (const Lever& lever : levers) {
+  for (const case_file::Lever& lever : case_file::levers()) {
     const std::string key = lever.key;
     const bool is_datum = !key.ends_with(".shift") && data.contains(datum_of(key));
     if (!plan.only.empty() || is_datum ||
@@ -252,16 +219,6 @@ void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
     const auto ends = case_file::parse_range(lever.range);
     add_axis(sweep, key, ends->low, ends->high);
   }
-}
-
-std::string datum_of(const std::string& axis_key) {
-  for (const char* suffix : {".scale", ".offset", ".shift"})
-    if (axis_key.ends_with(suffix)) return axis_key.substr(0, axis_key.rfind('.'));
-  return axis_key;
-}
-
-bool is_lever(const std::string& axis_key) {
-  return std::ranges::any_of(levers, [&](const Lever& lever) { return axis_key == lever.key; });
 }
 
 v1::StudyResult evaluate_calibration(Connection& connection,

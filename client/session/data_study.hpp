@@ -5,6 +5,7 @@
 
 #include "client/session/connection.hpp"
 #include "dccast/v1/study.pb.h"
+#include "proto/case_file/study_keys.hpp"
 #include "proto/case_file/uncertainty.hpp"
 
 /// Studies over what data and levers of a case may be: `uncertainty`, `sensitivity`, and
@@ -49,11 +50,7 @@ void lay_out_calibration(Connection& connection, const CalibrationPlan& plan,
 void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
                          v1::CreateStudyRequest& request);
 
-/// The key that an axis moves: without ".scale", ".offset" or ".shift".
-std::string datum_of(const std::string& axis_key);
-
-/// Whether an axis is a lever of the plant rather than a datum.
-bool is_lever(const std::string& axis_key);
+using case_file::datum_of;
 
 /// The studies of one casting: a Latin hypercube with measurements, then further runs.
 using CastingStudies = std::vector<std::string>;

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "client/session/jobs.hpp"
+#include "proto/values/printable.hpp"
 
 namespace dccast::client {
 namespace {
@@ -31,6 +32,7 @@ void take(const v1::QueryButtCurlResponse& response, Clock::time_point begin, An
   if (response.has_accepted()) {
     answer.from_store = response.accepted().from_store();
     answer.job = response.accepted().job();
+    answer.key = response.accepted().answer();
     answer.description = response.accepted().case_();
   } else if (response.has_step()) {
     if (answer.history.time_s.empty()) answer.first_point_s = seconds_since(begin);
@@ -112,21 +114,15 @@ std::optional<Answer> ask_query(
   return answer;
 }
 
-Answer answer_of_job(Connection& connection, const std::string& id) {
-  const v1::Job job = connection.call(&Stub::GetJob, id);
-  const v1::QueryResultResponse result = query_result(connection, id);
-  Answer answer;
-  answer.job = job.id();
-  answer.from_store = true;
-  answer.description = result.case_();
-  answer.changes.assign(job.changes().begin(), job.changes().end());
-  answer.history = curl_history(job, result);
-  answer.findings.assign(job.findings().begin(), job.findings().end());
-  if (job.has_validity_loss()) answer.validity_loss = job.validity_loss();
-  answer.state = job.state();
-  if (job.has_failure()) answer.failure = job.failure();
-  answer.solver_s = job.last_step().solver_s();
-  return answer;
+v1::ComparedRun compared_run(const Answer& answer) {
+  constexpr std::size_t longest_name = 100;  // a path may be longer than a request permits
+  v1::ComparedRun run;
+  if (answer.job.empty())
+    run.set_answer(answer.key);
+  else
+    run.set_job(answer.job);
+  run.set_name(values::shortened(values::escaped(answer.name), longest_name));
+  return run;
 }
 
 std::vector<std::optional<Answer>> ask_queries(

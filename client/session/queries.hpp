@@ -24,8 +24,8 @@ std::optional<Answer> ask_query(
     Connection& connection, CaseUnderCheck& checked, const QueryMode& mode,
     const std::function<void(const v1::QueryButtCurlResponse&)>& on_response = {});
 
-/// The same of a job that is there.
-Answer answer_of_job(Connection& connection, const std::string& id);
+/// Names an answer to CompareRuns, under its own name.
+v1::ComparedRun compared_run(const Answer& answer);
 
 /// Queries several cases, a few at a time: the daemon runs as many as it has cores, and the others
 /// wait there. Throws CommandFailed, Interrupted; the runs end with their calls.

@@ -14,11 +14,9 @@ namespace dccast::client {
 namespace {
 
 /// What is wrong with a plan or one of its cases, a line each.
-void print_refusal(const grpc::Status& status, const CaseUnderCheck& checked) {
-  const std::string& message = status.error_message();
-  const std::string run =
-      message.starts_with("run ") ? message.substr(0, message.find(": the case has")) + ": " : "";
-  for (const v1::Fault& fault : faults_of(status))
+void print_refusal(const v1::ValidateCaseResponse& verdict, const CaseUnderCheck& checked) {
+  const std::string run = verdict.run().empty() ? "" : verdict.run() + ": ";
+  for (const v1::Fault& fault : verdict.faults())
     std::cerr << run << describe(fault, checked.read.source) << '\n';
 }
 
@@ -62,12 +60,13 @@ std::optional<v1::Study> create_study(
   add_plan(request);
   v1::Study study;
   const grpc::Status status = connection.try_call(&Stub::CreateStudy, request, study);
-  if (!faults_of(status).empty()) {
+  const v1::ValidateCaseResponse verdict = verdict_of(status);
+  if (!verdict.faults().empty()) {
     // The values at fault are those of the plan, not those of the case.
     if (!base.plan_origin.empty())
       for (const auto& axis : request.sweep().axes())
         checked.read.source.set(axis.key(), {}, base.plan_origin + " " + axis.key());
-    print_refusal(status, checked);
+    print_refusal(verdict, checked);
     return std::nullopt;
   }
   check(status, connection.server());
@@ -150,6 +149,14 @@ v1::StudyResult evaluate_study(Connection& connection, const std::string& id, bo
   request.set_id(id);
   request.set_curves(curves);
   return connection.call(&Stub::EvaluateStudy, request);
+}
+
+v1::StudyJudgement judge_study(Connection& connection, const std::string& id,
+                               const std::string& monitor) {
+  v1::JudgeStudyRequest request;
+  request.set_id(id);
+  request.set_monitor(monitor);
+  return connection.call(&Stub::JudgeStudy, request);
 }
 
 v1::StudyResult find_study(Connection& connection, const std::string& id) {

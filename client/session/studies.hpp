@@ -53,7 +53,12 @@ std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id
 /// Results of a study so far. Throws CommandFailed.
 v1::StudyResult evaluate_study(Connection& connection, const std::string& id, bool curves = false);
 
-/// The same; an empty result where the server has no such study.
+/// What the server concludes from a study so far. Throws CommandFailed.
+/// @param monitor  whose curl is judged; empty: that with the largest curl
+v1::StudyJudgement judge_study(Connection& connection, const std::string& id,
+                               const std::string& monitor = {});
+
+/// As evaluate_study(); an empty result where the server has no such study.
 v1::StudyResult find_study(Connection& connection, const std::string& id);
 
 /// A refinement study with its jobs. Throws CommandFailed, also for a study of another kind.

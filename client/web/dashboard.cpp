@@ -14,12 +14,10 @@
 #include "client/html/frame_surface.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/comparison.hpp"
 #include "client/model/json.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
-#include "client/text/comparison_text.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/values/digests.hpp"
@@ -54,6 +52,8 @@ const std::map<std::string, Call>& calls() {
       {"GetStudy", unary(&Stub::GetStudy)},
       {"EvaluateStudy", unary(&Stub::EvaluateStudy)},
       {"PredictStudy", unary(&Stub::PredictStudy)},
+      {"CompareRuns", unary(&Stub::CompareRuns)},
+      {"JudgeStudy", unary(&Stub::JudgeStudy)},
   };
   return all;
 }
@@ -187,11 +187,9 @@ Reply report(Connection& connection, const std::string& id) {
 }
 
 Reply comparison(Connection& connection, const std::vector<std::string>& ids) {
-  std::vector<Answer> answers;
-  for (const std::string& id : ids) answers.push_back(answer_of_job(connection, id));
-  if (answers.size() < 2)
-    throw CommandFailed(ExitCode::invalid, "a comparison takes two jobs or more");
-  return {.body = render::comparison_page(answers, curl_differences(answers)),
+  v1::CompareRunsRequest request;
+  for (const std::string& id : ids) request.add_runs()->set_job(id);
+  return {.body = render::comparison_page(connection.call(&Stub::CompareRuns, request)),
           .type = html,
           .stands_alone = true};
 }
@@ -243,6 +241,7 @@ Json answer_json(const Answer& answer) {
             {"state", v1::JobState_Name(answer.state)},
             {"failure", answer.failure ? to_json(*answer.failure) : Json()},
             {"job", answer.job},
+            {"key", answer.key},
             {"solver_s", answer.solver_s}};
   Json& findings = json["findings"] = Json::array();
   for (const v1::Finding& finding : answer.findings) findings.push_back(to_json(finding));

@@ -19,8 +19,19 @@
 
 namespace dccast::service {
 
-/// What a query was answered with behind `accepted`: messages of QueryButtCurlResponse.
-using QueryAnswer = std::vector<std::string>;
+/// What a query was answered with, kept for the same query and for comparisons. As bytes: a message
+/// takes three times their memory.
+struct QueryAnswer {
+  bool succeeded = false;             ///< the same query has the same answer
+  std::string complete_case;          ///< v1::Case
+  std::vector<std::string> messages;  ///< of QueryButtCurlResponse, behind `accepted`
+
+  std::size_t bytes() const {
+    std::size_t size = complete_case.capacity();
+    for (const std::string& message : messages) size += sizeof message + message.capacity();
+    return size;
+  }
+};
 
 /// What the calls work with; owned by the daemon.
 struct Context {
@@ -41,7 +52,8 @@ struct Context {
   std::string version;
   int workers = 1;  ///< jobs that run at once
   jobs::StepIndexes step_indexes{};
-  /// Of queries that were not kept as jobs, by their answer_key(), in bytes.
+  /// Of queries that were not kept as jobs, by their answer_key(), which names them to
+  /// CompareRuns; in bytes.
   jobs::Recent<const QueryAnswer> query_answers{16'000'000};
   std::atomic<bool> leaving{false};  ///< the daemon is shutting down: streams end
 };

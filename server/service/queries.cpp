@@ -19,6 +19,7 @@
 #include "server/service/lanes.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
+#include "server/service/run_history.hpp"
 #include "server/service/simulation_service.hpp"
 
 namespace dccast::service {
@@ -32,13 +33,15 @@ using Responses = std::vector<Response>;
 using SendQueryResponse = std::function<void(Response)>;
 
 constexpr double longest_query_s = 24 * 3600.0;
-constexpr std::size_t most_steps_at_once = 1000;
-constexpr std::size_t most_bytes_at_once = 1'000'000;
 
-Response accepted(const intake::ExaminedCase& examined, bool from_store, const std::string& job) {
+/// @param job     its id; empty: none
+/// @param answer  names the answer where there is no job
+Response accepted(const intake::ExaminedCase& examined, bool from_store, const std::string& job,
+                  const std::string& answer) {
   Response response;
   response.mutable_accepted()->set_from_store(from_store);
   response.mutable_accepted()->set_job(job);
+  if (job.empty()) response.mutable_accepted()->set_answer(answer);
   *response.mutable_accepted()->mutable_case_() = examined.complete;
   if (const auto error = case_file::relative_discretisation_error(examined.complete))
     response.mutable_accepted()->set_relative_curl_error(*error);
@@ -54,14 +57,9 @@ v1::JobState state_of(RunEnd::Outcome outcome) {
 std::optional<Responses> answer_of_job(Context& context, const v1::Job& job) {
   Responses answer;
   try {
-    const auto log = context.scheduler.log(job.id());
-    for (std::optional<jobs::StepPlace> place(jobs::StepPlace{}); place;) {
-      const auto page = context.step_indexes.of(job.id())->page(*log, *place, most_steps_at_once,
-                                                                most_bytes_at_once);
-      if (!page) return std::nullopt;
-      for (const v1::StepReport& step : page->steps) *answer.emplace_back().mutable_step() = step;
-      place = page->next;
-    }
+    auto steps = read_steps(context, job.id());
+    if (!steps) return std::nullopt;
+    for (v1::StepReport& step : *steps) *answer.emplace_back().mutable_step() = std::move(step);
   } catch (const std::exception& error) {
     log::warn("job {} cannot answer a query: {}", job.id(), error.what());
     return std::nullopt;
@@ -137,7 +135,7 @@ public:
     }
     if (request_.keep()) return false;
     const auto kept = context_.query_answers.find(key_);
-    return kept && replay(read(*kept), "");
+    return kept && kept->succeeded && replay(read(*kept), "");
   }
 
   /// The same case, found sound by a worker.
@@ -165,7 +163,7 @@ private:
                                 [this](const v1::JobEvent& event) { take(event); })
                            .run_end();
     finish(state_of(end.outcome()), end.failure());
-    if (end.outcome() == RunEnd::SUCCEEDED) keep_answer();
+    keep_answer(end.outcome());
   }
 
   /// Runs it as a job that goes first, which stays.
@@ -216,26 +214,28 @@ private:
   }
 
   bool replay(Responses answer, const std::string& job) {
-    send_(accepted(examined_, true, job));
+    send_(accepted(examined_, true, job, key_));
     for (Response& response : answer) send_(std::move(response));
     return true;
   }
 
   static Responses read(const QueryAnswer& kept) {
-    Responses answer(kept.size());
-    for (std::size_t i = 0; i < kept.size(); ++i) answer[i].ParseFromString(kept[i]);
+    Responses answer(kept.messages.size());
+    for (std::size_t i = 0; i < answer.size(); ++i) answer[i].ParseFromString(kept.messages[i]);
     return answer;
   }
 
-  /// Once it has been sent, as bytes: a message takes three times their memory.
-  void keep_answer() {
-    QueryAnswer kept;
-    std::size_t size = 0;
-    for (const Response& response : answer_) {
-      kept.push_back(response.SerializeAsString());
-      size += sizeof kept.back() + kept.back().capacity();
-    }
-    context_.query_answers.keep(key_, std::make_shared<const QueryAnswer>(std::move(kept)), size);
+  /// Once it has been sent. That of a run that failed is kept too, to be compared.
+  void keep_answer(RunEnd::Outcome outcome) {
+    if (outcome != RunEnd::SUCCEEDED && outcome != RunEnd::FAILED) return;
+
+    const auto kept = std::make_shared<QueryAnswer>();
+    kept->succeeded = outcome == RunEnd::SUCCEEDED;
+    kept->complete_case = examined_.complete.SerializeAsString();
+    for (const Response& response : answer_) kept->messages.push_back(response.SerializeAsString());
+
+    context_.query_answers.forget(key_);  // that of a run that failed before
+    context_.query_answers.keep(key_, kept, kept->bytes());
   }
 
   v1::WorkerRequest run_request(const std::filesystem::path& folder) const {
@@ -253,7 +253,7 @@ private:
 
   /// @param job  its id; empty: none
   void begin(const std::string& job) {
-    send_(accepted(examined_, false, job));
+    send_(accepted(examined_, false, job, key_));
     for (const v1::Finding& finding : examined_.verdict.findings()) pass_on(finding);
   }
 

@@ -222,16 +222,18 @@ void check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& cha
            bytes, most_bytes_of_changes);
 }
 
-void check_verdict(const v1::ValidateCaseResponse& verdict, const std::string& whose) {
+void check_verdict(const v1::ValidateCaseResponse& verdict, const RunOfPlan& run) {
   if (verdict.faults_size() == 0) return;
   v1::ValidateCaseResponse details;
+  details.set_run(run.name);
+  details.set_refinement(run.refinement);
   for (const v1::Fault& fault : verdict.faults()) {
     *details.add_faults() = fault;
     if (details.ByteSizeLong() <= largest_details) continue;
     details.mutable_faults()->RemoveLast();
     break;
   }
-  std::string message = (whose.empty() ? "" : whose + ": ") + "the case has " +
+  std::string message = (run.name.empty() ? "" : run.name + ": ") + "the case has " +
                         std::to_string(verdict.faults_size()) + " fault" +
                         (verdict.faults_size() == 1 ? "" : "s");
   if (details.faults_size() < verdict.faults_size())
@@ -266,10 +268,10 @@ jobs::Attachments uploaded_files(Context& context, const Call& call,
 }
 
 intake::ExaminedCase sound_case(Context& context, const Call& call, const v1::Case& submitted,
-                                const jobs::Attachments& attachments, const std::string& whose) {
+                                const jobs::Attachments& attachments, const RunOfPlan& run) {
   auto examined = context.intake.examine(submitted, attachments, {},
                                          waiting_time(call, context.settings.check_timeout_s()));
-  check_verdict(examined.verdict, whose);
+  check_verdict(examined.verdict, run);
   return examined;
 }
 

@@ -56,10 +56,17 @@ void check_text(const std::string& name, const std::string& text);
 void check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels);
 /// No more text than is kept with a job.
 void check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& changes);
-/// The details have the verdict, serialised. They travel in the trailers of the call, which clients
-/// limit to 8 KiB: faults that do not fit are left out there, and the message states that.
-/// @param whose  before the message; empty: of the one case of the request
-void check_verdict(const v1::ValidateCaseResponse& verdict, const std::string& whose = {});
+/// A run of a study that is to be created.
+struct RunOfPlan {
+  std::string name{};  ///< for people: "run 3", "refinement 4"
+  int refinement = 0;  ///< in a refinement study; else 0
+};
+
+/// The details have the verdict, serialised, and whose it is. They travel in the trailers of the
+/// call, which clients limit to 8 KiB: faults that do not fit are left out there, and the message
+/// states that.
+/// @param run  whose case it is; empty: the one case of the request
+void check_verdict(const v1::ValidateCaseResponse& verdict, const RunOfPlan& run = {});
 
 /// A file with a size and a SHA-256.
 void check_attachment(const v1::Attachment& attachment);
@@ -69,8 +76,7 @@ jobs::Attachments uploaded_files(Context& context, const Call& call,
 
 /// A case without faults, completed.
 intake::ExaminedCase sound_case(Context& context, const Call& call, const v1::Case& submitted,
-                                const jobs::Attachments& attachments,
-                                const std::string& whose = {});
+                                const jobs::Attachments& attachments, const RunOfPlan& run = {});
 
 /// Whether the caller may queue one more job, or has sent this one before; else RESOURCE_EXHAUSTED
 /// or ALREADY_EXISTS. A study begins under the same limit; its jobs are queued few at a time.

@@ -58,6 +58,9 @@ public:
   // queries.cpp
   Stream<v1::QueryButtCurlResponse>* QueryButtCurl(Wire*, const v1::QueryButtCurlRequest*) override;
 
+  // comparisons.cpp
+  Unary* CompareRuns(Wire*, const v1::CompareRunsRequest*, v1::Comparison*) override;
+
   // studies.cpp
   Unary* CreateStudy(Wire*, const v1::CreateStudyRequest*, v1::Study*) override;
   Unary* GetStudy(Wire*, const v1::GetStudyRequest*, v1::Study*) override;
@@ -66,6 +69,7 @@ public:
   Unary* ResumeStudy(Wire*, const v1::ResumeStudyRequest*, v1::Study*) override;
   Unary* DeleteStudy(Wire*, const v1::DeleteStudyRequest*, v1::DeleteStudyResponse*) override;
   Unary* EvaluateStudy(Wire*, const v1::EvaluateStudyRequest*, v1::StudyResult*) override;
+  Unary* JudgeStudy(Wire*, const v1::JudgeStudyRequest*, v1::StudyJudgement*) override;
   Unary* PredictStudy(Wire*, const v1::PredictStudyRequest*, v1::Prediction*) override;
   Stream<v1::Study>* WatchStudy(Wire*, const v1::WatchStudyRequest*) override;
 

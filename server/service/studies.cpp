@@ -1,4 +1,5 @@
 // Calls about studies. Their table as a file is in results.cpp.
+#include <fmt/format.h>
 #include <google/protobuf/util/message_differencer.h>
 
 #include <algorithm>
@@ -7,6 +8,9 @@
 #include <string>
 #include <utility>
 
+#include "proto/case_file/quality.hpp"
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/judging/judged_study.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
@@ -35,7 +39,8 @@ void examine(Context& context, const Call& call, const v1::CreateStudyRequest& r
     // From the first run to the last.
     const int number = checked == 1 ? 0 : i * (plan->runs() - 1) / (checked - 1);
     const studies::PlannedRun run = plan->run(number);
-    sound_case(context, call, run.description, attachments, run.name);
+    const int refinement = request.has_refinement() ? run.description.mesh().refinement() : 0;
+    sound_case(context, call, run.description, attachments, {run.name, refinement});
   }
 }
 
@@ -64,6 +69,44 @@ v1::Prediction predict(Context& context, const v1::PredictStudyRequest& request)
   } catch (const studies::CannotPredict& reason) {
     refuse(grpc::FAILED_PRECONDITION, "{}", reason.what());
   }
+}
+
+/// Error of a small difference between two runs of the study, relative to the curl.
+std::optional<double> difference_error(Context& context, const v1::StudyResult& result) {
+  const v1::StudyRun* const run = judging::first_valid_run(result);
+  v1::Case complete;
+  if (run == nullptr || !jobs::read_complete_case(context.jobs_directory / run->job(), complete))
+    return std::nullopt;
+  const auto paired = case_file::paired_error(complete, complete);
+  return paired ? std::optional(paired->of_curl) : std::nullopt;
+}
+
+/// Index of the monitor whose curl is judged. @throws Refusal
+int judged_monitor(const v1::StudyResult& result, const std::string& name) {
+  const int monitor = judging::monitor_of(result, name);
+  if (monitor >= 0) return monitor;
+  if (result.monitors().empty()) refuse(grpc::NOT_FOUND, "the case has no monitor");
+  refuse(grpc::NOT_FOUND, "no monitor named \"{}\"; there are: {}", name,
+         fmt::join(result.monitors(), ", "));
+}
+
+void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudgement& response) {
+  v1::EvaluateStudyRequest evaluation;
+  evaluation.set_id(request.id());
+  judging::StudyToJudge study{of_study(request.id(), context.studies.evaluate(evaluation))};
+
+  const auto purpose = study.result.study().sweep().purpose();
+  if (purpose == v1::SweepPlan::UNCERTAINTY || purpose == v1::SweepPlan::SENSITIVITY)
+    study.monitor = judged_monitor(study.result, request.monitor());
+  if (purpose == v1::SweepPlan::UNCERTAINTY) {
+    evaluation.set_spread(study.result.monitors(study.monitor));
+    study.result = of_study(request.id(), context.studies.evaluate(evaluation));
+  }
+  if (purpose == v1::SweepPlan::SENSITIVITY)
+    study.difference_error = difference_error(context, study.result);
+
+  *response.mutable_judgement() = judging::judge_study(study);
+  *response.mutable_study() = std::move(*study.result.mutable_study());
 }
 
 /// The study each time it differs from what was sent last.
@@ -179,6 +222,12 @@ Unary* SimulationService::PredictStudy(Wire* wire, const v1::PredictStudyRequest
                                        v1::Prediction* response) {
   return answer(wire, *request, lanes_.histories,
                 [=, this](const Call&) { *response = predict(context_, *request); });
+}
+
+Unary* SimulationService::JudgeStudy(Wire* wire, const v1::JudgeStudyRequest* request,
+                                     v1::StudyJudgement* response) {
+  return answer(wire, *request, lanes_.histories,
+                [=, this](const Call&) { judge(context_, *request, *response); });
 }
 
 SimulationService::Stream<v1::Study>* SimulationService::WatchStudy(

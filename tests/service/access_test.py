@@ -14,7 +14,7 @@ import unittest
 
 import grpc
 
-from dccast.v1 import access_pb2, job_pb2, service_pb2, service_pb2_grpc, study_pb2
+from dccast.v1 import access_pb2, job_pb2, judgement_pb2, service_pb2, service_pb2_grpc, study_pb2
 from support import BIN, Daemon, ServiceTest, fake_case as fake, until
 
 NOBODY = 65534
@@ -345,6 +345,8 @@ class Owners(AccessTest):
                      service_pb2.GetJobRequest(id=job.id))
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.WatchJob,
                      service_pb2.WatchJobRequest(id=job.id))
+        compared = judgement_pb2.CompareRunsRequest(runs=[{"job": job.id}, {"job": job.id}])
+        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.CompareRuns, compared)
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.ListJobs,
                      service_pb2.ListJobsRequest(owner="anna"))
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.SubmitJob,

@@ -393,6 +393,7 @@ class Pages(InBrowser):
             checkbox.send_keys(Keys.SPACE)
         self.find(".bar button").send_keys(Keys.ENTER)
         self.wait_for("2 jobs compared")
+        self.wait_for("run 2, corner: ")
         self.assertTrue(self.find("figure svg").get_attribute("aria-label").startswith("Curl of"))
         self.go("jobs")
         self.find(f"a[href='#/job/{jobs[0]}']").click()
@@ -532,13 +533,30 @@ class RealPages(InBrowser):
             slider.send_keys(Keys.ARROW_LEFT)
         self.wait_for("Changed: corner", seconds=60)
         self.assertIn("±", self.find(".what-if strong").text)
-        self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "path.band")), 6)
+        self.wait_for("run 2, corner: ", "#difference")
+        self.assertRegex(self.find("#difference").text, r"± \d[.\d]* mm, (real|within its error)\.")
+        self.assertIn("less 1, mm", self.find("#difference table").text)
+        # While the next key press is computed, only the case as it is has bands.
+        WebDriverWait(self.browser, 60).until(
+            lambda browser: len(browser.find_elements(By.CSS_SELECTOR, "path.band")) == 6)
         [b for b in self.browser.find_elements(By.CSS_SELECTOR, ".bar button")
          if b.text == "Keep as a job"][0].click()
         self.wait_for("Queued as")
         job = self.find("p[role=status] a").text
         changes = {change.key: change.value for change in self.client.job(job).changes}
         self.assertEqual(changes["schedule.water_flow.scale"], "0.80")
+        self.assertEqual(self.complaints(), [])
+
+    def test_a_study_shows_its_answer(self):
+        made = subprocess.run(
+            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "uncertainty",
+             os.path.join(CASES, "start-2d-thickness.toml"), "--set", "time.end=20 s", "--only",
+             "alloy.conductivity", "--only", "cooling.water.temperature", "--runs", "10"],
+            capture_output=True, text=True, timeout=90, check=True)
+        self.go("study/" + re.search(r"study ([0-9a-f-]{36})", made.stdout)[1])
+        self.wait_for("9 of 10 castings have", "#answer", seconds=30)
+        self.assertIn("alone, %", self.find("#answer table").text)
+        self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "#answer figure svg")), 2)
         self.assertEqual(self.complaints(), [])
 
     def test_the_slab_is_drawn_cut_and_probed(self):

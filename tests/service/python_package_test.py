@@ -5,6 +5,7 @@ import contextlib
 import doctest
 import importlib
 import io
+import json
 import os
 import pathlib
 import re
@@ -26,7 +27,7 @@ from support import BIN, ServiceTest, main, until
 
 CASE = "start-2d-thickness"
 QUICK = {"quality": "draft", "time.end": "20 s"}
-MODULES = ("", ".cases", ".errors", ".frames", ".jobs", ".plots", ".runs", ".service", ".studies",
+MODULES = ("", ".cases", ".errors", ".frames", ".jobs", ".judgements", ".plots", ".runs", ".service", ".studies",
            ".transport")
 PACKAGE = os.path.dirname(dccast.__file__)
 os.environ["MPLBACKEND"] = "agg"
@@ -38,7 +39,6 @@ class PackageTest(ServiceTest):
     def setUp(self):
         super().setUp()
         os.environ["DCCAST_SERVER"] = self.daemon.address
-        os.environ["DCCAST_PROGRAM"] = os.path.join(BIN, "dccast")
         self.service = dccast.connect()
 
     def ended(self, **changes):
@@ -135,9 +135,23 @@ class Figures(PackageTest):
 
     def test_compare_has_the_judgement_of_the_command_line(self):
         slow, fast = self.ended(), self.ended(**{"schedule.casting_speed": "80 mm/min"})
-        said = self.service.compare(slow, fast)
-        self.assertEqual([run["job"] for run in said["runs"]],
-                         [slow.id, fast.id])
+        with unittest.mock.patch.dict(os.environ, {"PATH": ""}):
+            found = self.service.compare(slow, fast)
+        self.assertEqual([run.job for run in found.runs], [slow.id, fast.id])
+        printed = json.loads(self.command("compare", "--json", slow.id, fast.id))
+        self.assertEqual(found.sentences, printed["sentences"])
+        self.assertIn(found.sentences[0], repr(found))
+        difference = found.differences[0]
+        row = [row for row in printed["differences"] if "verdict" in row][0]
+        self.assertEqual((difference.monitor, difference.difference_m, difference.verdict),
+                         (row["monitor"], row["difference_m"], row["verdict"]))
+        self.assertEqual(list(found.tables["keys"]["key"]), [row["key"] for row in printed["keys"]])
+
+    def test_answers_and_cases_are_compared_without_jobs(self):
+        answer = self.service.query(CASE, QUICK)
+        found = self.service.compare(answer, self.service.read(CASE, QUICK))
+        self.assertEqual(found.differences[0].verdict, "no_difference")
+        self.assertEqual(self.service.jobs(), [])
 
 
     def test_a_package_that_is_absent_is_named_as_debian_does(self):

@@ -37,14 +37,18 @@ def band_of(curve: Any) -> Band:
     return Band(curve.monitor, np.array(curve.time_s), np.array(curve.cast_length_m), curl, error)
 
 
-def _structured(columns: Mapping[str, Iterable[Any]], kinds: Mapping[str, type]) -> Table:
-    arrays: dict[str, npt.NDArray[Any]] = {name: np.asarray(list(values), dtype=kinds.get(name, np.float64))
-                                           for name, values in columns.items()}
-    rows = len(next(iter(arrays.values()))) if arrays else 0
-    table: Table = np.zeros(rows, dtype=[(name, array.dtype) for name, array in arrays.items()])
-    for name, array in arrays.items():
+def structured(columns: Mapping[str, npt.NDArray[Any]]) -> Table:
+    """One row for each element of the columns, which are of equal length."""
+    rows = len(next(iter(columns.values()))) if columns else 0
+    table: Table = np.zeros(rows, dtype=[(name, array.dtype) for name, array in columns.items()])
+    for name, array in columns.items():
         table[name] = array
     return table
+
+
+def _structured(columns: Mapping[str, Iterable[Any]], kinds: Mapping[str, type]) -> Table:
+    return structured({name: np.asarray(list(values), dtype=kinds.get(name, np.float64))
+                       for name, values in columns.items()})
 
 
 def _numbers() -> dict[str, type]:
@@ -154,6 +158,7 @@ class Answer(Run):
         self._relative_curl_error: float | None = None
         self.from_store = False  #: computed before: no solver ran
         self.job = ""  #: id of the job that was kept, or found; may be empty
+        self.key = ""  #: names the answer to the server where there is no job
         self.state = ""  #: "SUCCEEDED", "FAILED"
         self.findings: list[job_pb2.Finding] = []
         self.validity_loss: job_pb2.ValidityLoss | None = None
@@ -180,6 +185,7 @@ class Answer(Run):
         kind = response.WhichOneof("what")
         if kind == "accepted":
             self._case, self.job = response.accepted.case, response.accepted.job
+            self.key = response.accepted.answer
             self.from_store = response.accepted.from_store
             if response.accepted.HasField("relative_curl_error"):
                 self._relative_curl_error = response.accepted.relative_curl_error

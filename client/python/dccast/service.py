@@ -1,23 +1,19 @@
 """The face of a server: cases in, jobs, answers and studies out."""
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import subprocess
 import uuid
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import grpc
 
 from dccast import errors
 from dccast.cases import Case, Changes, Source, Value, changes_of, read_case, written
 from dccast.jobs import Job
+from dccast.judgements import Comparison
 from dccast.runs import Answer
 from dccast.studies import Study
 from dccast.transport import Transport, endpoint
-from dccast.v1 import job_pb2, service_pb2, study_pb2
+from dccast.v1 import case_pb2, job_pb2, judgement_pb2, service_pb2, study_pb2
 
 
 def connect(server: str | None = None) -> Service:
@@ -200,21 +196,30 @@ class Service:
         page = self._transport.call("ListStudies", study_pb2.ListStudiesRequest(page_size=limit))
         return [Study(self._transport, message) for message in page.studies]
 
-    def compare(self, *runs: Job | str | os.PathLike[str], paired: bool = False) -> dict[str, Any]:
-        """What `dccast compare --json` finds in jobs and case files: each difference with the error of the
-        pair, its verdict and its causes. That judgement is the command line client's, which must be
-        installed (in PATH, or named by $DCCAST_PROGRAM).
+    def compare(self, *runs: Job | Answer | Source, paired: bool = False) -> Comparison:
+        """Compares runs with the first one: what differs, whether it is real, that is, larger than its
+        error, and what differed before it. Jobs and answers are compared as they are; cases are run, as
+        by `query`.
 
-        @param paired  also run every case at another quality for the error of the difference
+        @param paired  also run every case at another quality, for the error of the difference
         """
-        program = os.environ.get("DCCAST_PROGRAM") or shutil.which("dccast")
-        if not program:
-            raise errors.missing("the program dccast", "install it, or name it by DCCAST_PROGRAM")
-        names = [run.id if isinstance(run, Job) else os.fspath(run) for run in runs]
-        ended = subprocess.run(
-            [program, "--server", self.server, "compare", "--json", *(["--paired"] if paired else []),
-             "--", *names], capture_output=True, text=True, check=False)
-        if not ended.stdout:
-            raise errors.DccastError("COMPARE_FAILED", ended.stderr.strip())
-        answer: dict[str, Any] = json.loads(ended.stdout)
-        return answer
+        request = judgement_pb2.CompareRunsRequest()
+        for run in runs:
+            if isinstance(run, (Job, Answer)):
+                request.runs.append(_compared(run, ""))
+                continue
+            answer = self.query(run)
+            request.runs.append(_compared(answer, answer.case.title))
+            if paired:
+                draft = answer.case.quality == case_pb2.DRAFT
+                companion = self.query(run, quality="engineering" if draft else "draft")
+                request.companions.append(_compared(companion, ""))
+        return Comparison(self._transport.call("CompareRuns", request))
+
+
+def _compared(run: Job | Answer, name: str) -> judgement_pb2.ComparedRun:
+    if isinstance(run, Job):
+        return judgement_pb2.ComparedRun(job=run.id, name=name)
+    if run.job:
+        return judgement_pb2.ComparedRun(job=run.job, name=name)
+    return judgement_pb2.ComparedRun(answer=run.key, name=name)

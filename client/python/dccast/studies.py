@@ -12,9 +12,10 @@ import numpy as np
 from dccast import errors
 from dccast.cases import Changes, changes_of
 from dccast.jobs import download
+from dccast.judgements import Judgement
 from dccast.runs import Band, Table, band_of
 from dccast.transport import Transport
-from dccast.v1 import job_pb2, study_pb2
+from dccast.v1 import job_pb2, judgement_pb2, study_pb2
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,16 @@ class Study:
         answer: study_pb2.StudyResult = self._transport.call(
             "EvaluateStudy", study_pb2.EvaluateStudyRequest(id=self.id, curves=curves))
         return answer
+
+    def judgement(self, monitor: str = "") -> Judgement:
+        """What the server concludes so far: of `dccast uncertainty`, `sensitivity` and `design-recipe` their
+        sentences and tables, of a refinement its limits, of other studies the runs.
+
+        @param monitor  whose curl; without one that with the largest curl
+        """
+        answer = self._transport.call("JudgeStudy", judgement_pb2.JudgeStudyRequest(
+            id=self.id, monitor=monitor))
+        return Judgement(answer.judgement)
 
     @property
     def table(self) -> Table:

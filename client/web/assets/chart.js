@@ -30,10 +30,10 @@ const path = points => {
 };
 
 /**
- * @param lines   [{name, x, y, error (relative) or low and high, dashed, colour (0 to 5)}], y in mm
- * @param options {title, xLabel, yLabel, wanted: [low, high] in mm}
+ * @param lines   [{name, x, y, error (relative) or low and high, dashed, colour (0 to 5)}]
+ * @param options {title, xLabel, yLabel, wanted: [low, high] as y, unit of y}
  */
-export function chart(lines, {title, xLabel, yLabel, wanted = []}) {
+export function chart(lines, {title, xLabel, yLabel, wanted = [], unit = 'mm'}) {
   const colour = (line, i) => `line-${(line.colour ?? i) % 6}`;
   const bands = lines.map(line => line.low ? [line.low, line.high] : line.error
     ? [line.y.map(v => v - Math.abs(v) * line.error), line.y.map(v => v + Math.abs(v) * line.error)] : null);
@@ -61,7 +61,7 @@ export function chart(lines, {title, xLabel, yLabel, wanted = []}) {
     }
   });
   lines.forEach((line, i) => parts.push(h('path', {class: `line ${colour(line, i)}${line.dashed ? ' dashed' : ''}`, d: path(line.x.map((x, k) => [px(x), py(line.y[k])]))})));
-  const summary = lines.map(line => `${line.name} ends at ${fixed(line.y.at(-1), 1)} mm`).join(', ');
+  const summary = lines.map(line => `${line.name} ends at ${fixed(line.y.at(-1), 1)} ${unit}`).join(', ');
   const cursor = h('line', {class: 'cursor', y1: top, y2: height - bottom, x1: -9, x2: -9});
   const svg = h('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': `${title}: ${summary}`}, parts, cursor);
   const legend = h('ul', {class: 'legend', 'aria-hidden': 'true'}, lines.map((line, i) =>

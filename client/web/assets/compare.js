@@ -1,20 +1,17 @@
-// Curls of some jobs in one picture, and the comparison that dccast compare makes of them.
-import {get} from './api.js';
-import {chart, curlLines} from './chart.js';
-import {h, replace, shortId} from './dom.js';
+// Jobs compared as dccast compare does: what differs, whether it is real, and what differed before it.
+import {call} from './api.js';
+import {findingList, h, replace, shortId} from './dom.js';
+import {judgement} from './judgement.js';
 
 export async function comparePage(element, signal, ...ids) {
   try {
-    const jobs = await Promise.all(ids.map(id => get(`/job/${id}`)));
+    const {runs, judgement: found} = await call('CompareRuns', {runs: ids.map(id => ({job: id}))});
     if (signal.aborted) return;
-    const monitors = [...new Set(jobs.flatMap(job => job.history.monitors.map(m => m.name)))];
     const query = ids.map(id => `job=${encodeURIComponent(id)}`).join('&');
-    replace(element, h('h1', {}, `${jobs.length} jobs compared`),
-      h('ul', {}, jobs.map(({job}) => h('li', {}, h('a', {href: `#/job/${job.id}`}, job.title || job.id), ` ${shortId(job.id)}`))),
-      h('p', {}, h('a', {class: 'button', href: `/compare/?${query}`, target: '_blank', rel: 'noopener'}, 'What differs, what is real, and why')),
-      monitors.map(name => h('div', {class: 'card'}, chart(jobs.flatMap(({job, history, relative_curl_error: error}) =>
-        curlLines({...history, monitors: history.monitors.filter(m => m.name === name)}, error).map(line => ({...line, name: `${job.title || ''} ${shortId(job.id)}`}))),
-      {title: `Curl of ${name}, with the error of mesh and time steps where it is known`, xLabel: 'time, s', yLabel: 'mm'}))));
+    replace(element, h('h1', {}, `${runs.length} jobs compared`),
+      h('ol', {}, runs.map(run => h('li', {}, h('a', {href: `#/job/${run.job}`}, run.title || run.job), ` ${shortId(run.job)}`, run.findings.length ? findingList(run.findings) : null))),
+      h('p', {}, h('a', {class: 'button', href: `/compare/?${query}`, target: '_blank', rel: 'noopener'}, 'As a page to keep')),
+      h('div', {class: 'card'}, judgement(found)));
   } catch (fault) {
     replace(element, h('p', {class: 'bad', role: 'alert'}, fault.message));
   }

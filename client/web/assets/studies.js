@@ -2,6 +2,7 @@
 import {call, repeat} from './api.js';
 import {chart, curlLines} from './chart.js';
 import {ago, curlText, fixed, h, mm, replace, shortId, stateText} from './dom.js';
+import {judgement} from './judgement.js';
 
 const kinds = {sweep: 'sweep', refinement: 'refinement', mould: 'mould design', recipe: 'recipe'};
 const kindOf = study => kinds[Object.keys(kinds).find(kind => study[kind])] || 'study';
@@ -36,11 +37,25 @@ function control(axis, numbers, changed) {
 }
 
 export async function studyPage(element, signal, id) {
-  const state = h('p', {role: 'status'}), table = h('div'), surface = h('div', {class: 'card'});
+  const state = h('p', {role: 'status'}), answer = h('div', {id: 'answer', class: 'card'}), table = h('div'), surface = h('div', {class: 'card'});
   let controls = null;
   const heading = h('h1', {}, 'Study');
-  replace(element, heading, state, surface, table);
-  surface.hidden = true;
+  replace(element, heading, state, answer, surface, table);
+  surface.hidden = answer.hidden = true;
+
+  // What the server concludes, asked for when runs have ended since: that of a sweep can take a second.
+  let judged = '';
+  async function judge(study) {
+    const now = `${study.state} ${study.succeeded} ${study.failed} ${study.cancelled}`;
+    if (now === judged) return;
+    judged = now;
+    const found = (await call('JudgeStudy', {id})).judgement;
+    if (signal.aborted) return;
+    // The table of runs below has links to their jobs.
+    const shown = judgement(found, part => part.table?.key !== 'runs');
+    answer.hidden = shown.length === 0;
+    replace(answer, h('h2', {}, found.heading), shown);
+  }
 
   let asked = 0;
   async function predict(sweep) {
@@ -66,6 +81,7 @@ export async function studyPage(element, signal, id) {
     const result = await call('EvaluateStudy', {id});
     if (signal.aborted) return;
     const {study} = result, sweep = study.sweep;
+    judge(study).catch(fault => { judged = ''; answer.hidden = false; replace(answer, h('p', {class: 'soft'}, fault.message)); });
     heading.textContent = study.title || shortId(id);
     state.textContent = `${kindOf(study)} ${shortId(id)}, ${stateText(study.state)}: ${study.succeeded || 0} of ${study.runs} runs succeeded`;
     const axes = sweep?.axes || [];

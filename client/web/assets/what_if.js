@@ -1,7 +1,8 @@
 // What-if: a case with a plant's levers changed, computed at once as a draft, beside the case as it is.
-import {events, get, getText, post} from './api.js';
+import {call, events, get, getText, post} from './api.js';
 import {chart, curlLines, wantedBand} from './chart.js';
 import {curlText, findingList, fixed, h, replace} from './dom.js';
+import {judgement} from './judgement.js';
 
 // A factor is in %, everything else in its unit; 0 is the case as it is.
 const levers = [
@@ -71,9 +72,24 @@ export function whatIfPage(element, signal) {
     if (lines.length === 0) return replace(picture, done ? h('p', {class: 'soft'}, 'This case has no monitor whose curl could be drawn.') : null);
     replace(picture, chart(lines, {title: 'Curl; the bands are the error of mesh and time steps', xLabel: 'time, s', yLabel: 'mm', wanted: wantedBand((now || reference).wanted)}));
     if (!done) return;
+    if (reference && now !== reference) compare(now);
     const ends = answer => answer.history.monitors.map(m => `${m.name} ${curlText(m.curl_m.at(-1) ?? NaN, answer.relative_curl_error)}`).join(', ');
     replace(verdict, h('h2', {}, 'Answer'), reference ? h('p', {}, `As it is: ${ends(reference)}`) : null, now !== reference ? h('p', {}, h('strong', {}, `Changed: ${ends(now)}`)) : null,
-      now.failure ? h('p', {class: 'bad', role: 'alert'}, now.failure.message) : null, findingList(now.findings));
+      now.failure ? h('p', {class: 'bad', role: 'alert'}, now.failure.message) : null, findingList(now.findings), difference);
+  }
+
+  // The server compares, as it does for dccast compare: a later question makes an earlier answer worthless.
+  const difference = h('div', {id: 'difference', 'aria-live': 'polite'});
+  let compared = 0;
+  async function compare(now) {
+    const mine = ++compared, named = (answer, name) => ({...(answer.job ? {job: answer.job} : {answer: answer.key}), name});
+    replace(difference);
+    try {
+      const found = await call('CompareRuns', {runs: [named(reference, 'as it is'), named(now, 'changed')]});
+      if (mine === compared) replace(difference, h('h2', {}, 'Difference of run 2, changed, from run 1, as it is'), judgement(found.judgement, part => part.table?.key === 'differences'));
+    } catch (fault) {
+      if (mine === compared) replace(difference, h('p', {class: 'soft'}, fault.message));
+    }
   }
 
   function compute(list, done) {

@@ -4,6 +4,8 @@
 
 #include <grpcpp/server_builder.h>
 
+#include "server/judging/judged_comparison.hpp"
+
 namespace dccast::client {
 
 FakeService::FakeService() {
@@ -62,15 +64,19 @@ grpc::Status FakeService::CancelJob(grpc::ServerContext*, const v1::CancelJobReq
 grpc::Status FakeService::QueryButtCurl(grpc::ServerContext*,
                                         const v1::QueryButtCurlRequest* request,
                                         grpc::ServerWriter<v1::QueryButtCurlResponse>* writer) {
+  std::string answer;
   {
     static std::mutex mutex;  // a comparison asks several at once
     const std::lock_guard lock(mutex);
     queried = *request;
+    answer = std::to_string(answered_.size());
+    answered_[answer] = request->case_();
   }
   if (verdict.faults_size() > 0)
     return {grpc::StatusCode::INVALID_ARGUMENT, "the case has faults", verdict.SerializeAsString()};
   v1::QueryButtCurlResponse response;
   *response.mutable_accepted()->mutable_case_() = request->case_();
+  response.mutable_accepted()->set_answer(answer);
   writer->Write(response);
   for (const v1::StepReport& step : result.steps()) {
     *response.mutable_step() = step;
@@ -83,6 +89,19 @@ grpc::Status FakeService::QueryButtCurl(grpc::ServerContext*,
   response.mutable_ended()->set_state(job.state());
   response.mutable_ended()->set_solver_s(0.25);
   writer->Write(response);
+  return grpc::Status::OK;
+}
+
+/// Compares as the server does; every run has the steps of `result`.
+grpc::Status FakeService::CompareRuns(grpc::ServerContext*, const v1::CompareRunsRequest* request,
+                                      v1::Comparison* comparison) {
+  std::vector<judging::JudgedRun> runs;
+  for (const v1::ComparedRun& asked : request->runs()) {
+    const v1::Case& description = asked.has_job() ? result.case_() : answered_[asked.answer()];
+    runs.push_back({asked.name(), description, {result.steps().begin(), result.steps().end()}});
+    comparison->add_runs()->set_name(asked.name());
+  }
+  *comparison->mutable_judgement() = judging::judge_comparison(runs, {});
   return grpc::Status::OK;
 }
 

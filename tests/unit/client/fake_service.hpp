@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -65,6 +66,8 @@ public:
 
   grpc::Status QueryButtCurl(grpc::ServerContext*, const v1::QueryButtCurlRequest*,
                              grpc::ServerWriter<v1::QueryButtCurlResponse>*) override;
+  grpc::Status CompareRuns(grpc::ServerContext*, const v1::CompareRunsRequest*,
+                           v1::Comparison*) override;
   grpc::Status DeleteJob(grpc::ServerContext*, const v1::DeleteJobRequest*,
                          v1::DeleteJobResponse*) override;
   grpc::Status CancelJob(grpc::ServerContext*, const v1::CancelJobRequest*, v1::Job*) override;
@@ -75,6 +78,8 @@ public:
   grpc::Status status_of_info;
 
 private:
+  /// Cases of the queries so far, by the name of their answer.
+  std::map<std::string, v1::Case> answered_;
   /// Counts a unary call. @return UNAVAILABLE as often as the test wants it
   grpc::Status enter();
   std::string address_;

@@ -7,8 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/model/comparison.hpp"
-#include "client/text/comparison_text.hpp"
+#include "client/text/judgement_text.hpp"
 #include "client/text/terminal.hpp"
 #include "client_run.hpp"
 #include "fake_service.hpp"
@@ -104,7 +103,8 @@ TEST_F(Query, AComparisonNamesKeysAndDifferences) {
   EXPECT_EQ(run({"compare", "-o", page, file, "job"}).code, 2) << "it would be overwritten";
   const ReadJson json = ReadJson::parse(run({"compare", "--json", file, "job"}).out);
   EXPECT_EQ(json["runs"].size(), 2u);
-  EXPECT_EQ(json["differences"][0]["end_m"], 0.0);
+  EXPECT_EQ(json["differences"][1]["difference_m"], 0.0);
+  EXPECT_EQ(json["differences"][1]["verdict"], "no_difference");
 }
 
 TEST(Braille, LinesOverEachOtherKeepTheirOwnLength) {

@@ -4,27 +4,24 @@
 #include <cmath>
 #include <functional>
 
-#include "client/html/pages.hpp"
-#include "client/html/svg_chart.hpp"
-#include "client/model/comparison.hpp"
-#include "client/text/comparison_text.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/shipped.hpp"
+#include "server/judging/comparison.hpp"
+#include "server/judging/judged_comparison.hpp"
 
-namespace dccast::client {
+namespace dccast::judging {
 namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::Not;
 using testing::SizeIs;
 
 using Change = std::function<void(double time_s, v1::StepReport&)>;
 
 /// A run of 200 steps of 1 s at 1 mm/s: curl [m], and what else is different in it.
-Answer run_of(const std::function<double(double)>& curl_m, const Change& change = {}) {
-  Answer answer;
+JudgedRun run_of(const std::function<double(double)>& curl_m, const Change& change = {}) {
+  JudgedRun run;
   for (int i = 0; i <= 200; ++i) {
     v1::StepReport step;
     step.set_step(i + 1);
@@ -39,9 +36,9 @@ Answer run_of(const std::function<double(double)>& curl_m, const Change& change 
     corner.set_name("corner");
     corner.add_displacement_m(0.0);
     corner.add_displacement_m(curl_m(step.time_s()));
-    answer.history.add(step);
+    run.steps.push_back(std::move(step));
   }
-  return answer;
+  return run;
 }
 
 /// Rises from 40 to 160 s to its end [m].
@@ -76,45 +73,45 @@ TEST(Comparison, DifferencesAreTakenAtTheSameTime) {
 }
 
 TEST(Comparison, ARunThatEndsEarlierIsComparedUpToItsEnd) {
-  Answer whole = run_of(rise_to(0.4)), part = run_of(rise_to(0.8));
-  part.history.rewind(101);  // ends at 100 s, both half way
+  JudgedRun whole = run_of(rise_to(0.4)), part = run_of(rise_to(0.8));
+  part.steps.resize(101);  // ends at 100 s, both half way
   const auto rows = curl_differences({whole, part});
   ASSERT_THAT(rows, SizeIs(1));
-  EXPECT_EQ(rows[0].course.at.back(), 100.0);
+  EXPECT_EQ(rows[0].course.places.back(), 100.0);
   EXPECT_NEAR(rows[0].first_m, 0.2, 1e-12);
   EXPECT_NEAR(rows[0].end_m, 0.2, 1e-12);
 }
 
 TEST(Comparison, RunsOfDifferentSpeedAreComparedAtTheSameCastLength) {
-  const Answer slow = run_of(rise_to(0.4), [](double time_s, v1::StepReport& step) {
+  const JudgedRun slow = run_of(rise_to(0.4), [](double time_s, v1::StepReport& step) {
     step.set_cast_length_m(0.5e-3 * time_s);
   });
   const auto rows = curl_differences({run_of(rise_to(0.4)), slow});
   ASSERT_THAT(rows, SizeIs(1));
   EXPECT_TRUE(rows[0].course.by_length);
-  EXPECT_NEAR(rows[0].course.at.back(), 0.1, 1e-12);
+  EXPECT_NEAR(rows[0].course.places.back(), 0.1, 1e-12);
   EXPECT_NEAR(rows[0].first_m, 0.2, 1e-12) << "at 100 mm, which the first has cast at 100 s";
   EXPECT_NEAR(rows[0].other_m, 0.4, 1e-12);
 }
 
 TEST(Comparison, IdenticalRunsHaveNoDifferenceAndNoCause) {
-  const Answer run = run_of(rise_to(0.01));
+  const JudgedRun run = run_of(rise_to(0.01));
   const auto rows = curl_differences({run, run});
   ASSERT_THAT(rows, SizeIs(1));
-  EXPECT_TRUE(rows[0].none());
-  EXPECT_THAT(causes_of(run, run, rows[0]), IsEmpty());
+  EXPECT_EQ(rows[0].verdict(), Verdict::no_difference);
+  EXPECT_THAT(find_causes(run, run, rows[0]), IsEmpty());
   EXPECT_EQ(sentence(rows[0], {}), "corner: no difference.");
 }
 
 TEST(Comparison, ACauseIsNamedWithItsTimeAndSize) {
-  const Answer first = run_of(rise_to(0.01));
-  const Answer other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
+  const JudgedRun first = run_of(rise_to(0.01));
+  const JudgedRun other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
     if (time_s <= 100) step.set_side_heat_w_per_m(0.78e5);
     if (time_s >= 60 && time_s < 72) step.set_contact_length_m(0.2);
     if (time_s > 190) step.set_bottom_heat_w_per_m(0.0);  // after the curl: no cause
   });
   const auto rows = curl_differences({first, other});
-  const auto causes = causes_of(first, other, rows.at(0));
+  const auto causes = find_causes(first, other, rows.at(0));
   ASSERT_THAT(causes, SizeIs(2));
   EXPECT_EQ(causes[0].sentence, "less heat through the side until 100 s (-22 %)");
   EXPECT_EQ(causes[1].sentence, "contact with the block 12 s longer");
@@ -125,28 +122,28 @@ TEST(Comparison, ACauseIsNamedWithItsTimeAndSize) {
 }
 
 TEST(Comparison, WhatDiffersAfterTheCurlIsNoCause) {
-  const Answer first = run_of(rise_to(0.01));
-  const Answer other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
+  const JudgedRun first = run_of(rise_to(0.01));
+  const JudgedRun other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
     if (time_s > 130) step.set_side_heat_w_per_m(0.2e5);
   });
-  EXPECT_THAT(causes_of(first, other, curl_differences({first, other}).at(0)), IsEmpty());
+  EXPECT_THAT(find_causes(first, other, curl_differences({first, other}).at(0)), IsEmpty());
 }
 
 TEST(Comparison, AFigureThatSwingsAboutTheOtherIsNoCause) {
-  const Answer first = run_of(rise_to(0.01));
-  const Answer other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
+  const JudgedRun first = run_of(rise_to(0.01));
+  const JudgedRun other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
     step.set_side_heat_w_per_m(std::fmod(time_s, 10.0) < 5.0 ? 1.3e5 : 0.7e5);
   });
-  EXPECT_THAT(causes_of(first, other, curl_differences({first, other}).at(0)), IsEmpty());
+  EXPECT_THAT(find_causes(first, other, curl_differences({first, other}).at(0)), IsEmpty());
 }
 
 TEST(Comparison, ALevelIsGivenWhereItDiffersMost) {
-  const Answer first = run_of(rise_to(0.01));
-  const Answer other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
+  const JudgedRun first = run_of(rise_to(0.01));
+  const JudgedRun other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
     step.set_shell_at_exit_m(4e-4 * time_s +
                              5e-3 * (time_s < 50 ? time_s / 50 : (200 - time_s) / 150));
   });
-  const auto causes = causes_of(first, other, curl_differences({first, other}).at(0));
+  const auto causes = find_causes(first, other, curl_differences({first, other}).at(0));
   ASSERT_THAT(causes, SizeIs(1));
   EXPECT_EQ(causes[0].sentence, "shell at the mould exit 20 -> 25 mm at 50 s");
 }
@@ -159,21 +156,21 @@ TEST(Comparison, AButtThatIsSolidThroughHasNoShell) {
       step.set_shell_at_exit_m(time_s < end_s ? half : 0.05);
     };
   };
-  Answer first = run_of(rise_to(0.01), butt_until(60));
-  Answer other = run_of(rise_to(0.004), butt_until(90));
-  for (Answer* answer : {&first, &other})
-    answer->description.mutable_section()->set_half_width_m(half);
-  EXPECT_THAT(causes_of(first, other, curl_differences({first, other}).at(0)), IsEmpty());
+  JudgedRun first = run_of(rise_to(0.01), butt_until(60));
+  JudgedRun other = run_of(rise_to(0.004), butt_until(90));
+  for (JudgedRun* run : {&first, &other})
+    run->description.mutable_section()->set_half_width_m(half);
+  EXPECT_THAT(find_causes(first, other, curl_differences({first, other}).at(0)), IsEmpty());
 }
 
 TEST(Comparison, TheErrorOfADifferenceComesFromMeasuredPairs) {
-  Answer first = run_of(rise_to(0.0277)), other = run_of(rise_to(0.016));
+  JudgedRun first = run_of(rise_to(0.0277)), other = run_of(rise_to(0.016));
   first.description = shipped_case("start-3d", v1::DRAFT);
   other.description = first.description;
   const auto row = curl_differences({first, other}).at(0);
-  ASSERT_EQ(row.error_from, ErrorSource::table);
+  ASSERT_EQ(row.error_source, ErrorSource::table);
   EXPECT_NEAR(*row.error_m, 0.05 * 0.0277 + 0.2 * 0.0117, 1e-9);
-  EXPECT_TRUE(row.real());
+  EXPECT_EQ(row.verdict(), Verdict::real);
   EXPECT_THAT(sentence(row, {}), HasSubstr("corner: -11.7 ± 3.7 mm, real."));
   other.description = shipped_case("start-3d", v1::ENGINEERING);
   EXPECT_FALSE(curl_differences({first, other}).at(0).error_m.has_value())
@@ -184,8 +181,8 @@ TEST(Comparison, TheErrorOfADifferenceComesFromMeasuredPairs) {
 }
 
 TEST(Comparison, TwoCastingsAtTwoQualitiesGiveTheirOwnError) {
-  Answer first = run_of(rise_to(0.0292)), other = run_of(rise_to(0.0172));
-  Answer first_draft = run_of(rise_to(0.0277)), other_draft = run_of(rise_to(0.0160));
+  JudgedRun first = run_of(rise_to(0.0292)), other = run_of(rise_to(0.0172));
+  JudgedRun first_draft = run_of(rise_to(0.0277)), other_draft = run_of(rise_to(0.0160));
   first.description = shipped_case("start-3d", v1::ENGINEERING);
   first_draft.description = shipped_case("start-3d", v1::DRAFT);
   for (auto [from, to] : {std::pair{&first, &other}, {&first_draft, &other_draft}}) {
@@ -193,68 +190,86 @@ TEST(Comparison, TwoCastingsAtTwoQualitiesGiveTheirOwnError) {
     to->description.mutable_alloy()->set_liquidus_c(650.0);
   }
   const auto row = curl_differences({first, other}, {first_draft, other_draft}).at(0);
-  EXPECT_EQ(row.error_from, ErrorSource::qualities);
+  EXPECT_EQ(row.error_source, ErrorSource::qualities);
   EXPECT_NEAR(*row.error_m, 3.0 * 0.0003, 1e-9) << "-12.0 and -11.7 mm";
-  EXPECT_TRUE(row.real());
+  EXPECT_EQ(row.verdict(), Verdict::real);
 }
 
 TEST(Comparison, ADifferenceWithinItsErrorHasNoCause) {
-  Answer first = run_of(rise_to(0.0277));
-  Answer other = run_of(rise_to(0.0275),
-                        [](double, v1::StepReport& step) { step.set_side_heat_w_per_m(0.9e5); });
+  JudgedRun first = run_of(rise_to(0.0277));
+  JudgedRun other = run_of(rise_to(0.0275),
+                           [](double, v1::StepReport& step) { step.set_side_heat_w_per_m(0.9e5); });
   first.description = other.description = shipped_case("start-3d", v1::DRAFT);
   const auto row = curl_differences({first, other}).at(0);
-  EXPECT_FALSE(row.real());
-  EXPECT_EQ(sentence(row, causes_of(first, other, row)),
+  EXPECT_EQ(row.verdict(), Verdict::within_its_error);
+  EXPECT_EQ(sentence(row, find_causes(first, other, row)),
             "corner: -0.2 ± 1.4 mm, within its error.");
 }
 
-TEST(Comparison, DifferencesAreDrawnOverTheSizeOfTheirError) {
-  Answer first = run_of(rise_to(0.0277)), other = run_of(rise_to(0.0275));
+/// The charts of a judgement with this key.
+std::vector<v1::Chart> charts_of(const v1::Judgement& judgement, const std::string& key) {
+  std::vector<v1::Chart> charts;
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.chart().key() == key) charts.push_back(part.chart());
+  return charts;
+}
+
+TEST(JudgedComparison, DifferencesAreDrawnOverTheSizeOfTheirError) {
+  JudgedRun first = run_of(rise_to(0.0277)), other = run_of(rise_to(0.0275));
   first.description = other.description = shipped_case("start-3d", v1::DRAFT);
-  const std::vector<Answer> answers{first, other};
-  const auto differences = curl_differences(answers);
-  const CurlDifference& row = differences.at(0);
-  ASSERT_EQ(row.apart_m.size(), row.course.at.size());
-  EXPECT_DOUBLE_EQ(row.apart_m.back(), row.end_m);
-  const std::string page = render::comparison_page(answers, differences);
-  EXPECT_THAT(page, HasSubstr("Differences of corner"));
-  EXPECT_THAT(page, HasSubstr("within the error of a difference at the end"));
-  EXPECT_THAT(render::comparison_page({first, first}, curl_differences({first, first})),
-              Not(HasSubstr("Differences of corner")))
+  const CurlDifference row = curl_differences({first, other}).at(0);
+  ASSERT_EQ(row.difference_m.size(), row.course.places.size());
+  EXPECT_DOUBLE_EQ(row.difference_m.back(), row.end_m);
+
+  const auto charts = charts_of(judge_comparison({first, other}, {}), "difference");
+  ASSERT_THAT(charts, SizeIs(1));
+  EXPECT_EQ(charts[0].heading(), "differences of corner");
+  EXPECT_DOUBLE_EQ(charts[0].region().high(), *row.error_m);
+  EXPECT_THAT(charts_of(judge_comparison({first, first}, {}), "difference"), IsEmpty())
       << "there is none";
 }
 
-TEST(Comparison, TheTextFitsThePage) {
-  Answer first = run_of(rise_to(0.01)), other = run_of(rise_to(0.004));
-  other.name = first.name = "run";
-  v1::Curve& speed = *other.description.mutable_schedule()->mutable_casting_speed_m_per_s();
-  for (int i = 0; i < 40; ++i) speed.add_at(i), speed.add_value(1e-3);
-  const auto differences = curl_differences({first, other});
-  const std::string text = render::comparison_text({first, other}, differences, {.columns = 100});
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);)
-    EXPECT_LE(render::display_width(line), 120) << line;
-  EXPECT_THAT(text, HasSubstr("run 2, corner: -6.0 mm"));
+TEST(JudgedComparison, TheTableHasNumbersWithTheirErrorsAndCodes) {
+  JudgedRun first = run_of(rise_to(0.0277)), other = run_of(rise_to(0.016));
+  first.description = other.description = shipped_case("start-3d", v1::DRAFT);
+  const v1::Judgement judgement = judge_comparison({first, other}, {});
+  const v1::Table* table = nullptr;
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.table().key() == "differences") table = &part.table();
+  ASSERT_NE(table, nullptr);
+  ASSERT_EQ(table->rows_size(), 2);
+
+  const auto& row = table->rows(1);
+  EXPECT_EQ(table->columns(4).unit(), "m");
+  EXPECT_NEAR(row.cells(4).value(), -0.0117, 1e-12);
+  EXPECT_NEAR(row.cells(4).upper_error(), 0.05 * 0.0277 + 0.2 * 0.0117, 1e-9);
+  EXPECT_EQ(row.cells(7).code(), "real");
+  EXPECT_EQ(row.cells(8).code(), "table");
+  EXPECT_THAT(judgement.sentences(0), HasSubstr("run 2, corner: -11.7 ± 3.7 mm, real."));
 }
 
-TEST(Comparison, AChartWithoutPointsIsNotDrawn) {
-  Answer empty = run_of([](double) { return std::nan(""); });
-  const std::vector<Answer> answers{empty, empty};
-  EXPECT_THAT(render::comparison_text(answers, curl_differences(answers), {.columns = 100}),
-              Not(HasSubstr("curl of corner")));
-  EXPECT_THAT(render::comparison_page(answers, curl_differences(answers)),
-              Not(HasSubstr("<svg class='chart'")));
+TEST(JudgedComparison, ACurlThatIsUnknownIsNotDrawn) {
+  const JudgedRun empty = run_of([](double) { return std::nan(""); });
+  EXPECT_THAT(charts_of(judge_comparison({empty, empty}, {}), "curl"), IsEmpty());
+}
+
+TEST(JudgedComparison, ManyRunsAreDrawnCoarsely) {
+  const std::vector<JudgedRun> runs(400, run_of(rise_to(0.01)));
+  const auto charts = charts_of(judge_comparison(runs, {}), "curl");
+  int points = 0;
+  for (const auto& line : charts.at(0).lines()) points += line.x_size();
+  EXPECT_LT(points, 61'000);
+  EXPECT_EQ(*charts[0].lines(0).x().rbegin(), 200.0) << "the end is kept";
 }
 
 TEST(Comparison, KeysThatDifferAreNamedOnce) {
-  std::vector<Answer> answers(2);
-  answers[0].description.set_title("one");
-  answers[1].description.set_title("two");
-  answers[0].description.mutable_mesh()->set_rows(20);
-  answers[1].description.mutable_mesh()->set_rows(30);
-  answers[1].description.add_monitor()->set_x_m(0.25);
-  const auto keys = differing_keys(answers);
+  std::vector<JudgedRun> runs(2);
+  runs[0].description.set_title("one");
+  runs[1].description.set_title("two");
+  runs[0].description.mutable_mesh()->set_rows(20);
+  runs[1].description.mutable_mesh()->set_rows(30);
+  runs[1].description.add_monitor()->set_x_m(0.25);
+  const auto keys = differing_keys(runs);
   ASSERT_EQ(keys.size(), 2u);
   EXPECT_EQ(keys[0].key, "mesh.rows");
   EXPECT_THAT(keys[0].values, testing::ElementsAre("20", "30"));
@@ -263,4 +278,4 @@ TEST(Comparison, KeysThatDifferAreNamedOnce) {
 }
 
 }  // namespace
-}  // namespace dccast::client
+}  // namespace dccast::judging

@@ -1,0 +1,59 @@
+// What the server concludes (judgement.proto): sentences, tables and charts, in the units of a plant.
+import {chart} from './chart.js';
+import {fixed, h} from './dom.js';
+
+// Plant unit and factor from SI, as proto/values/plant_units.cpp has them.
+const plantUnits = {1: ['%', 1e2], m: ['mm', 1e3], m2: ['dm²', 1e2], 'm/s': ['mm/min', 60e3], 'm2/s': ['l/min/m', 60e3], 'm/s2': ['mm/min²', 3.6e6],
+  'm2/s2': ['l/min²/m', 3.6e6], W: ['kW', 1e-3], 'W/m': ['kW/m', 1e-3], degC: ['°C', 1]};
+const plant = unit => plantUnits[unit] || [unit || '', 1];
+const capital = text => text && text[0].toUpperCase() + text.slice(1);
+
+function numberText(column, cell, value) {
+  const factor = plant(column.unit || cell.unit)[1];
+  const decimals = column.resolution > 0 ? Math.max(0, Math.ceil(-Math.log10(factor * column.resolution) - 1e-9)) : 0;
+  return fixed(factor * value, decimals).replace(/^-(?=[0.]*$)/, '');
+}
+
+/** A value of a case without quotes, with six digits and speeds in mm/min. */
+const shownValue = value => value.replaceAll('"', '').replace(/\d+(?:\.\d+)?(?:e[-+]?\d+)?( m\/s(?!\w))?/g,
+  (text, speed) => `${Number((parseFloat(text) * (speed ? 60e3 : 1)).toPrecision(6))}${speed ? ' mm/min' : ''}`);
+
+/** "12.3 ± 1.4", "35.5, -0.0 +3.9", a text, a code as words. */
+export function cellText(column, cell = {}) {
+  if (cell.text || cell.case_value) return cell.text || shownValue(cell.case_value);
+  const words = (cell.code || '').replaceAll('_', ' ');
+  if (cell.value === undefined || cell.value === null) return words;
+  const number = numberText(column, cell, cell.value), unit = column.unit ? '' : plant(cell.unit)[0];
+  if (cell.until !== undefined) return `${number} to ${numberText(column, cell, cell.until)}${unit && ` ${unit}`}`;
+  const text = `${column.is_signed && !number.startsWith('-') ? '+' : ''}${number}${unit && ` ${unit}`}${words && ` ${words}`}`;
+  if (cell.upper_error === undefined) return text;
+  const [lower, upper] = [cell.lower_error, cell.upper_error].map(error => numberText(column, cell, error));
+  return lower === upper ? `${text} ± ${upper}` : `${text}, -${lower} +${upper}`;
+}
+
+export function table({heading, note, columns, rows}) {
+  const shown = columns.map((column, i) => ({column, i})).filter(({column}) => column.heading);
+  const head = ({column: {heading: name, unit}}) => (unit && plant(unit)[0] ? `${name}, ${plant(unit)[0]}` : name);
+  return [heading ? h('h3', {}, capital(heading)) : null, rows.length === 0 ? null
+    : h('div', {class: 'scroll', tabindex: 0}, h('table', {}, h('thead', {}, h('tr', {}, shown.map(c => h('th', {scope: 'col'}, head(c))))),
+      h('tbody', {}, rows.map(({cells}) => h('tr', {}, shown.map(({column, i}) => h('td', {class: column.unit || column.resolution > 0 ? 'number' : null}, cellText(column, cells[i])))))))),
+  note ? h('p', {class: 'soft'}, note) : null];
+}
+
+function axisLabel({quantity, unit}) {
+  return plant(unit)[0] ? `${quantity}, ${plant(unit)[0]}` : quantity;
+}
+
+export function picture({heading, x, y, lines, region}) {
+  const scaled = (values, factor) => values.map(v => (v === null ? NaN : factor * v)), fx = plant(x.unit)[1], fy = plant(y.unit)[1];
+  const drawn = lines.map((line, i) => ({name: line.name, x: scaled(line.x, fx), y: scaled(line.y, fy), colour: i,
+    ...(line.low.length ? {low: scaled(line.low, fy), high: scaled(line.high, fy)} : {})}));
+  return chart(drawn, {title: `${capital(heading)}${region ? `; shaded: ${region.name}` : ''}`, xLabel: axisLabel(x), yLabel: axisLabel(y), unit: plant(y.unit)[0],
+    wanted: region ? [fy * region.low, fy * region.high] : []});
+}
+
+/** Sentences, then the parts that are worth their space on a page. @param wanted  (part) whether it is shown here */
+export function judgement({sentences, parts}, wanted = () => true) {
+  return [sentences.map(text => h('p', {class: 'answer'}, text)),
+    parts.filter(part => part.place !== 'TERMINAL' && wanted(part)).map(part => (part.table ? table(part.table) : picture(part.chart)))].flat(2);
+}

@@ -1,0 +1,81 @@
+#include "proto/case_file/study_keys.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include <fmt/core.h>
+
+#include "proto/case_file/quantity.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+bool has_points_in_time(const v1::Curve& curve) {
+  return curve.value_size() > 1 && curve.abscissa() == v1::TIME;
+}
+
+const std::array all_levers{
+    Lever{"schedule.casting_speed.scale", "0.9..1.1"},
+    Lever{
+        "schedule.casting_speed.shift", "-10 s..10 s",
+        [](const v1::Case& c) { return has_points_in_time(c.schedule().casting_speed_m_per_s()); }},
+    Lever{"schedule.water_flow.scale", "0.9..1.1",
+          [](const v1::Case& c) { return c.cooling().water().enabled(); }},
+    Lever{"schedule.water_flow.shift", "-10 s..10 s",
+          [](const v1::Case& c) { return has_points_in_time(c.schedule().water_flow_m2_per_s()); }},
+    Lever{"schedule.casting_temperature.offset", "-10 K..10 K"},
+    Lever{"cooling.water.temperature.offset", "-5 K..5 K"},
+    Lever{"cooling.bottom_block.temperature.offset", "-20 K..20 K"},
+    Lever{"schedule.filling.scale", "0.9..1.1",
+          [](const v1::Case& c) { return c.schedule().filling_s() > 0.0; }},
+    Lever{"schedule.hold.scale", "0.9..1.1",
+          [](const v1::Case& c) { return c.schedule().hold_s() > 0.0; }},
+    Lever{"section.block_above_water.offset", "-5 mm..5 mm",
+          [](const v1::Case& c) { return c.section().has_block_above_water_m(); }},
+};
+
+}  // namespace
+
+std::span<const Lever> levers() {
+  return all_levers;
+}
+
+bool is_lever(const std::string& axis_key) {
+  return std::ranges::any_of(levers(), [&](const Lever& lever) { return axis_key == lever.key; });
+}
+
+std::string datum_of(const std::string& axis_key) {
+  for (const char* suffix : {".scale", ".offset", ".shift"})
+    if (axis_key.ends_with(suffix)) return axis_key.substr(0, axis_key.rfind('.'));
+  return axis_key;
+}
+
+std::string range_of(const v1::SweepPlan::Axis& axis) {
+  constexpr double margin = 1e-9;
+  if (axis.values_size() != 2) return {};
+  const std::string& low = axis.values(0);
+  const std::string& high = axis.values(1);
+  const double from = leading_number(low);
+  const double to = leading_number(high);
+
+  if (axis.key().ends_with(".scale")) {
+    if (std::abs(from + to - 2.0) > margin) return fmt::format("{}..{} times", low, high);
+    return fmt::format("± {} %", number_text(std::round(1e6 * (to - 1.0)) / 1e4));
+  }
+  const bool by_difference = axis.key().ends_with(".offset") || axis.key().ends_with(".shift");
+  if (by_difference && std::abs(from + to) < margin) return "± " + high;
+
+  // A unit that both ends have is written once.
+  const auto unit = high.find(' ');
+  if (unit != std::string::npos && low.ends_with(high.substr(unit)))
+    return fmt::format("{}..{}", low.substr(0, low.size() - (high.size() - unit)), high);
+  return fmt::format("{}..{}", low, high);
+}
+
+double leading_number(const std::string& text) {
+  return std::strtod(text.c_str(), nullptr);
+}
+
+}  // namespace dccast::case_file

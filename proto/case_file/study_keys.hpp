@@ -1,0 +1,34 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+
+#include "dccast/v1/case.pb.h"
+#include "dccast/v1/study.pb.h"
+
+/// Keys that studies move, as plans name them and people read them.
+namespace dccast::case_file {
+
+/// A lever of a plant with the range in which sensitivity moves it: a tenth, or what a plant
+/// changes between two castings.
+struct Lever {
+  const char* key;
+  const char* range;
+  bool (*is_there)(const v1::Case&) = nullptr;  ///< in this case; null: in every one
+};
+std::span<const Lever> levers();
+
+/// Whether the axis of a plan is a lever of the plant rather than a datum.
+bool is_lever(const std::string& axis_key);
+
+/// The key that an axis moves: without ".scale", ".offset" or ".shift".
+std::string datum_of(const std::string& axis_key);
+
+/// "± 10 %", "± 3 K", "20..30 degC", "0.5..2 times" of an axis with two ends; else empty.
+std::string range_of(const v1::SweepPlan::Axis& axis);
+
+/// The number that a text begins with; 0 if it begins with none.
+double leading_number(const std::string& text);
+
+}  // namespace dccast::case_file

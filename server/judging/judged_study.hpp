@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "dccast/v1/judgement.pb.h"
+#include "dccast/v1/study.pb.h"
+
+namespace dccast::judging {
+
+/// A study with what its judgement rests on.
+struct StudyToJudge {
+  v1::StudyResult result;  ///< as evaluated; of an uncertainty study with the spread of the monitor
+  int monitor = 0;         ///< index of the monitor whose curl is judged
+  /// Error of a small difference between two runs, relative to the curl
+  /// (case_file::paired_error); empty: not measured for such a case.
+  std::optional<double> difference_error{};
+};
+
+/// Index of the monitor with this name; with an empty name that with the largest curl at the end.
+/// @return -1 where there is none
+int monitor_of(const v1::StudyResult& result, const std::string& name);
+
+/// The first valid run; of a sensitivity study that is the case itself. Null: there is none.
+const v1::StudyRun* first_valid_run(const v1::StudyResult& result);
+
+/// The answer of a study so far. Uncertainty, sensitivity and recipes have sentences; of other
+/// kinds the runs are listed with their curls, and of a refinement study the limits.
+v1::Judgement judge_study(const StudyToJudge& study);
+
+}  // namespace dccast::judging

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dccast/v1/judgement.pb.h"
+#include "proto/values/plant_units.hpp"
+#include "server/judging/comparison.hpp"
+
+/// Building blocks of a v1::Judgement.
+namespace dccast::judging {
+
+using values::plant_unit, values::PlantUnit;
+
+/// "a, b, c". @param text_of  what of an element is shown
+template <class Elements, class TextOf = std::identity>
+std::string joined(const Elements& elements, const std::string& separator, TextOf text_of = {}) {
+  std::string text;
+  for (const auto& element : elements) {
+    if (!text.empty()) text += separator;
+    text += std::invoke(text_of, element);
+  }
+  return text;
+}
+
+/// "within its error"
+std::string words(Verdict verdict);
+
+/// A cell; a number that is not known gives an empty one.
+v1::Cell text_cell(const std::string& text);
+v1::Cell code_cell(const std::string& code);
+/// @param value  as in a case file
+v1::Cell case_cell(const std::string& value);
+/// @param unit  where the column has none
+v1::Cell number_cell(double value, const std::string& unit = {});
+/// @param error  half the width of the band around the value; empty: not known
+v1::Cell number_cell(double value, const std::optional<double>& error);
+
+/// A column of numbers; further properties are set on the result.
+/// @param resolution  smallest difference worth showing [unit]
+v1::Table::Column number_column(const std::string& key, const std::string& heading,
+                                const std::string& unit, double resolution);
+/// A column of texts or codes, or of numbers that have their unit in the cell.
+v1::Table::Column text_column(const std::string& key, const std::string& heading);
+
+void add_row(v1::Table& table, std::initializer_list<v1::Cell> cells);
+
+v1::Table& add_table(v1::Judgement& judgement, const std::string& key, const std::string& heading,
+                     v1::JudgementPart::Place place = v1::JudgementPart::ANYWHERE);
+
+/// What a chart shows, and against what.
+struct Axes {
+  std::string x;       ///< "time"
+  std::string x_unit;  ///< SI
+  std::string y;
+  std::string y_unit;
+};
+v1::Chart& add_chart(v1::Judgement& judgement, const std::string& key, const std::string& heading,
+                     const Axes& axes, v1::JudgementPart::Place place = v1::JudgementPart::PAGE);
+
+/// @param x, y  of equal length
+v1::Chart::Line& add_line(v1::Chart& chart, const std::string& name, const std::vector<double>& x,
+                          const std::vector<double>& y);
+
+/// A band around a line that grows with its values. @param share  half of it, relative to a value
+void add_band(v1::Chart::Line& line, double share);
+
+/// Makes lines of charts coarser until the whole has at most so many points.
+void limit_points(v1::Judgement& judgement, int most);
+
+}  // namespace dccast::judging

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+
+#include "server/judging/judged_study.hpp"
+#include "server/judging/judgement.hpp"
+
+/// The judgements of the kinds of studies, and what they share.
+namespace dccast::judging {
+
+/// Smallest difference worth showing beside a curl [m]: a tenth of a millimetre, of a small curl a
+/// hundredth.
+double shown_curl_m(double curl_m);
+
+/// A length in tenths of a millimetre, for sentences: "12.3"; below one millimetre in hundredths.
+std::string mm(double metres);
+/// A share in whole percent, for sentences: "61".
+std::string percent(double share);
+
+bool is_valid(const v1::StudyRun& run);
+
+/// "succeeded", "shell melted through", "beyond validity"
+std::string outcome_code(const v1::StudyRun& run);
+
+/// Runs that the figures do not rest on, each with its values and the reason; nothing where there
+/// is none.
+void add_lost_runs(const v1::StudyResult& result, v1::JudgementPart::Place place,
+                   v1::Judgement& judgement);
+
+void judge_uncertainty(const StudyToJudge& study, v1::Judgement& judgement);
+void judge_sensitivity(const StudyToJudge& study, v1::Judgement& judgement);
+void judge_recipe(const v1::StudyResult& result, v1::Judgement& judgement);
+
+}  // namespace dccast::judging

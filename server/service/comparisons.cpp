@@ -1,0 +1,140 @@
+// The call that compares runs: of jobs, and of queries whose answers are kept.
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/jobs/folder/job_folder.hpp"
+#include "server/judging/judged_comparison.hpp"
+#include "server/service/refusals.hpp"
+#include "server/service/run_history.hpp"
+#include "server/service/simulation_service.hpp"
+
+namespace dccast::service {
+namespace {
+
+using judging::JudgedRun;
+using Summary = v1::Comparison::RunSummary;
+
+constexpr int most_runs = 100;
+constexpr std::size_t length_of_short_id = 8;
+
+struct FoundRun {
+  JudgedRun judged;
+  Summary summary;
+};
+
+/// @throws Refusal  also where the caller may not read the job
+FoundRun find_job_run(Context& context, const Call& call, const std::string& id) {
+  check_job_id(id);
+  const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
+  if (const auto status = context.gate.permit_touch(call.caller, reading, id); !status.ok())
+    throw Refusal{status};
+
+  const v1::Job job = find_job(context, id);
+  FoundRun run;
+  if (!jobs::read_complete_case(context.jobs_directory / id, run.judged.description))
+    refuse(grpc::DATA_LOSS, "the case of job {} cannot be read any more", id);
+  intake::make_printable(run.judged.description);
+  auto steps = read_steps(context, id);
+  if (!steps) refuse(grpc::ABORTED, "job {} has gone back to a checkpoint; ask again", id);
+  run.judged.steps = std::move(*steps);
+
+  run.judged.name = id.substr(0, length_of_short_id);
+  run.summary.set_job(id);
+  run.summary.set_title(job.title());
+  run.summary.set_state(job.state());
+  *run.summary.mutable_changes() = job.changes();
+  *run.summary.mutable_findings() = job.findings();
+  if (job.has_validity_loss()) *run.summary.mutable_validity_loss() = job.validity_loss();
+  if (job.has_failure()) *run.summary.mutable_failure() = job.failure();
+  return run;
+}
+
+/// Of one code the last finding holds.
+void take(const v1::Finding& finding, Summary& summary) {
+  for (v1::Finding& known : *summary.mutable_findings())
+    if (known.code() == finding.code()) {
+      known = finding;
+      return;
+    }
+  *summary.add_findings() = finding;
+}
+
+FoundRun find_answer(Context& context, const std::string& key) {
+  const auto kept = context.query_answers.find(key);
+  if (!kept)
+    refuse(grpc::NOT_FOUND,
+           "the answer of a query is not kept any more; ask the query again, or keep its run as a "
+           "job");
+
+  FoundRun run;
+  run.judged.description.ParseFromString(kept->complete_case);
+  run.judged.name = "query";
+  run.summary.set_title(run.judged.description.title());
+  for (const std::string& bytes : kept->messages) {
+    v1::QueryButtCurlResponse message;
+    message.ParseFromString(bytes);
+    if (message.has_step()) {
+      run.judged.steps.push_back(std::move(*message.mutable_step()));
+    } else if (message.has_finding()) {
+      take(message.finding(), run.summary);
+    } else if (message.has_validity_lost()) {
+      *run.summary.mutable_validity_loss() = message.validity_lost();
+    } else if (message.has_ended()) {
+      run.summary.set_state(message.ended().state());
+      if (message.ended().has_failure()) *run.summary.mutable_failure() = message.ended().failure();
+    }
+  }
+  return run;
+}
+
+FoundRun find_run(Context& context, const Call& call, const v1::ComparedRun& asked) {
+  check_text("name", asked.name());
+  if (asked.run_case() == v1::ComparedRun::RUN_NOT_SET)
+    refuse("a run to be compared names neither a job nor an answer");
+  FoundRun run = asked.has_job() ? find_job_run(context, call, asked.job())
+                                 : find_answer(context, asked.answer());
+  if (!asked.name().empty()) run.judged.name = asked.name();
+  run.summary.set_name(run.judged.name);
+  if (run.judged.steps.empty())
+    refuse(grpc::FAILED_PRECONDITION, "{} has no step yet; compare it when it has begun",
+           run.judged.name);
+  return run;
+}
+
+void compare(Context& context, const Call& call, const v1::CompareRunsRequest& request,
+             v1::Comparison& comparison) {
+  if (request.runs_size() < 2 || request.runs_size() > most_runs ||
+      request.companions_size() > most_runs)
+    refuse("a comparison takes 2 to {} runs and at most as many companions; there are {} and {}",
+           most_runs, request.runs_size(), request.companions_size());
+
+  std::vector<JudgedRun> runs;
+  for (const v1::ComparedRun& asked : request.runs()) {
+    FoundRun run = find_run(context, call, asked);
+    *comparison.add_runs() = std::move(run.summary);
+    runs.push_back(std::move(run.judged));
+  }
+  std::vector<JudgedRun> companions;
+  for (const v1::ComparedRun& asked : request.companions())
+    companions.push_back(find_run(context, call, asked).judged);
+
+  *comparison.mutable_judgement() = judging::judge_comparison(runs, companions);
+  if (const std::size_t size = comparison.ByteSizeLong(); size > answer_bytes)
+    refuse(grpc::RESOURCE_EXHAUSTED,
+           "the comparison has {} bytes, more than an answer of 4 MiB holds; compare fewer runs",
+           size);
+}
+
+}  // namespace
+
+SimulationService::Unary* SimulationService::CompareRuns(Wire* wire,
+                                                         const v1::CompareRunsRequest* request,
+                                                         v1::Comparison* response) {
+  return answer(wire, *request, lanes_.histories,
+                [=, this](const Call& call) { compare(context_, call, *request, *response); });
+}
+
+}  // namespace dccast::service

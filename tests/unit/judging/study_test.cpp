@@ -1,0 +1,253 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "proto/case_file/study_keys.hpp"
+#include "server/judging/judged_study.hpp"
+
+namespace dccast::judging {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+void add_axis(v1::StudyResult& result, const std::string& key, const std::string& low,
+              const std::string& high) {
+  auto& axis = *result.mutable_study()->mutable_sweep()->add_axes();
+  axis.set_key(key);
+  axis.add_values(low);
+  axis.add_values(high);
+}
+
+/// A run that moves one axis (-1: none) to an end, with its curl [mm].
+v1::StudyRun& add_run(v1::StudyResult& result, int axis, int end, double curl_mm) {
+  v1::StudyRun& run = *result.add_runs();
+  run.set_state(v1::SUCCEEDED);
+  const auto& axes = result.study().sweep().axes();
+  for (int i = 0; i < axes.size(); ++i) run.add_values(i == axis ? axes[i].values(end) : "");
+  run.add_end_curl_m(1e-3 * curl_mm);
+  run.add_end_curl_m(1e-3);
+  return run;
+}
+
+v1::StudyResult sensitivity() {
+  v1::StudyResult result;
+  result.mutable_study()->mutable_sweep()->set_purpose(v1::SweepPlan::SENSITIVITY);
+  result.add_monitors("corner");
+  result.add_monitors("centre");
+  add_axis(result, "alloy.specific_heat.scale", "0.97", "1.03");
+  add_axis(result, "schedule.casting_speed.scale", "0.9", "1.1");
+  add_axis(result, "cooling.water.wetting.lag", "0.5 s", "5 s");
+  add_axis(result, "cooling.bottom_block.wet_coefficient", "1000 W/(m2 K)", "3000 W/(m2 K)");
+  add_run(result, -1, 0, 40.0);
+  add_run(result, 0, 0, 41.0);
+  add_run(result, 0, 1, 39.5);
+  add_run(result, 1, 0, 35.0);
+  add_run(result, 1, 1, 46.0);
+  add_run(result, 2, 0, 40.001);
+  add_run(result, 2, 1, 39.999);
+  v1::StudyRun& lost = add_run(result, 3, 0, 0.0);
+  lost.set_state(v1::FAILED);
+  lost.mutable_failure()->set_kind(v1::Failure::SHELL_MELTED_THROUGH);
+  lost.mutable_failure()->set_message("melts through at 43 s");
+  lost.set_end_curl_m(0, std::numeric_limits<double>::quiet_NaN());
+  add_run(result, 3, 1, 38.0);
+  return result;
+}
+
+/// The table of a judgement with this key; empty where there is none.
+v1::Table table_of(const v1::Judgement& judgement, const std::string& key) {
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.table().key() == key) return part.table();
+  return {};
+}
+
+/// Texts and codes of a row; numbers in tenths of a thousandth.
+std::vector<std::string> texts_of(const v1::Table::Row& row) {
+  std::vector<std::string> texts;
+  for (const v1::Cell& cell : row.cells())
+    texts.push_back(!cell.text().empty()   ? cell.text()
+                    : !cell.code().empty() ? cell.code()
+                    : cell.has_value()     ? std::to_string(std::lround(1e4 * cell.value()))
+                                           : "");
+  return texts;
+}
+
+v1::Judgement judged(v1::StudyResult result, std::optional<double> difference_error) {
+  return judge_study({std::move(result), 0, difference_error});
+}
+
+TEST(Sensitivity, EffectsAreDifferencesToTheCaseItselfLeversFirstThenLargestFirst) {
+  const v1::Table effects = table_of(judged(sensitivity(), 0.05), "effects");
+  ASSERT_EQ(effects.rows_size(), 4);
+  EXPECT_THAT(texts_of(effects.rows(0)), ElementsAre("lever", "schedule.casting_speed", "± 10 %",
+                                                     "-50", "60", "schedule.casting_speed.scale"));
+  EXPECT_THAT(texts_of(effects.rows(1)),
+              ElementsAre("datum", "cooling.bottom_block.wet_coefficient", "1000..3000 W/(m2 K)",
+                          "fails", "-20", "cooling.bottom_block.wet_coefficient"));
+  EXPECT_TRUE(effects.columns(3).has_bars());
+  const v1::Table base = table_of(judged(sensitivity(), 0.05), "case_itself");
+  EXPECT_DOUBLE_EQ(base.rows(0).cells(1).value(), 40e-3);
+  EXPECT_DOUBLE_EQ(base.rows(0).cells(2).value(), 2e-3);
+}
+
+TEST(Sensitivity, OfAStudyWithoutTheCaseItselfIsUnknown) {
+  v1::StudyResult result = sensitivity();
+  result.mutable_runs()->erase(result.runs().begin());  // its job was deleted
+  const v1::Judgement judgement = judged(result, 0.05);
+  EXPECT_THAT(judgement.sentences(), ElementsAre(HasSubstr("nothing to compare with")));
+  EXPECT_EQ(table_of(judgement, "effects").rows_size(), 0);
+}
+
+TEST(Sensitivity, AnErrorThatWasNotMeasuredIsNotStated) {
+  const v1::Judgement judgement = judged(sensitivity(), std::nullopt);
+  EXPECT_THAT(judgement.sentences(),
+              Contains(HasSubstr("error of a difference has not been measured for such a case")));
+  EXPECT_THAT(judgement.sentences(), Not(Contains(HasSubstr("is known to"))));
+  EXPECT_FALSE(table_of(judgement, "case_itself").rows(0).cells(2).has_value());
+}
+
+TEST(Sensitivity, StatesLeversDataFailuresAndWhatDoesNotMatter) {
+  const v1::Judgement judgement = judged(sensitivity(), 0.05);
+  EXPECT_THAT(judgement.heading(), HasSubstr("9 runs: 8 valid, 1 failed or cancelled"));
+  EXPECT_THAT(table_of(judgement, "responding").heading(), HasSubstr("corner at the end: 40.0 mm"));
+  EXPECT_EQ(table_of(judgement, "responding").rows_size(), 3);
+  EXPECT_THAT(judgement.sentences(),
+              ElementsAre(HasSubstr("A small difference is known to ± 2.0 mm"),
+                          "This model does not respond to cooling.water.wetting.lag."));
+  const v1::Table lost = table_of(judgement, "lost_runs");
+  ASSERT_EQ(lost.rows_size(), 1);
+  EXPECT_THAT(texts_of(lost.rows(0)),
+              Contains("cooling.bottom_block.wet_coefficient = 1000 W/(m2 K)"));
+  EXPECT_THAT(texts_of(lost.rows(0)), Contains("shell_melted_through"));
+  EXPECT_THAT(texts_of(lost.rows(0)), Contains("melts through at 43 s"));
+}
+
+TEST(Judgement, AMonitorIsNamedOrHasTheLargestCurl) {
+  EXPECT_EQ(monitor_of(sensitivity(), "centre"), 1);
+  EXPECT_EQ(monitor_of(sensitivity(), "edge"), -1);
+  EXPECT_EQ(monitor_of(sensitivity(), ""), 0);
+}
+
+TEST(Judgement, RangesReadAsTheyAreWritten) {
+  v1::StudyResult result = sensitivity();
+  add_axis(result, "schedule.casting_temperature.offset", "-3 K", "3 K");
+  add_axis(result, "cooling.bottom_block.gap_coefficient.scale", "0.67", "1");
+  const auto& axes = result.study().sweep().axes();
+  EXPECT_EQ(case_file::range_of(axes[0]), "± 3 %");
+  EXPECT_EQ(case_file::range_of(axes[2]), "0.5..5 s");
+  EXPECT_EQ(case_file::range_of(axes[3]), "1000..3000 W/(m2 K)");
+  EXPECT_EQ(case_file::range_of(axes[4]), "± 3 K");
+  EXPECT_EQ(case_file::range_of(axes[5]), "0.67..1 times");
+}
+
+v1::StudyResult uncertainty() {
+  v1::StudyResult result = sensitivity();
+  result.mutable_study()->mutable_sweep()->set_purpose(v1::SweepPlan::UNCERTAINTY);
+  for (v1::StudyRun& run : *result.mutable_runs()) run.set_relative_curl_error(0.05);
+  v1::Spread& spread = *result.mutable_spread();
+  spread.set_monitor("corner");
+  spread.set_runs(8);
+  for (const double t : {10.0, 250.0}) {
+    spread.add_time_s(t);
+    spread.add_cast_length_m(1e-3 * t);
+    spread.add_low_m(1e-3 * (0.12 * t));
+    spread.add_median_m(1e-3 * (0.16 * t));
+    spread.add_high_m(1e-3 * (0.2 * t));
+    spread.add_surface_error_m(1e-3);
+    spread.add_index_time_s(t);
+  }
+  spread.set_inside_band(0.61);
+  for (const double share : {0.1, 0.65, 0.001, 0.15, 0.1}) {
+    v1::Spread::Share& shares = *spread.add_shares();
+    for (int i = 0; i < 2; ++i) {
+      shares.add_first(share);
+      shares.add_total(share);
+      shares.add_first_error(0.01);
+      shares.add_total_error(0.02);
+    }
+  }
+  return result;
+}
+
+TEST(Uncertainty, AnswersHowSureAndWhatToMeasureFirst) {
+  const v1::Judgement judgement = judged(uncertainty(), std::nullopt);
+  EXPECT_THAT(judgement.sentences(0),
+              AllOf(HasSubstr("9 of 10 castings have 30.0 to 50.0 mm at the corner"),
+                    HasSubstr("half of them less than 40.0 mm")));
+  EXPECT_THAT(judgement.sentences(), Contains("Mesh and time steps add ± 2.0 mm."));
+  EXPECT_THAT(judgement.sentences(), Contains("61 % of castings end inside the accepted band."));
+  EXPECT_THAT(judgement.sentences(),
+              Contains("Measure schedule.casting_speed first: were it known exactly, the 20.0 mm "
+                       "between 5 and 95 % would be 11.8 mm."));
+  EXPECT_THAT(judgement.heading(), HasSubstr("1 failed or cancelled (1 shell melted through)"));
+
+  const v1::Table shares = table_of(judgement, "shares");
+  EXPECT_EQ(shares.rows(0).cells(0).text(), "schedule.casting_speed");
+  EXPECT_DOUBLE_EQ(shares.rows(0).cells(2).value(), 0.65);
+  EXPECT_DOUBLE_EQ(shares.rows(0).cells(2).upper_error(), 0.02);
+  EXPECT_DOUBLE_EQ(shares.rows(0).cells(3).upper_error(), 0.04);
+  EXPECT_EQ(shares.rows().rbegin()->cells(0).text(), "what the response surface does not follow");
+  EXPECT_EQ(shares.note(), "1 more data, with less than these");
+  EXPECT_EQ(table_of(judgement, "lost_runs").rows_size(), 1);
+
+  for (const v1::JudgementPart& part : judgement.parts()) {
+    if (part.chart().key() != "curl") continue;
+    EXPECT_EQ(part.chart().lines(0).name(), "data, 5 to 95 %");
+    EXPECT_EQ(part.chart().lines(1).name(), "mesh and time steps");
+    EXPECT_NEAR(part.chart().lines(1).high(1), 0.042, 1e-12);
+  }
+}
+
+TEST(Uncertainty, NamesTheReasonForNoAnswer) {
+  v1::StudyResult result = sensitivity();
+  result.mutable_study()->mutable_sweep()->set_purpose(v1::SweepPlan::UNCERTAINTY);
+  result.set_spread_fault("needs 40 runs");
+  EXPECT_THAT(judged(result, std::nullopt).sentences(),
+              ElementsAre("No answer yet: needs 40 runs"));
+}
+
+TEST(Runs, AreListedWithTheErrorOfMeshAndStepsWhereItIsKnown) {
+  v1::StudyResult result;
+  result.add_monitors("corner");
+  add_axis(result, "mesh.rows", "10", "20");
+  add_run(result, 0, 0, -40.0).set_relative_curl_error(0.05);
+  add_run(result, 0, 1, 41.0);
+  const v1::Table runs = table_of(judged(result, std::nullopt), "runs");
+  EXPECT_TRUE(runs.columns(2).has_error());
+  EXPECT_NEAR(runs.rows(0).cells(2).upper_error(), 2e-3, 1e-12);
+  EXPECT_FALSE(runs.rows(1).cells(2).has_upper_error());
+  EXPECT_EQ(runs.rows(1).cells(3).code(), "succeeded");
+  result.mutable_runs(0)->clear_relative_curl_error();
+  EXPECT_FALSE(table_of(judged(result, std::nullopt), "runs").columns(2).has_error());
+}
+
+TEST(Refinement, LimitsHaveTheirErrorAndWhereItIsLargest) {
+  v1::StudyResult result;
+  result.mutable_study()->mutable_refinement();
+  result.add_monitors("corner");
+  result.set_valid_until_s(15.0);
+  v1::StudyResult::Limit& limit = *result.add_limits();
+  limit.set_order(0.9);
+  limit.mutable_curve()->set_monitor("corner");
+  for (const double t : {10.0, 20.0}) {
+    limit.mutable_curve()->add_time_s(t);
+    limit.mutable_curve()->add_curl_m(1e-3 * t);
+    limit.mutable_curve()->add_uncertainty_m(t < 15 ? 3e-3 : 1e-3);
+  }
+  const v1::Table limits = table_of(judged(result, std::nullopt), "limits");
+  ASSERT_EQ(limits.rows_size(), 1);
+  EXPECT_DOUBLE_EQ(limits.rows(0).cells(2).value(), 20e-3);
+  EXPECT_DOUBLE_EQ(limits.rows(0).cells(2).upper_error(), 1e-3);
+  EXPECT_DOUBLE_EQ(limits.rows(0).cells(3).value(), 3e-3);
+  EXPECT_DOUBLE_EQ(limits.rows(0).cells(4).value(), 10.0);
+  EXPECT_THAT(limits.note(), HasSubstr("from 15.00 s on"));
+}
+
+}  // namespace
+}  // namespace dccast::judging
