@@ -112,7 +112,7 @@ namespace {
 
 const char* const guide =
     "\nA question:\n"
-    "  dccast query my.toml --set schedule.casting_speed=\"70 mm/min\"\n"
+    "  dccast query my.toml --set schedule.hold=\"90 s\"\n"
     "\nA first run:\n"
     "  dccast new start-2d-thickness > my.toml   a case to begin with\n"
     "  dccast validate my.toml                   everything that is wrong with it, at once\n"
