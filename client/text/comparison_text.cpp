@@ -23,8 +23,9 @@ namespace {
 
 /// "4.86 ± 0.36 mm"; without an uncertainty only the first number.
 std::string curl_text(double curl_m, std::optional<double> uncertainty_m) {
-  if (!uncertainty_m) return mm(curl_m, 2) + " mm";
-  return mm(curl_m, 2) + " \u00b1 " + mm(*uncertainty_m, 2) + " mm";
+  const int decimals = mm_decimals(curl_m, uncertainty_m);
+  if (!uncertainty_m) return mm(curl_m, decimals) + " mm";
+  return mm(curl_m, decimals) + " \u00b1 " + mm(*uncertainty_m, decimals) + " mm";
 }
 
 std::string monitor_line(const Answer& answer, const CurlHistory::Series& series) {
@@ -167,7 +168,8 @@ std::string curves_text(const std::vector<Answer>& answers, const std::string& m
   if (!has_curl(chart)) return "";
   for (std::size_t i = 0; i < chart.lines.size(); ++i) {
     lines.push_back({chart.lines[i].x, chart.lines[i].y});
-    legend += (i == 0 ? "" : "  ") + coloured(chart.lines[i].name, i, terminal);
+    legend +=
+        (i == 0 ? "" : "  ") + coloured(braille_sample(i) + " " + chart.lines[i].name, i, terminal);
   }
   const BrailleChart drawn = braille_chart(lines, std::min(60, terminal.columns - 14), 6);
   std::string text = "curl of " + monitor + ": " + legend + "\n";

@@ -32,6 +32,7 @@
 #include "server/jobs/processes.hpp"
 #include "server/translate/translate.hpp"
 #include "server/worker/run.hpp"
+#include "server/worker/run_facts.hpp"
 #include "server/worker/sandbox.hpp"
 
 namespace dccast::worker {
@@ -121,8 +122,10 @@ void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
             << ", "
             << bound({.memory_bytes = order.memory_bytes(), .file_bytes = order.file_bytes()})
             << std::endl;
+  const auto begin = std::chrono::system_clock::now();
   JobRun run(order, claim);
   v1::RunEnd end = end_of_run(order, run);
+  write_run_facts(order, order.directory(), begin);
   if (end.outcome() == v1::RunEnd::FAILED && met_file_bound())
     // A disk that is full is waited for; this is no more writable later.
     end = failed_run(

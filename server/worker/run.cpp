@@ -19,6 +19,7 @@
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/jobs/logs/step_index.hpp"
 #include "server/translate/translate.hpp"
+#include "server/worker/run_facts.hpp"
 
 namespace dccast::worker {
 
@@ -107,7 +108,7 @@ private:
 /// What the run left, with sizes and checksums: computed once, here, while the files are still in
 /// the page cache and the daemon has better things to do.
 void add_artifacts(const fs::path& directory, v1::RunEnd& finished) {
-  for (const char* name : {"results.h5", "results.xdmf"}) {
+  for (const char* name : {"results.h5", "results.xdmf", "results-end.xdmf"}) {
     if (!fs::exists(directory / name)) continue;
     auto* artifact = finished.add_artifacts();
     artifact->set_name(name);
@@ -148,7 +149,10 @@ v1::RunEnd to_finished(const casting::RunOutcome& outcome, const v1::SolveCase& 
 
 v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
   const fs::path directory = order.directory();
-  const auto casting_case = translate::to_core(order.case_(), directory / jobs::attachments_folder);
+  auto casting_case = translate::to_core(order.case_(), directory / jobs::attachments_folder);
+  casting_case.commit = commit;
+  if (!order.job_id().empty())
+    casting_case.case_sha256 = jobs::read_job_description(directory).job.case_sha256();
   ReportingObserver observer(link, casting_case);
   const auto outcome = casting::run(
       casting_case,

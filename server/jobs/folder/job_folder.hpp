@@ -20,6 +20,9 @@ struct JobDescription {
   std::map<std::string, std::string> attachment_sha256{};  ///< by name; of an earlier version none
 };
 
+/// What a run had of its machine (server/worker/run_facts.hpp).
+inline constexpr const char* run_facts_file = "run.json";
+
 /// Name of the file: 8 bytes "DCCASTJD", version 2 and zero as in EVENT_LOG.md, then twice the same
 /// frames: the serialised Job, the submitted Case, the complete Case, the answer key, the digests
 /// of the attachments as sha256sum(1) writes them, each behind one byte that is 1. Where the first
