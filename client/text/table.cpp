@@ -87,8 +87,9 @@ std::string with_error(double value, const std::optional<double>& error, const s
 
 int mm_decimals(double metres, const std::optional<double>& error_m) {
   constexpr int hundredths = 2;  // no curl is known better
-  const auto error_mm = error_m ? std::optional(1e3 * *error_m) : std::nullopt;
-  return std::clamp(decimals_for(1e3 * metres, error_mm), 0, hundredths);
+  const bool known = error_m && std::isfinite(*error_m) && *error_m > 0.0;
+  if (!known) return hundredths;
+  return std::clamp(decimals_for(1e3 * metres, 1e3 * *error_m), 0, hundredths);
 }
 
 std::string mm(double metres, int decimals) {

@@ -41,7 +41,7 @@ int decimals_for(double value, const std::optional<double>& error);
 std::string with_error(double value, const std::optional<double>& error,
                        const std::string& unit = {}, int most_decimals = 15);
 
-/// Decimals of a curl [m] in millimetres, 0 to 2, by the same rule.
+/// Decimals of a curl [m] in millimetres, 0 to 2, by the same rule; 2 without an error.
 int mm_decimals(double metres, const std::optional<double>& error_m);
 
 /// A length [m] in millimetres, likewise.

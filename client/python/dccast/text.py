@@ -35,7 +35,9 @@ def millimetres(metres: float, error_m: float | None = None) -> str:
     >>> millimetres(5.2519e-3, 0.2101e-3), millimetres(1.2e-9)
     ('5.25 ± 0.21 mm', '0.00 mm')
     """
-    return with_error(1e3 * metres, None if error_m is None else 1e3 * error_m, "mm", 2)
+    if error_m is None or not error_m > 0.0:
+        return f"{_rounded(1e3 * metres, 2):.2f} mm"
+    return with_error(1e3 * metres, 1e3 * error_m, "mm", 2)
 
 
 def _rounded(value: float, decimals: int) -> float:

@@ -50,8 +50,9 @@ TEST(Braille, AStraightLineRunsFromBelowToAbove) {
 TEST(Braille, LinesAreToldApartWithoutColour) {
   const BrailleLine level{{0, 1}, {1, 1}};
   const auto row_of = [&](const std::vector<BrailleLine>& lines) {
+    const BrailleChart chart = braille_chart(lines, 12, 1);
     std::string text;
-    for (const BrailleCell& cell : braille_chart(lines, 12, 1).cells[0]) text += cell.text;
+    for (const BrailleCell& cell : chart.cells[0]) text += cell.text;
     return text;
   };
   const BrailleLine nothing;
