@@ -72,8 +72,9 @@ std::optional<double> Pace::left_s() const {
 
   const double done = begin_ ? last_.progress() - begin_->progress() : 0.0;
   if (done >= enough * (done + left)) return (last_.solver_s() - begin_->solver_s()) * left / done;
-  if (expected_s <= 0.0) return std::nullopt;
-  return std::max(0.0, expected_s - last_.solver_s());
+  // A run that has taken longer than expected has no time left that could be named.
+  const double left_s = expected_s - last_.solver_s();
+  return left_s > 0.0 ? std::optional(left_s) : std::nullopt;
 }
 
 void Progress::line(const std::string& text) {

@@ -40,8 +40,12 @@ AlloyCard named_card(const std::string& name, AlloyCard card, ReadOutcome read) 
   card.alloy.set_card(name);
   card.faults = read.ok() ? uncertainty_faults(card.alloy) : std::move(read.faults);
   for (v1::Fault& fault : card.faults) {
-    fault.set_message(fmt::format("in alloy card {}", describe(fault, read.source)));
-    fault.set_field("alloy.card");
+    // The sentence has value, range and remedy already.
+    v1::Fault of_case;
+    of_case.set_field("alloy.card");
+    of_case.set_value(quoted(name));
+    of_case.set_message(fmt::format("in alloy card {}", describe(fault, read.source)));
+    fault = std::move(of_case);
   }
   return card;
 }

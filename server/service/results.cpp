@@ -164,7 +164,8 @@ SentFile open_own_file(Context& context, const v1::Job& job, const std::string& 
   auto path = folder / name;
   if (storage::kind_of_entry(path).empty()) {
     if (name != jobs::submitted_file)
-      refuse(grpc::NOT_FOUND, "job {} has no {}: it has not come so far", job.id(), name);
+      refuse(grpc::NOT_FOUND, "job {} has no {}: {}", job.id(), name,
+             name == jobs::run_facts_file ? "no attempt of it has ended" : "it has not begun");
     made.emplace(context.query_directory, jobs::Attachments{});
     path = made->path() / name;
     write_case_file(folder, path);
