@@ -70,7 +70,7 @@ void write_file(const std::filesystem::path& file, const std::string& content) {
   std::error_code error;
   if (stream.is_open() && std::filesystem::is_regular_file(file, error))
     std::filesystem::remove(file, error);
-  throw CommandFailed(ExitCode::not_found, "cannot write " + file.string() + ": " + reason);
+  throw CommandFailed(ExitCode::output_lost, "cannot write " + file.string() + ": " + reason);
 }
 
 void write_output(const std::string& path, const std::string& content) {

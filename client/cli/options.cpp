@@ -1,13 +1,32 @@
 #include "client/cli/options.hpp"
 
+#include <algorithm>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
 
+#include "dccast/v1/case.pb.h"
+#include "proto/case_file/case_file.hpp"
 #include "proto/case_file/text_checks.hpp"
 
 namespace dccast::client::cli {
 namespace {
+
+/// "--set title=" for an option that is a key of the case, such as --title or --casting-speed;
+/// empty for any other.
+std::string change_for(const CLI::App& command, const std::string& option) {
+  if (command.get_option_no_throw("--set") == nullptr) return {};
+  std::string key = option.substr(2);
+  std::ranges::replace(key, '-', '_');
+
+  std::vector<std::string> paths;
+  for (const case_file::KeyReference& known : case_file::reference(*v1::Case::descriptor())) {
+    if (known.type == "table") continue;
+    if (known.path == key) return "--set " + known.path + "=";
+    if (known.path.ends_with("." + key)) paths.push_back(known.path);
+  }
+  return paths.size() == 1 ? "--set " + paths.front() + "=" : "";
+}
 
 /// Suggestion for an unknown command, or for an unknown option of the given command.
 std::string nearest_text(const CLI::App& app, const std::vector<std::string>& arguments) {
@@ -23,6 +42,8 @@ std::string nearest_text(const CLI::App& app, const std::vector<std::string>& ar
     if (chosen.empty() || !option.starts_with("--")) continue;
     if (chosen.front()->get_option_no_throw(option) != nullptr) continue;
     if (app.get_option_no_throw(option) != nullptr) continue;
+    if (const std::string change = change_for(*chosen.front(), option); !change.empty())
+      return change + "...";
     std::vector<std::string> names;
     for (const CLI::Option* const known : chosen.front()->get_options())
       for (const std::string& name : known->get_lnames()) names.push_back("--" + name);

@@ -1,5 +1,6 @@
 #include <fstream>
 #include <iostream>
+#include <regex>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
@@ -9,6 +10,7 @@
 #include "client/session/case_faults.hpp"
 #include "client/session/data_study.hpp"
 #include "client/text/data_study_text.hpp"
+#include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
 
 namespace dccast::client::commands {
@@ -151,10 +153,42 @@ void write_case(Connection& connection, const CalibrateOptions& options,
   write_output(options.output, calibrated_case(connection, request, result));
 }
 
+/// The unit of a key's numbers in SI: that of the schema; "1" of a factor.
+std::string unit_of_key(const std::string& key) {
+  if (key.ends_with(".scale")) return "1";
+  if (key.ends_with(".shift")) return "s";
+  // The reference has lists without their numbers: "cooling.zone[].from".
+  static const std::regex number(R"(\[\d+\])");
+  const std::string path = std::regex_replace(key, number, "[]");
+  const std::string offset = ".offset";
+  const std::string plain =
+      path.ends_with(offset) ? path.substr(0, path.size() - offset.size()) : path;
+  for (const case_file::KeyReference& known : case_file::reference(*v1::Case::descriptor()))
+    if (known.path == plain || known.path + "[]" == plain)
+      return plain != path && known.unit == "degC" ? "K" : known.unit;
+  return {};
+}
+
+/// The result with the name and the unit of each key beside its numbers, which are in SI.
+Json named_json(const v1::StudyResult& result) {
+  Json json = to_json(result);
+  if (!result.has_calibration()) return json;
+  Json keys = Json::array();
+  for (int i = 0; i < result.calibration().keys_size(); ++i) {
+    const std::string& name = result.study().sweep().axes(i).key();
+    Json key = to_json(result.calibration().keys(i));
+    key["key"] = name;
+    key["unit"] = unit_of_key(name);
+    keys.push_back(std::move(key));
+  }
+  json["calibration"]["keys"] = std::move(keys);
+  return json;
+}
+
 void print(Connection& connection, const CalibrateOptions& options, const v1::StudyResult& result) {
   if (!options.plot.empty()) write_output(options.plot, render::calibration_page(result));
   if (options.json)
-    print_line(to_json(result));
+    print_line(named_json(result));
   else if (options.plot != "-" && options.output != "-")
     std::cout << render::calibration_text(result);
   if (!options.output.empty() && result.has_calibration()) write_case(connection, options, result);

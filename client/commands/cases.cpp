@@ -53,21 +53,30 @@ std::string asked(const std::string& question, const std::string& usual) {
   return answer.empty() ? usual : answer;
 }
 
-/// Asks for what the options would give. An answer at fault is asked for again.
+/// Asks until the answer fits those before it.
+/// @param answer  the part of the recipe that the question is about
+void ask_for(std::string& answer, const SlabRecipe& recipe, const std::string& question,
+             const std::string& usual) {
+  while (true) {
+    answer = asked(question, usual);
+    const std::vector<std::string> faults = new_case(recipe).faults;
+    if (faults.empty()) return;
+    for (const std::string& fault : faults) std::cerr << fault << '\n';
+  }
+}
+
+/// Asks for what the options would give. An answer at fault is asked for again, no other.
 void ask(NewOptions& options) {
   std::string alloys;
   for (const std::string& name : case_file::alloy_names()) alloys += " " + name;
   std::cerr << "A case for the start of a slab. Shipped cases: dccast new --list\n";
-  NewCase made;
-  do {
-    for (const std::string& fault : made.faults) std::cerr << fault << '\n';
-    options.recipe.slab = asked("Slab, width x thickness", "1320x570mm");
-    options.recipe.alloy = asked("Alloy, one of" + alloys, "aa5182");
-    options.recipe.speed = asked("Casting speed, start..steady", "40..60mm/min");
-    options.recipe.water =
-        asked("Water, in all (m3/h) or per metre of perimeter (l/min/m)", "90..180l/min/m");
-    made = new_case(options.recipe);
-  } while (!made.faults.empty());
+
+  SlabRecipe& recipe = options.recipe;
+  ask_for(recipe.slab, recipe, "Slab, width x thickness", "1320x570mm");
+  ask_for(recipe.alloy, recipe, "Alloy, one of" + alloys, "aa5182");
+  ask_for(recipe.speed, recipe, "Casting speed, start..steady", "40..60mm/min");
+  ask_for(recipe.water, recipe, "Water, in all (m3/h) or per metre of perimeter (l/min/m)",
+          "90..180l/min/m");
   if (options.output.empty()) options.output = asked("File to write, - for the screen", "my.toml");
 }
 

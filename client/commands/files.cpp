@@ -65,6 +65,21 @@ fs::path target_of(const std::string& output) {
   return given;
 }
 
+/// What jobs of earlier versions do not have: the last frame for programs that read no time series,
+/// and what the run had of its machine.
+void fetch_of_newer_jobs(Connection& connection, const std::string& id, const fs::path& file) {
+  const auto beside = [&](const char* ending) {
+    return file.parent_path() / (file.stem().string() + ending);
+  };
+  try {
+    download(connection, id, "results-end.xdmf", beside("-end.xdmf"), std::cerr);
+    point_sidecar_at(beside("-end.xdmf"), file);
+    write_file(beside("-run.json"), read_file_of_job(connection, id, "run.json"));
+  } catch (const CommandFailed& failure) {
+    if (failure.code() != ExitCode::not_found) throw;
+  }
+}
+
 ExitCode run(const FetchOptions& options, Program& program) {
   const fs::path file = target_of(options.output);
   Connection connection = program.connect();
@@ -75,6 +90,7 @@ ExitCode run(const FetchOptions& options, Program& program) {
   fs::remove(sidecar.string() + ".part");
   download(connection, id, "results.xdmf", sidecar, std::cerr);
   point_sidecar_at(sidecar, file);
+  fetch_of_newer_jobs(connection, id, file);
   if (options.json)
     print_line({{"job", id},
                 {"file", file.string()},

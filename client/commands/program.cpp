@@ -90,20 +90,21 @@ namespace {
 
 /// In the order of the help text.
 constexpr std::initializer_list<Add*> all_commands{
-    add_new,           add_validate,    add_query,
-    add_submit,        add_watch,       add_wait,
-    add_list,          add_show,        add_curl,
-    add_dashboard,     add_contraction, add_compare,
-    add_fetch,         add_report,      add_convergence,
-    add_sweep,         add_predict,     add_uncertainty,
-    add_sensitivity,   add_calibrate,   add_design_mould,
-    add_design_recipe, add_studies,     add_cancel,
-    add_pause,         add_resume,      add_delete,
-    add_schema,        add_login,       add_logout,
-    add_whoami,        add_doctor,      add_alloys,
-    add_info,          add_completion,  add_usage,
-    add_case,          add_logs,        add_label,
-    add_pin,           add_unpin,       add_top};
+    add_new,          add_validate,      add_query,
+    add_submit,       add_watch,         add_wait,
+    add_list,         add_show,          add_curl,
+    add_probe,        add_dashboard,     add_contraction,
+    add_compare,      add_fetch,         add_report,
+    add_convergence,  add_sweep,         add_predict,
+    add_uncertainty,  add_sensitivity,   add_calibrate,
+    add_design_mould, add_design_recipe, add_studies,
+    add_cancel,       add_pause,         add_resume,
+    add_delete,       add_schema,        add_login,
+    add_logout,       add_whoami,        add_doctor,
+    add_alloys,       add_info,          add_completion,
+    add_usage,        add_case,          add_logs,
+    add_label,        add_pin,           add_unpin,
+    add_top};
 
 }  // namespace
 }  // namespace dccast::client::commands
@@ -113,7 +114,7 @@ namespace {
 
 const char* const guide =
     "\nA question:\n"
-    "  dccast query my.toml --set schedule.casting_speed=\"70 mm/min\"\n"
+    "  dccast query my.toml --set schedule.hold=\"90 s\"\n"
     "\nA first run:\n"
     "  dccast new start-2d-thickness > my.toml   a case to begin with\n"
     "  dccast validate my.toml                   everything that is wrong with it, at once\n"
@@ -121,8 +122,9 @@ const char* const guide =
     "  dccast fetch JOB -o results.h5            HDF5, and XDMF for ParaView\n"
     "  dccast report JOB -o report.html          one page that opens from disk\n"
     "\nExit codes: 0 done, 2 usage or invalid case, 3 the solve failed, 4 server unreachable or\n"
-    "refused, 5 not found or not allowed, 6 not in its present state, 130 interrupted (Ctrl-C,\n"
-    "SIGTERM; a job goes on). Results go to standard output, messages to standard error. JOB is\n"
+    "refused, 5 not found or not allowed, 6 not in its present state, 7 output could not be\n"
+    "written, 130 interrupted (Ctrl-C, SIGTERM; a job goes on). Results go to standard output, "
+    "messages to standard error. JOB is\n"
     "an id, the beginning of one, or `last`. Defaults are in ~/.config/dccast/client.toml. `dccast "
     "COMMAND\n"
     "--help` shows the options of a command with an example.";
@@ -155,7 +157,7 @@ int run_command_line(const std::vector<std::string>& arguments, commands::Progra
     const std::string reason = reason_against_output();
     std::cout.exceptions(std::ios::goodbit);  // what std::cerr is given flushes it once more
     std::cerr << "dccast: standard output cannot be written" << reason << '\n';
-    return static_cast<int>(ExitCode::not_found);
+    return static_cast<int>(ExitCode::output_lost);
   } catch (const CommandFailed& failure) {
     std::cerr << "dccast: " << failure.what() << '\n';
     return static_cast<int>(failure.code());

@@ -75,7 +75,7 @@ ExitCode run(const QueryOptions& options, Program& program) {
 
 constexpr const char* query_examples =
     "dccast query my.toml\n"
-    "  dccast query my.toml --set schedule.casting_speed=\"70 mm/min\" --set "
+    "  dccast query my.toml --set schedule.hold=\"90 s\" --set "
     "schedule.water_flow.scale=\"0.8 until 100 mm\"\n"
     "  dccast query --json my.toml | jq '.monitors[] | {name, end_curl_m}'\n"
     "\n"
@@ -285,7 +285,7 @@ void add_compare(cli::CommandLine& line, Program& program) {
       "Compare runs with the first one: what differs in their cases and their curls, whether the "
       "difference is real, and what differed before it. Case files are computed, as by query",
       "dccast compare JOB JOB\n  dccast compare -o trial.html last my.toml\n"
-      "  dccast compare my.toml --set schedule.casting_speed=\"70 mm/min\"");
+      "  dccast compare my.toml --set schedule.hold=\"90 s\"");
   command.option("RUN", options.runs, "Jobs or case files",
                  {.required = true, .count = {{1, 100}}});
   add_set_option(command, options.set,

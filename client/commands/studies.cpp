@@ -209,10 +209,6 @@ struct PredictOptions {
   bool json = false;
 };
 
-std::string millimetres(double metres) {
-  return render::fixed(1e3 * metres, 3);
-}
-
 void print(const v1::Prediction& prediction) {
   std::vector<std::string> headings{"monitor", ">curl mm", ">surface \u00b1 mm"};
   const bool has_error = prediction.has_relative_curl_error();
@@ -222,17 +218,20 @@ void print(const v1::Prediction& prediction) {
   for (const v1::CurlCurve& curve : prediction.curves()) {
     const int last = curve.time_s_size() - 1;
     if (last < 0 || !std::isfinite(curve.curl_m(last))) continue;
-    std::vector<std::string> row{curve.monitor(), millimetres(curve.curl_m(last)),
-                                 millimetres(curve.uncertainty_m(last))};
-    if (has_error)
-      row.push_back(millimetres(prediction.relative_curl_error() * std::abs(curve.curl_m(last))));
+    // The larger of the two errors says how many digits the curl has.
+    const double curl_m = curve.curl_m(last), surface_m = curve.uncertainty_m(last);
+    const double mesh_m = has_error ? prediction.relative_curl_error() * std::abs(curl_m) : 0.0;
+    const int decimals = render::mm_decimals(curl_m, std::max(surface_m, mesh_m));
+    std::vector<std::string> row{curve.monitor(), render::mm(curl_m, decimals),
+                                 render::mm(surface_m, decimals)};
+    if (has_error) row.push_back(render::mm(mesh_m, decimals));
     row.push_back(render::fixed(curve.time_s(last), 2));
     row.push_back(render::fixed(1e3 * curve.cast_length_m(last), 1));
     table.add(std::move(row));
   }
   std::cout << table.text() << std::flush;
   std::cerr << "from " << prediction.runs() << " runs; leave-one-out error "
-            << millimetres(prediction.cross_validated_error_m()) << " mm (root mean square)\n";
+            << render::mm(prediction.cross_validated_error_m(), 2) << " mm (root mean square)\n";
   if (prediction.next_run().empty()) return;
   std::cerr << "most informative next run:";
   for (const v1::CaseChange& change : prediction.next_run())

@@ -172,10 +172,12 @@ v1::JobEvent::StateChange watch_for_scripts(Connection& connection, const std::s
       std::cerr);
 }
 
+/// @param run_s  that the whole run is expected to take [s]; 0: not known
 v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::string& id,
-                                           std::int64_t from, bool messages_only) {
+                                           std::int64_t from, bool messages_only, double run_s) {
   render::Progress progress(messages_only ? std::cerr : std::cout,
                             render::terminal_of(messages_only ? 2 : 1));
+  progress.expect(run_s);
   const auto end = follow_job(
       connection, id, from, [&](const v1::JobEvent& event) { progress.show(event); }, std::cerr);
   progress.finish();
@@ -183,17 +185,23 @@ v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::st
   return end;
 }
 
-/// Reports why a job waits, if it is held; errors are left to the watch.
-void print_if_held(Connection& connection, const std::string& id) {
+/// The job as it is now, or an empty one: errors are left to the watch.
+v1::Job job_now(Connection& connection, const std::string& id) {
   v1::GetJobRequest request;
   request.set_id(id);
   v1::Job job;
   try {
     connection.try_once(&Stub::GetJob, request, job);
   } catch (const Interrupted&) {
-    return;  // the watch itself reports how to continue
+    return {};  // the watch itself reports how to continue
   }
-  if (!job.held().empty()) std::cerr << "held: " << job.held() << std::endl;
+  return job;
+}
+
+/// What the whole run takes, as far as the server can say [s]; 0: not known.
+double expected_run_s(const v1::Job& job) {
+  if (!job.has_ends_in_s()) return job.estimated_s();
+  return job.ends_in_s() - job.starts_in_s() + job.last_step().solver_s();
 }
 
 }  // namespace
@@ -239,9 +247,11 @@ void add_submit(cli::CommandLine& line, Program& program) {
 
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
                    bool messages_only, bool strict) {
-  print_if_held(connection, id);
-  const auto end = json ? watch_for_scripts(connection, id, from)
-                        : watch_for_people(connection, id, from, messages_only);
+  const v1::Job job = job_now(connection, id);
+  if (!job.held().empty()) std::cerr << "held: " << job.held() << std::endl;
+  const auto end = json
+                       ? watch_for_scripts(connection, id, from)
+                       : watch_for_people(connection, id, from, messages_only, expected_run_s(job));
   if (end.has_failure())
     std::cerr << "dccast: job " << id << ": " << render::failure_text(end.failure()) << '\n';
   const ExitCode code = exit_code_of(end.state());

@@ -6,6 +6,7 @@
 #include "client/session/download.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/job_text.hpp"
+#include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 
 namespace dccast::client::commands {
@@ -44,13 +45,12 @@ ExitCode run(const UsageOptions& options, Program& program) {
       usage.failed += job.state() == v1::FAILED;
       usage.processor_s += job.last_step().process_s();
     }
-  render::Table table({options.by, ">jobs", ">succeeded", ">failed", ">processor h"});
+  render::Table table({options.by, ">jobs", ">succeeded", ">failed", ">processor time"});
   Json list = Json::array();
   for (const auto& [group, usage] : usages) {
-    constexpr double hour = 3600.0;
     table.add({group.empty() ? "-" : group, std::to_string(usage.jobs),
                std::to_string(usage.succeeded), std::to_string(usage.failed),
-               render::fixed(usage.processor_s / hour, 2)});
+               render::duration_text(usage.processor_s)});
     list.push_back({{options.by, group},
                     {"jobs", usage.jobs},
                     {"succeeded", usage.succeeded},
@@ -78,7 +78,7 @@ void add_file_command(cli::CommandLine& line, Program& program, const char* name
 
 void add_usage(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<UsageOptions>(
-      line, program, run, "usage", "Jobs and processor hours by owner, study, label or state",
+      line, program, run, "usage", "Jobs and processor time by owner, study, label or state",
       "dccast usage --by owner --since 2026-11-01");
   command.option("--by", options.by, "What jobs are counted by",
                  {.show_default = true, .one_of = {"owner", "study", "label", "state"}});

@@ -35,8 +35,11 @@ Chart measured_chart(const v1::Calibration& calibration, const v1::Calibration::
               "time, s",
               curl ? "curl, mm" : "temperature, °C",
               {}};
-  chart.lines = {{"measured", scaled(measured.time_s(), 1.0),
-                  scaled(curl ? measured.curl_m() : measured.temperature_c(), units)},
+  chart.lines = {{"measured",
+                  scaled(measured.time_s(), 1.0),
+                  scaled(curl ? measured.curl_m() : measured.temperature_c(), units),
+                  {},
+                  true},
                  {"data before, 5 to 95 %", {}, {}, band(curve.before())},
                  {"data after, 5 to 95 %", {}, {}, band(curve.after())}};
   if (curl && calibration.has_mesh_error())

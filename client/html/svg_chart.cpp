@@ -116,6 +116,17 @@ std::string colour_of_line(std::size_t number) {
   return fmt::format("var(--line-{})", number % line_colours);
 }
 
+/// A dot for each point of a line.
+std::string dots_of(const ChartLine& line, std::size_t number, const Plot& plot) {
+  std::string svg = fmt::format("<g style='fill:{}'><title>{}</title>", colour_of_line(number),
+                                html_escaped(line.name));
+  for (std::size_t i = 0; i < std::min(line.x.size(), line.y.size()); ++i)
+    if (std::isfinite(line.x[i]) && std::isfinite(line.y[i]))
+      svg += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='2.5'/>", plot.x(line.x[i]),
+                         plot.y(line.y[i]));
+  return svg + "</g>";
+}
+
 /// Shaded from low to high, with the middle dashed. Below all lines: it must not hide them.
 std::string band_of(const ChartLine& line, std::size_t number, const Plot& plot) {
   const ChartBand& band = line.band;
@@ -237,6 +248,10 @@ std::string svg_chart(const Chart& chart) {
   for (std::size_t i = 0; i < chart.lines.size(); ++i) svg += band_of(chart.lines[i], i, plot);
   for (std::size_t i = 0; i < chart.lines.size(); ++i) {
     const ChartLine& line = chart.lines[i];
+    if (line.dots) {
+      svg += dots_of(line, i, plot);
+      continue;
+    }
     svg += fmt::format("<path class='line' style='stroke:{}' d='{}'><title>{}</title></path>",
                        colour_of_line(i), path_of(line.x, line.y, plot), html_escaped(line.name));
   }

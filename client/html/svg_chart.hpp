@@ -22,6 +22,7 @@ struct ChartLine {
   std::vector<double> x;
   std::vector<double> y;  ///< as long as x; points that are not finite break the line
   ChartBand band{};       ///< in the line's colour; empty: none
+  bool dots = false;      ///< readings: a dot for each point, no line
 };
 
 /// A band around a line that grows with its values. @param share  half of it, relative to a value

@@ -40,7 +40,7 @@ struct Attempt {
 };
 
 CommandFailed unwritable(const fs::path& file, int error) {
-  return {ExitCode::not_found, "cannot write " + file.string() + ": " + std::strerror(error)};
+  return {ExitCode::output_lost, "cannot write " + file.string() + ": " + std::strerror(error)};
 }
 
 /// A part file, written at its end. A symbolic link in its place is not followed, since others

@@ -69,7 +69,8 @@ CommandFailed failure_of(const grpc::Status& status, const std::string& server) 
   if (status.error_code() == grpc::StatusCode::UNAVAILABLE)
     return {ExitCode::unreachable,
             "no answer from " + server + " (" + reason_of(status) +
-                "); is dccastd running there? Another address: --server or DCCAST_SERVER"};
+                "); is dccastd running there? Why calls fail: dccast doctor " + server +
+                ". Another address: --server or DCCAST_SERVER"};
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
     return {ExitCode::unreachable, "no answer from " + server + " in time; try again"};
   const ExitCode code = exit_code_of(status.error_code());

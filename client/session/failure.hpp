@@ -14,6 +14,7 @@ enum class ExitCode {
   solve_failed = 3,  ///< the job did not succeed; with --strict also findings
   unreachable = 4,   ///< the server does not answer, or refuses
   not_found = 5,     ///< does not exist, or not allowed
+  output_lost = 7,   ///< standard output or a file could not be written, e.g. on a full disk
   wrong_state = 6,   ///< not possible in the present state of the object
   interrupted = 130  ///< by SIGINT (Ctrl-C) or SIGTERM
 };

@@ -12,8 +12,9 @@ namespace {
 
 /// "4.86 ± 0.36 mm"; without an uncertainty only the first number.
 std::string curl_text(double curl_m, std::optional<double> uncertainty_m) {
-  if (!uncertainty_m) return mm(curl_m, 2) + " mm";
-  return mm(curl_m, 2) + " \u00b1 " + mm(*uncertainty_m, 2) + " mm";
+  const int decimals = mm_decimals(curl_m, uncertainty_m);
+  if (!uncertainty_m) return mm(curl_m, decimals) + " mm";
+  return mm(curl_m, decimals) + " \u00b1 " + mm(*uncertainty_m, decimals) + " mm";
 }
 
 std::string monitor_line(const Answer& answer, const CurlHistory::Series& series) {

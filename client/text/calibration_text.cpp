@@ -101,6 +101,21 @@ void add_misfits(const v1::Calibration& calibration, std::vector<std::string>& s
   }
 }
 
+/// Says where the calibrated data follow a curve less well than the ranges did on the mean.
+void add_worse_fits(const v1::Calibration& calibration, std::vector<std::string>& sentences) {
+  constexpr double noticeable = 1.05;
+  for (const auto& curve : calibration.curves()) {
+    if (curve.off_after() <= noticeable * curve.off_before()) continue;
+    const bool of_curl = curve.measured().curl_m_size() > 0;
+    sentences.push_back(fmt::format(
+        "The fit to the {} of {} became worse: {} off before, {} {} after. Other readings, or the "
+        "ranges of the free keys, pull the other way.",
+        of_curl ? "curl" : "temperature", curve.measured().monitor(),
+        shown(curve, curve.off_before(), 2), shown(curve, curve.off_after(), 2),
+        of_curl ? "mm" : "K"));
+  }
+}
+
 void add_mesh(const v1::Calibration& calibration, std::vector<std::string>& sentences) {
   if (!calibration.has_mesh_error()) {
     sentences.push_back(
@@ -171,6 +186,7 @@ std::vector<std::string> calibration_sentences(const v1::StudyResult& result) {
   if (!result.has_calibration()) return {"No answer yet: " + result.calibration_fault()};
   std::vector<std::string> sentences;
   add_keys(result, sentences);
+  add_worse_fits(result.calibration(), sentences);
   add_misfits(result.calibration(), sentences);
   add_mesh(result.calibration(), sentences);
   add_check(result.calibration(), sentences);

@@ -52,6 +52,11 @@ std::string residuals_text(const v1::Failure& failure) {
 
 enum class Shown { always, if_any, on_request };  // if_any: where a job has something in it
 
+/// "4 min 10 s"; "a moment" where a worker is about to be free.
+std::string start_text(double starts_in_s) {
+  return starts_in_s < 1.0 ? "a moment" : duration_text(starts_in_s);
+}
+
 using Row = const v1::Job&;
 
 struct Column {
@@ -184,7 +189,7 @@ std::string job_sheet(const v1::Job& job) {
   add_any("cause", job.cause());
   if (job.queue_position() > 0) add("queue", "position " + std::to_string(job.queue_position()));
   add_any("held", job.held());
-  if (job.has_starts_in_s()) add("starts in", duration_text(job.starts_in_s()));
+  if (job.has_starts_in_s()) add("starts in", start_text(job.starts_in_s()));
   if (job.has_ends_in_s()) add("ends in", duration_text(job.ends_in_s()));
   add("priority", lower_words(v1::Priority_Name(job.priority())));
   add("created", time_text(job.create_time()));
@@ -288,7 +293,7 @@ std::string queue_table(const TopView& view, std::int64_t now_unix) {
     table.add(
         {owner.empty() ? "-" : owner, std::to_string(waiting.jobs),
          waiting.first == 0 ? "-" : "#" + std::to_string(waiting.first),
-         std::isfinite(waiting.starts_in_s) ? duration_text(waiting.starts_in_s) : "-",
+         std::isfinite(waiting.starts_in_s) ? start_text(waiting.starts_in_s) : "-",
          duration_text(static_cast<double>(std::max<std::int64_t>(0, now_unix - waiting.oldest)))});
   return table.text();
 }

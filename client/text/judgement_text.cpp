@@ -169,7 +169,8 @@ std::string chart_text(const v1::Chart& chart, const Terminal& terminal) {
     drawn.x.assign(line.x().begin(), line.x().end());
     for (const double y : line.y()) drawn.y.push_back(plant.factor * y);
     if (!legend.empty()) legend += "  ";
-    legend += coloured(line.name(), lines.size() - 1, terminal);
+    const std::size_t number = lines.size() - 1;
+    legend += coloured(fmt::format("{} {}", braille_sample(number), line.name()), number, terminal);
   }
 
   const BrailleChart drawn =

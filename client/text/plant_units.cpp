@@ -33,11 +33,13 @@ std::string place_in_words(const v1::Curve& curve, int point) {
   }
 }
 
-/// A number of a case file with its unit if it is a speed [m/s], which is shown in mm/min.
-std::string shown_number(const std::string& number, bool speed) {
+/// A number of a case file, in plant units if it is a speed or a flow of water per metre.
+/// @param unit  as in the file, with the quote after it; empty for other numbers
+std::string shown_number(const std::string& number, const std::string& unit) {
   constexpr std::size_t most_written = 10;
   const double value = std::strtod(number.c_str(), nullptr);
-  if (speed) return with_digits(mm_per_min * value, 9) + " mm/min\"";
+  if (unit == " m/s\"") return with_digits(mm_per_min * value, 9) + " mm/min\"";
+  if (unit == " m2/s\"") return with_digits(litres_per_min_per_m * value, 9) + " l/min/m\"";
   const bool real = number.find_first_of(".eE") != std::string::npos;
   return real && number.size() > most_written ? with_digits(value, 9) : number;
 }
@@ -70,15 +72,15 @@ std::string curve_in_words(const v1::Curve& curve, double factor, const std::str
 
 std::string readable_toml(const v1::Case& input) {
   const std::string text = case_file::to_toml(input);
-  // Only values, not numbers in a title: speeds, and numbers with too many digits.
+  // Only values, not numbers in a title: speeds, water, and numbers with too many digits.
   static const std::regex value(
-      R"re(((?:= |\[|, )"?)([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)( m/s")?(?=[ ",\]\n]))re");
+      R"re(((?:= |\[|, )"?)([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)( m2?/s")?(?=[ ",\]\n]))re");
   std::string readable;
   auto rest = text.cbegin();
   for (std::sregex_iterator match(text.begin(), text.end(), value), end; match != end; ++match) {
     readable.append(rest, (*match)[0].first);
     rest = (*match)[0].second;
-    readable += match->str(1) + shown_number(match->str(2), (*match)[3].matched);
+    readable += match->str(1) + shown_number(match->str(2), match->str(3));
   }
   return readable.append(rest, text.cend());
 }

@@ -20,7 +20,7 @@ std::string plant_mm(double metres);
 /// @param factor  [`unit` per stored unit]
 std::string curve_in_words(const v1::Curve& curve, double factor, const std::string& unit);
 
-/// A case as readable TOML: speeds in mm/min, numbers rounded to nine digits.
+/// A case as readable TOML: speeds in mm/min, water in l/min/m, numbers rounded to nine digits.
 std::string readable_toml(const v1::Case& input);
 
 /// The casting of a case as a plant puts it, in one line: "slab 1320 x 570 mm of aa5182, speed 45

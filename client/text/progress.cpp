@@ -30,11 +30,11 @@ std::string beyond_note(const CurlHistory& history) {
          " s on";
 }
 
-/// "eta 3 s" at the mean speed so far; empty where it is unknown and at the end.
-std::string eta_text(const v1::StepReport& step) {
-  const double progress = step.progress();
-  if (!(progress > 0.0) || progress >= 1.0) return {};
-  return "eta " + duration_text(step.solver_s() * (1.0 - progress) / progress);
+/// "eta 3 s"; empty where it is unknown and at the end.
+std::string eta_text(const Pace& pace) {
+  const std::optional<double> left_s = pace.left_s();
+  if (!left_s) return {};
+  return *left_s < 1.0 ? "eta < 1 s" : "eta " + duration_text(*left_s);
 }
 
 std::string step_facts(const v1::StepReport& step) {
@@ -57,8 +57,24 @@ std::string duration_text(double seconds) {
 }
 
 std::string step_line(const v1::StepReport& step) {
-  const std::string eta = eta_text(step);
-  return step_facts(step) + (eta.empty() ? "" : "  " + eta);
+  return step_facts(step);
+}
+
+void Pace::add(const v1::StepReport& step) {
+  if (!begin_ && step.time_s() >= 0.0) begin_ = step;
+  last_ = step;
+}
+
+std::optional<double> Pace::left_s() const {
+  constexpr double enough = 0.05;  // of what follows the hold, to know its pace
+  const double left = 1.0 - last_.progress();
+  if (left <= 0.0) return std::nullopt;
+
+  const double done = begin_ ? last_.progress() - begin_->progress() : 0.0;
+  if (done >= enough * (done + left)) return (last_.solver_s() - begin_->solver_s()) * left / done;
+  // A run that has taken longer than expected has no time left that could be named.
+  const double left_s = expected_s - last_.solver_s();
+  return left_s > 0.0 ? std::optional(left_s) : std::nullopt;
 }
 
 void Progress::line(const std::string& text) {
@@ -77,16 +93,22 @@ void Progress::renew(const std::string& text, bool force) {
 }
 
 void Progress::show(const v1::JobEvent& event) {
-  if (event.has_resumed()) history_.rewind(event.resumed().step());
+  if (event.has_resumed()) {
+    history_.rewind(event.resumed().step());
+    pace_.forget();
+  }
   if (event.has_validity_lost()) history_.mark_beyond(event.validity_lost().time_s());
   if (!event.has_step()) return line(event_line(event));
   history_.add(event.step());
-  if (!terminal_.interactive) return line(step_line(event.step()));
+  pace_.add(event.step());
+
+  const std::string eta = eta_text(pace_);
+  if (!terminal_.interactive)
+    return line(step_line(event.step()) + (eta.empty() ? "" : "  " + eta));
   std::string curve;
   if (const auto* series = history_.largest())
     curve = braille_curve(series->curl_m, curve_columns, 1).front();
   // The most important data come first: the end of the line is cut off in a narrow window.
-  const std::string eta = eta_text(event.step());
   renew(fmt::format("{:3.0f} % {}{}{} {}", 100.0 * event.step().progress(), eta,
                     eta.empty() ? "" : " ", curve, step_facts(event.step())),
         event.step().progress() >= 1.0);

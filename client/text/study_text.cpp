@@ -239,9 +239,10 @@ std::string sweep_table(const v1::StudyResult& result) {
     std::vector<std::string> row{std::to_string(i + 1)};
     for (const std::string& value : run.values()) row.push_back(value);
     for (const double curl : run.end_curl_m()) {
-      row.push_back(fixed(1e3 * curl, 3));
       const double error_m = mesh_error_m(run, curl);
-      if (has_errors) row.push_back(std::isfinite(error_m) ? fixed(1e3 * error_m, 2) : "-");
+      const int decimals = mm_decimals(curl, error_m);
+      row.push_back(mm(curl, decimals));
+      if (has_errors) row.push_back(mm(error_m, decimals));
     }
     row.push_back(run_text(run));
     table.add(std::move(row));

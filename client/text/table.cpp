@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/core.h>
 
 #include "client/text/terminal.hpp"
 
@@ -52,9 +53,43 @@ std::string csv_text(const std::string& text) {
 
 std::string fixed(double value, int decimals) {
   if (!std::isfinite(value)) return "-";
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
+  const double step = std::pow(10.0, -decimals);
+  // Zero has no sign, also where it was rounded.
+  return fmt::format("{:.{}f}", std::abs(value) < 0.5 * step ? 0.0 : value, std::max(decimals, 0));
+}
+
+int decimals_for(double value, const std::optional<double>& error) {
+  const bool known = error && std::isfinite(*error) && *error > 0.0;
+  const double leading = std::abs(known ? *error : value);
+  if (!std::isfinite(leading) || leading == 0.0) return 0;
+
+  const int digits = known ? 2 : 3;
+  const int decimals = digits - 1 - static_cast<int>(std::floor(std::log10(leading)));
+  // 0.996 rounds to 1.0, which has one decimal less.
+  const bool carries =
+      std::round(leading * std::pow(10.0, decimals)) >= std::pow(10.0, digits) - 0.5;
+  return carries ? decimals - 1 : decimals;
+}
+
+std::string with_error(double value, const std::optional<double>& error, const std::string& unit,
+                       int most_decimals) {
+  if (!std::isfinite(value)) return "-";
+  const int decimals = std::min(decimals_for(value, error), most_decimals);
+  const double step = std::pow(10.0, -decimals);
+  const auto shown = [&](double number) {
+    return fixed(decimals < 0 ? step * std::round(number / step) : number, decimals);
+  };
+
+  std::string text = shown(value);
+  if (error && std::isfinite(*error) && *error > 0.0) text += " ± " + shown(*error);
+  return unit.empty() ? text : text + " " + unit;
+}
+
+int mm_decimals(double metres, const std::optional<double>& error_m) {
+  constexpr int hundredths = 2;  // no curl is known better
+  const bool known = error_m && std::isfinite(*error_m) && *error_m > 0.0;
+  if (!known) return hundredths;
+  return std::clamp(decimals_for(1e3 * metres, 1e3 * *error_m), 0, hundredths);
 }
 
 std::string mm(double metres, int decimals) {

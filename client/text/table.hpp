@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,18 @@ std::string csv_text(const std::string& text);
 
 /// A number [any unit] with a fixed number of decimals; "-" if it is not finite.
 std::string fixed(double value, int decimals);
+
+/// Decimals that a value is shown with: an error has two digits and its value as many decimals;
+/// without an error the value has three digits. Negative: of tens, hundreds, ...
+/// @param error  empty, zero or not finite: not known
+int decimals_for(double value, const std::optional<double>& error);
+
+/// "58 ± 12 mm", "5.25 ± 0.21 mm"; without an error "35.5 mm"; "-" if the value is not finite.
+std::string with_error(double value, const std::optional<double>& error,
+                       const std::string& unit = {}, int most_decimals = 15);
+
+/// Decimals of a curl [m] in millimetres, 0 to 2, by the same rule; 2 without an error.
+int mm_decimals(double metres, const std::optional<double>& error_m);
 
 /// A length [m] in millimetres, likewise.
 std::string mm(double metres, int decimals = 1);

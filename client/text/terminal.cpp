@@ -1,6 +1,7 @@
 #include "client/text/terminal.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
@@ -119,6 +120,17 @@ double value_at(const BrailleLine& line, double x) {
   return line.y[right - 1] + share * (line.y[right] - line.y[right - 1]);
 }
 
+/// Whether a line is drawn in a column of dots: the first is whole, the others are broken, each in
+/// its own rhythm, so that they can be told apart without colour.
+bool pen_is_down(std::size_t line, int column) {
+  struct Rhythm {
+    int period, drawn;
+  };
+  static constexpr std::array<Rhythm, 4> rhythms{{{1, 1}, {6, 3}, {4, 1}, {10, 7}}};
+  const Rhythm rhythm = rhythms[line % rhythms.size()];
+  return column % rhythm.period < rhythm.drawn;
+}
+
 /// Draws lines between the limits of a chart, and joins steep pieces, so that a jump is a line and
 /// not two dots. Nothing is drawn where a line has no finite value.
 void draw(const std::vector<BrailleLine>& lines, double begin, double end, int columns, int rows,
@@ -140,11 +152,12 @@ void draw(const std::vector<BrailleLine>& lines, double begin, double end, int c
           dots - 1 - static_cast<int>(std::lround((y - chart.low) / span * (dots - 1)));
       // From beside the dot before, which is not drawn twice.
       const int from = previous < 0 ? level : previous + (level > previous) - (level < previous);
+      previous = level;
+      if (!pen_is_down(i, x)) continue;
       for (int d = std::min(from, level); d <= std::max(from, level); ++d) {
         drawn[d / 4][x / 2] |= dot(x % 2, d % 4);
         chart.cells[d / 4][x / 2].line = i;
       }
-      previous = level;
     }
   }
   for (int row = 0; row < rows; ++row)
@@ -153,6 +166,15 @@ void draw(const std::vector<BrailleLine>& lines, double begin, double end, int c
 }
 
 }  // namespace
+
+std::string braille_sample(std::size_t line) {
+  constexpr int columns = 10;
+  std::string text;
+  for (int x = 0; x < columns; x += 2)
+    text += braille((pen_is_down(line, x) ? dot(0, 2) : 0u) |
+                    (pen_is_down(line, x + 1) ? dot(1, 2) : 0u));
+  return text;
+}
 
 std::vector<std::string> braille_curve(const std::vector<double>& y, int columns, int rows) {
   BrailleLine line{{}, y};

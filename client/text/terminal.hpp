@@ -60,7 +60,10 @@ struct BrailleChart {
   double low = 0.0, high = 0.0;                 ///< y at the lower and the upper edge [unit of y]
 };
 
-/// Draws several lines on common axes that include y = 0.
+/// A piece of a line as braille_chart() draws it, for a legend. @param line  its index
+std::string braille_sample(std::size_t line);
+
+/// Draws several lines on common axes that include y = 0: the first whole, the others broken.
 /// @param columns  characters per line, 2 x 4 dots each @param rows  number of lines
 BrailleChart braille_chart(const std::vector<BrailleLine>& lines, int columns, int rows);
 

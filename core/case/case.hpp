@@ -141,6 +141,8 @@ struct Case {
   Limits limits;
   /// The case in the form it was submitted (JSON), kept in the result file for provenance.
   std::string source_json;
+  /// Commit of the program and SHA-256 of the submitted case, kept there too; empty: not known.
+  std::string commit = {}, case_sha256 = {};
   /// What mesh and time steps leave uncertain of a curl, relative to it [1]; kept in the result
   /// file. Core does not know it: it comes with the case. Absent: not known.
   std::optional<double> relative_curl_error = std::nullopt;

@@ -88,7 +88,9 @@ results::RunHeader header_of(const Case& c) {
   results::RunHeader header;
   header.program_version = DCCAST_VERSION;
   header.build = "g++ " __VERSION__;
+  header.commit = c.commit;
   header.title = c.title;
+  header.case_sha256 = c.case_sha256;
   header.case_json = c.source_json;
   header.relative_curl_error = c.relative_curl_error;
   header.section = mesh::name_of(c.section.kind);

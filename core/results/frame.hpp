@@ -80,13 +80,15 @@ const char* find_misfit(const Frame& frame);
 /// Data stored once per run.
 struct RunHeader {
   std::string program_version;
-  std::string build;      ///< compiler and libraries
-  std::string title;      ///< of the case
-  std::string case_json;  ///< the case as it was submitted
-  std::string section;    ///< "plane_strain", "axisymmetric" or "quarter_slab"
-  double liquidus = 0.0;  ///< [°C]
-  double solidus = 0.0;   ///< [°C]
-  double shell = 0.0;     ///< [°C] metal below this temperature counts as shell
+  std::string build;          ///< compiler and libraries
+  std::string commit{};       ///< of the program's sources; empty in journals of before
+  std::string title;          ///< of the case
+  std::string case_sha256{};  ///< of the submitted case; empty: not a job, or a journal of before
+  std::string case_json;      ///< the case as it was submitted
+  std::string section;        ///< "plane_strain", "axisymmetric" or "quarter_slab"
+  double liquidus = 0.0;      ///< [°C]
+  double solidus = 0.0;       ///< [°C]
+  double shell = 0.0;         ///< [°C] metal below this temperature counts as shell
   /// [1] half width of the discretisation error, relative to the curl; absent: not known
   std::optional<double> relative_curl_error = std::nullopt;
   std::vector<std::string> monitor_name;

@@ -69,7 +69,9 @@ Sections to_sections(const RunHeader& header) {
   Sections content;
   content.set("program_version", header.program_version);
   content.set("build", header.build);
+  content.set("commit", header.commit);
   content.set("title", header.title);
+  content.set("case_sha256", header.case_sha256);
   content.set("case_json", header.case_json);
   content.set("section", header.section);
 
@@ -92,7 +94,9 @@ RunHeader read_header(const Sections& content) {
   RunHeader header;
   header.program_version = content.text("program_version");
   header.build = content.text("build");
+  if (content.has("commit")) header.commit = content.text("commit");
   header.title = content.text("title");
+  if (content.has("case_sha256")) header.case_sha256 = content.text("case_sha256");
   header.case_json = content.text("case_json");
   header.section = content.text("section");
 

@@ -26,7 +26,9 @@ void write_header(File& file, const RunHeader& header) {
   file.write_attribute("/", "program", std::string("dccast"));
   file.write_attribute("/", "program_version", header.program_version);
   file.write_attribute("/", "build", header.build);
+  if (!header.commit.empty()) file.write_attribute("/", "commit", header.commit);
   file.write_attribute("/", "title", header.title);
+  if (!header.case_sha256.empty()) file.write_attribute("/", "case_sha256", header.case_sha256);
   file.write_attribute("/", "section", header.section);
 
   file.write_attribute("/", "liquidus_c", header.liquidus);

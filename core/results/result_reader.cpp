@@ -92,6 +92,9 @@ RunHeader ResultReader::header() const {
   RunHeader header;
   header.program_version = file_->text_attribute("/", "program_version");
   header.build = file_->text_attribute("/", "build");
+  if (file_->has_attribute("/", "commit")) header.commit = file_->text_attribute("/", "commit");
+  if (file_->has_attribute("/", "case_sha256"))
+    header.case_sha256 = file_->text_attribute("/", "case_sha256");
   header.title = file_->text_attribute("/", "title");
   header.section = file_->text_attribute("/", "section");
 

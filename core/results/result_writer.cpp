@@ -101,13 +101,19 @@ void ResultWriter::finish(const RunSummary& summary) {
   const auto result_file = take_builder();
   result_file->finish(summary, history_);
 
+  const std::string name = files_.results.filename().string();
   const fs::path sidecar = fs::path(files_.results).replace_extension(".xdmf");
-  storage::write_file(unfinished(sidecar),
-                      format_xdmf(result_file->frames(), files_.results.filename().string()),
+  storage::write_file(unfinished(sidecar), format_xdmf(result_file->frames(), name),
+                      storage::readable_by_all);
+  const fs::path at_end =
+      files_.results.parent_path() / (files_.results.stem().string() + "-end.xdmf");
+  storage::write_file(unfinished(at_end), format_last_frame(result_file->frames(), name),
                       storage::readable_by_all);
 
-  // The sidecar is published first: whenever results.h5 exists, it exists too.
-  storage::publish({{unfinished(sidecar), sidecar}, {unfinished(files_.results), files_.results}});
+  // The sidecars are published first: whenever results.h5 exists, they exist too.
+  storage::publish({{unfinished(sidecar), sidecar},
+                    {unfinished(at_end), at_end},
+                    {unfinished(files_.results), files_.results}});
 }
 
 void ResultWriter::append_record(RecordKind kind, const Sections& content) {

@@ -72,7 +72,7 @@ public:
   void wait();
 
   /// Completes `results`.part and renames it to its final name; does the same with the XDMF
-  /// sidecar, `results` with extension .xdmf. The journal remains.
+  /// sidecars, `results` with extension .xdmf and "-end.xdmf". The journal remains.
   void publish(const RunSummary& summary);
 
 private:

@@ -60,9 +60,10 @@ std::string attribute(const FrameOutline& frame, const ShownField& field,
                      data_item(size, "Float", 8, fmt::format("{}/{}", group, field.dataset)));
 }
 
-std::string grid(const FrameOutline& frame, const std::string& group) {
+/// @param timed  with its time, for a collection
+std::string grid(const FrameOutline& frame, const std::string& group, bool timed) {
   std::string text = "      <Grid Name=\"slab\" GridType=\"Uniform\">\n";
-  text += fmt::format("        <Time Value=\"{:.17g}\"/>\n", frame.time);
+  if (timed) text += fmt::format("        <Time Value=\"{:.17g}\"/>\n", frame.time);
 
   text += fmt::format(R"(        <Topology TopologyType="{}" NumberOfElements="{}">{}</Topology>)"
                       "\n",
@@ -111,9 +112,18 @@ std::string format_xdmf(const std::vector<FrameOutline>& frames, const std::stri
       "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
       "    <Grid Name=\"casting\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
   for (std::size_t i = 0; i < frames.size(); ++i)
-    text += grid(frames[i], fmt::format("{}:{}", escape(hdf5_name), frame_group(i)));
+    text += grid(frames[i], fmt::format("{}:{}", escape(hdf5_name), frame_group(i)), true);
   text += "    </Grid>\n  </Domain>\n</Xdmf>\n";
   return text;
+}
+
+std::string format_last_frame(const std::vector<FrameOutline>& frames,
+                              const std::string& hdf5_name) {
+  std::string text = "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n";
+  if (!frames.empty())
+    text += grid(frames.back(),
+                 fmt::format("{}:{}", escape(hdf5_name), frame_group(frames.size() - 1)), false);
+  return text + "  </Domain>\n</Xdmf>\n";
 }
 
 }  // namespace dccast::results

@@ -35,4 +35,9 @@ FrameOutline make_outline(const Frame& frame);
 /// @param hdf5_name  name of the result file, which is in the same folder
 std::string format_xdmf(const std::vector<FrameOutline>& frames, const std::string& hdf5_name);
 
+/// The same of the last frame alone, as one uniform grid without a time: for programs that read no
+/// collections, such as meshio.
+std::string format_last_frame(const std::vector<FrameOutline>& frames,
+                              const std::string& hdf5_name);
+
 }  // namespace dccast::results

@@ -29,9 +29,25 @@ AlloyCard unknown_card(const std::string& name, const std::filesystem::path& dir
   const std::vector<std::string> names = alloy_names(directory);
   const std::string near = nearest(name, names);
   return {{},
-          {make_fault(
-              "alloy.card", quoted(name.substr(0, 100)), "unknown alloy", joined(names),
-              near.empty() ? "see `dccast alloys`" : fmt::format("did you mean \"{}\"?", near))}};
+          {make_fault("alloy.card", quoted(name.substr(0, 100)), "unknown alloy", joined(names),
+                      near.empty()
+                          ? "see `dccast alloys`; your own card is a path, as \"./my-alloy.toml\""
+                          : fmt::format("did you mean \"{}\"?", near))}};
+}
+
+/// The card under its name, with its faults as faults of the case.
+AlloyCard named_card(const std::string& name, AlloyCard card, ReadOutcome read) {
+  card.alloy.set_card(name);
+  card.faults = read.ok() ? uncertainty_faults(card.alloy) : std::move(read.faults);
+  for (v1::Fault& fault : card.faults) {
+    // The sentence has value, range and remedy already.
+    v1::Fault of_case;
+    of_case.set_field("alloy.card");
+    of_case.set_value(quoted(name));
+    of_case.set_message(fmt::format("in alloy card {}", describe(fault, read.source)));
+    fault = std::move(of_case);
+  }
+  return card;
 }
 
 }  // namespace
@@ -50,13 +66,13 @@ AlloyCard alloy_card(const std::string& name, const std::filesystem::path& direc
   else
     return unknown_card(name, directory);
 
-  card.alloy.set_card(name);
-  card.faults = read.ok() ? uncertainty_faults(card.alloy) : std::move(read.faults);
-  for (v1::Fault& fault : card.faults) {
-    fault.set_message(fmt::format("in alloy card {}", describe(fault, read.source)));
-    fault.set_field("alloy.card");
-  }
-  return card;
+  return named_card(name, std::move(card), std::move(read));
+}
+
+AlloyCard own_card(const std::string& name, std::string_view text) {
+  AlloyCard card;
+  ReadOutcome read = read_elsewhere(text, name, card.alloy);
+  return named_card(name, std::move(card), std::move(read));
 }
 
 std::vector<std::string> alloy_names(const std::filesystem::path& directory) {

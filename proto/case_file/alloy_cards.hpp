@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "dccast/v1/case.pb.h"
@@ -22,6 +23,9 @@ struct AlloyCard {
 /// similar one. Names may only contain letters, digits, '_', '-' and '.', so that a name never
 /// refers to a file outside the folder.
 AlloyCard alloy_card(const std::string& name, const std::filesystem::path& directory = {});
+
+/// Reads a card that travels with its case. @param name  of its file, which becomes the card's name
+AlloyCard own_card(const std::string& name, std::string_view text);
 
 /// Names of all cards, shipped ones and those of `directory`, sorted.
 std::vector<std::string> alloy_names(const std::filesystem::path& directory = {});

@@ -194,8 +194,8 @@ private:
       return false;
     }
 
-    const bool is_file = key_of(*target.field).attachment();
-    if (is_file && folder_ == nullptr) {
+    const bool names_one = names_file(*target.field, value.value<std::string>().value_or(""));
+    if (names_one && folder_ == nullptr) {
       walk.refuse(value, target.path, "names a file, which a change cannot bring", "",
                   "name the file in the case");
       return false;
@@ -204,7 +204,7 @@ private:
     std::erase_if(read_.faults,
                   [&](const v1::Fault& fault) { return covers(target.path, fault.field()); });
     read_.source.erase(target.path);
-    if (is_file) forget_file(walk, target);
+    if (key_of(*target.field).attachment()) forget_file(walk, target);
     return true;
   }
 

@@ -16,8 +16,9 @@ namespace {
 
 constexpr double default_ramp_s = 60.0;  // of a table with a single value
 constexpr double integration_step_s = 0.05;
-constexpr double longest_s = 36000.0;  // limit of the search for a cast length
-constexpr double mm_per_min = 60e3;    // [(mm/min)/(m/s)]
+constexpr double longest_s = 36000.0;          // limit of the search for a cast length
+constexpr double mm_per_min = 60e3;            // [(mm/min)/(m/s)]
+constexpr double litres_per_min_per_m = 60e3;  // [(l/(min m))/(m2/s)]
 
 double speed_at(const v1::Schedule& schedule, double time, double length) {
   return frames::curve_value(schedule.casting_speed_factor(), time, length, 1.0) *
@@ -79,7 +80,9 @@ std::string format_rounded(double value, const std::string& unit) {
 
 /// A speed in mm/min, as plants write it; other values in SI units.
 std::string value_text(double value, const std::string& unit) {
-  return unit == "m/s" ? format_rounded(mm_per_min * value, "mm/min") : format_rounded(value, unit);
+  if (unit == "m/s") return format_rounded(mm_per_min * value, "mm/min");
+  if (unit == "m2/s") return format_rounded(litres_per_min_per_m * value, "l/min/m");
+  return format_rounded(value, unit);
 }
 
 std::string table_text(const v1::Curve& curve, std::span<const double, 3> numbers,

@@ -136,6 +136,11 @@ bool is_table(const FieldDescriptor& field) {
   return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !is_curve(field);
 }
 
+bool names_file(const FieldDescriptor& field, std::string_view value) {
+  const v1::Key& key = key_of(field);
+  return key.attachment() && !value.empty() && value.ends_with(key.attachment_suffix());
+}
+
 bool is_present(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   if (field.is_repeated()) return reflection.FieldSize(message, &field) > 0;
@@ -296,7 +301,7 @@ std::string example_text(const FieldDescriptor& field) {
   if (key.unit() == "degC") return "\"650 degC\"";
   if (key.unit() == "m/s") return "\"60 mm/min\"";
   if (key.unit() == "m") return "\"30 mm\"";
-  if (key.unit() == "m2/s") return "\"3e-3 m2/s\"";
+  if (key.unit() == "m2/s") return "\"180 l/min/m\"";
   return quoted(quantity_text(std::max(1.0, key.minimum()), key.unit()));
 }
 

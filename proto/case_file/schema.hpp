@@ -57,6 +57,9 @@ bool is_table(const FieldDescriptor& field);
 /// The lines KEY = RANGE of a table [uncertainty].
 bool is_ranges(const FieldDescriptor& field);
 
+/// Whether a value of the field is the name of a file that travels with the case.
+bool names_file(const FieldDescriptor& field, std::string_view value);
+
 /// Whether the field has a value: it is set, or not empty (text), or not unspecified (enums).
 bool is_present(const Message& message, const FieldDescriptor& field);
 

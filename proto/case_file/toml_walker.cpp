@@ -102,7 +102,7 @@ void read_string(const Entry& entry, Message& message) {
   auto text = entry.node.is_string() ? entry.node.value<std::string>() : std::nullopt;
   if (!text) return entry.refuse_type("text");
   if (text->empty() && key_of(field).required()) return entry.refuse("must not be empty");
-  if (key_of(field).attachment() && !text->empty()) text = attach(entry, *text);
+  if (names_file(field, *text)) text = attach(entry, *text);
   if (text && entry.passes(text_fault(field, *text, entry.path)))
     message.GetReflection()->SetString(&message, &field, *text);
 }

@@ -127,7 +127,7 @@ std::string describe_type(const FieldDescriptor& field) {
     case FieldDescriptor::CPPTYPE_BOOL:
       return "flag";
     case FieldDescriptor::CPPTYPE_STRING:
-      return key_of(field).attachment() ? "file" : "text";
+      return names_file(field, "name") ? "file" : "text";
     case FieldDescriptor::CPPTYPE_INT32:
     case FieldDescriptor::CPPTYPE_INT64:
       return "integer";

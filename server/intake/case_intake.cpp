@@ -16,6 +16,7 @@
 #include "dccast/v1/worker.pb.h"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
+#include "proto/case_file/schema.hpp"
 #include "proto/case_file/uncertainty.hpp"
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
@@ -106,6 +107,7 @@ void check_references(const google::protobuf::Message& message, const std::strin
       check_references(reflection->GetMessage(message, field), name, attached, used, verdict);
     } else if (field->options().GetExtension(v1::key).attachment()) {
       const std::string file = reflection->GetString(message, field);
+      if (!case_file::names_file(*field, file)) continue;
       used.insert(file);
       if (!attached.contains(file))
         *verdict.add_faults() =
@@ -178,7 +180,7 @@ ExaminedCase CaseIntake::complete_case(const v1::Case& submitted,
                                        const jobs::Attachments& attachments) const {
   ExaminedCase examined{submitted, {}};
   check_attachment_names(submitted, attachments, examined.verdict);
-  for (v1::Fault& fault : complete(examined.complete))
+  for (v1::Fault& fault : complete(examined.complete, attachments))
     *examined.verdict.add_faults() = std::move(fault);
   return examined;
 }
@@ -213,9 +215,10 @@ ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachmen
   return examined;
 }
 
-std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted) const {
+std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted,
+                                            const jobs::Attachments& attachments) const {
   case_file::apply_defaults(submitted);
-  const auto card = this->card(submitted.alloy().card());
+  const auto card = this->card(submitted.alloy().card(), attachments);
   if (card.ok()) case_file::complete_alloy(card.alloy, *submitted.mutable_alloy());
   std::vector<v1::Fault> faults = card.faults;
   const auto ranges = case_file::check_ranges(submitted);
@@ -225,7 +228,11 @@ std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted) const {
 }
 
 // Those that are there were read at the start; reading one takes longer than a whole check.
-case_file::AlloyCard CaseIntake::card(const std::string& name) const {
+case_file::AlloyCard CaseIntake::card(const std::string& name,
+                                      const jobs::Attachments& attachments) const {
+  const auto attached = std::ranges::find(attachments, name, &v1::Attachment::name);
+  if (attached != attachments.end()) return case_file::own_card(name, attached->content());
+
   const auto found =
       std::ranges::find(alloys_, name, [](const v1::Alloy& alloy) { return alloy.card(); });
   if (found != alloys_.end()) return {*found, {}};

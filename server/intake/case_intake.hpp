@@ -70,11 +70,11 @@ private:
                       std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
                       bool findings) const;
   /// Fills in defaults and the alloy card. @return what is wrong with single values
-  std::vector<v1::Fault> complete(v1::Case& submitted) const;
+  std::vector<v1::Fault> complete(v1::Case& submitted, const jobs::Attachments& attachments) const;
   v1::ValidateCaseResponse ask_core(v1::CheckCase check, const jobs::Attachments& attachments,
                                     const jobs::CallLimits& waiting) const;
-  /// The card of this name; with faults when there is none.
-  case_file::AlloyCard card(const std::string& name) const;
+  /// The card of this name, attached or known; with faults when there is none.
+  case_file::AlloyCard card(const std::string& name, const jobs::Attachments& attachments) const;
 
   jobs::WarmWorkers& workers_;
   std::filesystem::path alloy_directory_;

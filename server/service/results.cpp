@@ -164,7 +164,8 @@ SentFile open_own_file(Context& context, const v1::Job& job, const std::string& 
   auto path = folder / name;
   if (storage::kind_of_entry(path).empty()) {
     if (name != jobs::submitted_file)
-      refuse(grpc::NOT_FOUND, "job {} has no worker.log: it has not begun", job.id());
+      refuse(grpc::NOT_FOUND, "job {} has no {}: {}", job.id(), name,
+             name == jobs::run_facts_file ? "no attempt of it has ended" : "it has not begun");
     made.emplace(context.query_directory, jobs::Attachments{});
     path = made->path() / name;
     write_case_file(folder, path);
@@ -178,7 +179,8 @@ SentFile open_own_file(Context& context, const v1::Job& job, const std::string& 
 
 SentFile open_artifact(Context& context, const v1::FetchResultRequest& request) {
   const v1::Job job = find_job(context, request.id());
-  if (request.artifact() == jobs::submitted_file || request.artifact() == "worker.log")
+  if (request.artifact() == jobs::submitted_file || request.artifact() == "worker.log" ||
+      request.artifact() == jobs::run_facts_file)
     return open_own_file(context, job, request.artifact());
   if (job.artifacts().empty())
     refuse_state(job, "it has no results yet: watch it until it has ended");

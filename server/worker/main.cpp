@@ -33,6 +33,7 @@
 #include "server/jobs/processes.hpp"
 #include "server/translate/translate.hpp"
 #include "server/worker/run.hpp"
+#include "server/worker/run_facts.hpp"
 #include "server/worker/sandbox.hpp"
 
 namespace dccast::worker {
@@ -127,8 +128,10 @@ void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
   std::cerr << fmt::format("dccast-worker: {}, {}, {}\n", isolation, confinement, bounds)
             << std::flush;
 
+  const auto begin = std::chrono::system_clock::now();
   JobRun run(order, claim);
   v1::RunEnd end = read_and_run(order, run);
+  write_run_facts(order, order.directory(), begin);
   if (end.outcome() == v1::RunEnd::FAILED && met_file_bound())
     // Not a storage failure, for which the queue would wait: the file will never fit.
     end = failed_run(

@@ -21,6 +21,7 @@
 #include "server/jobs/logs/step_index.hpp"
 #include "server/translate/enumerations.hpp"
 #include "server/translate/translate.hpp"
+#include "server/worker/run_facts.hpp"
 
 namespace dccast::worker {
 
@@ -111,7 +112,7 @@ private:
 /// Lists the results with sizes and checksums. They are computed here, once, while the files are
 /// still in the page cache.
 void add_artifacts(const fs::path& directory, v1::RunEnd& finished) {
-  for (const char* name : {"results.h5", "results.xdmf"}) {
+  for (const char* name : {"results.h5", "results.xdmf", "results-end.xdmf"}) {
     if (!fs::exists(directory / name)) continue;
     auto* artifact = finished.add_artifacts();
     artifact->set_name(name);
@@ -144,7 +145,10 @@ v1::RunEnd make_run_end(const casting::RunOutcome& outcome, const v1::SolveCase&
 
 v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
   const fs::path directory = order.directory();
-  const auto casting_case = translate::to_core(order.case_(), directory / jobs::attachments_folder);
+  auto casting_case = translate::to_core(order.case_(), directory / jobs::attachments_folder);
+  casting_case.commit = commit;
+  if (!order.job_id().empty())
+    casting_case.case_sha256 = jobs::read_job_description(directory).job.case_sha256();
 
   ReportingObserver observer(link, casting_case);
   const auto outcome = casting::run(casting_case,

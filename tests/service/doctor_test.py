@@ -162,6 +162,9 @@ class Doctor(ClientTest):
     def test_tls_on_one_side_alone(self):
         self.start()
         self.doctor(self.daemon.tls_address, cause="no login", remedy="dccast login")
+        # gRPC sees no more than a reset: the message leads to what finds the cause.
+        self.assertIn(f"dccast doctor {self.daemon.tls_address}",
+                      self.dccast("--server", self.daemon.tls_address, "list").stderr)
         self.log_in("anna")
         self.edit("address", self.daemon.address)
         self.doctor(cause="speaks no TLS", remedy="listen_tls")

@@ -134,13 +134,22 @@ class Output(Commands):
                       ["list"], ["list", "--json"], ["show", job],
                       ["schema"], ["completion", "bash"], ["info"], ["new"], ["--help"]):
             with self.subTest(words=words), open("/dev/full", "w", encoding="ascii") as full:
-                error = self.dccast(*words, code=5, stdout=full).stderr
+                error = self.dccast(*words, code=7, stdout=full).stderr
                 self.assertIn("standard output cannot be written: No space left", error)
+
+    def test_output_into_a_closed_pipe_is_no_success(self):
+        reading, writing = os.pipe()
+        os.close(reading)
+        command = subprocess.run([os.path.join(BIN, "dccast"), "schema"], stdout=writing, timeout=60,
+                                 stderr=subprocess.PIPE, check=False, restore_signals=True)
+        os.close(writing)
+        # As other programs of a pipeline: the signal ends it, and the shell shows 141.
+        self.assertEqual(command.returncode, -13, command.stderr)
 
     def test_a_watch_ends_when_its_output_has_no_place(self):
         job = self.client.submit(fake_case("steps=100000 sleep_ms=5"))
         with open("/dev/full", "w", encoding="ascii") as full:
-            self.dccast("watch", "--json", job.id, code=5, stdout=full)
+            self.dccast("watch", "--json", job.id, code=7, stdout=full)
         self.client.cancel(job.id)
 
     # -- fetch
@@ -234,7 +243,8 @@ class Output(Commands):
         self.assertIn("belong to --slab", self.dccast("new", "--speed", "45mm/min", code=2).stderr)
 
     def test_new_asks_on_a_terminal(self):
-        answers = b"1320\n\n\n\n" + b"1500x600mm\naa3104\n50mm/min\n30m3/h\nasked.toml\n"
+        # Only what is at fault is asked for again.
+        answers = b"1320\n1500x600mm\naa3104\n50mm\n50mm/min\n30m3/h\nasked.toml\n"
         main_end, terminal = pty.openpty()
         asking = subprocess.Popen([os.path.join(BIN, "dccast"), "new"], stdin=terminal,
                                   stdout=terminal, stderr=terminal, cwd=self.folder)
@@ -244,6 +254,9 @@ class Output(Commands):
         screen = os.read(main_end, 65536).decode()
         os.close(main_end)
         self.assertIn("width x thickness with a unit is expected", screen)
+        self.assertIn("a speed is expected", screen)
+        self.assertEqual([screen.count(word) for word in ("Slab, width", "Alloy, one", "Casting speed, ")],
+                         [2, 1, 2])
         with open(os.path.join(self.folder, "asked.toml"), encoding="utf-8") as file:
             self.assertIn('card = "aa3104" # [G]', file.read())
 
@@ -311,12 +324,12 @@ class Results(Commands):
 
     def test_a_file_that_does_not_fit_is_an_error_and_is_not_left(self):
         job = self.cast_job()
-        error = self.dccast("report", "-o", "/dev/full", job, code=5).stderr
+        error = self.dccast("report", "-o", "/dev/full", job, code=7).stderr
         self.assertIn("cannot write /dev/full: No space left", error)
         with open("/dev/full", "w", encoding="ascii") as full:
-            self.dccast("report", "-o", "-", job, code=5, stdout=full)
+            self.dccast("report", "-o", "-", job, code=7, stdout=full)
         self.assertIn("cannot write nowhere/r.html: No such file",
-                      self.dccast("report", "-o", "nowhere/r.html", job, code=5).stderr)
+                      self.dccast("report", "-o", "nowhere/r.html", job, code=7).stderr)
 
     def test_a_curl_has_its_error_in_csv_and_json(self):
         job = self.cast_job()
@@ -334,6 +347,7 @@ class Results(Commands):
         os.mkdir(self.here("results"))
         self.dccast("fetch", "-o", "results", job)
         self.assertEqual(sorted(os.listdir(self.here("results"))),
+                         ["results-end.xdmf", "results-run.json"] +
                          ["results.h5", "results.xdmf"])
 
     def test_fetch_survives_a_daemon_that_is_away_for_five_seconds(self):

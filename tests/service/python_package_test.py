@@ -28,7 +28,7 @@ from support import BIN, ServiceTest, main, until
 CASE = "start-2d-thickness"
 QUICK = {"quality": "draft", "time.end": "20 s"}
 MODULES = ("", ".cases", ".errors", ".frames", ".jobs", ".judgements", ".plots", ".runs", ".service", ".studies",
-           ".transport")
+           ".text", ".transport")
 PACKAGE = os.path.dirname(dccast.__file__)
 os.environ["MPLBACKEND"] = "agg"
 
@@ -122,6 +122,12 @@ class Figures(PackageTest):
         last.to_meshio().write(file)
         import meshio
         np.testing.assert_allclose(meshio.read(file).point_data["temperature_c"], last.temperature_c)
+        # The results themselves, by the last frame beside them.
+        folder = os.path.dirname(file)
+        job.fetch(folder)
+        mesh = meshio.read(job.fetch(folder, "results-end.xdmf"))
+        np.testing.assert_allclose(mesh.point_data["temperature_c"], last.temperature_c)
+        np.testing.assert_allclose(mesh.points[:, :2], last.points_m[:, :2])
         # Debian 12 has no PyVista: what it would be given.
         stand_in = types.SimpleNamespace(from_meshio=lambda mesh: mesh)
         with unittest.mock.patch.dict(sys.modules, {"pyvista": stand_in}):
@@ -256,6 +262,53 @@ class Steering(PackageTest):
                 break
         self.assertEqual(numbers, list(range(1, 21)))
         job.cancel()
+
+    def test_a_job_has_its_state_while_and_after_it_is_watched(self):
+        job = self.service.submit(CASE, QUICK)
+        seen = [(event.state, job.state) for event in job.watch() if event.state]
+        self.assertEqual(seen[-1], ("SUCCEEDED", "SUCCEEDED"))
+        self.assertTrue(all(of_event == of_job for of_event, of_job in seen), seen)
+        self.assertTrue(job.ended)
+        self.assertGreater(len(job.message.artifacts), 0)
+
+    def test_what_is_printed_has_units(self):
+        job = self.ended()
+        self.assertRegex(repr(job), r"SUCCEEDED 'Start.*: corner [-\d.]+ mm, .* at 20 s>")
+        self.assertRegex(repr(job.band("corner")), r"'corner' [\d.]+ ± [\d.]+ mm at the end; \d+ steps,"
+                                                   r" .* to 20 s>")
+        self.assertRegex(repr(job.frames), r"<dccast.Frames \d+, .* to 20 s>")
+        self.assertRegex(repr(job.frames[-1]), r"at 20 s, [\d.]+ mm cast, \d+ nodes>")
+        answer = self.service.query(CASE, QUICK)
+        self.assertRegex(repr(answer), r"SUCCEEDED 'Start.*: corner [\d.]+ ± [\d.]+ mm")
+
+    def test_the_legend_covers_no_curve(self):
+        band = self.ended().band()
+        axes = dccast.plot_curl({"one label that is long": band, "another one": band})
+        axes.figure.canvas.draw()
+        legend, inside = axes.get_legend().get_window_extent(), axes.get_window_extent()
+        self.assertGreaterEqual(legend.y0, inside.y1 - 1.0)
+        self.assertLessEqual(legend.y1, axes.figure.bbox.y1 + 1.0)
+
+    def test_a_probe_follows_a_point_and_a_line(self):
+        job = self.ended()
+        table = job.probe((0.28, 0.0))
+        self.assertEqual(len(table), len(job.frames))
+        last = job.frames[-1]
+        corner = np.argmin(np.linalg.norm(last.points_m - (0.28, 0.0, 0.0), axis=1))
+        self.assertAlmostEqual(table["temperature_c"][-1], last.temperature_c[corner], places=6)
+        self.assertAlmostEqual(table["displacement_y_m"][-1], last.displacement_m[corner][1], places=9)
+
+        line = job.probe((0.0, 0.02), to_m=(0.28, 0.02), points=11, time_s=20.0)
+        self.assertEqual(len(line), 11)
+        self.assertFalse(np.isnan(line["temperature_c"]).any())
+        self.assertTrue(np.isnan(job.probe((0.0, 9.0))["temperature_c"]).all())
+
+        printed = json.loads(self.command("probe", job.id, "--at", "0,20mm", "--to", "280mm,20mm",
+                                          "--points", "11", "--json"))["samples"]
+        np.testing.assert_allclose([sample["temperature_c"] for sample in printed],
+                                   job.probe((0.0, 0.02), to_m=(0.28, 0.02), points=11)["temperature_c"],
+                                   rtol=1e-9)
+        self.assertIn("temperature_c", self.command("probe", job.id, "--at", "280,0 mm", "--csv"))
 
     def test_two_jobs_are_watched_in_one_loop(self):
         async def last_state(job):

@@ -1,31 +1,122 @@
 #!/usr/bin/python3
-"""The case of the page for beginners gives the curl that stands beside it."""
-import json
+"""What README has a newcomer type works as it stands, and pages show what the program prints."""
 import os
+import pathlib
 import re
+import shutil
+import signal
 import subprocess
+import sys
+import tempfile
+import unittest
 
-from support import BIN, ServiceTest, main
+from support import BIN, SANITIZED, until
 
-PAGE = os.path.join(os.path.dirname(__file__), "..", "..", "docs", "first-casting.md")
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-class Readme(ServiceTest):
-    worker = "dccast-worker"
+def typed_lines():
+    """The command lines of README after the two that set up, without what a comment says."""
+    lines = re.findall(r"^ {4}((?:dccast|dccastd) .*)$", README, re.MULTILINE)
+    return [re.sub(r" +# .*", "", line) for line in lines]
 
-    def test_the_case_in_one_screen_gives_the_curl_beside_it(self):
-        with open(PAGE, encoding="utf-8") as file:
-            section = file.read().split("## A case in one screen")[1].split("\n## ")[0]
-        case = re.search(r"```toml\n(.*?)```", section, re.DOTALL).group(1)
-        said = float(re.search(r"^ {4}corner: curl ([\d.]+) mm", section, re.MULTILINE).group(1))
-        self.assertLess(case.count("\n"), 60)
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "query",
-                                "--json", "-"], input=case, capture_output=True, text=True,
-                               timeout=120, check=False)
-        self.assertEqual(ended.returncode, 0, ended.stderr)
-        corner, = json.loads(ended.stdout)["monitors"]
-        self.assertAlmostEqual(corner["end_curl_m"] * 1e3, said, delta=0.006)
+
+class NextCommands(unittest.TestCase):
+    """README's commands after `deploy/quickstart --install`, with a worker that computes nothing."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="dccast-readme-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        for name in ("cases", "deploy"):
+            os.symlink(ROOT / name, self.folder / name)
+        # A plant's own measurement is the one thing that README cannot bring.
+        (self.folder / "curl.csv").write_text("time [s],curl corner [mm]\n10,0.2\n60,2\n100,3\n140,4\n")
+        self.environment = {"HOME": str(self.folder / "home"), "PATH": "/usr/bin:/bin",
+                            "DCCAST_BUILD": str(pathlib.Path(BIN).parent), "BROWSER": "true",
+                            "LC_ALL": "C.UTF-8"}
+        self.daemon = None
+
+    def tearDown(self):
+        if self.daemon is not None:
+            self.daemon.send_signal(signal.SIGTERM)
+            self.daemon.wait(60)
+
+    def install(self):
+        prefix = self.folder / "prefix"
+        shown = subprocess.run([ROOT / "deploy/at_hand", "--install", prefix], text=True, timeout=120,
+                               capture_output=True, check=True, env=self.environment).stdout
+        path = re.search(r'export PATH="(.*):\$PATH"', shown).group(1)
+        self.assertEqual(path, str(prefix / "bin"))
+        self.environment["PATH"] = f"{path}:{self.environment['PATH']}"
+        shutil.copy(pathlib.Path(BIN) / "dccast-worker-fake", prefix / "bin/dccast-worker")
+
+    def start_daemon(self, line):
+        """The line as it stands, but on a port that nothing else on this machine uses."""
+        port_file = self.folder / "port"
+        command = line.removesuffix(" &")
+        self.assertNotEqual(command, line, "the daemon of README keeps the terminal")
+        self.daemon = subprocess.Popen(
+            [*command.split(), "--set", "listen=127.0.0.1:0", "--set", f"port_file={port_file}"],
+            cwd=self.folder, env=self.environment, stderr=subprocess.DEVNULL)
+        until(lambda: port_file.exists() or self.daemon.poll() is not None, 15)
+        self.environment["DCCAST_SERVER"] = port_file.read_text(encoding="ascii").split()[0]
+
+    def run_line(self, line):
+        return subprocess.run(["bash", "-c", line], cwd=self.folder, env=self.environment, text=True,
+                              capture_output=True, timeout=120, check=False)
+
+    def show_dashboard(self, line):
+        """It serves until it is interrupted."""
+        dashboard = subprocess.Popen(line.split(), cwd=self.folder, env=self.environment, text=True,
+                                     stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.addCleanup(dashboard.stdout.close)
+        self.assertIn("http://", dashboard.stdout.readline())
+        dashboard.send_signal(signal.SIGINT)
+        dashboard.wait(30)
+
+    def test_they_work_as_they_stand(self):
+        self.install()
+        for line in typed_lines():
+            with self.subTest(line=line):
+                self.assertNotIn("...", line)
+                if line.startswith("dccastd"):
+                    self.start_daemon(line)
+                elif "dashboard" in line:
+                    self.show_dashboard(line)
+                else:
+                    ended = self.run_line(line)
+                    # 3: the worker computes no castings, so that no design is confirmed.
+                    confirmed = (0, 3) if "design-" in line else (0,)
+                    self.assertIn(ended.returncode, confirmed, ended.stderr)
+        self.assertIsNotNone(self.daemon, "README starts no daemon")
+
+    def test_readme_sets_up_with_two_commands(self):
+        section = README.split("## Two commands")[1].split("\n## ")[0]
+        self.assertEqual(re.findall(r"^ {4}(\S+)", section, re.MULTILINE),
+                         ["./deploy/quickstart", "./tests/run"])
+
+    def test_programs_that_are_not_installed_are_named_where_they_were_built(self):
+        shown = subprocess.run([ROOT / "deploy/at_hand"], text=True, timeout=30, capture_output=True,
+                               check=True, env=self.environment).stdout
+        self.assertIn(f'export PATH="{os.path.realpath(BIN)}:$PATH"', shown)
+        for line in re.findall(r"^ {4}(dccast.*)", shown, re.MULTILINE):
+            program = line.split()[0]
+            self.assertTrue(os.access(os.path.join(BIN, program), os.X_OK), line)
+
+
+class Samples(unittest.TestCase):
+    """docs/samples without --check brings the pages up to date."""
+
+    slow = False
+
+    @unittest.skipIf(SANITIZED, "the figures are those of the release")
+    def test_pages_show_what_the_program_prints(self):
+        command = [ROOT / "docs/samples", "--check", *([] if self.slow else ["--quick"])]
+        ended = subprocess.run(command, capture_output=True, text=True, check=False)
+        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
 
 
 if __name__ == "__main__":
-    main()
+    Samples.slow = "--nightly" in sys.argv
+    unittest.main(argv=[word for word in sys.argv if word != "--nightly"])

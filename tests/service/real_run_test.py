@@ -119,6 +119,31 @@ class RealRun(RealRunTest):
         self.assertLess(max(frame.element_node), nodes)
         self.assertGreater(frame.liquidus_c, frame.solidus_c)
 
+    def test_results_name_their_origin_and_differ_in_nothing_else(self):
+        folders = []
+        for number in range(2):
+            job_id = self.submit_case("quality=draft")
+            self.finished_steps(job_id)
+            folder = os.path.join(self.folder, str(number))
+            os.mkdir(folder)
+            subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "fetch", job_id,
+                            "-o", folder], check=True, timeout=60, capture_output=True)
+            folders.append((job_id, folder))
+        contents = []
+        for job_id, folder in folders:
+            with open(os.path.join(folder, "results.h5"), "rb") as file:
+                contents.append(file.read())
+            with open(os.path.join(folder, "results-run.json"), encoding="utf-8") as file:
+                facts = json.load(file)
+            self.assertEqual(facts["case_sha256"], self.client.job(job_id).case_sha256)
+            self.assertEqual(facts["job"], job_id)
+            self.assertGreater(facts["wall_s"], 0)
+            for name in ("processor", "system", "begin", "end", "commit", "program_version"):
+                self.assertTrue(facts[name], name)
+            self.assertIn(facts["case_sha256"].encode(), contents[-1])
+            self.assertIn(facts["commit"].encode(), contents[-1])
+        self.assertEqual(contents[0], contents[1])
+
     def page(self, job_id, number, **rest):
         return self.client.stub.QueryResult(service_pb2.QueryResultRequest(
             id=job_id, frame=True, frame_number=number, **rest), timeout=60)

@@ -65,7 +65,7 @@ class RealSteering(ServiceTest):
             step.ClearField("solver_s")
             step.ClearField("process_s")
         files = {a.name: a.sha256 for a in self.client.job(job_id).artifacts}
-        self.assertEqual(set(files), {"results.h5", "results.xdmf"})
+        self.assertEqual(set(files), {"results.h5", "results.xdmf", "results-end.xdmf"})
         return [step.SerializeToString(deterministic=True) for step in steps], files
 
     def assert_stands_still(self, job_id):

@@ -41,6 +41,10 @@ class Case:
     files: list[AttachedFile] = field(default_factory=list)
     changes: list[job_pb2.CaseChange] = field(default_factory=list)
 
+    def __repr__(self) -> str:
+        changed = ", ".join(f"{change.key} = {change.value}" for change in self.changes)
+        return f"<dccast.Case {self.message.title!r}{': ' if changed else ''}{changed}>"
+
 
 Source = Union[str, "os.PathLike[str]", Case]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from dccast import errors
 from dccast.frames import Frames
-from dccast.runs import Run
+from dccast.runs import Run, Table, curls_text
 from dccast.transport import Transport
 from dccast.v1 import case_pb2, job_pb2, service_pb2
 
@@ -36,16 +36,17 @@ class Event:
 
 
 class Watch:
-    """The events of a job until it has ended, past ones first; for `for` and `async for`."""
+    """The events of a job until it has ended, past ones first; for `for` and `async for`. The job's own
+    attributes follow its state."""
 
-    def __init__(self, transport: Transport, job: str, from_sequence: int) -> None:
+    def __init__(self, transport: Transport, job: Job, from_sequence: int) -> None:
         self._transport, self._job, self._next = transport, job, max(from_sequence, 1)
         self._stream: Any = None
 
     def __iter__(self) -> Iterator[Event]:
         def opened() -> Any:
             return self._transport.stream(
-                "WatchJob", service_pb2.WatchJobRequest(id=self._job, from_sequence=self._next))
+                "WatchJob", service_pb2.WatchJobRequest(id=self._job.id, from_sequence=self._next))
 
         def is_last(event: job_pb2.JobEvent) -> bool:
             return event.HasField("state_change") and event.state_change.terminal
@@ -58,6 +59,10 @@ class Watch:
                 continue
             self._next = event.sequence + 1
             kind = event.WhichOneof("what") or ""
+            if is_last(event):
+                self._job.refresh()
+            elif kind == "state_change":
+                self._job.message.state = event.state_change.state
             yield Event(event.sequence, kind, getattr(event, kind) if kind else None)
 
     async def __aiter__(self) -> AsyncIterator[Event]:
@@ -81,7 +86,10 @@ class Job(Run):
         self._transport, self.message = transport, message
 
     def __repr__(self) -> str:
-        return f"<dccast.Job {self.id[:8]} {self.state} {self.message.title!r}>"
+        shown = f"<dccast.Job {self.id[:8]} {self.state} {self.message.title!r}"
+        if self.message.HasField("last_step"):
+            shown += f": {curls_text(self.message.last_step, None)}"
+        return shown + ">"
 
     @property
     def id(self) -> str:
@@ -116,7 +124,7 @@ class Job(Run):
         >>> [event.state for event in job.watch() if event.state]
         ['QUEUED', 'RUNNING', 'SUCCEEDED']
         """
-        return Watch(self._transport, self.id, from_sequence)
+        return Watch(self._transport, self, from_sequence)
 
     def wait(self, check: bool = True) -> Job:
         """Waits until it has ended.
@@ -126,7 +134,6 @@ class Job(Run):
         """
         for _ in self.watch():
             pass
-        self.refresh()
         if check and self.state != "SUCCEEDED":
             failure = self.message.failure
             code = job_pb2.Failure.Kind.Name(failure.kind) if failure.kind else self.state
@@ -168,11 +175,45 @@ class Job(Run):
         """The stored fields of a job that has ended, by time."""
         return Frames(self._transport, self.id)
 
+    def probe(self, at_m: Sequence[float], to_m: Sequence[float] | None = None, points: int = 21,
+              time_s: float | None = None) -> Table:
+        """Temperature and displacement at a point over time, or along a line at one instant, from the
+        stored frames; as `dccast probe`.
+
+        @param at_m    the point in the undeformed slab, or the begin of the line: x and y from the middle,
+                       z above the block; of a section x and y
+        @param to_m    the end of the line
+        @param time_s  of a line: the nearest stored frame; None: the last one
+        @return        time_s, cast_length_m and the columns of Frame.probe; NaN where there is no metal
+
+        >>> job = dccast.connect().submit("start-2d-thickness", quality="draft", time__end="20 s").wait()
+        >>> bool(job.probe((0.0, 0.05))["temperature_c"][-1] > job.probe((0.28, 0.05))["temperature_c"][-1])
+        True
+        """
+        if to_m is None:
+            frames, places = list(self.frames), np.array([at_m], dtype=np.float64)
+        else:
+            times = np.array(self.frames.times_s)
+            nearest = len(times) - 1 if time_s is None else int(np.abs(times - time_s).argmin())
+            frames = [self.frames[nearest]]
+            share = np.linspace(0.0, 1.0, points)[:, None]
+            places = (1.0 - share) * np.array(at_m) + share * np.array(to_m)
+        found = [(frame, frame.probe(places)) for frame in frames]
+        count = sum(len(rows) for _, rows in found)
+        columns = [("time_s", "f8"), ("cast_length_m", "f8"), *found[0][1].dtype.descr]
+        table: Table = np.zeros(count, dtype=columns)
+        table["time_s"] = np.repeat([frame.time_s for frame, _ in found], len(places))
+        table["cast_length_m"] = np.repeat([frame.cast_length_m for frame, _ in found], len(places))
+        for name in found[0][1].dtype.names or ():
+            table[name] = np.concatenate([rows[name] for _, rows in found])
+        return table
+
     def fetch(self, path: str | os.PathLike[str], artifact: str = "results.h5") -> pathlib.Path:
         """Downloads a result file and checks its SHA-256. A cut stream is taken up again.
 
         @param path      a file, or a folder for a file of the artifact's name
-        @param artifact  "results.h5", or "results.xdmf" for ParaView beside it
+        @param artifact  "results.h5"; beside it "results.xdmf" for ParaView, "results-end.xdmf" of the last
+                         frame for meshio; "run.json", what the run had of its machine
         """
         def opened(offset: int, _: str) -> Any:
             return self._transport.stream("FetchResult", service_pb2.FetchResultRequest(

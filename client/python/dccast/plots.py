@@ -27,7 +27,7 @@ def plot_curl(bands: Mapping[str, Band], axes: Any = None, against: str = "time_
             from matplotlib import pyplot
         except ImportError:
             raise errors.missing("matplotlib", "apt install python3-matplotlib") from None
-        axes = pyplot.subplots()[1]
+        axes = pyplot.subplots(layout="constrained")[1]
     scale = {"time_s": 1.0, "cast_length_m": 1e3}[against]
     for label, band in bands.items():
         at = scale * getattr(band, against)
@@ -36,5 +36,6 @@ def plot_curl(bands: Mapping[str, Band], axes: Any = None, against: str = "time_
                           color=line.get_color(), alpha=0.2, linewidth=0)
     axes.set_xlabel({"time_s": "time [s]", "cast_length_m": "cast length [mm]"}[against])
     axes.set_ylabel("curl [mm]")
-    axes.legend()
+    # Above the axes: inside it would cover curves and bands.
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
     return axes

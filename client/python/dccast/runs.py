@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dccast import errors
+from dccast.text import millimetres, span
 from dccast.v1 import case_pb2, job_pb2
 
 if TYPE_CHECKING:
@@ -28,6 +29,24 @@ class Band:
     cast_length_m: Floats
     curl_m: Floats
     error_m: Floats
+
+    def __repr__(self) -> str:
+        if not len(self.time_s):
+            return f"<dccast.Band {self.monitor!r} without steps>"
+        end = millimetres(float(self.curl_m[-1]), float(self.error_m[-1]))
+        return (f"<dccast.Band {self.monitor!r} {end} at the end; {len(self.time_s)} steps, "
+                f"{span(float(self.time_s[0]), float(self.time_s[-1]), 's')}>")
+
+
+def curls_text(step: job_pb2.StepReport, relative_error: float | None) -> str:
+    """The curls of a step: "corner 5.25 ± 0.21 mm at 145 s"."""
+    shown = []
+    for monitor in step.monitors:
+        if len(monitor.displacement_m) > 1:
+            curl_m = monitor.displacement_m[-1]
+            error_m = None if relative_error is None else relative_error * abs(curl_m)
+            shown.append(f"{monitor.name} {millimetres(curl_m, error_m)}")
+    return f"{', '.join(shown) or 'no curl'} at {step.time_s:.4g} s"
 
 
 def band_of(curve: Any) -> Band:
@@ -163,6 +182,10 @@ class Answer(Run):
         self.findings: list[job_pb2.Finding] = []
         self.validity_loss: job_pb2.ValidityLoss | None = None
         self.failure: job_pb2.Failure | None = None
+
+    def __repr__(self) -> str:
+        steps = f": {curls_text(self._steps[-1], self._relative_curl_error)}" if self._steps else ""
+        return f"<dccast.Answer {self.state or 'RUNNING'} {self._case.title!r}{steps}>"
 
     @property
     def case(self) -> case_pb2.Case:

@@ -73,7 +73,7 @@ class Service:
         @raises DccastError  the faults of the case, a full queue
 
         >>> dccast.connect().submit("start-2d-thickness", {"time.end": "20 s"}, quality="draft").wait()
-        <dccast.Job ... SUCCEEDED 'Start stage, thickness section, 0 to 145 s'>
+        <dccast.Job ... SUCCEEDED 'Start stage, thickness section, 0 to 145 s': corner ... mm, ... at 20 s>
         """
         read = self.read(case, changes, **keys)
         return Job(self._transport, self._call_about(read, "SubmitJob", service_pb2.SubmitJobRequest(

@@ -14,6 +14,7 @@ from dccast.cases import Changes, changes_of
 from dccast.jobs import download
 from dccast.judgements import Judgement
 from dccast.runs import Band, Table, band_of
+from dccast.text import millimetres
 from dccast.transport import Transport
 from dccast.v1 import job_pb2, judgement_pb2, study_pb2
 
@@ -28,6 +29,11 @@ class Prediction:
     runs: int  #: that the surface rests on
     next_run: dict[str, str]  #: where another run would add most
 
+    def __repr__(self) -> str:
+        ends = ", ".join(f"{name} {millimetres(float(band.curl_m[-1]), float(band.error_m[-1]))}"
+                         for name, band in self.bands.items())
+        return f"<dccast.Prediction {ends}; {self.runs} runs>"
+
 
 class Study:
     """A study on the server."""
@@ -36,7 +42,9 @@ class Study:
         self._transport, self.message = transport, message
 
     def __repr__(self) -> str:
-        return f"<dccast.Study {self.id[:8]} {self.state} {self.message.title!r}>"
+        message = self.message
+        return (f"<dccast.Study {self.id[:8]} {self.state} {message.title!r}, "
+                f"{100 * message.progress:.0f} % of {message.runs} runs>")
 
     @property
     def id(self) -> str:

@@ -12,6 +12,9 @@
 
 namespace dccast::jobs {
 
+/// What a run had of its machine (server/worker/run_facts.hpp).
+inline constexpr const char* run_facts_file = "run.json";
+
 /// Subfolder for a job's attachments. It keeps them apart from the files of daemon and worker, so
 /// that no attachment can replace one of those.
 inline constexpr const char* attachments_folder = "attachments";

@@ -59,8 +59,15 @@ double Forecast::remaining_s(const v1::Job& job, double ran_s) const {
   constexpr double enough = 0.05;  // part of the run after which its own pace is known
 
   const double progress = job.last_step().progress();
-  if (progress >= enough && ran_s > 0.0) return ran_s * (1.0 - progress) / progress;
-  return std::max(0.0, run_s(job.estimated_s()) - ran_s);
+  const double expected_s = run_s(job.estimated_s());
+
+  // During the hold only heat is computed, which is quick: its pace is none for what follows. Later
+  // the pace counts as much as it has been measured.
+  const bool holds = job.last_step().time_s() < 0.0;
+  if (progress < enough || ran_s <= 0.0 || (holds && expected_s > 0.0))
+    return std::max(0.0, expected_s - ran_s);
+  if (expected_s <= 0.0) return ran_s * (1.0 - progress) / progress;
+  return (1.0 - progress) * ((1.0 - progress) * expected_s + ran_s);
 }
 
 double Forecast::start_s(std::vector<double> remaining_s, int capacity, int place, double each_s) {

@@ -52,6 +52,12 @@ class Commands(unittest.TestCase):
                 self.assertEqual(answer.returncode, 0, answer.stderr)
                 self.assertRegex(answer.stdout, r"\d+\.\d+\.\d+")
 
+    def test_the_citation_names_the_version_of_the_programs(self):
+        cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"),
+                          re.MULTILINE).group(1)
+        self.assertIn(cited, subprocess.run([PROGRAMS / "dccast", "--version"], capture_output=True,
+                                            text=True, timeout=30, check=False).stdout)
+
     def test_a_wrong_option_is_a_usage_error(self):
         for program in ("dccast", "dccastd"):
             with self.subTest(program=program):

@@ -157,6 +157,23 @@ TEST(Override, AFileTakesThePlaceOfTheOneBefore) {
   EXPECT_EQ(description.mesh().file(), "new.msh");
 }
 
+TEST(Override, AnotherCardTakesThePlaceOfOnesOwn) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "override_card";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "mine.toml") << "solidus = \"620 degC\"";
+  v1::Case description;
+  ReadOutcome read;
+  apply_changes(description, changes({"alloy.card=./mine.toml"}), read, folder);
+  EXPECT_EQ(description.alloy().card(), "mine.toml");
+  ASSERT_THAT(read.attachments, SizeIs(1));
+
+  apply_changes(description, changes({"alloy.card=aa5182"}), read, folder);
+  EXPECT_EQ(description.alloy().card(), "aa5182");
+  EXPECT_THAT(read.attachments, SizeIs(0));
+  EXPECT_THAT(apply_changes(description, changes({"alloy.card=aa6063"})), SizeIs(0));
+  EXPECT_THAT(apply_changes(description, changes({"alloy.card=./mine.toml"})), SizeIs(1));
+}
+
 TEST(Override, NoTextHarmsTheReader) {
   for (const std::string& value :
        {std::string("3\nrows = 4"), std::string(100000, '['), std::string("\"unclosed"),

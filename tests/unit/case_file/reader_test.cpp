@@ -167,6 +167,25 @@ TEST(Reader, AttachmentsAreReadRelativeToTheFile) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Reader, ACardOfOnesOwnTravelsWithTheCase) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "dccast_own_card_test";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "mine.toml") << "solidus = \"620 degC\"";
+  std::ofstream(folder / "case.toml") << sound << "[alloy]\ncard = \"./mine.toml\"\n";
+  v1::Case message;
+  const ReadOutcome outcome = read_file(folder / "case.toml", message);
+  ASSERT_EQ(outcome.attachments.size(), 1u);
+  EXPECT_EQ(outcome.attachments[0].content(), "solidus = \"620 degC\"");
+  EXPECT_EQ(message.alloy().card(), "mine.toml");
+
+  // The name of a known card is no file.
+  std::string named = sound;
+  v1::Case other;
+  EXPECT_TRUE(read_text(named + "[alloy]\ncard = \"aa5182\"\n", "x", other).attachments.empty());
+  EXPECT_EQ(other.alloy().card(), "aa5182");
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Reader, WhatIsWrittenReadsBackTheSame) {
   for (const auto& shipped : shipped::case_templates()) {
     v1::Case once, twice;

@@ -70,7 +70,8 @@ TEST(RecipeNumbers, WaterAloneLeavesSpeedAndEnd) {
   EXPECT_EQ(changes[0].key(), "schedule.water_flow");
   v1::Case after = start();
   ASSERT_TRUE(apply_changes(after, changes).empty());
-  EXPECT_NEAR(after.schedule().water_flow_m2_per_s().value(0), 1.235e-3, 1e-12);
+  EXPECT_NEAR(after.schedule().water_flow_m2_per_s().value(0), 74.07 / 60e3, 1e-12);
+  EXPECT_NE(changes[0].value().find("74.07 l/min/m"), std::string::npos) << "as a plant puts it";
 }
 
 TEST(RecipeNumbers, ARampMayStandAgainstCastLength) {

@@ -141,6 +141,18 @@ TEST(CalibrationText, SaysThatTheModelIsWrongAndThatTheSurfaceDidNotHold) {
   EXPECT_THAT(text, HasSubstr("it did not hold"));
 }
 
+TEST(CalibrationText, SaysWhenTheFitBecameWorse) {
+  v1::StudyResult result = calibrated();
+  auto& curve = *result.mutable_calibration()->mutable_curves(0);
+  curve.set_off_before(0.2e-3);
+  curve.set_off_after(0.5e-3);
+  EXPECT_THAT(
+      render::calibration_text(result),
+      HasSubstr("The fit to the curl of corner became worse: 0.20 off before, 0.50 mm after."));
+  curve.set_off_after(0.1e-3);
+  EXPECT_THAT(render::calibration_text(result), testing::Not(HasSubstr("became worse")));
+}
+
 TEST(CalibrationText, OfTooFewRunsSaysWhy) {
   v1::StudyResult result = calibrated();
   result.clear_calibration();
@@ -154,6 +166,7 @@ TEST(CalibrationPage, DrawsMeasuredOverComputedWithAllBands) {
   for (const char* part : {"measured", "data before, 5 to 95 %", "data after, 5 to 95 %",
                            "mesh and time steps", "curl of corner, mm"})
     EXPECT_THAT(page, HasSubstr(part));
+  EXPECT_THAT(page, HasSubstr("<circle cx=")) << "readings are dots";
 }
 
 TEST(Rounded, KeepsFourDigitsAndTheUnit) {

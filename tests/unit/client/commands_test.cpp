@@ -133,6 +133,11 @@ TEST_F(Commands, AWordThatIsNoneIsAnsweredWithTheNearest) {
   EXPECT_THAT(run({"submit", "--prioritty", "low", file}).err,
               HasSubstr("did you mean '--priority'?"));
   EXPECT_THAT(run({"xyzzy"}).err, testing::Not(HasSubstr("did you mean")));
+  // Keys of the case are no options.
+  EXPECT_THAT(run({"submit", "--title", "trial", file}).err,
+              HasSubstr("did you mean '--set title=...'?"));
+  EXPECT_THAT(run({"query", "--casting-speed=60", file}).err,
+              HasSubstr("did you mean '--set schedule.casting_speed=...'?"));
 }
 
 TEST_F(Commands, SeveralFilesAreSubmittedOrNone) {

@@ -10,6 +10,7 @@
 #include "client/html/pages.hpp"
 #include "client/html/svg_chart.hpp"
 #include "client/text/progress.hpp"
+#include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 #include "fake_service.hpp"
 #include "json_reading.hpp"
@@ -44,6 +45,64 @@ TEST(Braille, AStraightLineRunsFromBelowToAbove) {
   EXPECT_EQ(braille_curve({0, 1}, 2, 1).front(), "⡠⠊");
   EXPECT_EQ(display_width(braille_curve({1, 2, 3}, 12, 1).front()), 12);
   EXPECT_EQ(braille_curve({}, 3, 2).size(), 2u);
+}
+
+TEST(Braille, LinesAreToldApartWithoutColour) {
+  const BrailleLine level{{0, 1}, {1, 1}};
+  const auto row_of = [&](const std::vector<BrailleLine>& lines) {
+    const BrailleChart chart = braille_chart(lines, 12, 1);
+    std::string text;
+    for (const BrailleCell& cell : chart.cells[0]) text += cell.text;
+    return text;
+  };
+  const BrailleLine nothing;
+  EXPECT_NE(row_of({level}), row_of({nothing, level}));
+  EXPECT_NE(row_of({nothing, level}), row_of({nothing, nothing, level}));
+  EXPECT_NE(braille_sample(0), braille_sample(1));
+  EXPECT_NE(braille_sample(1), braille_sample(2));
+}
+
+TEST(Numbers, ZeroHasNoSign) {
+  EXPECT_EQ(fixed(-0.001, 2), "0.00");
+  EXPECT_EQ(fixed(-0.0, 1), "0.0");
+  EXPECT_EQ(mm(-1e-7, 2), "0.00");
+  EXPECT_EQ(fixed(-0.006, 2), "-0.01");
+}
+
+TEST(Numbers, AnErrorHasTwoDigitsAndItsValueAsMany) {
+  EXPECT_EQ(with_error(58.41, 11.68, "mm"), "58 ± 12 mm");
+  EXPECT_EQ(with_error(5.2519, 0.2101, "mm"), "5.25 ± 0.21 mm");
+  EXPECT_EQ(with_error(35.456, std::nullopt, "mm"), "35.5 mm");
+  EXPECT_EQ(with_error(1234.0, 250.0), "1230 ± 250");
+  EXPECT_EQ(with_error(99.6, 9.96), "100 ± 10");
+  EXPECT_EQ(with_error(-0.001, 0.2), "0.00 ± 0.20");
+  EXPECT_EQ(with_error(1.0, NAN), "1.00");
+  EXPECT_EQ(with_error(NAN, 1.0), "-");
+  EXPECT_EQ(mm_decimals(1e-7, 1e-9), 2) << "no curl is known better";
+  EXPECT_EQ(mm_decimals(0.0584, 0.01168), 0);
+}
+
+v1::StepReport step_at(double time_s, double progress, double solver_s) {
+  v1::StepReport step;
+  step.set_time_s(time_s);
+  step.set_progress(progress);
+  step.set_solver_s(solver_s);
+  return step;
+}
+
+TEST(Pace, OfTheHoldIsNoneOfTheRun) {
+  Pace pace;
+  pace.add(step_at(-30.0, 0.15, 0.1));
+  EXPECT_FALSE(pace.left_s().has_value());
+  pace.expected_s = 12.0;
+  EXPECT_NEAR(pace.left_s().value(), 11.9, 1e-9);
+
+  pace.add(step_at(0.0, 0.3, 0.2));
+  EXPECT_NEAR(pace.left_s().value(), 11.8, 1e-9);
+  pace.add(step_at(50.0, 0.65, 5.2));
+  EXPECT_NEAR(pace.left_s().value(), 5.0, 1e-9) << "5 s for half of what follows the hold";
+  pace.add(step_at(100.0, 1.0, 10.2));
+  EXPECT_FALSE(pace.left_s().has_value());
 }
 
 TEST(Terminal, CutsByCodePoints) {

@@ -235,10 +235,14 @@ TEST(PlantUnits, TheWholeCaseHasNoDigitsNobodyWrote) {
   speed.set_abscissa(v1::TIME);
   speed.add_at(0.0);
   speed.add_value(0.0006666666666666668);
+  v1::Curve& water = *input.mutable_schedule()->mutable_water_flow_m2_per_s();
+  water.add_at(0.0);
+  water.add_value(0.0015);
   input.mutable_validity()->set_maximum_rotation_rad(0.17453292519943295);
   input.set_title("case 0.12345678901234567 of m/s");
   const std::string text = readable_toml(input);
   EXPECT_THAT(text, HasSubstr("\"40 mm/min\""));
+  EXPECT_THAT(text, HasSubstr("\"90 l/min/m\""));
   EXPECT_THAT(text, HasSubstr("\"0.174532925 rad\""));
   EXPECT_THAT(text, HasSubstr("case 0.12345678901234567 of m/s"));
 }

@@ -62,8 +62,8 @@ def check_array(findings, dataset, kind, unit):
 
 
 def check_root(findings, file):
-    for name in ("schema_version", "program", "program_version", "build", "title", "section",
-                 "liquidus_c", "solidus_c", "outcome", "message"):
+    for name in ("schema_version", "program", "program_version", "build", "commit", "title",
+                 "case_sha256", "section", "liquidus_c", "solidus_c", "outcome", "message"):
         findings.require(name in file.attrs, f"/: no attribute {name}")
     findings.require(file.attrs["schema_version"] == 2, "/: schema_version is not 2")
     findings.require(file["case"].shape == (), "/case is not a scalar")

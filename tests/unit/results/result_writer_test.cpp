@@ -189,6 +189,7 @@ TEST(ResultWriter, KilledAndResumedGivesTheSameBytes) {
   EXPECT_GT(kills, 0);
   EXPECT_EQ(read_file(broken / "results.h5"), read_file(whole / "results.h5"));
   EXPECT_EQ(read_file(broken / "results.xdmf"), read_file(whole / "results.xdmf"));
+  EXPECT_EQ(read_file(broken / "results-end.xdmf"), read_file(whole / "results-end.xdmf"));
   EXPECT_FALSE(std::filesystem::exists(broken / "results.h5.part"));
 }
 

@@ -15,6 +15,8 @@ inline RunHeader sample_header() {
   RunHeader header;
   header.program_version = "0.1.0";
   header.build = "a compiler";
+  header.commit = "0123456789abcdef";
+  header.case_sha256 = "5ca1ab1e";
   header.title = "butt <of> a & \"slab\"";
   header.case_json = R"({"title": "butt"})";
   header.section = "plane_strain";

@@ -49,6 +49,16 @@ TEST(Xdmf, ShowsSolidElements) {
   EXPECT_THAT(sidecar_of(frame), HasSubstr(R"(TopologyType="Hexahedron")"));
 }
 
+/// meshio reads no collections and no times.
+TEST(Xdmf, TheLastFrameAloneIsOneUniformGrid) {
+  const std::vector<FrameOutline> frames(3, make_outline(sample_frame(3, 4, 2)));
+  const std::string text = format_last_frame(frames, "r.h5");
+  EXPECT_THAT(text, HasSubstr("r.h5:/frames/000002/node_m<"));
+  EXPECT_THAT(text, Not(HasSubstr("/frames/000001/")));
+  EXPECT_THAT(text, Not(HasSubstr("Collection")));
+  EXPECT_THAT(text, Not(HasSubstr("<Time")));
+}
+
 TEST(Xdmf, CentresStressesOnCellsAndLeavesOutWhatIsNotThere) {
   Frame frame = sample_frame(3, 3, 2);
   EXPECT_THAT(sidecar_of(frame),

@@ -1,0 +1,69 @@
+#!/usr/bin/python3
+"""A card of one's own, named by its path: from the command line, Python, and in a study."""
+import os
+import pathlib
+import subprocess
+
+import dccast
+from support import BIN, ServiceTest, main
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CARD = (ROOT / "cases/alloys/paper.toml").read_text(encoding="utf-8")
+
+
+class OwnAlloy(ServiceTest):
+    def setUp(self):
+        super().setUp()
+        case = (ROOT / "cases/start-2d-thickness.toml").read_text(encoding="utf-8")
+        self.assertIn('card = "paper"', case)
+        folder = pathlib.Path(self.folder)
+        (folder / "case.toml").write_text(case.replace('card = "paper"', 'card = "./cards/mine.toml"'))
+        (folder / "cards").mkdir()
+        self.card = folder / "cards/mine.toml"
+        self.card.write_text(CARD)
+        self.case = str(folder / "case.toml")
+        self.service = dccast.connect(self.daemon.address)
+
+    def dccast(self, *words, code=0):
+        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
+                               capture_output=True, text=True, timeout=60, check=False,
+                               cwd=self.folder)
+        self.assertEqual(ended.returncode, code, ended.stderr)
+        return ended.stdout + ended.stderr
+
+    def test_the_command_line_takes_it_with_the_case(self):
+        job = self.service.job(self.dccast("submit", self.case).strip())
+        job.wait()
+        self.assertEqual(job.case.alloy.card, "mine.toml")
+        self.assertEqual(job.case.alloy.liquidus_c, 649)
+        self.dccast("query", self.case, "--set", "alloy.card=cards/mine.toml")
+
+    def test_python_takes_it_with_the_case(self):
+        job = self.service.submit(self.case).wait()
+        self.assertEqual(job.case.alloy.card, "mine.toml")
+        self.assertEqual(job.case.alloy.liquidus_c, 649)
+
+    def test_the_runs_of_a_study_have_it(self):
+        self.dccast("sweep", self.case, "--grid", "schedule.hold=60 s,90 s")
+        for job in self.service.jobs():
+            self.assertEqual(job.case.alloy.card, "mine.toml")
+
+    def test_faults_of_the_card_are_named_with_their_line(self):
+        self.card.write_text(CARD + "no_such_key = 3\n")
+        said = self.dccast("validate", self.case, code=2)
+        self.assertRegex(said, r"in alloy card mine\.toml:\d+:\d+: .*no_such_key")
+
+    def test_a_card_that_is_not_there_is_named(self):
+        self.card.unlink()
+        self.assertIn("no such file", self.dccast("validate", self.case, code=2))
+
+    def test_keys_of_the_case_go_before_those_of_the_card(self):
+        job = self.service.job(self.dccast("submit", self.case, "--set",
+                                           "alloy.coherency_solid_fraction=0.8").strip())
+        job.wait()
+        self.assertEqual(job.case.alloy.coherency_solid_fraction, 0.8)
+        self.assertEqual(job.case.alloy.liquidus_c, 649)
+
+
+if __name__ == "__main__":
+    main()
