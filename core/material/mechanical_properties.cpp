@@ -34,6 +34,11 @@ Curve continued_solid(const AlloyCard& card) {
 /// The mush never loses all its strength: below coherency the liquid's modulus takes over.
 constexpr double least_strength = 1e-2;  // [1]
 
+/// A solidifying shell deforms at some 1e-5 to 1e-3 /s. In a porous body that shears at this rate a
+/// smaller mean stress dilates at a rate proportional to it; alone it would meet the infinite
+/// viscosity of a power law at zero, where Newton's method alternates between tension and pressure.
+constexpr double rate_of_a_shell = 1e-4;  // [1/s]
+
 }  // namespace
 
 MechanicalProperties::MechanicalProperties(const AlloyCard& card)
@@ -124,7 +129,11 @@ CreepFactors MechanicalProperties::creep_factors(double temperature) const {
   // together.
   const double porosity =
       (1.0 - bridged_share(temperature)) * liquid_fraction_at(card_, temperature);
-  return {.deviatoric = mush, .volumetric = mush * porous_ratio(porosity, n)};
+  const double ratio = porous_ratio(porosity, n);
+  if (ratio <= 0.0) return {.deviatoric = mush};
+  return {.deviatoric = mush,
+          .volumetric = mush * ratio,
+          .linear_below = mean_stress_like(std::pow(rate_of_a_shell / mush, 1.0 / n), ratio, n)};
 }
 
 YieldLimit MechanicalProperties::yield_limit(double temperature) const {

@@ -13,7 +13,9 @@ namespace dccast::material {
 /// mean stress beyond the pressure of the melt in its pores.
 struct CreepFactors {
   double deviatoric = 0.0;  ///< kappa of eq. (21) [Pa^-(q-1)/s]
-  double volumetric = 0.0;  ///< the rate of dilatation is this times |p|^(q-2) p [Pa^-(q-1)/s]
+  /// The rate of dilatation is this times (p^2 + r^2)^((q-2)/2) p [Pa^-(q-1)/s].
+  double volumetric = 0.0;
+  double linear_below = 0.0;  ///< r: the dilatation is linear in a smaller |p| [Pa]
 };
 
 /// Limit of the deviator's norm |s| = sqrt(2/3) Y in cold metal; @see ColdStrength.

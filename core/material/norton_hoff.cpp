@@ -15,7 +15,8 @@ constexpr double plane_factor = 2.0 / 3.0;                  // s_11 of unit unia
 
 NortonHoff from(const NortonHoffConstants& c) {
   NortonHoff law;
-  law.factor = c.material_resistance / std::pow(std::sqrt(2.0) * c.shear_limit, c.exponent);  // (16)
+  law.factor =
+      c.material_resistance / std::pow(std::sqrt(2.0) * c.shear_limit, c.exponent);  // (16)
   law.activation_temperature = c.activation_energy / printed_gas_constant;
   law.exponent = c.exponent;
   return law;
@@ -27,9 +28,9 @@ NortonHoff from(const ReferenceCreep& c) {
   law.activation_temperature = c.activation_energy / gas_constant;
   law.zero_offset = celsius_zero;
   // In uniaxial tension s_11 = 2/3 sigma and |s| = sqrt(2/3) sigma.
-  const double kappa = c.strain_rate / (plane_factor * c.stress *
-                                        std::pow(std::sqrt(plane_factor) * c.stress,
-                                                 law.exponent - 2.0));
+  const double kappa =
+      c.strain_rate /
+      (plane_factor * c.stress * std::pow(std::sqrt(plane_factor) * c.stress, law.exponent - 2.0));
   law.factor = kappa * std::exp(law.activation_temperature / (c.temperature + law.zero_offset));
   return law;
 }
@@ -70,6 +71,30 @@ ReturnMap return_map(double trial_norm, double creep, double exponent) {
     if (std::abs(step) <= 1e-15 * trial_norm) break;
   }
   return {x, 1.0 / (1.0 + m * creep * creep_power(x, exponent))};
+}
+
+ReturnMap return_map(double trial_norm, double creep, double exponent, double second) {
+  const double square = second * second;
+  const double linear = creep * std::pow(square, 0.5 * exponent - 1.0);  // c r^(q-2)
+  if (linear == 0.0) return return_map(trial_norm, creep, exponent);
+
+  // The root lies below the roots with either stress alone. Newton's method falls from there.
+  double x = std::min(return_map(trial_norm, creep, exponent).norm, trial_norm / (1.0 + linear));
+  double slope = 1.0;
+  constexpr int most = 60;
+  for (int i = 0; i < most; ++i) {
+    const double sum = x * x + square;
+    const double rate = creep * std::pow(sum, 0.5 * exponent - 1.0);
+    slope = 1.0 + rate * (1.0 + (exponent - 2.0) * x * x / sum);
+    const double step = (x * (1.0 + rate) - trial_norm) / slope;
+    x -= step;
+    if (std::abs(step) <= 1e-15 * trial_norm) break;
+  }
+  return {x, 1.0 / slope};
+}
+
+double mean_stress_like(double norm, double ratio, double exponent) {
+  return norm * std::pow(ratio, -1.0 / (exponent + 1.0));
 }
 
 double porous_ratio(double porosity, double exponent) {

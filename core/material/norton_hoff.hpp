@@ -40,6 +40,11 @@ struct ReturnMap {
 /// the iterates fall monotonically to it.
 ReturnMap return_map(double trial_norm, double creep, double exponent);
 
+/// Solves x + c (x^2 + r^2)^((q-2)/2) x = R, the same with a second stress that adds to the rate.
+/// @param trial_norm  R [Pa], not negative @param creep  c [Pa^-(q-2)], not negative
+/// @param exponent    q [1] @param second  r [Pa], not negative
+ReturnMap return_map(double trial_norm, double creep, double exponent, double second);
+
 /// The same at several points at once; arguments and units as in return_map().
 template <int Count>
 struct ReturnMaps {
@@ -97,6 +102,14 @@ ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>
 /// @param exponent  n, stress exponent of the creep law [1]
 /// @return          [1]; zero without porosity
 double porous_ratio(double porosity, double exponent);
+
+/// Mean stress that has the same share as a deviator in the equivalent stress of a porous body,
+/// sigma^2 = A2 p^2 + 3/2 A3 |s|^2 with ratio = (A2 / (3/2 A3))^((n+1)/2).
+/// @param norm      |s| [Pa]
+/// @param ratio     volumetric over deviatoric creep factor, porous_ratio() [1], positive
+/// @param exponent  n [1]
+/// @return          [Pa]
+double mean_stress_like(double norm, double ratio, double exponent);
 
 /// The deviator's norm limited by yielding, after the return map of creep, at several points at
 /// once. With hardening it solves x = y(e + k (R - x)), where y is the limit at an equivalent

@@ -104,16 +104,18 @@ struct MeanStress {
   double tangent;  ///< dp / d tr [Pa]
 };
 
-/// The mean stress after the volumetric creep of the mush. @param trial  without that creep [Pa]
+/// The mean stress after the volumetric creep of the mush: with p the stress beyond the pressure of
+/// the melt, the dilatation creeps at the rate kappa_v (p^2 + r^2)^((q-2)/2) p, r = linear_below.
+/// @param trial  mean stress without that creep [Pa]
 template <int Dim>
 MeanStress relaxed_mean_stress(const StepProblem<Dim>& problem, std::size_t e, double trial) {
   if (problem.volumetric_kappa.empty() || problem.volumetric_kappa[e] <= 0.0)
     return {trial, problem.bulk[e]};
 
   const double effective = trial + problem.melt_pressure[e];
-  const auto map = material::return_map(std::abs(effective),
-                                        problem.bulk[e] * problem.dt * problem.volumetric_kappa[e],
-                                        problem.exponent);
+  const double creep = problem.bulk[e] * problem.dt * problem.volumetric_kappa[e];
+  const auto map =
+      material::return_map(std::abs(effective), creep, problem.exponent, problem.linear_below[e]);
   return {std::copysign(map.norm, effective) - problem.melt_pressure[e],
           problem.bulk[e] * map.derivative};
 }

@@ -98,8 +98,9 @@ void SlabMechanics<Dim>::new_pattern() {
   }
   element_unknown_ = std::move(unknown);
   if (Dim == 3) parts_ = ElementParts::of(*mesh_);
-  for (auto* field : {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal,
-                      &problem_.prestress, &problem_.volumetric_kappa, &problem_.melt_pressure}) {
+  for (auto* field :
+       {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal, &problem_.prestress,
+        &problem_.volumetric_kappa, &problem_.melt_pressure, &problem_.linear_below}) {
     field->assign(std::size_t(mesh_->elements()), 0.0);
   }
   if (properties_.has_yield_limit()) {
@@ -286,6 +287,7 @@ void SlabMechanics<Dim>::set_solid(int e, double at, double metal_level) {
   problem_.shear[i] = properties_.shear_modulus(at);
   problem_.kappa[i] = creep.deviatoric;
   problem_.volumetric_kappa[i] = creep.volumetric;
+  problem_.linear_below[i] = creep.linear_below;
   problem_.melt_pressure[i] = std::max(0.0, melt_pressure(e, metal_level));
   problem_.thermal[i] = properties_.thermal_stretch(at);
   problem_.prestress[i] = 0.0;

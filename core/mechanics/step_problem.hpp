@@ -42,6 +42,7 @@ struct StepProblem {
   std::vector<double> prestress;         ///< [Pa], negative in a liquid under pressure
   std::vector<double> volumetric_kappa;  ///< [Pa^-(q-1)/s] of the dilatation, zero except in mush
   std::vector<double> melt_pressure;     ///< [Pa] of the melt in the pores of the mush
+  std::vector<double> linear_below;      ///< [Pa] mean stress below which that creep is linear
   /// Limit of |s|, sqrt(2/3) Y(T) [Pa], and its hardening w(T) [1]; empty: creep alone.
   std::vector<double> yield, hardening;
 

@@ -119,6 +119,21 @@ TEST(Mush, VolumeCreepsWhereMeltCanMove) {
   EXPECT_EQ(mush.creep_factors(500.0).volumetric, 0.0);
 }
 
+/// The equation of the return map with a second stress holds, and without that stress it is the
+/// power law.
+TEST(Mush, AStressBesideThePressureMakesItsCreepLinear) {
+  constexpr double creep = 3e-25, exponent = 6.0;
+  for (const double trial : {0.0, 1e3, 2e6, 4e8}) {
+    for (const double second : {0.0, 1e4, 1e6, 1e8}) {
+      const double x = return_map(trial, creep, exponent, second).norm;
+      const double rate = creep * std::pow(x * x + second * second, 2.0);
+      EXPECT_NEAR(x * (1.0 + rate), trial, 1e-12 * trial) << trial << ", " << second;
+    }
+    EXPECT_EQ(return_map(trial, creep, exponent, 0.0).norm,
+              return_map(trial, creep, exponent).norm);
+  }
+}
+
 /// The yield limit at several points at once: equation, closed solution, derivative.
 class Yield : public ::testing::Test {
 protected:

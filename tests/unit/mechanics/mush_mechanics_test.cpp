@@ -28,6 +28,7 @@ TEST(MushMechanics, MushHeldInAllDirectionsRelaxesItsPressure) {
     problem.bulk = {bulk};
     problem.volumetric_kappa = {kappa};
     problem.melt_pressure = {melt};
+    problem.linear_below = {0.0};
     double stress = start - melt;
     for (int i = 0; i < steps; ++i) stress = relaxed_mean_stress(problem, 0, stress).stress;
     return stress + melt;
@@ -40,6 +41,24 @@ TEST(MushMechanics, MushHeldInAllDirectionsRelaxesItsPressure) {
   EXPECT_NEAR(error / half, 2.0, 0.1) << "first order";
 }
 
+/// Below `linear_below` the pressure of held mush decays exponentially.
+TEST(MushMechanics, ASmallPressureDecaysExponentially) {
+  constexpr double bulk = 60e9, kappa = 3e-35, linear_below = 1e6, start = 1e3, end = 1.0;
+  StepProblem<3> problem;
+  problem.exponent = 6.0;
+  problem.dt = end / 1000;
+  problem.bulk = {bulk};
+  problem.volumetric_kappa = {kappa};
+  problem.melt_pressure = {0.0};
+  problem.linear_below = {linear_below};
+
+  double stress = start;
+  for (int i = 0; i < 1000; ++i) stress = relaxed_mean_stress(problem, 0, stress).stress;
+  const double exact = start * std::exp(-bulk * kappa * std::pow(linear_below, 4.0) * end);
+  ASSERT_LT(exact, 0.5 * start) << "it must relax";
+  EXPECT_NEAR(stress, exact, 3e-3 * exact);
+}
+
 TEST(MushMechanics, TangentOfTheMeanStressIsItsDerivative) {
   StepProblem<3> problem;
   problem.exponent = 6.0;
@@ -47,12 +66,16 @@ TEST(MushMechanics, TangentOfTheMeanStressIsItsDerivative) {
   problem.bulk = {60e9};
   problem.volumetric_kappa = {1e-43};
   problem.melt_pressure = {3e4};
-  for (const double trial : {-300e6, -1e6, 20e6, 500e6}) {
-    const double h = 1e-5 * std::abs(trial);
-    const double difference = (relaxed_mean_stress(problem, 0, trial + h).stress -
-                               relaxed_mean_stress(problem, 0, trial - h).stress) /
-                              (2.0 * h);
-    EXPECT_NEAR(relaxed_mean_stress(problem, 0, trial).tangent / 60e9, difference, 1e-7) << trial;
+  for (const double linear_below : {0.0, 2e6, 300e6}) {
+    problem.linear_below = {linear_below};
+    for (const double trial : {-300e6, -1e6, 20e6, 500e6}) {
+      const double h = 1e-5 * std::abs(trial);
+      const double difference = (relaxed_mean_stress(problem, 0, trial + h).stress -
+                                 relaxed_mean_stress(problem, 0, trial - h).stress) /
+                                (2.0 * h);
+      EXPECT_NEAR(relaxed_mean_stress(problem, 0, trial).tangent / 60e9, difference, 1e-7)
+          << trial << ", " << linear_below;
+    }
   }
 }
 
