@@ -37,9 +37,6 @@ struct ThermalOptions {
   std::optional<double> initial_temperature;  ///< [°C]; absent: the casting temperature
   double tolerance = 0.0;  ///< [1] residual relative to the heat exchanged in a step
   int maximum_iterations = 0;
-  /// Number of nodes of an extruded solid from which the two-grid solver replaces the
-  /// factorisation. Measured; not a key of a case (docs/large-solids.md).
-  int two_grids_from_nodes = 5000;
   std::filesystem::path file;  ///< prescribed temperatures; empty: use the heat solver
 };
 

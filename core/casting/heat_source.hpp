@@ -18,7 +18,7 @@ public:
   HeatSource(const Case& c, std::unique_ptr<thermal::HeatForms> forms) : properties_(c.alloy) {
     if (c.thermal.file.empty()) {
       solver_.emplace(properties_, c.cooling, std::move(forms), c.thermal.tolerance,
-                      c.thermal.maximum_iterations, c.thermal.two_grids_from_nodes);
+                      c.thermal.maximum_iterations);
       return;
     }
     Faults faults;

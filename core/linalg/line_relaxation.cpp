@@ -67,30 +67,25 @@ template <int Count, int N>
   }
 }
 
-/// Inverse of a symmetric positive definite block by its cofactors. @return false if it is not one
-template <int N>
+/// Inverse of a symmetric positive definite block of three by its cofactors. @return false if it is
+/// not one
 bool invert(const double* m, double* inverse) {
-  if constexpr (N == 1) {
-    inverse[0] = 1.0 / m[0];
-    return m[0] > 0.0;
-  } else {
-    const double minor = m[0] * m[4] - m[1] * m[1];
-    const double c0 = m[4] * m[8] - m[5] * m[5];
-    const double c1 = m[2] * m[5] - m[1] * m[8];
-    const double c2 = m[1] * m[5] - m[2] * m[4];
-    const double determinant = m[0] * c0 + m[1] * c1 + m[2] * c2;
-    const double f = 1.0 / determinant;
+  const double minor = m[0] * m[4] - m[1] * m[1];
+  const double c0 = m[4] * m[8] - m[5] * m[5];
+  const double c1 = m[2] * m[5] - m[1] * m[8];
+  const double c2 = m[1] * m[5] - m[2] * m[4];
+  const double determinant = m[0] * c0 + m[1] * c1 + m[2] * c2;
+  const double f = 1.0 / determinant;
 
-    inverse[0] = c0 * f;
-    inverse[1] = inverse[3] = c1 * f;
-    inverse[2] = inverse[6] = c2 * f;
-    inverse[4] = (m[0] * m[8] - m[2] * m[2]) * f;
-    inverse[5] = inverse[7] = (m[1] * m[2] - m[0] * m[5]) * f;
-    inverse[8] = minor * f;
+  inverse[0] = c0 * f;
+  inverse[1] = inverse[3] = c1 * f;
+  inverse[2] = inverse[6] = c2 * f;
+  inverse[4] = (m[0] * m[8] - m[2] * m[2]) * f;
+  inverse[5] = inverse[7] = (m[1] * m[2] - m[0] * m[5]) * f;
+  inverse[8] = minor * f;
 
-    // Sylvester's criterion: all leading minors are positive.
-    return m[0] > 0.0 && minor > 0.0 && determinant > 0.0 && std::isfinite(f);
-  }
+  // Sylvester's criterion: all leading minors are positive.
+  return m[0] > 0.0 && minor > 0.0 && determinant > 0.0 && std::isfinite(f);
 }
 
 }  // namespace
@@ -157,7 +152,7 @@ bool LineRelaxation<N>::factorize_line(int line) {
       }
     }
 
-    if (!invert<N>(pivot.data(), inverse.data())) return false;
+    if (!invert(pivot.data(), inverse.data())) return false;
     for (std::size_t i = 0; i < square; ++i) {
       step[k].inverse[i] = static_cast<float>(inverse[i]);
       step[k].below[i] = static_cast<float>(below[i]);
@@ -264,7 +259,6 @@ std::size_t LineRelaxation<N>::memory_bytes() const {
          step_.size() * sizeof(Step);
 }
 
-template class LineRelaxation<1>;
 template class LineRelaxation<3>;
 
 }  // namespace dccast::linalg

@@ -156,7 +156,6 @@ private:
   std::vector<Step> step_;       ///< (line, row)
 };
 
-extern template class LineRelaxation<1>;
 extern template class LineRelaxation<3>;
 
 }  // namespace dccast::linalg

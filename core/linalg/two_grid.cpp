@@ -247,7 +247,6 @@ std::size_t TwoGrid<N>::memory_bytes() const {
          3 * right_.size() * sizeof(float) + coarse_solver_.memory_bytes();
 }
 
-template class TwoGrid<1>;
 template class TwoGrid<3>;
 
 }  // namespace dccast::linalg

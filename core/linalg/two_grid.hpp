@@ -67,7 +67,6 @@ private:
   std::vector<float> right_, solution_, residual_;
 };
 
-extern template class TwoGrid<1>;
 extern template class TwoGrid<3>;
 
 }  // namespace dccast::linalg

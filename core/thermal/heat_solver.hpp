@@ -7,7 +7,7 @@
 
 #include "core/linalg/conjugate_gradients.hpp"
 #include "core/linalg/direct_solver.hpp"
-#include "core/linalg/two_grid.hpp"
+#include "core/linalg/line_preconditioner.hpp"
 #include "core/material/thermal_properties.hpp"
 #include "core/thermal/heat_forms.hpp"
 #include "core/thermal/surface_cooling.hpp"
@@ -65,12 +65,9 @@ class HeatSolver {
 public:
   /// @param forms      forms of a mesh that must not move in memory
   /// @param tolerance  residual relative to the heat exchanged in the step [1]
-  /// @param two_grids_from_nodes  number of nodes of an extruded solid from which steps are solved
-  ///                              by conjugate gradients with the two-grid preconditioner:
-  ///                              docs/large-solids.md
   HeatSolver(material::ThermalProperties properties, CoolingSpec cooling,
              std::unique_ptr<HeatForms> forms, double tolerance = 1e-11,
-             int maximum_iterations = 60, int two_grids_from_nodes = 5000);
+             int maximum_iterations = 60);
 
   /// Updates the solver after a change of the mesh; analyses the matrix only if elements changed.
   void update_mesh();
@@ -109,7 +106,7 @@ private:
   enum class Slope { newton, newton_bounded, largest };
   [[nodiscard]] bool factorize(Slope kind, double time_step);  ///< time_step [s]
   [[nodiscard]] bool factorize_newton(double time_step);       ///< time_step [s]
-  [[nodiscard]] bool solve_by_two_grid();
+  [[nodiscard]] bool solve_by_lines();
   bool newton_direction();
   double relative_residual(double time_step) const;                ///< [1]; time_step [s]
   bool line_search(const HeatStepInput& input, double reference);  ///< reference residual [1]
@@ -122,12 +119,11 @@ private:
   std::unique_ptr<HeatForms> forms_;
   double tolerance_;  ///< [1]
   int maximum_iterations_;
-  int two_grids_from_nodes_;
 
-  linalg::DirectSolver solver_;
-  /// Replaces the factor if that would be too large
-  std::unique_ptr<linalg::TwoGrid<1>> two_grid_;
+  /// Of a solid in rows, with conjugate gradients; empty on other meshes, which are factorised.
+  std::optional<linalg::LinePreconditioner> lines_;
   linalg::ConjugateGradients gradients_;
+  linalg::DirectSolver solver_;
   std::vector<int> top_nodes_;  ///< held at the casting temperature
   std::vector<char> held_;      ///< (node) at the casting temperature
 
@@ -140,7 +136,6 @@ private:
   std::vector<double> kirchhoff_;
   std::vector<double> residual_;    ///< (node) [W/m]; at held nodes the heat the top supplies
   std::vector<double> matrix_;      ///< (entry of the pattern) c/D + K [1], [m] in 3D
-  std::vector<char> stiff_;         ///< (node) held, or nearly so by its diagonal
   std::vector<double> capacity_;    ///< (node) c in the factor [m^Dim/s]
   std::vector<double> from_slope_;  ///< (node) 1/D [s/m2] where c is too small and dH = y/D is
                                     ///< used, else zero

@@ -43,7 +43,6 @@ casting::Case case_of(double scale, const Request& request) {
   c.time.end = request.end;
   if (request.by_factors) {
     c.mechanics.options.two_grids_from_unknowns = std::numeric_limits<int>::max();
-    c.thermal.two_grids_from_nodes = std::numeric_limits<int>::max();
   }
   c.time.step =
       Curve(Abscissa::time, {-60.0, -55.0, -54.999, -0.001, 0.0, 2.0, 2.001, 10.0, 10.001},

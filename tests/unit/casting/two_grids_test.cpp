@@ -21,7 +21,6 @@ using testing::small_rounded_slab;
 
 Case by_two_grids(Case c) {
   c.mechanics.options.two_grids_from_unknowns = 0;
-  c.thermal.two_grids_from_nodes = 0;
   return c;
 }
 

@@ -76,15 +76,15 @@ TEST(Forecast, TheHoldSaysNothingAboutThePaceOfWhatFollows) {
   v1::Job job = ended(v1::RUNNING, 0.0, 12.0);
   job.mutable_last_step()->set_time_s(-5.0);
   job.mutable_last_step()->set_progress(0.29);
-  EXPECT_NEAR(forecast.left_s(job, 0.1), 11.9, 1e-9);
+  EXPECT_NEAR(forecast.remaining_s(job, 0.1), 11.9, 1e-9);
 
   // The pace of a run of 12 s, whose hold took 0.3 s, comes into its own step by step.
   for (const auto& [progress, ran_s, truth_s] :
        {std::tuple{0.35, 1.3, 10.7}, {0.6, 5.4, 6.6}, {0.9, 10.4, 1.6}}) {
     job.mutable_last_step()->set_time_s(1.0);
     job.mutable_last_step()->set_progress(progress);
-    EXPECT_GT(forecast.left_s(job, ran_s), 0.5 * truth_s) << progress;
-    EXPECT_LT(forecast.left_s(job, ran_s), 1.5 * truth_s) << progress;
+    EXPECT_GT(forecast.remaining_s(job, ran_s), 0.5 * truth_s) << progress;
+    EXPECT_LT(forecast.remaining_s(job, ran_s), 1.5 * truth_s) << progress;
   }
 }
 

@@ -181,36 +181,5 @@ TEST(TwoGrid, SaysThatAMatrixIsNotPositiveDefinite) {
   EXPECT_FALSE(grids.factorize(slab.brick.pattern, slab.values, slab.held));
 }
 
-/// Heat: one unknown a node, some of which hardly let heat through, so that their diagonal
-/// outweighs all others.
-TEST(TwoGrid, OneUnknownANode) {
-  const BrickMatrix brick({6, 4}, 16, {0.03, 0.03, 0.004});
-  const mesh::Extrusion rows = rows_of(brick);
-  std::vector<int> nodes;
-  for (std::size_t i = 0; i < brick.cell_unknowns().size(); i += 3)
-    nodes.push_back(brick.cell_unknowns()[i] / 3);
-  const SparsityPattern pattern(brick.unknowns() / 3, nodes, 8);
-  std::vector<double> values(pattern.entries(), -0.01), b;
-  std::vector<char> held(std::size_t(pattern.unknowns()), 0);
-  for (int u = 0; u < pattern.unknowns(); ++u) {
-    held[std::size_t(u)] = u % 17 == 0 ? 1 : 0;
-    values[std::size_t(pattern.diagonal(u))] = held[std::size_t(u)] != 0 ? 1e14 : 0.4;
-    b.push_back(std::cos(double(u)));
-  }
-  TwoGrid<1> grids;
-  grids.analyze(rows, group);
-  ASSERT_TRUE(grids.factorize(pattern, values, held));
-  ConjugateGradients gradients;
-  std::vector<double> x(b.size()), residual(b.size());
-  const CgOutcome outcome =
-      gradients.solve(pattern, values, std::vector<char>(b.size(), 0),
-                      [&](std::span<const double> r, std::span<double> z) { grids.apply(r, z); }, b,
-                      x, {1e-10, 100});
-  EXPECT_EQ(outcome.end, CgOutcome::End::converged);
-  EXPECT_LE(outcome.iterations, 25);
-  multiply(pattern, values, x, residual);
-  EXPECT_LE(relative_difference(residual, b), 1e-9);
-}
-
 }  // namespace
 }  // namespace dccast::linalg

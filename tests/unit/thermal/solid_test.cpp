@@ -312,6 +312,32 @@ INSTANTIATE_TEST_SUITE_P(Faces, SlabAsSection, ::testing::Values(Face::wide, Fac
                            return face.param == Face::wide ? "wide" : "narrow";
                          });
 
+/// A mesh in another order of elements has no lines that the solver knows, and is factorised.
+TEST(SolidSolver, LinesGiveTheAnswerOfAFactor) {
+  const mesh::SlabMesh3D slab(quarter_slab(ElementKind::q1, true));
+  mesh::Mesh3D mixed = slab.mesh();
+  std::swap_ranges(mixed.element_node.begin(), mixed.element_node.begin() + 8,
+                   mixed.element_node.begin() + 8);
+  ASSERT_TRUE(mesh::extrusion_of(slab.mesh()) && !mesh::extrusion_of(mixed));
+
+  const material::ThermalProperties metal(casting_alloy());
+  HeatSolver by_lines(metal, casting_cooling(), make_heat_forms(slab.mesh()), 1e-13);
+  HeatSolver by_factor(metal, casting_cooling(), make_heat_forms(mixed), 1e-13);
+  HeatField field = by_lines.uniform_field(680.0), expected = field;
+  for (int i = 1; i <= 8; ++i) {
+    const HeatStepInput input = input_at(0.5 * i, 0.5, depth);
+    const HeatStepOutcome found = by_lines.step(field, input);
+    const HeatStepOutcome factored = by_factor.step(expected, input);
+    ASSERT_TRUE(found.converged && factored.converged);
+    EXPECT_EQ(found.factorizations, 0);
+    EXPECT_GT(factored.factorizations, 0);
+    EXPECT_LE(found.balance.error, 1e-10);
+    EXPECT_NEAR(found.wall_heat_flux / factored.wall_heat_flux, 1.0, 1e-10);
+  }
+  for (std::size_t n = 0; n < field.temperature.size(); ++n)
+    EXPECT_NEAR(field.temperature[n] / expected.temperature[n], 1.0, 1e-10);
+}
+
 TEST(SolidWater, FacesHaveTheirOwnFlow) {
   const mesh::SlabMesh3D slab(quarter_slab(ElementKind::q1));
   HeatSolver solver(material::ThermalProperties(casting_alloy()), casting_cooling(),
