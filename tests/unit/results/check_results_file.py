@@ -65,7 +65,7 @@ def check_root(findings, file):
     for name in ("schema_version", "program", "program_version", "build", "title", "section",
                  "liquidus_c", "solidus_c", "outcome", "message"):
         findings.require(name in file.attrs, f"/: no attribute {name}")
-    findings.require(file.attrs["schema_version"] == 2, "/: schema_version is not 2")
+    findings.require(file.attrs["schema_version"] == 3, "/: schema_version is not 3")
     findings.require(file["case"].shape == (), "/case is not a scalar")
     findings.require(isinstance(file["case"].asstr()[()], str), "/case is not a text")
 
