@@ -17,6 +17,9 @@ namespace {
 /// the hold had no water on purpose.
 constexpr double first_metal_out = 5e-3;
 
+/// Time between two measurements of sums over all elements [s], which cost more than other figures.
+constexpr double between_sums = 5.0;
+
 /// From this solid fraction on [1] the mush is as tough as solid metal; 0.94 to 0.99 by alloy
 /// (docs/findings.md).
 constexpr double tough_solid_fraction = 0.98;
@@ -76,6 +79,7 @@ void StepMeter<Dim>::measure_water_line(const StepView<Dim>& view, StepFigures& 
   if (!slice) return;  // a mesh without a side
 
   f.left_mould = height >= 0.0 && view.cast_length >= first_metal_out;
+  f.left_contact = f.left_mould && view.cast_length >= contact_end(case_);
   f.exit_surface = slice->surface;
   f.exit_shell = f.least_shell = slice->shell;
   f.least_shell_depth = std::min(mould_exit(case_), view.metal_level);
@@ -185,6 +189,26 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
 }
 
 template <int Dim>
+void StepMeter<Dim>::measure_frozen_metal(const StepView<Dim>& view, StepFigures& f,
+                                          FigureHistory& history) const {
+  tears_.follow({.mesh = view.mesh,
+                 .temperature = view.temperature,
+                 .slab = view.slab,
+                 .time = view.time_step,
+                 .metal_level = view.metal_level,
+                 .growing = view.growing},
+                history.passages);
+
+  const double before = view.time - view.time_step;
+  if (view.last || std::floor(view.time / between_sums) > std::floor(before / between_sums)) {
+    history.tears = tears_.indices(view.mesh, history.passages);
+    history.pore_volume = pores_.volume(view.mesh, view.temperature) / view.face_length;
+  }
+  f.tears = history.tears;
+  f.pore_volume = history.pore_volume;
+}
+
+template <int Dim>
 StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& history) const {
   StepFigures f;
   f.time = view.time;
@@ -217,15 +241,7 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   f.mush_strain =
       mush_strain(view.mesh, view.slab, view.temperature, fragile_above_, view.growing, hoop);
 
-  f.pore_volume = pores_.volume(view.mesh, view.temperature) / view.face_length;
-  tears_.follow({.mesh = view.mesh,
-                 .temperature = view.temperature,
-                 .slab = view.slab,
-                 .time = view.time_step,
-                 .metal_level = view.metal_level,
-                 .growing = view.growing},
-                history.passages);
-  f.tears = tears_.indices(view.mesh, history.passages);
+  measure_frozen_metal(view, f, history);
 
   if (f.moves)
     history.thickest_bottom_shell = std::max(history.thickest_bottom_shell, f.bottom_shell.value);

@@ -57,6 +57,7 @@ struct StepFigures {
   double metal_depth = 0.0;             ///< [m] from the bottom to the metal level
   double sump_depth = 0.0;              ///< [m]
   double mould_exit_temperature = 0.0;  ///< [°C] largest of the side at the water line
+  bool left_contact = false;            ///< metal cast since the start has left the mould contact
   bool left_mould = false;              ///< metal that was held by the mould has left it
   PlacedFigure exit_surface;  ///< [°C] hottest point of the side at the water line, or at the butt
   PlacedFigure exit_shell;    ///< [m] shell thickness there
@@ -76,7 +77,7 @@ struct StepFigures {
   /// closed and has no least thickness
   std::optional<PlacedFigure> closed_shell;
   PlacedFigure mush_strain;  ///< [1]
-  /// [m2], of a billet [m2 per metre of circumference], of a quarter slab [m3]
+  /// [m3/m], of a billet per metre of circumference, of a quarter slab [m3]
   double pore_volume = 0.0;
   TearIndices tears;         ///< of the metal that has left the window of hot tears
   PlacedFigure lift;         ///< [m] largest lift of the bottom
@@ -94,6 +95,9 @@ struct FigureHistory {
   std::vector<double> when_liquid;     ///< [rad] or [1], see largest_rotation()
   double thickest_bottom_shell = 0.0;  ///< [m] since the block started to move
   std::vector<MushPassage> passages;   ///< (element), see HotTears
+  // Figures of all elements, which change slowly: measured every few seconds.
+  TearIndices tears;
+  double pore_volume = 0.0;  ///< as in StepFigures
 };
 
 /// Measures the figures of steps, without judging them.
@@ -111,6 +115,8 @@ public:
 private:
   void measure_water_line(const StepView<Dim>& view, StepFigures& figures) const;
   void measure_gap(const StepView<Dim>& view, StepFigures& figures) const;
+  void measure_frozen_metal(const StepView<Dim>& view, StepFigures& figures,
+                            FigureHistory& history) const;
   void measure_meniscus(const StepView<Dim>& view, StepFigures& figures) const;
   void measure_bottom(const StepView<Dim>& view, StepFigures& figures) const;
   void measure_mechanics(const StepView<Dim>& view, StepFigures& figures,

@@ -107,6 +107,17 @@ std::vector<MushPassage> read_passages(const Sections::Reals& values) {
   return passages;
 }
 
+Sections::Reals as_reals(const TearIndices& tears) {
+  const TearIndex &rate = tears.strain_rate, &pressure = tears.pressure;
+  return {rate.overall,     rate.centre,     rate.surface,
+          pressure.overall, pressure.centre, pressure.surface};
+}
+
+/// @throws std::out_of_range  there are too few
+TearIndices read_tears(const Sections::Reals& values) {
+  return {{values.at(0), values.at(1), values.at(2)}, {values.at(3), values.at(4), values.at(5)}};
+}
+
 void write_loss(const std::optional<ValidityLoss>& lost, Sections& s) {
   s.set_integer("validity/lost", lost ? 1 : 0);
   if (!lost) return;
@@ -133,6 +144,8 @@ void write_findings(const FindingsState& state, Sections& s) {
   s.set("figures/when_liquid", state.history.when_liquid);
   s.set_real("figures/thickest_bottom_shell_m", state.history.thickest_bottom_shell);
   s.set("figures/passages", as_reals(state.history.passages));
+  s.set("figures/tears", as_reals(state.history.tears));
+  s.set_real("figures/pore_volume", state.history.pore_volume);
   write_loss(state.lost, s);
 
   s.set_integer("findings", static_cast<std::int64_t>(state.raised.size()));
@@ -146,6 +159,8 @@ FindingsState read_findings(const Sections& s) {
   state.history.when_liquid = s.reals("figures/when_liquid");
   state.history.thickest_bottom_shell = s.real("figures/thickest_bottom_shell_m");
   state.history.passages = read_passages(s.reals("figures/passages"));
+  state.history.tears = read_tears(s.reals("figures/tears"));
+  state.history.pore_volume = s.real("figures/pore_volume");
   state.lost = read_loss(s);
 
   const auto count = static_cast<std::size_t>(s.integer("findings"));

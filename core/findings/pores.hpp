@@ -15,7 +15,7 @@ public:
   /// @param card  without the laws of the mush there are no pores
   Pores(const material::AlloyCard& card, mesh::SectionKind section);
 
-  /// [m2] per metre of a section, of a billet [m3/rad], of a quarter slab [m3].
+  /// [m3/m] of a section, of a billet [m3/rad], of a quarter slab [m3].
   /// @param temperature  (node) [°C]
   template <int Dim>
   double volume(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature) const;

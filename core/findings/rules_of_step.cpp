@@ -135,10 +135,11 @@ Found thin_exit(const Case& c, const StepFigures& f) {
                   in_mm * f.exit_shell.value, in_mm * limit)};
 }
 
-/// The least shell below the mould contact, where the wall no longer carries the metal.
+/// The least shell below the mould contact, where the wall no longer carries the metal. Metal that
+/// stood in the mould during the hold froze under other conditions and is not judged.
 Found thin_shell(const Case& c, const StepFigures& f) {
   const double limit = c.plausibility.minimum_shell;
-  if (!f.moves || !f.left_mould || f.least_shell.value >= limit) return std::nullopt;
+  if (!f.moves || !f.left_contact || f.least_shell.value >= limit) return std::nullopt;
 
   return Exceeded{
       f.least_shell, limit,
@@ -350,11 +351,12 @@ Found liquid_pressure_lost(const Case& c, const StepFigures& f) {
 
 // Hot tears. The indices rank recipes and alloys and have no limit of their own: a plant compares
 // with a recipe that it knows to be sound, at the end of the run, where both have the same length.
+// Heat alone has no strain rate, and a part of the pressure drop only.
 
 Found tear_rate(const Case& c, const StepFigures& f) {
   const auto& reference = c.plausibility.reference_tear_rate;
   const double rate = f.tears.strain_rate.overall;
-  if (!f.last || !reference || rate <= *reference) return std::nullopt;
+  if (!f.mechanical || !f.last || !reference || rate <= *reference) return std::nullopt;
 
   return Exceeded{
       PlacedFigure{rate}, *reference,
@@ -367,7 +369,7 @@ Found tear_rate(const Case& c, const StepFigures& f) {
 Found tear_pressure(const Case& c, const StepFigures& f) {
   const auto& reference = c.plausibility.reference_tear_pressure;
   const double drop = f.tears.pressure.overall;
-  if (!f.last || !reference || drop <= *reference) return std::nullopt;
+  if (!f.mechanical || !f.last || !reference || drop <= *reference) return std::nullopt;
 
   return Exceeded{
       PlacedFigure{drop}, *reference,
@@ -431,7 +433,7 @@ constexpr std::array rules{
     StepRule{"thin_shell", warning, goes_on, least_shell, "m", lower, thin_shell},
     StepRule{"freezes_at_meniscus", warning, goes_on, "plausibility.minimum_meniscus", "m", lower, freezes_at_meniscus},
     StepRule{"remelting_in_gap", warning, goes_on, "alloy.shell_solid_fraction", "degC", upper, remelting_in_gap},
-    StepRule{"remelting_in_gap", warning, goes_on, "", "m", lower, shell_thins_in_gap},
+    StepRule{"remelting_in_gap", warning, goes_on, "cooling.zone", "m", lower, shell_thins_in_gap},
     StepRule{"bottom_shell_fails", warning, goes_on, least_shell, "m", lower, bottom_shell_fails},
     StepRule{"bottom_shell_open", warning, goes_on, least_shell, "m", lower, bottom_shell_open},
     StepRule{"bleed_out_at_bottom", danger, goes_on, least_shell, "m", lower, bleed_out_at_bottom},

@@ -87,7 +87,7 @@ const std::array fields{
                  &R::tear_pressure_centre},
     HistoryField{"tear_pressure_surface_pa", "Pa", "the same at the surface just above the block",
                  &R::tear_pressure_surface},
-    HistoryField{"pore_volume_m3_per_m", "m2",
+    HistoryField{"pore_volume_m3_per_m", "m3/m",
                  "pores that unfed shrinkage leaves, volume per metre of face", &R::pore_volume,
                  "m3"},
     HistoryField{"merged_rows", "1", "rows of cells removed by merging in this step",

@@ -114,7 +114,7 @@ struct StepReport {
   double tear_pressure = 0.0;            ///< [Pa] drop of the feeding melt, 95th percentile
   double tear_pressure_centre = 0.0;     ///< [Pa]
   double tear_pressure_surface = 0.0;    ///< [Pa]
-  double pore_volume = 0.0;              ///< [m2] of unfed shrinkage; quarter slab [m3]
+  double pore_volume = 0.0;              ///< [m3/m] of unfed shrinkage; quarter slab [m3]
   int merged_rows = 0;                   ///< rows of cells removed by merging in this step
   double merge_mass_error = 0.0;         ///< [1] relative change of the mass by merging
   double merge_energy_error = 0.0;       ///< [1] relative change of the heat content by merging

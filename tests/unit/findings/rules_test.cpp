@@ -172,7 +172,7 @@ TEST(OfCase, ManyTablesAreOneFinding) {
 StepFigures sound_step() {
   StepFigures f;
   f.time = 12.5;
-  f.moves = f.mechanical = f.left_mould = f.in_gap = true;
+  f.moves = f.mechanical = f.left_mould = f.left_contact = f.in_gap = true;
 
   f.metal_depth = 0.2;
   f.sump_depth = 0.1;
@@ -331,7 +331,7 @@ const StepRow of_step_rows[] = {
      [](StepFigures& f) { f.least_shell.value = 0.0; },
      [](StepFigures& f) {
        f.least_shell.value = 0.0;
-       f.left_mould = false;
+       f.left_contact = false;
      }},
     {"FrozenMeniscus", "freezes_at_meniscus", Severity::warning,
      [](StepFigures& f) { f.shell_begins.value = 4.9e-3; },
@@ -362,6 +362,16 @@ const StepRow of_step_rows[] = {
      [](StepFigures& f) {
        f.last = true;
        f.tears.pressure.overall = 85e3;
+     }},
+    {"MushWithoutMechanics", "hot_tears", Severity::warning,
+     [](StepFigures& f) {
+       f.last = true;
+       f.tears.pressure.overall = 86e3;
+     },
+     [](StepFigures& f) {
+       f.last = true;
+       f.mechanical = false;
+       f.tears.pressure.overall = 86e3;
      }},
     {"StrainOfTheWorstElement", "hot_tears", Severity::warning,
      [](StepFigures& f) { f.mush_strain.value = 5.1e-3; },
@@ -522,7 +532,9 @@ TEST(FindingsState, ComesBackFromACheckpoint) {
   state.history = {.shell_stood = true,
                    .when_liquid = {0.5, 1.0},
                    .thickest_bottom_shell = 1.0 / 3.0,
-                   .passages = {{625.0, 1e-3, 2.5, {0.1, 0.2, 0.3}}, {}}};
+                   .passages = {{625.0, 1e-3, 2.5, {0.1, 0.2, 0.3}}, {}},
+                   .tears = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}},
+                   .pore_volume = 0.7};
   state.lost = {"motion_too_large", "it slid", 12.5, {0.1, 0.2}, 0.03, 0.02, "m"};
   state.raised = {{"no_superheat", Severity::danger, "Cold.", {}, {}, -20.0, 5.0, "K", "a.key"},
                   {"hot_tears", Severity::note, "Tears.", 12.5, {0.1, 0.2}, {}, {}, "", ""},
@@ -551,6 +563,9 @@ TEST(FindingsState, ComesBackFromACheckpoint) {
   ASSERT_EQ(back.history.passages.size(), 2u);
   EXPECT_EQ(back.history.passages[0].time, 2.5);
   EXPECT_EQ(back.history.passages[0].feeding.shrunk, 0.3);
+  EXPECT_EQ(back.history.tears.strain_rate.centre, 2.0);
+  EXPECT_EQ(back.history.tears.pressure.surface, 6.0);
+  EXPECT_EQ(back.history.pore_volume, 0.7);
 }
 
 class Recorder : public testing::Recorder {

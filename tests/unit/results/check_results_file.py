@@ -108,7 +108,8 @@ def frame_shapes(group):
             "solid_fraction": (nodes,), "von_mises_pa": (elements,),
             "contact_pressure_pa": (nodes,), "thermal_strain": (nodes,), "gap_m": (nodes,),
             "mean_stress_pa": (elements,), "principal_stress_pa": (elements, 3),
-            "equivalent_viscoplastic_strain": (elements,)}
+            "equivalent_viscoplastic_strain": (elements,),
+            "tear_rate_per_s": (elements,), "tear_pressure_pa": (elements,)}
 
 
 def check_frame(findings, group, fields):

@@ -163,7 +163,8 @@ TEST(ResultFile, LeavesOutWhatWasNotComputed) {
   const TemporaryFolder folder;
   Frame heat_only = sample_frame(0, 3, 3);
   for (auto* array : {&heat_only.displacement, &heat_only.stress, &heat_only.viscoplastic_strain,
-                      &heat_only.thermal_strain, &heat_only.bottom_gap, &heat_only.bottom_pressure})
+                      &heat_only.thermal_strain, &heat_only.tear_rate, &heat_only.tear_pressure,
+                      &heat_only.bottom_gap, &heat_only.bottom_pressure})
     array->clear();
 
   RunHeader header = sample_header();

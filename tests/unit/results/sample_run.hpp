@@ -94,6 +94,10 @@ inline Frame sample_frame(std::int64_t step, int nodes_per_element, int cells) {
     frame.stress.push_back(1e6 / static_cast<double>(i + 1 + step));
     frame.viscoplastic_strain.push_back(1e-3 / static_cast<double>(i + 1 + step));
   }
+  for (std::int64_t i = 0; i < frame.elements(); ++i) {
+    frame.tear_rate.push_back(1e-4 / static_cast<double>(i + 1 + step));
+    frame.tear_pressure.push_back(1e4 / static_cast<double>(i + 1 + step));
+  }
   return frame;
 }
 
