@@ -59,6 +59,16 @@ void onset_of_stress(CaseFindings& found) {
               "lower it, or raise alloy.retention_solid_fraction or alloy.shell_solid_fraction");
 }
 
+void hot_tear_window(CaseFindings& found) {
+  const material::HotTearWindow& window = found.casting.alloy.hot_tears;
+  if (window.end >= window.start) return;
+  found.fault("alloy.hot_tear_start_solid_fraction", window.start,
+              "lies above the end of the window of hot tears",
+              fmt::format("at most {:.4g}, alloy.hot_tear_end_solid_fraction", window.end),
+              "lower it, or raise alloy.hot_tear_end_solid_fraction; without that key the window "
+              "ends at alloy.coalescence_solid_fraction");
+}
+
 /// The paper's algorithms know the creep law only.
 void cold_strength(CaseFindings& found) {
   const Case& c = found.casting;
@@ -86,6 +96,7 @@ void check_alloy(CaseFindings& found) {
   if (found.sound({"alloy.solidus", "alloy.coherency"})) coherency(found);
   onset_of_stress(found);
   cold_strength(found);
+  hot_tear_window(found);
   if (!a.liquid_fraction.empty() && found.sound({"alloy.solidus", "alloy.liquid_fraction"}))
     liquid_fraction(found);
 }

@@ -302,6 +302,9 @@ std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
   if (!when_liquid.empty())  // before the mechanics begins nothing turns
     reasons.require_reals(when_liquid, shape.elements * std::tuple_size_v<Turn<Dim>>,
                           "rotation when liquid");
+  // Without a window of hot tears nothing is followed.
+  if (!state.findings.history.passages.empty())
+    reasons.require_size(state.findings.history.passages, shape.elements, "passage of the mush");
   for (const Finding& finding : state.findings.raised) {
     if (!finding.place.empty()) reasons.require_reals(finding.place, Dim, "the place of a finding");
     if (finding.worst && !finding.worst->place.empty())

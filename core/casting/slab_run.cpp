@@ -237,6 +237,7 @@ MergeOutcome SlabRun<Dim>::merge_rows() {
   outcome.mechanics = mechanics_.follow_merging(state_.slab, std::move(projected), mesh_.mesh(),
                                                 state_.heat.temperature);
   merge_turns<Dim>(merged, state_.findings.history.when_liquid);
+  merge_passages(merged, state_.findings.history.passages);
   state_.row_heights = mesh_.slab().row_heights();
   return outcome;
 }

@@ -57,9 +57,21 @@ void report_heat(const Attempt& accepted, double length, results::StepReport& r)
 void report_figures(const StepFigures& figures, results::StepReport& r) {
   r.sump_depth = figures.sump_depth;
   r.mould_exit_temperature = figures.mould_exit_temperature;
-  r.shell_at_exit = figures.exit_shell.value;
+  r.shell_at_water_line = figures.exit_shell.value;
+  r.least_shell = figures.least_shell.value;
+  r.least_shell_depth = figures.least_shell_depth;
+  r.shell_begins = figures.shell_begins.value;
   r.bottom_shell = figures.bottom_shell.value;
   r.mush_strain = figures.mush_strain.value;
+
+  r.pore_volume = figures.pore_volume;
+  const TearIndices& tears = figures.tears;
+  r.tear_rate = tears.strain_rate.overall;
+  r.tear_rate_centre = tears.strain_rate.centre;
+  r.tear_rate_surface = tears.strain_rate.surface;
+  r.tear_pressure = tears.pressure.overall;
+  r.tear_pressure_centre = tears.pressure.centre;
+  r.tear_pressure_surface = tears.pressure.surface;
 }
 
 /// Mean of a tensor over the points of each element, flat by element and component.
@@ -200,6 +212,14 @@ results::Frame SlabRun<Dim>::take_frame() {
     add_stresses(state_.slab, std::size_t(mesh().elements()), frame);
     for (const double t : frame.temperature)
       frame.thermal_strain.push_back(mechanics_.properties().thermal_stretch(t) - 1.0);
+  }
+
+  // The first frame comes before the first step, which follows the metal.
+  const std::vector<MushPassage>& passages = state_.findings.history.passages;
+  if (!passages.empty()) {
+    TearMap tears = meter_.tears().map(passages);
+    frame.tear_rate = std::move(tears.strain_rate);
+    frame.tear_pressure = std::move(tears.pressure);
   }
   frame.bottom_node = mechanics_.bottom_nodes();
   frame.bottom_gap = bottom_gap();

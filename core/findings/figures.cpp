@@ -13,9 +13,12 @@ namespace dccast::casting {
 
 namespace {
 
-/// Cast length from which metal at the mould exit is judged [m]: metal that was below the exit
-/// during the hold had no water on purpose.
+/// Cast length from which metal at the water line is judged [m]: metal that was below it during
+/// the hold had no water on purpose.
 constexpr double first_metal_out = 5e-3;
+
+/// Time between two measurements of sums over all elements [s], which cost more than other figures.
+constexpr double between_sums = 5.0;
 
 /// From this solid fraction on [1] the mush is as tough as solid metal; 0.94 to 0.99 by alloy
 /// (docs/findings.md).
@@ -60,13 +63,15 @@ template <int Dim>
 StepMeter<Dim>::StepMeter(const Case& c)
     : case_(c),
       properties_(c.alloy),
+      tears_(c.alloy, c.section),
+      pores_(c.alloy, c.section.kind),
       isotherm_(c.alloy.retention_temperature()),
       fragile_above_(material::temperature_of_fraction(c.alloy, 1.0 - tough_solid_fraction)),
       solid_below_(c.mechanics.options.liquid == mechanics::Liquid::solid ? c.alloy.liquidus
                                                                           : c.alloy.coherency) {}
 
 template <int Dim>
-void StepMeter<Dim>::measure_exit(const StepView<Dim>& view, StepFigures& f) const {
+void StepMeter<Dim>::measure_water_line(const StepView<Dim>& view, StepFigures& f) const {
   const double height = view.metal_level - mould_exit(case_);
   f.mould_exit_temperature = side_temperature<Dim>(view.mesh, view.temperature, height);
 
@@ -74,31 +79,51 @@ void StepMeter<Dim>::measure_exit(const StepView<Dim>& view, StepFigures& f) con
   if (!slice) return;  // a mesh without a side
 
   f.left_mould = height >= 0.0 && view.cast_length >= first_metal_out;
+  f.left_contact = f.left_mould && view.cast_length >= contact_end(case_);
   f.exit_surface = slice->surface;
-  f.exit_shell = slice->shell;
+  f.exit_shell = f.least_shell = slice->shell;
+  f.least_shell_depth = std::min(mould_exit(case_), view.metal_level);
 }
 
-/// Measures at a few heights only: a remelted band is centimetres high.
+/// Measures at a few heights only: a thin or remelted band is centimetres high. The lowest one is
+/// the water line, which has been measured.
 template <int Dim>
 void StepMeter<Dim>::measure_gap(const StepView<Dim>& view, StepFigures& f) const {
   constexpr int heights = 4;
   const double begin = contact_end(case_), length = mould_exit(case_) - begin;
   if (length <= 0.0 || view.metal_level < begin) return;
 
-  const auto hottest_below_level = [&](double distance) {
-    return hottest_side_at(view.mesh, view.temperature, view.metal_level - distance);
+  const auto slice_below_level = [&](double distance) {
+    return slice_at(view.mesh, view.temperature, view.metal_level - distance, isotherm_);
   };
-  const auto entry = hottest_below_level(begin);
+  const auto take = [&](const Slice<Dim>& slice, double distance) {
+    if (slice.shell.value >= f.least_shell.value) return;
+    f.least_shell = slice.shell;
+    f.least_shell_depth = distance;
+  };
+  const auto entry = slice_below_level(begin);
   if (!entry) return;
 
   f.in_gap = true;
-  f.gap_entry = entry->value;
-  for (int i = 1; i <= heights; ++i) {
+  f.gap_entry = entry->surface.value;
+  f.entry_shell = entry->shell.value;
+  take(*entry, begin);
+  for (int i = 1; i < heights; ++i) {
     const double distance = begin + length * i / heights;
     if (distance > view.metal_level) return;
-    const auto surface = hottest_below_level(distance);
-    if (surface && surface->value > f.gap_surface.value) f.gap_surface = *surface;
+    const auto slice = slice_below_level(distance);
+    if (!slice) return;
+
+    if (slice->surface.value > f.gap_surface.value) f.gap_surface = slice->surface;
+    take(*slice, distance);
   }
+  if (mould_exit(case_) <= view.metal_level && f.exit_surface.value > f.gap_surface.value)
+    f.gap_surface = f.exit_surface;
+}
+
+template <int Dim>
+void StepMeter<Dim>::measure_meniscus(const StepView<Dim>& view, StepFigures& f) const {
+  f.shell_begins = unfrozen_side(view.mesh, view.temperature, isotherm_);
 }
 
 template <int Dim>
@@ -177,6 +202,26 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
 }
 
 template <int Dim>
+void StepMeter<Dim>::measure_frozen_metal(const StepView<Dim>& view, StepFigures& f,
+                                          FigureHistory& history) const {
+  tears_.follow({.mesh = view.mesh,
+                 .temperature = view.temperature,
+                 .slab = view.slab,
+                 .time = view.time_step,
+                 .metal_level = view.metal_level,
+                 .growing = view.growing},
+                history.passages);
+
+  const double before = view.time - view.time_step;
+  if (view.last || std::floor(view.time / between_sums) > std::floor(before / between_sums)) {
+    history.tears = tears_.indices(view.mesh, history.passages);
+    history.pore_volume = pores_.volume(view.mesh, view.temperature) / view.face_length;
+  }
+  f.tears = history.tears;
+  f.pore_volume = history.pore_volume;
+}
+
+template <int Dim>
 StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& history) const {
   StepFigures f;
   f.time = view.time;
@@ -199,14 +244,17 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   f.sump_depth =
       sump_depth<Dim>(view.mesh, view.temperature, view.metal_level, case_.alloy.coherency);
 
-  measure_exit(view, f);
+  measure_water_line(view, f);
   measure_gap(view, f);
+  measure_meniscus(view, f);
   measure_bottom(view, f);
   if (f.mechanical) measure_mechanics(view, f, history);
 
   const bool hoop = case_.section.kind == mesh::SectionKind::axisymmetric;
   f.mush_strain =
       mush_strain(view.mesh, view.slab, view.temperature, fragile_above_, view.growing, hoop);
+
+  measure_frozen_metal(view, f, history);
 
   if (f.moves)
     history.thickest_bottom_shell = std::max(history.thickest_bottom_shell, f.bottom_shell.value);

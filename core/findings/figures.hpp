@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "core/case/case.hpp"
+#include "core/findings/hot_tears.hpp"
+#include "core/findings/pores.hpp"
 #include "core/findings/shell.hpp"
 #include "core/material/mechanical_properties.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
@@ -54,13 +56,20 @@ struct StepFigures {
   double complementarity_error = 0.0;   ///< [1] relative to 1 mm and the weight
   double metal_depth = 0.0;             ///< [m] from the bottom to the metal level
   double sump_depth = 0.0;              ///< [m]
-  double mould_exit_temperature = 0.0;  ///< [°C] largest of the side at the mould exit
+  double mould_exit_temperature = 0.0;  ///< [°C] largest of the side at the water line
+  bool left_contact = false;            ///< metal cast since the start has left the mould contact
   bool left_mould = false;              ///< metal that was held by the mould has left it
-  PlacedFigure exit_surface;  ///< [°C] hottest point of the side at the mould exit, or at the butt
+  PlacedFigure exit_surface;  ///< [°C] hottest point of the side at the water line, or at the butt
   PlacedFigure exit_shell;    ///< [m] shell thickness there
-  bool in_gap = false;        ///< the butt is below the mould contact, and there is an air gap
+  /// [m] least shell thickness from the end of the mould contact to the water line. Above it the
+  /// mould wall carries the metal, and at the meniscus there is no shell yet.
+  PlacedFigure least_shell;
+  double least_shell_depth = 0.0;  ///< [m] of it below the metal level
+  bool in_gap = false;             ///< the butt is below the mould contact, and there is an air gap
   double gap_entry = 0.0;     ///< [°C] hottest point of the side at the end of the mould contact
-  PlacedFigure gap_surface;   ///< [°C] hottest point of the side from there to the mould exit
+  double entry_shell = 0.0;   ///< [m] shell thickness there
+  PlacedFigure gap_surface;   ///< [°C] hottest point of the side from there to the water line
+  PlacedFigure shell_begins;  ///< [m] mean depth below the metal level at which the side freezes
   PlacedFigure bottom_shell;  ///< [m]
   double gap_under_shell = 0.0;        ///< [m] gap between block and slab under the thinnest place
   double thickest_bottom_shell = 0.0;  ///< [m] largest since the block started to move
@@ -68,6 +77,9 @@ struct StepFigures {
   /// closed and has no least thickness
   std::optional<PlacedFigure> closed_shell;
   PlacedFigure mush_strain;  ///< [1]
+  /// [m3/m], of a billet per metre of circumference, of a quarter slab [m3]
+  double pore_volume = 0.0;
+  TearIndices tears;         ///< of the metal that has left the window of hot tears
   PlacedFigure lift;         ///< [m] largest lift of the bottom
   PlacedFigure centre_lift;  ///< [m] of the bottom at the symmetry plane, axis or both planes
   double corner_lift = 0.0;  ///< [m] of the bottom farthest from there
@@ -82,6 +94,10 @@ struct FigureHistory {
   bool shell_stood = false;            ///< a closed shell has existed, so that it can melt through
   std::vector<double> when_liquid;     ///< [rad] or [1], see largest_rotation()
   double thickest_bottom_shell = 0.0;  ///< [m] since the block started to move
+  std::vector<MushPassage> passages;   ///< (element), see HotTears
+  // Figures of all elements, which change slowly: measured every few seconds.
+  TearIndices tears;
+  double pore_volume = 0.0;  ///< as in StepFigures
 };
 
 /// Measures the figures of steps, without judging them.
@@ -94,9 +110,14 @@ public:
   /// Measures a step. @param history  of the previous steps; updated
   StepFigures measure(const StepView<Dim>& view, FigureHistory& history) const;
 
+  const HotTears<Dim>& tears() const { return tears_; }
+
 private:
-  void measure_exit(const StepView<Dim>& view, StepFigures& figures) const;
+  void measure_water_line(const StepView<Dim>& view, StepFigures& figures) const;
   void measure_gap(const StepView<Dim>& view, StepFigures& figures) const;
+  void measure_frozen_metal(const StepView<Dim>& view, StepFigures& figures,
+                            FigureHistory& history) const;
+  void measure_meniscus(const StepView<Dim>& view, StepFigures& figures) const;
   void measure_bottom(const StepView<Dim>& view, StepFigures& figures) const;
   std::vector<char> grown_together(const StepView<Dim>& view) const;  ///< (element)
   void measure_mechanics(const StepView<Dim>& view, StepFigures& figures,
@@ -106,6 +127,8 @@ private:
 
   const Case& case_;
   material::MechanicalProperties properties_;
+  HotTears<Dim> tears_;
+  Pores pores_;
   double isotherm_;       ///< [°C] at which metal counts as shell
   double fragile_above_;  ///< [°C] at which metal becomes tough
   double solid_below_;    ///< [°C] below which contraction counts

@@ -80,6 +80,44 @@ std::string finding_prefix(std::size_t number) {
   return fmt::format("finding.{}/", number);
 }
 
+constexpr std::size_t numbers_of_passage = 6;
+
+/// (element, 6): temperature, strain, time and the integrals of the feeding.
+Sections::Reals as_reals(const std::vector<MushPassage>& passages) {
+  Sections::Reals values;
+  values.reserve(passages.size() * numbers_of_passage);
+  for (const MushPassage& p : passages)
+    values.insert(values.end(), {p.temperature, p.strain, p.time, p.feeding.resistance,
+                                 p.feeding.stretched, p.feeding.shrunk});
+  return values;
+}
+
+/// @throws std::out_of_range  the last passage is incomplete
+std::vector<MushPassage> read_passages(const Sections::Reals& values) {
+  if (values.size() % numbers_of_passage != 0)
+    throw std::out_of_range("the passages through the mush are incomplete");
+  std::vector<MushPassage> passages;
+  for (std::size_t i = 0; i < values.size(); i += numbers_of_passage)
+    passages.push_back(
+        {.temperature = values[i],
+         .strain = values[i + 1],
+         .time = values[i + 2],
+         .feeding = {
+             .resistance = values[i + 3], .stretched = values[i + 4], .shrunk = values[i + 5]}});
+  return passages;
+}
+
+Sections::Reals as_reals(const TearIndices& tears) {
+  const TearIndex &rate = tears.strain_rate, &pressure = tears.pressure;
+  return {rate.overall,     rate.centre,     rate.surface,
+          pressure.overall, pressure.centre, pressure.surface};
+}
+
+/// @throws std::out_of_range  there are too few
+TearIndices read_tears(const Sections::Reals& values) {
+  return {{values.at(0), values.at(1), values.at(2)}, {values.at(3), values.at(4), values.at(5)}};
+}
+
 void write_loss(const std::optional<ValidityLoss>& lost, Sections& s) {
   s.set_integer("validity/lost", lost ? 1 : 0);
   if (!lost) return;
@@ -105,6 +143,9 @@ void write_findings(const FindingsState& state, Sections& s) {
   s.set_integer("figures/shell_stood", state.history.shell_stood ? 1 : 0);
   s.set("figures/when_liquid", state.history.when_liquid);
   s.set_real("figures/thickest_bottom_shell_m", state.history.thickest_bottom_shell);
+  s.set("figures/passages", as_reals(state.history.passages));
+  s.set("figures/tears", as_reals(state.history.tears));
+  s.set_real("figures/pore_volume", state.history.pore_volume);
   write_loss(state.lost, s);
 
   s.set_integer("findings", static_cast<std::int64_t>(state.raised.size()));
@@ -117,6 +158,9 @@ FindingsState read_findings(const Sections& s) {
   state.history.shell_stood = s.integer("figures/shell_stood") != 0;
   state.history.when_liquid = s.reals("figures/when_liquid");
   state.history.thickest_bottom_shell = s.real("figures/thickest_bottom_shell_m");
+  state.history.passages = read_passages(s.reals("figures/passages"));
+  state.history.tears = read_tears(s.reals("figures/tears"));
+  state.history.pore_volume = s.real("figures/pore_volume");
   state.lost = read_loss(s);
 
   const auto count = static_cast<std::size_t>(s.integer("findings"));

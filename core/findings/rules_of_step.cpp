@@ -15,6 +15,7 @@ using Found = std::optional<Exceeded>;
 
 constexpr double in_degrees = 180.0 / std::numbers::pi;
 constexpr double in_percent = 100.0;
+constexpr double in_kilopascal = 1e-3;
 constexpr const char* not_valid = "later results are not valid";
 
 /// "(0.1, 0.02) m"
@@ -134,6 +135,39 @@ Found thin_exit(const Case& c, const StepFigures& f) {
                   in_mm * f.exit_shell.value, in_mm * limit)};
 }
 
+/// The least shell below the mould contact, where the wall no longer carries the metal. Metal that
+/// stood in the mould during the hold froze under other conditions and is not judged.
+Found thin_shell(const Case& c, const StepFigures& f) {
+  const double limit = c.plausibility.minimum_shell;
+  if (!f.moves || !f.left_contact || f.least_shell.value >= limit) return std::nullopt;
+
+  return Exceeded{
+      f.least_shell, limit,
+      fmt::format("{:.3g} mm below the metal level, between mould contact and water, the shell is "
+                  "{:.3g} mm thick, less than {:.3g} mm: it bulges, sweats, and tears open where "
+                  "it hangs up.",
+                  in_mm * f.least_shell_depth, in_mm * f.least_shell.value, in_mm * limit)};
+}
+
+/// The meniscus folds over a rim that has frozen.
+Found freezes_at_meniscus(const Case& c, const StepFigures& f) {
+  const double limit = c.plausibility.minimum_meniscus;
+  if (!f.moves || !f.left_mould || f.shell_begins.value >= limit) return std::nullopt;
+
+  return Exceeded{
+      f.shell_begins, limit,
+      fmt::format(
+          "The side is frozen up to {:.3g} mm below the metal level on average, closer than "
+          "{:.3g} mm: the meniscus folds into cold shuts, and the shell hangs up in the mould. "
+          "Cast faster or hotter.",
+          in_mm * f.shell_begins.value, in_mm * limit)};
+}
+
+/// A shell that is about to fail has lost this share of its largest thickness, and its remaining
+/// thickness is below this multiple of the limit. Sound castings stay above (docs/findings.md).
+constexpr double lost_share = 0.4;
+constexpr double limits_left = 3.0;
+
 /// The gap is the cause if the surface was solid at the end of the mould contact and melts again; a
 /// surface that is not yet solid there has another cause.
 Found remelting_in_gap(const Case& c, const StepFigures& f) {
@@ -148,10 +182,18 @@ Found remelting_in_gap(const Case& c, const StepFigures& f) {
                               f.gap_surface.value, limit)};
 }
 
-/// A shell that is about to fail has lost this share of its largest thickness, and its remaining
-/// thickness is below this multiple of the limit. Sound castings stay above (docs/findings.md).
-constexpr double lost_share = 0.4;
-constexpr double limits_left = 3.0;
+/// Before the surface itself melts, the shell grows thinner between the mould contact and the
+/// water.
+Found shell_thins_in_gap(const Case&, const StepFigures& f) {
+  const double kept = (1.0 - lost_share) * f.entry_shell;
+  if (!f.moves || !f.in_gap || !f.left_mould || f.least_shell.value >= kept) return std::nullopt;
+
+  return Exceeded{
+      f.least_shell, kept,
+      fmt::format("In the air gap the shell melts from {:.3g} mm, where it left the mould wall, to "
+                  "{:.3g} mm: melt sweats out in bands, and may bleed out.",
+                  in_mm * f.entry_shell, in_mm * f.least_shell.value)};
+}
 
 Found bottom_shell_fails(const Case& c, const StepFigures& f) {
   const double limit = limits_left * c.plausibility.minimum_shell;
@@ -307,16 +349,47 @@ Found liquid_pressure_lost(const Case& c, const StepFigures& f) {
                   format_place(f.liquid_pressure_error.place), in_percent * limit, not_valid)};
 }
 
-/// Screening by a strain limit; docs/findings.md has its source and its limitations.
-Found hot_tears(const Case& c, const StepFigures& f) {
-  const double limit = c.plausibility.maximum_mush_strain;
-  if (f.mush_strain.value <= limit) return std::nullopt;
+// Hot tears. The indices rank recipes and alloys and have no limit of their own: a plant compares
+// with a recipe that it knows to be sound, at the end of the run, where both have the same length.
+// Heat alone has no strain rate, and a part of the pressure drop only.
+
+Found tear_rate(const Case& c, const StepFigures& f) {
+  const auto& reference = c.plausibility.reference_tear_rate;
+  const double rate = f.tears.strain_rate.overall;
+  if (!f.mechanical || !f.last || !reference || rate <= *reference) return std::nullopt;
 
   return Exceeded{
-      f.mush_strain, limit,
+      PlacedFigure{rate}, *reference,
+      fmt::format("Freezing metal is stretched {:.3g} times as fast as in the reference recipe "
+                  "({:.3g} 1/s in the centre of the butt, {:.3g} 1/s at the surface above the "
+                  "block): hot tears are more likely than there.",
+                  rate / *reference, f.tears.strain_rate.centre, f.tears.strain_rate.surface)};
+}
+
+Found tear_pressure(const Case& c, const StepFigures& f) {
+  const auto& reference = c.plausibility.reference_tear_pressure;
+  const double drop = f.tears.pressure.overall;
+  if (!f.mechanical || !f.last || !reference || drop <= *reference) return std::nullopt;
+
+  return Exceeded{
+      PlacedFigure{drop}, *reference,
+      fmt::format("Melt that feeds the mush loses {:.3g} times the pressure of the reference "
+                  "recipe ({:.3g} kPa in the centre of the butt, {:.3g} kPa at the surface above "
+                  "the block): hot tears are more likely than there.",
+                  drop / *reference, in_kilopascal * f.tears.pressure.centre,
+                  in_kilopascal * f.tears.pressure.surface)};
+}
+
+/// A limit that the user has set for the worst element.
+Found mush_strain(const Case& c, const StepFigures& f) {
+  const auto& limit = c.plausibility.maximum_mush_strain;
+  if (!limit || f.mush_strain.value <= *limit) return std::nullopt;
+
+  return Exceeded{
+      f.mush_strain, *limit,
       fmt::format("Metal that is coherent but not yet tough has been stretched by {:.3g} %, more "
-                  "than the {:.3g} % that melt can feed: hot tears are likely there.",
-                  in_percent * f.mush_strain.value, in_percent * limit)};
+                  "than the {:.3g} % that this case accepts: hot tears are likely there.",
+                  in_percent * f.mush_strain.value, in_percent * *limit)};
 }
 
 /// The upper limit of the plant's range holds at any time.
@@ -357,7 +430,10 @@ constexpr std::array rules{
     StepRule{"water_beyond_capacity", warning, goes_on, "cooling.water.boiling_follows_flow", "1", upper, water_beyond_capacity},
     StepRule{"bleed_out_at_exit", danger, goes_on, "alloy.shell_solid_fraction", "degC", upper, hot_exit},
     StepRule{"bleed_out_at_exit", danger, goes_on, least_shell, "m", lower, thin_exit},
+    StepRule{"thin_shell", warning, goes_on, least_shell, "m", lower, thin_shell},
+    StepRule{"freezes_at_meniscus", warning, goes_on, "plausibility.minimum_meniscus", "m", lower, freezes_at_meniscus},
     StepRule{"remelting_in_gap", warning, goes_on, "alloy.shell_solid_fraction", "degC", upper, remelting_in_gap},
+    StepRule{"remelting_in_gap", warning, goes_on, "cooling.zone", "m", lower, shell_thins_in_gap},
     StepRule{"bottom_shell_fails", warning, goes_on, least_shell, "m", lower, bottom_shell_fails},
     StepRule{"bottom_shell_open", warning, goes_on, least_shell, "m", lower, bottom_shell_open},
     StepRule{"bleed_out_at_bottom", danger, goes_on, least_shell, "m", lower, bleed_out_at_bottom},
@@ -369,7 +445,9 @@ constexpr std::array rules{
     StepRule{"centre_lifts", warning, goes_on, "alloy.shell_solid_fraction", "m", upper, centre_lifts},
     StepRule{"lift_too_large", danger, goes_on, "validity.maximum_rotation", "m", upper, lift_too_large},
     StepRule{"liquid_pressure_lost", danger, Kind::liquid_pressure_lost, "validity.maximum_liquid_pressure_error", "1", upper, liquid_pressure_lost},
-    StepRule{"hot_tears", warning, goes_on, "plausibility.maximum_mush_strain", "1", upper, hot_tears},
+    StepRule{"hot_tears", warning, goes_on, "plausibility.reference_tear_rate", "s-1", upper, tear_rate},
+    StepRule{"hot_tears", warning, goes_on, "plausibility.reference_tear_pressure", "Pa", upper, tear_pressure},
+    StepRule{"hot_tears", warning, goes_on, "plausibility.maximum_mush_strain", "1", upper, mush_strain},
     StepRule{"curl_outside_band", warning, goes_on, "plausibility.greatest_curl", "m", upper, curl_above_range},
     StepRule{"curl_outside_band", warning, goes_on, "plausibility.least_curl", "m", lower, curl_below_range},
 };

@@ -79,6 +79,16 @@ template <int Dim>
 std::optional<Slice<Dim>> slice_at(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                                    double height, double isotherm);
 
+/// Mean height of the side that is not frozen [m]: its area hotter than an isotherm, divided by its
+/// length around the slab; the place is the highest frozen point of the side. Temperatures are
+/// linear on edges in 2D and on triangles in 3D.
+/// @param temperature  (node) [°C]
+/// @param isotherm     [°C]
+/// @return             zero if the mesh has no named side
+template <int Dim>
+Located<Dim> unfrozen_side(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
+                           double isotherm);
+
 /// The hottest point of the side at a height and its temperature [°C]: the same as slice_at()
 /// finds, without visiting every element.
 /// @param temperature  (node) [°C]

@@ -162,6 +162,44 @@ CutPoint<Dim> hottest(const std::vector<SidePiece<Dim>>& side) {
 }
 
 template <int Dim>
+CutPoint<Dim> node_point(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature, int n) {
+  CutPoint<Dim> p{temperature[std::size_t(n)], {}};
+  std::copy_n(mesh.point(n), Dim, p.place.begin());
+  return p;
+}
+
+double size_of(const std::array<CutPoint<2>, 2>& edge) {  // [m]
+  return std::hypot(edge[1].place[0] - edge[0].place[0], edge[1].place[1] - edge[0].place[1]);
+}
+double size_of(const std::array<CutPoint<3>, 3>& triangle) {  // [m2]
+  std::array<double, 3> a{}, b{};
+  for (std::size_t d = 0; d < 3; ++d) {
+    a[d] = triangle[1].place[d] - triangle[0].place[d];
+    b[d] = triangle[2].place[d] - triangle[0].place[d];
+  }
+  return 0.5 * std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                          a[0] * b[1] - a[1] * b[0]);
+}
+
+/// Share of an edge or triangle hotter than an isotherm [1]. The corner that is alone on its side
+/// of the isotherm cuts off a part that is similar to the whole along each of its edges.
+template <int Dim, std::size_t Corners>
+double hot_share(std::array<CutPoint<Dim>, Corners> simplex, double isotherm) {
+  std::ranges::sort(simplex, {}, &CutPoint<Dim>::value);
+  const auto cold =
+      std::ranges::count_if(simplex, [&](const auto& p) { return p.value < isotherm; });
+  if (cold == 0) return 1.0;
+  if (cold == static_cast<std::ptrdiff_t>(Corners)) return 0.0;
+
+  const bool one_is_cold = cold == 1;
+  const CutPoint<Dim>& alone = one_is_cold ? simplex.front() : simplex.back();
+  double part = 1.0;
+  for (const auto& other : simplex)
+    if (&other != &alone) part *= (isotherm - alone.value) / (other.value - alone.value);
+  return one_is_cold ? 1.0 - part : part;
+}
+
+template <int Dim>
 double node_height(const mesh::Mesh<Dim>& mesh, int n) {
   return mesh.point(n)[Dim - 1];
 }
@@ -235,6 +273,38 @@ std::optional<Slice<Dim>> slice_at(const mesh::Mesh<Dim>& mesh, std::span<const 
 }
 
 template <int Dim>
+Located<Dim> unfrozen_side(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
+                           double isotherm) {
+  double hot = 0.0, whole = 0.0, lowest = HUGE_VAL, highest = -HUGE_VAL;
+  Located<Dim> rim;
+  mesh::for_each_facet(mesh, mesh::PatchKind::side, [&](const auto& facet, const auto&) {
+    std::array<CutPoint<Dim>, 4> corner;
+    for (std::size_t i = 0; i < std::size_t(facet.nodes); ++i) {
+      corner[i] = node_point(mesh, temperature, facet.node[i]);
+      const double height = corner[i].place[Dim - 1];
+      lowest = std::min(lowest, height);
+      highest = std::max(highest, height);
+      if (corner[i].value < isotherm && height > rim.place[Dim - 1]) rim.place = corner[i].place;
+    }
+
+    // An edge of a section; triangles of a solid, two of a quadrilateral.
+    for (std::size_t i = Dim - 1; i < std::size_t(facet.nodes); ++i) {
+      std::array<CutPoint<Dim>, Dim> simplex;
+      if constexpr (Dim == 2)
+        simplex = {corner[0], corner[i]};
+      else
+        simplex = {corner[0], corner[i - 1], corner[i]};
+      const double size = size_of(simplex);
+      whole += size;
+      hot += size * hot_share(simplex, isotherm);
+    }
+  });
+
+  if (whole > 0.0) rim.value = hot / whole * (highest - lowest);
+  return rim;
+}
+
+template <int Dim>
 std::optional<Located<Dim>> hottest_side_at(const mesh::Mesh<Dim>& mesh,
                                             std::span<const double> temperature, double height) {
   const Cut<Dim> cut(mesh, temperature, height);
@@ -278,6 +348,8 @@ template std::optional<Slice<2>> slice_at(const mesh::Mesh<2>&, std::span<const 
                                           double);
 template std::optional<Slice<3>> slice_at(const mesh::Mesh<3>&, std::span<const double>, double,
                                           double);
+template Located<2> unfrozen_side(const mesh::Mesh<2>&, std::span<const double>, double);
+template Located<3> unfrozen_side(const mesh::Mesh<3>&, std::span<const double>, double);
 template std::optional<Located<2>> hottest_side_at(const mesh::Mesh<2>&, std::span<const double>,
                                                    double);
 template std::optional<Located<3>> hottest_side_at(const mesh::Mesh<3>&, std::span<const double>,

@@ -48,6 +48,13 @@ struct ColdStrength {
   Curve hardening;     ///< w [1] against temperature: 1 cold, 0 where hardening recovers at once
 };
 
+/// Where the alloy tears while it freezes, and the arm spacing of its dendrites, between which melt
+/// feeds the mush.
+struct HotTearWindow {
+  double start = 0.0, end = 0.0;  ///< [1] solid fractions; no window unless end > start
+  double arm_spacing = 0.0;       ///< [m]; 0: no pressure drop is computed
+};
+
 /// The tables of an alloy: table `alloy` of a case, completed from its card. Curves are functions
 /// of temperature [°C] unless stated otherwise, constant outside their range. Creep is a formula;
 /// above the liquidus its value at the liquidus is used (MechanicalProperties::kappa).
@@ -73,6 +80,7 @@ struct AlloyCard {
   std::variant<NortonHoffConstants, ReferenceCreep> creep;
   std::optional<MushLaw> mush;                ///< absent: the paper's mush
   std::optional<ColdStrength> cold_strength;  ///< absent: creep alone limits the stress
+  HotTearWindow hot_tears;
 
   double release_temperature() const { return release.value_or(solidus); }  ///< [°C]
   double retention_temperature() const {                                    ///< [°C]

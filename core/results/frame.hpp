@@ -33,6 +33,8 @@ struct Frame {
   std::vector<double> stress;
   std::vector<double> viscoplastic_strain;  ///< (element, components) [1]
   std::vector<double> thermal_strain;       ///< (node) [1] free linear strain since the liquidus
+  std::vector<double> tear_rate;            ///< (element) [1/s] mean in the window of hot tears
+  std::vector<double> tear_pressure;        ///< (element) [Pa] drop of the melt that feeds the mush
 
   std::vector<std::int32_t> bottom_node;  ///< in 2D along the bottom, from the symmetry plane
   std::vector<double> bottom_gap;         ///< (bottom node) [m], open positive

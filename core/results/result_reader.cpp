@@ -47,6 +47,7 @@ void read_field(const File& file, const HistoryField& field, std::vector<StepRep
   std::string object = history_dataset(field.name_in(dimension));
   // Version 1 had the figures of a quarter slab under the names of a section.
   if (!file.has(object)) object = history_dataset(field.name);
+  if (!file.has(object) && field.former_name) object = history_dataset(field.former_name);
   if (!file.has(object)) return;  // written by a version without this field
 
   if (field.real()) {

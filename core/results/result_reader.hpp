@@ -12,7 +12,7 @@
 namespace dccast::results {
 
 /// Incremented when a dataset changes or is removed, not when one is added.
-inline constexpr int schema_version = 2;
+inline constexpr int schema_version = 3;
 
 /// Group of a frame, e.g. "/frames/000012".
 std::string frame_group(std::size_t index);

@@ -86,7 +86,7 @@ struct StepReport {
   double progress = 0.0;         ///< [1] 0 to 1, share of the simulated time
   std::int64_t nodes = 0;
   std::int64_t elements = 0;
-  double mould_exit_temperature = 0.0;  ///< [°C] largest surface temperature at the mould exit
+  double mould_exit_temperature = 0.0;  ///< [°C] largest surface temperature at the water line
   double complementarity_error = 0.0;   ///< [1] relative to 1 mm and the weight
   double constitutive_residual = 0.0;   ///< [1] relative
   double liquid_pressure_error = 0.0;   ///< [1] relative, on the liquidus front
@@ -98,10 +98,23 @@ struct StepReport {
   double bottom_heat = 0.0;       ///< [W/m] into the block
   double contact_area = 0.0;      ///< [m2] bottom of a quarter slab in contact with the block
   int conjugate_gradient_iterations = 0;
-  double shell_at_exit = 0.0;  ///< [m] smallest shell thickness at the mould exit, or at the butt
-  double bottom_shell = 0.0;   ///< [m] smallest shell thickness over the bottom
+  double shell_at_water_line = 0.0;  ///< [m] smallest shell thickness there, or at the butt
+  /// [m] smallest shell thickness from the end of the mould contact to the water line
+  double least_shell = 0.0;
+  double least_shell_depth = 0.0;  ///< [m] of it below the metal level
+  double shell_begins = 0.0;  ///< [m] mean depth below the metal level at which the side freezes
+  double bottom_shell = 0.0;  ///< [m] smallest shell thickness over the bottom
   /// [1] largest tensile strain of metal that is coherent but not yet tough
   double mush_strain = 0.0;
+  // Hot tears (docs/findings.md): of all metal that has left the window, at the butt's centre and
+  // at the surface just above the block.
+  double tear_rate = 0.0;                ///< [1/s] strain rate in the window, 95th percentile
+  double tear_rate_centre = 0.0;         ///< [1/s]
+  double tear_rate_surface = 0.0;        ///< [1/s]
+  double tear_pressure = 0.0;            ///< [Pa] drop of the feeding melt, 95th percentile
+  double tear_pressure_centre = 0.0;     ///< [Pa]
+  double tear_pressure_surface = 0.0;    ///< [Pa]
+  double pore_volume = 0.0;              ///< [m3/m] of unfed shrinkage; quarter slab [m3]
   int merged_rows = 0;                   ///< rows of cells removed by merging in this step
   double merge_mass_error = 0.0;         ///< [1] relative change of the mass by merging
   double merge_energy_error = 0.0;       ///< [1] relative change of the heat content by merging
@@ -135,7 +148,8 @@ struct HistoryField {
                bool StepReport::*>
       member;
 
-  const char* solid_unit = nullptr;  ///< unit for a quarter slab, if different
+  const char* solid_unit = nullptr;   ///< unit for a quarter slab, if different
+  const char* former_name = nullptr;  ///< in files of schema versions 1 and 2, if different
 
   bool real() const { return member.index() == 0; }
   std::string name_in(int dimension) const;

@@ -81,6 +81,19 @@ std::optional<material::ColdStrength> cold_strength(const v1::Alloy& from) {
       .hardening = hardening.value_size() == 0 ? Curve(0.0) : to_core(hardening)};
 }
 
+/// The window ends where the grains have grown together: from there on metal is tough.
+material::HotTearWindow hot_tears(const v1::Alloy& from) {
+  constexpr double usual_end = 0.98, latest_end = 0.99;  // [1]
+  double end = usual_end;
+  if (from.has_coalescence_solid_fraction())
+    end = std::min(from.coalescence_solid_fraction(), latest_end);
+  if (from.has_hot_tear_end_solid_fraction()) end = from.hot_tear_end_solid_fraction();
+
+  return {.start = from.hot_tear_start_solid_fraction(),
+          .end = end,
+          .arm_spacing = from.arm_spacing_m()};
+}
+
 /// Sets the coherency temperature: the liquidus unless the card gives a fraction or a temperature.
 /// @pre liquidus, solidus and liquid fraction are set in the card
 void set_coherency(const v1::Alloy& from, material::AlloyCard& to) {
@@ -126,6 +139,7 @@ material::AlloyCard alloy(const v1::Alloy& from) {
     to.retention = material::coherency_at(to, from.retention_solid_fraction());
   to.mush = mush_law(from);
   to.cold_strength = cold_strength(from);
+  to.hot_tears = hot_tears(from);
 
   return to;
 }
@@ -278,7 +292,12 @@ casting::MechanicsCase mechanics_case(const v1::Case& complete) {
 casting::Plausibility plausibility(const v1::Plausibility& from) {
   return {.minimum_superheat = from.minimum_superheat_k(),
           .minimum_shell = from.minimum_shell_m(),
-          .maximum_mush_strain = from.maximum_mush_strain(),
+          .minimum_meniscus = from.minimum_meniscus_m(),
+          .maximum_mush_strain = given(from.has_maximum_mush_strain(), from.maximum_mush_strain()),
+          .reference_tear_rate =
+              given(from.has_reference_tear_rate_per_s(), from.reference_tear_rate_per_s()),
+          .reference_tear_pressure =
+              given(from.has_reference_tear_pressure_pa(), from.reference_tear_pressure_pa()),
           .maximum_sump_share = from.maximum_sump_share(),
           .least_curl = given(from.has_least_curl_m(), from.least_curl_m()),
           .greatest_curl = given(from.has_greatest_curl_m(), from.greatest_curl_m())};

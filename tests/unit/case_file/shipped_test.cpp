@@ -41,7 +41,8 @@ TEST(Shipped, EveryAlloyCardIsCompleteAndConsistent) {
     const std::set<std::string> may_be_absent{
         "liquid_fraction", "shell_solid_fraction", "coherency_c", "coherency_solid_fraction",
         "retention_solid_fraction", "coalescence_solid_fraction", "mush_strength_decay",
-        "unfed_strain_share",
+        "unfed_strain_share", "hot_tear_start_solid_fraction", "hot_tear_end_solid_fraction",
+        "arm_spacing_m",
         "density_kg_per_m3", "solid_density_kg_per_m3", "liquid_density_kg_per_m3",
         "conductivity_w_per_m_k", "solid_conductivity_w_per_m_k", "liquid_conductivity_w_per_m_k"};
     const auto& descriptor = *v1::Alloy::descriptor();

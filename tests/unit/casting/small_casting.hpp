@@ -37,6 +37,7 @@ inline Case small_casting(mesh::ElementKind element = mesh::ElementKind::p1) {
   c.alloy = thermal::testing::casting_alloy();
   c.alloy.name = "paper";
   c.alloy.coherency = 649.0;
+  c.alloy.hot_tears = {.start = 0.9, .end = 0.98, .arm_spacing = 80e-6};
   c.alloy.young_modulus = {Abscissa::temperature, {126.9, 326.9, 526.9}, {67e9, 58e9, 40e9}};
   c.alloy.poisson_ratio = {Abscissa::temperature, {126.9, 326.9, 526.9}, {0.3134, 0.3448, 0.45}};
   c.alloy.creep = material::NortonHoffConstants{4.0e12, 15.72e6, 37.3 * 4184.0, 6.0};

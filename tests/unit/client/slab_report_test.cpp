@@ -271,7 +271,7 @@ v1::QueryResultResponse run_with(double least_mm, double greatest_mm) {
     v1::StepReport& step = *result.add_steps();
     step.set_step(i);
     step.set_time_s(50.0 * i);
-    step.set_shell_at_exit_m(1e-3 * i);
+    step.set_shell_at_water_line_m(1e-3 * i);
     step.set_sump_depth_m(0.05 * i);
     step.set_side_heat_w(1e5);
     step.set_narrow_heat_w(5e4);

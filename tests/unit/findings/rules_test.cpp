@@ -172,13 +172,17 @@ TEST(OfCase, ManyTablesAreOneFinding) {
 StepFigures sound_step() {
   StepFigures f;
   f.time = 12.5;
-  f.moves = f.mechanical = f.left_mould = f.in_gap = true;
+  f.moves = f.mechanical = f.left_mould = f.left_contact = f.in_gap = true;
 
   f.metal_depth = 0.2;
   f.sump_depth = 0.1;
   f.exit_surface = {400.0, {0.28, 0.1}};
   f.exit_shell = {0.04, {0.24, 0.1}};
+  f.least_shell = {0.02, {0.26, 0.12}};
+  f.least_shell_depth = 0.03;
+  f.shell_begins = {0.015, {0.28, 0.185}};
   f.gap_entry = 600.0;
+  f.entry_shell = 0.02;
   f.gap_surface = {590.0, {0.28, 0.12}};
   f.bottom_shell = {0.03, {0.1, 0.0}};
   f.thickest_bottom_shell = 0.035;
@@ -204,6 +208,9 @@ void PrintTo(const StepRow& s, std::ostream* out) {
 
 Case with_band() {
   Case c = small_casting();
+  c.plausibility.reference_tear_rate = 0.18e-3;
+  c.plausibility.reference_tear_pressure = 85e3;
+  c.plausibility.minimum_meniscus = 5e-3;
   c.plausibility.least_curl = 0.005;
   c.plausibility.greatest_curl = 0.045;
   c.mechanics.options.liquid = mechanics::Liquid::prestressed;
@@ -314,7 +321,59 @@ const StepRow of_step_rows[] = {
     {"Lift", "lift_too_large", Severity::danger,  // 0.28 m times tan 10 degrees is 49.4 mm
      [](StepFigures& f) { f.lift.value = 49.5e-3; },
      [](StepFigures& f) { f.lift.value = 49.3e-3; }},
-    {"HotTears", "hot_tears", Severity::warning,
+    {"ThinShellBelowTheContact", "thin_shell", Severity::warning,
+     [](StepFigures& f) { f.least_shell.value = 4.9e-3; },
+     [](StepFigures& f) {
+       f.least_shell.value = 5e-3;
+       f.entry_shell = 8e-3;
+     }},
+    {"ThinShellThatTheWallCarries", "thin_shell", Severity::warning,
+     [](StepFigures& f) { f.least_shell.value = 0.0; },
+     [](StepFigures& f) {
+       f.least_shell.value = 0.0;
+       f.left_contact = false;
+     }},
+    {"FrozenMeniscus", "freezes_at_meniscus", Severity::warning,
+     [](StepFigures& f) { f.shell_begins.value = 4.9e-3; },
+     [](StepFigures& f) { f.shell_begins.value = 5e-3; }},
+    {"ShellThatMeltsInTheGap", "remelting_in_gap", Severity::warning,
+     [](StepFigures& f) { f.least_shell.value = 11.9e-3; },  // 60 % of 20 mm
+     [](StepFigures& f) { f.least_shell.value = 12.1e-3; }},
+    {"StretchedMush", "hot_tears", Severity::warning,
+     [](StepFigures& f) {
+       f.last = true;
+       f.tears.strain_rate.overall = 0.19e-3;
+     },
+     [](StepFigures& f) {
+       f.last = true;
+       f.tears.strain_rate = {0.18e-3, 1e-3, 1e-3};
+     }},
+    {"StretchedMushBeforeTheEnd", "hot_tears", Severity::warning,
+     [](StepFigures& f) {
+       f.last = true;
+       f.tears.strain_rate.overall = 0.19e-3;
+     },
+     [](StepFigures& f) { f.tears.strain_rate.overall = 0.19e-3; }},
+    {"MushThatIsNotFed", "hot_tears", Severity::warning,
+     [](StepFigures& f) {
+       f.last = true;
+       f.tears.pressure.overall = 86e3;
+     },
+     [](StepFigures& f) {
+       f.last = true;
+       f.tears.pressure.overall = 85e3;
+     }},
+    {"MushWithoutMechanics", "hot_tears", Severity::warning,
+     [](StepFigures& f) {
+       f.last = true;
+       f.tears.pressure.overall = 86e3;
+     },
+     [](StepFigures& f) {
+       f.last = true;
+       f.mechanical = false;
+       f.tears.pressure.overall = 86e3;
+     }},
+    {"StrainOfTheWorstElement", "hot_tears", Severity::warning,
      [](StepFigures& f) { f.mush_strain.value = 5.1e-3; },
      [](StepFigures& f) { f.mush_strain.value = 5e-3; }},
     {"CurlAboveTheBand", "curl_outside_band", Severity::warning,
@@ -329,6 +388,20 @@ const StepRow of_step_rows[] = {
 };
 INSTANTIATE_TEST_SUITE_P(Findings, OfStep, ::testing::ValuesIn(of_step_rows),
                          [](const auto& row) { return row.param.name; });
+
+/// Without a recipe to compare with, the indices are reported and not judged.
+TEST(OfStep, HotTearsAreNotJudgedWithoutAReference) {
+  StepFigures f = sound_step();
+  f.last = true;
+  f.mush_strain.value = 1.0;
+  f.tears = {{1.0, 1.0, 1.0}, {1e9, 1e9, 1e9}};
+
+  Case c = small_casting();
+  c.plausibility.maximum_mush_strain.reset();
+  FindingsState state;
+  judge(c, f, state);
+  EXPECT_EQ(find(state.raised, "hot_tears"), nullptr);
+}
 
 TEST(OfStep, ASoundOneHasNone) {
   FindingsState state;
@@ -456,7 +529,12 @@ TEST(Rules, AreDocumentedAndDistinct) {
 
 TEST(FindingsState, ComesBackFromACheckpoint) {
   FindingsState state;
-  state.history = {true, {0.5, 1.0}, 1.0 / 3.0};
+  state.history = {.shell_stood = true,
+                   .when_liquid = {0.5, 1.0},
+                   .thickest_bottom_shell = 1.0 / 3.0,
+                   .passages = {{625.0, 1e-3, 2.5, {0.1, 0.2, 0.3}}, {}},
+                   .tears = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}},
+                   .pore_volume = 0.7};
   state.lost = {"motion_too_large", "it slid", 12.5, {0.1, 0.2}, 0.03, 0.02, "m"};
   state.raised = {{"no_superheat", Severity::danger, "Cold.", {}, {}, -20.0, 5.0, "K", "a.key"},
                   {"hot_tears", Severity::note, "Tears.", 12.5, {0.1, 0.2}, {}, {}, "", ""},
@@ -482,6 +560,12 @@ TEST(FindingsState, ComesBackFromACheckpoint) {
   EXPECT_EQ(back.history.shell_stood, true);
   EXPECT_EQ(back.history.when_liquid, state.history.when_liquid);
   EXPECT_EQ(back.history.thickest_bottom_shell, state.history.thickest_bottom_shell);
+  ASSERT_EQ(back.history.passages.size(), 2u);
+  EXPECT_EQ(back.history.passages[0].time, 2.5);
+  EXPECT_EQ(back.history.passages[0].feeding.shrunk, 0.3);
+  EXPECT_EQ(back.history.tears.strain_rate.centre, 2.0);
+  EXPECT_EQ(back.history.tears.pressure.surface, 6.0);
+  EXPECT_EQ(back.history.pore_volume, 0.7);
 }
 
 class Recorder : public testing::Recorder {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "core/mesh/slab_mesh.hpp"
@@ -36,6 +37,19 @@ TEST_P(TemperatureFigures, SumpReachesDownToTheIsotherm) {
   EXPECT_NEAR(depth([](double y) { return 549.0 + 2000.0 * y; }), 0.05, 1e-12);
   EXPECT_EQ(depth([](double) { return 680.0; }), 0.1) << "all liquid";
   EXPECT_EQ(depth([](double) { return 600.0; }), 0.0) << "all solid";
+}
+
+TEST_P(TemperatureFigures, TheSideFreezesAtItsIsotherm) {
+  std::vector<double> t;
+  for (int n = 0; n < mesh.nodes(); ++n) t.push_back(600.0 + 1000.0 * mesh.point(n)[1]);
+  const auto rim = unfrozen_side(mesh, t, 649.0);
+  EXPECT_NEAR(rim.value, 0.051, 1e-12);
+  EXPECT_NEAR(rim.place[0], 0.28, 1e-12);
+
+  std::ranges::fill(t, 680.0);
+  EXPECT_NEAR(unfrozen_side(mesh, t, 649.0).value, 0.1, 1e-12) << "all liquid";
+  std::ranges::fill(t, 500.0);
+  EXPECT_EQ(unfrozen_side(mesh, t, 649.0).value, 0.0) << "frozen up to the level";
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, TemperatureFigures,
@@ -80,6 +94,14 @@ TEST_P(SolidTemperatureFigures, TheSumpIsThatOfTheMiddle) {
     return 549.0 + 2000.0 * z + (x > 0.0 || y > 0.0 ? 500.0 : 0.0);
   });
   EXPECT_NEAR(sump_depth(mesh, t, 0.1, 649.0), 0.05, 1e-12);
+}
+
+/// The isotherm falls along the wide face and is level on the narrow one.
+TEST_P(SolidTemperatureFigures, TheSideFreezesAtItsMeanDepthAroundTheSlab) {
+  const auto t = at_nodes(
+      [](double x, double, double z) { return 649.0 + 1000.0 * (z - 0.05 - 0.02 * x / 0.28); });
+  const double wide = 0.1 - 0.06, narrow = 0.1 - 0.07;
+  EXPECT_NEAR(unfrozen_side(mesh, t, 649.0).value, (0.28 * wide + 0.15 * narrow) / 0.43, 1e-12);
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, SolidTemperatureFigures,

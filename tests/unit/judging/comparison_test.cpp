@@ -30,7 +30,7 @@ JudgedRun run_of(const std::function<double(double)>& curl_m, const Change& chan
     step.set_side_heat_w_per_m(1e5);
     step.set_bottom_heat_w_per_m(2e4);
     step.set_contact_length_m(i < 60 ? 0.2 : 0.0);
-    step.set_shell_at_exit_m(4e-4 * i);
+    step.set_shell_at_water_line_m(4e-4 * i);
     if (change) change(i, step);
     v1::MonitorValue& corner = *step.add_monitors();
     corner.set_name("corner");
@@ -140,12 +140,12 @@ TEST(Comparison, AFigureThatSwingsAboutTheOtherIsNoCause) {
 TEST(Comparison, ALevelIsGivenWhereItDiffersMost) {
   const JudgedRun first = run_of(rise_to(0.01));
   const JudgedRun other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
-    step.set_shell_at_exit_m(4e-4 * time_s +
+    step.set_shell_at_water_line_m(4e-4 * time_s +
                              5e-3 * (time_s < 50 ? time_s / 50 : (200 - time_s) / 150));
   });
   const auto causes = find_causes(first, other, curl_differences({first, other}).at(0));
   ASSERT_THAT(causes, SizeIs(1));
-  EXPECT_EQ(causes[0].sentence, "shell at the mould exit 20 -> 25 mm at 50 s");
+  EXPECT_EQ(causes[0].sentence, "shell at the water line 20 -> 25 mm at 50 s");
 }
 
 /// The butt is solid through when it leaves the mould: there is no shell that could be thicker.
@@ -153,7 +153,7 @@ TEST(Comparison, AButtThatIsSolidThroughHasNoShell) {
   constexpr double half = 0.28;
   const auto butt_until = [](double end_s) {
     return [end_s](double time_s, v1::StepReport& step) {
-      step.set_shell_at_exit_m(time_s < end_s ? half : 0.05);
+      step.set_shell_at_water_line_m(time_s < end_s ? half : 0.05);
     };
   };
   JudgedRun first = run_of(rise_to(0.01), butt_until(60));

@@ -65,7 +65,7 @@ def check_root(findings, file):
     for name in ("schema_version", "program", "program_version", "build", "commit", "title",
                  "case_sha256", "section", "liquidus_c", "solidus_c", "outcome", "message"):
         findings.require(name in file.attrs, f"/: no attribute {name}")
-    findings.require(file.attrs["schema_version"] == 2, "/: schema_version is not 2")
+    findings.require(file.attrs["schema_version"] == 3, "/: schema_version is not 3")
     findings.require(file["case"].shape == (), "/case is not a scalar")
     findings.require(isinstance(file["case"].asstr()[()], str), "/case is not a text")
 
@@ -108,7 +108,8 @@ def frame_shapes(group):
             "solid_fraction": (nodes,), "von_mises_pa": (elements,),
             "contact_pressure_pa": (nodes,), "thermal_strain": (nodes,), "gap_m": (nodes,),
             "mean_stress_pa": (elements,), "principal_stress_pa": (elements, 3),
-            "equivalent_viscoplastic_strain": (elements,)}
+            "equivalent_viscoplastic_strain": (elements,),
+            "tear_rate_per_s": (elements,), "tear_pressure_pa": (elements,)}
 
 
 def check_frame(findings, group, fields):

@@ -142,11 +142,29 @@ TEST(ResultFile, HoldsWattsAndNewtonsOfThreeDimensionsUnderTheirOwnNames) {
   EXPECT_EQ(ResultReader(folder / "r.h5").history().at(0), written);
 }
 
+/// Until version 3 the shell at the water line was called that at the mould exit.
+TEST(ResultFile, ReadsTheShellAtTheWaterLineUnderItsFormerName) {
+  const TemporaryFolder folder;
+  ResultWriter writer({folder / "j", folder / "r.h5"}, sample_header());
+  writer.append(sample_frame(0, 3, 3));
+  writer.append(sample_step(1));
+  writer.publish({});
+
+  const hid_t file = H5Fopen((folder / "r.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  EXPECT_GE(H5Lmove(file, "/history/shell_at_water_line_m", file, "/history/shell_at_exit_m",
+                    H5P_DEFAULT, H5P_DEFAULT),
+            0);
+  H5Fclose(file);
+  EXPECT_EQ(ResultReader(folder / "r.h5").history().at(0).shell_at_water_line,
+            sample_step(1).shell_at_water_line);
+}
+
 TEST(ResultFile, LeavesOutWhatWasNotComputed) {
   const TemporaryFolder folder;
   Frame heat_only = sample_frame(0, 3, 3);
   for (auto* array : {&heat_only.displacement, &heat_only.stress, &heat_only.viscoplastic_strain,
-                      &heat_only.thermal_strain, &heat_only.bottom_gap, &heat_only.bottom_pressure})
+                      &heat_only.thermal_strain, &heat_only.tear_rate, &heat_only.tear_pressure,
+                      &heat_only.bottom_gap, &heat_only.bottom_pressure})
     array->clear();
 
   RunHeader header = sample_header();

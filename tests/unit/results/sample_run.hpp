@@ -48,9 +48,14 @@ inline StepReport sample_step(std::int64_t step) {
   report.wall_heat_flux = 7e5 + s / 7.0;
   report.maximum_rotation = 0.01 * std::sqrt(s);
   report.bottom_slip = 1e-4 / (1.0 + s);
-  report.shell_at_exit = 0.03 / (1.0 + s);
+  report.shell_at_water_line = 0.03 / (1.0 + s);
   report.bottom_shell = 0.02 * std::sqrt(s);
   report.mush_strain = 1e-3 * s / 7.0;
+  report.least_shell = 0.02 / (1.0 + s);
+  report.least_shell_depth = 0.03;
+  report.tear_rate = 1e-4 * s;
+  report.tear_pressure_surface = 1e4 / (1.0 + s);
+  report.pore_volume = 1e-6 * s;
   report.beyond_validity = step > 290;
   report.solver_seconds = 0.25;
   report.process_seconds = 0.5;
@@ -90,6 +95,10 @@ inline Frame sample_frame(std::int64_t step, int nodes_per_element, int cells) {
   for (std::int64_t i = 0; i < 4 * frame.elements(); ++i) {
     frame.stress.push_back(1e6 / static_cast<double>(i + 1 + step));
     frame.viscoplastic_strain.push_back(1e-3 / static_cast<double>(i + 1 + step));
+  }
+  for (std::int64_t i = 0; i < frame.elements(); ++i) {
+    frame.tear_rate.push_back(1e-4 / static_cast<double>(i + 1 + step));
+    frame.tear_pressure.push_back(1e4 / static_cast<double>(i + 1 + step));
   }
   return frame;
 }

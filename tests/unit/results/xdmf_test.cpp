@@ -33,6 +33,8 @@ TEST(Xdmf, ShowsSolidElements) {
   frame.stress.clear();
   frame.viscoplastic_strain.clear();
   frame.thermal_strain.clear();
+  frame.tear_rate.clear();
+  frame.tear_pressure.clear();
   frame.displacement.clear();
   frame.temperature.clear();
   frame.liquid_fraction.clear();

@@ -128,6 +128,8 @@ TEST(CaseToCore, TakesEveryKindOfKey) {
   plausibility.set_maximum_mush_strain(0.007);
   plausibility.set_maximum_sump_share(0.8);
   plausibility.set_greatest_curl_m(0.045);
+  plausibility.set_reference_tear_rate_per_s(2e-4);
+  plausibility.set_reference_tear_pressure_pa(9e4);
   auto* monitor = from.add_monitor();
   monitor->set_name("corner");
   monitor->set_x_m(0.25);
@@ -151,6 +153,8 @@ TEST(CaseToCore, TakesEveryKindOfKey) {
   EXPECT_EQ(to.plausibility.maximum_mush_strain, 0.007);
   EXPECT_EQ(to.plausibility.maximum_sump_share, 0.8);
   EXPECT_EQ(to.plausibility.greatest_curl, 0.045);
+  EXPECT_EQ(to.plausibility.reference_tear_rate, 2e-4);
+  EXPECT_EQ(to.plausibility.reference_tear_pressure, 9e4);
   EXPECT_FALSE(to.plausibility.least_curl);
   EXPECT_EQ(to.validity.when_lost, casting::WhenLost::go_on);
   EXPECT_EQ(to.validity.maximum_liquid_pressure_error, 0.5);
@@ -234,7 +238,8 @@ TEST(CaseToCore, DefaultsOfTheSchemaFillWhatCoreNeeds) {
                               to.validity.maximum_rotation,
                               to.validity.maximum_slip,
                               to.plausibility.minimum_shell,
-                              to.plausibility.maximum_mush_strain,
+                              to.plausibility.minimum_meniscus,
+                              to.alloy.hot_tears.end,
                               to.plausibility.maximum_sump_share,
                               double(to.limits.maximum_nodes),
                               double(to.limits.maximum_steps),
@@ -245,6 +250,25 @@ TEST(CaseToCore, DefaultsOfTheSchemaFillWhatCoreNeeds) {
     EXPECT_GT(needed, 0.0);
   EXPECT_EQ(to.section.refinement, 1);
   EXPECT_EQ(to.coupling.iterations, 1);
+
+  // Hot tears are judged against figures that the user gives.
+  EXPECT_FALSE(to.plausibility.maximum_mush_strain);
+  EXPECT_FALSE(to.plausibility.reference_tear_rate);
+  EXPECT_FALSE(to.plausibility.reference_tear_pressure);
+}
+
+TEST(CaseToCore, TheWindowOfHotTearsEndsAtCoalescenceUnlessItIsGiven) {
+  v1::Case complete;
+  case_file::apply_defaults(complete);
+  v1::Alloy& alloy = *complete.mutable_alloy();
+  const auto end = [&] { return to_core(complete, "").alloy.hot_tears.end; };
+  EXPECT_EQ(end(), 0.98);
+  alloy.set_coalescence_solid_fraction(0.95);
+  EXPECT_EQ(end(), 0.95);
+  alloy.set_coalescence_solid_fraction(1.0);
+  EXPECT_EQ(end(), 0.99) << "melt does not flow through metal without melt";
+  alloy.set_hot_tear_end_solid_fraction(0.97);
+  EXPECT_EQ(end(), 0.97);
 }
 
 }  // namespace

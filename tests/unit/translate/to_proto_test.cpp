@@ -34,11 +34,11 @@ TEST(StepToProto, KeepsHowFarTheSolidMovedAndTheMark) {
   report.beyond_validity = true;
   report.maximum_rotation = 0.1;
   report.bottom_slip = 0.02;
-  report.shell_at_exit = 0.03;
+  report.shell_at_water_line = 0.03;
   report.bottom_shell = 0.04;
   report.mush_strain = 0.05;
   const auto to = to_proto(report, {});
-  EXPECT_EQ(to.shell_at_exit_m(), 0.03);
+  EXPECT_EQ(to.shell_at_water_line_m(), 0.03);
   EXPECT_EQ(to.bottom_shell_m(), 0.04);
   EXPECT_EQ(to.mush_strain(), 0.05);
   EXPECT_TRUE(to.beyond_validity());
