@@ -113,8 +113,11 @@ Sections::Reals as_reals(const TearIndices& tears) {
           pressure.overall, pressure.centre, pressure.surface};
 }
 
-/// @throws std::out_of_range  there are too few
+/// @throws std::out_of_range  there are too few or too many
 TearIndices read_tears(const Sections::Reals& values) {
+  constexpr std::size_t numbers_of_tears = 6;
+  if (values.size() != numbers_of_tears)
+    throw std::out_of_range("there are not as many indices of hot tears as there should be");
   return {{values.at(0), values.at(1), values.at(2)}, {values.at(3), values.at(4), values.at(5)}};
 }
 

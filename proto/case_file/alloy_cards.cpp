@@ -50,6 +50,14 @@ AlloyCard named_card(const std::string& name, AlloyCard card, ReadOutcome read) 
   return card;
 }
 
+/// Clears the curves of a message that another gives: merging would append their points.
+void clear_curves_given_in(const google::protobuf::Message& given,
+                           google::protobuf::Message& message) {
+  for (const FieldDescriptor* const field : fields_of(*given.GetDescriptor()))
+    if (is_curve(*field) && is_present(given, *field))
+      message.GetReflection()->ClearField(&message, field);
+}
+
 }  // namespace
 
 AlloyCard alloy_card(const std::string& name, const std::filesystem::path& directory) {
@@ -108,10 +116,9 @@ void complete_alloy(const v1::Alloy& card, v1::Alloy& overrides) {
   for (const v1::KeyRange& line : card.uncertainty())
     if (!has_value_at(overrides, line.key())) *complete.add_uncertainty() = line;
 
-  // Curves are replaced: merging would append their points to those of the card.
-  for (const FieldDescriptor* const field : fields_of(*v1::Alloy::descriptor()))
-    if (is_curve(*field) && is_present(overrides, *field))
-      complete.GetReflection()->ClearField(&complete, field);
+  clear_curves_given_in(overrides, complete);
+  if (overrides.has_cold_strength())
+    clear_curves_given_in(overrides.cold_strength(), *complete.mutable_cold_strength());
 
   complete.MergeFrom(overrides);
   apply_defaults(complete);

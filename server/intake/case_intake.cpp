@@ -230,8 +230,12 @@ std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted,
 // Those that are there were read at the start; reading one takes longer than a whole check.
 case_file::AlloyCard CaseIntake::card(const std::string& name,
                                       const jobs::Attachments& attachments) const {
-  const auto attached = std::ranges::find(attachments, name, &v1::Attachment::name);
-  if (attached != attachments.end()) return case_file::own_card(name, attached->content());
+  const auto attached = std::ranges::find(attachments, name, &jobs::AttachedFile::name);
+  if (attached != attachments.end()) {
+    if (attached->bytes > static_cast<std::int64_t>(case_file::maximum_file_bytes))
+      return {{}, {fault_of("alloy.card", name, "is too large for a card", "at most 4 MiB", "")}};
+    return case_file::own_card(name, storage::read_file(attached->path));
+  }
 
   const auto found =
       std::ranges::find(alloys_, name, [](const v1::Alloy& alloy) { return alloy.card(); });

@@ -157,5 +157,14 @@ TEST(CheckRanges, FindsEverythingInAMessageFromTheWire) {
     EXPECT_THAT(all, HasSubstr(expected));
 }
 
+TEST(Defaults, OfACardThatIsCompletedTwiceAreThoseOfOnce) {
+  v1::Alloy once;
+  complete_alloy(alloy_card("aa5182").alloy, once);
+  v1::Alloy twice = once;
+  complete_alloy(alloy_card("aa5182").alloy, twice);
+  EXPECT_EQ(twice.cold_strength().DebugString(), once.cold_strength().DebugString());
+  EXPECT_GT(once.cold_strength().yield_stress_pa().value_size(), 0);
+}
+
 }  // namespace
 }  // namespace dccast::case_file

@@ -175,7 +175,7 @@ TEST(Reader, ACardOfOnesOwnTravelsWithTheCase) {
   v1::Case message;
   const ReadOutcome outcome = read_file(folder / "case.toml", message);
   ASSERT_EQ(outcome.attachments.size(), 1u);
-  EXPECT_EQ(outcome.attachments[0].content(), "solidus = \"620 degC\"");
+  EXPECT_EQ(outcome.attachments[0].sha256, values::sha256("solidus = \"620 degC\""));
   EXPECT_EQ(message.alloy().card(), "mine.toml");
 
   // The name of a known card is no file.

@@ -32,19 +32,30 @@ TEST(Shipped, EveryCaseIsSound) {
 }
 
 TEST(Shipped, EveryAlloyCardIsCompleteAndConsistent) {
-  EXPECT_THAT(case_file::alloy_names(),
-              testing::IsSupersetOf({"aa1050", "aa3104", "aa5182", "aa6063", "paper", "pure_aluminium"}));
+  EXPECT_THAT(
+      case_file::alloy_names(),
+      testing::IsSupersetOf({"aa1050", "aa3104", "aa5182", "aa6063", "paper", "pure_aluminium"}));
   for (const std::string& name : case_file::alloy_names()) {
     const auto card = case_file::alloy_card(name);
     for (const v1::Fault& fault : card.faults) ADD_FAILURE() << fault.message();
     // Linear or 0.9 where absent, or given in another way, see below.
-    const std::set<std::string> may_be_absent{
-        "liquid_fraction", "shell_solid_fraction", "coherency_c", "coherency_solid_fraction",
-        "retention_solid_fraction", "coalescence_solid_fraction", "mush_strength_decay",
-        "unfed_strain_share", "hot_tear_start_solid_fraction", "hot_tear_end_solid_fraction",
-        "arm_spacing_m",
-        "density_kg_per_m3", "solid_density_kg_per_m3", "liquid_density_kg_per_m3",
-        "conductivity_w_per_m_k", "solid_conductivity_w_per_m_k", "liquid_conductivity_w_per_m_k"};
+    const std::set<std::string> may_be_absent{"liquid_fraction",
+                                              "shell_solid_fraction",
+                                              "coherency_c",
+                                              "coherency_solid_fraction",
+                                              "retention_solid_fraction",
+                                              "coalescence_solid_fraction",
+                                              "mush_strength_decay",
+                                              "unfed_strain_share",
+                                              "hot_tear_start_solid_fraction",
+                                              "hot_tear_end_solid_fraction",
+                                              "arm_spacing_m",
+                                              "density_kg_per_m3",
+                                              "solid_density_kg_per_m3",
+                                              "liquid_density_kg_per_m3",
+                                              "conductivity_w_per_m_k",
+                                              "solid_conductivity_w_per_m_k",
+                                              "liquid_conductivity_w_per_m_k"};
     const auto& descriptor = *v1::Alloy::descriptor();
     for (int i = 0; i < descriptor.field_count(); ++i)
       EXPECT_TRUE(case_file::is_table(*descriptor.field(i)) ||
@@ -56,8 +67,8 @@ TEST(Shipped, EveryAlloyCardIsCompleteAndConsistent) {
     EXPECT_NE(alloy.has_density_kg_per_m3(),
               alloy.has_solid_density_kg_per_m3() && alloy.has_liquid_density_kg_per_m3())
         << name;
-    EXPECT_NE(alloy.has_conductivity_w_per_m_k(), alloy.has_solid_conductivity_w_per_m_k() &&
-                                                      alloy.has_liquid_conductivity_w_per_m_k())
+    EXPECT_NE(alloy.has_conductivity_w_per_m_k(),
+              alloy.has_solid_conductivity_w_per_m_k() && alloy.has_liquid_conductivity_w_per_m_k())
         << name;
     EXPECT_NE(card.alloy.has_norton_hoff(), card.alloy.has_reference_creep()) << name;
     EXPECT_LE(card.alloy.solidus_c(), card.alloy.liquidus_c()) << name;

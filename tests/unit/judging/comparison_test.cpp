@@ -53,7 +53,6 @@ v1::Case shipped_case(const std::string& name, v1::Quality quality) {
     v1::Case description;
     EXPECT_TRUE(case_file::read_text(text.text, name, description).ok());
     description.set_quality(quality);
-    case_file::apply_quality(description);
     case_file::apply_defaults(description);
     return description;
   }
@@ -141,7 +140,7 @@ TEST(Comparison, ALevelIsGivenWhereItDiffersMost) {
   const JudgedRun first = run_of(rise_to(0.01));
   const JudgedRun other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
     step.set_shell_at_water_line_m(4e-4 * time_s +
-                             5e-3 * (time_s < 50 ? time_s / 50 : (200 - time_s) / 150));
+                                   5e-3 * (time_s < 50 ? time_s / 50 : (200 - time_s) / 150));
   });
   const auto causes = find_causes(first, other, curl_differences({first, other}).at(0));
   ASSERT_THAT(causes, SizeIs(1));
