@@ -112,7 +112,8 @@ def content_of_results(client, job):
         if isinstance(item, h5py.Dataset):
             value = item[()]
             digest.update(f"{item.dtype} {item.shape}".encode())
-            digest.update(repr(value.tolist()).encode() if item.dtype.hasobject else value.tobytes())
+            texts = item.dtype.hasobject
+            digest.update(repr(list(value) if item.shape else value).encode() if texts else value.tobytes())
 
     with h5py.File(io.BytesIO(data), "r") as results:
         add("/", results)
