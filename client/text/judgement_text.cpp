@@ -142,13 +142,17 @@ Bar bar_of(const v1::Table& table, const v1::Table::Row& row) {
   return bar;
 }
 
-/// "====|    ": to the left what lowers a figure, to the right what raises it.
+/// "====|    ": to the left what lowers a figure, to the right what raises it. A range on one side
+/// of zero does not touch the axis.
 std::string bar_text(const Bar& bar) {
-  constexpr int half = 7;
-  const auto left = static_cast<std::size_t>(std::lround(-half * bar.low));
-  const auto right = static_cast<std::size_t>(std::lround(half * bar.high));
-  return std::string(half - left, ' ') + std::string(left, '=') + "|" + std::string(right, '=') +
-         std::string(half - right, ' ');
+  constexpr long half = 7;
+  const long first = std::lround(half * bar.low), last = std::lround(half * bar.high);
+
+  std::string text(2 * half + 1, ' ');
+  for (long i = std::max(first, -half); i <= std::min(last, half); ++i)
+    text[static_cast<std::size_t>(half + i)] = '=';
+  text[half] = '|';
+  return text;
 }
 
 std::string coloured(const std::string& text, std::size_t line, const Terminal& terminal) {

@@ -112,8 +112,10 @@ def content_of_results(client, job):
         if isinstance(item, h5py.Dataset):
             value = item[()]
             digest.update(f"{item.dtype} {item.shape}".encode())
-            texts = item.dtype.hasobject
-            digest.update(repr(list(value) if item.shape else value).encode() if texts else value.tobytes())
+            if item.dtype.hasobject:  # texts
+                digest.update(repr(list(value) if item.shape else value).encode())
+            else:
+                digest.update(value.tobytes())
 
     with h5py.File(io.BytesIO(data), "r") as results:
         add("/", results)

@@ -122,6 +122,20 @@ TEST(JudgementText, BarsHaveOneScale) {
   EXPECT_THAT(text, HasSubstr("   ====|===="));
 }
 
+TEST(JudgementText, ABarOfARangeOnOneSideOfZeroDoesNotTouchTheAxis) {
+  v1::Table table;
+  v1::Table::Column& band = *table.add_columns();
+  band.set_key("band");
+  band.set_heading("band");
+  band.set_unit("m");
+  band.set_resolution(1e-3);
+  band.set_has_bars(true);
+  v1::Cell& cell = *table.add_rows()->add_cells();
+  cell.set_value(0.035);
+  cell.set_until(0.070);
+  EXPECT_THAT(table_text(table), HasSubstr("|   ===="));
+}
+
 TEST(JudgementText, SentencesStandBelowOnATerminalAndFirstOnAPage) {
   v1::StudyJudgement study;
   study.mutable_study()->set_id("id");
