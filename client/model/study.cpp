@@ -99,23 +99,6 @@ std::string rounded(const std::string& text) {
   return case_file::number_text(value) + text.substr(blank);
 }
 
-int monitor_of(const v1::StudyResult& result, const std::string& name) {
-  if (!name.empty()) {
-    const auto found = std::ranges::find(result.monitors(), name);
-    return found == result.monitors().end() ? -1
-                                            : static_cast<int>(found - result.monitors().begin());
-  }
-  int best = result.monitors().empty() ? -1 : 0;
-  double most = -1.0;
-  for (const v1::StudyRun& run : result.runs())
-    for (int m = 0; m < run.end_curl_m_size(); ++m)
-      if (std::abs(run.end_curl_m(m)) > most) {
-        most = std::abs(run.end_curl_m(m));
-        best = m;
-      }
-  return best;
-}
-
 std::string RunCount::text() const {
   std::string all = std::to_string(valid) + " valid";
   if (beyond > 0) all += ", " + std::to_string(beyond) + " beyond validity";

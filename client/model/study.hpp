@@ -56,11 +56,7 @@ struct Study {
 /// @param jobs  jobs of the study, oldest first
 Study study_of(const v1::StudyResult& result, const std::vector<v1::Job>& jobs);
 
-/// Index of the monitor with this name; with an empty name that with the largest curl at the end.
-/// @return -1 where there is none
-int monitor_of(const v1::StudyResult& result, const std::string& name);
-
-using case_file::leading_number, case_file::range_of;
+using case_file::leading_number, case_file::monitor_of, case_file::range_of;
 
 /// A number with its unit in four digits: "231.5 degC". @param text  as in a case file
 std::string rounded(const std::string& text);

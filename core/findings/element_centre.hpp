@@ -71,14 +71,4 @@ inline ElementCentre<3> centre_of(const mesh::Mesh3D& mesh, int e,
              : centre_of_element<fem::Q1Hexahedron>(mesh, e, temperature, round);
 }
 
-/// Mean of the nodes of an element [°C], by which the mechanics too judges its phase.
-/// @param temperature  (node) [°C]
-template <int Dim>
-double mean_temperature(const mesh::Mesh<Dim>& mesh, int e, std::span<const double> temperature) {
-  double sum = 0.0;
-  for (int i = 0; i < mesh.nodes_per_element; ++i)
-    sum += temperature[std::size_t(mesh.nodes_of(e)[i])];
-  return sum / mesh.nodes_per_element;
-}
-
 }  // namespace dccast::casting

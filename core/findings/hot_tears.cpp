@@ -8,6 +8,7 @@
 #include "core/findings/element_centre.hpp"
 #include "core/material/norton_hoff.hpp"
 #include "core/material/thermal_properties.hpp"
+#include "core/mechanics/constitutive.hpp"
 
 namespace dccast::casting {
 
@@ -116,7 +117,6 @@ double HotTears<Dim>::strain_rate(const Step& step, int e, double at) const {
   const mechanics::SlabState<Dim>& slab = step.slab;
   if (!slab.started || slab.solid[std::size_t(e)] == 0) return 0.0;
 
-  static const double equivalent_of_norm = std::sqrt(2.0 / 3.0);
   const double kappa = properties_.creep_factors(at).deviatoric;
   const double exponent = properties_.creep().exponent;
   const std::size_t points = slab.deviator.size() / std::size_t(step.mesh.elements());
@@ -124,14 +124,14 @@ double HotTears<Dim>::strain_rate(const Step& step, int e, double at) const {
   double sum = 0.0;
   for (std::size_t q = 0; q < points; ++q) {
     const double norm = slab.deviator[std::size_t(e) * points + q].norm();
-    sum += equivalent_of_norm * kappa * material::creep_power(norm, exponent) * norm;
+    sum += mechanics::equivalent_of_norm * kappa * material::creep_power(norm, exponent) * norm;
   }
   return sum / static_cast<double>(points);
 }
 
 template <int Dim>
 void HotTears<Dim>::pass(const Step& step, int e, MushPassage& passage) const {
-  const double to = mean_temperature(step.mesh, e, step.temperature);
+  const double to = mesh::mean_at_nodes(step.mesh, e, step.temperature);
   const double last = std::min(window_end_, feeding_.applies() ? feeding_.end() : window_end_);
   const double from = std::min(passage.temperature, std::max(liquidus_, to));
   passage.temperature = to;

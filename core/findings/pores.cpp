@@ -37,7 +37,7 @@ double Pores::volume(const mesh::Mesh<Dim>& mesh, std::span<const double> temper
   double volume = 0.0;
   if (share_.empty()) return volume;
   for (int e = 0; e < mesh.elements(); ++e) {
-    const double share = share_(mean_temperature(mesh, e, temperature));
+    const double share = share_(mesh::mean_at_nodes(mesh, e, temperature));
     if (share > 0.0) volume += share * centre_of(mesh, e, temperature, round_).volume;
   }
   return volume;

@@ -78,4 +78,22 @@ double leading_number(const std::string& text) {
   return std::strtod(text.c_str(), nullptr);
 }
 
+int monitor_of(const v1::StudyResult& result, const std::string& name) {
+  if (!name.empty()) {
+    const auto found = std::ranges::find(result.monitors(), name);
+    return found == result.monitors().end() ? -1
+                                            : static_cast<int>(found - result.monitors().begin());
+  }
+
+  int largest = result.monitors().empty() ? -1 : 0;
+  double most = -1.0;
+  for (const v1::StudyRun& run : result.runs())
+    for (int monitor = 0; monitor < run.end_curl_m_size(); ++monitor)
+      if (std::abs(run.end_curl_m(monitor)) > most) {
+        most = std::abs(run.end_curl_m(monitor));
+        largest = monitor;
+      }
+  return largest;
+}
+
 }  // namespace dccast::case_file

@@ -31,4 +31,8 @@ std::string range_of(const v1::SweepPlan::Axis& axis);
 /// The number that a text begins with; 0 if it begins with none.
 double leading_number(const std::string& text);
 
+/// Index of the monitor with this name; with an empty name that with the largest curl at the end.
+/// @return -1 where there is none
+int monitor_of(const v1::StudyResult& result, const std::string& name);
+
 }  // namespace dccast::case_file

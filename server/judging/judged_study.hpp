@@ -5,6 +5,7 @@
 
 #include "dccast/v1/judgement.pb.h"
 #include "dccast/v1/study.pb.h"
+#include "proto/case_file/study_keys.hpp"
 
 namespace dccast::judging {
 
@@ -17,9 +18,7 @@ struct StudyToJudge {
   std::optional<double> difference_error{};
 };
 
-/// Index of the monitor with this name; with an empty name that with the largest curl at the end.
-/// @return -1 where there is none
-int monitor_of(const v1::StudyResult& result, const std::string& name);
+using case_file::monitor_of;
 
 /// The first valid run; of a sensitivity study that is the case itself. Null: there is none.
 const v1::StudyRun* first_valid_run(const v1::StudyResult& result);

@@ -121,6 +121,18 @@ class KillClient(Fault):
         scene.send_again()
 
 
+@contextlib.contextmanager
+def daemon_killed_meanwhile(scene):
+    """kill -9 of the daemon within half a second; at the end the next daemon is there."""
+    killed = threading.Timer(scene.chance.uniform(0.0, 0.5),
+                             scene.daemon.process.send_signal, (signal.SIGKILL,))
+    killed.start()
+    yield
+    killed.join()
+    scene.daemon.wait()
+    scene.come_back()
+
+
 class KillUnderLoad(Fault):
     """kill -9 of the daemon while a client submits one tiny job after another"""
     short, long = 3, 30
@@ -128,14 +140,9 @@ class KillUnderLoad(Fault):
     jobs = 15  # for each kill
 
     def disturb(self, scene, count):
-        killed = threading.Timer(scene.chance.uniform(0.0, 0.5),
-                                 scene.daemon.process.send_signal, (signal.SIGKILL,))
-        killed.start()
-        for _ in range(self.jobs):
-            scene.submit(fake(scene.chance.choice(TINY)))
-        killed.join()
-        scene.daemon.wait()
-        scene.come_back()
+        with daemon_killed_meanwhile(scene):
+            for _ in range(self.jobs):
+                scene.submit(fake(scene.chance.choice(TINY)))
         scene.send_again()
 
 
@@ -146,14 +153,9 @@ class KillDuringUploads(Fault):
     jobs = 12  # for each kill
 
     def disturb(self, scene, count):
-        killed = threading.Timer(scene.chance.uniform(0.0, 0.5),
-                                 scene.daemon.process.send_signal, (signal.SIGKILL,))
-        killed.start()
-        for _ in range(self.jobs):
-            self.submit(scene)
-        killed.join()
-        scene.daemon.wait()
-        scene.come_back()
+        with daemon_killed_meanwhile(scene):
+            for _ in range(self.jobs):
+                self.submit(scene)
         if os.listdir(scene.data("uploads")):
             count.found("wrong", "uploads of a killed daemon are left")
         unsure, scene.unsure = scene.unsure, []
