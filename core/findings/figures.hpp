@@ -47,12 +47,11 @@ struct StepFigures {
   double energy_balance_error = 0.0;  ///< [1] relative to the heat exchanged
   double superheat = 0.0;             ///< [J/m], [J/rad], [J] of the metal poured so far
   double level_heat = 0.0;            ///< [J/m], [J/rad], [J] in through the metal level so far
-  double water_share =
-      0.0;  ///< [1] heat taken, relative to the most that the water of a face could take
-  bool water_boiled_away = false;       ///< on some face too little water is left to cover it
-  bool water_thrown_off = false;        ///< a vapour film has thrown the water off some face
-  double weight = 0.0;                  ///< [N/m], in 3D [N]
-  double bottom_reaction = 0.0;         ///< [N/m] upwards, in 3D [N]
+  double water_share = 0.0;           ///< [1] heat taken by the water of a face, of the most it can
+  bool water_boiled_away = false;     ///< on some face too little water is left to cover it
+  bool water_thrown_off = false;      ///< a vapour film has thrown the water off some face
+  double weight = 0.0;                ///< [N/m], in 3D [N]
+  double bottom_reaction = 0.0;       ///< [N/m] upwards, in 3D [N]
   double complementarity_error = 0.0;   ///< [1] relative to 1 mm and the weight
   double metal_depth = 0.0;             ///< [m] from the bottom to the metal level
   double sump_depth = 0.0;              ///< [m]

@@ -6,6 +6,7 @@
 
 #include "proto/case_file/study_keys.hpp"
 #include "server/judging/judged_study.hpp"
+#include "tests/support/study_result.hpp"
 
 namespace dccast::judging {
 namespace {
@@ -16,24 +17,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-void add_axis(v1::StudyResult& result, const std::string& key, const std::string& low,
-              const std::string& high) {
-  auto& axis = *result.mutable_study()->mutable_sweep()->add_axes();
-  axis.set_key(key);
-  axis.add_values(low);
-  axis.add_values(high);
-}
-
-/// A run that moves one axis (-1: none) to an end, with its curl [mm].
-v1::StudyRun& add_run(v1::StudyResult& result, int axis, int end, double curl_mm) {
-  v1::StudyRun& run = *result.add_runs();
-  run.set_state(v1::SUCCEEDED);
-  const auto& axes = result.study().sweep().axes();
-  for (int i = 0; i < axes.size(); ++i) run.add_values(i == axis ? axes[i].values(end) : "");
-  run.add_end_curl_m(1e-3 * curl_mm);
-  run.add_end_curl_m(1e-3);
-  return run;
-}
+using support::add_axis, support::add_run;
 
 v1::StudyResult sensitivity() {
   v1::StudyResult result;
