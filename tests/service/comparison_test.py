@@ -80,7 +80,7 @@ class Comparisons(ServiceTest):
             with self.subTest(word=word):
                 error = self.refused(code, self.compare, *runs)
                 self.assertIn(word, error.details())
-        waiting = self.client.submit(fake_case("steps=20 hang_at=1", mesh={"columns": 34}))
+        waiting = self.client.submit(fake_case("steps=20 hang_once_at=1", mesh={"columns": 34}))
         self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.compare, {"job": job},
                      {"job": waiting.id})
 
