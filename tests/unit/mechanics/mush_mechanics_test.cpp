@@ -59,6 +59,81 @@ TEST(MushMechanics, ASmallPressureDecaysExponentially) {
   EXPECT_NEAR(stress, exact, 3e-3 * exact);
 }
 
+/// Stress along a bar whose ends are held, by the law for one stress alone: elastic and creep
+/// strain are what the bar would have contracted.
+class HeldBar {
+public:
+  explicit HeldBar(const material::MechanicalProperties& law) : law_(law) {}
+
+  /// @param contraction  free strain since the start [1], negative @return stress [Pa]
+  double step(double temperature, double contraction, double dt) {
+    const double young =
+        9.0 / (1.0 / law_.bulk_modulus(temperature) + 3.0 / law_.shear_modulus(temperature));
+    double low = 0.0, high = 1e9;
+    for (int i = 0; i < 200; ++i) {
+      stress_ = 0.5 * (low + high);
+      const double strain =
+          stress_ / young + crept_ + dt * creep_rate(temperature, stress_) + contraction;
+      (strain > 0.0 ? high : low) = stress_;
+    }
+    crept_ += dt * creep_rate(temperature, stress_);
+    return stress_;
+  }
+
+  /// Rate of strain along the bar at a stress along it [1/s].
+  double creep_rate(double temperature, double stress) const {
+    const double power = law_.creep().exponent - 2.0;
+    const auto creep = law_.creep_factors(temperature);
+    const double norm = std::sqrt(2.0 / 3.0) * stress, mean = stress / 3.0;
+    return creep.deviatoric * std::pow(norm, power) * (2.0 / 3.0) * stress +
+           creep.volumetric / 3.0 * std::pow(std::hypot(mean, creep.linear_below), power) * mean;
+  }
+
+private:
+  const material::MechanicalProperties& law_;
+  double stress_ = 0.0;  ///< [Pa]
+  double crept_ = 0.0;   ///< [1]
+};
+
+/// A bar that is held at both ends and cools from coherency on builds the stress of its law.
+TEST(MushMechanics, AHeldBarBuildsTheStrengthOfItsLaw) {
+  using Element = fem::AxisymmetricQ1;
+  constexpr double start = 622.9, end = 560.0, cooling = 0.05;  // [degC], [degC], [K/s]
+  const material::MechanicalProperties law(mush_card());
+
+  FixedBody<Element> bar(verification::uniform_rectangle(0.01, 0.05, 1, 1, kind_of<Element>));
+  bar.problem.exponent = law.creep().exponent;
+  bar.problem.melt_pressure = {0.0};
+  for (int n = 0; n < bar.mesh.nodes(); ++n) {
+    bar.fix(n, 1, 0.0);
+    if (bar.mesh.point(n)[0] == 0.0) bar.fix(n, 0, 0.0);
+  }
+
+  HeldBar exact(law);
+  constexpr int steps = 1000;
+  constexpr double dt = (start - end) / cooling / steps;
+  for (int i = 1; i <= steps; ++i) {
+    const double temperature = start + (end - start) * i / steps;
+    const auto creep = law.creep_factors(temperature);
+    const double contraction = law.thermal_stretch(temperature) - law.thermal_stretch(start);
+    bar.problem.bulk = {law.bulk_modulus(temperature)};
+    bar.problem.shear = {law.shear_modulus(temperature)};
+    bar.problem.kappa = {creep.deviatoric};
+    bar.problem.volumetric_kappa = {creep.volumetric};
+    bar.problem.linear_below = {creep.linear_below};
+    bar.problem.thermal = {contraction};
+    ASSERT_TRUE(bar.step(tight(1e-11), dt).converged) << temperature;
+
+    const double stress = exact.step(temperature, contraction, dt);
+    ASSERT_NEAR(bar.stress(0, 0)[1], stress, 1e-6 * stress + 1.0) << temperature;
+  }
+
+  // Solid by now: creep is as fast as contraction.
+  const double contraction_rate =
+      -cooling * (law.thermal_stretch(end - 0.5) - law.thermal_stretch(end + 0.5));
+  EXPECT_NEAR(exact.creep_rate(end, bar.stress(0, 0)[1]), contraction_rate, 0.2 * contraction_rate);
+}
+
 TEST(MushMechanics, TangentOfTheMeanStressIsItsDerivative) {
   StepProblem<3> problem;
   problem.exponent = 6.0;

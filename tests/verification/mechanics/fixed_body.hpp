@@ -48,6 +48,7 @@ public:
     problem.target.assign(unknowns, 0.0);
     unknowns_.displacement.assign(unknowns, 0.0);
     unknowns_.deviator.resize(elements * Element::points);
+    mean_stress_.assign(elements, 0.0);
   }
   FixedBody(const FixedBody&) = delete;
 
@@ -116,6 +117,7 @@ public:
     const auto outcome = mechanics::solve_step(problem, options, work, trial);
     if (outcome.converged) {
       unknowns_ = std::move(trial);
+      store_mean_stress();
       mechanics::accumulate_viscoplastic_strain(problem, unknowns_.deviator, unknowns_.displacement,
                                                 problem.hardened, problem.inelastic);
     }
@@ -131,13 +133,12 @@ public:
   /// Stress at a quadrature point [Pa], of the last step's end.
   PlaneStress stress(int element, std::size_t point) const {
     PlaneStress s = unknowns_.deviator[std::size_t(element) * Element::points + point];
-    return s.add_identity(mechanics::mean_normal_stress(problem, element, unknowns_.displacement));
+    return s.add_identity(mean_stress_[std::size_t(element)]);
   }
   std::vector<PlaneStress> stresses() const {
     std::vector<PlaneStress> all = unknowns_.deviator;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      all[i].add_identity(mechanics::mean_normal_stress(
-          problem, static_cast<int>(i / Element::points), unknowns_.displacement));
+      all[i].add_identity(mean_stress_[i / Element::points]);
     }
     return all;
   }
@@ -149,7 +150,16 @@ public:
   mechanics::StepProblem<2> problem;
 
 private:
+  /// Before the creep of the step joins the inelastic strain, from which it follows.
+  void store_mean_stress() {
+    for (int e = 0; e < mesh.elements(); ++e) {
+      mean_stress_[std::size_t(e)] =
+          mechanics::mean_normal_stress(problem, e, unknowns_.displacement);
+    }
+  }
+
   mechanics::StepUnknowns<2> unknowns_;
+  std::vector<double> mean_stress_;  ///< (element) [Pa] at the end of the last step
 };
 
 /// A square or rectangle of equal cells from (0, 0), patches named as for a slab.
