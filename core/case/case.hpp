@@ -102,7 +102,7 @@ struct Validity {
   double minimum_shell = 0.0;                  ///< [m]; 0: any continuous solid shell is enough
 };
 
-/// Limits of the findings; docs/findings.md explains how they were chosen.
+/// Limits of the findings; docs/findings.md has their sources.
 struct Plausibility {
   double minimum_superheat = 0.0;       ///< [K]
   double minimum_shell = 0.0;           ///< [m]
