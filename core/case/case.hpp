@@ -93,7 +93,7 @@ enum class WhenLost {
   go_on,  ///< the run continues; every later step is marked
 };
 
-/// Limits of the model; docs/validity.md explains how they were chosen.
+/// Limits of the model; docs/developers/validity.md explains how they were chosen.
 struct Validity {
   WhenLost when_lost = WhenLost::stop;
   double maximum_liquid_pressure_error = 0.0;  ///< [1] relative; for the prestressed liquid only
@@ -102,7 +102,7 @@ struct Validity {
   double minimum_shell = 0.0;                  ///< [m]; 0: any continuous solid shell is enough
 };
 
-/// Limits of the findings; docs/findings.md explains how they were chosen.
+/// Limits of the findings; docs/findings.md has their sources.
 struct Plausibility {
   double minimum_superheat = 0.0;       ///< [K]
   double minimum_shell = 0.0;           ///< [m]

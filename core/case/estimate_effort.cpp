@@ -8,10 +8,10 @@ namespace dccast::casting {
 
 namespace {
 
-// Seconds on one core of a server of 2023, fitted to the cases of docs/validity.md: within a factor
-// of 1.5 on the shipped cases and on refinement 2 with newton, and on steps halved and quartered
-// with the cells. Fits, not theory: the cost of a step goes with the nodes times those of a row,
-// the band of the matrix.
+// Seconds on one core of a server of 2023, fitted to the cases of docs/developers/validity.md:
+// within a factor of 1.5 on the shipped cases and on refinement 2 with newton, and on steps halved
+// and quartered with the cells. Fits, not theory: the cost of a step goes with the nodes times
+// those of a row, the band of the matrix.
 constexpr double heat_by_node = 0.5e-6;       // [s]
 constexpr double heat_by_band = 26e-9;        // [s]
 constexpr double mechanics_by_band = 142e-9;  // [s] newton, at steps of `usual_step`
@@ -33,7 +33,7 @@ constexpr double solid_mechanics_by_node = 1.8e-5;  // [s] iterations of newton 
 
 // The same with the two-grid solver instead of the factor: peak memory of whole processes from
 // 6,000 to 97,000 nodes was 13 to 17 kB per node, the time of a step 40 to 60 us per node
-// (docs/large-solids.md).
+// (docs/developers/large-solids.md).
 constexpr double grids_memory_by_node = 1.8e4;  // [bytes]
 constexpr double grids_seconds_by_node = 5e-5;  // [s] a mechanical step
 constexpr double memory_before_grids = 1.5e8;   // [bytes] of the largest factor before the switch

@@ -10,7 +10,7 @@ namespace dccast::linalg {
 namespace {
 
 /// Work of a row of tiles from which a team gains more than its members wait for each other
-/// [multiplications and additions]: docs/threads.md.
+/// [multiplications and additions]: docs/developers/threads.md.
 constexpr double shared_row_flops = 2e5;
 
 /// Smallest portions of a pass through a matrix or a factor that several threads share: some 20 us

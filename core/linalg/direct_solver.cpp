@@ -8,7 +8,7 @@ namespace dccast::linalg {
 
 namespace {
 
-// Measured for a quarter slab in hexahedra on one core: docs/factorisation.md, "In three
+// Measured for a quarter slab in hexahedra on one core: docs/developers/factorisation.md, "In three
 // dimensions".
 constexpr double solves_per_factor = 20.0;  // with one factor per step
 constexpr double solve_bytes_rate = 6e9;    // [byte/s] of factor in a solve by either method

@@ -11,7 +11,7 @@ namespace dccast::linalg {
 
 /// Direct solver for symmetric positive definite systems on a fixed pattern: BandCholesky if the
 /// band is narrow enough for it to be the fastest, DissectionCholesky for larger 2D systems,
-/// CholmodSolver otherwise. docs/factorisation.md has the measurements.
+/// CholmodSolver otherwise. docs/developers/factorisation.md has the measurements.
 ///
 /// Analyse once per mesh, factorise when the values change, solve as often as needed.
 ///

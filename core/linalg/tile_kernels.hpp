@@ -79,10 +79,10 @@ struct Front {
 struct TileKernels {
   const char* name;
   /// Work per unknown below which a band factorisation is faster than CHOLMOD's: the mean square of
-  /// the height of its columns [1]. Measured, see docs/factorisation.md.
+  /// the height of its columns [1]. Measured, see docs/developers/factorisation.md.
   double flops_per_unknown;
   /// Speed of a factorisation in floating-point operations per second [1/s]. Measured, see
-  /// docs/factorisation.md.
+  /// docs/developers/factorisation.md.
   double flops_per_second;
   /// Replaces the matrix by its Cholesky factor.
   /// @param from   first row of tiles to compute; those before it already hold the factor
@@ -113,7 +113,7 @@ struct TileKernelList {
 TileKernelList runnable_tile_kernels();
 
 /// A factor larger than this is no longer in the cache when a solve needs it [byte]. Measured, see
-/// docs/factorisation.md.
+/// docs/developers/factorisation.md.
 inline constexpr std::size_t cache_bytes = std::size_t(8) << 20;
 
 /// Uninitialised storage for the tiles of a factor, in huge pages if it is large: a solve reads all

@@ -16,7 +16,8 @@ namespace dccast::mechanics {
 /// In 2D every solution uses the factor directly. In 3D a factorisation costs as much as many
 /// solutions: the factor is kept as preconditioner of conjugate gradients as long as it is good
 /// enough, through changes of the held unknowns and of the stiffness. If even one factor is too
-/// large, the two-grid preconditioner of the workspace replaces it: docs/large-solids.md.
+/// large, the two-grid preconditioner of the workspace replaces it:
+/// docs/developers/large-solids.md.
 class ConstrainedSystem {
 public:
   ConstrainedSystem(const linalg::SparsityPattern& pattern, Workspace& work)

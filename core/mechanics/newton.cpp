@@ -89,7 +89,8 @@ private:
   /// Chord steps: the factor is kept while it reduces the residual.
   bool find_direction(double relative, double last, bool moved,
                       std::span<const double> step_of_fixed) {
-    // The tangent is kept when the set changes near equilibrium: docs/contact-factorisation.md.
+    // The tangent is kept when the set changes near equilibrium:
+    // docs/developers/contact-factorisation.md.
     const bool slow = outcome_.iterations == 1 || (!moved && relative > chord_reduction * last);
     const bool kept = !slow && (!moved || system_.change(constraints_.fixed(), step_of_fixed));
     if (!kept && !factorize(step_of_fixed)) return false;
@@ -97,7 +98,7 @@ private:
   }
 
   /// Whether a factorisation costs as much as many solutions. A band factorisation does not, so
-  /// that chord steps are faster: docs/factorisation.md.
+  /// that chord steps are faster: docs/developers/factorisation.md.
   bool keeps_factor() const {
     return work_.two_grid != nullptr || (work_.is_solid && !work_.solver.uses_band());
   }

@@ -12,7 +12,8 @@ enum class Confinement { exact, penalty };
 /// The strain measure.
 enum class Kinematics {
   small_strain,  ///< symmetric gradient of the displacement, as in the paper
-  corotational,  ///< the same after removing the rotation of each solid element, docs/kinematics.md
+  corotational,  ///< the same after removing the rotation of each solid element,
+                 ///< docs/developers/kinematics.md
 };
 
 /// Parameters of the paper's algorithms; case.proto gives the section numbers.
@@ -49,7 +50,7 @@ struct Options {
   std::optional<int> maximum_iterations;
   AlgorithmParameters parameters;
   /// Number of unknowns of an extruded solid from which `newton` uses the two-grid solver instead
-  /// of a factorisation. Measured; not a key of a case (docs/large-solids.md).
+  /// of a factorisation. Measured; not a key of a case (docs/developers/large-solids.md).
   int two_grids_from_unknowns = 15000;
 };
 

@@ -19,7 +19,7 @@ template <int Dim>
 constexpr int up = Dim - 1;
 
 /// From 4 to 32 smallest rows per coarse row the number of iterations grows by a seventh, while the
-/// coarse factor shrinks to a hundredth: docs/large-solids.md.
+/// coarse factor shrinks to a hundredth: docs/developers/large-solids.md.
 constexpr double rows_of_a_coarse_one = 32.0;
 
 /// Mean height of the nodes of an element [m].

@@ -66,7 +66,7 @@ const Discretisation& section_discretisation(v1::Quality quality) {
 /// uniform; cells at the faces are narrower, since a wide cell stays hot at the surface and gives
 /// off too much heat. The lowest rows resolve the shell over the block, which is 4 to 15 mm thick
 /// in the first minute. Rows that growth adds have little effect; deep ones are merged. The runs on
-/// which this is based are in docs/quarter-slab.md.
+/// which this is based are in docs/developers/discretisation.md.
 const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
   static const Discretisation draft{.column = 82e-3,
                                     .fewest_columns = 6,

@@ -5,8 +5,8 @@
 
 #include "dccast/v1/case.pb.h"
 
-/// Defaults of mesh and time steps by `quality`, defined here only; docs/error-bars.md has the
-/// measurements on which they are based.
+/// Defaults of mesh and time steps by `quality`, defined here only;
+/// docs/developers/discretisation.md has the measurements on which they are based.
 namespace dccast::case_file {
 
 /// Fills missing keys of `mesh` and `time.step` according to quality and kind of section. Qualities

@@ -30,8 +30,8 @@ struct CurveLimit {
 ///
 /// 1.25 is Roache's factor for three meshes. More than first order is not believed: the steps are
 /// those of backward Euler and halve with the cells, so that the second order that coarse meshes
-/// show does not last (docs/error-bars.md has the figures). The larger of two measures keeps the
-/// interval from closing where two curves cross.
+/// show does not last (docs/developers/discretisation.md has the figures). The larger of two
+/// measures keeps the interval from closing where two curves cross.
 ///
 /// Without three such curves, or when they swing or drift apart, there is no limit to offer: then
 /// the uncertainty is 1.25 times the largest difference between these curves up to that instant.

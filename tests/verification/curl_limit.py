@@ -4,7 +4,8 @@
     curl_limit.py VERIFY FOLDER [--finest 4]
 
 VERIFY is the program dccast-verify. The curve of each run is kept in FOLDER and not computed again. Prints the
-tables of docs/error-bars.md: studies of the mesh and of the steps, each with its order, and error against seconds.
+tables of docs/developers/discretisation.md: studies of the mesh and of the steps, each with its order, and error
+against seconds.
 """
 import argparse
 import csv

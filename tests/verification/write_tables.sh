@@ -38,9 +38,9 @@ cat <<'TEXT'
 Shear stress of T1 at epsilon = 1e-3, the paper's figures 9 to 11
 (`dccast-verify shear --delta D --beta B -o FILE`):
 
-![delta 1, beta 2](t1-shear-delta1-beta2.svg)
-![delta 1, beta 1](t1-shear-delta1-beta1.svg)
-![delta 2, beta 1](t1-shear-delta2-beta1.svg)
+![delta 1, beta 2](developers/t1-shear-delta1-beta2.svg)
+![delta 1, beta 1](developers/t1-shear-delta1-beta1.svg)
+![delta 2, beta 1](developers/t1-shear-delta2-beta1.svg)
 TEXT
 for number in 4 5 6; do show table "$number" "${full[@]}"; done
 for number in 7 8; do show table "$number"; done

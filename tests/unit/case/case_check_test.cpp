@@ -25,7 +25,8 @@ TEST(CaseCheck, AGoodCaseHasNoFaultAndAnEstimate) {
   EXPECT_GT(checked.estimate.memory_bytes, 0.0);
 }
 
-/// A more expensive case gets a higher estimate; docs/validity.md has the measured accuracy.
+/// A more expensive case gets a higher estimate; docs/developers/validity.md has the measured
+/// accuracy.
 TEST(CaseCheck, TheEstimateKnowsAlgorithmElementAndPhysics) {
   const auto seconds = [](const std::function<void(Case&)>& change) {
     Case c = small_casting(mesh::ElementKind::q1);
