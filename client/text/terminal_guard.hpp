@@ -8,7 +8,7 @@
 namespace dccast::client::render {
 
 /// The text as a terminal may be given it: characters that would act on it are written out
-/// (\u{1B}), besides line ends, tabs and the colours of this program.
+/// (`\u{1B}`), besides line ends, tabs and the colours of this program.
 std::string for_terminal(std::string_view text);
 
 /// Stands between a stream and its terminal, as texts of case files, of other machines and of their

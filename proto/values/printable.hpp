@@ -20,8 +20,8 @@ std::optional<std::string> unprintable(std::string_view text, Lines lines = Line
 /// Position of the first byte that is not UTF-8; nothing if there is none.
 std::optional<std::size_t> first_broken_utf8(std::string_view text);
 
-/// The text with each unprintable() character written as \u{1B}, or \x{E9} for a byte that is not
-/// UTF-8. The result is UTF-8.
+/// The text with each unprintable() character written as `\u{1B}`, or `\x{E9}` for a byte that is
+/// not UTF-8. The result is UTF-8.
 std::string escaped(std::string_view text, Lines lines = Lines::one);
 
 /// escaped() for a text between quotation marks: '"' and '\\' are preceded by a backslash.

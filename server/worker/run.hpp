@@ -25,7 +25,7 @@ public:
   virtual void send(v1::JobEvent event) = 0;
   virtual casting::Order order() const = 0;
   /// The valid reports of earlier attempts, from the first step on. @param most  number of reports
-  virtual std::vector<v1::StepReport> steps(std::size_t) const { return {}; }
+  virtual std::vector<v1::StepReport> steps(std::size_t /*most*/) const { return {}; }
   /// Waits until all sent events are on the disk. @throws std::system_error
   virtual void sync() {}
 };
