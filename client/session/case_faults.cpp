@@ -1,5 +1,7 @@
 #include "client/session/case_faults.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
 #include <iostream>
@@ -89,6 +91,21 @@ CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
   CaseUnderCheck checked;
   checked.read = case_file::read_text(text, name, checked.description);
   checked.text = text;
+  apply(changes, checked);
+  return checked;
+}
+
+CaseUnderCheck read_case_elsewhere(const std::string& text, const std::string& name,
+                                   const std::vector<v1::CaseChange>& changes) {
+  CaseUnderCheck checked;
+  checked.read = case_file::read_elsewhere(text, name, checked.description);
+  checked.text = text;
+
+  for (const std::string& file : checked.read.files) {
+    v1::Fault& fault = checked.read.faults.emplace_back();
+    fault.set_message(fmt::format("the case names the file {}, which is not part of it", file));
+    fault.set_remedy("use dccast submit, which sends the files of a case with it");
+  }
   apply(changes, checked);
   return checked;
 }

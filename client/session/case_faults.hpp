@@ -36,6 +36,11 @@ CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChan
 CaseUnderCheck read_case_text(const std::string& text, const std::string& name,
                               const std::vector<v1::CaseChange>& changes = {});
 
+/// The same of a text from another machine: no file of this one is read, and one that the text
+/// names is a fault.
+CaseUnderCheck read_case_elsewhere(const std::string& text, const std::string& name,
+                                   const std::vector<v1::CaseChange>& changes = {});
+
 /// The case of a job as it was submitted, with the changes made then and further ones. Throws
 /// CommandFailed for a job that was submitted without its file, and Interrupted.
 CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,

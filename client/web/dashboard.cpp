@@ -1,5 +1,6 @@
 #include "client/web/dashboard.hpp"
 
+#include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
@@ -7,17 +8,24 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
+#include <filesystem>
 #include <map>
+#include <mutex>
 #include <sstream>
+#include <utility>
 
 #include "client/html/colour_bands.hpp"
 #include "client/html/frame_surface.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
 #include "client/model/json.hpp"
+#include "client/model/slab_recipe.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
+#include "client/text/plant_units.hpp"
+#include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/values/digests.hpp"
@@ -167,13 +175,38 @@ private:
   std::string bytes_;
 };
 
-v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, int number) {
+/// @param field  name of a field, in place of mesh and temperature; empty: these
+v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, int number,
+                                 const std::string& field = "") {
   v1::QueryResultRequest request;
   request.set_id(id);
   request.set_frame(true);
   request.set_frame_number(number);
+  request.set_field(field);
   request.set_page_size(1);
   return connection.call(&Stub::QueryResult, request);
+}
+
+/// The values as 32-bit floats, little-endian, as this machine is.
+std::string float_bytes(const google::protobuf::RepeatedField<float>& values) {
+  return {reinterpret_cast<const char*>(values.data()),
+          static_cast<std::size_t>(values.size()) * sizeof(float)};
+}
+
+/// The times of all stored frames and the fields that the last one has. A job without frames is no
+/// fault: then `reason` says why there is none.
+Json frames_json(Connection& connection, const std::string& id) {
+  Json json{{"times", Json::array()}, {"fields", Json::array()}, {"reason", ""}};
+  try {
+    const auto result = frame_of(connection, id, 0);
+    for (const double time_s : result.frame_time_s()) json["times"].push_back(time_s);
+    for (const v1::FrameField& field : result.frame().fields())
+      json["fields"].push_back(to_json(field));
+  } catch (const CommandFailed& failure) {
+    if (failure.code() == ExitCode::not_found) throw;
+    json["reason"] = failure.what();
+  }
+  return json;
 }
 
 constexpr const char* html = "text/html; charset=utf-8";
@@ -196,15 +229,41 @@ Reply comparison(Connection& connection, const std::vector<std::string>& ids) {
 
 // ---- What-if: a case with changes, computed at once.
 
-/// The cases that a what-if can begin with.
+/// The cases that a what-if can begin with: files that were named when the dashboard was started,
+/// cases that a page has given, and the shipped ones. A page sees names without folders.
 class Bases {
 public:
-  explicit Bases(const std::vector<std::string>& files) : files_(files) {}
+  explicit Bases(const std::vector<std::string>& files) {
+    for (const std::string& file : files) {
+      const std::filesystem::path path = file;
+      std::string name = path.filename();
+      for (int n = 2; files_.contains(name); ++n)
+        name = fmt::format("{} ({})", path.filename().string(), n);
+      files_[name] = file;
+    }
+  }
 
   Json names() const {
-    Json names(files_);
+    Json names = Json::array();
+    for (const auto& [name, path] : files_) names.push_back(name);
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& [name, text] : given_) names.push_back(name);
+    }
     for (const auto& name : shipped::names_of(shipped::case_templates())) names.push_back(name);
     return names;
+  }
+
+  /// Keeps a case that a page has given, until many others have come.
+  /// @return the name under which it is found
+  std::string keep(const std::string& name, const std::string& text) {
+    constexpr std::size_t most_given = 20;
+    const std::lock_guard lock(mutex_);
+    const std::string own = "page: " + name;
+    std::erase_if(given_, [&](const auto& given) { return given.first == own; });
+    given_.emplace_front(own, text);
+    if (given_.size() > most_given) given_.pop_back();
+    return own;
   }
 
   /// Throws CommandFailed: no such case, or faults in it or in the changes.
@@ -225,14 +284,63 @@ public:
 private:
   CaseUnderCheck read(const std::string& name, const std::vector<v1::CaseChange>& changes) const {
     // Only files that were named when the dashboard was started: a page reads no others.
-    if (std::ranges::find(files_, name) != files_.end()) return read_case(name, changes);
+    if (const auto file = files_.find(name); file != files_.end())
+      return read_case(file->second, changes);
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& [given, text] : given_)
+        if (given == name) return read_case_elsewhere(text, name, changes);
+    }
     if (const auto* shipped = shipped::find(shipped::case_templates(), name))
       return read_case_text(shipped->text, name, changes);
     throw CommandFailed(ExitCode::not_found, "there is no case " + name);
   }
 
-  std::vector<std::string> files_;
+  std::map<std::string, std::string> files_;  ///< path by name
+  mutable std::mutex mutex_;
+  std::deque<std::pair<std::string, std::string>> given_;  ///< name and text, the newest first
 };
+
+/// What is said of a case text: what it casts, a drawing, its faults; then the case is not kept.
+Json case_json(const CaseUnderCheck& checked) {
+  std::ostringstream faults;
+  if (!checked.faults.empty()) print_faults(checked, faults);
+  Json json{{"faults", faults.str()}, {"summary", ""}, {"drawing", ""}};
+  if (!checked.faults.empty()) return json;
+
+  v1::Case complete = checked.description;
+  case_file::apply_defaults(complete);
+  json["summary"] = render::casting_summary(complete);
+  json["drawing"] = render::casting_drawing(complete);
+  return json;
+}
+
+/// A case that a page has uploaded. It is kept where it has no fault of its own or by the server.
+Json uploaded(Connection& connection, Bases& bases, const Request& request) {
+  constexpr std::size_t longest_name = 100;
+  const std::string name = request.name.substr(0, longest_name);
+  CaseUnderCheck checked = read_case_elsewhere(request.body, name);
+  check_with_server(checked, connection);
+
+  Json json = case_json(checked);
+  json["name"] = checked.faults.empty() ? bases.keep(name, request.body) : "";
+  return json;
+}
+
+/// The case of a slab by a few figures, as `dccast new --slab` makes it.
+Json slab_json(const Request& request) {
+  const NewCase made = new_case({.slab = request.value("slab"),
+                                 .alloy = request.value("alloy"),
+                                 .speed = request.value("speed"),
+                                 .water = request.value("water")});
+  Json json{{"text", made.text}, {"summary", made.summary}, {"drawing", ""}, {"faults", ""}};
+  std::string faults;
+  for (const std::string& fault : made.faults) faults += fault + "\n";
+  json["faults"] = faults;
+  if (made.faults.empty())
+    json["drawing"] = case_json(read_case_elsewhere(made.text, "slab"))["drawing"];
+  return json;
+}
 
 Json answer_json(const Answer& answer) {
   Json json{{"history", history_json(answer.history)},
@@ -323,14 +431,17 @@ void add_results(WebServer& server, const Connect& connect) {
     return Reply{sketch_json(connection, request.name).dump()};
   });
   get("/frames", [](Connection& connection, const Request& request) {
-    const auto result = frame_of(connection, request.name, 1);
-    return Reply{
-        Json(std::vector<double>(result.frame_time_s().begin(), result.frame_time_s().end()))
-            .dump()};
+    return Reply{frames_json(connection, request.name).dump()};
   });
   get("/frame", [](Connection& connection, const Request& request) {
     const int number = std::atoi(request.value("number").c_str());
     return Reply{.body = FrameBytes(frame_of(connection, request.name, number).frame()).take(),
+                 .type = "application/octet-stream"};
+  });
+  get("/field", [](Connection& connection, const Request& request) {
+    const int number = std::atoi(request.value("number").c_str());
+    const auto result = frame_of(connection, request.name, number, request.value("name"));
+    return Reply{.body = float_bytes(result.frame().field().values()),
                  .type = "application/octet-stream"};
   });
   get("/report", [](Connection& connection, const Request& request) {
@@ -362,7 +473,13 @@ void add_results(WebServer& server, const Connect& connect) {
 }
 
 void add_what_if(WebServer& server, const Connect& connect, const std::vector<std::string>& cases) {
-  const auto bases = std::make_shared<const Bases>(cases);
+  const auto bases = std::make_shared<Bases>(cases);
+  server.post("/upload", connected(connect, [=](Connection& connection, const Request& request) {
+                return Reply{uploaded(connection, *bases, request).dump()};
+              }));
+  server.get("/slab", [](const Request& request) { return Reply{slab_json(request).dump()}; });
+  server.get("/alloys",
+             [](const Request&) { return Reply{Json(case_file::alloy_names()).dump()}; });
   server.get("/bases", [=](const Request&) { return Reply{bases->names().dump()}; });
   server.get("/case", [=](const Request& request) { return case_text(bases->read(request)); });
   server.events("/ask", [=](const Request& request) {

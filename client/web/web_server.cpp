@@ -34,11 +34,12 @@ constexpr const char* alone_policy =
 
 /// A browser sends a strict cookie only from a page of this origin: not with the redirection that
 /// sets it, where another page, such as a file, led to it. This page, for all, goes on to the
-/// first.
+/// first; its script takes along the fragment, which names the page that is to be shown.
 constexpr const char* threshold_path = "/entered";
 constexpr const char* threshold_page =
     "<!DOCTYPE html>\n<meta charset=\"utf-8\">\n<title>dccast</title>\n"
-    "<meta http-equiv=\"refresh\" content=\"0; url=/\">\n";
+    "<script src=\"/entered.js\"></script>\n"
+    "<noscript><meta http-equiv=\"refresh\" content=\"0; url=/\"></noscript>\n";
 
 int status_of(ExitCode code) {
   switch (code) {

@@ -81,7 +81,6 @@ std::vector<results::Finding> forecast(const Case& c) {
 namespace {
 
 const char* checkpoint_name = "checkpoint.bin";
-const char* journal_name = "journal.bin";
 const char* results_name = "results.h5";
 
 results::RunHeader header_of(const Case& c) {

@@ -18,6 +18,9 @@ std::vector<results::Finding> forecast(const Case& casting_case);
 /// What to do with a checkpoint written by another version of the solver, see solver_identity().
 enum class OtherVersion { begin_anew, wait, fail };
 
+/// The file in the directory of a run to which it appends its frames, see results::Journal.
+inline constexpr const char* journal_name = "journal.bin";
+
 /// Directory for the files of a run: `checkpoint.bin`, `journal.bin` and `results.h5.part` while it
 /// runs, then `results.h5` and `results.xdmf`, which appear complete or not at all.
 struct RunDirectory {

@@ -255,13 +255,28 @@ v1::ValidateCaseResponse CaseIntake::ask_core(v1::CheckCase check,
 }
 
 v1::QueryResultResponse CaseIntake::stored_frame(const std::filesystem::path& job_folder,
-                                                 const v1::Artifact& results, int number,
+                                                 const v1::Artifact& results,
+                                                 const FrameChoice& choice,
                                                  const jobs::CallLimits& waiting) const {
   digests_->require_sound(job_folder, results);
+  return read_frame(job_folder, choice, false, waiting);
+}
 
+v1::QueryResultResponse CaseIntake::frame_so_far(const std::filesystem::path& job_folder,
+                                                 const FrameChoice& choice,
+                                                 const jobs::CallLimits& waiting) const {
+  return read_frame(job_folder, choice, true, waiting);
+}
+
+v1::QueryResultResponse CaseIntake::read_frame(const std::filesystem::path& job_folder,
+                                               const FrameChoice& choice, bool running,
+                                               const jobs::CallLimits& waiting) const {
   v1::WorkerRequest request;
-  request.mutable_read_frame()->set_directory(job_folder);
-  request.mutable_read_frame()->set_number(number);
+  v1::ReadFrame& asked = *request.mutable_read_frame();
+  asked.set_directory(job_folder);
+  asked.set_number(choice.number);
+  asked.set_field(choice.field);
+  asked.set_running(running);
   return std::move(*workers_.ask(request, waiting).mutable_stored());
 }
 
@@ -284,6 +299,24 @@ std::string answer_key(v1::Case complete, const jobs::Attachments& attachments) 
   return fingerprint(complete, attachments);
 }
 
+namespace {
+
+/// As a case file has it.
+const char* name_of_quality(v1::Quality quality) {
+  switch (quality) {
+    case v1::DRAFT:
+      return "draft";
+    case v1::ENGINEERING:
+      return "engineering";
+    case v1::FINE:
+      return "fine";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
 jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachments,
                      const ExaminedCase& examined) {
   jobs::NewJob job;
@@ -292,6 +325,8 @@ jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachm
   job.submitted_case = submitted.SerializeAsString();
   job.complete_case = examined.complete.SerializeAsString();
   job.answer_key = answer_key(examined.complete, attachments);
+  if (case_file::quality_matters(submitted))
+    job.quality = name_of_quality(examined.complete.quality());
   job.estimated_s = examined.verdict.estimate().solver_s();
   return job;
 }

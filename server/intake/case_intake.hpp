@@ -31,6 +31,12 @@ struct ExaminedCase {
   v1::ValidateCaseResponse verdict;
 };
 
+/// A stored frame of a run: all of it, or one field.
+struct FrameChoice {
+  int number = 0;       ///< 1 is the first, 0 the last
+  std::string field{};  ///< name of a v1::FrameField; empty: mesh and temperature
+};
+
 /// Examines cases before they are queued. What single values permit is checked here by the schema;
 /// how they fit together is checked by the core, in a worker: a mesh or temperature file that
 /// brings it down costs one answer.
@@ -56,16 +62,24 @@ public:
 
   /// The times of all frames that a job has stored, and one of them; without it when there are
   /// fewer. @param results  of the job, as its worker published them
-  /// @param number  1 is the first, 0 the last
   /// @throws jobs::WorkerDidNotAnswer, jobs::UnsoundResult
   v1::QueryResultResponse stored_frame(const std::filesystem::path& job_folder,
-                                       const v1::Artifact& results, int number,
+                                       const v1::Artifact& results, const FrameChoice& choice,
+                                       const jobs::CallLimits& waiting) const;
+
+  /// The same of a job whose run has not ended, from its journal; no times where it has none yet.
+  /// @throws jobs::WorkerDidNotAnswer
+  v1::QueryResultResponse frame_so_far(const std::filesystem::path& job_folder,
+                                       const FrameChoice& choice,
                                        const jobs::CallLimits& waiting) const;
 
   const std::vector<v1::Alloy>& alloys() const { return alloys_; }
   const Ceilings& ceilings() const { return ceilings_; }
 
 private:
+  v1::QueryResultResponse read_frame(const std::filesystem::path& job_folder,
+                                     const FrameChoice& choice, bool running,
+                                     const jobs::CallLimits& waiting) const;
   ExaminedCase judged(const v1::Case& submitted, const jobs::Attachments& attachments,
                       std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
                       bool findings) const;

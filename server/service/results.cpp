@@ -63,15 +63,21 @@ void add_frame(Context& context, const Call& call, const v1::QueryResultRequest&
   const int number = request.frame_number();
   if (number < 0) refuse("frame_number must not be negative: 1 is the first frame, 0 the last");
   const v1::Artifact* results = artifact_of(job, "results.h5");
-  if (results == nullptr) refuse_state(job, "it has no frame yet: watch it until it has results");
+  const auto folder = context.jobs_directory / request.id();
+  const intake::FrameChoice choice{.number = number, .field = request.field()};
+  const auto waiting = waiting_time(call, context.settings.check_timeout_s());
   const v1::QueryResultResponse stored =
-      context.intake.stored_frame(context.jobs_directory / request.id(), *results, number,
-                                  waiting_time(call, context.settings.check_timeout_s()));
+      results ? context.intake.stored_frame(folder, *results, choice, waiting)
+              : context.intake.frame_so_far(folder, choice, waiting);
+
   const int frames = stored.frame_time_s_size();
-  if (frames == 0) refuse_state(job, "its results hold no frame");
+  if (frames == 0) refuse_state(job, results ? "its results hold no frame" : "it has no frame yet");
   if (!stored.has_frame())
     refuse(grpc::OUT_OF_RANGE, "job {} has {} frames; ask for one of 1 to {}, or 0 for the last",
            request.id(), frames, frames);
+  if (!choice.field.empty() && !stored.frame().has_field())
+    refuse(grpc::NOT_FOUND, "the frame has no field \"{}\"; a frame without one names them",
+           choice.field);
   response.MergeFrom(stored);
 }
 

@@ -146,7 +146,7 @@ std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
     throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
                                    "the case of job " + job.id() + " cannot be read");
   const auto last =
-      intake_.stored_frame(options_.jobs_directory / job.id(), results_of(job), 0,
+      intake_.stored_frame(options_.jobs_directory / job.id(), results_of(job), {},
                            {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
   const auto face = std::make_shared<const RunFace>(RunFace{
       complete.section(), frames::steady_face(frames::contraction_of(complete, last.frame()))});

@@ -8,7 +8,9 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <variant>
+#include <vector>
 
 #include "core/results/step_report.hpp"
 #include "proto/values/printable.hpp"
@@ -188,6 +190,67 @@ std::string describe(const std::vector<Fault>& faults) {
   return escaped(text);
 }
 
+namespace {
+
+/// A field of a frame with one number for each node or element.
+struct ScalarField {
+  const char* name;
+  const char* unit;
+  const char* meaning;
+  bool on_nodes;
+  std::vector<double> values;
+};
+
+/// The fields that are worth a picture: those with one component, and the largest principal stress.
+/// Temperature comes with every frame; the solid fraction stands for the liquid one.
+std::vector<ScalarField> scalar_fields(const results::Frame& frame) {
+  std::vector<ScalarField> fields;
+  for (const results::FrameArray& array : results::frame_arrays()) {
+    const std::vector<double>& values = frame.*array.values;
+    const bool drawn = array.rank == results::FrameArray::Rank::scalar &&
+                       array.on != results::FrameArray::On::bottom &&
+                       array.values != &results::Frame::temperature &&
+                       array.values != &results::Frame::liquid_fraction;
+    if (drawn && !values.empty())
+      fields.push_back({array.dataset, array.unit, array.meaning,
+                        array.on == results::FrameArray::On::nodes, values});
+  }
+
+  for (results::DerivedField& field : results::derived_fields(frame)) {
+    if (field.components == 1) {
+      fields.push_back(
+          {field.name, field.unit, field.meaning, field.on_nodes, std::move(field.values)});
+    } else if (std::string_view(field.name) == "principal_stress_pa") {
+      std::vector<double> largest;
+      for (std::size_t i = 0; i < field.values.size(); i += 3) largest.push_back(field.values[i]);
+      fields.push_back({field.name, field.unit, "largest principal stress, tension positive",
+                        field.on_nodes, std::move(largest)});
+    }
+  }
+  return fields;
+}
+
+void describe(const ScalarField& field, v1::FrameField& to) {
+  to.set_name(field.name);
+  to.set_unit(field.unit);
+  to.set_meaning(field.meaning);
+  to.set_on_nodes(field.on_nodes);
+}
+
+}  // namespace
+
+v1::Frame field_to_proto(const results::Frame& frame, const std::string& name) {
+  v1::Frame to;
+  to.set_time_s(frame.time);
+  to.set_cast_length_m(frame.cast_length);
+  for (const ScalarField& field : scalar_fields(frame)) {
+    if (field.name != name) continue;
+    describe(field, *to.mutable_field());
+    to.mutable_field()->mutable_values()->Add(field.values.begin(), field.values.end());
+  }
+  return to;
+}
+
 v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header) {
   v1::Frame to;
   to.set_time_s(frame.time);
@@ -208,6 +271,8 @@ v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header
   to.set_liquidus_c(header.liquidus);
   to.set_solidus_c(header.solidus);
   to.set_shell_c(header.shell);
+
+  for (const ScalarField& field : scalar_fields(frame)) describe(field, *to.add_fields());
   return to;
 }
 

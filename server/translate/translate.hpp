@@ -31,8 +31,13 @@ v1::ValidateCaseResponse to_proto(const casting::CheckedCase& checked);
 /// All faults in one text, for a job whose case is found invalid only at the start of its run.
 std::string describe(const std::vector<Fault>& faults);
 
+/// Converts mesh, temperature and bottom, and names the fields that can be asked for.
 /// @param header  of the same result file, with the temperatures at which the metal freezes
 v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header);
+
+/// Converts one field of a frame, and its instant; without a field where there is none of that
+/// name.
+v1::Frame field_to_proto(const results::Frame& frame, const std::string& name);
 
 /// @param monitors  of the case, in its order: the core's reports identify them by index
 v1::StepReport to_proto(const results::StepReport& report,

@@ -24,6 +24,7 @@
 #include "core/casting/simulation.hpp"
 #include "core/casting/stored_run.hpp"
 #include "core/findings/judge.hpp"
+#include "core/results/journal.hpp"
 #include "core/results/result_reader.hpp"
 #include "core/results/study_table.hpp"
 #include "core/storage/storage_error.hpp"
@@ -238,15 +239,53 @@ v1::ValidateCaseResponse check_case(const v1::CheckCase& asked) {
   return verdict;
 }
 
-v1::QueryResultResponse read_frame(const v1::ReadFrame& asked) {
-  const results::ResultReader reader(std::filesystem::path(asked.directory()) / "results.h5");
-  v1::QueryResultResponse found;
-  const auto times = reader.frame_times();
-  found.mutable_frame_time_s()->Add(times.begin(), times.end());
+/// What a run has stored so far, of its frames the one with this number, from 1 on; 0: the last.
+struct StoredFrames {
+  results::RunHeader header;
+  std::vector<double> times;  ///< [s] of all frames
+  std::optional<results::Frame> frame{};
+};
 
-  const auto number = asked.number() == 0 ? times.size() : static_cast<std::size_t>(asked.number());
-  if (number >= 1 && number <= times.size())
-    *found.mutable_frame() = translate::to_proto(reader.frame(number - 1), reader.header());
+StoredFrames frames_of_result(const std::filesystem::path& path, std::size_t number) {
+  const results::ResultReader reader(path);
+  StoredFrames found{.header = reader.header(), .times = reader.frame_times()};
+  const std::size_t asked = number == 0 ? found.times.size() : number;
+  if (asked >= 1 && asked <= found.times.size()) found.frame = reader.frame(asked - 1);
+  return found;
+}
+
+/// A run appends to its journal meanwhile: a record that is not complete yet ends what is read.
+StoredFrames frames_of_journal(const std::filesystem::path& path, std::size_t number) {
+  StoredFrames found;
+  if (!std::filesystem::exists(path)) return found;
+
+  results::visit_journal(path, [&](const results::Record& record) {
+    if (record.kind == results::RecordKind::header)
+      found.header = results::read_header(record.content);
+    if (record.kind != results::RecordKind::frame) return true;
+
+    found.times.push_back(record.content.reals("instant").at(0));
+    if (number == 0 || number == found.times.size())
+      found.frame = results::read_frame(record.content);
+    return true;
+  });
+  return found;
+}
+
+v1::QueryResultResponse read_frame(const v1::ReadFrame& asked) {
+  const std::filesystem::path folder = asked.directory();
+  const auto number = static_cast<std::size_t>(asked.number());
+  const StoredFrames stored = asked.running()
+                                  ? frames_of_journal(folder / casting::journal_name, number)
+                                  : frames_of_result(folder / "results.h5", number);
+
+  v1::QueryResultResponse found;
+  found.mutable_frame_time_s()->Add(stored.times.begin(), stored.times.end());
+  if (!stored.frame) return found;
+
+  *found.mutable_frame() = asked.field().empty()
+                               ? translate::to_proto(*stored.frame, stored.header)
+                               : translate::field_to_proto(*stored.frame, asked.field());
   return found;
 }
 

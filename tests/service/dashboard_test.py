@@ -15,6 +15,7 @@ import subprocess
 import threading
 import time
 import urllib.parse
+import uuid
 
 from selenium import webdriver
 from selenium.webdriver.common.by import By
@@ -22,7 +23,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from certificates import TestCa
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import case_pb2, job_pb2, service_pb2
 from doctor_test import ClientTest
 from support import BIN, ServiceTest, fake_case, main, until
 
@@ -322,7 +323,7 @@ class RealRuns(WithoutBrowser):
         self.assertIn('end = "20 s"', text)
         job = json.loads(self.ask(f"/keep/{case}", "POST", "", **self.own())[1])["job"]
         self.client.until_state(job, job_pb2.SUCCEEDED)
-        times = json.loads(self.ask(f"/frames/{job}")[1])
+        times = json.loads(self.ask(f"/frames/{job}")[1])["times"]
         self.assertGreater(len(times), 1)
         raw = self.ask(f"/frame/{job}?number={len(times)}")[1]
         nodes, elements, per, triangles, edges, dimension = struct.unpack("<6i", raw[:24])
@@ -367,6 +368,34 @@ class InBrowser(Dashboard):
             return any(text in element.text for element in found)
         WebDriverWait(self.browser, seconds, ignored_exceptions=[Exception]).until(there)
 
+    def press(self, text, selector="main .bar"):
+        """Presses the button with this text."""
+        def pressed(browser):
+            for button in browser.find_elements(By.CSS_SELECTOR, f"{selector} button"):
+                if button.text == text and button.is_enabled():
+                    button.click()
+                    return True
+            return False
+        WebDriverWait(self.browser, 20, ignored_exceptions=[Exception]).until(pressed)
+
+    def on_phone(self, width=390):
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": width, "height": 844, "deviceScaleFactor": 1, "mobile": True})
+
+    def hidden_sideways(self):
+        """Elements that reach beyond the screen, or hold more than they show side by side."""
+        return self.browser.execute_script("""
+            const wide = document.documentElement.clientWidth, found = [];
+            for (const e of document.body.querySelectorAll('*')) {
+              const box = e.getBoundingClientRect(), style = getComputedStyle(e);
+              if (box.width === 0 || e.closest('svg') !== null && e.tagName !== 'svg') continue;
+              const scrolls = /auto|scroll|hidden/.test(style.overflowX) && e.scrollWidth > e.clientWidth + 1
+                && !/INPUT|SELECT|TEXTAREA/.test(e.tagName);
+              if (box.right > wide + 1 && !e.classList.contains('skip') || scrolls)
+                found.push(`${e.tagName} ${e.className} ${Math.round(box.right)} ${e.scrollWidth}`);
+            }
+            return found;""")
+
     def another(self):
         return self.browser.execute_async_script(
             "const done = arguments[0];"
@@ -374,8 +403,7 @@ class InBrowser(Dashboard):
 
     def complaints(self):
         return [entry["message"] for entry in self.browser.get_log("browser")
-                if entry["level"] == "SEVERE" and "favicon" not in entry["message"]
-                and "/frames/" not in entry["message"]]  # the fake worker has none
+                if entry["level"] == "SEVERE"]
 
 
 class Pages(InBrowser):
@@ -411,10 +439,107 @@ class Pages(InBrowser):
                 "return document.querySelector('figure path.line')?.getAttribute('d')")
         first = drawn()
         WebDriverWait(self.browser, 20).until(lambda _: drawn() not in (first, None))
-        [button for button in self.browser.find_elements(By.CSS_SELECTOR, ".bar button")
-         if button.text == "Cancel"][0].click()
+        self.press("Cancel")
+        self.press("Cancel this job", "dialog")
         self.wait_for("cancelled")
         self.client.until_state(job.id, job_pb2.CANCELLED)
+
+    def test_a_cancel_is_asked_for_and_can_be_undone(self):
+        job = self.client.submit(fake_case("steps=100000 sleep_ms=20"))
+        self.go(f"job/{job.id}")
+        self.wait_for("running")
+        self.press("Cancel")
+        self.wait_for("cannot be continued", "dialog")
+        self.press("Keep running", "dialog")
+        self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, "dialog, .pending"), [])
+
+        self.press("Cancel")
+        self.press("Cancel this job", "dialog")
+        self.go("jobs")  # it can be undone from any page
+        self.press("Undo", ".pending")
+        self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, ".pending"), [])
+        step = self.client.job(job.id).last_step.step
+        self.client.until_step(job.id, step + 350)  # 7 s: longer than it would have waited
+        self.assertEqual(self.client.job(job.id).state, job_pb2.RUNNING)
+
+        self.go(f"job/{job.id}")
+        self.wait_for("running")
+        self.press("Cancel")
+        self.press("Cancel this job", "dialog")
+        self.find(".pending")
+        self.browser.get("about:blank")  # the page is left: there is nobody to undo it any more
+        self.client.until_state(job.id, job_pb2.CANCELLED, seconds=4)
+
+    def test_many_jobs_by_their_label(self):
+        running = [self.client.submit(fake_case("steps=100000 sleep_ms=20"), labels=["line=3"]).id
+                   for _ in range(2)]
+        other = self.client.submit(fake_case("steps=100000 sleep_ms=20"), labels=["line=4"]).id
+        self.wait_for("3 jobs")
+        self.find("select[aria-label=Label] option[value='line=3']").click()
+        WebDriverWait(self.browser, 10).until(
+            lambda b: len(b.find_elements(By.CSS_SELECTOR, "tbody tr")) == 2)
+        self.find(".bar input[type=checkbox]").click()
+        self.press("Pause 2")
+        for job in running:
+            self.client.until_state(job, job_pb2.PAUSED)
+        self.press("Resume 2")
+        self.press("Cancel 2")
+        self.press("Cancel 2 jobs", "dialog")
+        for job in running:
+            self.client.until_state(job, job_pb2.CANCELLED, seconds=20)
+        self.assertIn(self.client.job(other).state, (job_pb2.QUEUED, job_pb2.RUNNING))
+        self.client.cancel(other)
+        self.assertEqual(self.complaints(), [])
+
+    def test_runs_fold_under_their_study(self):
+        study = str(uuid.uuid4())
+        for number, quality in enumerate(2 * [case_pb2.DRAFT]):
+            change = {"key": "schedule.water_flow.scale", "value": f"0.{8 + number}"}
+            job = self.client.submit(fake_case(f"steps=20 number={number}", quality=quality), study=study,
+                                     changes=[change, {"key": "time.end", "value": "145 s"}])
+            self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        self.finished_job("steps=20 alone")
+        self.wait_for("3 jobs: 0 running, 0 queued, 3 succeeded")
+        rows = lambda: [row.text for row in self.browser.find_elements(By.CSS_SELECTOR, "tbody tr")]
+        self.assertEqual(len(rows()), 2)
+        folded = self.find("tr.study")
+        for text in ("2 runs", study[:8], "2 of 2 succeeded", "draft", "time.end = 145 s", " to "):
+            self.assertIn(text, folded.text)
+        self.assertNotIn("water_flow", folded.text)
+        self.find("button.fold").send_keys(Keys.ENTER)
+        WebDriverWait(self.browser, 10).until(lambda _: len(rows()) == 4)
+        self.assertIn("schedule.water_flow.scale = 0.9", self.find("tr.run").text)
+        self.assertNotIn("time.end", self.find("tr.run").text)
+        self.assertIn("engineering", rows()[0])
+        self.assertEqual(self.find("button.fold").get_attribute("aria-expanded"), "true")
+        self.assertEqual(self.complaints(), [])
+
+    def test_the_wall_shows_the_worst_finding_beside_the_number(self):
+        self.finished_job("steps=20 finding_at=3")
+        self.go("wall")
+        self.wait_for("The shell leaves the mould 3 mm thick.", ".verdict")
+        line = self.find(".verdict")
+        self.assertIn("danger", line.text)
+        self.assertLess(abs(line.rect["y"] + line.rect["height"] / 2
+                            - self.find(".huge").rect["y"] - self.find(".huge").rect["height"] / 2), 100)
+
+    def test_the_link_of_a_job_opens_it_in_another_browser(self):
+        job = self.finished_job("steps=20 for anna")
+        self.go(f"job/{job}")
+        self.wait_for("for anna")
+        self.press("Link")
+        links = [box.get_attribute("value")
+                 for box in self.browser.find_elements(By.CSS_SELECTOR, "dialog input")]
+        self.assertEqual(links[0], f"http://127.0.0.1:{self.url.port}/#/job/{job}")
+        self.press("Close", "dialog")
+        self.browser.get(links[0])
+        self.wait_for("for anna")
+        self.browser.get("about:blank")
+        self.browser.delete_all_cookies()
+        self.browser.execute_cdp_cmd("Network.clearBrowserCookies", {})
+        self.browser.get(links[1])
+        self.wait_for("for anna")
+        self.assertEqual(self.complaints(), [])
 
     def test_hostile_names_are_inert(self):
         job = self.finished_job("steps=20 " + HOSTILE)
@@ -481,6 +606,24 @@ class Pages(InBrowser):
                 f"return getComputedStyle(document.body).{name}") for name in ("color", "backgroundColor"))
             self.assertGreater(sum(map(int, ink[4:-1].split(","))),
                                sum(map(int, paper[4:-1].split(","))))
+
+
+    def test_on_a_phone_nothing_is_hidden_sideways(self):
+        study = str(uuid.uuid4())
+        change = {"key": "cooling.bottom_block.contact_coefficient.scale", "value": "1.25 until 100 mm"}
+        jobs = [self.client.submit(fake_case(f"steps=20 finding_at=3 number={n} " + 8 * "long-title "),
+                                   study=study if n else "", changes=[change], labels=["line=3"]).id
+                for n in range(3)]
+        for job in jobs:
+            self.client.until_state(job, job_pb2.SUCCEEDED)
+        self.on_phone()
+        self.find("button.fold").click()
+        for page in ("jobs", f"job/{jobs[0]}", f"compare/{jobs[0]}/{jobs[1]}", "studies", "what-if",
+                     "wall"):
+            self.go(page)
+            time.sleep(1)
+            self.assertEqual(self.hidden_sideways(), [], page)
+        self.assertEqual(self.complaints(), [])
 
 
 class Opened(InBrowser):
@@ -559,35 +702,186 @@ class RealPages(InBrowser):
         self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "#answer figure svg")), 2)
         self.assertEqual(self.complaints(), [])
 
-    def test_the_slab_is_drawn_cut_and_probed(self):
-        path = os.path.join(CASES, "start-3d.toml")
-        submitted = subprocess.run(
-            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "submit", path, "--set",
-             "quality=draft", "--set", "time.end=10 s"], capture_output=True, text=True, timeout=60,
-            check=True)
-        job = submitted.stdout.strip()
-        self.client.until_state(job, job_pb2.SUCCEEDED)
-        self.go(f"job/{job}")
-        canvas = self.find("canvas", 40)
-        self.wait_for("Colours from 20")
-        pixels = lambda: self.browser.execute_async_script("""
+    def pixels(self):
+        """Of the canvas: pixels drawn, colours, and the shares of its width and height that they span."""
+        return self.browser.execute_async_script("""
             const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => {
               const c = document.querySelector('canvas'), gl = c.getContext('webgl'), p = new Uint8Array(4 * c.width * c.height);
               gl.readPixels(0, 0, c.width, c.height, gl.RGBA, gl.UNSIGNED_BYTE, p);
-              const seen = new Set(); let filled = 0;
-              for (let i = 0; i < p.length; i += 4) if (p[i + 3]) { filled++; seen.add(p[i] << 16 | p[i + 1] << 8 | p[i + 2]); }
-              done([filled, seen.size]); }));""")
-        whole, colours = pixels()
+              const seen = new Set(); let filled = 0, left = c.width, right = 0, low = c.height, high = 0;
+              for (let i = 0; i < p.length; i += 4) if (p[i + 3]) {
+                const x = (i / 4) % c.width, y = Math.floor(i / 4 / c.width);
+                filled++; seen.add(p[i] << 16 | p[i + 1] << 8 | p[i + 2]);
+                left = Math.min(left, x); right = Math.max(right, x); low = Math.min(low, y); high = Math.max(high, y);
+              }
+              done([filled, seen.size, (right - left) / c.width, (high - low) / c.height]); }));""")
+
+    def submit_case(self, name, *changes):
+        words = [word for change in changes for word in ("--set", change)]
+        return subprocess.run(
+            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "submit", *words,
+             os.path.join(CASES, name)], capture_output=True, text=True, timeout=60,
+            check=True).stdout.strip()
+
+    def save_files_in(self, name):
+        folder = os.path.join(self.folder, name)
+        self.browser.execute_cdp_cmd("Browser.setDownloadBehavior",
+                                     {"behavior": "allow", "downloadPath": folder})
+        os.makedirs(folder)
+
+        def saved(ending):
+            files = lambda: [file for file in os.listdir(folder) if file.endswith(ending)]
+            until(files, 20)
+            with open(os.path.join(folder, files()[0]), "rb") as file:
+                return file.read()
+        return saved
+
+    def test_the_slab_is_drawn_cut_and_probed(self):
+        job = self.submit_case("start-3d.toml", "quality=draft", "time.end=10 s")
+        self.client.until_state(job, job_pb2.SUCCEEDED, seconds=60)
+        self.go(f"job/{job}")
+        canvas = self.find("canvas[aria-label^='Temperature of the slab at 10.0 s']", 40)
+        self.wait_for("Temperature, °C", "svg.colours")
+        whole, colours, across, up = self.pixels()
         self.assertGreater(whole, 20000)
         self.assertGreater(colours, 20)
+        self.assertGreater(max(across, up), 0.85)
         self.find(".cuts option[value='0']").click()
-        cut, _ = pixels()
-        self.assertLess(cut, whole)
-        self.assertGreater(cut, 0.3 * whole)
+        cut = self.pixels()
+        self.assertGreater(max(cut[2:]), 0.85)  # the cut fills the canvas
+        self.assertNotEqual(cut[0], whole)
+
         canvas.click()
-        self.wait_for("°C, moved")
+        self.wait_for("°C, moved", ".probe")
+        self.assertIn("10.0 s", self.find(".probe").text)
+        self.find(".stage .marker:not([hidden])")
+        time_slider = self.find(".levers.row input[type=range]")
+        time_slider.send_keys(Keys.ARROW_LEFT)
+        self.wait_for(" 0.0 s: ", ".probe")  # the value follows time
+        time_slider.send_keys(Keys.ARROW_RIGHT)
+        self.wait_for(" 10.0 s: ", ".probe")
         canvas.send_keys(Keys.ARROW_LEFT)
-        self.assertNotEqual(pixels()[0], cut)
+        self.assertNotEqual(self.pixels()[0], cut[0])
+        self.assertEqual(self.complaints(), [])
+
+    def test_fields_curves_and_files_of_the_slab(self):
+        job = self.submit_case("start-2d-thickness.toml", "quality=draft", "time.end=60 s")
+        self.client.until_state(job, job_pb2.SUCCEEDED, seconds=60)
+        self.go(f"job/{job}")
+        self.find("canvas[aria-label^='Temperature']", 40)
+        titles = [option.text for option in self.browser.find_elements(
+            By.CSS_SELECTOR, "select[aria-label=Field] option")]
+        for title in ("Temperature", "Solid fraction", "Stress, von Mises", "Strain, viscoplastic",
+                      "Gap to the block", "Hot tears, pressure drop"):
+            self.assertIn(title, titles)
+        pictures = {self.pixels()[1]}
+        for name in ("solid_fraction", "gap_m", "tear_pressure_pa", "von_mises_pa"):
+            self.find(f"select[aria-label=Field] option[value={name}]").click()
+            title = titles[[o.get_attribute("value") for o in self.browser.find_elements(
+                By.CSS_SELECTOR, "select[aria-label=Field] option")].index(name)]
+            self.find(f"canvas[aria-label^='{title} of']")
+            self.wait_for(title, "svg.colours")
+            pictures.add(self.pixels()[1])
+        self.assertIn("MPa", self.find("svg.colours").text)
+        self.assertGreater(len(pictures), 2)
+
+        point, end = (self.find(f"input[aria-label^='{label}']") for label in ("Point", "End of"))
+        point.send_keys("10, 20")
+        self.press("Over time", "main")
+        self.wait_for("Stress, von Mises at 10.0, 20.0 mm", "figcaption")
+        self.wait_for("MPa", ".probe")
+        end.send_keys("200, 20")
+        self.press("Along the line", "main")
+        self.wait_for("from 10.0, 20.0 to 200.0, 20.0 mm at 60.0 s", "figcaption")
+        stress = max(self.client.stub.QueryResult(service_pb2.QueryResultRequest(
+            id=job, frame=True, field="von_mises_pa"), timeout=20).frame.field.values)
+
+        saved = self.save_files_in("slab")
+        self.press("Data (CSV)", "main")
+        lines = saved(".csv").decode().splitlines()
+        self.assertIn("Stress, von Mises [MPa]", lines[0])
+        nodes = len(self.client.stub.QueryResult(service_pb2.QueryResultRequest(
+            id=job, frame=True), timeout=20).frame.temperature_c)
+        self.assertEqual(len(lines), nodes + 1)
+        largest = max(float(line.split(",")[-1]) for line in lines[1:])
+        # Means of the elements around a node, in MPa.
+        self.assertGreater(largest, 0.5e-6 * stress)
+        self.assertLess(largest, 1e-6 * stress * (1 + 1e-6))
+        self.press("Picture (PNG)", "main")
+        self.assertEqual(saved(".png")[:8], b"\x89PNG\r\n\x1a\n")
+        chart = self.save_files_in("chart")
+        for text in ("CSV", "PNG"):
+            self.press(text, ".job-parts figcaption")
+        self.assertEqual(len(chart(".csv").decode().splitlines()), 102)
+        self.assertEqual(chart(".png")[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(self.complaints(), [])
+
+        self.on_phone()
+        self.assertEqual(self.hidden_sideways(), [])
+
+    def test_the_slab_of_a_running_job(self):
+        job = self.submit_case("start-2d-thickness.toml", "quality=fine", "output.frame_interval=1 s")
+        self.client.until_step(job, 20, seconds=60)
+        self.go(f"job/{job}")
+        self.find("canvas[aria-label^='Temperature']", 40)
+        self.assertEqual(self.client.job(job).state, job_pb2.RUNNING)
+        shown = lambda: int(self.find(".levers.row input[type=range]").get_attribute("max"))
+        before = shown()
+        WebDriverWait(self.browser, 40).until(lambda _: shown() > before)
+        self.assertEqual(self.find(".levers.row input[type=range]").get_attribute("value"), str(shown()))
+        self.client.cancel(job)
+        self.assertEqual(self.complaints(), [])
+
+    def test_a_case_is_uploaded(self):
+        with open(os.path.join(CASES, "start-2d-thickness.toml"), encoding="utf-8") as file:
+            text = file.read()
+        own, faulty = (os.path.join(self.folder, name) for name in ("my line 3.toml", "faulty.toml"))
+        with open(own, "w", encoding="utf-8") as file:
+            file.write(text)
+        with open(faulty, "w", encoding="utf-8") as file:
+            file.write(text.replace("casting_speed", "casting_sped", 1)
+                       + '\n[mesh2]\nfile = "/etc/passwd"\n')
+        self.go("new")
+        self.find("#found img.drawing", 40)  # of the form
+        upload = self.find("#new-file")
+        upload.send_keys(faulty)
+        self.wait_for("casting_sped", "#found")
+        self.assertNotIn("root:", self.find("#found").text)
+        upload.send_keys(own)
+        WebDriverWait(self.browser, 20).until(
+            lambda b: "casting_sped" not in b.find_element(By.ID, "found").text)
+        self.find("#found img.drawing")
+        self.press("Queue as a job", "#found")
+        self.wait_for("Queued as", "#found")
+        job = self.find("#found p[role=status] a").text
+        self.client.until_state(job, job_pb2.SUCCEEDED, job_pb2.RUNNING, seconds=60)
+        self.press("What-if with it", "#found")
+        self.wait_for("As it is: corner", seconds=60)
+        self.assertEqual(self.find("#base").get_attribute("value"), "page: my line 3.toml")
+        self.assertNotIn("/", "".join(option.text for option in self.browser.find_elements(
+            By.CSS_SELECTOR, "#base option")))
+        self.assertEqual(self.complaints(), [])
+
+    def test_a_case_by_a_form(self):
+        self.go("new")
+        self.find("#found img.drawing", 40)
+        box = self.find("#new-slab")
+        box.clear()
+        box.send_keys("1200mm", Keys.TAB)
+        self.wait_for("1200mm", "#found .bad")
+        box.clear()
+        box.send_keys("1600x500mm", Keys.TAB)
+        self.wait_for("1600", "#found p")
+        natural = WebDriverWait(self.browser, 20).until(lambda b: b.execute_script(
+            "return document.querySelector('#found img.drawing')?.naturalWidth"))
+        self.assertGreater(natural, 100)
+        self.press("Queue as a job", "#found")
+        self.wait_for("Queued as", "#found", seconds=60)
+        job = self.find("#found p[role=status] a").text
+        case = self.client.stub.QueryResult(
+            service_pb2.QueryResultRequest(id=job), timeout=20).case
+        self.assertAlmostEqual(case.section.half_width_m, 0.8)
+        self.client.cancel(job)
         self.assertEqual(self.complaints(), [])
 
 

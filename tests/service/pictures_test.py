@@ -64,7 +64,7 @@ class Pictures(InBrowser):
         self.browser.get(again)
         self.browser.set_window_size(1100, 900)
         self.go(f"job/{job}")
-        self.wait_for("Colours from", seconds=60)
+        self.find("canvas[aria-label^='Temperature']", 60)
         self.find(".cuts option[value='0']").click()
         time.sleep(1)
         self.find(".job-parts").screenshot(self.made("dashboard-slab.png"))
@@ -82,6 +82,13 @@ class Pictures(InBrowser):
         time.sleep(1)
         self.browser.save_screenshot(self.made("dashboard-what-if.png"))
         self.seen("dashboard-what-if.png")
+
+    def test_new_case(self):
+        self.browser.set_window_size(1100, 1200)
+        self.go("new")
+        self.find("#found img.drawing", 60)
+        self.browser.save_screenshot(self.made("dashboard-new-case.png"))
+        self.seen("dashboard-new-case.png")
 
     def test_python_excel_and_paraview(self):
         matplotlib.use("Agg")

@@ -7,6 +7,8 @@ import signal
 import subprocess
 
 import grpc
+import h5py
+import numpy
 
 from dccast.v1 import job_pb2, service_pb2
 from support import BIN, ServiceTest, main
@@ -163,6 +165,45 @@ class RealRun(RealRunTest):
         error = self.refused(grpc.StatusCode.OUT_OF_RANGE, self.page, job_id, len(times) + 1)
         self.assertIn(f"has {len(times)} frames", error.details())
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.page, job_id, -1)
+
+    def test_every_field_of_a_frame_can_be_asked_for(self):
+        job_id = self.submit_case("quality=draft", "time.end=20 s")
+        self.finished_steps(job_id)
+        self.assertEqual(self.client.job(job_id).quality, "draft")
+        path = os.path.join(self.folder, "results.h5")
+        with open(path, "wb") as file:
+            for chunk in self.client.fetch(job_id):
+                file.write(chunk.data)
+        mesh = self.page(job_id, 0).frame
+        names = [field.name for field in mesh.fields]
+        for name in ("solid_fraction", "von_mises_pa", "principal_stress_pa", "tear_pressure_pa",
+                     "equivalent_viscoplastic_strain", "gap_m"):
+            self.assertIn(name, names)
+        with h5py.File(path) as results:
+            stored = results["frames"][sorted(results["frames"])[-1]]
+            for name in names:
+                asked = self.page(job_id, 0, field=name).frame
+                self.assertEqual((len(asked.node_m), asked.time_s), (0, 20))
+                expected = stored[name][:]
+                if expected.ndim == 2:  # the largest
+                    expected = expected[:, 0]
+                numpy.testing.assert_allclose(asked.field.values, expected, rtol=1e-6)
+                count = (len(mesh.temperature_c) if asked.field.on_nodes
+                         else len(mesh.element_node) // mesh.nodes_per_element)
+                self.assertEqual(len(asked.field.values), count, name)
+        error = self.refused(grpc.StatusCode.NOT_FOUND, self.page, job_id, 0, field="colour")
+        self.assertIn("colour", error.details())
+
+    def test_frames_of_a_running_job(self):
+        job_id = self.submit_case("quality=fine", "output.frame_interval=1 s")
+        self.client.until_step(job_id, 40, seconds=60)
+        running = self.page(job_id, 0)
+        self.assertGreater(len(running.frame_time_s), 1)
+        self.assertEqual(running.frame.time_s, running.frame_time_s[-1])
+        self.assertEqual(self.page(job_id, 1).frame.time_s, running.frame_time_s[0])
+        self.assertTrue(self.page(job_id, 0, field="solid_fraction").frame.field.values)
+        self.assertEqual(self.client.job(job_id).state, job_pb2.RUNNING)
+        self.client.cancel(job_id)
 
     def test_an_answer_stays_below_4_mib_however_large_frame_and_steps_are(self):
         """gRPC's own bound on a message; the client of these tests takes no more."""

@@ -32,9 +32,10 @@ export const get = async path => (await ask(path)).json();
 export const getText = async path => (await ask(path)).text();
 export const getBytes = async path => (await ask(path)).arrayBuffer();
 export const post = async path => (await ask(path, {method: 'POST'})).json();
+export const postText = async (path, body) => (await ask(path, {method: 'POST', body})).json();
 /** A call of the service by its name, as in service.proto. */
-export const call = async (name, request = {}) =>
-  (await ask(`/call/${name}`, {method: 'POST', body: JSON.stringify(request)})).json();
+export const call = async (name, request = {}, options = {}) =>
+  (await ask(`/call/${name}`, {method: 'POST', body: JSON.stringify(request), ...options})).json();
 
 /** Calls `take` with every event until `signal` aborts. Ends by itself at a fault, which goes to `fail`. */
 export function events(path, signal, take, fail = () => {}) {

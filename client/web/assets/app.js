@@ -4,6 +4,7 @@ import {h, replace} from './dom.js';
 import {comparePage} from './compare.js';
 import {jobPage} from './job.js';
 import {jobsPage} from './jobs.js';
+import {newCasePage} from './new_case.js';
 import {studiesPage, studyPage} from './studies.js';
 import {wallPage} from './wall.js';
 import {whatIfPage} from './what_if.js';
@@ -11,7 +12,7 @@ import {whatIfPage} from './what_if.js';
 const pages = {
   jobs: ['Jobs', jobsPage], job: ['Job', jobPage], compare: ['Comparison', comparePage],
   studies: ['Studies', studiesPage], study: ['Study', studyPage],
-  'what-if': ['What-if', whatIfPage], wall: ['Wall', wallPage],
+  new: ['New case', newCasePage], 'what-if': ['What-if', whatIfPage], wall: ['Wall', wallPage],
 };
 const main = document.getElementById('main'), status = document.getElementById('server');
 let left = new AbortController();

@@ -1,5 +1,6 @@
 // Line charts in SVG: lines, bands around them, a wanted range, a value under the pointer.
 import {fixed, h} from './dom.js';
+import {canvasOfSvg, fileName, saveCsv, savePng} from './save.js';
 
 const width = 900, height = 320, left = 52, right = 12, top = 22, bottom = 40;
 
@@ -75,7 +76,22 @@ export function chart(lines, {title, xLabel, yLabel, wanted = [], unit = 'mm'}) 
   };
   svg.addEventListener('pointermove', show);
   svg.addEventListener('pointerleave', () => { cursor.setAttribute('x1', -9); cursor.setAttribute('x2', -9); values.forEach(v => { v.textContent = ''; }); });
-  return h('figure', {}, svg, legend, h('figcaption', {}, title));
+  return h('figure', {}, svg, legend, h('figcaption', {}, title, savers(svg, lines, {title, xLabel, yLabel})));
+}
+
+/** Lines as CSV: side by side where all have the same points, else one below the other. */
+function csvRows(lines, {xLabel, yLabel}) {
+  const [first] = lines, same = lines.every(line => line.x.length === first.x.length && line.x.every((x, i) => x === first.x[i]));
+  if (same) return [[xLabel, ...lines.map(line => `${line.name}, ${yLabel}`)], ...first.x.map((x, i) => [x, ...lines.map(line => line.y[i])])];
+  return [['line', xLabel, yLabel], ...lines.flatMap(line => line.x.map((x, i) => [line.name, x, line.y[i]]))];
+}
+
+/** Buttons that save a chart as a picture and its lines as data. */
+function savers(svg, lines, labels) {
+  const name = fileName(labels.title);
+  const button = (text, act) => h('button', {type: 'button', onclick: act, 'aria-label': `${text} of ${labels.title}`}, text);
+  return h('span', {class: 'savers'}, button('PNG', async () => savePng(`${name}.png`, await canvasOfSvg(svg))),
+    button('CSV', () => saveCsv(`${name}.csv`, csvRows(lines, labels))));
 }
 
 /** Linear between the points of a line; NaN outside. */

@@ -40,11 +40,27 @@ const rank = {NOTE: 1, WARNING: 2, DANGER: 3};
 export const worst = findings => findings.reduce((most, f) => Math.max(most, rank[f.severity] || 0), 0);
 export const severityText = ['', 'note', 'warning', 'danger'];
 
+/**
+ * A table that a phone shows as one block for each row.
+ * @param heads  [text]
+ * @param rows   [[content, or {class, content}]]; content as of h()
+ */
+export function sheet(heads, rows) {
+  const cell = (given, i) => {
+    const {content, class: kind} = given?.content !== undefined ? given : {content: given};
+    return h('td', {class: kind, 'data-label': heads[i]}, content);
+  };
+  return h('div', {class: 'scroll', tabindex: 0}, h('table', {class: 'sheet'},
+    h('thead', {}, h('tr', {}, heads.map(text => h('th', {scope: 'col'}, text)))),
+    h('tbody', {}, rows.map(row => h('tr', {}, row.map(cell))))));
+}
+
+export const byGravity = findings => [...findings].sort((a, b) => (rank[b.severity] || 0) - (rank[a.severity] || 0));
+
 /** The findings of a job as a list, the gravest first. */
 export function findingList(findings) {
   if (findings.length === 0) return h('p', {class: 'soft'}, 'No findings.');
-  const sorted = [...findings].sort((a, b) => (rank[b.severity] || 0) - (rank[a.severity] || 0));
-  return h('ul', {class: 'findings'}, sorted.map(finding => {
+  return h('ul', {class: 'findings'}, byGravity(findings).map(finding => {
     const grave = (finding.severity || '').toLowerCase();
     return h('li', {}, h('span', {class: `tag ${grave}`}, grave), ' ', finding.message || finding.code);
   }));

@@ -1,208 +1,321 @@
-// A stored frame in WebGL: orbit, cut, deformation, time, and the values under the pointer. A section is drawn flat.
+// The slab of a job: fields of its stored frames in WebGL, cut, turned, in time, at a point and
+// along a line.
 import {get, getBytes} from './api.js';
-import {ticks} from './chart.js';
+import {chart} from './chart.js';
 import {fixed, h, replace} from './dom.js';
+import {cut, fieldsOf, fieldValues, locate, readFrame, shown, spreadFromBottom, temperature, valueAtPlace} from './frame_data.js';
+import {colourBar, fit, numberText, Painter, viewOf, viewOfCut, views} from './frame_view.js';
+import {canvasOfSvg, fileName, saveCsv, savePng} from './save.js';
 
-/** The arrays of /frame, as dashboard.cpp writes them. */
-export function readFrame(buffer) {
-  const counts = new Int32Array(buffer, 0, 8), [nodes, elements, perElement, triangles, edges, dimension] = counts;
-  let at = 32;
-  const floats = n => { const a = new Float32Array(buffer, at, n); at += 4 * n; return a; };
-  const whole = n => { const a = new Uint32Array(buffer, at, n); at += 4 * n; return a; };
-  const [time, length, liquidus, solidus] = floats(4);
-  return {nodes, elements, perElement, dimension, time, length, liquidus, solidus,
-    place: floats(3 * nodes), moved: floats(3 * nodes), warm: floats(nodes),
-    element: whole(elements * perElement), triangle: whole(3 * triangles), edge: whole(2 * edges)};
-}
+const mostKept = 40;  // frames in memory
 
-// A hexahedron in six tetrahedra around its diagonal from node 0 to node 6.
-const parts = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]];
+/** The frames of a job as they are asked for. */
+class Frames {
+  constructor(job) {
+    this.job = job;
+    this.kept = new Map();
+    this.times = [];
+    this.fields = [temperature];
+  }
 
-/** What a plane (axis, place in m) shows of the inside: triangles with place, displacement and temperature. */
-export function cut(frame, axis, at) {
-  const {place, moved, warm, element, perElement} = frame, out = [];
-  const add = (a, b) => {
-    const s = (at - place[3 * a + axis]) / (place[3 * b + axis] - place[3 * a + axis]);
-    for (const field of [place, moved]) for (let c = 0; c < 3; c++) out.push(field[3 * a + c] + s * (field[3 * b + c] - field[3 * a + c]));
-    out.push(warm[a] + s * (warm[b] - warm[a]));
-  };
-  const tetrahedron = (a, b, c, d) => {
-    const below = [], above = [];
-    for (const n of [a, b, c, d]) (place[3 * n + axis] < at ? below : above).push(n);
-    if (below.length === 0 || above.length === 0) return;
-    if (below.length === 2) {
-      const [p, q] = below, [r, s] = above;
-      add(p, r); add(p, s); add(q, s); add(p, r); add(q, s); add(q, r);
-    } else {
-      const [one] = below.length === 1 ? below : above;
-      for (const other of below.length === 1 ? above : below) add(one, other);
+  /** Asks which frames there are. @return whether there are more than before */
+  async look() {
+    const {times, fields, reason} = await get(`/frames/${this.job}`);
+    const more = times.length > this.times.length;
+    if (times.length) [this.times, this.fields] = [times, fieldsOf(fields)];
+    this.reason = reason;
+    return more;
+  }
+
+  async frame(number) {
+    if (!this.kept.has(number)) {
+      if (this.kept.size >= mostKept) this.kept.delete(this.kept.keys().next().value);
+      this.kept.set(number, readFrame(await getBytes(`/frame/${this.job}?number=${number}`)));
     }
-  };
-  for (let e = 0; e < element.length; e += perElement) {
-    let below = 0;
-    for (let k = e; k < e + perElement; k++) if (place[3 * element[k] + axis] < at) below++;
-    if (below === 0 || below === perElement) continue;
-    const node = k => element[e + k];
-    if (perElement === 4) tetrahedron(node(0), node(1), node(2), node(3));
-    else if (perElement === 8) for (const [a, b, c, d] of parts) tetrahedron(node(a), node(b), node(c), node(d));
+    return this.kept.get(number);
   }
-  return new Float32Array(out);
+
+  values(frame, number, field) { return fieldValues(frame, this.job, number, field); }
 }
 
-const vertex = `attribute vec3 place, moved; attribute float warm; uniform mat4 view; uniform float scale; uniform vec4 keep;
-varying float t; varying vec3 p; varying float side;
-void main() { p = place + scale * moved; t = warm; side = keep.w - dot(keep.xyz, place); gl_Position = view * vec4(p, 1.0); }`;
-// Bands of colour; light from the normal of the face, so that the form is seen.
-const fragment = `#extension GL_OES_standard_derivatives : enable
-precision mediump float; varying float t; varying vec3 p; varying float side; uniform vec2 range; uniform vec2 front; uniform float flat_; uniform vec4 line; uniform sampler2D bands;
-void main() { if (side < 0.) discard; if (line.a > 0.) { gl_FragColor = line; return; }
-  vec3 c = texture2D(bands, vec2((t - range.x) / (range.y - range.x), .5)).rgb;
-  float w = fwidth(t); if (abs(t - front.x) < w || abs(t - front.y) < w) c = vec3(1.);
-  float light = flat_ > .5 ? 1. : .8 + .2 * abs(normalize(cross(dFdx(p), dFdy(p))).z);
-  gl_FragColor = vec4(c * light, 1.); }`;
-
-function programOf(gl) {
-  const program = gl.createProgram();
-  for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-    const shader = gl.createShader(kind);
-    gl.shaderSource(shader, source);
-    gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  return program;
+function boundsOf(frame) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  frame.place.forEach((v, i) => {
+    low[i % 3] = Math.min(low[i % 3], v);
+    high[i % 3] = Math.max(high[i % 3], v);
+  });
+  return {low, high};
 }
 
-/** The bands of colour of a report, cold to hot, as a texture. */
-function bandTexture(gl, colours) {
-  const bytes = new Uint8Array(colours.flatMap(c => [1, 3, 5].map(i => parseInt(c.slice(i, i + 2), 16))));
-  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-  gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB, colours.length, 1, 0, gl.RGB, gl.UNSIGNED_BYTE, bytes);
-  for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.NEAREST], [gl.TEXTURE_MAG_FILTER, gl.NEAREST], [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]])
-    gl.texParameteri(gl.TEXTURE_2D, name, value);
+function rangeOf(values) {
+  let low = Infinity, high = -Infinity;
+  for (const v of values)
+    if (Number.isFinite(v)) {
+      low = Math.min(low, v);
+      high = Math.max(high, v);
+    }
+  if (!(low <= high)) return [0, 1];
+  return low === high ? [low - 0.5, high + 0.5] : [low, high];
 }
 
-/** Orthographic view: turned around the vertical by `yaw`, tilted by `pitch`, `size` metres high. Column by column. */
-export function viewOf({yaw, pitch, size, centre}, aspect) {
-  const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
-  const right = [cy, sy, 0], up = [-sy * sp, cy * sp, cp], to = [sy * cp, -cy * cp, sp];
-  const dot = v => v[0] * centre[0] + v[1] * centre[1] + v[2] * centre[2];
-  const [a, b, d] = [2 / (size * aspect), 2 / size, -0.5 / size];
-  return new Float32Array([right[0] * a, up[0] * b, to[0] * d, 0, right[1] * a, up[1] * b, to[1] * d, 0, right[2] * a, up[2] * b, to[2] * d, 0, -dot(right) * a, -dot(up) * b, -dot(to) * d, 1]);
-}
+/**
+ * Fills `box` with the slab of a job.
+ * @return {refresh}, which looks for further frames
+ */
+export async function frameViewer(box, signal, job, title) {
+  const frames = new Frames(job);
+  await frames.look();
+  if (frames.times.length === 0) throw new Error(frames.reason || 'No frame is stored.');
 
-/** Fills `box` with a viewer of the frames of a job. */
-export async function frameViewer(box, signal, id) {
-  const times = await get(`/frames/${id}`);
-  if (times.length === 0) throw new Error('No frame is stored.');
   const canvas = h('canvas', {width: 900, height: 620, tabindex: 0, role: 'img'});
-  const gl = canvas.getContext('webgl', {antialias: true, preserveDrawingBuffer: true});
-  if (!gl || !gl.getExtension('OES_standard_derivatives') || !gl.getExtension('OES_element_index_uint')) throw new Error('This browser has no WebGL.');
-  bandTexture(gl, await get('/colours/'));
-  const program = programOf(gl), place = name => gl.getUniformLocation(program, name);
-  const probe = h('p', {role: 'status', class: 'soft'}, 'Drag to turn, wheel or + and - to zoom, click for a value.');
-  const slider = (name, attributes, act) => {
-    const input = h('input', {type: 'range', oninput: () => act(Number(input.value)), ...attributes}), output = h('output');
-    return {input, output, label: h('label', {}, name, output, input)};
-  };
-  const frames = new Map();
-  const eye = {yaw: 2.4, pitch: 0.5, size: 1, centre: [0, 0, 0]};
-  let frame = null, scale = 1, axis = -1, at = 1, buffers = null, capCount = 0, asked = 0;
+  const colours = await get('/colours/'), painter = new Painter(canvas, colours);
+  signal.addEventListener('abort', () => painter.release());
+  const aspect = canvas.width / canvas.height;
+  const marker = h('span', {class: 'marker', hidden: true}),
+        stage = h('div', {class: 'stage'}, canvas, marker);
+  const bar = h('div'), probe = h('p', {role: 'status', class: 'soft probe'}), picture = h('div');
+  const hint = 'Drag to turn, wheel or + and - to zoom, click for values at a point.';
 
-  const buffer = (target, data) => { const b = gl.createBuffer(); gl.bindBuffer(target, b); gl.bufferData(target, data, gl.STATIC_DRAW); return b; };
-  function upload() {
-    for (const b of Object.values(buffers || {})) gl.deleteBuffer(b);
-    buffers = {place: buffer(gl.ARRAY_BUFFER, frame.place), moved: buffer(gl.ARRAY_BUFFER, frame.moved), warm: buffer(gl.ARRAY_BUFFER, frame.warm),
-      triangle: buffer(gl.ELEMENT_ARRAY_BUFFER, frame.triangle), edge: buffer(gl.ELEMENT_ARRAY_BUFFER, frame.edge), cap: gl.createBuffer()};
-    cutNow();
-  }
-  function bounds() {
-    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    frame.place.forEach((v, i) => { low[i % 3] = Math.min(low[i % 3], v); high[i % 3] = Math.max(high[i % 3], v); });
-    return {low, high};
-  }
-  const plane = () => { const {low, high} = bounds(); return low[axis] + at * (high[axis] - low[axis]); };
-  function cutNow() {
-    capCount = 0;
-    if (axis < 0 || frame.dimension !== 3) return;
-    const cap = cut(frame, axis, plane());
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffers.cap);
-    gl.bufferData(gl.ARRAY_BUFFER, cap, gl.DYNAMIC_DRAW);
-    capCount = cap.length / 7;
-  }
-  function attribute(name, b, size, stride = 0, offset = 0) {
-    const where = gl.getAttribLocation(program, name);
-    gl.bindBuffer(gl.ARRAY_BUFFER, b);
-    gl.enableVertexAttribArray(where);
-    gl.vertexAttribPointer(where, size, gl.FLOAT, false, stride, offset);
-  }
+  const eye = {...views['From the corner'], size: 1, centre: [0, 0, 0]};
+  let frame = null, number = frames.times.length, values = null, range = [0, 1], scale = 1,
+      axis = -1, depth = 0.5, asked = 0;
+  let point = null, end = null, drawnTimes = 0;
+
+  // ---- Drawing
+
+  const is3d = () => frame.dimension === 3;
+  const plane = () => {
+    const {low, high} = boundsOf(frame);
+    return low[axis] + depth * (high[axis] - low[axis]);
+  };
   function draw() {
     asked = 0;
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    gl.enable(gl.DEPTH_TEST);
-    gl.useProgram(program);
-    gl.uniformMatrix4fv(place('view'), false, viewOf(eye, canvas.width / canvas.height));
-    gl.uniform1f(place('scale'), scale);
-    gl.uniform2f(place('range'), 20, frame.liquidus || 660);
-    gl.uniform2f(place('front'), frame.solidus, frame.liquidus);
-    gl.uniform1f(place('flat_'), frame.dimension === 3 ? 0 : 1);
     const keep = [0, 0, 0, 1];
-    if (axis >= 0 && frame.dimension === 3) { keep[axis] = 1; keep[3] = plane() + 1e-6; }
-    gl.uniform4fv(place('keep'), keep);
-    gl.uniform4f(place('line'), 0, 0, 0, 0);
-    attribute('place', buffers.place, 3); attribute('moved', buffers.moved, 3); attribute('warm', buffers.warm, 1);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffers.triangle);
-    gl.enable(gl.POLYGON_OFFSET_FILL);
-    gl.polygonOffset(1, 1);
-    gl.drawElements(gl.TRIANGLES, frame.triangle.length, gl.UNSIGNED_INT, 0);
-    gl.uniform4f(place('line'), 0.05, 0.07, 0.1, 1);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffers.edge);
-    gl.drawElements(gl.LINES, frame.edge.length, gl.UNSIGNED_INT, 0);
-    if (capCount === 0) return;
-    gl.uniform4f(place('line'), 0, 0, 0, 0);
-    gl.uniform1f(place('flat_'), 1);
-    attribute('place', buffers.cap, 3, 28, 0); attribute('moved', buffers.cap, 3, 28, 12); attribute('warm', buffers.cap, 1, 28, 24);
-    gl.drawArrays(gl.TRIANGLES, 0, capCount);
+    if (axis >= 0) {
+      keep[axis] = 1;
+      keep[3] = plane() + 1e-6;
+    }
+    const scaled = v => (v - range[0]) / (range[1] - range[0]);
+    const fronts =
+      field() === temperature ? [scaled(frame.solidus), scaled(frame.liquidus)] : [-5, -5];
+    painter.draw({eye, scale, keep, fronts});
+    placeMarker();
   }
-  const redraw = () => { if (!asked && frame) asked = requestAnimationFrame(draw); };
+  const redraw = () => {
+    if (!asked && frame) asked = requestAnimationFrame(draw);
+  };
+  const cutNow = () => painter.setCap(
+    axis < 0 || !is3d() ? new Float32Array() : cut(frame, painter.scaled, axis, plane()));
 
-  async function show(number) {
-    time.output.textContent = `${fixed(times[number - 1], 1)} s`;
-    if (!frames.has(number)) frames.set(number, readFrame(await getBytes(`/frame/${id}?number=${number}`)));
-    if (signal.aborted || Number(time.input.value) !== number) return;
-    frame = frames.get(number);
-    upload();
-    canvas.setAttribute('aria-label', `Temperature of the slab at ${fixed(frame.time, 1)} s, ${fixed(1e3 * frame.length, 0)} mm cast`);
+  /** The slab, or the cut through it, fills the canvas. */
+  function fillCanvas() {
+    const {low, high} = boundsOf(frame);
+    if (axis >= 0) low[axis] = high[axis] = plane();
+    fit(eye, low, high, aspect);
+  }
+
+  function onScreen(place, moved) {
+    const m = viewOf(eye, aspect), p = [0, 1, 2].map(c => place[c] + scale * moved[c]);
+    const at = r => m[r] * p[0] + m[r + 4] * p[1] + m[r + 8] * p[2] + m[r + 12];
+    return [at(0), at(1), at(2)];
+  }
+  function placeMarker() {
+    const place = point && locate(frame, point);
+    marker.hidden = !place;
+    if (!place) return;
+    const [x, y] = onScreen(point, [0, 1, 2].map(c => valueAtPlace(place, frame.moved, 3, c)));
+    marker.style.left = `${50 + 50 * x}%`;
+    marker.style.top = `${50 - 50 * y}%`;
+  }
+
+  // ---- What is shown
+
+  const field = () => frames.fields.find(f => f.name === choice.value) || temperature;
+  async function show(wanted) {
+    number = wanted;
+    time.output.textContent = `${fixed(frames.times[wanted - 1], 1)} s`;
+    const chosen = field(), next = await frames.frame(wanted);
+    const own = await frames.values(next, wanted, chosen);
+    if (signal.aborted || number !== wanted || field() !== chosen)
+      return;  // another one was asked for meanwhile
+
+    const first = frame === null;
+    frame = next;
+    values = own;
+    const {title: name, unit, range: fixedRange} = shown(chosen);
+    if (fixedRange) range = fixedRange(frame);
+    else if (!hold.checked || held !== chosen.name) range = rangeOf(values);
+    held = chosen.name;
+
+    painter.setFrame(frame, spreadFromBottom(frame, values), range);
+    if (first) begin();
+    cutNow();
+    replace(bar, colourBar(colours, name, unit, range));
+    lines.hidden = chosen !== temperature;
+    lines.textContent = `White lines: solidus ${fixed(frame.solidus, 0)} and liquidus ${
+      fixed(frame.liquidus, 0)} °C.`;
+    canvas.setAttribute(
+      'aria-label',
+      `${name} of the slab at ${fixed(frame.time, 1)} s, ${fixed(1e3 * frame.length, 0)} mm cast`);
+    showPoint();
     redraw();
   }
-  function wholeSlab() {
-    const {low, high} = bounds();
-    eye.centre = low.map((v, c) => (v + high[c]) / 2);
-    eye.size = 1.25 * Math.max(high[2] - low[2], Math.hypot(high[0] - low[0], high[1] - low[1]) * (frame.dimension === 3 ? 0.9 : 0.72));
-    if (frame.dimension !== 3) { eye.yaw = 0; eye.pitch = 0; }
+  let held = '';
+  const failed = fault => {
+    probe.textContent = fault.message;
+  };
+  const again = () => show(number).catch(failed);
+
+  // ---- At a point
+
+  const mmOf = place =>
+    place.filter((v, c) => is3d() || c !== 1).map(v => fixed(1e3 * v, 1)).join(', ');
+  function valuesAt(of, ofValues, place) {
+    const {title: name, unit} = shown(field());
+    const at = locate(of, place);
+    if (!at) return 'no metal yet';
+    const own = valueAtPlace(at, ofValues),
+          moved = [0, 1, 2].map(c => valueAtPlace(at, of.moved, 3, c));
+    const parts = [`${fixed(valueAtPlace(at, of.warm), 0)} °C`, `moved ${mmOf(moved)} mm`];
+    if (field() !== temperature)
+      parts.unshift(
+        Number.isFinite(own) ? `${name} ${numberText(own, range[1] - range[0])} ${unit}` :
+                               `${name} has no value here`);
+    return parts.join(', ');
+  }
+  function showPoint() {
+    probe.textContent = point
+      ? `At ${mmOf(point)} mm, ${fixed(frame.time, 1)} s: ${valuesAt(frame, values, point)}`
+      : hint;
   }
 
-  /** The skin's node nearest to the pointer, of those on the near side. */
-  function values(event) {
-    const box = canvas.getBoundingClientRect(), m = viewOf(eye, canvas.width / canvas.height);
-    const x = (event.clientX - box.left) / box.width * 2 - 1, y = 1 - (event.clientY - box.top) / box.height * 2;
-    let best = -1, least = Infinity;
+  /** The visible point of the slab nearest to the pointer, in the undeformed slab. */
+  function pointUnder(event) {
+    const rect = canvas.getBoundingClientRect();
+    const x = (event.clientX - rect.left) / rect.width * 2 - 1,
+          y = 1 - (event.clientY - rect.top) / rect.height * 2;
+    let best = null, least = Infinity;
+    const look = (place, moved) => {
+      const [px, py, pz] = onScreen(place, moved);
+      const off = Math.hypot(px - x, py - y) + 0.02 * pz;
+      if (off < least) {
+        least = off;
+        best = [...place];
+      }
+    };
+
+    const limit = axis >= 0 ? plane() + 1e-6 : Infinity;
     for (const n of frame.triangle) {
-      const p = [0, 1, 2].map(c => frame.place[3 * n + c] + scale * frame.moved[3 * n + c]);
-      const at = r => m[r] * p[0] + m[r + 4] * p[1] + m[r + 8] * p[2] + m[r + 12];
-      const off = Math.hypot(at(0) - x, at(1) - y) + 0.02 * at(2);
-      if (off < least) { least = off; best = n; }
+      const place = frame.place.subarray(3 * n, 3 * n + 3);
+      if (axis < 0 || place[axis] <= limit) look(place, frame.moved.subarray(3 * n, 3 * n + 3));
     }
-    const of = field => [0, 1, 2].slice(0, 3).filter(c => frame.dimension === 3 || c !== 1).map(c => fixed(1e3 * field[3 * best + c], 1)).join(', ');
-    probe.textContent = `At ${of(frame.place)} mm: ${fixed(frame.warm[best], 0)} °C, moved ${of(frame.moved)} mm`;
+    if (axis >= 0) {
+      const cap = cut(frame, painter.scaled, axis, plane());
+      for (let i = 0; i < cap.length; i += 7)
+        look(cap.subarray(i, i + 3), cap.subarray(i + 3, i + 6));
+    }
+    return best;
   }
+  function choosePoint(place, asEnd) {
+    if (asEnd) end = place;
+    else point = place;
+    (asEnd ? endBox : pointBox).value = mmOf(place);
+    showPoint();
+    redraw();
+  }
+  const placeOf = text => {
+    const given = text.split(/[,;\s]+/).filter(t => t).map(t => Number(t) / 1e3);
+    const wanted = is3d() ? 3 : 2;
+    if (given.length !== wanted || given.some(v => !Number.isFinite(v)))
+      throw new Error(`Write a point as ${is3d() ? 'x, y, z' : 'x, z'} in mm.`);
+    return is3d() ? given : [given[0], 0, given[1]];
+  };
+
+  /** Draws a curve below the slab. @param x, y  arrays in the units of the labels */
+  function drawCurve(name, xLabel, x, y) {
+    const {title: fieldTitle, unit} = shown(field());
+    if (!y.some(Number.isFinite)) throw new Error('There is no metal there.');
+    replace(
+      picture,
+      chart(
+        [{name: fieldTitle, x, y}],
+        {title: `${fieldTitle} ${name}`, xLabel, yLabel: unit || fieldTitle, unit}));
+  }
+  async function overTime() {
+    const place = placeOf(pointBox.value), chosen = field(), at = [];
+    choosePoint(place, false);
+    for (let n = 1; n <= frames.times.length; n++) {
+      probe.textContent = `Reading frame ${n} of ${frames.times.length}`;
+      const of = await frames.frame(n);
+      at.push(valueAtPlace(locate(of, place), await frames.values(of, n, chosen)));
+      if (signal.aborted) return;
+    }
+    showPoint();
+    drawCurve(`at ${mmOf(place)} mm`, 'time, s', [...frames.times], at);
+  }
+  async function alongLine() {
+    const from = placeOf(pointBox.value), to = placeOf(endBox.value), points = 101;
+    choosePoint(from, false);
+    const length = 1e3 * Math.hypot(...from.map((v, c) => to[c] - v)), x = [], y = [];
+    for (let i = 0; i < points; i++) {
+      const s = i / (points - 1);
+      x.push(s * length);
+      y.push(valueAtPlace(locate(frame, from.map((v, c) => v + s * (to[c] - v))), values));
+    }
+    drawCurve(
+      `from ${mmOf(from)} to ${mmOf(to)} mm at ${fixed(frame.time, 1)} s`, 'distance, mm', x, y);
+  }
+
+  // ---- Files
+
+  const file = () =>
+    fileName(`${title || job.slice(0, 8)}-${shown(field()).title}-${fixed(frame.time, 0)}s`);
+  async function savePicture() {
+    draw();
+    const below = await canvasOfSvg(bar.firstChild), head = 40;
+    const height = Math.round(below.height * canvas.width / below.width);
+    const whole = h('canvas', {width: canvas.width, height: head + canvas.height + height}),
+          context = whole.getContext('2d');
+    const style = getComputedStyle(document.body);
+    context.fillStyle = style.getPropertyValue('--card');
+    context.fillRect(0, 0, whole.width, whole.height);
+    context.fillStyle = style.getPropertyValue('--ink');
+    context.font = '18px sans-serif';
+    context.fillText(
+      `${title || job}, ${fixed(frame.time, 1)} s, ${fixed(1e3 * frame.length, 0)} mm cast`, 10, 26,
+      whole.width - 20);
+    context.drawImage(canvas, 0, head);
+    context.drawImage(below, 0, head + canvas.height, canvas.width, height);
+    savePng(`${file()}.png`, whole);
+  }
+  function saveData() {
+    const {title: name, unit} = shown(field()), axes = is3d() ? [0, 1, 2] : [0, 2],
+                        names = is3d() ? 'xyz' : 'x z';
+    const heads = [
+      ...axes.map(c => `${names[c]} [mm]`), ...axes.map(c => `displacement ${names[c]} [mm]`),
+      'temperature [°C]'
+    ];
+    if (field() !== temperature) heads.push(`${name} [${unit || 1}]`);
+    const rows = [heads];
+    for (let n = 0; n < frame.nodes; n++) {
+      const row = [
+        ...axes.map(c => 1e3 * frame.place[3 * n + c]),
+        ...axes.map(c => 1e3 * frame.moved[3 * n + c]), frame.warm[n]
+      ];
+      if (field() !== temperature) row.push(values[n]);
+      rows.push(row.map(v => Number(v.toPrecision(7))));
+    }
+    saveCsv(`${file()}.csv`, rows);
+  }
+
+  // ---- Pointer and keys
 
   let from = null, dragged = false;
-  canvas.addEventListener('pointerdown', event => { from = [event.clientX, event.clientY]; dragged = false; canvas.setPointerCapture(event.pointerId); });
+  canvas.addEventListener('pointerdown', event => {
+    from = [event.clientX, event.clientY];
+    dragged = false;
+    canvas.setPointerCapture(event.pointerId);
+  });
   canvas.addEventListener('pointermove', event => {
     if (!from) return;
     const [dx, dy] = [event.clientX - from[0], event.clientY - from[1]];
@@ -211,32 +324,147 @@ export async function frameViewer(box, signal, id) {
     turn(-0.008 * dx, 0.008 * dy);
     from = [event.clientX, event.clientY];
   });
-  canvas.addEventListener('pointerup', event => { if (from && !dragged) values(event); from = null; });
-  canvas.addEventListener('wheel', event => { event.preventDefault(); zoom(Math.exp(0.001 * event.deltaY)); }, {passive: false});
+  canvas.addEventListener('pointerup', event => {
+    if (from && !dragged && frame) choosePoint(pointUnder(event), event.shiftKey);
+    from = null;
+  });
+  canvas.addEventListener('wheel', event => {
+    event.preventDefault();
+    zoom(Math.exp(0.001 * event.deltaY));
+  }, {passive: false});
   canvas.addEventListener('keydown', event => {
-    const keys = {ArrowLeft: () => turn(0.1, 0), ArrowRight: () => turn(-0.1, 0), ArrowUp: () => turn(0, -0.1), ArrowDown: () => turn(0, 0.1), '+': () => zoom(0.9), '-': () => zoom(1.1)};
-    if (keys[event.key]) { event.preventDefault(); keys[event.key](); }
+    const keys = {
+      ArrowLeft: () => turn(0.1, 0),
+      ArrowRight: () => turn(-0.1, 0),
+      ArrowUp: () => turn(0, -0.1),
+      ArrowDown: () => turn(0, 0.1),
+      '+': () => zoom(0.9),
+      '-': () => zoom(1.1)
+    };
+    if (keys[event.key]) {
+      event.preventDefault();
+      keys[event.key]();
+    }
   });
   function turn(yaw, pitch) {
-    if (frame.dimension !== 3) return;
+    if (!frame || !is3d()) return;
     eye.yaw += yaw;
-    eye.pitch = Math.max(-1.5, Math.min(1.5, eye.pitch + pitch));
+    eye.pitch = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, eye.pitch + pitch));
     redraw();
   }
-  function zoom(factor) { eye.size *= factor; redraw(); }
+  function zoom(factor) {
+    eye.size *= factor;
+    redraw();
+  }
 
-  const time = slider('Time', {min: 1, max: times.length, step: 1, value: times.length}, number => show(number).catch(fault => { probe.textContent = fault.message; }));
-  const bent = slider('Deformation', {min: 0, max: 20, step: 1, value: 1}, value => { scale = value; bent.output.textContent = `× ${value}`; redraw(); });
+  // ---- Controls
+
+  const slider = (name, attributes, act) => {
+    const input =
+            h('input', {type: 'range', oninput: () => act(Number(input.value)), ...attributes}),
+          output = h('output');
+    return {input, output, label: h('label', {}, name, output, input)};
+  };
+  const select = (name, options, act) => {
+    const input =
+      h('select', {onchange: act}, options.map(([value, text]) => h('option', {value}, text)));
+    return {input, label: h('label', {}, name, input)};
+  };
+  const button = (text, act) =>
+    h('button', {
+      type: 'button',
+      onclick: async () => {
+        try {
+          await act();
+        } catch (fault) { failed(fault); }
+      }
+    },
+      text);
+
+  const choice = h('select', {'aria-label': 'Field', onchange: again});
+  const listFields = () => {
+    const before = choice.value;
+    replace(choice, frames.fields.map(f => h('option', {value: f.name}, shown(f).title)));
+    if (before) choice.value = before;
+  };
+  const hold = h('input', {type: 'checkbox', onchange: again});
+  const time = slider(
+    'Time', {min: 1, max: frames.times.length, step: 1, value: frames.times.length},
+    n => show(n).catch(failed));
+  const bent = slider('Deformation', {min: 0, max: 20, step: 1, value: 1}, value => {
+    scale = value;
+    bent.output.textContent = `× ${value}`;
+    redraw();
+  });
   bent.output.textContent = '× 1';
-  const depth = slider('Cut', {min: 0, max: 1, step: 0.01, value: 1, disabled: true}, value => { at = value; depth.output.textContent = `${fixed(1e3 * plane(), 0)} mm`; cutNow(); redraw(); });
-  const across = h('select', {'aria-label': 'Cut plane', onchange: () => { axis = Number(across.value); depth.input.disabled = axis < 0; at = axis < 0 ? 1 : 0.5; depth.input.value = at; cutNow(); redraw(); }},
-    [['-1', 'whole'], ['0', 'across the width'], ['1', 'across the thickness'], ['2', 'at a height']].map(([value, text]) => h('option', {value}, text)));
-  const bar = h('p', {class: 'soft'});
-  replace(box, h('h2', {}, 'Slab'), canvas, h('div', {class: 'levers row'}, time.label, bent.label, h('div', {class: 'cuts'}, across, depth.label)), probe, bar);
-  await show(times.length);
-  if (signal.aborted) return;
-  wholeSlab();
-  bar.textContent = `Colours from 20 to ${fixed(frame.liquidus, 0)} °C (${ticks(20, frame.liquidus, 28).values.length} round values between); white lines: solidus ${fixed(frame.solidus, 0)} and liquidus ${fixed(frame.liquidus, 0)} °C.`;
-  box.querySelector('.cuts').hidden = frame.dimension !== 3;
-  redraw();
+
+  const deep =
+    slider('Place of the cut', {min: 0, max: 1, step: 0.01, value: 0.5, disabled: true}, value => {
+      depth = value;
+      cutMoved();
+    });
+  function cutMoved() {
+    deep.output.textContent = axis < 0 ? '' : `${fixed(1e3 * plane(), 0)} mm`;
+    cutNow();
+    redraw();
+  }
+  const across = select(
+    'Cut',
+    [
+      ['-1', 'whole'], ['0', 'across the width'], ['1', 'across the thickness'],
+      ['2', 'at a height']
+    ],
+    () => {
+      axis = Number(across.input.value);
+      deep.input.disabled = axis < 0;
+      Object.assign(eye, axis < 0 ? views[look.input.value] : viewOfCut(axis));
+      fillCanvas();
+      cutMoved();
+    });
+  const look = select('View', Object.keys(views).map(name => [name, name]), () => {
+    Object.assign(eye, views[look.input.value]);
+    fillCanvas();
+    redraw();
+  });
+
+  const pointBox =
+    h('input', {type: 'text', 'aria-label': 'Point, mm', placeholder: 'x, y, z in mm'});
+  const endBox =
+    h('input', {type: 'text', 'aria-label': 'End of the line, mm', placeholder: 'x, y, z in mm'});
+  const lines = h('p', {class: 'soft'});
+  const solidOnly = [look.label, h('div', {class: 'cuts'}, across.label, deep.label)];
+
+  function begin() {
+    if (!is3d()) Object.assign(eye, views['Middle plane']);
+    for (const part of solidOnly) part.hidden = !is3d();
+    for (const input of [pointBox, endBox])
+      input.placeholder = is3d() ? 'x, y, z in mm' : 'x, z in mm';
+    fillCanvas();
+  }
+
+  replace(
+    box, h('h2', {}, 'Slab'),
+    h('div', {class: 'bar'}, choice, h('label', {}, hold, ' Hold the colours'),
+      button('Picture (PNG)', savePicture), button('Data (CSV)', saveData)),
+    stage, bar, lines, h('div', {class: 'levers row'}, time.label, bent.label, solidOnly), probe,
+    h('div', {class: 'bar'}, h('label', {}, 'Point ', pointBox), button('Over time', overTime),
+      h('label', {}, 'to ', endBox), button('Along the line', alongLine)),
+    picture);
+  listFields();
+  drawnTimes = frames.times.length;
+  await show(number);
+
+  return {
+    /** Looks for further frames; the last one stays the one that is shown. */
+    async refresh() {
+      if (!await frames.look() || signal.aborted) return;
+      const wasLast = number === drawnTimes;
+      drawnTimes = frames.times.length;
+      time.input.max = drawnTimes;
+      listFields();
+      if (!wasLast) return;
+      time.input.value = drawnTimes;
+      await show(drawnTimes);
+    },
+  };
 }

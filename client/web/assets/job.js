@@ -1,10 +1,36 @@
 // One job: its answer, its curl as it grows, its findings, its slab, its report.
-import {call, events, get} from './api.js';
+import {call, events, get, post, repeat} from './api.js';
 import {chart, curlLines, wantedBand} from './chart.js';
+import {cancelJobs} from './cancel.js';
 import {curlText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
 import {frameViewer} from './frame.js';
 
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
+
+/** Shows the address of a job's page, for colleagues. */
+function linkButton(job) {
+  const hash = `#/job/${job.id}`, here = `${location.origin}/${hash}`;
+  const copied = h('span', {role: 'status', class: 'soft'});
+  const box = (label, address) => h('label', {}, label,
+    h('input', {type: 'text', readonly: true, value: address, onfocus: event => event.target.select()}),
+    h('button', {type: 'button', onclick: async () => {
+      await navigator.clipboard?.writeText(address).catch(() => {});
+      copied.textContent = 'Copied.';
+    }}, 'Copy'));
+
+  return h('button', {type: 'button', onclick: async () => {
+    const {address} = await post('/another/');
+    const dialog = h('dialog', {class: 'link', 'aria-label': 'Link to this job', onclose: () => dialog.remove()},
+      h('h2', {}, 'Link to this job'),
+      box('For browsers that have this dashboard open', here),
+      box('For one more browser; it works once', address + hash),
+      h('p', {class: 'soft'}, `In another dashboard of the same server: add ${hash} to its address.`),
+      location.hostname === '127.0.0.1' ? h('p', {class: 'soft'}, 'This dashboard serves this machine alone; dccast dashboard --listen serves others.') : null,
+      copied, h('div', {class: 'bar'}, h('button', {type: 'button', onclick: () => dialog.close()}, 'Close')));
+    document.body.append(dialog);
+    dialog.showModal();
+  }}, 'Link');
+}
 
 export function jobPage(element, signal, id) {
   const head = h('div'), curves = h('div', {class: 'card'}), findings = h('div', {class: 'card'}), slab = h('div', {class: 'card'}), details = h('div');
@@ -21,6 +47,14 @@ export function jobPage(element, signal, id) {
       event.target.disabled = true;
       await call(name, {id: job.id}).then(load, fault => { replace(message, fault.message); event.target.disabled = false; });
     }}, text);
+    const cancel = () => {
+      const button = h('button', {type: 'button', class: 'submitter', onclick: async () => {
+        button.disabled = await cancelJobs([job], {
+          done: text => { if (text) replace(message, text); button.disabled = false; load(); },
+          undone: () => { button.disabled = false; }});
+      }}, 'Cancel');
+      return button;
+    };
     const last = history.monitors.map(m => h('div', {class: 'tile'}, h('span', {}, m.name), h('strong', {}, curlText(m.curl_m.at(-1) ?? NaN, error))));
     replace(title, h('p', {class: 'soft'}, `Job ${shortId(job.id)} of ${job.owner || 'unknown'}`), h('h1', {}, job.title || job.id));
     replace(message, job.failure?.message || job.held || null);
@@ -31,7 +65,7 @@ export function jobPage(element, signal, id) {
     if (stateOfButtons === job.state) return;
     stateOfButtons = job.state;
     replace(buttons, job.state === 'RUNNING' ? act('PauseJob', 'Pause') : null, job.state === 'PAUSED' ? act('ResumeJob', 'Resume') : null,
-        ended.has(job.state) ? null : act('CancelJob', 'Cancel'), h('a', {class: 'button', href: `/report/${job.id}`, target: '_blank', rel: 'noopener'}, 'Report'));
+        ended.has(job.state) ? null : cancel(), linkButton(job), h('a', {class: 'button', href: `/report/${job.id}`, target: '_blank', rel: 'noopener'}, 'Report'));
   }
 
   function drawCurves({history, relative_curl_error: error, wanted}) {
@@ -75,6 +109,25 @@ export function jobPage(element, signal, id) {
     }, text => replace(details, h('p', {class: 'bad', role: 'alert'}, text)));
   }
 
+  // The slab with the frames that are stored so far, until the run has ended.
+  let seesSlab = false;
+  function watchSlab() {
+    seesSlab = true;
+    const looking = new AbortController();
+    signal.addEventListener('abort', () => looking.abort());
+    let viewer = null;
+    repeat(4000, looking.signal, async () => {
+      const last = ended.has(shown.job.state);
+      try {
+        if (viewer) await viewer.refresh();
+        else viewer = await frameViewer(slab, signal, id, shown.job.title);
+      } catch (fault) {
+        if (!viewer) replace(slab, h('h2', {}, 'Slab'), h('p', {class: 'soft'}, fault.message));
+      }
+      if (last) looking.abort();
+    });
+  }
+
   let asked = 0, answered = 0;
   async function load() {
     const question = ++asked, seen = await get(`/job/${id}`);
@@ -84,8 +137,7 @@ export function jobPage(element, signal, id) {
     redraw();
     replace(details, h('details', {}, h('summary', {}, 'The case, complete'), h('pre', {}, shown.case)));
     if (!ended.has(shown.job.state) && !watched) watch();
-    if (ended.has(shown.job.state)) frameViewer(slab, signal, id).catch(fault => replace(slab, h('h2', {}, 'Slab'), h('p', {class: 'soft'}, fault.message)));
-    else replace(slab, h('h2', {}, 'Slab'), h('p', {class: 'soft'}, 'Drawn when the run has ended.'));
+    if (!seesSlab) watchSlab();
   }
   load().catch(fault => replace(element, h('p', {class: 'bad', role: 'alert'}, fault.message)));
 }

@@ -1,6 +1,6 @@
 // What the server concludes (judgement.proto): sentences, tables and charts, in the units of a plant.
 import {chart} from './chart.js';
-import {fixed, h} from './dom.js';
+import {fixed, h, sheet} from './dom.js';
 
 // Plant unit and factor from SI, as proto/values/plant_units.cpp has them.
 const plantUnits = {1: ['%', 1e2], m: ['mm', 1e3], m2: ['dm²', 1e2], 'm/s': ['mm/min', 60e3], 'm2/s': ['l/min/m', 60e3], 'm/s2': ['mm/min²', 3.6e6],
@@ -35,8 +35,8 @@ export function table({heading, note, columns, rows}) {
   const shown = columns.map((column, i) => ({column, i})).filter(({column}) => column.heading);
   const head = ({column: {heading: name, unit}}) => (unit && plant(unit)[0] ? `${name}, ${plant(unit)[0]}` : name);
   return [heading ? h('h3', {}, capital(heading)) : null, rows.length === 0 ? null
-    : h('div', {class: 'scroll', tabindex: 0}, h('table', {}, h('thead', {}, h('tr', {}, shown.map(c => h('th', {scope: 'col'}, head(c))))),
-      h('tbody', {}, rows.map(({cells}) => h('tr', {}, shown.map(({column, i}) => h('td', {class: column.unit || column.resolution > 0 ? 'number' : null}, cellText(column, cells[i])))))))),
+    : sheet(shown.map(head), rows.map(({cells}) => shown.map(({column, i}) => ({
+      class: column.unit || column.resolution > 0 ? 'number' : null, content: cellText(column, cells[i])})))),
   note ? h('p', {class: 'soft'}, note) : null];
 }
 

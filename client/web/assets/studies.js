@@ -1,21 +1,33 @@
 // Studies, and of a sweep the response surface: a slider for each key.
 import {call, repeat} from './api.js';
 import {chart, curlLines} from './chart.js';
-import {ago, curlText, fixed, h, mm, replace, shortId, stateText} from './dom.js';
+import {ago, curlText, h, mm, replace, sheet, shortId, stateText} from './dom.js';
 import {judgement} from './judgement.js';
 
 const kinds = {sweep: 'sweep', refinement: 'refinement', mould: 'mould design', recipe: 'recipe'};
-const kindOf = study => kinds[Object.keys(kinds).find(kind => study[kind])] || 'study';
+const purposes = {UNCERTAINTY: 'uncertainty', SENSITIVITY: 'sensitivity', CALIBRATION: 'calibration'};
+export const kindOf = study => purposes[study.sweep?.purpose]
+  || kinds[Object.keys(kinds).find(kind => study[kind])] || 'study';
+export const nameOf = study => study.title || `${kindOf(study)} ${shortId(study.id)}`;
+
+/** "9 of 10 runs succeeded": a study whose runs have ended has answered, although some failed. */
+export function answerState(study) {
+  const ended = study.state !== 'STUDY_RUNNING', succeeded = study.succeeded || 0;
+  const runs = `${succeeded} of ${study.runs} runs succeeded`;
+  if (!ended) return `running, ${runs}`;
+  if (study.state === 'STUDY_CANCELLED') return `cancelled, ${runs}`;
+  return succeeded > 0 ? `answered, ${runs}` : `no answer, ${runs}`;
+}
 
 export function studiesPage(element, signal) {
-  const body = h('tbody');
-  replace(element, h('h1', {}, 'Studies'), h('div', {class: 'scroll'}, h('table', {}, h('thead', {}, h('tr', {},
-    ['Study', 'Kind', 'State', 'Runs', 'Begun'].map(t => h('th', {scope: 'col'}, t)))), body)));
+  const list = h('div');
+  replace(element, h('h1', {}, 'Studies'), list);
   repeat(3000, signal, async () => {
     const {studies} = await call('ListStudies', {page_size: 200});
-    replace(body, studies.length ? studies.map(study => h('tr', {}, h('td', {}, h('a', {href: `#/study/${study.id}`}, study.title || shortId(study.id))),
-      h('td', {}, kindOf(study)), h('td', {}, stateText(study.state)), h('td', {}, `${study.succeeded || 0} of ${study.runs}`), h('td', {}, ago(study.create_time))))
-      : h('tr', {}, h('td', {colspan: 5}, 'No studies yet: dccast sweep my.toml --grid KEY=a,b')));
+    if (signal.aborted) return;
+    replace(list, studies.length === 0 ? h('p', {class: 'soft'}, 'No studies yet: dccast sweep my.toml --grid KEY=a,b')
+      : sheet(['Study', 'Id', 'Kind', 'State', 'Begun'], studies.map(study => [
+        h('a', {href: `#/study/${study.id}`}, nameOf(study)), shortId(study.id), kindOf(study), answerState(study), ago(study.create_time)])));
   });
 }
 
@@ -82,14 +94,20 @@ export async function studyPage(element, signal, id) {
     if (signal.aborted) return;
     const {study} = result, sweep = study.sweep;
     judge(study).catch(fault => { judged = ''; answer.hidden = false; replace(answer, h('p', {class: 'soft'}, fault.message)); });
-    heading.textContent = study.title || shortId(id);
-    state.textContent = `${kindOf(study)} ${shortId(id)}, ${stateText(study.state)}: ${study.succeeded || 0} of ${study.runs} runs succeeded`;
+    heading.textContent = nameOf(study);
+    state.textContent = `${kindOf(study)} ${shortId(id)}, ${answerState(study)}`;
     const axes = sweep?.axes || [];
-    replace(table, h('div', {class: 'scroll'}, h('table', {}, h('thead', {}, h('tr', {}, ['Run', ...axes.map(a => a.key), ...result.monitors.map(m => `${m} mm`), 'State'].map(t => h('th', {scope: 'col'}, t)))),
-      h('tbody', {}, result.runs.map((run, i) => h('tr', {}, h('td', {}, run.job ? h('a', {href: `#/job/${run.job}`}, `${i + 1}`) : `${i + 1}`), axes.map((a, k) => h('td', {}, run.values[k] || '')),
-        result.monitors.map((m, k) => h('td', {class: 'number'}, run.end_curl_m[k] === null || run.end_curl_m[k] === undefined ? '–'
-          : run.relative_curl_error ? curlText(run.end_curl_m[k], run.relative_curl_error).replace(' mm', '') : mm(run.end_curl_m[k], 2))),
-        h('td', {}, stateText(run.state))))))));
+    const curl = (run, k) => {
+      const end = run.end_curl_m[k];
+      if (end === null || end === undefined) return '–';
+      return run.relative_curl_error ? curlText(end, run.relative_curl_error).replace(' mm', '') : mm(end, 2);
+    };
+    replace(table, sheet(['Run', ...axes.map(a => a.key), ...result.monitors.map(m => `${m} mm`), 'State'],
+      result.runs.map((run, i) => [
+        run.job ? h('a', {href: `#/job/${run.job}`}, `${i + 1}`) : `${i + 1}`,
+        ...axes.map((a, k) => run.values[k] || ''),
+        ...result.monitors.map((m, k) => ({class: 'number', content: curl(run, k)})),
+        stateText(run.state)])));
     if (!controls && axes.length && sweep.design !== 'ENDS') {
       controls = axes.map((axis, k) => control(axis, result.runs.map(run => run.numbers[k] ?? NaN), () => predict(sweep)));
       surface.hidden = false;

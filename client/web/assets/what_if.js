@@ -37,7 +37,8 @@ function append(history, steps) {
   }
 }
 
-export function whatIfPage(element, signal) {
+/** @param wanted  name of the case to begin with */
+export function whatIfPage(element, signal, wanted) {
   const base = h('select', {id: 'base', onchange: () => restart()});
   const quality = h('select', {id: 'quality', onchange: () => restart()}, ['draft', 'engineering', 'fine'].map(q => h('option', {}, q)));
   const status = h('p', {role: 'status', class: 'soft'}), picture = h('div', {class: 'card'}), verdict = h('div', {class: 'card'}), kept = h('p', {role: 'status'});
@@ -147,6 +148,6 @@ export function whatIfPage(element, signal) {
     kept, h('div', {class: 'what-if'}, h('div', {class: 'card levers'}, sliders.map(s => s.element),
       h('details', {}, h('summary', {}, 'Ramps'), h('label', {for: 'ramp-speed'}, 'Casting speed', speed), h('label', {for: 'ramp-water'}, 'Water per metre of perimeter', water)),
       h('details', {}, h('summary', {}, 'Other keys'), h('label', {for: 'more'}, 'Keys of a case, as with --set', more))), h('div', {}, status, picture, verdict)));
-  get('/bases/').then(names => { replace(base, names.map(name => h('option', {selected: name === 'start-2d-thickness' && !names[0].endsWith('.toml')}, name))); if (!signal.aborted) restart(); })
+  get('/bases/').then(names => { replace(base, names.map(name => h('option', {selected: wanted ? name === wanted : name === 'start-2d-thickness' && !names[0].endsWith('.toml')}, name))); if (!signal.aborted) restart(); })
     .catch(fault => replace(verdict, h('p', {class: 'bad', role: 'alert'}, fault.message)));
 }

@@ -104,6 +104,7 @@ JobRecord make_record(const NewJob& new_job, const Attachments& attachments) {
 
   job.set_time_limit_s(new_job.time_limit_s);
   job.set_mail(new_job.mail);
+  job.set_quality(new_job.quality);
   job.set_estimated_s(new_job.estimated_s);
 
   // In the precision of the store, so that a record read back is equal.

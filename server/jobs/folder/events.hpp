@@ -40,6 +40,7 @@ struct NewJob {
   std::vector<std::string> after{};       ///< jobs that must succeed first
   double time_limit_s = 0.0;              ///< of wall time [s]; 0: no limit of its own
   std::string mail{};                     ///< address for the hook of the server; empty: none
+  std::string quality{};                  ///< see Job
   double estimated_s = 0.0;               ///< run time estimated by the check [s]; 0: not known
   std::string answer_key{};               ///< see JobRecord
   /// Starts at once, in addition to the jobs of the queue. A restarted daemon queues it normally.

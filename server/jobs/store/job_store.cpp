@@ -150,6 +150,7 @@ v1::Job select_changes(const v1::Job& job) {
   changes.set_pinned(job.pinned());
   changes.set_time_limit_s(job.time_limit_s());
   changes.set_mail(job.mail());
+  changes.set_quality(job.quality());
   changes.set_estimated_s(job.estimated_s());
   return changes;
 }
