@@ -194,13 +194,14 @@ Attempt SlabRun<Dim>::attempt(double dt) {
   state_.time = std::abs(end) < same_time ? 0.0 : end;
 
   const int rounds = moves && case_.coupling.gap_feedback ? case_.coupling.iterations : 1;
+  const std::vector<double> temperature_n = state_.heat.temperature;
   std::optional<StepStart<Dim>> again;
   if (rounds > 1) again = {state_.heat, state_.slab};
   for (int round = 0; round < rounds; ++round) {
     if (round > 0) state_.heat = again->heat;
     if (!step_heat(tried, entry)) return tried;
     if (round > 0) state_.slab = again->slab;
-    if (moves && !step_mechanics(tried)) return tried;
+    if (moves && !step_mechanics(tried, temperature_n)) return tried;
   }
   return tried;
 }
@@ -282,11 +283,12 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
 }
 
 template <int Dim>
-bool SlabRun<Dim>::step_mechanics(Attempt& tried) {
+bool SlabRun<Dim>::step_mechanics(Attempt& tried, std::span<const double> temperature_n) {
   mechanics::SlabStepInput input;
   input.temperature = state_.heat.temperature;
   input.time_step = tried.time_step;
   input.metal_level = metal_level();
+  input.temperature_n = temperature_n;
   const mechanics::StepOutcome outcome = mechanics_.step(state_.slab, input);
   const mechanics::StepOutcome before = tried.mechanics;
   tried.mechanics = outcome;

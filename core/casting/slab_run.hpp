@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -77,7 +78,8 @@ private:
   bool grow(double level, double temperature, std::optional<thermal::MetalEntry>& entry);
   MergeOutcome merge_rows();
   [[nodiscard]] bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
-  [[nodiscard]] bool step_mechanics(Attempt& tried);
+  /// @param temperature_n  (node) at the start of the step, on the grown mesh [°C]
+  [[nodiscard]] bool step_mechanics(Attempt& tried, std::span<const double> temperature_n);
   double block_temperature() const;        ///< [°C]
   std::vector<double> bottom_gap() const;  ///< (bottom node) [m]
   std::vector<double> side_rise() const;   ///< (node) [m]

@@ -22,6 +22,10 @@ constexpr int up = Dim - 1;
 /// coarse factor shrinks to a hundredth: docs/developers/large-solids.md.
 constexpr double rows_of_a_coarse_one = 32.0;
 
+/// Smallest share of a step that follows the solidification of an element [1]: its moduli, in
+/// proportion to it, must not vanish in a step whose end is the moment of solidification.
+constexpr double least_share = 1e-3;
+
 /// Mean height of the nodes of an element [m].
 template <int Dim>
 double centroid_height(const mesh::Mesh<Dim>& mesh, int element) {
@@ -183,17 +187,55 @@ void SlabMechanics<Dim>::set_rotations(std::span<const double> displacement,
   if (options_.kinematics == Kinematics::corotational) forms_->set_rotations(displacement, solid);
 }
 
-/// Sets the reference of a cell that solidifies: its strain is counted from the present total
-/// strain, its thermal strain from the temperature `at`, and its stress from minus the
-/// metallostatic pressure.
+/// The moment at which an element solidifies, with its mean temperature linear in time.
 template <int Dim>
-void SlabMechanics<Dim>::solidify(State& state, int e, double metal_level, double at) const {
-  const double pressure = std::max(0.0, melt_pressure(e, metal_level));
-  const double compression = pressure / (3.0 * properties_.bulk_modulus(at));
+auto SlabMechanics<Dim>::birth_of(int e, const SlabStepInput& input) const -> Birth {
+  const double end = mesh::mean_at_nodes(*mesh_, e, input.temperature);
+  if (options_.liquid == Liquid::solid) return {std::size_t(e), end, 1.0};
+
+  Birth birth{std::size_t(e), properties_.coherency(), 1.0};
+  if (input.temperature_n.empty()) return birth;
+  const double start = mesh::mean_at_nodes(*mesh_, e, input.temperature_n);
+  if (start > birth.temperature)
+    birth.share = std::max(least_share, (birth.temperature - end) / (start - end));
+  return birth;
+}
+
+/// Only what follows the solidification strains an element. With displacements linear in time that
+/// is `share` of the strain of the step, so that the law of the metal holds with moduli and
+/// hardening times `share` for strains counted from the start of the step. Stress begins at minus
+/// the metallostatic pressure; thermal strain counts in full. Creep lasts for `share` of the step:
+/// its factor in the law, mu dt kappa, is already the smaller one.
+template <int Dim>
+void SlabMechanics<Dim>::set_newborn(const Birth& birth) {
+  const std::size_t e = birth.element;
+  problem_.bulk[e] *= birth.share;
+  problem_.shear[e] *= birth.share;
+  problem_.thermal[e] =
+      (problem_.thermal[e] - properties_.thermal_stretch(birth.temperature)) / birth.share;
+  problem_.prestress[e] = -problem_.melt_pressure[e];
+  if (properties_.has_yield_limit()) problem_.hardening[e] *= birth.share;
+}
+
+/// Sets the reference strain such that the stress at the end of the step is that of metal at this
+/// displacement and temperature, for the steps that follow.
+/// @param u  displacement at the end of the step, by unknown [m]
+template <int Dim>
+void SlabMechanics<Dim>::complete_newborn(State& state, const Birth& birth,
+                                          std::span<const double> u) const {
+  const std::size_t e = birth.element;
+  const double shear = problem_.shear[e] / birth.share, bulk = problem_.bulk[e] / birth.share;
+  const double thermal =
+      properties_.thermal_stretch(birth.temperature) + birth.share * problem_.thermal[e];
 
   for (std::size_t q = 0; q < points_; ++q) {
-    state.inelastic[std::size_t(e) * points_ + q].add_identity(compression -
-                                                               properties_.thermal_stretch(at));
+    const std::size_t i = e * points_ + q;
+    state.inelastic[i] = forms_->strain(e, q, u);
+    state.inelastic[i].add(-0.5 / shear, state.deviator[i]);
+    state.inelastic[i].add_identity(-state.pressure[i] / (3.0 * bulk) - thermal);
+
+    for (double& strain : state.viscoplastic[i].value) strain *= birth.share;
+    if (!state.hardened.empty()) state.hardened[i] *= birth.share;
   }
 }
 
@@ -220,6 +262,7 @@ template <int Dim>
 void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) {
   const bool at_once = options_.liquid == Liquid::solid;
   std::vector<int> changed;
+  births_.clear();
   for (int e = 0; e < mesh_->elements(); ++e) {
     const bool solid =
         at_once || mesh::mean_at_nodes(*mesh_, e, input.temperature) < properties_.coherency();
@@ -230,9 +273,7 @@ void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) {
   set_rotations(displacement_, state.solid);
   for (const int e : changed) {
     forget_history(state, std::size_t(e));
-    if (state.solid[std::size_t(e)] == 0) continue;
-    solidify(state, e, input.metal_level,
-             at_once ? mesh::mean_at_nodes(*mesh_, e, input.temperature) : properties_.coherency());
+    if (state.solid[std::size_t(e)] != 0) births_.push_back(birth_of(e, input));
   }
 }
 
@@ -266,6 +307,7 @@ void SlabMechanics<Dim>::set_materials(const State& state, const SlabStepInput& 
       problem_.hardening[i] = 0.0;
     }
   }
+  for (const Birth& birth : births_) set_newborn(birth);
 }
 
 /// Material of an element that carries stress. @param at  its temperature [°C]
@@ -352,6 +394,7 @@ void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
   }
   accumulate_viscoplastic_strain(problem_, state.deviator, unknowns.displacement, state.hardened,
                                  state.inelastic, state.viscoplastic);
+  for (const Birth& birth : births_) complete_newborn(state, birth, unknowns.displacement);
   store_supports(state, unknowns);
   state.displacement = supports_.by_coordinate(std::move(unknowns.displacement));
   check_front(state, input.metal_level);

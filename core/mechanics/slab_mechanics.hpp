@@ -39,6 +39,9 @@ struct SlabStepInput {
   std::span<const double> temperature;  ///< (node) at the end of the step [°C]
   double time_step = 0.0;               ///< [s]
   double metal_level = 0.0;             ///< h(t) [m]
+  /// (node) at the start of the step, on the mesh of its end [°C]. Empty: elements that solidify do
+  /// so at the start of the step.
+  std::span<const double> temperature_n{};
 };
 
 /// Checks reported for every step. They evaluate the step problem itself at the computed
@@ -149,8 +152,17 @@ private:
   void set_rotations(std::span<const double> displacement, std::span<const char> solid);
   /// Nodal forces of the stress in a state, by unknown [N]. @param acting  set to their scale [N]
   StressForces forces_of_stress(const State& state) const;
-  /// @param metal_level  [m] @param at  temperature of the element [°C]
-  void solidify(State& state, int e, double metal_level, double at) const;
+
+  /// An element that solidifies within the step.
+  struct Birth {
+    std::size_t element = 0;
+    double temperature = 0.0;  ///< [°C] from which its thermal strain counts
+    double share = 1.0;        ///< [1] of the step that is left after its solidification, not zero
+  };
+  Birth birth_of(int e, const SlabStepInput& input) const;
+  void set_newborn(const Birth& birth);
+  void complete_newborn(State& state, const Birth& birth, std::span<const double> u) const;
+
   void set_phases(State& state, const SlabStepInput& input);
   void forget_history(State& state, std::size_t e) const;
   double melt_pressure(int e, double metal_level) const;  ///< [Pa] at the centre; metal_level [m]
@@ -179,6 +191,7 @@ private:
   SlabChecks checks_;
   SlabSupports<Dim> supports_;
   std::vector<double> displacement_;  ///< by unknown, at the start of the step [m]
+  std::vector<Birth> births_;         ///< of the step
 };
 
 }  // namespace dccast::mechanics

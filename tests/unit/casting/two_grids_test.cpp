@@ -32,7 +32,10 @@ std::vector<results::StepReport> reports_of(const Case& c) {
   return recorder.reports;
 }
 
-void expect_the_answers_of_factors(const Case& c) {
+/// Both are solved to a tenth of the tolerance: cells that have just solidified are so soft that
+/// 1e-8 of the forces moves them by more than the 1e-8 m of which the answers may differ.
+void expect_the_answers_of_factors(Case c) {
+  c.mechanics.options.tolerance = 1e-9;
   const auto factors = reports_of(c), grids = reports_of(by_two_grids(c));
   ASSERT_EQ(factors.size(), grids.size());
   ASSERT_GT(grids.back().conjugate_gradient_iterations, 0);

@@ -57,6 +57,12 @@ public:
     EXPECT_TRUE(outcome.converged) << outcome.equilibrium_residual;
     return outcome.iterations;
   }
+  /// The same with the temperatures at the start of the step too.
+  void step_between(const Field& before, const Field& after, double dt) {
+    const auto start = temperature(before), end = temperature(after);
+    const auto outcome = mechanics.step(state, {end, dt, slab.level(), start});
+    EXPECT_TRUE(outcome.converged) << outcome.equilibrium_residual;
+  }
 
   double centroid_height(int e) const {
     double y = 0.0;

@@ -1,5 +1,8 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <vector>
+
 #include "tests/unit/mechanics/slab_bench.hpp"
 
 namespace dccast::mechanics {
@@ -90,6 +93,114 @@ TYPED_TEST(Solidification, ThermalStrainCountsFromTheCoherencyTemperature) {
   const double exact = freedom * (paper.thermal_stretch(600.0) - 1.0) * bench.width;
   // The weight adds some kilopascals over 40 GPa.
   EXPECT_NEAR(bench.across(bench.slab.cells_per_row()), exact, 1e-5 * std::abs(exact));
+}
+
+/// The paper's alloy with a cold shell that is rigid beside what has just frozen; no creep.
+material::AlloyCard rigid_shell_card() {
+  material::AlloyCard card = material::testing::paper_card();
+  card.young_modulus = {Abscissa::temperature, {610, 630}, {1e15, 1e10}};
+  card.poisson_ratio = {Abscissa::temperature, {0, 700}, {0.3, 0.3}};
+  return card;
+}
+
+/// A shell below melt cools; the melt freezes after `theta` of the time [1].
+SlabBench<fem::BendingQuadrilateral>::Field freezing_over_a_shell(double theta, double time) {
+  return [=](double, double y) {
+    return y < 0.06 ? 500.0 - 10.0 * time : 649.0 + 10.0 * (theta - time);
+  };
+}
+
+/// Stress across the slab at its middle plane in its top row [Pa], after a unit of time in equal
+/// steps.
+double stress_over_a_shell(double theta, int steps, bool from_the_start_of_the_step) {
+  Options free_side = balanced_to(1e-9);
+  free_side.confinement = false;
+  SlabBench<fem::BendingQuadrilateral> bench(free_side, rigid_shell_card());
+  bench.start(freezing_over_a_shell(theta, 0.0));
+
+  constexpr double instant = 1e-30;  // [s] in which nothing creeps
+  for (int i = 0; i < steps; ++i) {
+    const auto at = [&](int step) { return freezing_over_a_shell(theta, double(step) / steps); };
+    if (from_the_start_of_the_step)
+      bench.step(at(i + 1), instant);
+    else
+      bench.step_between(at(i), at(i + 1), instant);
+  }
+  const std::size_t e = std::size_t(bench.slab.elements_per_row() * (bench.slab.rows() - 1));
+  const std::size_t point = e * bench.mechanics.points();
+  return bench.state.deviator[point][0] + bench.state.pressure[point];
+}
+
+/// Metal on a rigid shell that contracts takes on the strain of the shell since its own
+/// solidification, and no more: exact in any number of steps, wherever they end.
+TEST(BirthWithinAStep, StrainCountsFromTheMomentOfSolidification) {
+  const material::MechanicalProperties metal(rigid_shell_card());
+  constexpr double young = 1e10, poisson = 0.3;
+  for (const double theta : {0.1, 0.5, 0.77, 0.95}) {
+    // The shell is free across the slab and held along it; the metal on it is held by both.
+    const double shell = metal.thermal_stretch(490.0) - metal.thermal_stretch(500.0 - 10.0 * theta);
+    const double own =
+        metal.thermal_stretch(649.0 - 10.0 * (1.0 - theta)) - metal.thermal_stretch(649.0);
+    const double across = (1.0 + poisson) * shell - own, along = -own;
+    const double exact = young / (1.0 - poisson * poisson) * (across + poisson * along);
+
+    for (const int steps : {1, 2, 3, 10})
+      EXPECT_NEAR(stress_over_a_shell(theta, steps, false), exact, 2e-3 * std::abs(exact))
+          << theta << ", " << steps << " steps";
+    const double strained_before =
+        young / (1.0 - poisson * poisson) * (1.0 + poisson) *
+        (shell - metal.thermal_stretch(490.0) + metal.thermal_stretch(500.0));
+    EXPECT_NEAR(stress_over_a_shell(theta, 1, true), exact - strained_before,
+                0.02 * std::abs(strained_before))
+        << "from the start of the step";
+  }
+}
+
+/// Stress at all points of a section through which a front of solidification rises [Pa].
+std::vector<SymmetricTensor<2>> stress_behind_a_front(int steps, bool from_the_start_of_the_step) {
+  const auto front = [](double time) {
+    return [=](double x, double y) { return 649.0 + 800.0 * (y - 0.013 - 0.08 * time) - 20.0 * x; };
+  };
+  material::AlloyCard card = material::testing::paper_card();
+  card.young_modulus = {Abscissa::temperature, {0, 700}, {4e10, 4e10}};
+  card.poisson_ratio = {Abscissa::temperature, {0, 700}, {0.3, 0.3}};
+  Options free_side = balanced_to(1e-9);
+  free_side.confinement = false;
+  free_side.kinematics = Kinematics::small_strain;
+  SlabBench<fem::BendingQuadrilateral> bench(free_side, card);
+  bench.start(front(0.0));
+
+  constexpr double instant = 1e-30;  // [s] in which nothing creeps
+  for (int i = 0; i < steps; ++i) {
+    const double before = double(i) / steps, after = double(i + 1) / steps;
+    if (from_the_start_of_the_step)
+      bench.step(front(after), instant);
+    else
+      bench.step_between(front(before), front(after), instant);
+  }
+  auto stress = bench.state.deviator;
+  for (std::size_t i = 0; i < stress.size(); ++i) stress[i].add_identity(bench.state.pressure[i]);
+  return stress;
+}
+
+TEST(BirthWithinAStep, StressConvergesWithTheStep) {
+  const auto exact = stress_behind_a_front(512, false);
+  const auto error = [&](int steps, bool from_the_start_of_the_step) {
+    const auto stress = stress_behind_a_front(steps, from_the_start_of_the_step);
+    double squares = 0.0, scale = 0.0;
+    for (std::size_t i = 0; i < stress.size(); ++i) {
+      auto difference = stress[i];
+      difference.add(-1.0, exact[i]);
+      squares += difference.squared_norm();
+      scale += exact[i].squared_norm();
+    }
+    return std::sqrt(squares / scale);
+  };
+  const double coarse = error(4, false), fine = error(64, false);
+  EXPECT_LE(coarse, 0.05);
+  EXPECT_LE(fine, coarse / 16.0) << "at least first order";
+  EXPECT_LE(coarse, 0.2 * error(4, true));
+  EXPECT_LE(fine, 0.2 * error(64, true));
 }
 
 TYPED_TEST(Solidification, MeltingAgainForgetsTheSolid) {
