@@ -104,13 +104,13 @@ struct Validity {
 
 /// Limits of the findings; docs/findings.md has their sources.
 struct Plausibility {
-  double minimum_superheat = 0.0;       ///< [K]
-  double minimum_shell = 0.0;           ///< [m]
-  double minimum_meniscus = 0.0;        ///< [m]
+  double minimum_superheat = 0.0;                 ///< [K]
+  double minimum_shell = 0.0;                     ///< [m]
+  double minimum_meniscus = 0.0;                  ///< [m]
   std::optional<double> maximum_mush_strain;      ///< [1]; absent: not judged
   std::optional<double> reference_tear_rate;      ///< [1/s] of a recipe known to be sound
   std::optional<double> reference_tear_pressure;  ///< [Pa] of the same
-  double maximum_sump_share = 0.0;      ///< [1] relative to the depth of the metal
+  double maximum_sump_share = 0.0;                ///< [1] relative to the depth of the metal
   std::optional<double> least_curl;     ///< [m] lower end of the plant's range; absent: none
   std::optional<double> greatest_curl;  ///< [m] upper end of the plant's range; absent: none
 };

@@ -1,15 +1,13 @@
 #include "core/case/case_check.hpp"
 
-#include <cstdio>
+#include <fmt/format.h>
 
 #include "core/case/checks.hpp"
 
 namespace dccast::casting {
 
 std::string with_unit(double value, const char* unit) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.6g %s", value, unit);
-  return text;
+  return fmt::format("{:.6g} {}", value, unit);
 }
 
 namespace {
@@ -37,14 +35,14 @@ std::string CaseFindings::fault_of(std::string_view key) const {
 }
 
 bool CaseFindings::sound(const Keys& keys) {
-  bool all = true;
+  bool sound = true;
   for (const std::string& key : keys) {
     const std::string path = fault_of(key);
     if (path.empty()) continue;
     waited_for_.insert(path);
-    all = false;
+    sound = false;
   }
-  return all;
+  return sound;
 }
 
 CheckedCase CaseFindings::answer() {
@@ -55,6 +53,8 @@ CheckedCase CaseFindings::answer() {
 
 CheckedCase check(const Case& casting_case, const std::vector<std::string>& faulty_keys) {
   CaseFindings found(casting_case, faulty_keys);
+
+  // Single values and tables first: the later checks skip what depends on a faulty key.
   check_alloy(found);
   check_zones(found);
   check_tables(found);
@@ -64,12 +64,16 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>& faul
   check_block_profile(found);
   check_time(found);
   check_mechanics(found);
+
+  // These compute the course of the casting and its mesh, on which the last checks rest.
   check_course(found);
   casting_case.section.file.empty() ? check_built_in_size(found) : check_imported_mesh(found);
   check_temperature_file(found);
+
   check_monitors(found);
   check_plausibility(found);
   advise(found);
+
   return found.answer();
 }
 

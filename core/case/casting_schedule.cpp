@@ -1,5 +1,7 @@
 #include "core/case/casting_schedule.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -22,11 +24,13 @@ double value(const Curve& curve, double time, double length) {
 double integral_of_product(const Curve& table, double shift, const Curve& factor, double from,
                            double to) {
   if (factor.constant()) return factor.value().front() * table.integral(from - shift, to - shift);
+
   std::vector<double> cuts{from, to};
-  for (const double at : table.at()) cuts.push_back(at + shift);
+  for (const double point : table.at()) cuts.push_back(point + shift);
   cuts.insert(cuts.end(), factor.at().begin(), factor.at().end());
   std::erase_if(cuts, [=](double t) { return t < from || t > to; });
   std::sort(cuts.begin(), cuts.end());
+
   const auto product = [&](double t) { return table(t - shift) * factor(t); };
   double sum = 0.0;
   for (std::size_t i = 1; i < cuts.size(); ++i) {
@@ -36,12 +40,23 @@ double integral_of_product(const Curve& table, double shift, const Curve& factor
   return sum;
 }
 
-// Times closer than this are treated as equal: steps are sums of decimal fractions.
+// Times closer than this are equal: steps are sums of decimal fractions.
 constexpr double same_time = 1e-9;  // [s]
 
-/// The step that ends when the water starts is still dry.
+/// A step that ends when the water starts is still dry.
 bool runs(const thermal::Water& water, double time) {
   return water.enabled && time > water.start + same_time;
+}
+
+/// Ends of the range in which a table is evaluated. @pre its abscissa is time or cast length
+std::pair<double, double> range_of(const Curve& curve, const Course& course) {
+  if (against_length(curve)) return {0.0, course.cast_length};
+  return {course.begin, course.end};
+}
+
+bool follows_course(const Curve& curve) {
+  return !curve.empty() && !curve.constant() &&
+         (curve.abscissa() == Abscissa::time || against_length(curve));
 }
 
 }  // namespace
@@ -53,14 +68,18 @@ CastingSchedule::CastingSchedule(const Case& c)
       frame_interval_(c.output.frame_interval),
       begin_(-c.schedule.hold),
       end_(c.time.end) {
+  // Steps end at every sudden change: start and end, the valves, the mechanics, the full mould, and
+  // the points of the step table.
   events_ = {0.0, end_};
   for (const thermal::Face face : {thermal::Face::wide, thermal::Face::narrow}) {
     const auto changes = thermal::valve_changes(cooling_.water_of(face), end_);
     events_.insert(events_.end(), changes.begin(), changes.end());
   }
+
   if (c.mechanics.enabled) events_.push_back(c.mechanics.start);
   if (schedule_.filling > 0.0) events_.push_back(begin_ + schedule_.filling);
   if (!step_.constant()) events_.insert(events_.end(), step_.at().begin(), step_.at().end());
+
   std::sort(events_.begin(), events_.end());
 }
 
@@ -78,10 +97,13 @@ double CastingSchedule::cast_length(double length, double time, double step) con
   const double to = time + step;
   if (to <= 0.0) return length;
   const double from = std::max(time, 0.0), h = to - from;
+
   if (speed_follows_time()) {
     return length + integral_of_product(schedule_.casting_speed, schedule_.casting_speed_shift,
                                         schedule_.casting_speed_factor, from, to);
   }
+
+  // Classical Runge-Kutta for a speed against cast length.
   const double k1 = speed(from, length), k2 = speed(from, length + 0.5 * h * k1);
   const double k3 = speed(from, length + 0.5 * h * k2), k4 = speed(from, length + h * k3);
   return length + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
@@ -144,55 +166,47 @@ double CastingSchedule::step_at(double time) const {
   return left < 2.0 * wanted ? 0.5 * left : wanted;
 }
 
-constexpr std::int64_t worth_it = 200;  // fewer steps are counted one by one, exactly as in the run
+// Fewer steps than this are counted one by one, exactly as in the run.
+constexpr std::int64_t fewest_in_a_leap = 200;
 
-/// Skips all frames up to the next change at once if the step is constant: each takes as many steps
-/// as the first.
+/// Skips all frames up to the next change if the step is constant: each then takes as many steps as
+/// the first.
 std::optional<Leap> CastingSchedule::leap_over_frames(double time) const {
   const double change = next_change(time);
   const double to_frame = next_frame(time) - time;
   if (change == INFINITY || step_.derivative(time + same_time) != 0.0) return std::nullopt;
   if (to_frame < frame_interval_ - same_time) return std::nullopt;  // not at a frame
+
   const double frames = std::floor((change - time) / frame_interval_ - same_time);
   if (frames < 2.0) return std::nullopt;
-  const double steps = std::ceil(frame_interval_ / step_(time) - same_time);
-  const double all = std::min(frames * std::max(steps, 1.0), 1e15);
-  if (all <= static_cast<double>(worth_it)) return std::nullopt;
-  return Leap{static_cast<std::int64_t>(all), time + frames * frame_interval_};
+
+  const double steps_per_frame = std::ceil(frame_interval_ / step_(time) - same_time);
+  const double steps = std::min(frames * std::max(steps_per_frame, 1.0), 1e15);
+  if (steps <= static_cast<double>(fewest_in_a_leap)) return std::nullopt;
+  return Leap{static_cast<std::int64_t>(steps), time + frames * frame_interval_};
 }
 
 Leap CastingSchedule::leap(double time) const {
-  constexpr double last_steps = 4.0;  // also before an event, where the remainder is halved
-  const Leap one{1, time + step_at(time)};
+  constexpr double last_steps = 4.0;  // before an event, where the remainder is halved
+  const Leap single_step{1, time + step_at(time)};
   if (const auto frames = leap_over_frames(time)) return *frames;
+
   const double step = step_(time), slope = step_.derivative(time + same_time);
   const double next = next_event(time);
-  if (next == INFINITY || slope <= -1.0) return one;
+  if (next == INFINITY || slope <= -1.0) return single_step;
+
   const double largest = std::max(step, step + slope * (next - time));
   const double distance = next - time - last_steps * largest;
-  if (distance <= static_cast<double>(worth_it) * largest) return one;
-  const double growth = std::log1p(slope);  // growth of a step from one to the next
+  if (distance <= static_cast<double>(fewest_in_a_leap) * largest) return single_step;
+
+  // A step that is linear in time makes the steps a geometric series with the ratio 1 + slope.
+  const double growth = std::log1p(slope);
   const double count =
       std::floor(growth == 0.0 ? distance / step : std::log1p(slope * distance / step) / growth);
   if (!(count < 1e15)) return {std::int64_t(1e15), next};
   const double covered = growth == 0.0 ? count * step : step * std::expm1(count * growth) / slope;
   return {static_cast<std::int64_t>(count), time + covered};
 }
-
-namespace {
-
-/// The ends of the range in which a table is evaluated. @pre its abscissa is time or cast length
-std::pair<double, double> range_of(const Curve& curve, const Course& course) {
-  if (against_length(curve)) return {0.0, course.cast_length};
-  return {course.begin, course.end};
-}
-
-bool follows_course(const Curve& curve) {
-  return !curve.empty() && !curve.constant() &&
-         (curve.abscissa() == Abscissa::time || against_length(curve));
-}
-
-}  // namespace
 
 Course course_of(const Case& c) {
   const CastingSchedule schedule(c);
@@ -222,8 +236,8 @@ std::string listed(const std::vector<std::string>& texts) {
   constexpr std::size_t most = 5;
   std::string list;
   for (std::size_t i = 0; i < std::min(most, texts.size()); ++i)
-    list += (list.empty() ? "" : ", ") + texts[i];
-  if (texts.size() > most) list += " and " + std::to_string(texts.size() - most) + " more";
+    list += fmt::format("{}{}", list.empty() ? "" : ", ", texts[i]);
+  if (texts.size() > most) list += fmt::format(" and {} more", texts.size() - most);
   return list;
 }
 

@@ -10,7 +10,7 @@ namespace dccast::casting {
 
 namespace {
 
-/// The table must contain both ends; otherwise a part of the latent heat would never be released.
+/// Checks that the table contains both ends, or a part of the latent heat would never be released.
 void liquid_fraction(CaseFindings& found) {
   const material::AlloyCard& a = found.casting.alloy;
   const Curve& f = a.liquid_fraction;
@@ -24,6 +24,7 @@ void liquid_fraction(CaseFindings& found) {
                 "complete the table, or leave it out for a linear liquid fraction");
 }
 
+/// Checks the coherency temperature, and that a solid fraction given for it means the same.
 void coherency(CaseFindings& found) {
   const material::AlloyCard& a = found.casting.alloy;
   if (a.coherency > a.liquidus || a.coherency < a.solidus - 100.0)
@@ -32,6 +33,8 @@ void coherency(CaseFindings& found) {
                 "up to alloy.liquidus = " + with_unit(a.liquidus, "degC") +
                     ", not more than 100 K below alloy.solidus = " + with_unit(a.solidus, "degC"),
                 "leave it out to take the liquidus");
+
+  // A case may give the coherency by temperature or by solid fraction, but not both differently.
   constexpr double same = 1e-6;  // [K]
   const auto& solid_fraction = found.casting.coherency_solid_fraction;
   if (!solid_fraction) return;
@@ -43,9 +46,9 @@ void coherency(CaseFindings& found) {
                 "leave alloy.coherency out: the solid fraction follows the card");
 }
 
-/// Mush that pulls on its neighbours while it still flows out of a shell would be solid and melt at
-/// once. The paper's mush, which is as strong as the solid, keeps the coherency that the case
-/// gives.
+/// Checks that metal carries no load before it holds melt back: otherwise it would be solid and
+/// melt at once. The paper's mush, which is as strong as the solid, keeps the coherency of the
+/// case.
 void onset_of_stress(CaseFindings& found) {
   const material::AlloyCard& a = found.casting.alloy;
   const auto& onset = found.casting.coherency_solid_fraction;
@@ -59,6 +62,7 @@ void onset_of_stress(CaseFindings& found) {
               "lower it, or raise alloy.retention_solid_fraction or alloy.shell_solid_fraction");
 }
 
+/// Checks that the window of hot tears starts before it ends.
 void hot_tear_window(CaseFindings& found) {
   const material::HotTearWindow& window = found.casting.alloy.hot_tears;
   if (window.end >= window.start) return;
@@ -69,7 +73,7 @@ void hot_tear_window(CaseFindings& found) {
               "ends at alloy.coalescence_solid_fraction");
 }
 
-/// The paper's algorithms know the creep law only.
+/// Checks the algorithm of an alloy with a yield limit: the paper's know the creep law only.
 void cold_strength(CaseFindings& found) {
   const Case& c = found.casting;
   if (!c.alloy.cold_strength || !c.mechanics.enabled) return;
@@ -88,11 +92,15 @@ void check_alloy(CaseFindings& found) {
     if (table->empty() && found.sound({key}))
       found.fault(key, "", "is missing", "a table, or the properties of solid and liquid",
                   std::string("give ") + key + ", or its solid_ and liquid_ keys");
+
   if (!found.sound({"alloy.solidus", "alloy.liquidus"})) return;
   if (a.solidus > a.liquidus)
     found.fault("alloy.solidus", with_unit(a.solidus, "degC"), "lies above the liquidus",
                 "at most alloy.liquidus = " + with_unit(a.liquidus, "degC"),
                 "exchange the two, or make them equal for a pure metal");
+
+  // The remaining checks compare temperatures of the mush, which need solidus and liquidus in
+  // order.
   if (found.sound({"alloy.solidus", "alloy.coherency"})) coherency(found);
   onset_of_stress(found);
   cold_strength(found);

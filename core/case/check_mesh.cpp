@@ -30,33 +30,7 @@ void too_many_nodes(CaseFindings& found, double nodes) {
       "use fewer or larger cells, or raise the limit");
 }
 
-}  // namespace
-
-void check_built_in_size(CaseFindings& found) {
-  const mesh::SectionSpec& s = found.casting.section;
-  if (!found.sound(grid_keys) || !found.sound(course_keys)) return;
-  const double cell = s.growth_cell.value_or(s.initial_depth / s.rows) / s.refinement;
-  // Nodes and cells of a row of the plan.
-  const double across = found.solid() ? s.layers * s.refinement + 1.0 : 1.0;
-  // Checked before any mesh is built: a growth cell of micrometres would exhaust the memory.
-  const double rough = (s.rows * s.refinement + (*found.final_level - s.initial_depth) / cell) *
-                       (s.columns * s.refinement + 1.0) * across;
-  if (rough > 2.0 * static_cast<double>(found.casting.limits.maximum_nodes))
-    return too_many_nodes(found, rough);
-  const std::int64_t rows = mesh::rows_at(s, *found.final_level);
-  const std::int64_t columns = std::int64_t(s.columns) * s.refinement;
-  const std::int64_t layers = found.solid() ? std::int64_t(s.layers) * s.refinement : 1;
-  const std::int64_t in_a_cell = s.element != mesh::ElementKind::p1 ? 1 : found.solid() ? 6 : 2;
-  found.estimate.nodes = (rows + 1) * (columns + 1) * (found.solid() ? layers + 1 : 1);
-  found.estimate.elements = rows * columns * layers * in_a_cell;
-  if (found.estimate.nodes > found.casting.limits.maximum_nodes)
-    too_many_nodes(found, static_cast<double>(found.estimate.nodes));
-  estimate_effort(found);
-}
-
-namespace {
-
-/// Of width and depth of a mesh relative to those of the case: drawings are rounded.
+/// Tolerance of width and depth of a mesh relative to those of the case: drawings are rounded.
 constexpr double size_tolerance = 0.01;
 
 std::string name_of(const CaseFindings& found) {
@@ -74,7 +48,7 @@ bool beyond_the_axis(CaseFindings& found, const mesh::Mesh2D& mesh) {
   return true;
 }
 
-/// The unit in which a length that should be `metres` was probably drawn.
+/// Names the unit in which a length that should be `metres` was probably drawn.
 std::string remedy_for_size(double drawn, double metres) {
   for (const auto& [unit, factor, in_metres] : {std::tuple{"millimetres", "0.001", 1e-3},
                                                 {"centimetres", "0.01", 1e-2},
@@ -96,6 +70,8 @@ void check_size(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
                 remedy_for_size(width, half_width));
     return;
   }
+
+  // The depth is the level of the metal: any value can be meant, so it only gives a warning.
   const double expected = found.casting.section.initial_depth;
   if (found.sound({"section.initial_depth"}) &&
       std::abs(depth - expected) > size_tolerance * expected) {
@@ -105,13 +81,14 @@ void check_size(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
   }
 }
 
-/// How Gmsh names a group of facets.
+/// Command by which Gmsh names a group of facets.
 template <int Dim>
 std::string named_in_gmsh(const std::string& name) {
   return std::string(" in Gmsh, Physical ") + (Dim == 2 ? "Curve" : "Surface") + "(\"" + name +
          "\") = {...}, ";
 }
 
+/// Checks that a patch has facets.
 template <int Dim>
 void need(CaseFindings& found, const mesh::Mesh<Dim>& mesh, mesh::PatchKind patch,
           const std::string& message, const std::string& names, const std::string& remedy) {
@@ -140,6 +117,7 @@ void need_both_planes(CaseFindings& found, const mesh::Mesh3D& mesh) {
       return patch.kind == mesh::PatchKind::symmetry && !patch.facets.empty() &&
              patch.normal[std::size_t(axis)] < -0.99;
     });
+
     if (held) continue;
     found.fault("mesh.file", name_of(found),
                 std::string("has no group '") + name + "': nothing would hold the slab along " +
@@ -150,11 +128,14 @@ void need_both_planes(CaseFindings& found, const mesh::Mesh3D& mesh) {
   }
 }
 
-/// Boundary without a name is free and insulated. Patches that the case needs must have a name.
+/// Checks that the patches that the case needs have a name: a boundary without one is free and
+/// insulated.
 template <int Dim>
 void check_groups(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
   const Case& c = found.casting;
   const bool heat_is_solved = c.thermal.file.empty();
+
+  // Without given temperatures, heat leaves through the side and metal enters through the top.
   if (heat_is_solved && found.sound({"thermal.file"})) {
     need_side(found, mesh);
     if (c.cooling.top != thermal::Top::insulated && found.sound({"cooling.top"}))
@@ -163,6 +144,7 @@ void check_groups(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
            "name the surface of the metal" + named_in_gmsh<Dim>("top") +
                "or write cooling.top = \"insulated\"");
   }
+
   if (c.mechanics.enabled && found.sound({"mechanics.enabled"})) {
     if constexpr (Dim == 2)
       need(found, mesh, mesh::PatchKind::symmetry,
@@ -180,29 +162,24 @@ void check_mesh(CaseFindings& found) {
   auto& mesh = std::get<std::optional<mesh::Mesh<Dim>>>(found.imported);
   mesh = mesh::read_gmsh<Dim>(c.section.file, c.section.element, found.faults);
   if (!mesh) return;
+
   found.estimate.nodes = mesh->nodes();
   found.estimate.elements = mesh->elements();
   if (found.sound({"limits.maximum_nodes"}) && mesh->nodes() > c.limits.maximum_nodes)
     too_many_nodes(found, mesh->nodes());
+
+  // The size of a misplaced mesh means nothing.
   bool misplaced = false;
   if constexpr (Dim == 2)
     misplaced =
         found.sound({"section.kind"}) && found.axisymmetric() && beyond_the_axis(found, *mesh);
   if (!misplaced) check_size(found, *mesh);
+
   check_groups(found, *mesh);
   estimate_effort(found);
 }
 
-}  // namespace
-
-void check_imported_mesh(CaseFindings& found) {
-  if (!found.sound({"mesh.file", "mesh.element", "section.kind"})) return;
-  found.solid() ? check_mesh<3>(found) : check_mesh<2>(found);
-}
-
-namespace {
-
-/// Empty if the check is skipped because of another fault.
+/// Number of nodes at the start; empty if another fault prevents counting them.
 std::optional<std::size_t> nodes_at_the_start(CaseFindings& found) {
   if (const auto& plane = std::get<0>(found.imported)) return std::size_t(plane->nodes());
   if (const auto& solid = std::get<1>(found.imported)) return std::size_t(solid->nodes());
@@ -224,6 +201,36 @@ void temperature_range(CaseFindings& found, const results::TemperatureHistory& h
 }
 
 }  // namespace
+
+void check_built_in_size(CaseFindings& found) {
+  const mesh::SectionSpec& s = found.casting.section;
+  if (!found.sound(grid_keys) || !found.sound(course_keys)) return;
+
+  const double cell = s.growth_cell.value_or(s.initial_depth / s.rows) / s.refinement;
+  // Nodes and cells of a row of the plan.
+  const double across = found.solid() ? s.layers * s.refinement + 1.0 : 1.0;
+  // Checked before any mesh is built: a growth cell of micrometres would exhaust the memory.
+  const double rough = (s.rows * s.refinement + (*found.final_level - s.initial_depth) / cell) *
+                       (s.columns * s.refinement + 1.0) * across;
+  if (rough > 2.0 * static_cast<double>(found.casting.limits.maximum_nodes))
+    return too_many_nodes(found, rough);
+
+  const std::int64_t rows = mesh::rows_at(s, *found.final_level);
+  const std::int64_t columns = std::int64_t(s.columns) * s.refinement;
+  const std::int64_t layers = found.solid() ? std::int64_t(s.layers) * s.refinement : 1;
+  const std::int64_t in_a_cell = s.element != mesh::ElementKind::p1 ? 1 : found.solid() ? 6 : 2;
+
+  found.estimate.nodes = (rows + 1) * (columns + 1) * (found.solid() ? layers + 1 : 1);
+  found.estimate.elements = rows * columns * layers * in_a_cell;
+  if (found.estimate.nodes > found.casting.limits.maximum_nodes)
+    too_many_nodes(found, static_cast<double>(found.estimate.nodes));
+  estimate_effort(found);
+}
+
+void check_imported_mesh(CaseFindings& found) {
+  if (!found.sound({"mesh.file", "mesh.element", "section.kind"})) return;
+  found.solid() ? check_mesh<3>(found) : check_mesh<2>(found);
+}
 
 void check_temperature_file(CaseFindings& found) {
   if (found.casting.thermal.file.empty() || !found.sound({"thermal.file"})) return;

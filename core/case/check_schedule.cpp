@@ -9,9 +9,9 @@ namespace dccast::casting {
 
 namespace {
 
-constexpr double largest_speed = 0.1, largest_flow = 0.1;  // [m/s], [m2/s], of the schema
+constexpr double largest_speed = 0.1, largest_flow = 0.1;  // [m/s], [m2/s], as in the schema
 
-/// A factor must keep the quantity that it multiplies within its range.
+/// Checks that a factor keeps the quantity that it multiplies within its range.
 void check_factor(CaseFindings& found, const std::string& key, const Curve& table,
                   const std::string& factor_key, const Curve& factor, double limit,
                   const char* unit) {
@@ -24,7 +24,7 @@ void check_factor(CaseFindings& found, const std::string& key, const Curve& tabl
                 "products of at most " + with_unit(limit, unit), "choose a smaller factor");
 }
 
-/// A table against cast length cannot be delayed in time.
+/// Checks that a table against cast length is not delayed in time.
 void check_shift(CaseFindings& found, const std::string& key, const Curve& table, double shift) {
   if (shift == 0.0 || table.empty() || !found.sound({key, key + "_shift"})) return;
   if (table.abscissa() == Abscissa::cast_length)
@@ -33,12 +33,15 @@ void check_shift(CaseFindings& found, const std::string& key, const Curve& table
                 "0 s with a table against cast length", "move the points of the table instead");
 }
 
+/// Checks the pulses of a face's water: a valve must not move faster than time can be resolved.
 void check_pulses(CaseFindings& found, const std::string& key, const thermal::Water& water) {
   const Case& c = found.casting;
   if (water.pulse_period <= 0.0 || !water.enabled) return;
   if (!found.sound({key + ".pulse_period", key + ".pulse_share", key + ".pulse_end", key + ".start",
                     "time.minimum_step", "time.end"}))
     return;
+
+  // The shorter of the open and the closed part must last a time step.
   const double share = std::min(water.pulse_share, 1.0 - water.pulse_share);
   const std::string period = with_unit(water.pulse_period, "s");
   if (water.pulse_period * (share > 0.0 ? share : 1.0) < c.time.minimum_step)
@@ -46,6 +49,7 @@ void check_pulses(CaseFindings& found, const std::string& key, const thermal::Wa
                 "opens or closes the valve for less than the smallest time step",
                 "parts of at least time.minimum_step = " + with_unit(c.time.minimum_step, "s"),
                 "lengthen the period");
+
   const double last = std::min(water.pulse_end, c.time.end);
   const double changes = 2.0 * (last - water.start) / water.pulse_period;
   if (changes > static_cast<double>(c.limits.maximum_steps))
@@ -53,6 +57,7 @@ void check_pulses(CaseFindings& found, const std::string& key, const thermal::Wa
         key + ".pulse_period", period, "moves the valve more often than there are time steps",
         "at most limits.maximum_steps = " + std::to_string(c.limits.maximum_steps) + " times",
         "lengthen the period or end the pulses earlier");
+
   if (water.pulse_end <= water.start)
     found.warning(key + ".pulse_end", with_unit(water.pulse_end, "s"),
                   "does not lie after the water's start, so that nothing is pulsed",
@@ -86,8 +91,10 @@ void check_levers(CaseFindings& found) {
                                   {"schedule.narrow_water_flow", &s.narrow_water_flow}})
     check_factor(found, key, *flow, "schedule.water_flow_factor", s.water_flow_factor, largest_flow,
                  "m2/s");
+
   check_shift(found, "schedule.casting_speed", s.casting_speed, s.casting_speed_shift);
   check_shift(found, "schedule.water_flow", s.water_flow, s.water_flow_shift);
+
   check_pulses(found, "cooling.water", found.casting.cooling.water);
   if (found.casting.cooling.narrow_water)
     check_pulses(found, "cooling.narrow_water", *found.casting.cooling.narrow_water);
@@ -101,6 +108,9 @@ void check_tables(CaseFindings& found) {
     const Curve& curve;
     const char* unit;  ///< of its abscissa
   };
+
+  // Curves interpolate, which needs strictly increasing abscissas. Other tables are checked where
+  // they are used.
   for (const auto& [key, curve, unit] :
        {Table{"schedule.casting_speed", c.schedule.casting_speed, ""},
         Table{"schedule.casting_temperature", c.schedule.casting_temperature, ""},
@@ -121,6 +131,7 @@ void check_tables(CaseFindings& found) {
         Table{"cooling.bottom_block.profile_x", c.cooling.bottom_block.profile_x, "m"},
         Table{"cooling.bottom_block.profile_y", c.cooling.bottom_block.profile_y, "m"}}) {
     if (!found.fault_of(key).empty()) continue;  // already reported
+
     const auto repeated = std::ranges::adjacent_find(curve.at(), std::not_fn(std::less{}));
     if (repeated != curve.at().end())
       found.fault(key, with_unit(*std::next(repeated), unit),
@@ -132,9 +143,11 @@ void check_tables(CaseFindings& found) {
 void check_time(CaseFindings& found) {
   const Case& c = found.casting;
   const double begin = -c.schedule.hold, filling = c.schedule.filling;
+
   if (found.sound({"time.end", "schedule.hold"}) && c.time.end <= begin)
     found.fault("time.end", with_unit(c.time.end, "s"), "is not after the beginning",
                 "more than " + with_unit(begin, "s") + ", minus schedule.hold", "move the end");
+
   if (filling > 0.0 && found.sound({"schedule.filling", "schedule.hold"})) {
     if (filling > c.schedule.hold)
       found.fault("schedule.filling", with_unit(filling, "s"),
@@ -151,6 +164,7 @@ void check_time(CaseFindings& found) {
                   "at least schedule.filling - schedule.hold = " + with_unit(begin + filling, "s"),
                   "start the mechanics later");
   }
+
   if (!found.sound({"time.step", "time.minimum_step"})) return;
   const double shortest = std::ranges::min(c.time.step.value());
   if (c.time.minimum_step > shortest)
@@ -159,15 +173,19 @@ void check_time(CaseFindings& found) {
                 "choose a smaller minimum, such as a hundredth of the step");
 }
 
+/// Checks options of algorithms against their conditions of convergence and validity.
 void check_mechanics(CaseFindings& found) {
   const mechanics::Options& options = found.casting.mechanics.options;
   const auto& p = options.parameters;
+
+  // The splitting method needs lambda_p gamma_p < 1 (Lemma 3).
   if (options.algorithm == mechanics::Algorithm::sbm &&
       found.sound({"mechanics.parameters.gamma_p", "mechanics.parameters.lambda_p"}) &&
       p.lambda_p.value_or(0.5 / p.gamma_p) * p.gamma_p >= 1.0)
     found.fault("mechanics.parameters.lambda_p", p.lambda_p.value_or(0.0),
                 "times gamma_p is not below 1 (Lemma 3)", "less than 1 / gamma_p",
                 "leave it out to take 1 / (2 gamma_p)");
+
   if (options.kinematics == mechanics::Kinematics::corotational && found.sound({"section.kind"}) &&
       found.axisymmetric())
     found.fault("mechanics.kinematics", "corotational",
@@ -175,12 +193,13 @@ void check_mechanics(CaseFindings& found) {
                 "small_strain with section.kind = \"axisymmetric\"", "leave it out");
 }
 
-/// Steps, and how high the metal ends.
+/// Counts the steps of the run and finds the final level of the metal.
 void check_course(CaseFindings& found) {
   constexpr double round_off = 1e-9;     // [s]
   constexpr std::int64_t enough = 1000;  // pieces of a leap
   if (!found.sound(course_keys)) return;
   const Case& c = found.casting;
+
   const CastingSchedule schedule(c);
   double time = schedule.begin(), last = time, length = 0.0;
   std::int64_t steps = 0;
@@ -192,11 +211,13 @@ void check_course(CaseFindings& found) {
     steps += leap.steps;
     last = std::exchange(time, leap.to);
   }
+
   if (steps > c.limits.maximum_steps)
     return found.fault("time.step", with_unit(c.time.step(last), "s"),
                        "leads to too many time steps",
                        "at most limits.maximum_steps = " + std::to_string(c.limits.maximum_steps),
                        "lengthen the steps or shorten the simulation");
+
   found.final_level = c.section.initial_depth + (c.section.growth ? length : 0.0);
   found.estimate.steps = steps;
 }
@@ -206,14 +227,18 @@ void check_zones(CaseFindings& found) {
   for (std::size_t i = 0; i < zones.size(); ++i) {
     const thermal::SideZone& zone = zones[i];
     const std::string field = "cooling.zone[" + std::to_string(i) + "]";
+
     if (!found.sound({field + ".from", field + ".to"})) continue;
+
     if (zone.to <= zone.from)
       found.fault(
           field + ".to", with_unit(zone.to, "m"), "does not lie below the zone's upper edge",
           "more than " + field + ".from = " + with_unit(zone.from, "m"), "exchange from and to");
+
     for (std::size_t j = 0; j < i; ++j) {
       const thermal::SideZone& other = zones[j];
       if (!found.sound({"cooling.zone[" + std::to_string(j) + "]"})) continue;
+
       const bool apart = zone.face && other.face && *zone.face != *other.face;
       if (!apart && zone.from < other.to - 1e-12 && other.from < zone.to - 1e-12)
         found.fault(field + ".from", with_unit(zone.from, "m"),

@@ -9,6 +9,8 @@ namespace dccast::casting {
 
 void check_section(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
+
+  // Nodes of an imported mesh and of given temperatures are fixed: the slab cannot grow.
   const bool growth_known = found.sound({"mesh.growth"});
   if (!s.file.empty() && s.growth && growth_known) {
     found.fault("mesh.growth", "true", "an imported mesh cannot grow", "false with mesh.file",
@@ -19,6 +21,8 @@ void check_section(CaseFindings& found) {
                 "has one temperature per node, but the nodes of a growing slab increase in number",
                 "mesh.growth = false with thermal.file", "write growth = false in [mesh]");
   }
+
+  // Cells that are larger than the section or the first metal cannot be laid out.
   const double cell = s.growth_cell.value_or(s.initial_depth / s.rows);
   if (s.growth && found.sound({"mesh.growth_cell", "mesh.rows", "section.initial_depth"}) &&
       cell > s.initial_depth) {
@@ -26,18 +30,21 @@ void check_section(CaseFindings& found) {
                 "at most section.initial_depth = " + with_unit(s.initial_depth, "m"),
                 "choose smaller growth cells");
   }
+
   if (s.file.empty() && found.sound({"mesh.side_cell", "section.half_width"}) &&
       s.side_cell > s.half_width) {
     found.fault("mesh.side_cell", with_unit(s.side_cell, "m"), "is wider than the section",
                 "at most section.half_width = " + with_unit(s.half_width, "m"),
                 "choose a smaller cell");
   }
+
   if (s.file.empty() && found.sound({"mesh.bottom_cell", "section.initial_depth"}) &&
       s.bottom_cell > s.initial_depth) {
     found.fault("mesh.bottom_cell", with_unit(s.bottom_cell, "m"), "is higher than the metal",
                 "at most section.initial_depth = " + with_unit(s.initial_depth, "m"),
                 "choose a smaller cell");
   }
+
   if (found.sound({"section.kind", "mesh.element", "mechanics.enabled"}) && found.axisymmetric() &&
       found.casting.mechanics.enabled && s.element == mesh::ElementKind::p1) {
     // A creeping tube of triangles is 26 % off where one of quadrilaterals is 1.5 %
@@ -50,6 +57,7 @@ void check_section(CaseFindings& found) {
 }
 
 // Conditions on the plan of a quarter slab and on the block below it.
+// Conditions on the plan of a quarter slab and on the block below it.
 
 namespace {
 
@@ -60,8 +68,8 @@ double slope(const Curve& table, std::size_t i) {
   return (table.value()[i + 1] - table.value()[i]) / (table.at()[i + 1] - table.at()[i]);
 }
 
-/// The wide face of a mould is convex or flat: towards the narrow face its opening never increases,
-/// and its slope never becomes less steep.
+/// Checks that the wide face of a mould is convex or flat: towards the narrow face its opening
+/// never increases, and it never narrows less steeply than before.
 void opening_not_convex(CaseFindings& found, const Curve& opening, double half_width) {
   const char* permitted = "values that never rise and fall ever more steeply: a convex mould";
   double steepest = 0.0;
@@ -76,6 +84,7 @@ void opening_not_convex(CaseFindings& found, const Curve& opening, double half_w
     }
     steepest = falls;
   }
+
   if (steepest < 0.0 && opening.at().back() < half_width - round_off) {
     found.fault("section.half_thickness", with_unit(opening.at().back(), "m"),
                 "is the last point of the table, beyond which the face would run straight",
@@ -90,16 +99,18 @@ bool break_points_have_nodes(const mesh::SectionSpec& s) {
   std::vector<double> x;
   const int column = s.layers * s.refinement + 1;
   for (int n = 0; n < base.nodes(); n += column) x.push_back(base.node[2 * std::size_t(n)]);
+
   bool fits = std::ranges::is_sorted(x, std::less_equal{});
-  for (const double at : s.half_thickness.at()) {
-    const bool inside = at > 0.0 && at < s.half_width - round_off;
-    fits &= !inside ||
-            std::ranges::any_of(x, [&](double other) { return std::abs(other - at) <= round_off; });
+  for (const double point : s.half_thickness.at()) {
+    const bool inside = point > 0.0 && point < s.half_width - round_off;
+    fits &= !inside || std::ranges::any_of(
+                           x, [&](double other) { return std::abs(other - point) <= round_off; });
   }
   return fits;
 }
 
-/// Each break point of the opening needs a column of nodes of its own.
+/// Checks that each break point of the opening has a column of nodes. A rounded corner moves nodes,
+/// so it is left out here and checked by check_corner().
 void columns_miss_break_points(CaseFindings& found) {
   mesh::SectionSpec square = found.casting.section;
   square.corner_radius = 0.0;
@@ -110,6 +121,7 @@ void columns_miss_break_points(CaseFindings& found) {
               "use more columns, or move the break points apart");
 }
 
+/// Checks the table of the opening, and that the mesh can follow it.
 void check_opening(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   if (s.half_thickness.empty())
@@ -117,18 +129,22 @@ void check_opening(CaseFindings& found) {
         "section.half_thickness", "", "is missing",
         "half the opening of the mould in metres, one value or a table against distance",
         "write half_thickness = \"0.285 m\" for a rectangular slab");
+
   if (!found.sound({"section.half_width"})) return;
   opening_not_convex(found, s.half_thickness, s.half_width);
   if (!s.file.empty() || !found.sound({"section.half_thickness"})) return;
+
   const double narrowest = s.half_thickness(s.half_width);
   if (found.sound({"mesh.wide_side_cell"}) && s.wide_side_cell > narrowest) {
     found.fault("mesh.wide_side_cell", with_unit(s.wide_side_cell, "m"),
                 "is wider than half the slab", "at most " + with_unit(narrowest, "m"),
                 "choose a smaller cell");
   }
+
   if (found.sound(plan_keys)) columns_miss_break_points(found);
 }
 
+/// Reports a key that applies to quarter slabs only.
 void only_of_a_quarter_slab(CaseFindings& found, const char* key, bool given) {
   if (!given || !found.sound({"section.kind"})) return;
   found.fault(key, "given", "applies to a quarter slab only",
@@ -145,16 +161,16 @@ double least_depth(const Curve& profile, double length) {
   return least;
 }
 
-/// Largest possible radius of a corner: limited by the symmetry planes and by the last break point
+/// Largest radius of a corner: it ends before the symmetry planes and before the last break point
 /// of the opening.
 double largest_radius(const mesh::SectionSpec& s) {
   double last = 0.0;
-  for (const double at : s.half_thickness.at())
-    if (at < s.half_width - round_off) last = std::max(last, at);
+  for (const double point : s.half_thickness.at())
+    if (point < s.half_width - round_off) last = std::max(last, point);
   return std::min(s.half_width - last, s.half_thickness(s.half_width));
 }
 
-/// The rounded corner of a quarter slab must fit its plan and its mesh.
+/// Checks that the rounded corner of a quarter slab fits its plan and its mesh.
 void check_corner(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   if (s.corner_radius <= 0.0) return;
@@ -163,9 +179,11 @@ void check_corner(CaseFindings& found) {
     found.fault("section.corner_radius", with_unit(s.corner_radius, "m"), message, permitted,
                 remedy);
   };
+
   if (!s.file.empty())
     return fault("has no effect: the corner is that of mesh.file", "absent with mesh.file",
                  "leave it out");
+
   if (!found.sound(plan_keys)) return;
   const double most = largest_radius(s);
   if (s.corner_radius > most + round_off)
@@ -173,6 +191,8 @@ void check_corner(CaseFindings& found) {
         "reaches beyond the middle of the slab or the last break point of "
         "section.half_thickness",
         "at most " + with_unit(most, "m"), "choose a smaller radius");
+
+  // An arc of two cells on each side is the coarsest that the mesh can round.
   const auto cells = mesh::corner_cells(s);
   if (std::min(cells[0], cells[1]) < mesh::fewest_corner_cells)
     return fault("holds too few cells for an arc: " + std::to_string(cells[0]) +
@@ -181,25 +201,29 @@ void check_corner(CaseFindings& found) {
                      with_unit(2.0 * std::max(s.side_cell, s.wide_side_cell), "m") +
                      " with these cells, or 0 m for a square corner",
                  "choose a larger radius, or smaller mesh.side_cell and mesh.wide_side_cell");
+
   if (!break_points_have_nodes(s))
     fault("ends in the row of nodes of a break point of section.half_thickness",
           "an end with a row of nodes of its own",
           "use more mesh.columns, or move the break point away from the corner");
 }
 
-/// Rows can be merged if cells are not split into elements and two growth cells fit into a merged
-/// one.
+/// Checks that rows can be merged: cells are not split into elements, and two growth cells fit into
+/// a merged one.
 void check_merging(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   if (s.merging.below <= 0.0 || !s.file.empty() ||
       !found.sound({"mesh.merge_below", "mesh.element"}))
     return;
+
   if (s.element == mesh::ElementKind::p1) {
     found.fault("mesh.merge_below", with_unit(s.merging.below, "m"),
                 "is given, but tetrahedra cannot be merged", "q1_bending or q1 with it",
                 "leave it out, or choose mesh.element = \"q1_bending\"");
     return;
   }
+
+  // A merged cell replaces two growth cells.
   if (!found.sound({"mesh.growth_cell", "mesh.merged_cell", "mesh.rows", "mesh.bottom_cell"}))
     return;
   const double pair = 2.0 * mesh::growth_cell(s) * s.refinement;
@@ -233,9 +257,12 @@ void check_block_profile(CaseFindings& found) {
   if (!found.sound({"section.half_width", "section.half_thickness",
                     "cooling.bottom_block.profile_x", "cooling.bottom_block.profile_y"}))
     return;
+
+  // Somewhere the slab must rest on the block, or no depth is measured from a contact.
   const double along_x = least_depth(block.profile_x, s.half_width);
   const double along_y = found.solid() ? least_depth(block.profile_y, s.half_thickness(0.0)) : 0.0;
   if (along_x + along_y <= round_off) return;
+
   const bool of_x = along_x > round_off;
   found.fault(of_x ? "cooling.bottom_block.profile_x" : "cooling.bottom_block.profile_y",
               with_unit(of_x ? along_x : along_y, "m"),

@@ -152,17 +152,21 @@ inline constexpr bool has_bending_modes<BendingHexahedron> = true;
 template <class Use>
 decltype(auto) with_element(mesh::ElementKind element, mesh::SectionKind section, Use&& use) {
   const bool round = section == mesh::SectionKind::axisymmetric;
+
   switch (element) {
     case mesh::ElementKind::p1:
       return round ? use.template operator()<AxisymmetricP1>()
                    : use.template operator()<P1Triangle>();
+
     case mesh::ElementKind::q1:
       return round ? use.template operator()<AxisymmetricQ1>()
                    : use.template operator()<Q1Quadrilateral>();
+
     case mesh::ElementKind::q1_bending:
       return round ? use.template operator()<AxisymmetricBending>()
                    : use.template operator()<BendingQuadrilateral>();
   }
+
   throw std::logic_error("with_element: element kind without a type");
 }
 

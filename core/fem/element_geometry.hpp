@@ -290,6 +290,7 @@ private:
     mode.amplitude = {};
     cell.mean_hoop = {};
 
+    // Least squares: the slope of the hoop strain over the lever.
     double square = 0.0;
     for (const Point& point : cell.point) {
       square += point.weight * point.lever[lever] * point.lever[lever];

@@ -42,6 +42,7 @@ inline Eigen::Vector3d doubled_area(const mesh::Mesh<3>& mesh, const mesh::Facet
 /// Integrals of the shape functions of a triangle or of a quadrilateral, which need not be plane
 /// [m2]; the latter by 2 x 2 Gauss points.
 inline FacetShares<3> facet_shares(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet) {
+  // A triangle is plane: each node has a third of its area.
   if (facet.nodes == 3) {
     const double third = detail::doubled_area(mesh, facet).norm() / 6.0;
     return {third, third, third, 0.0};
@@ -143,6 +144,7 @@ private:
     const double offset = half / std::sqrt(3.0);
     const std::array<double, 2> gauss_point{middle - offset, middle + offset};
 
+    // Two Gauss points are exact for the product of shape function, radius and level.
     EdgePiece piece;
     for (std::size_t g = 0; g < 2; ++g) {
       const double xi = gauss_point[g];
@@ -249,6 +251,7 @@ private:
     std::array<Radon, 7> points;
     points[0] = {9.0 / 40.0, {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}};
 
+    // Two groups of three points, symmetric about the centroid.
     for (std::size_t k = 0; k < 2; ++k) {
       const double sign = k == 0 ? -1.0 : 1.0;
       const double near = (6.0 + sign * root) / 21.0, weight = (155.0 + sign * root) / 1200.0;
@@ -268,6 +271,7 @@ private:
         0.5 * ((b.reference[0] - a.reference[0]) * (c.reference[1] - a.reference[1]) -
                (b.reference[1] - a.reference[1]) * (c.reference[0] - a.reference[0]));
 
+    // The piece of a facet is a triangle in its reference coordinates.
     for (const Radon& point : points) {
       std::array<double, 2> reference{};
       for (std::size_t i = 0; i < 3; ++i) {
@@ -290,6 +294,7 @@ private:
       gradient = Q1Quadrilateral::shape_gradient(reference);
     }
 
+    // Tangents of the facet in space; their product is the area per reference area.
     Eigen::Vector3d along = Eigen::Vector3d::Zero(), across = along;
     double level = 0.0;
     for (std::size_t i = 0; i < std::size_t(nodes_); ++i) {

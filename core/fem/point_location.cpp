@@ -54,6 +54,7 @@ std::optional<Place> locate_in_simplex(const mesh::Mesh<Dim>& mesh, int e,
     for (std::size_t i = 0; i < Dim; ++i) edge[i][d] = mesh.point(node[i + 1])[d] - origin[d];
   }
 
+  // x - x0 = sum of share_i times edge_i.
   const Vector<Dim> share = solve<Dim>(edge, from_origin);
 
   Place place{e, {}};
@@ -78,6 +79,7 @@ std::optional<Place> locate_in_cell(const mesh::Mesh<Dim>& mesh, int e, const Ve
     const auto shape = Q1<Dim>::shape(p);
     const auto gradient = Q1<Dim>::shape_gradient(p);
 
+    // Residual x(p) - x and Jacobian dx/dp.
     Vector<Dim> residual;
     for (std::size_t d = 0; d < Dim; ++d) residual[d] = -point[d];
     Columns<Dim> jacobian{};
@@ -123,6 +125,7 @@ bool in_box(const mesh::Mesh<Dim>& mesh, int e, const Vector<Dim>& point) {
     size += high[d] - low[d];
   }
 
+  // The slack is relative to the size of the box.
   for (std::size_t d = 0; d < Dim; ++d) {
     if (point[d] < low[d] - slack * size || point[d] > high[d] + slack * size) return false;
   }

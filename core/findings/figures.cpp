@@ -117,6 +117,7 @@ void StepMeter<Dim>::measure_gap(const StepView<Dim>& view, StepFigures& f) cons
     if (slice->surface.value > f.gap_surface.value) f.gap_surface = slice->surface;
     take(*slice, distance);
   }
+  // The exit from the mould has been measured with the water line.
   if (mould_exit(case_) <= view.metal_level && f.exit_surface.value > f.gap_surface.value)
     f.gap_surface = f.exit_surface;
 }
@@ -134,6 +135,7 @@ void StepMeter<Dim>::measure_bottom(const StepView<Dim>& view, StepFigures& f) c
   const std::vector<int> nodes = mesh::patch_nodes(view.mesh, mesh::PatchKind::bottom);
   if (!f.mechanical || nodes.empty()) return;
 
+  // Upwards from the block: a gap is open where the lift is positive.
   const auto lift = [&](int n) { return view.slab.displacement[std::size_t(n) * Dim + Dim - 1]; };
   f.gap_under_shell = std::max(0.0, lift(find_nearest<Dim>(view.mesh, nodes, shell.place)));
 
@@ -190,6 +192,7 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
   f.bottom_reaction = checks.bottom_reaction / view.face_length;
   f.complementarity_error = checks.complementarity_error;
 
+  // Largest motions of the solid, for the limits of small strains.
   f.rotation = largest_rotation(view.mesh, grown_together(view), view.slab.displacement,
                                 view.growing, history.when_liquid);
   f.slip = largest_slip(view.mesh, view.slab.solid, view.slab.displacement, view.temperature,
@@ -212,6 +215,7 @@ void StepMeter<Dim>::measure_frozen_metal(const StepView<Dim>& view, StepFigures
                  .growing = view.growing},
                 history.passages);
 
+  // Sums over all metal cost time: they are renewed at intervals, and at the end.
   const double before = view.time - view.time_step;
   if (view.last || std::floor(view.time / between_sums) > std::floor(before / between_sums)) {
     history.tears = tears_.indices(view.mesh, history.passages);
@@ -244,6 +248,7 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   f.sump_depth =
       sump_depth<Dim>(view.mesh, view.temperature, view.metal_level, case_.alloy.coherency);
 
+  // Figures of the temperature field, then those that need stresses.
   measure_water_line(view, f);
   measure_gap(view, f);
   measure_meniscus(view, f);
@@ -256,6 +261,7 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
 
   measure_frozen_metal(view, f, history);
 
+  // The shell of the hold does not count: it stands on a block that does not move yet.
   if (f.moves)
     history.thickest_bottom_shell = std::max(history.thickest_bottom_shell, f.bottom_shell.value);
   f.thickest_bottom_shell = history.thickest_bottom_shell;

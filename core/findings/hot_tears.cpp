@@ -82,6 +82,7 @@ double weighted_percentile(std::vector<WeightedValue> values, double share) {
   double whole = 0.0;
   for (const WeightedValue& v : values) whole += v.weight;
 
+  // Each value stands at the middle of its weight; between middles it is linear.
   const double wanted = share * whole;
   double below = 0.0, middle_before = 0.0, value_before = values.front().value;
   for (const WeightedValue& v : values) {
@@ -111,16 +112,17 @@ HotTears<Dim>::HotTears(const material::AlloyCard& card, const mesh::SectionSpec
 }
 
 /// Equivalent creep rate at the end of a step [1/s], which the implicit step holds throughout;
-/// mean of the points. @param at  [°C] of the element
+/// mean of the points. @param temperature  [°C] of the element
 template <int Dim>
-double HotTears<Dim>::strain_rate(const Step& step, int e, double at) const {
+double HotTears<Dim>::strain_rate(const Step& step, int e, double temperature) const {
   const mechanics::SlabState<Dim>& slab = step.slab;
   if (!slab.started || slab.solid[std::size_t(e)] == 0) return 0.0;
 
-  const double kappa = properties_.creep_factors(at).deviatoric;
+  const double kappa = properties_.creep_factors(temperature).deviatoric;
   const double exponent = properties_.creep().exponent;
   const std::size_t points = slab.deviator.size() / std::size_t(step.mesh.elements());
 
+  // Norton-Hoff law: kappa |s|^(q-2) |s|, as an equivalent rate.
   double sum = 0.0;
   for (std::size_t q = 0; q < points; ++q) {
     const double norm = slab.deviator[std::size_t(e) * points + q].norm();
@@ -180,6 +182,7 @@ TearIndices HotTears<Dim>::indices(const mesh::Mesh<Dim>& mesh,
   Samples rates, drops;
   for (std::size_t e = 0; e < passages.size(); ++e) {
     const MushPassage& passage = passages[e];
+    // Metal that is still in the window has no index yet.
     if (passage.temperature > window_end_) continue;
 
     const auto centre = centre_of(mesh, static_cast<int>(e), none, round);
@@ -204,15 +207,17 @@ TearMap HotTears<Dim>::map(const std::vector<MushPassage>& passages) const {
 void merge_passages(const mesh::MergedRows& merged, std::vector<MushPassage>& passages) {
   if (passages.empty()) return;
   const auto mean = [](const MushPassage& a, const MushPassage& b) {
-    const auto of = [](double x, double y) { return 0.5 * (x + y); };
-    return MushPassage{.temperature = of(a.temperature, b.temperature),
-                       .strain = of(a.strain, b.strain),
-                       .time = of(a.time, b.time),
-                       .feeding = {.resistance = of(a.feeding.resistance, b.feeding.resistance),
-                                   .stretched = of(a.feeding.stretched, b.feeding.stretched),
-                                   .shrunk = of(a.feeding.shrunk, b.feeding.shrunk)}};
+    const auto average = [](double x, double y) { return 0.5 * (x + y); };
+    return MushPassage{
+        .temperature = average(a.temperature, b.temperature),
+        .strain = average(a.strain, b.strain),
+        .time = average(a.time, b.time),
+        .feeding = {.resistance = average(a.feeding.resistance, b.feeding.resistance),
+                    .stretched = average(a.feeding.stretched, b.feeding.stretched),
+                    .shrunk = average(a.feeding.shrunk, b.feeding.shrunk)}};
   };
 
+  // A merged cell takes the mean of the two cells that it replaces.
   const std::size_t cells = merged.elements_per_row;
   std::vector<MushPassage> after;
   for (const auto& [first, last] : merged.made_of())

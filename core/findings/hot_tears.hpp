@@ -83,7 +83,7 @@ public:
 
 private:
   void pass(const Step& step, int e, MushPassage& passage) const;
-  double strain_rate(const Step& step, int e, double at) const;
+  double strain_rate(const Step& step, int e, double temperature) const;
 
   material::MechanicalProperties properties_;
   MushFeeding feeding_;

@@ -52,6 +52,7 @@ std::optional<RunFailure> apply_consequence(const Case& c, const StepRule& rule,
                                             FindingsState& state) {
   if (!rule.consequence) return std::nullopt;
 
+  // The first loss of validity is kept: it may be the cause of later ones.
   if (ends_run(*rule.consequence)) {
     if (state.lost) return std::nullopt;
     state.lost = {name_of(*rule.consequence), found.account, step.time, found.figure.place,
@@ -88,6 +89,7 @@ RunFailures judge(const Case& c, const StepFigures& step, FindingsState& state) 
     const auto found = rule.judge(c, step);
     if (!found) continue;
 
+    // A finding is raised once; later steps only update its worst value.
     const auto before = std::ranges::find(state.raised, rule.code, &Finding::code);
     if (before != state.raised.end()) {
       update_worst(rule, *found, step.time, *before);

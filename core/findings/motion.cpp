@@ -21,6 +21,7 @@ Matrix3 deformation_gradient(const mesh::Mesh3D& mesh, int element,
   Matrix3 before{}, after{};
   const int* node = mesh.nodes_of(element);
 
+  // Sums of x_i grad N_i over the nodes, before and after the motion.
   for (std::size_t i = 0; i < gradient.size(); ++i) {
     const double* x = mesh.point(node[i]);
     const double* u = &displacement[3 * std::size_t(node[i])];
@@ -146,6 +147,7 @@ PlacedFigure largest_rotation(const mesh::Mesh<Dim>& mesh, std::span<const char>
   for (int e = 0; e < mesh.elements(); ++e) {
     const Turn<Dim> turn = element_turn(mesh, e, displacement);
     const auto stored = when_liquid.begin() + static_cast<std::ptrdiff_t>(std::size_t(e) * numbers);
+    // Liquid turns freely: a rotation counts from where its element was last liquid.
     if (solid[std::size_t(e)] == 0 || e >= growing) std::ranges::copy(turn, stored);
 
     Turn<Dim> reference;
@@ -192,6 +194,7 @@ PlacedFigure largest_slip(const mesh::Mesh2D& mesh, std::span<const char> solid,
 PlacedFigure largest_slip(const mesh::Mesh3D& mesh, std::span<const char> solid,
                           std::span<const double> displacement, std::span<const double> temperature,
                           const material::MechanicalProperties& properties, double solid_below) {
+  // The contraction between a symmetry plane and a node is at most that of the largest strain.
   double strain = 0.0;
   mesh::for_each_facet(mesh, mesh::PatchKind::bottom, [&](const auto& facet, const auto&) {
     if (solid[std::size_t(facet.element)] != 0)

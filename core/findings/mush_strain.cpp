@@ -57,6 +57,7 @@ Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState
     for (std::size_t q = 0; q < points; ++q) {
       const auto& tensor = slab.viscoplastic[std::size_t(e) * points + q];
       double strain = largest_principal(tensor);
+      // By symmetry the hoop direction of a billet is a principal one.
       if (Dim == 2 && hoop) strain = std::max(strain, tensor[2]);
       if (strain > largest.value) largest = {strain, element.place};
     }

@@ -81,6 +81,7 @@ Found coherency_in_liquid(const Case& c, const Course&) {
     return std::nullopt;
   if (alloy.coherency >= alloy.liquidus) return std::nullopt;
 
+  // A plausible coherency lies in the mush, at a solid fraction that can carry load.
   const double solid = material::solid_fraction_at(alloy, alloy.coherency);
   const bool below_solidus = alloy.coherency < alloy.solidus;
   if (solid >= least_solid_fraction && !below_solidus) return std::nullopt;
@@ -108,6 +109,7 @@ Found water_never_meets(const Case& c, const Course& course) {
     return std::ranges::any_of(values_in(curve, course), [](double value) { return value > 0.0; });
   };
 
+  // The first cause that applies is reported: it makes the later ones meaningless.
   const thermal::Water& water = c.cooling.water;
   if (!water.enabled) return found("No water runs", "cooling.water.enabled");
   if (water.start >= course.end)
@@ -142,6 +144,7 @@ Found zone_never_meets(const Case& c, const Course& course) {
   }
   if (names.empty() || !c.thermal.file.empty()) return std::nullopt;
 
+  // All zones make one finding, at the key of the first.
   return make_finding(
       fmt::format("The slab never reaches the cooling zone {} (metal {:.4g} mm deep at the end): "
                   "it has no effect, as if that part of the mould did not exist.",

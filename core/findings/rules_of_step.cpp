@@ -260,6 +260,7 @@ Found shell_melted_through(const Case& c, const StepFigures& f) {
   if (!f.closed_shell || (f.closed_shell->value > 0.0 && f.closed_shell->value >= limit))
     return std::nullopt;
 
+  // The account states which limit fails: no shell at all, or less than required.
   const double thickness = f.closed_shell->value;
   const std::string place = describe_bottom_place(f.closed_shell->place);
   const char* meaning =

@@ -129,6 +129,7 @@ Located<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
       for (const auto& hot : points) {
         if (cold.value >= isotherm || hot.value < isotherm) continue;
 
+        // The temperature is linear between a cold and a hot point.
         const double share = (isotherm - cold.value) / (hot.value - cold.value);
         const auto place = interpolate(cold, hot, share).place;
         const double depth = cut.distance_from_side(place);
@@ -235,6 +236,7 @@ double largest_crossing(const mesh::Mesh<Dim>& mesh, std::span<const double> tem
         largest, (1.0 - share) * temperature[std::size_t(a)] + share * temperature[std::size_t(b)]);
   };
 
+  // Each edge in both directions: add_crossing() takes the lower end first.
   mesh::for_each_facet(mesh, mesh::PatchKind::side, [&](const auto& facet, const auto&) {
     const std::size_t corners = std::size_t(facet.nodes);
     for (std::size_t i = 0; i < corners; ++i) {
@@ -331,6 +333,7 @@ template <int Dim>
 double sump_depth(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                   double metal_level, double isotherm) {
   const std::vector<int> axis = find_axis(mesh);
+  // Down the axis, from the top to the first crossing of the isotherm.
   for (std::size_t i = axis.size(); i-- > 1;) {
     const double above = temperature[std::size_t(axis[i])];
     const double below = temperature[std::size_t(axis[i - 1])];

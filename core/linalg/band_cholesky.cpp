@@ -122,6 +122,7 @@ void BandCholesky::copy_matrix(std::span<const double> values, int from) {
     std::fill(first + begin, first + end, Tile{});
   });
 
+  // The values are kept, so that the next factorisation finds the first row that changes.
   double* number = tile_.get()->entry;
   for_each_stretch(values.size(), least_entries_per_call, [&](std::size_t k, std::size_t end) {
     for (; k < end; ++k) {
@@ -181,6 +182,7 @@ void BandCholesky::solve(std::span<const double> b, std::span<double> x) {
   for (std::size_t u = 0; u < place_.size(); ++u) right[place_[u]] = b[u];
   for (std::size_t u = place_.size(); u < right_.size() * tile_size; ++u) right[u] = 0.0;
 
+  // Members of the team share rows and follow each other's progress.
   if (is_worth_sharing() && streams()) {
     Progress forward(-1), backward(0);
     together([&](int member, int members) {

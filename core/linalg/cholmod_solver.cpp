@@ -72,6 +72,7 @@ cholmod_sparse pattern_matrix(int size, const std::vector<int>& column_start,
 /// @return (position) unknown; empty if METIS fails
 std::vector<int> dissect_nodes(const SparsityPattern& pattern, cholmod_common& common) {
   const int per_node = pattern.unknowns_per_node(), nodes = pattern.unknowns() / per_node;
+  // Compressed graph of the nodes: a node takes the neighbours of its first unknown.
   std::vector<int> start{0}, neighbour;
   for (int node = 0; node < nodes; ++node) {
     const int column = node * per_node;
@@ -125,10 +126,12 @@ void CholmodSolver::analyze(const SparsityPattern& pattern, Geometry geometry) {
   cholmod_free_factor(&s.factor, &s.common);
   s.matrix = pattern_matrix(pattern.unknowns(), pattern.column_start(), pattern.row());
 
+  // Minimum degree unless nodes are dissected below.
   s.common.nmethods = 1;
   s.common.method[0].ordering = CHOLMOD_AMD;
   s.common.postorder = 1;
 
+  // Small plane problems are faster column by column than by supernodes.
   const bool simplicial = geometry == Geometry::plane && pattern.unknowns() <= simplicial_up_to;
   s.common.supernodal = simplicial ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
   s.common.final_ll = simplicial ? 0 : 1;
@@ -158,6 +161,7 @@ bool CholmodSolver::factorize(std::span<const double> values) {
 void CholmodSolver::solve(std::span<const double> b, std::span<double> x) {
   stay_on_this_thread();
   Storage& s = *storage_;
+  // A view of the caller's right-hand side.
   cholmod_dense right{};
   right.nrow = right.nzmax = right.d = b.size();
   right.ncol = 1;

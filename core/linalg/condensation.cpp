@@ -22,6 +22,7 @@ Condensation::Changed Condensation::condense(int unknown, bool released) {
   const std::size_t size = base_.size();
   Changed change{unknown, released, std::vector<double>(size, 0.0), std::vector<double>(size)};
 
+  // A released unknown brings its column of the matrix; a held one brings a unit column.
   if (released) {
     unit_.assign(size, 0.0);
     unit_[std::size_t(unknown)] = 1.0;

@@ -202,6 +202,7 @@ template <int PerNode>
 void DissectionCholesky::add_columns(const Part& child, const Front& parent) {
   const std::size_t nodes = (&child + 1)->first_node - child.first_node;
   const int* const in_parent = &in_parent_[child.first_node];
+  // Offsets of the child's rows in its own update, in the panel and in the update of the parent.
   for (std::size_t n = 0; n < nodes; ++n) {
     const int own = static_cast<int>(n) * PerNode, row = in_parent[n] / tile_size;
     offset_.child[n] = row_offset(triangle(own / tile_size), own);
@@ -211,6 +212,7 @@ void DissectionCholesky::add_columns(const Part& child, const Front& parent) {
 
   const double* const from = (update_[child.stack].get() + child.update)->entry;
   const int pivots = parent.pivots * tile_size;
+  // A node that the parent eliminates goes to its panel, others to its update.
   for (std::size_t n = 0; n < nodes; ++n) {
     const bool eliminated = in_parent[n] < pivots;
     const int* const to_row = eliminated ? offset_.panel.data() : offset_.update.data();
@@ -275,12 +277,15 @@ void DissectionCholesky::solve(std::span<const double> b, std::span<double> x) {
   for (std::size_t u = 0; u < position_.size(); ++u) right[position_[u]] = b[u];
 
   const std::size_t parts = part_.size() - 1;
+  // L y = b from the leaves up: each front eliminates its pivots and updates its boundary.
   for (std::size_t f = 0; f < parts; ++f) {
     kernels_->forward_front(make_front(part_[f]), &right_[std::size_t(part_[f].first_row)],
                             rest_.data());
     scatter(f);
   }
 
+  // L' x = y from the root down: the solution on the boundary of a front is known before its
+  // pivots.
   for (std::size_t f = parts; f-- > 0;) {
     gather(f);
     kernels_->backward_front(make_front(part_[f]), &right_[std::size_t(part_[f].first_row)],

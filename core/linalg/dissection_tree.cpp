@@ -108,6 +108,7 @@ void find_boundaries(const NodeGraph& graph, DissectionTree& tree) {
   for (std::size_t n = 0; n < tree.place.size(); ++n)
     node_at[std::size_t(tree.place[n])] = static_cast<int>(n);
 
+  // Children come before their parents, so that their boundaries are known.
   for (std::size_t f = 0; f < tree.fronts.size(); ++f) {
     auto& front = tree.fronts[f];
     const auto add = [&](int place) {

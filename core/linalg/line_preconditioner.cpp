@@ -18,6 +18,7 @@ LinePreconditioner::LinePreconditioner(const SparsityPattern& pattern, int lines
 
 bool LinePreconditioner::factorize(const SparsityPattern& pattern, std::span<const double> values) {
   bool positive = true;
+  // Tridiagonal factorisation of each vertical line; node n stands on node n - lines.
   for (std::size_t n = 0; n < inverse_pivot_.size(); ++n) {
     double pivot = values[std::size_t(pattern.diagonal(static_cast<int>(n)))];
     if (n >= lines_) {

@@ -30,10 +30,11 @@ template <int Count>
   __builtin_memcpy(to, &x, sizeof x);
 }
 
-/// y_high -= C x_low along the rows of a pair of lines.
+/// y_high -= C x_low along the rows of a pair of lines; row k couples rows k - 1 to k + 1.
 template <int Count, int N>
 [[gnu::always_inline]] inline void subtract(const float* c, std::size_t stride, const float* low,
                                             float* high) {
+  // Count rows at a time, as one vector.
   for (std::size_t k = 0; k < stride; k += Count) {
     for (int a = 0; a < N; ++a) {
       Floats<Count> sum = load<Count>(high + std::size_t(a) * stride + k);
@@ -52,6 +53,7 @@ template <int Count, int N>
 template <int Count, int N>
 [[gnu::always_inline]] inline void subtract_transposed(const float* c, std::size_t stride,
                                                        const float* high, float* low) {
+  // Count rows at a time, as one vector.
   for (std::size_t k = 0; k < stride; k += Count) {
     for (int b = 0; b < N; ++b) {
       Floats<Count> sum = load<Count>(low + std::size_t(b) * stride + k);
@@ -62,6 +64,7 @@ template <int Count, int N>
           sum -= load<Count>(entry) * load<Count>(high + std::size_t(a) * stride + k - d + 1);
         }
       }
+
       store<Count>(sum, low + std::size_t(b) * stride + k);
     }
   }

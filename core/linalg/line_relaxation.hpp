@@ -46,6 +46,7 @@ public:
       }
     }
 
+    // Pairs by their higher line, each with its lower lines in ascending order.
     for (auto& neighbours : lower) {
       std::ranges::sort(neighbours);
       neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
@@ -74,6 +75,7 @@ public:
       std::swap(row, other_row);
     }
 
+    // A line has few neighbours: search them one by one.
     std::size_t pair = first_pair(line);
     while (pair_line_[pair] != other) ++pair;
     return {pair, row, other_row - row + 1, swap, false};

@@ -22,6 +22,7 @@ struct Incidence {
     }
     for (std::size_t u = 0; u + 1 < start.size(); ++u) start[u + 1] += start[u];
 
+    // Counting sort of the positions by unknown.
     position.resize(std::size_t(start.back()));
     std::vector<int> next(start.begin(), start.end() - 1);
     for (std::size_t i = 0; i < element_unknown.size(); ++i) {
@@ -206,6 +207,7 @@ bool SparsityPattern::is_made_of_nodes(int per_node, int first_column) const {
         return false;
     }
 
+    // The other columns of the node: the first one without its leading entries.
     for (int d = 1; d < per_node; ++d) {
       if (!std::ranges::equal(first.subspan(std::size_t(d)), column(c + d))) return false;
     }

@@ -39,10 +39,12 @@ DCCAST_INLINE bool finish_row(const TileBand& band, int j, const BandShare& shar
 template <int Lanes>
 DCCAST_INLINE bool factorize_band(const TileBand& band, int from, const BandShare& share) {
   for (int j = from < band.rows ? band.first[from] : band.rows; j < band.rows; ++j) {
+    // A diagonal row without predecessors begins a part of its own.
     const bool begins = band.first[j] == j && j >= from;
     if (begins && share.owns(j) && !finish_row<Lanes>(band, j, share)) return false;
     if (share.factorized != nullptr && share.factorized->wait_for(j) == no_factor) return false;
 
+    // The rows below the diagonal are shared among the members.
     const int below = j + 1 < from ? from : j + 1;
     for (int i = share.first_from(below); i <= band.last[j]; i += share.members) {
       const int first = band.first[i];
@@ -82,6 +84,7 @@ DCCAST_INLINE void backward(const TileBand& band, int j, TileRow* x) {
   constexpr int parts = tile_size / Lanes, pass = tile_size / parts;
   for (int k0 = 0; k0 < tile_size; k0 += pass) {
     typename Register<Lanes>::type sum[pass][parts] = {};
+    // Sums over the rows after, which are known.
     for (int i = j + 1; i <= band.last[j]; ++i) {
       const double* column = band.at(i, j)->entry + tile_size * k0;
       for (int k = 0; k < pass; ++k) {
@@ -119,6 +122,7 @@ DCCAST_INLINE void backward_streaming(const TileBand& band, TileRow* x, const Ba
     if (band.last[j] == j && share.owns(j)) finish_column(band, j, x, share);
     if (share.backward != nullptr) share.backward->wait_for(band.rows - j);
 
+    // The row is finished: it now contributes to all columns before it.
     typename Register<Lanes>::type found[parts];
     for (int p = 0; p < parts; ++p) found[p] = rows_at<Lanes>(x[j].entry + Lanes * p);
 

@@ -60,6 +60,7 @@ DCCAST_INLINE void substitute(const Tile& factor, const TileRow& inverse, Tile& 
     typename Register<Lanes>::type column[tile_size];
     for (int k = 0; k < tile_size; ++k) column[k] = rows_at<Lanes>(tile.entry + tile_size * k + p);
 
+    // A column is final once divided by its pivot; it is then removed from the columns after it.
     for (int k = 0; k < tile_size; ++k) {
       column[k] *= inverse.entry[k];
       for (int j = k + 1; j < tile_size; ++j) {
@@ -146,6 +147,7 @@ DCCAST_INLINE void add_transposed_products(const Tile* const (&row)[Rows], int c
     for (int p = 0; p < parts; ++p) found[r][p] = rows_at<Lanes>(x[r].entry + Lanes * p);
   }
 
+  // Sums stay in registers over all rows of the group.
   for (int c = 0; c < count; ++c) {
     for (int k = 0; k < tile_size; ++k) {
       for (int p = 0; p < parts; ++p) {
@@ -163,14 +165,17 @@ DCCAST_INLINE void add_transposed_products(const Tile* const (&row)[Rows], int c
 /// Rows that are processed together because they do not depend on each other.
 inline constexpr int rows_together = 4;
 
-/// Columns of the factor in some consecutive rows, given all rows before.
+/// Computes the columns of the factor in some consecutive rows, given all rows before.
+/// @return false: the matrix is not positive definite
 template <int Lanes>
 DCCAST_INLINE bool eliminate_rows(const Front& front, int first, int end) {
   const int columns = end < front.pivots ? end : front.pivots;
   for (int j = 0; j < columns; ++j) {
     const Tile* const pivot_row = front.row(j);
+
     for (int i = first > j ? first : j; i < end; ++i) {
       Tile* const row = front.row(i);
+
       subtract_products<Lanes>(row, pivot_row, j, row[j]);
       if (i == j) {
         if (!factorize_tile<Lanes>(row[j], front.inverse[j])) return false;
@@ -201,6 +206,7 @@ DCCAST_INLINE bool factorize_front(const Front& front) {
     return first + rows_together < end ? first + rows_together : end;
   };
 
+  // Pivots first: all rows of the boundary need their factor.
   for (int i = 0; i < front.pivots; i += rows_together) {
     if (!eliminate_rows<Lanes>(front, i, group_end(i, front.pivots))) return false;
   }
@@ -250,6 +256,7 @@ DCCAST_INLINE void add_boundary(const Front& front, const TileRow* rest, Tile* s
     add_transposed_products<Lanes>(row, front.pivots, rest + i - 1, sums);
   }
 
+  // The other rows in groups, each of which reads and writes the sums once.
   for (; i > 0; i -= rows_together) {
     const int first = front.pivots + i - rows_together;
     const Tile* const rows[] = {front.row(first), front.row(first + 1), front.row(first + 2),

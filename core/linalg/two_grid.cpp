@@ -58,6 +58,7 @@ template <int N>
 void TwoGrid<N>::analyze(const mesh::Extrusion& extruded, double group) {
   choose_rows(extruded, group);
 
+  // The coarse grid has all lines of the fine one, but only the chosen rows.
   layout_ = LineLayout<N>(extruded);
   const int coarse_rows = between_.back().lower + 1;
   mesh::Extrusion coarse{{}, extruded.lines, extruded.cell};
@@ -133,6 +134,7 @@ void TwoGrid<N>::add_coarse(const Place& place, const double* block) {
   const Between& own = between_[std::size_t(place.row)];
   const Between& next = between_[std::size_t(place.row + place.below - 1)];
 
+  // Entries of P on both sides: a fine row lies between two coarse rows.
   for (int i = 0; i < 2; ++i) {
     const double share = i == 0 ? 1.0 - own.upper : own.upper;
     for (int j = 0; j < 2; ++j) {
@@ -190,6 +192,7 @@ void TwoGrid<N>::restrict_residual() {
     for (std::size_t a = 0; a < N; ++a) {
       const float* r = &residual_[lines_.first_row(int(line), int(a))];
 
+      // P' r: a fine row gives its residual to the two coarse rows around it.
       for (std::size_t k = 0; k < between_.size(); ++k) {
         const Between& row = between_[k];
         const std::size_t to = (std::size_t(row.lower) * lines + line) * N + a;
@@ -207,6 +210,7 @@ void TwoGrid<N>::interpolate_correction() {
     for (std::size_t a = 0; a < N; ++a) {
       float* x = &solution_[lines_.first_row(int(line), int(a))];
 
+      // P e: a fine row takes the mean of the two coarse corrections around it, by distance.
       for (std::size_t k = 0; k < between_.size(); ++k) {
         const Between& row = between_[k];
         const std::size_t from = (std::size_t(row.lower) * lines + line) * N + a;
@@ -230,6 +234,7 @@ void TwoGrid<N>::apply(std::span<const double> r, std::span<double> z) {
     }
   };
 
+  // Symmetric cycle: relax forwards, correct on the coarse grid, relax backwards.
   for_each_unknown([&](std::size_t u, std::size_t i) { right_[i] = static_cast<float>(r[u]); });
   lines_.forward(right_, solution_, residual_);
   restrict_residual();

@@ -57,11 +57,15 @@ double creep_power(double norm, double exponent) {
 
 ReturnMap return_map(double trial_norm, double creep, double exponent) {
   if (trial_norm <= 0.0) return {0.0, 1.0};
+
   const double m = exponent - 1.0;
   const double strength = creep * creep_power(trial_norm, exponent);  // c R^(q-2)
   if (strength < 1e-18) return {trial_norm, 1.0};
-  // Where creep is weak x = R is the better bound; one division decides.
+
+  // Upper bound of the root: x = R if creep is weak, and (R / c)^(1/m) if it is strong.
   double x = strength <= 1.0 ? trial_norm : trial_norm * std::pow(strength, -1.0 / m);
+
+  // Newton's method on the convex function x + c x^(q-1) - R descends monotonically from there.
   double slope = 1.0;
   constexpr int most = 60;
   for (int i = 0; i < most; ++i) {
@@ -71,6 +75,7 @@ ReturnMap return_map(double trial_norm, double creep, double exponent) {
     x -= step;
     if (std::abs(step) <= 1e-15 * trial_norm) break;
   }
+
   return {x, 1.0 / (1.0 + m * creep * creep_power(x, exponent))};
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Points of the tables closer than this [K] are treated as one point.
+/// Points of the tables that are closer than this [K] count as one.
 constexpr double same_temperature = 1e-10;
 
 /// A quantity that is linear in t = T - anchor.
@@ -30,22 +30,25 @@ double cubic_derivative(double c1, double c2, double c3, double t) {
   return c1 + t * (2.0 * c2 + t * 3.0 * c3);
 }
 
-double curve_or_one(const Curve& curve, double at) {
-  return curve.empty() ? 1.0 : curve(at);
+double curve_or_one(const Curve& curve, double abscissa) {
+  return curve.empty() ? 1.0 : curve(abscissa);
 }
 
-/// Every temperature at which one of the tables has a kink, sorted, and 0 °C, the origin of H.
+/// Sorted temperatures at which one of the tables has a kink, and 0 °C, the origin of H.
 std::vector<double> kinks(const AlloyCard& card) {
   std::vector<double> points{0.0, card.solidus, card.liquidus};
   for (const Curve* curve :
        {&card.density, &card.specific_heat, &card.conductivity, &card.liquid_fraction}) {
     if (!curve->constant()) points.insert(points.end(), curve->at().begin(), curve->at().end());
   }
+
+  // The factor stands against the liquid fraction: its points become temperatures.
   for (const double fraction : card.melt_conductivity_factor.at()) {
     if (fraction > 0.0 && fraction < 1.0) {
       points.push_back(temperature_of_fraction(card, fraction));
     }
   }
+
   std::sort(points.begin(), points.end());
   const auto same = [](double a, double b) { return b - a < same_temperature; };
   points.erase(std::unique(points.begin(), points.end(), same), points.end());
@@ -58,10 +61,14 @@ ThermalProperties::ThermalProperties(const AlloyCard& card)
     : solidus_(card.solidus), liquidus_(card.liquidus) {
   build_segments(card);
   fix_origin();
+
+  // The searches need the starts of the segments by themselves.
   for (std::size_t i = 1; i < segments_.size(); ++i) {
     start_temperature_.push_back(segments_[i].anchor);
     start_enthalpy_.push_back(segments_[i].enthalpy);
   }
+
+  // At an isothermal change the solidus is where the latent heat begins to enter.
   liquidus_enthalpy_ = enthalpy(liquidus_);
   solidus_enthalpy_ = enthalpy(solidus_);
   for (const Segment& segment : segments_) {
@@ -128,21 +135,25 @@ void ThermalProperties::build_segments(const AlloyCard& card) {
   }
 }
 
+/// Appends a segment that continues enthalpy and Kirchhoff variable from the last one.
 void ThermalProperties::append(Segment segment) {
   const bool first = segments_.empty();
   segment.enthalpy = first ? 0.0 : segments_.back().enthalpy + content_of_last_;
   segment.kirchhoff = first ? 0.0 : segments_.back().kirchhoff + kirchhoff_of_last_;
+
   const double width = std::isinf(segment.width) ? 0.0 : segment.width;
   content_of_last_ = cubic(segment.h1, segment.h2, segment.h3, width);
   segment.slope_at_start = 1.0 / segment.h1;
   segment.slope_at_end = 1.0 / cubic_derivative(segment.h1, segment.h2, segment.h3, width);
   kirchhoff_of_last_ = cubic(segment.k1, segment.k2, segment.k3, width);
-  // Largest conductivity over smallest heat capacity of the two ends: an upper bound.
+
+  // Upper bound of the diffusivity: largest conductivity over smallest heat capacity of both ends.
   const double conductivity =
       std::max(segment.k1, cubic_derivative(segment.k1, segment.k2, segment.k3, width));
   const double capacity =
       std::min(segment.h1, cubic_derivative(segment.h1, segment.h2, segment.h3, width));
   largest_diffusivity_ = std::max(largest_diffusivity_, conductivity / capacity);
+
   segments_.push_back(segment);
 }
 
@@ -159,8 +170,9 @@ void ThermalProperties::append_isothermal_change(const AlloyCard& card, double t
   segments_.push_back(change);
 }
 
+/// Shifts enthalpy and Kirchhoff variable so that both vanish at 0 °C.
 void ThermalProperties::fix_origin() {
-  // 0 °C is a point of the tables, hence the anchor of a segment.
+  // 0 °C is a point of the tables and so the anchor of a segment.
   double enthalpy_at_zero = 0.0;
   double kirchhoff_at_zero = 0.0;
   for (const Segment& segment : segments_) {
@@ -169,6 +181,7 @@ void ThermalProperties::fix_origin() {
       kirchhoff_at_zero = segment.kirchhoff;
     }
   }
+
   for (Segment& segment : segments_) {
     segment.enthalpy -= enthalpy_at_zero;
     segment.kirchhoff -= kirchhoff_at_zero;
@@ -187,8 +200,8 @@ const ThermalProperties::Segment& ThermalProperties::segment_at_enthalpy(double 
   return segments_[static_cast<std::size_t>(next - start_enthalpy_.begin())];
 }
 
-/// Cubic through both ends of the segment with its slopes there: two steps of Newton's from the
-/// root to rounding.
+/// Cubic through both ends of the segment with its slopes there, from which two of Newton's steps
+/// reach the root to rounding.
 double ThermalProperties::first_guess(const Segment& segment, double wanted, double whole) {
   const double share = wanted / whole, rest = 1.0 - share;
   const double curved = share * share * (3.0 - 2.0 * share) * segment.width;
@@ -199,15 +212,19 @@ double ThermalProperties::first_guess(const Segment& segment, double wanted, dou
 double ThermalProperties::invert(const Segment& segment, double enthalpy, double enthalpy_at_end) {
   const double wanted = enthalpy - segment.enthalpy;
   if (segment.h2 == 0.0 && segment.h3 == 0.0) return wanted / segment.h1;
-  // Newton on a monotone cubic, kept inside the segment by bisection.
+
+  // Newton's method on a monotone cubic, kept inside the segment by bisection.
   double low = 0.0;
   double high = segment.width;
   double t = first_guess(segment, wanted, enthalpy_at_end - segment.enthalpy);
+
   for (int iteration = 0; iteration < 60; ++iteration) {
     const double excess = cubic(segment.h1, segment.h2, segment.h3, t) - wanted;
     (excess > 0.0 ? high : low) = t;
+
     double next = t - excess / cubic_derivative(segment.h1, segment.h2, segment.h3, t);
     if (next < low || next > high) next = 0.5 * (low + high);
+
     const double change = std::abs(next - t);
     t = next;
     if (change <= 1e-15 * (std::abs(segment.anchor) + segment.width)) break;
@@ -217,19 +234,25 @@ double ThermalProperties::invert(const Segment& segment, double enthalpy, double
 
 ThermalState ThermalProperties::state(double enthalpy) const {
   const Segment& segment = segment_at_enthalpy(enthalpy);
+
   ThermalState state;
   state.temperature = segment.anchor;
   state.kirchhoff = segment.kirchhoff;
+
+  // In an isothermal change the enthalpy alone determines how much has melted.
   if (segment.isothermal) {
     state.liquid_fraction = segment.liquid_fraction_slope * (enthalpy - segment.enthalpy);
     state.liquid_fraction_derivative = segment.liquid_fraction_slope;
     return state;
   }
+
   const bool closed = &segment != &segments_.back();
   const double t = invert(segment, enthalpy, closed ? (&segment + 1)->enthalpy : 0.0);
+
   state.temperature += t;
   state.kirchhoff += cubic(segment.k1, segment.k2, segment.k3, t);
   state.liquid_fraction = segment.liquid_fraction + segment.liquid_fraction_slope * t;
+
   state.temperature_derivative = 1.0 / cubic_derivative(segment.h1, segment.h2, segment.h3, t);
   state.kirchhoff_derivative =
       cubic_derivative(segment.k1, segment.k2, segment.k3, t) * state.temperature_derivative;

@@ -51,21 +51,27 @@ inline Curve mixed_by_fraction(const AlloyCard& card, const Curve& solid, double
     at.push_back(t);
     value.push_back((1.0 - fraction) * solid(t) + fraction * liquid);
   };
+
+  // Below the solidus the table of the solid holds as it is.
   if (!solid.constant())
     for (const double t : solid.at())
       if (t < card.solidus) add(t);
+
   if (card.liquidus <= card.solidus) {   // a pure metal: a jump
     constexpr double half_width = 0.01;  // [K]
     at.insert(at.end(), {card.liquidus - half_width, card.liquidus + half_width});
     value.insert(value.end(), {solid(card.liquidus), liquid});
     return Curve(Abscissa::temperature, std::move(at), std::move(value));
   }
+
+  // In the mush, add points between the kinks of both tables: the product is not linear.
   std::vector<double> kinks{card.solidus, card.liquidus};
   for (const Curve* curve : {&solid, &card.liquid_fraction})
     if (!curve->constant()) kinks.insert(kinks.end(), curve->at().begin(), curve->at().end());
   std::erase_if(kinks, [&](double t) { return t < card.solidus || t > card.liquidus; });
   std::sort(kinks.begin(), kinks.end());
   kinks.erase(std::unique(kinks.begin(), kinks.end()), kinks.end());
+
   for (std::size_t i = 0; i < kinks.size(); ++i) {
     add(kinks[i]);
     if (i + 1 == kinks.size()) break;
@@ -73,6 +79,7 @@ inline Curve mixed_by_fraction(const AlloyCard& card, const Curve& solid, double
     const int parts = static_cast<int>(width / spacing) + 1;
     for (int k = 1; k < parts; ++k) add(kinks[i] + width * k / parts);
   }
+
   return Curve(Abscissa::temperature, std::move(at), std::move(value));
 }
 

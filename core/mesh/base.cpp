@@ -121,10 +121,12 @@ private:
       std::copy(p.begin(), p.end(), point(i, j));
     };
 
+    // The two outer sides of the patch become the two halves of the arc.
     const double middle = 0.5 * arc.angle;
     for (int i = 0; i <= m; ++i) move_to(i, n, arc.point(arc.angle + (middle - arc.angle) * i / m));
     for (int j = 0; j <= n; ++j) move_to(m, j, arc.point(middle * j / n));
 
+    // Transfinite interpolation: both pairs of sides, less the bilinear part of the four corners.
     for (int i = 1; i < m; ++i)
       for (int j = 1; j < n; ++j) {
         const double u = double(i) / m, v = double(j) / n;

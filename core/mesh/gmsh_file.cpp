@@ -253,6 +253,7 @@ File parse(std::string_view text) {
     if (head.front() != '$')
       throw FormatError(fmt::format("has '{}' between two sections", head.substr(0, most_quoted)));
 
+    // Sections that are not needed, such as periodic ones, are skipped.
     const std::string_view section = head.substr(1);
     scan.enter(section);
     if (section == "PhysicalNames") {

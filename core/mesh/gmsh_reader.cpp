@@ -142,6 +142,7 @@ private:
       if (gmsh::dimension_of(element.shape) >= Dim) found.insert(element.shape);
     if (found.size() == 1 && *found.begin() == shape_) return;
 
+    // Other elements than the wanted ones, or none: say what was found.
     std::vector<const char*> names;
     for (const int shape : found) names.push_back(shape_name[shape]);
     add_fault(
@@ -164,6 +165,7 @@ private:
       mesh_.element_node.insert(mesh_.element_node.end(), nodes.begin(), nodes.end());
     }
 
+    // A node without an element has no equation.
     if (const auto orphans = std::count(used.begin(), used.end(), 0); orphans > 0)
       add_fault(
           fmt::format("has {} nodes that belong to no element", orphans), "none",
@@ -251,6 +253,7 @@ private:
         Facet<Dim> facet;
         facet.nodes = static_cast<int>(corners.size());
         facet.element = e;
+        // The first element that has a facet owns it.
         for (std::size_t i = 0; i < corners.size(); ++i)
           facet.node[i] = mesh_.nodes_of(e)[corners[i]];
 
@@ -284,11 +287,13 @@ private:
     auto& patches = mesh_.patches;
     const auto known = std::ranges::find(patches, name, &Patch<Dim>::name);
     if (known != patches.end()) return static_cast<int>(known - patches.begin());
+    // A name that is new and known becomes a patch.
     if (const auto kind = find_kind(name)) {
       patches.push_back({name, *kind, usual_normal<Dim>(*kind), {}});
       return static_cast<int>(patches.size()) - 1;
     }
 
+    // A group may be met once for each of its facets.
     if (unknown_.insert(name).second)
       add_fault(fmt::format("has the unknown physical group '{}'", name.substr(0, 60)),
                 Dim == 2

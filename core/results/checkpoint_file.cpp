@@ -61,6 +61,7 @@ CheckpointRead read_checkpoint(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return {std::nullopt, "missing"};
   const std::string bytes = storage::read_file(path);
 
+  // The preamble is checked before anything in the body is trusted.
   Preamble preamble;
   if (bytes.size() < sizeof preamble) return {std::nullopt, "truncated"};
   std::memcpy(&preamble, bytes.data(), sizeof preamble);

@@ -125,6 +125,7 @@ void write_findings(File& file, const std::vector<Finding>& findings) {
                    collect_texts(findings, [](const Finding& f) { return name_of(f.severity); }),
                    "note, warning or danger");
 
+  // A number that a finding does not have is NaN in the file.
   for (const RealField& field : reals) {
     std::vector<double> values;
     for (const Finding& f : findings) values.push_back((f.*field.member).value_or(absent));
@@ -150,6 +151,7 @@ std::vector<Finding> read_findings(const File& file) {
     for (std::size_t i = 0; i < findings.size(); ++i) findings[i].*field.member = values[i];
   }
 
+  // NaN marks a number that the finding does not have.
   for (const RealField& field : reals) {
     const auto values = file.read_reals(field.dataset, findings.size());
     for (std::size_t i = 0; i < findings.size(); ++i)

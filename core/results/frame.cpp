@@ -95,9 +95,11 @@ bool in_range(const std::vector<std::int32_t>& nodes, std::int64_t count) {
 
 }  // namespace
 
+/// All arrays of a frame: the one list that writers and readers of results go through.
 std::span<const FrameArray> frame_arrays() {
   using On = FrameArray::On;
   using Rank = FrameArray::Rank;
+
   static constexpr std::array arrays{
       FrameArray{"temperature", "temperature_c", "degC", "temperature", On::nodes, Rank::scalar,
                  &Frame::temperature},
@@ -105,6 +107,7 @@ std::span<const FrameArray> frame_arrays() {
                  Rank::scalar, &Frame::liquid_fraction},
       FrameArray{"displacement", "displacement_m", "m", "displacement", On::nodes, Rank::vector,
                  &Frame::displacement},
+
       FrameArray{"stress", "stress_pa", "Pa",
                  "stress, tension positive: xx, yy, zz, xy (then yz, xz)", On::elements,
                  Rank::tensor, &Frame::stress},
@@ -114,12 +117,14 @@ std::span<const FrameArray> frame_arrays() {
       FrameArray{"thermal_strain", "thermal_strain", "1",
                  "free linear strain since the liquidus, contraction negative", On::nodes,
                  Rank::scalar, &Frame::thermal_strain},
+
       FrameArray{"tear_rate", "tear_rate_per_s", "s-1",
                  "mean viscoplastic strain rate in the window of hot tears so far", On::elements,
                  Rank::scalar, &Frame::tear_rate},
       FrameArray{"tear_pressure", "tear_pressure_pa", "Pa",
                  "pressure drop of the melt that feeds the mush so far", On::elements, Rank::scalar,
                  &Frame::tear_pressure},
+
       FrameArray{"bottom_gap", "bottom_gap_m", "m", "gap to the bottom block, open positive",
                  On::bottom, Rank::scalar, &Frame::bottom_gap},
       FrameArray{"bottom_pressure", "bottom_pressure_pa", "Pa", "contact pressure", On::bottom,

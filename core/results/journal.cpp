@@ -81,6 +81,7 @@ Sections to_sections(const RunHeader& header) {
   if (header.relative_curl_error)
     content.set_real("relative_curl_error", *header.relative_curl_error);
 
+  // Texts have sections of their own, because a section holds one text.
   content.set_integer("monitors", static_cast<std::int64_t>(header.monitor_name.size()));
   for (std::size_t i = 0; i < header.monitor_name.size(); ++i)
     content.set(fmt::format("monitor_name.{}", i), header.monitor_name[i]);
@@ -94,6 +95,7 @@ RunHeader read_header(const Sections& content) {
   RunHeader header;
   header.program_version = content.text("program_version");
   header.build = content.text("build");
+  // Sections that journals of earlier versions lack are optional.
   if (content.has("commit")) header.commit = content.text("commit");
   header.title = content.text("title");
   if (content.has("case_sha256")) header.case_sha256 = content.text("case_sha256");
@@ -140,6 +142,7 @@ Frame read_frame(const Sections& content) {
   frame.nodes_per_element = static_cast<int>(content.integers("shape").at(1));
 
   frame.node = content.reals("node");
+  // A run without an array writes no section for it.
   for (const FrameArray& array : frame_arrays())
     if (content.has(array.name)) frame.*array.values = content.reals(array.name);
   for (const auto& [name, nodes] : node_numbers) {

@@ -31,6 +31,7 @@ void write_header(File& file, const RunHeader& header) {
   if (!header.case_sha256.empty()) file.write_attribute("/", "case_sha256", header.case_sha256);
   file.write_attribute("/", "section", header.section);
 
+  // Temperatures of the isotherms that readers draw.
   file.write_attribute("/", "liquidus_c", header.liquidus);
   file.write_attribute("/", "solidus_c", header.solidus);
   file.write_attribute("/", "shell_c", header.shell);
@@ -80,6 +81,7 @@ void write_frame(File& file, std::size_t index, const Frame& frame) {
              row_shape(std::size_t(frame.elements()), frame.nodes_per_element), frame.element_node,
              "1", "nodes of each element, counter-clockwise, from 0");
 
+  // Arrays along the bottom follow the list of its nodes.
   const auto on_bottom = [](const FrameArray& a) { return a.on == FrameArray::On::bottom; };
   for (const FrameArray& array : frame_arrays())
     if (!on_bottom(array)) write_array(file, group, frame, array);
@@ -114,6 +116,7 @@ void write_monitors(File& file, const std::vector<StepReport>& steps, std::size_
                        step.monitor_temperature.end());
   }
 
+  // Steps of earlier versions may lack the temperatures of monitors.
   const auto components = static_cast<hsize_t>(dimension);
   if (displacement.size() != steps.size() * monitors * components)
     throw std::logic_error("StepReport: as many monitor displacements as monitors");
@@ -170,6 +173,7 @@ void ResultFileBuilder::add(const Record& record) {
 }
 
 void ResultFileBuilder::finish(const RunSummary& summary, const std::vector<StepReport>& history) {
+  // The journal must end with a whole record: a cut one means that steps are lost.
   follow();
   if (journal_end_ != static_cast<std::int64_t>(std::filesystem::file_size(journal_)))
     throw StorageError(EIO, journal_.string(), "is damaged");
@@ -180,6 +184,7 @@ void ResultFileBuilder::finish(const RunSummary& summary, const std::vector<Step
   }
   write_monitors(file_, history, monitors_, dimension_);
 
+  // The outcome, and what led to it.
   file_.write_attribute("/", "outcome", summary.outcome);
   file_.write_attribute("/", "message", summary.message);
   if (summary.validity_lost) write_validity_loss(file_, *summary.validity_lost);

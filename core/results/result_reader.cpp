@@ -99,6 +99,7 @@ RunHeader ResultReader::header() const {
   header.title = file_->text_attribute("/", "title");
   header.section = file_->text_attribute("/", "section");
 
+  // Attributes that files of earlier versions lack are optional.
   header.liquidus = file_->real_attribute("/", "liquidus_c");
   header.solidus = file_->real_attribute("/", "solidus_c");
   header.shell =
@@ -133,6 +134,7 @@ std::vector<StepReport> ResultReader::history() const {
   for (StepReport& step : steps) step.dimension = static_cast<int>(shape[2]);
   for (const HistoryField& field : history_fields()) read_field(*file_, field, steps);
 
+  // (step, monitor, coordinate) in one list of points, all monitors of a step in a row.
   const auto flat_displacement = file_->read_reals(object);
   auto displacement = split_points(flat_displacement, flat_displacement.size() / shape[2]);
   const auto temperature = read_optional_reals(*file_, "/monitors/temperature_c");
@@ -171,6 +173,7 @@ Frame ResultReader::frame(std::size_t index) const {
   for (const FrameArray& array : frame_arrays())
     frame.*array.values = read_optional_reals(*file_, group + "/" + array.dataset);
 
+  // A file may be damaged or written by another program.
   if (const char* array = find_misfit(frame))
     throw storage::StorageError(EINVAL, fmt::format("{}:{}", file_->path().string(), group),
                                 fmt::format("{} does not fit its mesh", array));

@@ -71,6 +71,7 @@ std::string encode(const Sections& sections) {
     put(bytes, static_cast<std::uint32_t>(name.size()));
     bytes += name;
 
+    // Type, number of values, and the values themselves (CHECKPOINT.md).
     put(bytes, static_cast<std::uint8_t>(value.index()));
     std::visit(
         [&](const auto& values) {
@@ -94,6 +95,7 @@ std::optional<Sections> decode(std::string_view bytes) {
     std::uint8_t type = 0;
     Sections::Value value;
 
+    // Bytes come from a file: any count may be wrong.
     if (!cursor.take(length) || !cursor.take(name, length) || !cursor.take(type) ||
         !take_value(cursor, type, value))
       return std::nullopt;

@@ -60,6 +60,7 @@ bool check_shapes(const std::string& name, const hdf5::File& file, std::size_t n
   }
   if (!found) return false;
 
+  // One row of temperatures for each time, one column for each node.
   const auto time = file.shape_of("/time_s");
   const auto temperature = file.shape_of("/temperature_c");
   if (time.size() != 1 || time[0] == 0) {
@@ -112,6 +113,7 @@ std::optional<TemperatureHistory> read_temperature_file(const std::filesystem::p
     const hdf5::File file = hdf5::File::open(path);
     if (!check_shapes(name, file, nodes, faults)) return std::nullopt;
 
+    // All faults of the content are reported at once.
     auto time = file.read_reals("/time_s");
     auto temperature = file.read_reals("/temperature_c");
     check_times(name, time, faults);

@@ -14,15 +14,17 @@ const char* topology_name(const FrameOutline& frame) {
   return frame.dimension == 2 ? "Quadrilateral" : "Tetrahedron";
 }
 
-/// Tensors are written as matrices: none of XDMF's tensor types has four components, as they have
-/// in plane strain.
+/// Tensors are written as matrices, because no tensor type of XDMF has the four components of plane
+/// strain.
 const char* attribute_type(const ShownField& field) {
   if (field.components == 1) return "Scalar";
   return field.components == 3 ? "Vector" : "Matrix";
 }
 
+/// Escapes the characters that XML reserves.
 std::string escape(const std::string& text) {
   std::string safe;
+
   for (const char c : text) {
     if (c == '&')
       safe += "&amp;";
@@ -35,6 +37,7 @@ std::string escape(const std::string& text) {
     else
       safe += c;
   }
+
   return safe;
 }
 
@@ -65,6 +68,7 @@ std::string grid(const FrameOutline& frame, const std::string& group, bool timed
   std::string text = "      <Grid Name=\"slab\" GridType=\"Uniform\">\n";
   if (timed) text += fmt::format("        <Time Value=\"{:.17g}\"/>\n", frame.time);
 
+  // Mesh and fields stay in the HDF5 file; the text only refers to them.
   text += fmt::format(R"(        <Topology TopologyType="{}" NumberOfElements="{}">{}</Topology>)"
                       "\n",
                       topology_name(frame), frame.elements,

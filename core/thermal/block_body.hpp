@@ -7,12 +7,12 @@
 
 namespace dccast::thermal {
 
-/// Conduction through the thickness of the bottom block under one point of the slab, implicit
+/// Conduction through the thickness of the bottom block below one point of the slab, by implicit
 /// Euler.
 ///
-/// All columns have the same matrix, and the temperature of the surface at the end of a step is
-/// free + compliance * q, with q the flux into the block: so a step of the slab needs no further
-/// unknowns.
+/// All columns have the same matrix. The temperature of the surface at the end of a step is
+/// free + compliance * q, with q the flux into the block, so that a step of the slab needs no
+/// unknowns of the block.
 class BlockColumns {
 public:
   static constexpr std::size_t points = 13;  ///< of a column, the surface first
@@ -20,21 +20,27 @@ public:
   explicit BlockColumns(const BlockBody& body)
       : body_(body), cell_(body.thickness / double(points - 1)) {}
 
-  /// Lumped heat capacity, half a cell at both ends; a symmetric tridiagonal matrix.
+  /// Factorises the matrix of a step: lumped heat capacity, half a cell at both ends, symmetric and
+  /// tridiagonal.
   /// @param time_step  [s]
   void begin_step(double time_step) {
     if (time_step == time_step_) return;
     time_step_ = time_step;
+
+    // Diagonal, and elimination of the entries below it.
     const double conductance = body_.conductivity / cell_;
     const double storage = body_.heat_capacity * cell_ / time_step;
     pivot_.assign(points, storage + 2.0 * conductance);
     pivot_.front() = 0.5 * storage + conductance;
     pivot_.back() = 0.5 * storage + conductance + body_.cooling_coefficient;
+
     lower_.assign(points, 0.0);
     for (std::size_t i = 1; i < points; ++i) {
       lower_[i] = -conductance / pivot_[i - 1];
       pivot_[i] += lower_[i] * conductance;
     }
+
+    // Response of the surface to a unit flux.
     std::vector<double> unit(points, 0.0);
     unit.front() = 1.0;
     solve(unit);
@@ -47,7 +53,7 @@ public:
     finish(0.0, below, after);
     return after.front();
   }
-  /// [m2 K/W] by which a flux that enters during the step warms the surface.
+  /// Temperature rise of the surface per unit of flux that enters during the step [m2 K/W].
   double compliance() const { return compliance_; }
   /// Completes the step. @param flux  [W/m2] into the surface @param column  overwritten
   void finish(double flux, double below, std::span<double> column) const {
@@ -55,12 +61,14 @@ public:
     std::vector<double> right(points);
     for (std::size_t i = 0; i < points; ++i)
       right[i] = (i == 0 || i + 1 == points ? 0.5 : 1.0) * storage * column[i];
+
     right.front() += flux;
     right.back() += body_.cooling_coefficient * below;
+
     solve(right);
     for (std::size_t i = 0; i < points; ++i) column[i] = right[i];
   }
-  /// [J/m2] heat of a column above 0 °C.
+  /// Heat of a column above 0 °C [J/m2].
   double heat(std::span<const double> column) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < points; ++i)

@@ -7,7 +7,7 @@
 namespace dccast::thermal {
 namespace {
 
-constexpr double stated_subcooling = 75.0;  // [K] of water of 25 °C
+constexpr double stated_subcooling = 75.0;  // [K] of water at 25 °C, for which the laws are stated
 
 double subcooling(const Film& film) {
   return std::max(0.0, boiling_point - film.temperature);
@@ -21,62 +21,6 @@ double subcooling_gain(double kelvin) {
   const double share = specific_heat * kelvin / evaporation_heat;
   return 1.0 + 2.7 * std::sqrt(density_ratio) * share * share;
 }
-
-}  // namespace
-
-double critical_heat_flux(const Water& water, const Film& film, double depth) {
-  const Wetting& w = water.wetting;
-  return water.critical_heat_flux * std::pow(film.flow / full_flow, w.flow_exponent) *
-         subcooling_gain(subcooling(film)) / subcooling_gain(stated_subcooling) *
-         (depth < w.jet_length ? 1.0 : w.falling_film_share);
-}
-
-double rewetting_temperature(const Wetting& w, const Film& film) {
-  const double share = 0.25 + 0.75 * subcooling(film) / stated_subcooling;
-  return std::min(w.rewetting_limit, w.rewetting_saturated + w.rewetting_rise *
-                                                                 std::sqrt(film.flow / start_flow) *
-                                                                 share);
-}
-
-double wet_in_the_end(const Wetting& w, double surface_temperature, double rewetting) {
-  return 1.0 / (1.0 + std::exp((surface_temperature - rewetting) / w.rewetting_width));
-}
-
-double film_coefficient(const Wetting& w, const Film& film, double depth) {
-  return (depth < w.jet_length ? w.jet_film_coefficient : w.film_coefficient) *
-         std::sqrt(film.flow / start_flow) * (0.3 + 0.7 * subcooling(film) / stated_subcooling);
-}
-
-double fixed_film_share(const Water& water, double surface_temperature) {
-  constexpr double blend = 5.0;  // [K]
-  if (!water.film_boiling) return 0.0;
-  return std::clamp((surface_temperature - water.film_boiling_above) / blend + 0.5, 0.0, 1.0);
-}
-
-bool is_open(const Water& water, double time) {
-  if (!water.enabled || time <= water.start) return false;
-  if (water.pulse_period <= 0.0 || time >= water.pulse_end) return true;
-  return std::fmod(time - water.start, water.pulse_period) < water.pulse_share * water.pulse_period;
-}
-
-std::vector<double> valve_changes(const Water& water, double end, std::size_t most) {
-  if (!water.enabled) return {};
-  std::vector<double> times{water.start};
-  const double last = std::min(end, water.pulse_end);
-  if (water.pulse_period <= 0.0 || last <= water.start) return times;
-  const double pulses = (last - water.start) / water.pulse_period;
-  if (2.0 * pulses > static_cast<double>(most)) return times;
-  for (int i = 0; i < static_cast<int>(std::ceil(pulses)); ++i) {
-    const double opens = water.start + i * water.pulse_period;
-    times.push_back(opens);
-    times.push_back(opens + water.pulse_share * water.pulse_period);
-  }
-  std::erase_if(times, [last](double t) { return t >= last; });
-  times.push_back(last);
-  return times;
-}
-
-namespace {
 
 constexpr double absolute_zero = -273.15;  // [°C]
 
@@ -109,6 +53,62 @@ SurfaceFlux convection(Coefficient h, double temperature, double surroundings) {
 
 }  // namespace
 
+double critical_heat_flux(const Water& water, const Film& film, double depth) {
+  const Wetting& w = water.wetting;
+  return water.critical_heat_flux * std::pow(film.flow / full_flow, w.flow_exponent) *
+         subcooling_gain(subcooling(film)) / subcooling_gain(stated_subcooling) *
+         (depth < w.jet_length ? 1.0 : w.falling_film_share);
+}
+
+double rewetting_temperature(const Wetting& w, const Film& film) {
+  const double share = 0.25 + 0.75 * subcooling(film) / stated_subcooling;
+  return std::min(
+      w.rewetting_limit,
+      w.rewetting_saturated + w.rewetting_rise * std::sqrt(film.flow / start_flow) * share);
+}
+
+double wet_in_the_end(const Wetting& w, double surface_temperature, double rewetting) {
+  return 1.0 / (1.0 + std::exp((surface_temperature - rewetting) / w.rewetting_width));
+}
+
+double film_coefficient(const Wetting& w, const Film& film, double depth) {
+  return (depth < w.jet_length ? w.jet_film_coefficient : w.film_coefficient) *
+         std::sqrt(film.flow / start_flow) * (0.3 + 0.7 * subcooling(film) / stated_subcooling);
+}
+
+double fixed_film_share(const Water& water, double surface_temperature) {
+  constexpr double blend = 5.0;  // [K]
+  if (!water.film_boiling) return 0.0;
+  return std::clamp((surface_temperature - water.film_boiling_above) / blend + 0.5, 0.0, 1.0);
+}
+
+bool is_open(const Water& water, double time) {
+  if (!water.enabled || time <= water.start) return false;
+  if (water.pulse_period <= 0.0 || time >= water.pulse_end) return true;
+  return std::fmod(time - water.start, water.pulse_period) < water.pulse_share * water.pulse_period;
+}
+
+std::vector<double> valve_changes(const Water& water, double end, std::size_t most) {
+  if (!water.enabled) return {};
+  std::vector<double> times{water.start};
+  const double last = std::min(end, water.pulse_end);
+  if (water.pulse_period <= 0.0 || last <= water.start) return times;
+
+  // Too many pulses would exhaust the memory; the case check reports them.
+  const double pulses = (last - water.start) / water.pulse_period;
+  if (2.0 * pulses > static_cast<double>(most)) return times;
+
+  for (int i = 0; i < static_cast<int>(std::ceil(pulses)); ++i) {
+    const double opens = water.start + i * water.pulse_period;
+    times.push_back(opens);
+    times.push_back(opens + water.pulse_share * water.pulse_period);
+  }
+
+  std::erase_if(times, [last](double t) { return t >= last; });
+  times.push_back(last);
+  return times;
+}
+
 SurfaceFlux weckman_niessen(double temperature, double water_temperature, double water_flow) {
   const double surface = temperature - absolute_zero;
   const double water = water_temperature - absolute_zero;
@@ -127,13 +127,19 @@ SurfaceFlux water_flux(const Water& water, const WaterPlace& film, const Surface
                          ? weckman_niessen(temperature, surroundings, film.film.flow)
                          : convection(coefficient(water.coefficient, temperature, place),
                                       temperature, surroundings);
+
+  // Beyond the critical heat flux the surface boils no more strongly.
   if (flux.flux > film.critical_heat_flux) flux = {film.critical_heat_flux, 0.0, 0.0};
+
+  // The part that is not wetted loses heat through a vapour film.
   if (film.wetted < 1.0) {
     const SurfaceFlux vapour = convection({film.film_coefficient, 0.0}, temperature, surroundings);
     const double dry = 1.0 - film.wetted;
     flux = {film.wetted * flux.flux + dry * vapour.flux,
             film.wetted * flux.d_temperature + dry * vapour.d_temperature, 0.0};
   }
+
+  // The stream cannot take more heat than boils it away.
   if (flux.flux > film.largest_flux) flux = {film.largest_flux, 0.0, 0.0};
   return flux;
 }
@@ -143,10 +149,13 @@ SurfaceFlux zone_flux(const SideZone& zone, const SurfaceState& surface, const S
   const double temperature = surface.temperature;
   const double surroundings =
       zone.temperature.empty() ? ambient_temperature : zone.temperature(place.time);
+
   const SurfaceFlux liquid = convection(coefficient(zone.liquid_coefficient, temperature, place),
                                         temperature, surroundings);
   const SurfaceFlux solid = convection(coefficient(zone.solid_coefficient, temperature, place),
                                        temperature, surroundings);
+
+  // The coefficient depends on the liquid fraction linearly.
   const double fraction = surface.liquid_fraction;
   return {fraction * liquid.flux + (1.0 - fraction) * solid.flux,
           fraction * liquid.d_temperature + (1.0 - fraction) * solid.d_temperature,
@@ -179,6 +188,9 @@ BottomFlux bottom_flux(const BottomBlock& block, const BottomPlace& place,
     dh = h * block.temperature_factor.derivative(t);
     h *= block.temperature_factor(t);
   }
+
+  // The surface of the block warms with the flux into it, r [m2 K/W]: eliminating its temperature
+  // from q = h (t - block_surface) gives the divisor.
   const double divisor = 1.0 + r * (h + wet);
   const double block_surface = (place.block + r * (h * t + wet * place.water)) / divisor;
   const double excess = t - block_surface;

@@ -67,14 +67,18 @@ void shift_to_mean(const mesh::Mesh<Element::dimension>& mesh, const int* node,
   constexpr std::size_t nodes = Element::nodes, dim = Element::dimension;
   double volume = 0.0;
   for (const double v : conduction.volume) volume += v;
+
   std::array<std::array<double, dim>, nodes> shift{};
   const auto add = [&](double weight, const auto& gradient) {
     for (std::size_t i = 0; i < nodes; ++i)
       for (std::size_t a = 0; a < dim; ++a) shift[i][a] += weight / volume * gradient[i][a];
   };
+
+  // Add the mean gradient of the element, and subtract that of its corners.
   for (std::size_t q = 0; q < std::size_t(Element::points); ++q) {
     const auto reference = Element::shape_gradient(Element::point[q]);
     const fem::Jacobian<Element::dimension> jacobian(mesh, node, reference);
+
     std::array<std::array<double, dim>, nodes> gradient;
     for (std::size_t i = 0; i < nodes; ++i)
       gradient[i] = jacobian.gradient(reference[i], 1.0 / jacobian.determinant());
@@ -82,20 +86,26 @@ void shift_to_mean(const mesh::Mesh<Element::dimension>& mesh, const int* node,
             radius_at<Element>(mesh, node, Element::shape(Element::point[q])),
         gradient);
   }
+
   for (std::size_t c = 0; c < nodes; ++c) add(-conduction.volume[c], conduction.gradient[c]);
+
   for (auto& corner : conduction.gradient)
     for (std::size_t i = 0; i < nodes; ++i)
       for (std::size_t a = 0; a < dim; ++a) corner[i][a] += shift[i][a];
 }
 
+/// Volumes and gradients at the corners of an element.
 template <class Element>
 ElementConduction<Element> conduction_of(const mesh::Mesh<Element::dimension>& mesh,
                                          const int* node) {
   constexpr std::size_t nodes = Element::nodes;
   constexpr auto corner = fem::reference_corners<Element>();
   constexpr double same_determinant = 1e-9;  // [1] relative: equal up to rounding
+
   ElementConduction<Element> conduction;
   conduction.volume = corner_volumes<Element>(mesh, node);
+
+  // On a parallelogram or a parallelepiped all corners have the same determinant.
   double first = 0.0;
   bool oblique = false;
   for (std::size_t c = 0; c < nodes; ++c) {
@@ -104,9 +114,11 @@ ElementConduction<Element> conduction_of(const mesh::Mesh<Element::dimension>& m
     const double determinant = jacobian.determinant();
     if (c == 0) first = determinant;
     oblique = oblique || std::abs(determinant - first) > same_determinant * first;
+
     for (std::size_t i = 0; i < nodes; ++i)
       conduction.gradient[c][i] = jacobian.gradient(reference[i], 1.0 / determinant);
   }
+
   if (oblique) shift_to_mean(mesh, node, conduction);
   return conduction;
 }

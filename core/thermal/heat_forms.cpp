@@ -51,6 +51,7 @@ public:
                      std::vector<SideShare>& shares) const override {
     shares.clear();
     const SideLaws laws(cooling, instant);
+
     double lowest = INFINITY, highest = -INFINITY;
     mesh::for_each_facet(mesh_, mesh::PatchKind::side, [&](const Facet& facet, const auto& patch) {
       const Face face = face_of(patch);
@@ -59,11 +60,14 @@ public:
         lowest = std::min(lowest, height);
         highest = std::max(highest, height);
       }
+
+      // Cut the facet at the edges of the cooling laws, so that each piece has one law.
       const auto use = [&](const auto& piece) {
         add_piece(facet, piece, face, laws.at(piece.middle_level, face), shares);
       };
       cut(facet, depth_of(facet, instant)).for_each_piece(laws.edges(), use);
     });
+
     return highest - lowest;
   }
 
@@ -72,12 +76,16 @@ public:
     const std::vector<double> before = volume_;
     const std::size_t row = std::size_t(nodes_per_row), old_elements = element_node_.size();
     new_pattern = update();
+
+    // Enthalpy is first carried to the old rows, stretched to the new level, then to the new rows.
     const bool divided = before.size() < volume_.size();
     const std::vector<double> stretched =
         divided ? stretched_volumes(before, row, old_elements) : volume_;
+
     std::vector<double> height;
     for (std::size_t n = before.size() - 2 * row; n < volume_.size(); n += row)
       height.push_back(mesh_.point(static_cast<int>(n))[dim - 1]);
+
     return carry_enthalpy({row, before, stretched, volume_, height}, entering_enthalpy, enthalpy);
   }
 
@@ -97,12 +105,13 @@ private:
     find_side_columns();
   }
 
-  /// Nodes of the side at the same place of the plan are one column.
+  /// Numbers the columns of side nodes: nodes at the same place of the plan form one.
   void find_side_columns() {
     constexpr double same_place = 1e-9;  // [m]
     const std::vector<int> nodes = mesh::patch_nodes(mesh_, mesh::PatchKind::side);
     std::map<std::array<long long, dim - 1>, int> columns;
     side_column_.assign(std::size_t(mesh_.nodes()), -1);
+
     for (const int n : nodes) {
       std::array<long long, dim - 1> place{};
       for (std::size_t d = 0; d + 1 < dim; ++d)
@@ -110,8 +119,10 @@ private:
       side_column_[std::size_t(n)] =
           columns.try_emplace(place, static_cast<int>(columns.size())).first->second;
     }
+
+    // A mesh without columns, such as an imported one, is treated as a single column.
     if (2 * columns.size() <= nodes.size()) return;
-    for (const int n : nodes) side_column_[std::size_t(n)] = 0;  // a mesh without columns
+    for (const int n : nodes) side_column_[std::size_t(n)] = 0;
   }
 
   /// First node of an element that is new or has a node that has moved.
@@ -121,12 +132,14 @@ private:
                        placed_.size() <= mesh_.node.size() &&
                        std::equal(known.begin(), known.end(), mesh_.element_node.begin());
     if (!grown) return 0;
+
     const auto changed = std::mismatch(placed_.begin(), placed_.end(), mesh_.node.begin()).first;
     std::size_t moved = std::size_t(changed - placed_.begin()) / dim;
     for (std::size_t i = known.size(); i < mesh_.element_node.size(); ++i)
       moved = std::min(moved, std::size_t(mesh_.element_node[i]));
     return first_node_beside(moved, mesh_.element_node.size());
   }
+
   /// First node of the elements that have a node numbered `moved` or higher.
   /// @param end  end of their part in the list of element nodes
   std::size_t first_node_beside(std::size_t moved, std::size_t end) const {
@@ -136,6 +149,7 @@ private:
     });
     return first;
   }
+
   /// Calls use(nodes) for every element that has a node numbered `first` or higher.
   template <class Use>
   void for_each_element_from(std::size_t first, std::size_t end, const Use& use) const {
@@ -164,10 +178,15 @@ private:
     const int* node = mesh_.nodes_of(e);
     const int* place = pattern_.places(e);
     const auto conduction = conduction_of<Element>(mesh_, node);
+
+    // Nodes below `first` keep what they had.
     const auto counts = [&](std::size_t i) { return std::size_t(node[i]) >= first; };
     for (std::size_t i = 0; i < corners; ++i) {
       if (counts(i)) volume_[std::size_t(node[i])] += conduction.volume[i];
     }
+
+    // Stiffness by nodal quadrature: the volume of each corner times the product of the gradients
+    // there. The matrix is symmetric, so only its lower triangle is filled.
     for (std::size_t c = 0; c < corners; ++c) {
       const auto& gradient = conduction.gradient[c];
       for (std::size_t i = 0; i < corners; ++i) {
@@ -188,8 +207,10 @@ private:
       cut(facet, {}).for_each_piece(
           {}, [&](const auto& piece) { add_piece(facet, piece, Face::wide, {}, shares); });
     });
+
     std::vector<double> by_node(volume_.size(), 0.0);
     for (const SideShare& share : shares) by_node[std::size_t(share.node)] += share.weight;
+
     weight.clear();
     for (const int node : nodes) weight.push_back(by_node[std::size_t(node)]);
   }
@@ -253,10 +274,13 @@ private:
   std::vector<double> stretched_volumes(std::vector<double> volume, std::size_t row,
                                         std::size_t old_elements) const {
     const std::size_t nodes = volume.size(), first = first_node_beside(nodes - row, old_elements);
+
     Mesh stretched;
     stretched.node.assign(mesh_.node.begin(), mesh_.node.begin() + std::ptrdiff_t(dim * nodes));
     for (std::size_t n = nodes - row; n < nodes; ++n)
       stretched.node[dim * n + dim - 1] = mesh_.node.back();
+
+    // Only elements of the top row have changed their volume.
     std::fill(volume.begin() + std::ptrdiff_t(first), volume.end(), 0.0);
     for_each_element_from(first, old_elements, [&](const int* node) {
       const auto corner = corner_volumes<Element>(stretched, node);

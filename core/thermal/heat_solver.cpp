@@ -82,14 +82,17 @@ double HeatSolver::follow_merging(HeatField& field, const mesh::MergedRows& merg
 
 void HeatSolver::take_elements() {
   choose_solver();
+
   const std::size_t nodes = std::size_t(forms_->nodes());
   for (auto* by_node : {&enthalpy_n_, &enthalpy_, &trial_, &kirchhoff_, &residual_, &capacity_,
                         &from_slope_, &right_, &y_, &stiffness_y_, &direction_}) {
     by_node->assign(nodes, 0.0);
   }
+
   cooling_.resize(nodes);
   state_.assign(nodes, ThermalState{});
   matrix_.assign(forms_->pattern().entries(), 0.0);
+
   top_nodes_.clear();
   if (cooling_.spec().top == Top::held) top_nodes_ = forms_->top_nodes();
   held_.assign(nodes, 0);
@@ -139,6 +142,7 @@ void HeatSolver::prepare(const HeatField& field, const HeatStepInput& input) {
   enthalpy_ = field.enthalpy;
   for (std::size_t i = 0; i < field.enthalpy_rate.size(); ++i)
     enthalpy_[i] += input.time_step * field.enthalpy_rate[i];
+
   const double held = properties_.enthalpy(input.casting_temperature);
   for (const int node : top_nodes_) enthalpy_[std::size_t(node)] = held;
 
@@ -184,14 +188,19 @@ double HeatSolver::relative_residual(double time_step) const {
 /// definite.
 bool HeatSolver::factorize(Slope kind, double time_step) {
   const auto stiffness = forms_->stiffness();
+
   std::copy(stiffness.begin(), stiffness.end(), matrix_.begin());
   const std::vector<double>&volume = forms_->volume(),
         &flux_derivative = cooling_.flux_derivative();
+
   const double largest = properties_.largest_diffusivity();
   for (std::size_t i = 0; i < capacity_.size(); ++i) {
     const double storage = volume[i] / time_step, smallest = smallest_capacity * storage;
     const double slope = kind == Slope::largest ? largest : state_[i].kirchhoff_derivative;
     capacity_[i] = storage + flux_derivative[i];
+
+    // Where the capacity is too small to divide by, the direction follows from the slope, or the
+    // capacity is bounded.
     from_slope_[i] = 0.0;
     if (capacity_[i] < smallest) {
       const bool conducts = slope > vanishing_slope * largest;
@@ -201,9 +210,11 @@ bool HeatSolver::factorize(Slope kind, double time_step) {
         capacity_[i] = smallest;
       }
     }
+
     matrix_[std::size_t(forms_->pattern().diagonal(static_cast<int>(i)))] +=
         held_[i] != 0 ? held_diagonal : capacity_[i] / std::max(slope, vanishing_slope * largest);
   }
+
   return lines_ ? lines_->factorize(forms_->pattern(), matrix_) : solver_.factorize(matrix_);
 }
 
@@ -228,11 +239,14 @@ bool HeatSolver::factorize_newton(double time_step) {
 /// Returns false if the matrix is not positive definite.
 bool HeatSolver::newton_direction() {
   for (std::size_t i = 0; i < right_.size(); ++i) right_[i] = held_[i] != 0 ? 0.0 : -residual_[i];
+
   if (!lines_) {
     solver_.solve(right_, y_);
   } else if (!solve_by_lines()) {
     return false;
   }
+
+  // From y = D dH to the enthalpy, by the equation of the node or, where chosen, by the slope D.
   linalg::multiply(forms_->pattern(), forms_->stiffness(), y_, stiffness_y_);
   for (std::size_t i = 0; i < direction_.size(); ++i) {
     direction_[i] = from_slope_[i] > 0.0 ? y_[i] * from_slope_[i]
@@ -273,6 +287,7 @@ bool HeatSolver::iterate(const HeatStepInput& input, HeatStepOutcome& outcome) {
   std::array<double, remembered_residuals> remembered;
   remembered.fill(residual_sum_);
   bool keep_factor = false;
+
   for (;; ++outcome.iterations) {
     const double residual = relative_residual(input.time_step);
     outcome.residual_history.push_back(residual);
@@ -301,17 +316,22 @@ bool HeatSolver::iterate(const HeatStepInput& input, HeatStepOutcome& outcome) {
 HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
   HeatStepOutcome outcome;
   outcome.residual_history.reserve(std::size_t(maximum_iterations_) + 1);
+
   const long factorizations = solver_.factorizations(), solves = solver_.solves();
   prepare(field, input);
   outcome.converged = iterate(input, outcome);
+
   outcome.factorizations = static_cast<int>(solver_.factorizations() - factorizations);
   outcome.solves = static_cast<int>(solver_.solves() - solves);
   if (!outcome.converged) return outcome;
+
   outcome.balance = balance(input);
   outcome.face_heat_flux = cooling_.side_power();
   outcome.wall_heat_flux = outcome.face_heat_flux[0] + outcome.face_heat_flux[1];
   outcome.bottom_heat_flux = cooling_.bottom_power();
   outcome.water = cooling_.water();
+
+  // Only a converged step changes the field.
   field.enthalpy = enthalpy_;
   field.enthalpy_rate.resize(state_.size());
   field.temperature.resize(state_.size());
@@ -321,6 +341,7 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
     field.temperature[i] = state_[i].temperature;
     field.liquid_fraction[i] = state_[i].liquid_fraction;
   }
+
   cooling_.finish_step(*forms_, state_, input, field);
   return outcome;
 }
@@ -328,14 +349,20 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
 HeatBalance HeatSolver::balance(const HeatStepInput& input) const {
   const std::vector<double>& volume = forms_->volume();
   HeatBalance heat;
+
+  // Growth has changed the volumes: the heat before it is that of the entry.
   const double stored_before =
       input.entry ? input.entry->stored_before : sum_of_products(volume, enthalpy_n_);
   heat.entered = input.entry ? input.entry->entered : 0.0;
   heat.stored = sum_of_products(volume, enthalpy_) - stored_before;
+
+  // The residual at held nodes is the heat that holds them.
   for (const int node : top_nodes_) heat.top += input.time_step * residual_[std::size_t(node)];
   heat.top -= input.time_step * cooling_.level_power();
+
   heat.side = input.time_step * (cooling_.side_power()[0] + cooling_.side_power()[1]);
   heat.bottom = input.time_step * cooling_.bottom_power();
+
   const double missing = heat.stored + heat.side + heat.bottom - heat.top - heat.entered;
   // Not corrected for rounding: a check that allows for its own error hides other errors.
   heat.error = moved_ > 0.0 ? std::abs(missing) / moved_ : 0.0;

@@ -26,36 +26,6 @@ void add_water(const Water& water, std::vector<double>& edges) {
   add_kinks(water.coefficient, edges);
 }
 
-}  // namespace
-
-SideLaws::SideLaws(const CoolingSpec& cooling, const SideInstant& instant)
-    : cooling_(cooling), water_runs_(instant.water_runs) {
-  add_water(cooling.water, edges_);
-  if (cooling.narrow_water) add_water(*cooling.narrow_water, edges_);
-  for (const SideZone& zone : cooling.zones) {
-    edges_.push_back(zone.from);
-    edges_.push_back(zone.to);
-    add_kinks(zone.liquid_coefficient, edges_);
-    add_kinks(zone.solid_coefficient, edges_);
-  }
-  std::sort(edges_.begin(), edges_.end());
-}
-
-LawAt SideLaws::at(double distance, Face face) const {
-  const Water& water = cooling_.water_of(face);
-  if (water_runs_[std::size_t(face)] && distance >= water.from)
-    return {law_water, against_distance(water.coefficient)};
-  for (std::size_t i = 0; i < cooling_.zones.size(); ++i) {
-    const SideZone& zone = cooling_.zones[i];
-    if (distance < zone.from || distance >= zone.to || zone.face.value_or(face) != face) continue;
-    return {static_cast<int>(i),
-            against_distance(zone.liquid_coefficient) || against_distance(zone.solid_coefficient)};
-  }
-  return {law_dry, false};
-}
-
-namespace {
-
 using material::ThermalState;
 
 /// Gaps up to this much wider than `wet_gap` are wet in part [1]; so the heat into the gap is a
@@ -77,6 +47,35 @@ std::size_t wetted_index(const SideShare& share) {
 
 }  // namespace
 
+SideLaws::SideLaws(const CoolingSpec& cooling, const SideInstant& instant)
+    : cooling_(cooling), water_runs_(instant.water_runs) {
+  add_water(cooling.water, edges_);
+  if (cooling.narrow_water) add_water(*cooling.narrow_water, edges_);
+  for (const SideZone& zone : cooling.zones) {
+    edges_.push_back(zone.from);
+    edges_.push_back(zone.to);
+    add_kinks(zone.liquid_coefficient, edges_);
+    add_kinks(zone.solid_coefficient, edges_);
+  }
+
+  std::sort(edges_.begin(), edges_.end());
+}
+
+LawAt SideLaws::at(double distance, Face face) const {
+  // Water covers the zones of the mould.
+  const Water& water = cooling_.water_of(face);
+  if (water_runs_[std::size_t(face)] && distance >= water.from)
+    return {law_water, against_distance(water.coefficient)};
+
+  for (std::size_t i = 0; i < cooling_.zones.size(); ++i) {
+    const SideZone& zone = cooling_.zones[i];
+    if (distance < zone.from || distance >= zone.to || zone.face.value_or(face) != face) continue;
+    return {static_cast<int>(i),
+            against_distance(zone.liquid_coefficient) || against_distance(zone.solid_coefficient)};
+  }
+  return {law_dry, false};
+}
+
 SurfaceCooling::SurfaceCooling(CoolingSpec cooling) : cooling_(std::move(cooling)) {
   if (cooling_.bottom_block.body) block_.emplace(*cooling_.bottom_block.body);
 }
@@ -95,6 +94,7 @@ void SurfaceCooling::begin_step(const HeatForms& forms,
                          {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
                          input.rise},
                         side_);
+
   lay_water(forms, properties, field, input, height);
   lay_bottom(forms, field, input);
 }
@@ -123,31 +123,40 @@ void SurfaceCooling::lay_water(const HeatForms& forms,
   water_ = {};
   side_water_.assign(side_.size(), {});
   if (std::ranges::none_of(side_, [](const auto& share) { return share.law == law_water; })) return;
+
   find_columns(forms);
   const auto column = [&](std::size_t i) {
     return std::pair(side_[i].face, forms.side_column()[std::size_t(side_[i].node)]);
   };
+
+  // One stream of water for each column.
   for (auto first = column_order_.begin(); first != column_order_.end();) {
     const auto last = std::find_if(first, column_order_.end(),
                                    [&](std::size_t i) { return column(i) != column(*first); });
+
+    // Water runs over its own shares; the width of the column follows from the area of all.
     double area = 0.0;
-    for (auto at = first; at != last; ++at) area += side_[*at].weight;
+    for (auto share = first; share != last; ++share) area += side_[*share].weight;
     const auto wet = std::stable_partition(
         first, last, [this](std::size_t i) { return side_[i].law == law_water; });
+
     lay_column({first, wet}, area / side_height, properties, field, input);
     first = last;
   }
 }
 
-/// Water over the shares of one column, from above. @param width  [m]; axisymmetric [m2/rad / m]
+/// Runs water down the shares of one column. @param width  [m]; axisymmetric [m2/rad / m]
 void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double width,
                                 const material::ThermalProperties& properties,
                                 const HeatField& field, const HeatStepInput& input) {
   if (shares.empty()) return;
+
   const Face face = side_[shares.front()].face;
   const Water& water = cooling_.water_of(face);
   const Film supply{water.temperature(input.time), water_flow_of(face, input)};
+
   FaceWater& total = water_[std::size_t(face)];
+
   std::vector<WetPiece> pieces;
   for (const std::size_t i : shares) {
     const double wetted = field.wetted.empty() ? 0.0 : field.wetted[wetted_index(side_[i])];
@@ -156,7 +165,10 @@ void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double widt
                       properties.temperature(field.enthalpy[std::size_t(side_[i].node)]),
                       wetted});
   }
+
   total.capacity += film_capacity(supply, width);
+
+  // With fixed boiling properties the film does not change on its way.
   if (!water.boiling_follows_flow) {
     film_.clear();
     for (const WetPiece& piece : pieces)
@@ -169,6 +181,8 @@ void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double widt
     total.boiled_away = total.boiled_away || end.boiled_away;
     total.thrown_off = total.thrown_off || end.thrown_off;
   }
+
+  // Shares that the stream does not reach stay dry.
   for (std::size_t k = 0; k < shares.size(); ++k) {
     if (k >= film_.size()) {
       side_[shares[k]].law = law_dry;
@@ -197,19 +211,27 @@ void SurfaceCooling::lay_bottom(const HeatForms& forms, const HeatField& field,
   const BottomBlock& block = cooling_.bottom_block;
   bottom_.clear();
   if (forms.bottom_nodes().empty()) return;
+
   const bool wet = block.wet_coefficient && water_at_butt(input);
   const double start = block.temperature(input.time);
   const double water = wet || block_ ? cooling_.water.temperature(input.time) : start;
+
   if (block_) block_->begin_step(input.time_step);
+
   const std::vector<double> cold(BlockColumns::points, start);
   for (std::size_t i = 0; i < forms.bottom_nodes().size(); ++i) {
     const double gap = input.bottom_gap.empty() ? 0.0 : input.bottom_gap[i];
+
+    // Near the limiting width a gap is wet in part, so that the heat is continuous in its width.
     const double share =
         wet ? std::clamp((gap / block.wet_gap - 1.0) / wet_gap_blend, 0.0, 1.0) : 0.0;
+
     BottomPlace place{.coefficient = (1.0 - share) * bottom_coefficient(block, input.time, gap),
                       .block = start,
                       .wet_coefficient = share * block.wet_coefficient.value_or(0.0),
                       .water = water};
+
+    // With a body, the surface of the block responds to the flux by its compliance.
     if (block_) {
       std::span<const double> column = cold;
       if (!field.block_temperature.empty())
@@ -218,6 +240,7 @@ void SurfaceCooling::lay_bottom(const HeatForms& forms, const HeatField& field,
       place.block = block_->free_surface(column, water);
       place.compliance = block_->compliance();
     }
+
     bottom_.push_back(place);
   }
 }
@@ -244,24 +267,25 @@ void SurfaceCooling::add_side(std::span<const ThermalState> state, const HeatSte
   side_power_ = {};
   for (FaceWater& water : water_) water.taken = 0.0;
   for (std::size_t i = 0; i < side_.size(); ++i) {
-    const ThermalState& at = state[std::size_t(side_[i].node)];
-    const SurfaceFlux flux = side_flux(i, surface_of(at), input);
-    add(side_[i].node, side_[i].weight, flux, at);
+    const ThermalState& surface = state[std::size_t(side_[i].node)];
+    const SurfaceFlux flux = side_flux(i, surface_of(surface), input);
+    add(side_[i].node, side_[i].weight, flux, surface);
+
     const double power = side_[i].weight * flux.flux;
     side_power_[std::size_t(side_[i].face)] += power;
     if (side_[i].law == law_water) water_[std::size_t(side_[i].face)].taken += power;
   }
 }
 
-/// Adds the fluxes at the nodes of the bottom or the level. @return their power [W/m]
+/// Adds the fluxes at the nodes of the bottom or of the level. @return their power [W/m]
 template <class FluxAt>
 double SurfaceCooling::add_patch(const std::vector<int>& nodes, const std::vector<double>& weight,
                                  std::span<const ThermalState> state, const FluxAt& flux_at) {
   double power = 0.0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const ThermalState& at = state[std::size_t(nodes[i])];
-    const SurfaceFlux flux = flux_at(i, surface_of(at));
-    add(nodes[i], weight[i], flux, at);
+    const ThermalState& surface = state[std::size_t(nodes[i])];
+    const SurfaceFlux flux = flux_at(i, surface_of(surface));
+    add(nodes[i], weight[i], flux, surface);
     power += weight[i] * flux.flux;
   }
   return power;
@@ -271,11 +295,15 @@ void SurfaceCooling::evaluate(const HeatForms& forms, std::span<const ThermalSta
                               const HeatStepInput& input) {
   std::fill(flux_.begin(), flux_.end(), 0.0);
   std::fill(flux_derivative_.begin(), flux_derivative_.end(), 0.0);
+
   add_side(state, input);
+
   bottom_power_ = add_patch(forms.bottom_nodes(), forms.bottom_weight(), state,
                             [&](std::size_t i, const SurfaceState& surface) {
                               return bottom_flux(cooling_.bottom_block, bottom_[i], surface).slab;
                             });
+
+  // A level that is held at the casting temperature loses no heat of its own.
   level_power_ = 0.0;
   if (cooling_.top == Top::pouring && cooling_.level_coefficient != 0.0)
     level_power_ = add_patch(
@@ -283,14 +311,18 @@ void SurfaceCooling::evaluate(const HeatForms& forms, std::span<const ThermalSta
         [&](std::size_t, const SurfaceState& surface) { return level_flux(cooling_, surface); });
 }
 
-/// A surface that water has left dries with the lag of its wetting.
+/// Stores the wetted share of each side node. A surface that water has left dries with the same lag
+/// as it is wetted.
 void SurfaceCooling::store_wetted(std::span<const ThermalState> state, const HeatStepInput& input,
                                   HeatField& field) const {
   if (!cooling_.water.boiling_follows_flow && !cooling_.water_of(Face::narrow).boiling_follows_flow)
     return;
+
   const std::size_t size = faces * state.size();
   field.wetted.resize(size, 0.0);
   std::vector<double> wet(size, 0.0), area(size, 0.0);
+
+  // Mean over the shares of a node, weighted by their areas.
   for (std::size_t i = 0; i < side_.size(); ++i) {
     const Water& water = cooling_.water_of(side_[i].face);
     if (side_[i].law != law_water || !water.boiling_follows_flow) continue;
@@ -299,6 +331,7 @@ void SurfaceCooling::store_wetted(std::span<const ThermalState> state, const Hea
         side_[i].weight * wet_in_the_end(water.wetting, surface, side_water_[i].rewetting);
     area[wetted_index(side_[i])] += side_[i].weight;
   }
+
   for (std::size_t i = 0; i < size; ++i) {
     const Water& water = cooling_.water_of(Face(i % faces));
     if (!water.boiling_follows_flow) continue;
@@ -311,10 +344,12 @@ void SurfaceCooling::finish_step(const HeatForms& forms, std::span<const Thermal
                                  const HeatStepInput& input, HeatField& field) const {
   store_wetted(state, input, field);
   if (!block_) return;
+
   const std::vector<int>& nodes = forms.bottom_nodes();
   if (field.block_temperature.empty())
     field.block_temperature.assign(nodes.size() * BlockColumns::points,
                                    cooling_.bottom_block.temperature(input.time - input.time_step));
+
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const SurfaceState surface = surface_of(state[std::size_t(nodes[i])]);
     block_->finish(

@@ -67,31 +67,42 @@ FilmEnd march_film(const Water& water, const Film& supply, double width, double 
   const Wetting& w = water.wetting;
   Stream stream(water, supply, width);
   FilmEnd end;
+
   place.clear();
   double vapour = 0.0, area = 0.0;  // [m] of unbroken vapour film, [m2] of the pieces so far
   std::vector<double> flux;
+
   for (const WetPiece& piece : pieces) {
     const Film film = stream.film();
     end.boiled_away = film.flow < w.least_flow;
     end.thrown_off = vapour > w.throw_off_length;
     if (end.boiled_away || end.thrown_off) break;
+
     const double depth = piece.at.distance - water.from, hot = piece.surface_temperature;
     const double rewetting = rewetting_temperature(w, film);
+
     const WaterPlace here{
         .film = film,
         .wetted = wetted_in(w, piece.wetted, wet_in_the_end(w, hot, rewetting), time_step),
         .rewetting = rewetting,
         .critical_heat_flux = critical_heat_flux(water, film, depth),
         .film_coefficient = film_coefficient(w, film, depth)};
+
+    // A piece takes no more heat than boils the whole stream away.
     const double wanted = water_flux(water, here, {hot, 0.0}, piece.at).flux;
     const double taken = std::min(wanted * piece.area, stream.capacity());
     stream.take(taken);
+
     flux.push_back(taken / piece.area);
     area += piece.area;
     place.push_back(here);
+
+    // Only a vapour film without a break, below the jet, lets the stream lose touch.
     if (depth >= w.jet_length)
       vapour = here.wetted < hardly_wetted ? vapour + piece.area / width : 0.0;
   }
+
+  // Iterations may move heat between pieces: each may take a part of what the stream has left.
   const double spare = area > 0.0 ? stream.capacity() / area : 0.0;
   for (std::size_t i = 0; i < place.size(); ++i) place[i].largest_flux = flux[i] + spare;
   return end;

@@ -158,8 +158,10 @@ class StudiesOfOthers(AccessTest):
         self.paused(anna, beside)
         delete = study_pb2.DeleteStudyRequest(id=self.ID)
         details = self.refusal(grpc.StatusCode.FAILED_PRECONDITION, anna.DeleteStudy, delete)
+
         self.assertIn(beside, details)
         self.assertIn("cancel it first", details)
+
         anna.CancelStudy(study_pb2.CancelStudyRequest(id=self.ID), timeout=10)
         until(lambda: self.state(anna, beside) == job_pb2.CANCELLED, 20)
         anna.DeleteStudy(delete, timeout=10)
@@ -212,9 +214,11 @@ class Tokens(AccessTest):
                                service_pb2.SubmitJobRequest(case=fake("steps=3")))
         for part in ("anna has the role viewer", "SubmitJob needs submitter", "root"):
             self.assertIn(part, details)
+
         self.admin("user", "disable", "anna")
         self.assertIn("disabled", self.refusal(grpc.StatusCode.UNAUTHENTICATED, anna.ListJobs,
                                                service_pb2.ListJobsRequest()))
+
         self.admin("user", "enable", "anna")
         anna.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
         self.admin("user", "rotate", "anna")
@@ -338,9 +342,11 @@ class Owners(AccessTest):
         anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
         job = self.submit(anna)
         listed = service_pb2.ListJobsRequest()
+
         self.assertEqual([one.id for one in anna.ListJobs(listed, timeout=10).jobs], [job.id])
         self.assertEqual(len(bert.ListJobs(listed, timeout=10).jobs), 0)
         self.assertEqual(len(self.local().ListJobs(listed, timeout=10).jobs), 1)
+
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.GetJob,
                      service_pb2.GetJobRequest(id=job.id))
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.WatchJob,
@@ -380,10 +386,12 @@ class Certificates(AccessTest):
         self.admin("pki", "issue", "carl", "--to", self.folder)
         anna = self.remote(certificate=self.pair("anna"))
         who = anna.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+
         self.assertEqual((who.name, who.proof), ("anna", "certificate"))
         self.assertIn("not listed", self.refusal(
             grpc.StatusCode.UNAUTHENTICATED, self.remote(certificate=self.pair("carl")).WhoAmI,
             service_pb2.WhoAmIRequest()))
+
         self.refusal(grpc.StatusCode.UNAUTHENTICATED, self.remote().WhoAmI,
                      service_pb2.WhoAmIRequest())
 
@@ -482,6 +490,7 @@ class Audit(AccessTest):
                      service_pb2.DeleteJobRequest(id=job.id))
         anna.CancelJob(service_pb2.CancelJobRequest(id=job.id, reason="no\u2014need"), timeout=10)
         submitted, = self.audit("--call", "SubmitJob")
+
         self.assertEqual(submitted["user"], "anna")
         self.assertEqual(submitted["job"], job.id)
         self.assertEqual(submitted["case_sha256"], job.case_sha256)
@@ -518,11 +527,14 @@ class LocalSocket(AccessTest):
         os.chmod(self.folder, 0o755)
         self.start(listen="unix:" + path)
         self.assertEqual(self.daemon.address, "unix:" + path)
+
         own = self.local().WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
         self.assertEqual((own.name, own.proof), (pwd.getpwuid(os.getuid()).pw_name, "local user"))
+
         command = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "whoami"]
         done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
         self.assertIn(own.name, done.stdout, done.stderr)
+
         if os.getuid() == 0:
             another = subprocess.run(["setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}",
                                       "--clear-groups", *command], capture_output=True, text=True,

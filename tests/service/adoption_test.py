@@ -162,8 +162,10 @@ class KilledDaemon(AdoptionTest):
             file.write(b"\xff\x00\xff\x00")
         self.restart()
         self.assertEqual(self.daemon.worker_processes(), [worker])
+
         self.let_go(job_id)
         self.assertEqual(self.client.until_state(job_id, SUCCEEDED).attempts, 1)
+
         events = self.sound_events(list(self.client.watch(job_id)))
         self.assertTrue([event for event in events if "lost" in event.message.text])
         self.assertEqual(curve(self.client.steps(job_id))[-1], expected[-1])
@@ -228,11 +230,13 @@ class RealCasting(RealRunTest):
         self.daemon.kill()
         self.restart()
         self.assertEqual(self.daemon.worker_processes(), workers)
+
         events, steps = self.finished_steps(job_id)
         self.assertEqual(physics(steps), expected)
         self.assertEqual([event.step.step for event in events if event.HasField("step")],
                          list(range(1, len(expected) + 1)))
         self.assertFalse([event for event in events if event.HasField("resumed")])
+
         job = self.client.job(job_id)
         self.assertEqual(job.attempts, 1)
         self.assertEqual([artifact.sha256 for artifact in job.artifacts],

@@ -41,32 +41,38 @@ class Calibration(DataStudyCase):
         answer = json.loads(self.dccast("calibrate", path, "--measured", measured, *FREE, "--runs", "16",
                                         "--json", "--plot", page, "-o", output))
         keys = answer["calibration"]["keys"]
+
         for key, hidden in zip(keys, (0.7, 0.7)):  # places of 684 in 670 to 690, of 1.3 in 0.6 to 1.6
             self.assertLess(key["low"], hidden)
             self.assertGreater(key["high"], hidden)
         self.assertLess(min(key["narrowed"] for key in keys), 0.8)
+
         curve = answer["calibration"]["curves"][0]
         self.assertLess(curve["off_after"], curve["off_before"])
         self.assertIn("check_error", curve)  # true runs have checked it
         self.assertGreater(answer["calibration"]["runs"][0], 16)
         with open(page, encoding="utf-8") as file:
             self.assertIn("data after, 5 to 95 %", file.read())
+
         with open(output, encoding="utf-8") as file:
             text = file.read()
         self.assertIn(f"# calibrated from {measured}", text)
         self.assertIn('"cooling.bottom_block.contact_coefficient" = ', text)
+
         self.dccast("validate", output)
         # What was written computes what was measured, better than the case did.
         ends = [json.loads(self.dccast("query", case, "--set", "quality=draft", "--json"))
                 ["monitors"][0]["end_curl_m"] for case in (path, output)]
         self.assertLess(abs(ends[1] - curve["measured"]["curl_m"][-1]),
                         abs(ends[0] - curve["measured"]["curl_m"][-1]) + 2e-5)
+
         # Taken up again it is the same, on screen too, and makes no further runs.
         study = answer["study"]["id"]
         before = len(json.loads(self.dccast("studies", "--json")))
         again = json.loads(self.dccast("calibrate", "--study", study, "--json"))
         self.assertEqual(again["calibration"], answer["calibration"])
         self.assertEqual(len(json.loads(self.dccast("studies", "--json"))), before)
+
         screen = self.dccast("calibrate", "--study", study, "--no-wait")
         self.assertIn("free key", screen)
         self.assertLessEqual(max(len(line) for line in screen.splitlines()), 120)
@@ -110,6 +116,7 @@ class Calibration(DataStudyCase):
         self.daemon.kill()
         self.daemon.start()
         answer = json.loads(self.dccast("calibrate", "--study", study, "--json"))
+
         self.assertGreater(answer["calibration"]["runs"][0], 12)
         self.assertTrue(re.search("[0-9]", answer["calibration"]["keys"][0]["best_text"]))
 

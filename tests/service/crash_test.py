@@ -65,12 +65,14 @@ class Crash(ServiceTest):
         stream = self.client.watch(job.id)
         events = [next(stream)]
         workers = self.daemon.worker_processes()
+
         self.assertEqual(len(workers), 1)
         self.assertEqual(self.daemon.terminate(), 0)
         with self.assertRaises(grpc.RpcError) as ended:
             events += list(stream)
         self.assertEqual(ended.exception.code(), grpc.StatusCode.UNAVAILABLE)
         self.assertFalse(os.path.exists(f"/proc/{workers[0]}"))
+
         self.restart()
         self.sound_events(list(self.client.watch(job.id)))
         self.assertEqual(curve(self.client.steps(job.id)), expected)
@@ -171,6 +173,7 @@ class Crash(ServiceTest):
         until(lambda: all(self.client.job(job.id).held for job in jobs[2:]), 20)
         info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
         self.assertTrue(info.storage_fault)
+
         self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit, fake_case("steps=1"))
         self.limit_file_size(resource.RLIM_INFINITY)
         for job in jobs:

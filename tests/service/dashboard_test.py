@@ -186,13 +186,16 @@ class Others(ClientTest):
         without = self.dccast("dashboard", "--listen", "localhost")
         self.assertEqual(without.returncode, 2)
         self.assertIn("--certificate", without.stderr)
+
         more = self.dccast("dashboard", "--listen", "localhost", *self.words)
         self.assertEqual(more.returncode, 2)
         self.assertIn("as anna, who may do more than look", more.stderr)
+
         self.log_in("wall", "viewer", "--name", "wall", "--default")
         other_name = self.dccast("dashboard", "--listen", "127.0.0.1", *self.words)
         self.assertEqual(other_name.returncode, 2)
         self.assertIn("is not for 127.0.0.1", other_name.stderr)
+
         for port in ("7x", "65536", "-1"):
             refused = self.dccast("dashboard", "--listen", "localhost:" + port, *self.words)
             self.assertEqual(refused.returncode, 2)
@@ -317,20 +320,26 @@ class RealRuns(WithoutBrowser):
         answer = self.events(f"/ask/{case}")[-1]["answer"]
         self.assertEqual(answer["state"], "SUCCEEDED")
         self.assertGreater(answer["relative_curl_error"], 0)
+
         fault = self.events(f"/ask/{case}&set=schedule.casting_sped%3D1")[-1]
         self.assertIn("casting_sped", fault["error"])
+
         text = self.ask(f"/case/{case}")[1].decode()
         self.assertIn('end = "20 s"', text)
+
         job = json.loads(self.ask(f"/keep/{case}", "POST", "", **self.own())[1])["job"]
         self.client.until_state(job, job_pb2.SUCCEEDED)
         times = json.loads(self.ask(f"/frames/{job}")[1])["times"]
         self.assertGreater(len(times), 1)
+
         raw = self.ask(f"/frame/{job}?number={len(times)}")[1]
         nodes, elements, per, triangles, edges, dimension = struct.unpack("<6i", raw[:24])
         self.assertEqual(len(raw), 32 + 4 * (4 + 7 * nodes + elements * per + 3 * triangles + 2 * edges))
+
         frame = self.client.stub.QueryResult(
             service_pb2.QueryResultRequest(id=job, frame=True), timeout=20).frame
         self.assertEqual((nodes, dimension), (len(frame.temperature_c), 2))
+
         height = struct.unpack(f"<{3 * nodes}f", raw[48:48 + 12 * nodes])[2::3]
         for drawn, stored in zip(height, list(frame.node_m)[1::2]):
             self.assertAlmostEqual(drawn, stored, delta=1e-6)
@@ -411,6 +420,7 @@ class Pages(InBrowser):
         jobs = [self.finished_job(f"steps=20 number={n}") for n in range(3)]
         self.wait_for("3 jobs: 0 running, 0 queued, 3 succeeded")
         self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "tbody tr")), 3)
+
         self.find("td.sketch svg")
         box = self.find("input[type=search]")
         box.send_keys("number=1")
@@ -423,6 +433,7 @@ class Pages(InBrowser):
         self.wait_for("2 jobs compared")
         self.wait_for("run 2, corner: ")
         self.assertTrue(self.find("figure svg").get_attribute("aria-label").startswith("Curl of"))
+
         self.go("jobs")
         self.find(f"a[href='#/job/{jobs[0]}']").click()
         WebDriverWait(self.browser, 20).until(lambda browser: browser.title == "Job · dccast")
@@ -676,9 +687,11 @@ class RealPages(InBrowser):
             slider.send_keys(Keys.ARROW_LEFT)
         self.wait_for("Changed: corner", seconds=60)
         self.assertIn("±", self.find(".what-if strong").text)
+
         self.wait_for("run 2, corner: ", "#difference")
         self.assertRegex(self.find("#difference").text, r"± \d[.\d]* mm, (real|within its error)\.")
         self.assertIn("less 1, mm", self.find("#difference table").text)
+
         # While the next key press is computed, only the case as it is has bands.
         WebDriverWait(self.browser, 60).until(
             lambda browser: len(browser.find_elements(By.CSS_SELECTOR, "path.band")) == 6)

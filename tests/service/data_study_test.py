@@ -27,6 +27,7 @@ class DataStudy(DataStudyCase):
         self.assertLessEqual(max(len(line) for line in screen.splitlines()), 100)
         with open(page, encoding="utf-8") as file:
             self.assertIn("data, 5 to 95 %", file.read())
+
         study = re.search(r"study ([0-9a-f-]{36})", screen)[1]
         answer = json.loads(self.dccast("uncertainty", "--study", study, "--json"))
         spread = answer["spread"]
@@ -35,13 +36,16 @@ class DataStudy(DataStudyCase):
         for low, middle, high in zip(spread["low_m"], spread["median_m"], spread["high_m"]):
             self.assertLessEqual(low, middle)
             self.assertLessEqual(middle, high)
+
         ends = [run["end_curl_m"][0] for run in answer["runs"]]
         self.assertLess(spread["low_m"][-1], max(ends))
         self.assertGreater(spread["high_m"][-1], min(ends))
         self.assertEqual(len(spread["shares"]), len(DATA) + 1)  # and what the surface does not follow
+
         shares = [share["total"][-1] for share in spread["shares"]]
         self.assertGreater(sum(shares), 0.9)
         self.assertIn("uncertainty, 4 data", self.dccast("studies"))
+
         again = json.loads(self.dccast("uncertainty", "--study", study, "--json"))
         self.assertEqual(again["spread"], spread)
 
@@ -59,9 +63,11 @@ class DataStudy(DataStudyCase):
         path = self.case_file()
         answer = json.loads(self.dccast("sensitivity", path, *self.only(), "--json"))
         self.assertEqual(len(answer["effects"]), len(DATA))
+
         by_key = {effect["key"]: effect for effect in answer["effects"]}
         hot = by_key["cooling.bottom_block.temperature"]
         self.assertNotEqual(hot["low_m"], hot["high_m"])
+
         page = os.path.join(self.folder, "page.html")
         screen = self.dccast("sensitivity", "--study", answer["study"]["id"], "--plot", page)
         self.assertIn("9 runs: 9 valid", screen)

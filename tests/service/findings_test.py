@@ -80,6 +80,7 @@ class Findings(ServiceTest):
         self.assertRegex(self.dccast("watch", job_id).stdout, line)
         self.assertRegex(self.dccast("curl", job_id).stderr, line)
         self.assertRegex(self.dccast("list").stdout, r"FINDINGS.*\n.* 1 danger ")
+
         for words in (["show"], ["curl"]):
             said = json.loads(self.dccast(*words, "--json", job_id).stdout)
             self.assertEqual(said["findings"][0]["code"], "bleed_out_at_exit")

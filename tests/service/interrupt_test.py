@@ -171,6 +171,7 @@ class Interrupt(ServiceTest):
         except OSError:
             pass  # its last holder has gone
         self.assertEqual(process.wait(timeout=10), 130)
+
         text = shown.decode()
         lines = text.split("\r\n")
         self.assertEqual(lines[-1], "")  # the prompt of the shell begins a line

@@ -52,14 +52,18 @@ class Lifecycle(ServiceTest):
         artifact = self.client.job(job.id).artifacts[0]
         chunks = self.client.fetch(job.id)
         content = b"".join(chunk.data for chunk in chunks)
+
         self.assertGreater(len(chunks), 3)
         self.assertEqual(len(content), artifact.size_bytes)
         self.assertEqual(hashlib.sha256(content).hexdigest(), artifact.sha256)
         self.assertEqual(chunks[-1].sha256, artifact.sha256)
+
         rest = b"".join(chunk.data for chunk in self.client.fetch(job.id, offset=700001))
         self.assertEqual(content[700001:], rest)
+
         end = self.client.fetch(job.id, offset=len(content))
         self.assertEqual([chunk.data for chunk in end], [b""])
+
         self.refused(grpc.StatusCode.OUT_OF_RANGE, self.client.fetch, job.id, "", len(content) + 1)
         self.refused(grpc.StatusCode.NOT_FOUND, self.client.fetch, job.id, "../../../etc/passwd")
 
@@ -85,6 +89,7 @@ class Lifecycle(ServiceTest):
         self.assertEqual([step.step for page in pages for step in page.steps],
                          list(range(1, 61)))
         self.assertEqual([page.HasField("case") for page in pages], [True] + [False] * 8)
+
         for token in ("yesterday", "1", "1.", "-1.2", "1.2.3"):
             error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.QueryResult,
                                  service_pb2.QueryResultRequest(id=job.id, page_token=token),
@@ -143,11 +148,14 @@ class Lifecycle(ServiceTest):
         normal = self.client.submit(fake_case("steps=1"))
         high = self.client.submit(fake_case("steps=1"), priority=job_pb2.HIGH)
         positions = [self.client.job(job.id).queue_position for job in (high, normal, low)]
+
         self.assertEqual(positions, [1, 2, 3])
         self.assertEqual(self.client.cancel(normal.id).state, job_pb2.CANCELLED)
+
         events = self.sound_events(list(self.client.watch(normal.id)))
         self.assertEqual(len(events), 2)  # queued, cancelled
         self.assertEqual(self.client.job(low.id).queue_position, 2)
+
         for job in running:
             self.client.cancel(job.id)
         low = self.client.until_state(low.id, job_pb2.SUCCEEDED)
@@ -164,9 +172,11 @@ class Lifecycle(ServiceTest):
         stub.PauseJob(service_pb2.PauseJobRequest(id=job.id), timeout=10)  # the same again
         resumed = stub.ResumeJob(service_pb2.ResumeJobRequest(id=job.id), timeout=10)
         self.assertIn(resumed.state, (job_pb2.QUEUED, job_pb2.RUNNING))
+
         events = self.sound_events(list(self.client.watch(job.id)))
         self.assertEqual(sum(event.HasField("resumed") for event in events), 1)
         self.assertEqual(curve(self.client.steps(job.id)), curve(self.client.steps(alone.id)))
+
         self.refused(grpc.StatusCode.FAILED_PRECONDITION, stub.ResumeJob,
                      service_pb2.ResumeJobRequest(id=job.id), timeout=10)
         self.refused(grpc.StatusCode.FAILED_PRECONDITION, stub.PauseJob,
@@ -204,11 +214,14 @@ class Lifecycle(ServiceTest):
             token = page.next_page_token
             if not token:
                 break
+
         self.assertEqual(sorted(seen), sorted(ids))
         self.assertEqual(len(seen), 5)
+
         none = self.client.stub.ListJobs(service_pb2.ListJobsRequest(states=[job_pb2.FAILED]),
                                          timeout=10)
         self.assertEqual(len(none.jobs), 0)
+
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.ListJobs,
                      service_pb2.ListJobsRequest(page_token="yesterday"), timeout=10)
 

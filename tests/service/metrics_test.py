@@ -92,6 +92,7 @@ class Scrape(MetricsTest):
         self.assertEqual(self.value("dccast_job_run_seconds_count", page), 2)
         self.assertEqual(self.value("dccast_job_wait_seconds_count", page), 3)
         self.assertEqual(self.value("dccast_jobs_running", page), 1)
+
         owner = self.client.job(running).owner
         for state in ("RUNNING", "QUEUED"):
             self.assertEqual(self.value(f'dccast_jobs{{state="{state}",owner="{owner}"}}', page), 1)
@@ -103,6 +104,7 @@ class Scrape(MetricsTest):
         self.assertGreater(self.value("process_resident_memory_bytes", page), 1e6)
         self.assertGreater(
             self.value('dccast_worker_resident_memory_bytes{name="dccast-job"}', page), 1e5)
+
         self.client.cancel(waiting)
         self.assertEqual(self.value('dccast_jobs_ended_total{state="CANCELLED"}'), 1)
 
@@ -122,6 +124,7 @@ class Scrape(MetricsTest):
         with self.assertRaises(urllib.error.HTTPError) as caught:
             urllib.request.urlopen(address + "/../etc/passwd", timeout=10)
         self.assertEqual(caught.exception.code, 404)
+
         # Silent connections hold its few threads only as long as its own time limit.
         host, port = address.split("//")[1].split(":")
         with contextlib.ExitStack() as silent:

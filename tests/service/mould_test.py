@@ -40,19 +40,23 @@ class Mould(StudyTest):
     def test_it_grows_until_the_slab_is_flat(self):
         study = self.design()
         self.assertEqual((study.runs, study.state), (1, study_pb2.STUDY_RUNNING))
+
         ended = self.until_ended(study.id)
         self.assertEqual(ended.state, study_pb2.STUDY_SUCCEEDED, ended.message)
         self.assertEqual(ended.runs, ended.succeeded)
         self.assertIn(ended.runs, (2, 3, 4))
+
         result = self.evaluate(study.id)
         self.assertTrue(result.mould.within_tolerance)
         self.assertLessEqual(result.mould.residual_m, 0.5e-3)
         self.assertTrue(all(abs(half - WANTED) <= 0.5e-3 for half in result.mould.profile_m))
         self.assertEqual(self.opening(result.runs[0]), [(0.0, WANTED)])
+
         found = list(zip(result.mould.x_m, result.mould.half_opening_m))
         self.assertEqual(found, self.opening(result.runs[-1]))
         self.assertAlmostEqual(found[0][1], WANTED / 0.93, delta=1e-3)
         self.assertAlmostEqual(found[3][1], WANTED / 0.979, delta=1e-3)
+
         last = self.client.pages(result.runs[-1].job)[0].case
         self.assertEqual(last.monitor[0].y_m, found[3][1])
         self.assertEqual({job.request_id for job in self.jobs_of(study.id)},
@@ -135,15 +139,19 @@ class Mould(StudyTest):
         self.assertEqual(shown.returncode, 0, shown.stderr)
         self.assertIn("A mould with half-openings of", shown.stdout)
         self.assertIn("flat within", shown.stdout)
+
         as_json = json.loads(self.dccast("design-mould", "--study", study.id, "--json").stdout)
         self.assertTrue(as_json["found"]["within_tolerance"])
         self.assertEqual(as_json["wanted_half_thickness_m"], WANTED)
+
         residuals = [run["residual_m"] for run in as_json["runs"]]
         self.assertEqual(min(residuals), residuals[-1])
         self.assertAlmostEqual(residuals[0], 0.07 * WANTED, places=9)
+
         page = os.path.join(self.folder, "mould.html")
         self.assertEqual(self.dccast("design-mould", "--study", study.id, "--plot", page,
                                      "--no-wait").returncode, 0)
+
         with open(page, encoding="utf-8") as file:
             text = file.read()
         self.assertEqual(text.count("<svg"), 2)

@@ -103,6 +103,7 @@ class Terminals(Commands):
         shown = self.on_screen("case", job)
         self.is_harmless(shown)
         self.assertIn("\\u{202E} turns", shown)
+
         with open(self.here("same.toml"), "wb") as file:
             self.dccast("case", job, stdout=file)
         with open(self.here("same.toml"), "rb") as file:
@@ -229,6 +230,7 @@ class Output(Commands):
         made = self.dccast("new", "--slab", "1320x570mm", "--alloy", "aa5182", "--speed",
                            "45..55mm/min", "--water", "25..45m3/h", "--out", path)
         self.assertIn("25 -> 45 m3/h = 110.2 -> 198.4 l/min/m", made.stderr)
+
         said = self.dccast("validate", "--local", path, "--drawing",
                            os.path.join(self.folder, "slab.svg"))
         words = ("slab 1320 x 570 mm of aa5182, speed 45 -> 55 mm/min from 60 s to 200 s (over "
@@ -236,6 +238,7 @@ class Output(Commands):
         self.assertEqual(said.stdout.splitlines()[0], words)
         self.assertEqual(json.loads(self.dccast("validate", "--local", "--json", path).stdout)["casting"],
                          words)
+
         xml.etree.ElementTree.parse(os.path.join(self.folder, "slab.svg"))
         self.assertIn("exists already", self.dccast("new", "--slab", "1320x570mm", "-o", path,
                                                     code=2).stderr)
@@ -251,6 +254,7 @@ class Output(Commands):
         os.close(terminal)
         os.write(main_end, answers)
         self.assertEqual(asking.wait(20), 0)
+
         screen = os.read(main_end, 65536).decode()
         os.close(main_end)
         self.assertIn("width x thickness with a unit is expected", screen)
@@ -271,6 +275,7 @@ class Output(Commands):
         self.assertIn("no study", self.dccast("studies", "show", "0", code=5).stderr
                       if study[0] != "0" else "no study")
         self.assertEqual(len(self.dccast("list", "--study", "last", "--ids").stdout.split()), 4)
+
         error = self.dccast("predict", "last", "--set", "schedule.casting_sped=55 mm/min",
                             code=2).stderr
         self.assertIn("schedule.casting_sped was not swept; did you mean schedule.casting_speed?",

@@ -118,22 +118,26 @@ class Figures(PackageTest):
         self.assertEqual([frame.time_s for frame in job.frames], job.frames.times_s)
         self.assertEqual(last.points_m.shape, last.displacement_m.shape)
         self.assertLess(last.cells.max(), len(last.temperature_c))
+
         file = os.path.join(self.folder, "end.vtu")
         last.to_meshio().write(file)
         import meshio
         np.testing.assert_allclose(meshio.read(file).point_data["temperature_c"], last.temperature_c)
+
         # The results themselves, by the last frame beside them.
         folder = os.path.dirname(file)
         job.fetch(folder)
         mesh = meshio.read(job.fetch(folder, "results-end.xdmf"))
         np.testing.assert_allclose(mesh.point_data["temperature_c"], last.temperature_c)
         np.testing.assert_allclose(mesh.points[:, :2], last.points_m[:, :2])
+
         # Debian 12 has no PyVista: what it would be given.
         stand_in = types.SimpleNamespace(from_meshio=lambda mesh: mesh)
         with unittest.mock.patch.dict(sys.modules, {"pyvista": stand_in}):
             np.testing.assert_array_equal(last.to_pyvista().cells[0].data, last.cells)
         with self.assertRaises(IndexError):
             job.frames[len(job.frames)]
+
         import h5py
         with h5py.File(job.fetch(self.folder)) as results:
             self.assertGreater(len(results), 0)

@@ -51,6 +51,7 @@ class Queries(QueryTest):
             answer.append(response)
             times.append(time.monotonic() - begin)
         accepted, steps, ended = parts(answer)
+
         self.assertFalse(accepted.from_store)
         self.assertEqual(accepted.case.mesh.element, 3)  # complete: defaults are filled in
         self.assertEqual([step.step for step in steps], list(range(1, 21)))
@@ -189,17 +190,21 @@ class Kept(QueryTest):
         accepted, steps, ended = parts(self.ask("steps=12", columns=17, keep=True,
                                                 changes=[change]))
         self.assertEqual(ended.state, job_pb2.SUCCEEDED)
+
         job = self.client.job(accepted.job)
         self.assertEqual(job.state, job_pb2.SUCCEEDED)
         self.assertEqual(list(job.changes), [change])
         self.assertEqual(job.last_step.step, 12)
+
         events = self.sound_events(list(self.client.watch(job.id)))
         self.assertEqual([e.step.step for e in events if e.HasField("step")], list(range(1, 13)))
         self.assertEqual(curve(self.client.steps(job.id)), curve(steps))
         self.assertTrue(self.client.fetch(job.id))
+
         self.daemon.kill()
         self.restart()
         self.assertEqual(self.client.job(job.id).state, job_pb2.SUCCEEDED)
+
         accepted, _, _ = parts(self.ask("steps=12", columns=17))
         self.assertEqual(accepted.job, job.id)
 

@@ -114,11 +114,13 @@ class Cases(QueueTest):
         first = self.dccast("submit", path, "--set", "mesh.rows=9").strip()
         with open(path, encoding="utf-8") as file:
             self.assertEqual(self.dccast("case", first), file.read())
+
         second = json.loads(self.dccast("submit", "--json", "--from", first, "--set",
                                         "schedule.hold=4 s"))
         self.assertEqual([change["key"] for change in second["changes"]],
                          ["mesh.rows", "schedule.hold"])
         self.assertEqual(self.dccast("case", second["id"]), self.dccast("case", first))
+
         self.client.until_state(first, SUCCEEDED)
         self.daemon.terminate()
         self.restart()
@@ -220,6 +222,7 @@ class Marks(QueueTest):
             self.client.until_state(job, SUCCEEDED)
         self.dccast("label", jobs[0], "after", "--remove", "before")
         self.assertIn("pinned", self.dccast("pin", jobs[0]))
+
         self.daemon.terminate()
         data = self.daemon.settings["data_directory"]
         for name in os.listdir(data):
@@ -228,6 +231,7 @@ class Marks(QueueTest):
         self.restart()
         found = self.client.job(jobs[0])
         self.assertEqual((list(found.labels), found.pinned), (["after"], True))
+
         with open(os.path.join(data, "jobs", jobs[0], "marks"), "r+b") as file:
             file.write(b"damaged")
         self.assertEqual(list(self.client.job(jobs[1]).labels), ["before"])

@@ -90,6 +90,7 @@ class RealRun(RealRunTest):
                              ('\nend = "145 s"', '\nend = "9e5 s"')):
             self.assertEqual(text.count(right), 1, right)
             text = text.replace(right, wrong)
+
         path = os.path.join(self.folder, "faulty.toml")
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
@@ -97,9 +98,11 @@ class RealRun(RealRunTest):
                                 "validate", "--json", path], capture_output=True, text=True,
                                timeout=60, check=False)
         self.assertEqual(ended.returncode, 2, ended.stderr)
+
         answer = json.loads(ended.stdout)
         self.assertEqual([fault["field"] for fault in answer["faults"]],
                          ["section.half_width", "alloy.coherency", "time.step", "monitor[1].name"])
+
         waits = {warning["field"]: warning["line"] for warning in answer["warnings"]
                  if "wait until this is fixed" in warning["message"]}
         self.assertEqual(set(waits), {"section.half_width", "time.step"})
@@ -110,11 +113,14 @@ class RealRun(RealRunTest):
         self.finished_steps(job_id)
         artifact = self.client.job(job_id).artifacts[0]
         content = b"".join(chunk.data for chunk in self.client.fetch(job_id))
+
         self.assertEqual(hashlib.sha256(content).hexdigest(), artifact.sha256)
         self.assertEqual(content[:8], b"\x89HDF\r\n\x1a\n")
+
         frame = self.client.stub.QueryResult(
             service_pb2.QueryResultRequest(id=job_id, frame=True), timeout=20).frame
         self.assertAlmostEqual(frame.time_s, 145)
+
         nodes = len(frame.temperature_c)
         self.assertEqual(len(frame.node_m), 2 * nodes)
         self.assertEqual(len(frame.displacement_m), 2 * nodes)
@@ -155,15 +161,19 @@ class RealRun(RealRunTest):
         self.finished_steps(job_id)
         last = self.page(job_id, 0)
         times = list(last.frame_time_s)
+
         self.assertEqual(times, [-60 + 10 * i for i in range(21)] + [145])
         self.assertEqual(last.frame.time_s, 145)
         self.assertEqual(self.page(job_id, len(times)).frame, last.frame)
+
         first = self.page(job_id, 1, page_size=1)
         self.assertEqual((first.frame.time_s, len(first.steps)), (-60, 1))
         self.assertLess(len(first.frame.temperature_c), len(last.frame.temperature_c))
         self.assertEqual(self.page(job_id, 10).frame.time_s, times[9])
+
         error = self.refused(grpc.StatusCode.OUT_OF_RANGE, self.page, job_id, len(times) + 1)
         self.assertIn(f"has {len(times)} frames", error.details())
+
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.page, job_id, -1)
 
     def test_every_field_of_a_frame_can_be_asked_for(self):
@@ -220,10 +230,12 @@ class RealRun(RealRunTest):
         job_id = self.submit_case(*changes, path=path)
         self.client.until_state(job_id, job_pb2.SUCCEEDED, job_pb2.FAILED, seconds=120)
         page = self.page(job_id, 1)
+
         self.assertGreater(page.frame.ByteSize(), 3 << 20)
         self.assertLess(page.ByteSize(), 4 << 20)
         self.assertTrue(page.next_page_token)  # fewer steps, as the frame is large
         self.assertEqual([step.step for step in self.client.steps(job_id)], list(range(1, 11)))
+
         error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.page, job_id, 0)
         self.assertIn("fetch results.h5", error.details())
         self.assertLess(max(chunk.ByteSize() for chunk in self.client.fetch(job_id)), 1 << 20)

@@ -113,12 +113,14 @@ class RealSteering(ServiceTest):
         queued = self.submit()
         self.assertEqual(self.done("cancel", queued, "--reason", "wrong alloy"),
                          f"{queued} cancelled\n")
+
         self.done("cancel", running)
         self.client.until_state(running, job_pb2.CANCELLED)
         until(lambda: not self.daemon.worker_processes(), 10)
         last = list(self.client.watch(queued))[-1].state_change
         self.assertTrue(last.terminal)
         self.assertIn("wrong alloy", last.cause)
+
         succeeded = self.submit()
         self.results(succeeded)
         for job_id in (running, queued, succeeded):
@@ -131,6 +133,7 @@ class RealSteering(ServiceTest):
                 self.assertEqual(gone.returncode, 5, (command, gone))
                 self.assertIn(f"there is no job {job_id}", gone.stderr)
         self.assertEqual(os.listdir(os.path.join(self.folder, "data", "jobs")), [])
+
         self.daemon.terminate()
         self.restart()
         self.assertEqual(json.loads(self.done("list", "--json")), [])

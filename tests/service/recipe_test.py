@@ -40,16 +40,19 @@ class Recipe(DataStudyCase):
         self.assertLessEqual(max(len(line) for line in screen.splitlines()), 120)
         with open(page, encoding="utf-8") as file:
             self.assertIn("Recipes of least risk", file.read())
+
         subprocess.run(self.command("validate", chosen), check=True, timeout=60,
                        capture_output=True)
         # The same command finds the study as it is and runs nothing again.
         answer = json.loads(self.design(path, "--json"))
         self.assertIn(answer["study"]["id"], screen)
         self.assertEqual(answer["study"]["runs"], 18 + 6 + 2 + 6)
+
         found = answer["recipe"]
         best = found["front"][found["chosen"]]
         self.assertEqual(best["castings"], 3)
         self.assertEqual(best["full_dangers"], [])
+
         with open(chosen, encoding="utf-8") as file:
             text = file.read()
         for change in best["changes"]:
@@ -70,6 +73,7 @@ class Recipe(DataStudyCase):
             self.client = self.new_client()
         again = json.loads(self.design(path, "--json"))
         self.assertEqual(again["study"]["id"], study)
+
         for candidate in expected["front"] + again["recipe"]["front"]:
             del candidate["full_job"]
         self.assertEqual(again["recipe"], expected)

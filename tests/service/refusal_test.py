@@ -150,11 +150,13 @@ class Refusal(ServiceTest):
         self.assertEqual([fault.field for fault in checked.faults], ["attachments"])
         self.assertEqual([fault.field for fault in checked.warnings if "wait" in fault.message],
                          ["attachments"])
+
         twice = [self.client.upload("a", b"x")] * 2
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case, attachments=twice)
         case.mesh.file = "slab.msh"
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
         self.assertIn("attachments", error.details())
+
         job = self.client.submit(case, attachments=[self.client.upload("slab.msh", b"mesh")])
         path = os.path.join(self.folder, "data", "jobs", job.id, "attachments", "slab.msh")
         with open(path, "rb") as file:
@@ -215,6 +217,7 @@ class RealWorker(ServiceTest):
                                      compression=compression, timeout=60)
                 self.assertIn("ompression", error.details())
         self.assertLess(largest_memory() - before, 100e6)
+
         self.client.submit(fake_case("steps=1"))
 
     def test_a_mesh_with_a_text_that_is_no_utf8(self):
@@ -337,12 +340,14 @@ class Ceilings(ServiceTest):
         case.limits.maximum_steps = 100000000
         checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(case=case),
                                                 timeout=10)
+
         self.assertEqual([fault.field for fault in checked.faults], ["mesh", "time", "mesh"])
         self.assertEqual([fault.permitted for fault in checked.faults],
                          ["at most 1000", "at most 50", "at most 0.001 GB"])
         for fault in checked.faults:
             self.assertTrue(fault.value and fault.remedy)
         self.assertFalse(checked.HasField("estimate"))
+
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, case)
         self.client.submit(fake_case("steps=50 nodes=1000 memory=1000000"))
         info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)

@@ -39,6 +39,7 @@ class Sandbox(ServiceTest):
         for which, most in ((resource.RLIMIT_DATA, -1 if SANITIZED else 1e9),
                             (resource.RLIMIT_FSIZE, 50e6), (resource.RLIMIT_CORE, 0)):
             self.assertEqual(resource.prlimit(process, which), (most, most))
+
         folder = os.path.join(self.folder, "data", "jobs", job.id)
         with open(os.path.join(folder, "go"), "wb"):
             pass
@@ -48,6 +49,7 @@ class Sandbox(ServiceTest):
         self.assertIn("no network, no other processes (seccomp)", said)
         self.assertIn(self.landlock(), said)
         self.assertIn(folder if "beneath" in said else "writes where", said)
+
         memory = "memory without a bound (sanitizer)" if SANITIZED else "memory up to 1000 MB"
         self.assertIn(memory + ", files up to 50 MB", said)
 

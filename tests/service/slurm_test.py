@@ -236,12 +236,14 @@ class Nightly(SlurmTest):
             if kills < 40:
                 kills += 1
                 self.kill_something(chance)
+
         self.assertGreater(kills, 10)
         self.assertEqual({job.state for job in jobs}, {SUCCEEDED})
         self.assertEqual(len({job.id for job in jobs}), 50)
         for job in jobs:
             self.assertEqual(curve(self.client.steps(job.id)), self.expected_curve(40))
             self.sound_events(list(self.client.watch(job.id)))
+
         print(f"{kills} kills, {sum(job.attempts for job in jobs)} attempts at 50 runs")
 
     def kill_something(self, chance):

@@ -155,6 +155,7 @@ class RealSsh(SshTest):
         sound = self.dccast(self.server(self.port), "doctor")
         self.assertIn(f"ok      ssh reaches 127.0.0.1:{self.port} on the other machine\n", sound)
         self.assertIn(f"ok      you are {getpass.getuser()}, ", sound)
+
         with socket.socket() as closed:
             closed.bind(("127.0.0.1", 0))
             port = closed.getsockname()[1]

@@ -179,12 +179,15 @@ class Folders(StateTest):
             log.truncate(16 + 8 + int.from_bytes(log.read(4), "little"))
         self.daemon.start()
         self.assertEqual(self.folders(), [])
+
         self.daemon.terminate()
         code, said = self.command("check")
         self.assertEqual(code, 0, said)
         self.assertIn(f"--adopt {job.id}", said)
+
         code, said = self.command("check", "--adopt", job.id)
         self.assertEqual(code, 0, said)
+
         self.restart()
         self.client.until_state(job.id, SUCCEEDED)
 
@@ -201,8 +204,10 @@ class Folders(StateTest):
         log = os.path.join(self.data, "jobs", job.id, "events.log")
         flip_bit(log, os.path.getsize(log) // 2)
         code, said = self.command("check")
+
         self.assertEqual(code, 0, said)
         self.assertIn("is lost", said)
+
         self.restart()
         after = self.sound_events(list(self.client.watch(job.id)))
         changed = [(old, new) for old, new in zip(before, after) if old != new]
@@ -234,10 +239,13 @@ class Folders(StateTest):
         os.remove(os.path.join(self.data, "jobs", kept.id, "events.log"))
         shutil.rmtree(os.path.join(self.data, "jobs", gone.id))
         code, said = self.command("check", "--repair")
+
         self.assertEqual(code, 3)
         self.assertIn(f"job {gone.id}: its folder is missing", said)
+
         self.restart()
         self.assertEqual(list(self.client.watch(kept.id))[-1].state_change.state, SUCCEEDED)
+
         self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=gone.id))
         self.daemon.terminate()
         self.assertEqual(self.command("check")[0], 0)
@@ -369,6 +377,7 @@ class ChangedResults(StateTest):
         self.client.until_state(job, SUCCEEDED, seconds=60)
         query = service_pb2.QueryResultRequest(id=job, frame=True)
         self.assertTrue(self.client.stub.QueryResult(query, timeout=20).HasField("frame"))
+
         results = os.path.join(self.data, "jobs", job, "results.h5")
         # A value of a dataset, which HDF5 reads as any other.
         with h5py.File(results, "r+") as file:
@@ -377,11 +386,13 @@ class ChangedResults(StateTest):
         error = self.refused(grpc.StatusCode.DATA_LOSS, self.client.stub.QueryResult, query,
                              timeout=20)
         self.assertRegex(error.details(), "size|SHA-256")
+
         report = os.path.join(self.folder, "report.html")
         shown = subprocess.run([*client, "report", job, "-o", report], capture_output=True,
                                text=True, timeout=60, check=False)
         self.assertIn("without a picture of the slab", shown.stderr)
         self.assertTrue(os.path.exists(report))
+
         fetched = subprocess.run([*client, "fetch", job, "-o", report + ".h5"], capture_output=True,
                                  text=True, timeout=60, check=False)
         self.assertEqual((shown.returncode, fetched.returncode), (4, 4), fetched.stderr)
@@ -413,9 +424,11 @@ class Backup(StateTest):
             stop.set()
             load.join()
         self.assertEqual(self.client.job(deleted.id).state, SUCCEEDED)  # the daemon goes on
+
         self.daemon.kill_with_workers()
         self.assertEqual(subprocess.run(["sha256sum", "--quiet", "-c", "MANIFEST.sha256"],
                                         cwd=backup, check=False).returncode, 0)
+
         self.restore(backup, acknowledged)
 
     def restore(self, backup, acknowledged):
@@ -438,16 +451,20 @@ class Backup(StateTest):
         self.client.until_state(job.id, SUCCEEDED)
         backup = os.path.join(self.folder, "backup")
         self.assertEqual(self.command("backup", "--to", backup)[0], 0)
+
         code, said = self.command("backup", "--to", backup)
         self.assertEqual(code, 4)
         self.assertIn("not empty", said)
+
         code, said = self.command("restore", "--from", backup)
         self.assertEqual(code, 4)  # a daemon has this data directory
+
         flip_bit(os.path.join(backup, "jobs", job.id, "results.h5"), 2)
         fresh = os.path.join(self.folder, "fresh")
         code, said = self.command("restore", "--from", backup, data=fresh)
         self.assertEqual(code, 4)
         self.assertIn("results.h5 is damaged", said)
+
         os.remove(os.path.join(backup, "MANIFEST.sha256"))
         code, said = self.command("restore", "--from", backup, data=fresh + "2")
         self.assertIn("did not come to its end", said)

@@ -112,11 +112,13 @@ class RefinementStudy(ServiceTest):
     def test_the_figures_are_those_of_the_jobs(self):
         found, said = self.study(self.case_file())
         self.assertRegex(said, r"3 runs, roughly \d+.* of computing\n")
+
         levels = found["levels"]
         self.assertEqual([level["refinement"] for level in levels], [1, 2, 4])
         self.assertEqual({job.id for job in self.jobs_of(found["study"])},
                          {level["job"] for level in levels})
         self.assertEqual([m["name"] for m in found["monitors"]], ["corner", "mid", "centre"])
+
         for monitor in found["monitors"]:
             curves = [self.curve(level["job"], monitor["name"]) for level in levels]
             self.assertEqual(monitor["curl_m"], [values[-1] for _, values in curves])
@@ -178,11 +180,14 @@ class RefinementStudy(ServiceTest):
         client.kill()
         client.wait()
         self.assertEqual(self.client.job(finest.id).state, job_pb2.RUNNING)
+
         found, _ = self.study("--study", study)
         self.assertEqual([level["state"] for level in found["levels"]], ["SUCCEEDED"] * 3)
         self.assertIsNotNone(found["monitors"][0]["order"])
+
         again, _ = self.study("--study", study)  # a study that has ended says the same
         self.assertEqual(again, found)
+
         table = self.dccast("convergence", "--study", study).stdout
         self.assertIn(f"study {study}\n", table)
         self.assertIn(f"{1e3 * found['monitors'][0]['limit_m']:.3f}", table)
@@ -294,17 +299,21 @@ class Repair(ServiceTest):
     def test_a_cancelled_level_is_done_again(self):
         study, lost = self.lose_a_level()
         self.assertEqual(lost.request_id, f"{study}/4")
+
         shown, _ = self.study("--study", study, "--as-it-is", code=3)
         self.assertEqual([level["state"] for level in shown["levels"]],
                          ["SUCCEEDED", "SUCCEEDED", "CANCELLED"])
+
         found, said = self.study("--study", study)
         self.assertEqual([level["state"] for level in found["levels"]], ["SUCCEEDED"] * 3)
         self.assertEqual([level["job"] for level in found["levels"][:2]],
                          [level["job"] for level in shown["levels"][:2]])
+
         again = self.client.job(found["levels"][2]["job"])
         self.assertEqual(again.request_id, f"{study}/4/2")
         self.assertIn(f"refinement 4: job {again.id} replaces job {lost.id}, which is cancelled",
                       said)
+
         self.study("--study", study)  # whole now: nothing more is submitted
         self.assertEqual(len(self.jobs_of(study)), 4)
 

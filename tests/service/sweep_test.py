@@ -85,12 +85,14 @@ class Sweep(StudyTest):
         study = self.create(fake_case("steps=4"), {"mesh.rows": [10, 20, 30],
                                                    "schedule.casting_speed": ["40 mm/min", "1 mm/s"]})
         self.assertEqual(self.until_ended(study.id).state, study_pb2.STUDY_SUCCEEDED)
+
         result = self.evaluate(study.id, curves=True)
         self.assertEqual(list(result.monitors), ["corner"])
         self.assertEqual(result.study.succeeded, 6)
         self.assertEqual([list(run.values) for run in result.runs][:3],
                          [["10", "40 mm/min"], ["10", "1 mm/s"], ["20", "40 mm/min"]])
         self.assertAlmostEqual(result.runs[0].numbers[1], 0.04 / 60, delta=1e-15)
+
         for run in result.runs:
             page = self.client.pages(run.job)[0]
             self.assertEqual(page.case.mesh.rows, int(run.values[0]))
@@ -120,12 +122,15 @@ class Sweep(StudyTest):
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.create, case,
                              {"mesh.lines": [1]})
         self.assertIn("mesh.lines", error.details())
+
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.create, case,
                              {"mesh.rows": [10, 0]})
         self.assertIn("mesh.rows", error.details())
+
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.create, case,
                              {"title": ["steps=1", "check=fault"]})
         self.assertIn("run 2 (title = check=fault): ", error.details())
+
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.CreateStudy,
                      study_pb2.CreateStudyRequest(case=case), timeout=10)
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.study, "mine")
@@ -166,11 +171,14 @@ class Sweep(StudyTest):
         self.assertEqual((ended.state, ended.succeeded, ended.failed),
                          (study_pb2.STUDY_FAILED, 1, 1))
         self.assertIn("1 of 2 runs failed", ended.message)
+
         result = self.evaluate(study.id)
         self.assertEqual(result.runs[1].failure.kind, job_pb2.Failure.SOLVE_FAILED)
         self.assertNotEqual(result.runs[1].end_curl_m[0], result.runs[1].end_curl_m[0])  # NaN
+
         self.resume(study.id)
         self.assertEqual(len(self.jobs_of(study.id)), 2)
+
         self.resume(study.id, failed=True)
         until(lambda: len(self.jobs_of(study.id)) == 3, 10)
         self.assertEqual(self.until_ended(study.id).failed, 1)
@@ -180,6 +188,7 @@ class Sweep(StudyTest):
     def test_two_hundred_runs_delay_nobody(self):
         study = self.create(fake_case("steps=2 sleep_ms=1"), {"mesh.rows": range(1, 201)})
         self.assertEqual(study.runs, 200)
+
         most_waiting = 0
         until(lambda: self.study(study.id).succeeded >= 20, 60)
         begin = time.monotonic()
@@ -187,6 +196,7 @@ class Sweep(StudyTest):
         self.client.until_state(asked.id, job_pb2.SUCCEEDED, seconds=20)
         took = time.monotonic() - begin
         self.assertEqual(self.study(study.id).state, study_pb2.STUDY_RUNNING)
+
         while self.study(study.id).state == study_pb2.STUDY_RUNNING:
             waiting = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
             most_waiting = max(most_waiting, waiting.queued)
@@ -194,6 +204,7 @@ class Sweep(StudyTest):
         ended = self.study(study.id)
         self.assertEqual((ended.state, ended.succeeded), (study_pb2.STUDY_SUCCEEDED, 200))
         self.assertLessEqual(most_waiting, 17)
+
         print(f"\na job among 200 runs took {took:.2f} s; at most {most_waiting} runs waited")
         self.assertEqual(len({job.request_id for job in self.jobs_of(study.id)}), 200)
         self.assertEqual([listed.id for listed in self.client.stub.ListStudies(
@@ -223,6 +234,7 @@ class Killed(StudyTest):
             self.assertEqual(self.study(study.id).runs, 60)
         ended = self.until_ended(study.id, 90)
         self.assertEqual((ended.state, ended.succeeded), (study_pb2.STUDY_SUCCEEDED, 60))
+
         jobs = self.jobs_of(study.id)
         self.assertEqual({job.request_id for job in jobs},
                          {f"{study.id}/{number}" for number in range(1, 61)})
@@ -268,6 +280,7 @@ class Killed(StudyTest):
         self.daemon.settings["data_directory"] = other
         self.restart()
         self.assertEqual(self.study(study.id).runs, 40)
+
         until(lambda: self.study(study.id).running > 0, 20)
 
 
@@ -295,20 +308,24 @@ class Command(StudyTest):
         study = re.match(r"study (\S+)", ended.stdout)[1]
         self.assertIn("4 of 4 runs", ended.stderr)
         self.assertEqual(len(re.findall(r"^ *\d+  .*succeeded$", ended.stdout, re.M)), 4)
+
         with open(os.path.join(self.folder, "out.csv"), encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual([row["mesh.rows"] for row in rows], ["10", "20", "10", "20"])
         self.assertAlmostEqual(float(rows[2]["schedule.casting_speed_m_per_s"]), 1e-3, delta=1e-12)
+
         with open(os.path.join(self.folder, "out.html"), encoding="utf-8") as file:
             page = file.read()
         self.assertIn("<svg", page)
         self.assertNotIn("nan", page)
+
         result = json.loads(self.dccast("sweep", "--study", study, "--json").stdout)
         self.assertEqual(len(result["runs"]), 4)
         self.assertEqual(len(result["runs"][0]["curves"][0]["curl_m"]), 3)
         self.assertIn(study[:8], self.dccast("studies").stdout)
         self.assertIn("sweep of schedule.casting_speed, mesh.rows",
                       self.dccast("studies", "show", study).stdout)
+
         self.dccast("studies", "delete", study)
         self.dccast("studies", "show", study, code=5)
 
@@ -340,9 +357,11 @@ class Command(StudyTest):
             self.assertTrue(all(numpy.isnan(table["runs/relative_curl_error"])))  # a mesh of its own
             self.assertEqual(set(table["findings/code"].asstr()), {"bleed_out_at_exit"})
             self.assertEqual(set(table["findings/severity"].asstr()), {"danger"})
+
         self.dccast("studies", "fetch", study, "-o", "again.h5")
         content = [pathlib.Path(self.folder, name).read_bytes() for name in ("out.h5", "again.h5")]
         self.assertEqual(content[0], content[1])  # what a client goes on from after a cut
+
         self.dccast("studies", "fetch", study, "-o", "again.h5", code=2)
         self.assertEqual(os.listdir(os.path.join(self.folder, "data", "check")), [])
 
@@ -475,8 +494,10 @@ class Predicted(StudyTest):
                                         "time.end=15 s", "--grid", axis, "--lhs", "5", "--json"))
         study, run = result["study"]["id"], result["runs"][2]
         error = run["relative_curl_error"]
+
         self.assertGreater(error, 0.0)
         self.assertEqual({r["relative_curl_error"] for r in result["runs"]}, {error})
+
         rows = list(csv.DictReader(
             self.dccast("sweep", "--study", study, "--csv", "-").splitlines()))
         self.assertAlmostEqual(float(rows[2]["corner_uncertainty_m"]),
@@ -484,10 +505,12 @@ class Predicted(StudyTest):
         self.assertEqual(json.loads(self.dccast("predict", study, "--json"))["relative_curl_error"],
                          error)
         self.assertIn("mesh and steps \u00b1 mm", self.dccast("predict", study))
+
         path = os.path.join(self.folder, "run.h5")
         self.dccast("fetch", run["job"], "-o", path)
         with h5py.File(path) as file:
             self.assertEqual(file.attrs["relative_curl_error"], error)
+
         curl = json.loads(self.dccast("curl", run["job"], "--json"))["monitors"][0]
         self.assertEqual(curl["uncertainty_m"], [error * abs(value) for value in curl["curl_m"]])
 

@@ -20,8 +20,10 @@ TEST(Pki, IssuesACertificateForEachName) {
   const TemporaryFolder folder;
   const Pki pki(folder.path());
   EXPECT_FALSE(pki.exists());
+
   pki.init();
   EXPECT_TRUE(pki.exists());
+
   pki.issue_server({"casthouse", "10.1.2.3", "::1"}, 90);
   const Certificate server = read(pki.server());
   EXPECT_EQ(server.name, "casthouse");

@@ -196,6 +196,7 @@ class Sources(unittest.TestCase):
                 if other and other not in JOBS_ROOMS.get(room, set()):
                     broken.append(f"{path} includes {include}")
         self.assertEqual(seen - {None}, set(JOBS_ROOMS))
+
         for room, visible in JOBS_ROOMS.items():
             path = pathlib.PurePosixPath(f"server/jobs/{room}/CMakeLists.txt")
             broken += [f"{path} links dccast_jobs_{linked}"

@@ -11,6 +11,7 @@ using ::testing::HasSubstr;
 TEST(Errors, AnInvalidCaseNamesAllFaultsAtOnce) {
   Faults faults;
   EXPECT_TRUE(faults.empty());
+
   faults.add("schedule.casting_speed", -0.001, "must be positive", "more than 0 m/s",
              "drop the sign");
   faults.add("alloy.card", "aa9999", "is not an alloy this server knows");

@@ -170,6 +170,7 @@ TEST(Team, CountsTheProcessorSecondsOfItsOtherMembers) {
     });
     who.insert(of_part.begin(), of_part.end());
   }
+
   EXPECT_EQ(who.size(), 2u) << "the other member never came";
   EXPECT_GT(team.processor_seconds(), before);
 }

@@ -19,6 +19,7 @@ TEST(CastingSchedule, LengthIsTheExactIntegralOfTheSpeed) {
   EXPECT_EQ(schedule.end(), 20.0);
   EXPECT_EQ(schedule.cast_length(0.0, -10.0, 9.0), 0.0);
   EXPECT_NEAR(schedule.cast_length(0.0, -1.0, 3.0), 2e-3, 1e-17) << "nothing before time zero";
+
   // However the time is cut: 5 s at 1 mm/s, 10 s at a mean of 1.5, 5 s at 2.
   for (double dt : {20.0, 7.0, 1.0, 0.3}) {
     double length = 0.0;
@@ -60,6 +61,7 @@ TEST(CastingSchedule, StepsEndWhereSomethingChanges) {
     t += dt;
     ends.push_back(t);
   }
+
   for (double event : {-0.001, 0.0, 1.35, 2.6, 4.0, 4.001, 20.0}) {
     EXPECT_TRUE(std::any_of(ends.begin(), ends.end(), [&](double e) {
       return std::abs(e - event) < 1e-8;
@@ -78,6 +80,7 @@ TEST(CastingSchedule, StepsEndWhereFramesAreStored) {
   const CastingSchedule schedule(c);
   double next = schedule.next_frame(-10.0);
   EXPECT_NEAR(next, -9.3, 1e-12);
+
   int frames = 0;
   for (double t = schedule.begin(); t < schedule.end() - 1e-9;) {
     t += schedule.step_at(t);
@@ -187,6 +190,7 @@ TEST(CastingSchedule, LengthIsExactWithAFactorAndAShift) {
   c.schedule.casting_speed_factor = {Abscissa::time, {5.0, 9.0}, {1.0, 0.5}};
   const CastingSchedule schedule(c);
   ASSERT_TRUE(schedule.speed_follows_time());
+
   // 1 mm/s to 2 s, rising by 0.1 mm/s2 to 12 s; the factor falls by 0.125 /s between 5 and 9 s.
   const double to_two = 2e-3, to_five = 3 * 1e-3 + 0.5 * 9 * 1e-4;
   const double to_nine = 4 * 1.3e-3 + 8 * (1e-4 - 0.125 * 1.3e-3) - 64.0 / 3.0 * 0.125e-4;

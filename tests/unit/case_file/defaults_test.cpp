@@ -19,12 +19,14 @@ TEST(Defaults, FillEveryAbsentKeyOnce) {
   message.mutable_mesh()->set_columns(7);
   message.add_monitor();
   apply_defaults(message);
+
   EXPECT_EQ(message.mesh().columns(), 7);
   EXPECT_EQ(message.mesh().rows(), 44);  // by quality
   EXPECT_EQ(message.section().kind(), v1::Section::PLANE_STRAIN);
   EXPECT_NEAR(message.schedule().casting_speed_m_per_s().value(0), 1e-3, 1e-15);
   EXPECT_EQ(message.cooling().bottom_block().gap_coefficient_w_per_m2_k().at_size(), 3);
   EXPECT_DOUBLE_EQ(message.mechanics().parameters().gamma_p_per_pa_s(), 1.25e-12);
+
   const std::string once = message.SerializeAsString();
   apply_defaults(message);
   EXPECT_EQ(message.SerializeAsString(), once);
@@ -95,6 +97,7 @@ TEST(CompleteAlloy, ACoherencyReplacesThatOfTheCardHoweverItIsSaid) {
   overrides.set_coherency_solid_fraction(0.9);
   complete_alloy(alloy_card("paper").alloy, overrides);
   EXPECT_FALSE(overrides.has_coherency_c());
+
   v1::Alloy card = alloy_card("paper").alloy;
   card.clear_coherency_c();
   card.set_coherency_solid_fraction(0.9);
@@ -102,6 +105,7 @@ TEST(CompleteAlloy, ACoherencyReplacesThatOfTheCardHoweverItIsSaid) {
   temperature.set_coherency_c(630.0);
   complete_alloy(card, temperature);
   EXPECT_FALSE(temperature.has_coherency_solid_fraction());
+
   v1::Alloy both;
   both.set_coherency_c(630.0);
   both.set_coherency_solid_fraction(0.9);
@@ -135,6 +139,7 @@ v1::Case sound() {
 
 TEST(CheckRanges, FindsEverythingInAMessageFromTheWire) {
   EXPECT_EQ(ranges_of(sound()), "");
+
   v1::Case message = sound();
   message.mutable_section()->set_half_width_m(std::nan(""));
   message.mutable_section()->set_kind(static_cast<v1::Section::Kind>(77));

@@ -30,6 +30,7 @@ TEST(DividedCase, DividesCellsAndEveryStep) {
   }
   description.mutable_time()->set_minimum_step_s(1e-3);
   const v1::Case fine = divided(description, 4);
+
   EXPECT_EQ(fine.mesh().refinement(), 8);
   EXPECT_THAT(fine.time().step_s().value(), ElementsAre(0.0625, 0.25));
   EXPECT_THAT(fine.time().step_s().at(), ElementsAre(0, 1));
@@ -53,14 +54,18 @@ TEST(DividedCase, IsAnotherCaseWhenAnythingElseDiffers) {
 TEST(DividedCase, SaysWhyACaseCannotBeDivided) {
   v1::Case description = some_case();
   EXPECT_EQ(reason_against_dividing(description), "");
+
   description.mutable_mesh()->set_file("slab.msh");
   EXPECT_THAT(reason_against_dividing(description), HasSubstr("mesh.file"));
+
   description = some_case();
   description.mutable_thermal()->set_file("temperatures.h5");
   EXPECT_THAT(reason_against_dividing(description), HasSubstr("thermal.file"));
+
   description = some_case();
   description.mutable_mechanics()->set_enabled(false);
   EXPECT_THAT(reason_against_dividing(description), HasSubstr("no curl"));
+
   description = some_case();
   description.clear_monitor();
   EXPECT_THAT(reason_against_dividing(description), HasSubstr("[[monitor]]"));

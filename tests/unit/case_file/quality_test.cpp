@@ -67,6 +67,7 @@ TEST(Quality, OfAQuarterSlabPicksBothDirectionsOfThePlan) {
   EXPECT_EQ(draft.columns(), 8);
   EXPECT_EQ(draft.layers(), 7);
   EXPECT_EQ(draft.rows(), 12);
+
   for (const auto& [better, worse] :
        {std::pair(engineering, draft), std::pair(fine, engineering)}) {
     EXPECT_GT(better.columns(), worse.columns());
@@ -90,6 +91,7 @@ TEST(Quality, MergesTheRowsOfAQuarterSlabThatItHasChosen) {
   EXPECT_EQ(mesh_of([](v1::Mesh& m) { m.set_growth_cell_m(5e-3); }).merge_below_m(), 0.0);
   EXPECT_EQ(mesh_of([](v1::Mesh& m) { m.set_element(v1::P1); }).merge_below_m(), 0.0);
   EXPECT_EQ(complete(casting(v1::DRAFT)).mesh().merge_below_m(), 0.0) << "of a section";
+
   const auto own = mesh_of([](v1::Mesh& m) {
     m.set_growth_cell_m(12e-3);
     m.set_merge_below_m(0.3);

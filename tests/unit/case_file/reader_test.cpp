@@ -47,6 +47,7 @@ TEST(Reader, ReadsUnitsEnumsCurvesAndTables) {
   EXPECT_DOUBLE_EQ(message.section().initial_depth_m(), 0.1);
   EXPECT_EQ(message.mesh().element(), v1::Q1);
   EXPECT_EQ(message.mesh().columns(), 12);
+
   const v1::Curve& speed = message.schedule().casting_speed_m_per_s();
   EXPECT_EQ(speed.abscissa(), v1::TIME);
   EXPECT_THAT(speed.at(), testing::ElementsAre(0.0, 60.0));
@@ -71,6 +72,7 @@ TEST(Reader, TheUnitOfTheAbscissaDecidesWhatItIs) {
   EXPECT_THAT(
       fault_on("schedule.water_flow[0]", sound + "[schedule]\nwater_flow = [[5, \"2e-3 m2/s\"]]\n"),
       HasSubstr("time [s], cast length [m]"));
+
   v1::Alloy alloy;
   read_text("melt_conductivity_factor = [[0.3, 1], [0.8, 3.0]]", "f", alloy);
   EXPECT_EQ(alloy.melt_conductivity_factor().abscissa(), v1::LIQUID_FRACTION);
@@ -95,6 +97,7 @@ TEST(Reader, CollectsEveryFaultWithItsPlace) {
   std::string all;
   for (const v1::Fault& fault : outcome.faults) all += describe(fault, outcome.source) + "\n";
   EXPECT_EQ(outcome.faults.size(), 10u) << all;
+
   for (const char* const expected :
        {"my.toml:2:1: section.half_width = 0.28: the unit is missing; permitted: 0.005 to 3 m",
         "my.toml:3:1: section.initial_depth", "is of another kind than m",
@@ -157,6 +160,7 @@ TEST(Reader, AttachmentsAreReadRelativeToTheFile) {
       << sound << "[mesh]\nfile = \"in/slab.msh\"\n[thermal]\nfile = \"no.h5\"\n";
   v1::Case message;
   const ReadOutcome outcome = read_file(folder / "my.toml", message);
+
   ASSERT_EQ(outcome.attachments.size(), 1u);
   EXPECT_EQ(outcome.attachments[0].sha256, values::sha256("mesh"));
   EXPECT_EQ(message.mesh().file(), "slab.msh");
@@ -164,6 +168,7 @@ TEST(Reader, AttachmentsAreReadRelativeToTheFile) {
   EXPECT_THAT(outcome.faults[0].message(), HasSubstr("no such file"));
   EXPECT_FALSE(read_file(folder, message).ok());
   EXPECT_FALSE(read_file(folder / "absent.toml", message).ok());
+
   std::filesystem::remove_all(folder);
 }
 

@@ -96,10 +96,12 @@ TEST(RecipeNumbers, OneValueIsBothLevelsAndACaseThatStandsStillNeverArrives) {
   speed.add_value(50.0 * mm_per_min);
   Recipe recipe = recipe_of(c);
   EXPECT_EQ(recipe[speed_start], recipe[speed_run]);
+
   recipe[speed_start] = 40.0 * mm_per_min;
   v1::Case after = c;
   ASSERT_TRUE(apply_changes(after, recipe_changes(c, recipe)).empty());
   EXPECT_EQ(after.schedule().casting_speed_m_per_s().at_size(), 2);
+
   speed.set_value(0, 0.0);
   EXPECT_EQ(cast_length_at_end(c), 0.0);
   EXPECT_GT(time_of_cast_length(c, 0.1), 1e9);

@@ -15,6 +15,7 @@ namespace {
 
 TEST(Shipped, EveryCaseIsSound) {
   EXPECT_GE(shipped::case_templates().size(), 2u);
+
   for (const auto& shipped : shipped::case_templates()) {
     v1::Case message;
     const auto outcome = case_file::read_text(shipped.text, shipped.name + ".toml", message);
@@ -35,6 +36,7 @@ TEST(Shipped, EveryAlloyCardIsCompleteAndConsistent) {
   EXPECT_THAT(
       case_file::alloy_names(),
       testing::IsSupersetOf({"aa1050", "aa3104", "aa5182", "aa6063", "paper", "pure_aluminium"}));
+
   for (const std::string& name : case_file::alloy_names()) {
     const auto card = case_file::alloy_card(name);
     for (const v1::Fault& fault : card.faults) ADD_FAILURE() << fault.message();

@@ -156,6 +156,7 @@ TEST(Uncertainty, OfTheCaseDoesNotHoldForAValueThatAChangeGives) {
 TEST(Uncertainty, OfTheShippedDataIsSound) {
   for (const std::string& name : alloy_names())
     EXPECT_THAT(uncertainty_faults(alloy_card(name).alloy), IsEmpty()) << name;
+
   for (const auto& shipped : shipped::case_templates()) {
     v1::Case all = shipped_case(shipped.name);
     const auto keys = uncertain_keys(all);

@@ -110,6 +110,7 @@ TEST_P(Extruded, GivesWhatTheSectionGives) {
   for (Monitor& monitor : solid.monitors) monitor = {monitor.name, monitor.x, 0.3, monitor.y};
   const auto two = reports_of(section), three = reports_of(solid);
   ASSERT_EQ(two.size(), three.size());
+
   for (std::size_t i = 0; i < two.size(); ++i) {
     SCOPED_TRACE("t = " + std::to_string(two[i].time));
     EXPECT_NEAR(three[i].wall_heat_flux, two[i].wall_heat_flux, 1e-8 * two[i].wall_heat_flux);

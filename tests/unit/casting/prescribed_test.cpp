@@ -243,6 +243,7 @@ TEST(ImportedBillet, LiesOnOneSideOfItsAxis) {
   c.monitors = {{"rim", 0.26, 0.0}};
   write_gmsh(mesh, c.section.file);
   EXPECT_TRUE(check(c).faults.empty());
+
   for (std::size_t i = 0; i < mesh.node.size(); i += 2) mesh.node[i] -= 0.01;
   write_gmsh(mesh, c.section.file);
   const CheckedCase beyond = check(c);

@@ -25,8 +25,10 @@ TEST_P(QuarterSlab, EveryStepPassesItsChecks) {
   Recorder recorder;
   const Case c = small_quarter_slab(GetParam());
   ASSERT_TRUE(check(c).faults.empty()) << testing::all(check(c).faults);
+
   const RunOutcome outcome = run(c, {folder / "", false}, recorder);
   ASSERT_EQ(outcome.end, RunEnd::succeeded) << in_words(outcome.failures);
+
   const auto& reports = recorder.reports;
   EXPECT_EQ(check(c).estimate.steps, static_cast<std::int64_t>(reports.size()));
   EXPECT_EQ(check(c).estimate.nodes, reports.back().nodes);
@@ -70,6 +72,7 @@ TEST_P(QuarterSlab, ARoundedCornerIsHeldByItsMouldAndLetGo) {
   Recorder recorder;
   const Case c = small_rounded_slab(GetParam());
   ASSERT_TRUE(check(c).faults.empty()) << testing::all(check(c).faults);
+
   const RunOutcome outcome = run(c, {folder / "", false}, recorder);
   ASSERT_EQ(outcome.end, RunEnd::succeeded) << in_words(outcome.failures);
   for (const auto& r : recorder.reports) {
@@ -78,6 +81,7 @@ TEST_P(QuarterSlab, ARoundedCornerIsHeldByItsMouldAndLetGo) {
     EXPECT_NEAR(r.bottom_reaction, r.weight, 1e-3 * r.weight) << "t = " << r.time;
     EXPECT_LE(r.equilibrium_residual, c.mechanics.options.tolerance);
   }
+
   const results::ResultReader reader(folder / "results.h5");
   const results::Frame frame = reader.frame(reader.frames() - 1);
   // Triangles share the area of two chords unevenly, so that the mean normal is not quite the
@@ -114,10 +118,12 @@ TEST_P(QuarterSlab, TheFileHoldsItsFramesAtTheTimesAskedFor) {
   Recorder recorder;
   ASSERT_EQ(run(small_quarter_slab(GetParam()), {folder / "", false}, recorder).end,
             RunEnd::succeeded);
+
   const results::ResultReader reader(folder / "results.h5");
   EXPECT_EQ(reader.header().section, "quarter_slab");
   EXPECT_EQ(reader.header().dimension, 3);
   EXPECT_EQ(reader.header().monitor_position.at(2), (std::vector{0.0, 0.15, 0.07}));
+
   const auto history = reader.history();
   ASSERT_EQ(history.size(), recorder.reports.size());
   EXPECT_EQ(history.back().monitor_displacement, recorder.reports.back().monitor_displacement);
@@ -126,6 +132,7 @@ TEST_P(QuarterSlab, TheFileHoldsItsFramesAtTheTimesAskedFor) {
   ASSERT_EQ(reader.frames(), 9u) << "from -3 s, every 0.7 s, and the end";
   for (std::size_t i = 0; i < 8; ++i)
     EXPECT_NEAR(reader.frame(i).time, -3.0 + 0.7 * static_cast<double>(i), 1e-9);
+
   const results::Frame last = reader.frame(reader.frames() - 1);
   EXPECT_EQ(last.dimension, 3);
   EXPECT_EQ(last.displacement.size(), last.node.size());

@@ -97,13 +97,16 @@ TEST_P(Resume, KeepsACheckThatFailed) {
   const TemporaryFolder whole;
   Recorder uninterrupted;
   const RunOutcome outcome = run(c, {whole / "", false}, uninterrupted);
+
   ASSERT_EQ(outcome.failures.size(), 1u);
   ASSERT_EQ(outcome.failures[0].kind, FailureKind::check_failed);
+
   const TemporaryFolder folder;
   Recorder first, second;
   first.act_after = uninterrupted.reports.back().step - 1;
   first.then = Order::stop_at_checkpoint;
   ASSERT_EQ(run(c, {folder / "", false}, first).end, RunEnd::stopped);
+
   second.before = first.reports;
   const RunOutcome resumed = run(c, {folder / "", true}, second);
   EXPECT_EQ(second.resumed_from, first.act_after);
@@ -181,16 +184,19 @@ TEST(CheckpointOfAnotherVersion, WaitsUntilToldToBeginAnew) {
   leave_checkpoint_of("dccast 0.0.9", folder);
   Recorder waiting, anew;
   const RunOutcome outcome = run(small_casting(), {folder / "", true, OtherVersion::wait}, waiting);
+
   EXPECT_EQ(outcome.end, RunEnd::other_version);
   ASSERT_EQ(outcome.failures.size(), 1u);
   EXPECT_EQ(outcome.failures[0].kind, FailureKind::other_version);
   EXPECT_NE(outcome.failures[0].message.find("dccast 0.0.9"), std::string::npos);
   EXPECT_TRUE(waiting.reports.empty());
   EXPECT_TRUE(std::filesystem::exists(folder / "checkpoint.bin")) << "the version may come back";
+
   anew.act_after = 2;
   anew.die = true;
   EXPECT_THROW(run(small_casting(), {folder / "", true, OtherVersion::begin_anew}, anew),
                Recorder::Killed);
+
   Recorder last;
   EXPECT_EQ(run(small_casting(), {folder / "", true, OtherVersion::wait}, last).end,
             RunEnd::succeeded)

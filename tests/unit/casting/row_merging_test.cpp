@@ -61,9 +61,11 @@ TEST(RowMerging, ARunKilledAroundAMergingGivesTheSameBytes) {
   const TemporaryFolder whole;
   Recorder uninterrupted;
   ASSERT_EQ(run(c, {whole / "", false}, uninterrupted).end, RunEnd::succeeded);
+
   const auto merging =
       std::ranges::find_if(uninterrupted.reports, [](const auto& r) { return r.merged_rows > 0; });
   ASSERT_NE(merging, uninterrupted.reports.end());
+
   for (const std::int64_t after : {merging->step - 1, merging->step, merging->step + 5}) {
     const TemporaryFolder killed;
     Recorder first, second;
@@ -98,9 +100,11 @@ TEST(RowMerging, RefusesWhatCannotBeMerged) {
   Case c = merging_slab();
   c.section.merging.largest_cell = 7e-3;
   EXPECT_EQ(fault_of(c), "mesh.merged_cell");
+
   c = merging_slab();
   c.section.element = mesh::ElementKind::p1;
   EXPECT_EQ(fault_of(c), "mesh.merge_below");
+
   c = testing::small_casting(mesh::ElementKind::q1);
   c.section.merging = {0.05, 0.02};
   EXPECT_EQ(fault_of(c), "mesh.merge_below");

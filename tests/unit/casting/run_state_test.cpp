@@ -148,6 +148,7 @@ TEST(NoStateOutside, OfARunThatIsDissected) {
   c.section.bottom_cell = 0.10 / 56;
   c.section.growth_cell = 1.5e-3;
   ASSERT_EQ(method_of(c.section), linalg::DirectSolver::Method::dissection);
+
   c.schedule.hold = 2.0;
   c.time.end = 3.5;
   c.time.step = Curve(0.5);
@@ -211,6 +212,7 @@ protected:
 
 TEST_F(Damage, OfNoArrayIsTakenForAState) {
   ASSERT_EQ(resume_from(content_), "resumed");
+
   for (const auto& [name, value] : content_.all()) {
     if (const auto* reals = std::get_if<results::Sections::Reals>(&value)) {
       if (name.starts_with("failure"))

@@ -19,12 +19,14 @@ TEST_P(Run, EveryStepPassesItsChecks) {
   Recorder recorder;
   const Case c = small_casting(GetParam());
   const RunOutcome outcome = run(c, {folder / "", false}, recorder);
+
   ASSERT_EQ(outcome.end, RunEnd::succeeded) << in_words(outcome.failures);
   EXPECT_TRUE(outcome.failures.empty());
   ASSERT_FALSE(recorder.reports.empty());
   EXPECT_EQ(check(c).estimate.steps, static_cast<std::int64_t>(recorder.reports.size()));
   EXPECT_EQ(check(c).estimate.nodes, recorder.reports.back().nodes);
   EXPECT_EQ(check(c).estimate.elements, recorder.reports.back().elements);
+
   std::int64_t step = 0;
   double time = -10.0;
   for (const auto& r : recorder.reports) {
@@ -44,6 +46,7 @@ TEST_P(Run, EveryStepPassesItsChecks) {
     EXPECT_LE(r.complementarity_error, 1e-5);
     EXPECT_EQ(r.failed_attempts, 0);
   }
+
   const auto& last = recorder.reports.back();
   EXPECT_NEAR(last.time, 20.0, 1e-9);
   EXPECT_EQ(last.progress, 1.0);
@@ -69,6 +72,7 @@ TEST_P(Run, TheFileHoldsWhatTheObserverSaw) {
   ASSERT_EQ(run(small_casting(GetParam()), {folder / "", false}, recorder).end, RunEnd::succeeded);
   EXPECT_FALSE(std::filesystem::exists(folder / "checkpoint.bin"));
   EXPECT_TRUE(std::filesystem::exists(folder / "results.xdmf"));
+
   const results::ResultReader reader(folder / "results.h5");
   const auto history = reader.history();
   ASSERT_EQ(history.size(), recorder.reports.size());
@@ -106,8 +110,10 @@ TEST(RoundBillet, EveryStepPassesItsChecks) {
   Recorder recorder, plane;
   Case c = small_casting(mesh::ElementKind::q1);
   ASSERT_EQ(run(c, {folder / "", false}, plane).end, RunEnd::succeeded);
+
   c.section.kind = mesh::SectionKind::axisymmetric;
   EXPECT_TRUE(check(c).faults.empty());
+
   const RunOutcome outcome = run(c, {folder / "", false}, recorder);
   ASSERT_EQ(outcome.end, RunEnd::succeeded) << in_words(outcome.failures);
   for (const auto& r : recorder.reports) {
@@ -119,6 +125,7 @@ TEST(RoundBillet, EveryStepPassesItsChecks) {
     EXPECT_LE(r.liquid_pressure_error, 0.1);
     EXPECT_LE(r.contact_length, 0.28 + 1e-12);
   }
+
   const auto &last = recorder.reports.back(), &slab = plane.reports.back();
   EXPECT_NEAR(2.0 * last.weight, slab.weight, 0.01 * slab.weight);
   EXPECT_LT(last.monitor_displacement[0][0], -1e-5) << "the rim has left the mould";
@@ -144,8 +151,10 @@ TEST(RunEnds, ASolveThatFailsSaysWhenAndWithWhatResiduals) {
   c.mechanics.options.maximum_iterations = 0;
   c.time.minimum_step = 0.02;
   const RunOutcome outcome = run(c, {folder / "", false}, recorder);
+
   ASSERT_EQ(outcome.end, RunEnd::failed);
   ASSERT_EQ(outcome.failures.size(), 1u);
+
   const RunFailure& failure = outcome.failures.front();
   EXPECT_EQ(failure.kind, FailureKind::solve_failed);
   EXPECT_NEAR(failure.time, 0.0, 1e-9) << "where the mechanics starts";
@@ -155,6 +164,7 @@ TEST(RunEnds, ASolveThatFailsSaysWhenAndWithWhatResiduals) {
   EXPECT_GT(failure.residual_history.back(), 1e-7);
   EXPECT_THAT(failure.message, ::testing::HasSubstr("time.minimum_step"));
   EXPECT_FALSE(recorder.reports.empty()) << "the hold went well";
+
   const results::ResultReader reader(folder / "results.h5");
   EXPECT_EQ(reader.history().size(), recorder.reports.size()) << "what there was is kept";
 }
@@ -271,6 +281,7 @@ TEST(RunEnds, StepsAreCutAndGrowBack) {
   c.time.minimum_step = 1e-6;
   const RunOutcome outcome = run(c, {folder / "", false}, recorder);
   ASSERT_EQ(outcome.end, RunEnd::succeeded) << in_words(outcome.failures);
+
   int failed = 0;
   for (const auto& r : recorder.reports) {
     failed += r.failed_attempts;

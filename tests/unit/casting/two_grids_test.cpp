@@ -105,6 +105,7 @@ TEST(TwoGrids, TakeTheMemoryThatIsEstimated) {
   c.schedule.hold = 0.5;
   c.time.end = 0.25;
   const double estimated = check(c).estimate.memory_bytes, measured = measured_memory(c);
+
   EXPECT_LE(measured, estimated);
   EXPECT_GE(measured, 0.6 * estimated);
 }

@@ -203,6 +203,7 @@ TEST(Continue, MarksEveryLaterStepAndTellsWhenInTheResults) {
   const double lost_at = result_of(c).recorder.lost->time;
   c.validity.when_lost = WhenLost::go_on;
   const Result r = result_of(c);
+
   EXPECT_EQ(r.outcome.end, RunEnd::succeeded) << in_words(r.outcome.failures);
   EXPECT_EQ(r.summary.outcome, "succeeded");
   EXPECT_NEAR(r.recorder.reports.back().time, 20.0, 1e-9);

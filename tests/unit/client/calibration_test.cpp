@@ -127,6 +127,7 @@ TEST(CalibrationText, ShowsWhatIsNarrowedAndWhatCannotBeSeparated) {
   EXPECT_THAT(text, HasSubstr("needs no misfit"));
   EXPECT_THAT(text, HasSubstr("± 20 % of a curl"));
   EXPECT_THAT(text, HasSubstr("it holds"));
+
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 120u) << line;
 }

@@ -24,12 +24,14 @@ TEST(Sweep, TableAndCsvHaveTheErrorOfMeshAndStepsWhereItIsKnown) {
     run.add_numbers(10.0);
   }
   const std::string table = render::sweep_table(result), csv = render::sweep_csv(result);
+
   EXPECT_THAT(table, testing::ContainsRegex("corner mm +\u00b1 mm"));
   EXPECT_THAT(table, testing::ContainsRegex("-40.0 +2.0 +succeeded"));
   EXPECT_THAT(table, testing::ContainsRegex("41.00 +- +succeeded"));
   EXPECT_THAT(csv, HasSubstr("corner_end_curl_m,corner_uncertainty_m,"));
   EXPECT_THAT(csv, HasSubstr(",-0.04,0.002,"));
   EXPECT_THAT(csv, HasSubstr(",0.041,,"));
+
   result.mutable_runs(0)->clear_relative_curl_error();
   EXPECT_THAT(render::sweep_table(result), Not(HasSubstr("\u00b1")));
 }

@@ -90,14 +90,17 @@ TEST(Validate, ShowsFindingsAndFailsForThemOnlyIfStrict) {
   std::ofstream(path) << shipped::case_templates().back().text;
   const std::string file = path.string();
   const Result plain = dccast({"validate", file}, service.address());
+
   EXPECT_EQ(plain.code, 0) << plain.err;
   EXPECT_THAT(plain.out, HasSubstr("danger: bleed_out_at_exit"));
   EXPECT_EQ(dccast({"validate", "--strict", file}, service.address()).code, 2);
   EXPECT_THAT(dccast({"validate", "--json", file}, service.address()).out,
               HasSubstr("\"findings\":[{\"code\":\"bleed_out_at_exit\""));
+
   service.verdict.clear_findings();
   *service.verdict.add_findings() = remark();
   EXPECT_EQ(dccast({"validate", "--strict", file}, service.address()).code, 0);
+
   std::filesystem::remove(path);
 }
 

@@ -104,6 +104,7 @@ TEST(FrameSkin, OfASlabIsItsSurfaceWithItsTwelveEdges) {
   ASSERT_TRUE(skin);
   EXPECT_THAT(skin->faces, SizeIs(24));
   EXPECT_THAT(skin->edges, SizeIs(24));  // of two cells each
+
   const auto places = places_of(slab(3, 2, 0.0), 0.0);
   for (const auto& face : skin->faces) {
     Vector3 one, two, out;
@@ -161,6 +162,7 @@ TEST(FrameSlider, PlacesAndTemperaturesAreThoseOfTheFrame) {
   const auto numbers = decoded(json["frames"][1]["moving"]);
   const v1::Frame frame = slab(2, 2, 10.0);
   ASSERT_EQ(numbers.size(), 3u * 9);
+
   for (int node = 0; node < 9; ++node) {
     for (int c = 0; c < 2; ++c)
       EXPECT_NEAR(low + (high - low) * numbers[3 * node + c] / 65535,
@@ -211,8 +213,10 @@ TEST(PictureView, PutsNodesIntoThePicture) {
     return sum;
   };
   const PictureView& view = found.pictures.at(0).view;
+
   EXPECT_GT(at(view.across, 2), at(view.across, 0));
   EXPECT_LT(at(view.down, 8), at(view.down, 2)) << "up is up";
+
   // The foot of the picture has the tick of 0 mm, 8 units left of the symmetry plane.
   char tick[64];
   std::snprintf(tick, sizeof tick, "x='%.1f' y='%.1f'>0<", at(view.across, 0) - 8.0,

@@ -118,6 +118,7 @@ TEST(JudgementText, BarsHaveOneScale) {
     row.add_cells()->set_value(size);
   }
   const std::string text = table_text(table);
+
   EXPECT_THAT(text, HasSubstr("=======|======="));
   EXPECT_THAT(text, HasSubstr("   ====|===="));
 }
@@ -162,6 +163,7 @@ TEST(JudgementJson, MembersAreNamedByColumnAndUnit) {
   add_row(table, "corner", 0.0355, 0.0014, 0.0014);
   add_row(table, "middle", 0.0355, 0.0, 0.0039);
   const ReadJson json = ReadJson::parse(judgement_json(judgement).dump());
+
   EXPECT_EQ(json["curls"][0]["monitor"], "corner");
   EXPECT_EQ(json["curls"][0]["curl_m"], 0.0355);
   EXPECT_EQ(json["curls"][0]["curl_error_m"], 0.0014);

@@ -49,15 +49,20 @@ TEST(MouldText, SaysInPlainWordsWhatWasFound) {
 TEST(MouldText, SaysWhyItIsNotFlat) {
   MouldDesign design = design_of(0.8e-3, false);
   EXPECT_THAT(mould_sentence(design), HasSubstr("three straight segments cannot come closer"));
+
   design.result.mutable_study()->mutable_mould()->set_maximum_runs(2);
   EXPECT_THAT(mould_sentence(design), HasSubstr("these were all the runs permitted"));
+
   design.result.mutable_study()->set_state(v1::STUDY_RUNNING);
   EXPECT_THAT(mould_sentence(design), HasSubstr("within 0.80 mm of flat so far"));
+
   design.runs[1].cast->face.change_m = 0.9e-3;
   EXPECT_THAT(mould_sentence(design), HasSubstr("not steady yet and may contract further"));
+
   design.runs[1].cast.reset();
   design.runs[1].reason = "it melted through";
   EXPECT_THAT(mould_text(design), HasSubstr("run 2: it melted through"));
+
   design.runs.clear();
   EXPECT_THAT(mould_text(design), HasSubstr("No run has shown a cold slab yet"));
 }

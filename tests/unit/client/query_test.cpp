@@ -95,12 +95,15 @@ TEST_F(Query, AComparisonNamesKeysAndDifferences) {
   EXPECT_THAT(result.out, HasSubstr("curl of corner"));
   EXPECT_THAT(result.out, HasSubstr("no difference"));
   EXPECT_THAT(run({"compare", file, file}).out, HasSubstr("the cases do not differ"));
+
   const std::string page = (folder / "page.html").string();
   EXPECT_EQ(run({"compare", "-o", page, file, "job"}).code, 0);
+
   std::ostringstream text;
   text << std::ifstream(page).rdbuf();
   EXPECT_THAT(text.str(), HasSubstr("<svg class='chart'"));
   EXPECT_EQ(run({"compare", "-o", page, file, "job"}).code, 2) << "it would be overwritten";
+
   const ReadJson json = ReadJson::parse(run({"compare", "--json", file, "job"}).out);
   EXPECT_EQ(json["runs"].size(), 2u);
   EXPECT_EQ(json["differences"][1]["difference_m"], 0.0);

@@ -280,6 +280,7 @@ TEST(CurlHistory, TemperaturesAreThoseOfTheirStepsAndUnknownBeforeAPointIsPoured
   ASSERT_EQ(history.monitors[0].temperature_c.size(), 3u);
   EXPECT_TRUE(std::isnan(history.monitors[0].temperature_c[0]));
   EXPECT_EQ(history.monitors[0].temperature_c[2], 603.0);
+
   history.rewind(2);
   EXPECT_EQ(history.monitors[0].temperature_c.size(), 2u);
   EXPECT_EQ(history.monitors[0].curl_m.size(), 2u);

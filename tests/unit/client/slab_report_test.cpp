@@ -108,6 +108,7 @@ TEST(ColourBands, CutATriangleIntoPiecesThatCoverItOnce) {
     EXPECT_NEAR(area_of(piece.outline), 0.5 * ((1 - low) * (1 - low) - (1 - high) * (1 - high)),
                 1e-12);
   }
+
   EXPECT_THAT(found, ElementsAre(0, 1, 2, 3, 4));
   EXPECT_NEAR(area, 0.5, 1e-12);
 }
@@ -129,9 +130,11 @@ TEST(DrawnDisplacement, LiquidStandsLevel) {
   const auto drawn = drawn_displacement(frame);
   const auto up = [&](int n) { return drawn[std::size_t(3 * n + 2)]; };
   for (int n = 18; n < 27; ++n) EXPECT_EQ(up(n), 0.0) << n;
+
   EXPECT_EQ(up(8), 20e-3) << "the corner of the butt has risen";
   EXPECT_NEAR(up(17), 10e-3, 1e-15) << "half way from the front to the level";
   EXPECT_EQ(drawn[3 * 17 + 1], -4e-3) << "what moves sideways is what the mesh has";
+
   for (int n = 0; n < 9; ++n) frame.set_temperature_c(n, 640.0);
   const auto all_liquid = drawn_displacement(frame);
   for (std::size_t i = 2; i < all_liquid.size(); i += 3) EXPECT_EQ(all_liquid[i], 0.0);
@@ -194,6 +197,7 @@ TEST(PullIn, IsMeasuredAtButtMiddleAndHeadOfTheSolidFace) {
   EXPECT_NEAR(profiles[0].height_m, 0.1, 1e-8);
   EXPECT_NEAR(profiles[1].height_m, 0.075, 1e-8);
   EXPECT_EQ(profiles[2].height_m, 0.05) << "as dccast contraction";
+
   const double expected[3] = {4e-3, 5e-3, 6e-3};
   for (std::size_t k = 0; k < 3; ++k) {
     ASSERT_GE(profiles[k].x_m.size(), 3u);
@@ -205,6 +209,7 @@ TEST(PullIn, IsMeasuredAtButtMiddleAndHeadOfTheSolidFace) {
       EXPECT_NEAR(profiles[k].percent(i), 100.0 * expected[k] / 0.4, 1e-6);
     }
   }
+
   const std::string table = pull_in_table(profiles);
   EXPECT_EQ(count_of(table, "<tr><td>"), 3);
   EXPECT_EQ(count_of(table, "<td>394.0</td><td>6.0</td><td>1.5</td>"), 3);
@@ -214,6 +219,7 @@ TEST(PlantUnits, NumbersAreAsTheUserWroteThem) {
   EXPECT_EQ(plant_number(60e3 * 0.0006666666666666668), "40");
   EXPECT_EQ(plant_number(0.1 + 0.2), "0.3");
   EXPECT_EQ(plant_number(12345.6), "12346");
+
   v1::Curve speed;
   speed.set_abscissa(v1::TIME);
   for (const double t : {60.0, 200.0}) speed.add_at(t);
@@ -223,6 +229,7 @@ TEST(PlantUnits, NumbersAreAsTheUserWroteThem) {
   EXPECT_NEAR(mm_per_min * frames::curve_value(speed, 130.0, 0.0, 0.0), 50.0, 1e-9);
   EXPECT_NEAR(mm_per_min * frames::curve_value(speed, 1e3, 0.0, 0.0), 60.0, 1e-9);
   EXPECT_EQ(frames::curve_value(v1::Curve(), 1.0, 1.0, 7.0), 7.0);
+
   speed.set_abscissa(v1::CAST_LENGTH);
   speed.set_at(0, 0.1);
   speed.set_at(1, 0.2);
@@ -241,6 +248,7 @@ TEST(PlantUnits, TheWholeCaseHasNoDigitsNobodyWrote) {
   input.mutable_validity()->set_maximum_rotation_rad(0.17453292519943295);
   input.set_title("case 0.12345678901234567 of m/s");
   const std::string text = readable_toml(input);
+
   EXPECT_THAT(text, HasSubstr("\"40 mm/min\""));
   EXPECT_THAT(text, HasSubstr("\"90 l/min/m\""));
   EXPECT_THAT(text, HasSubstr("\"0.174532925 rad\""));
@@ -363,6 +371,7 @@ TEST(ReportPage, ACaseThatFollowsAQualityHasItsBand) {
   case_file::apply_defaults(input);
   const auto relative = case_file::relative_discretisation_error(input);
   ASSERT_TRUE(relative);
+
   const std::string band = fixed(40.0 * *relative, 1);
   const std::string page = report_page(v1::Job(), result);
   EXPECT_THAT(page, HasSubstr("leave ± " + band + " mm of it uncertain"));

@@ -137,6 +137,7 @@ TEST(Study, JobsThatStandForNoLevelAreNamedApart) {
   waiting.set_refinement(2);
   waiting.set_state(v1::QUEUED);
   const Study study = answer.study();
+
   ASSERT_EQ(study.others.size(), 1u);
   EXPECT_EQ(study.others[0].id(), "replaced");
   ASSERT_EQ(study.levels.size(), 2u);
@@ -174,6 +175,7 @@ TEST(StudyPart, AThinnedBandStillHoldsEveryInterval) {
   }
   study.monitors.push_back(monitor);
   const render::ChartBand band = render::curl_band(study, "corner", false);
+
   EXPECT_LE(band.x.size(), 80u);
   EXPECT_GE(band.x.size(), 40u);
   EXPECT_EQ(band.x.back(), 999.0);
@@ -198,6 +200,7 @@ TEST(StudyPart, TheReportOfARunOfAStudyHasItsErrorItsBandAndTheTable) {
     EXPECT_THAT(page, HasSubstr(part));
   EXPECT_THAT(page, Not(HasSubstr("is not known")));
   EXPECT_THAT(page, Not(HasSubstr("has not been measured")));
+
   const std::string alone =
       render::report_page(study.levels[0].job, result_of(study.levels[0]), {});
   EXPECT_THAT(alone, HasSubstr("has not been measured: <code>dccast convergence"));

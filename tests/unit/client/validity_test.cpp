@@ -93,6 +93,7 @@ TEST_F(Validity, WatchMarksEveryLineAfterIt) {
   EXPECT_THAT(watched.out, HasSubstr("step 2  t 2.00 s  cast"));
   EXPECT_THAT(watched.out, HasSubstr("step 3  t 3.00 s  beyond validity  cast"));
   EXPECT_THAT(watched.out, HasSubstr("cast length 5.0 mm, beyond validity\n"));
+
   std::istringstream lines(run({"watch", "--json", "job"}).out);
   int marked = 0, losses = 0;
   for (std::string text; std::getline(lines, text);) {
@@ -141,6 +142,7 @@ TEST_F(Validity, ARunThatIsValidHasNoMarkAnywhere) {
     EXPECT_THAT(result.out + result.err, Not(HasSubstr("beyond"))) << command;
   }
   const std::string page = run({"report", "job", "-o", "-"}).out;
+
   EXPECT_THAT(page, Not(HasSubstr("eyond validity")));
   EXPECT_THAT(page, Not(HasSubstr("class='beyond'")));
 }
@@ -195,6 +197,7 @@ TEST(FailureText, HasKindPlaceAndFurtherCauses) {
   failure.add_place_m(0.12);
   failure.add_place_m(0.0);
   failure.add_further_causes("the results could not be published");
+
   EXPECT_EQ(render::failure_text(failure),
             "shell melted through: no solid path from the symmetry plane to the side\n"
             "at 166.000 s with a step of 0.5 s, x 120.0 mm, y 0.0 mm\n"
@@ -215,10 +218,12 @@ TEST_F(Validity, WhatIsHeldSaysWhy) {
   service.info.set_quarantined(2);
   service.info.set_maximum_nodes(400000);
   EXPECT_THAT(run({"show", "job"}).out, HasSubstr("held          no space left on"));
+
   const Result listed = run({"list"});
   EXPECT_THAT(listed.out, HasSubstr("queued #3, held"));
   EXPECT_EQ(listed.err, "held: no space left on /var/lib/dccast\n");
   EXPECT_THAT(run({"watch", "job"}).err, HasSubstr("held: no space left on /var/lib/dccast\n"));
+
   const Result info = run({"info"});
   EXPECT_THAT(info.out, HasSubstr("held     no space left on"));
   EXPECT_THAT(info.out, HasSubstr("2 folders without a job"));

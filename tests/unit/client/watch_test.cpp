@@ -93,6 +93,7 @@ TEST(WatchOfAStudy, IsTakenUpAgainAsOftenAsItSays) {
                           .BuildAndStart();
   Connection connection(Endpoint{.address = "127.0.0.1:" + std::to_string(port)});
   std::ostringstream messages;
+
   EXPECT_THROW(follow_study(
                    connection, "study", [](const v1::Study&) {}, messages, quick),
                CommandFailed);

@@ -71,6 +71,7 @@ TEST(FaceCut, AnUprightRectangleIsCutInTrueBands) {
   const std::vector<double> levels{0.7, 1.1, 2.0}, edges{0.5, 0.7, 1.1, 2.0, 2.5};
   const auto pieces = pieces_by_height(upright, levels);
   ASSERT_EQ(pieces.size(), 4U);
+
   for (std::size_t k = 0; k < 4; ++k) {
     const double low = edges[k], high = edges[k + 1];
     EXPECT_NEAR(pieces[k].area, 5.0 * (high - low), 1e-14);
@@ -156,6 +157,7 @@ TEST(Jacobian, DifferentiatesExactly) {
                                                  {0, 1, 1}}));
   expect_exact_gradient<P1Tetrahedron>(
       of_points({{0, 0, 0}, {1, 0.1, 0}, {0.2, 1, 0}, {0.1, 0.3, 2}}));
+
   mesh::Mesh<2> plane;
   plane.node = {0, 0, 1, 0.2, 1.3, 1, 0.1, 0.9};
   expect_exact_gradient<Q1Quadrilateral>(plane);

@@ -117,10 +117,12 @@ TEST_P(SolidMotion3D, TheShellIsAsThickAsItsThinnestPlace) {
   };
   molten_from(2);
   EXPECT_NEAR(thinnest_shell(mesh, solid)->value, second, 1e-12);
+
   const int per_cell = per_row / slab.cells_per_row();
   for (int i = 0; i < per_cell; ++i) solid[std::size_t(per_row + 4 * per_cell + i)] = 0;
   EXPECT_NEAR(thinnest_shell(mesh, solid)->value, first, 1e-12) << "over that cell";
   EXPECT_FALSE(melt_touches_bottom(mesh, solid));
+
   for (int i = 0; i < per_cell; ++i) solid[std::size_t(4 * per_cell + i)] = 0;
   EXPECT_TRUE(melt_touches_bottom(mesh, solid));
   EXPECT_EQ(thinnest_shell(mesh, solid)->value, 0.0);

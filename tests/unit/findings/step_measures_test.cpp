@@ -148,9 +148,11 @@ TEST(MushStrain, IsThatOfSolidMetalAboveTheSolidusAlone) {
   std::vector<double> temperature(std::size_t(mesh.nodes()), 630.0);
   for (int i = 0; i < 4; ++i) temperature[std::size_t(mesh.nodes_of(0)[i])] = 500.0;
   const auto found = mush_strain(mesh, state, temperature, isotherm, last, false);
+
   EXPECT_NEAR(found.value, 0.01, 1e-15);
   EXPECT_NEAR(mush_strain(mesh, state, temperature, isotherm, last, true).value, 0.03, 1e-15)
       << "of a billet the hoop counts";
+
   state.solid[30] = 0;
   EXPECT_EQ(mush_strain(mesh, state, temperature, isotherm, last, true).value, 0.0);
 }

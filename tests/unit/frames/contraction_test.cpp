@@ -14,6 +14,7 @@ TEST(Contraction, AFreeBlockHasThatOfItsTemperatureNowAndAt20Degrees) {
   EXPECT_EQ(contraction.time_s, 1000.0);
   EXPECT_EQ(contraction.cast_length_m, 0.95);
   ASSERT_EQ(contraction.rows.size(), height_m.size());
+
   for (std::size_t r = 0; r < height_m.size(); ++r) {
     const FaceRow& row = contraction.rows[r];
     EXPECT_NEAR(row.height_m, height_m[r], 1e-9);

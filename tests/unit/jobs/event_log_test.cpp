@@ -107,6 +107,7 @@ TEST_F(EventLogTest, GivesBackWhatWasAppendedAlsoAfterOpeningAgain) {
   EventLog log(path());
   append_steps(log, 301, 310);
   const auto events = all_events(log);
+
   ASSERT_EQ(events.size(), 310u);
   for (std::size_t i = 0; i < events.size(); ++i) {
     EXPECT_EQ(events[i].sequence(), static_cast<std::int64_t>(i) + 1);
@@ -302,12 +303,14 @@ TEST_F(EventLogTest, AFailedAppendLeavesTheLogAsItWas) {
   append_steps(log, 1, 5);
   rlimit before;
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+
   const rlimit tight{fs::file_size(path()) + 5, before.rlim_max};
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &tight), 0);
   EXPECT_THROW(append_steps(log, 6, 6), std::system_error);
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   EXPECT_EQ(log.last_sequence(), 5);
   EXPECT_EQ(EventLog(path()).last_sequence(), 5);
+
   append_steps(log, 6, 6);
   EXPECT_EQ(all_events(log).size(), 6u);
 }
@@ -435,6 +438,7 @@ TEST_F(EventLogTest, WatchersAreCalledAsLongAsTheyLive) {
   EventLogs logs(folder_.path());
   const auto log = logs.open("job");
   EXPECT_EQ(logs.open("job"), log);
+
   auto watcher = std::make_shared<CountingWatcher>();
   logs.watch("job", watcher);
   const auto wait_for_calls = [&](int calls) {
@@ -443,8 +447,10 @@ TEST_F(EventLogTest, WatchersAreCalledAsLongAsTheyLive) {
     return watcher->calls.load();
   };
   EXPECT_EQ(wait_for_calls(1), 1);
+
   append_steps(*log, 1, 1);
   EXPECT_EQ(wait_for_calls(2), 2);
+
   const std::weak_ptr<CountingWatcher> gone = watcher;
   watcher.reset();
   append_steps(*log, 2, 3);
@@ -483,6 +489,7 @@ TEST_F(EventLogTest, NothingIsKeptOfAWatcherThatHasGone) {
   for (int i = 0; i < 2000 && watcher.use_count() > 1; ++i)  // the notifier has it, too
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   ASSERT_EQ(pieces, 1);
+
   watcher.reset();
   const auto other = std::make_shared<CountingWatcher>();
   logs.watch("other", other);

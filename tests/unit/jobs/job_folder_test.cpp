@@ -107,6 +107,7 @@ TEST(JobFolder, AnAcceptedJobIsToldByItsMarkOrByMoreThanOneEvent) {
   const auto folder = parent.path() / "job";
   create_job_folder(folder, {}, description());
   EXPECT_FALSE(was_accepted(folder));
+
   EventLog log(folder / "events.log");
   for (const bool accepted : {false, true}) {
     v1::JobEvent event = message_event("next", v1::JobEvent::Message::INFO);

@@ -58,9 +58,11 @@ TEST(JobQueue, OwnersTakeTurnsAsTheyUseTheProcessors) {
     queue.push(job_of("anna", "a" + std::to_string(i), v1::NORMAL, start + i));
   queue.push(job_of("ben", "b low", v1::LOW, start + 10));
   queue.push(job_of("ben", "b high", v1::HIGH, start + 11));
+
   EXPECT_EQ(queue.position("a0"), 2) << "priority is inside an owner's share, and between equals";
   EXPECT_EQ(queue.position("b low"), 3);
   EXPECT_EQ(queue.position("a3"), 6);
+
   const auto next = [&queue] {
     const auto id = take_first(queue).value();
     queue.charge(id.front() == 'a' ? "anna" : "ben", JobQueue::start_charge_s, start);

@@ -59,6 +59,7 @@ TEST_F(JobStoreTest, AFlippedBitInARowIsAFault) {
   std::string bytes = storage::read_file(path);
   const auto at = bytes.find("5ca1ab1e");
   ASSERT_NE(at, std::string::npos);
+
   bytes[at] ^= 1;
   std::ofstream(path, std::ios::binary) << bytes;
   EXPECT_THAT(JobStore(path).first_fault(), testing::HasSubstr("job"));
@@ -81,6 +82,7 @@ TEST_F(JobStoreTest, GivesBackAllThatChangesAlsoAfterOpeningAgain) {
   store_.update(record, Durability::full);
   JobStore again(folder_.path() / "jobs.sqlite");
   const auto found = again.find(record.job.id());
+
   ASSERT_TRUE(found);
   EXPECT_TRUE(same(found->job, record.job)) << found->job.DebugString();
   EXPECT_EQ(found->losses, 2);
@@ -114,6 +116,7 @@ TEST_F(JobStoreTest, ListsNewestFirstPageByPage) {
     page.before_ms = created.back();
     page.before_id = jobs.back().job.id();
   }
+
   EXPECT_EQ(ids.size(), 5u);
   EXPECT_TRUE(std::is_sorted(created.rbegin(), created.rend()));
   EXPECT_EQ(store_.list({.states = {v1::RUNNING, v1::FAILED}}).size(), 0u);
@@ -130,6 +133,7 @@ TEST_F(JobStoreTest, ListsTheJobsOfAStudyOnly) {
     store_.insert(record);
   }
   std::set<std::string> listed;
+
   for (const JobRecord& record : store_.list({.study = study})) {
     EXPECT_EQ(record.job.study(), study);
     listed.insert(record.job.id());
@@ -178,12 +182,14 @@ TEST_F(JobStoreTest, FindsJobsByLabelsOwnerAndTheBeginningOfTheirIds) {
   change.set_key("mesh.rows");
   change.set_value("30");
   for (const JobRecord* record : {&both, &one, &none}) store_.insert(*record);
+
   EXPECT_TRUE(same(store_.find(both.job.id())->job, both.job));
   EXPECT_TRUE(same(store_.find(one.job.id())->job, one.job));
   EXPECT_EQ(store_.list({.labels = {"trial"}}).size(), 2u);
   EXPECT_EQ(store_.list({.labels = {"trial", "a b"}}).size(), 1u);
   EXPECT_TRUE(store_.list({.labels = {"tri"}}).empty());
   EXPECT_EQ(store_.list({.owner = "jo"}).front().job.id(), both.job.id());
+
   const auto found = store_.list({.id_prefix = one.job.id().substr(0, 13)});
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found.front().job.id(), one.job.id());

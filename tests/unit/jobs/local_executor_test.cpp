@@ -72,6 +72,7 @@ TEST_F(LocalExecutorAdoption, EndsAWorkerThatItCannotLeadOn) {
     EXPECT_FALSE(find_holder(folder_.path()));
   }
   ClaimingProcess worker(folder_.path(), right);
+
   EXPECT_EQ(adopt(2, false), Adoption::gone) << "its job does not run";
   EXPECT_FALSE(find_holder(folder_.path()));
 }

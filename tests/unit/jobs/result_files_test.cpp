@@ -62,13 +62,17 @@ TEST_F(ResultFiles, AChangeThatSetsTheTimeBackIsNoticed) {
 TEST_F(ResultFiles, WhatCannotBeReadIsRefusedWithoutItsFolder) {
   storage::write_file(path(), "result");
   expect_fault("size");
+
   fs::remove(path());
   expect_fault("cannot be read");
+
   fs::create_directory(path());
   expect_fault("cannot be read");
+
   fs::remove(path());
   ASSERT_EQ(::mkfifo(path().c_str(), 0600), 0);
   expect_fault("cannot be read");
+
   fs::remove(path());
   storage::write_file(folder_.path() / "elsewhere", "results");
   fs::create_symlink(folder_.path() / "elsewhere", path());

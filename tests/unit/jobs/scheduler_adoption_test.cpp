@@ -49,6 +49,7 @@ TEST_F(SchedulerAdoption, AWorkerThatIsFoundGoesOnAndItsHistoryHasNoHole) {
   EXPECT_THAT(daemon->executor.asked_for, ElementsAre("attempt 1"));
   EXPECT_EQ(state(*daemon, id_), v1::RUNNING);
   EXPECT_EQ(daemon->scheduler.running(), 1);
+
   FakeWorker worker(launch_);
   for (const std::int64_t number : {4, 5}) worker.step(number);
   worker.end(RunEnd::SUCCEEDED, [](RunEnd& end) { end.set_solver("the version before"); });

@@ -48,8 +48,10 @@ TEST_F(After, OnlyThoseThatWaitForAJobAreLookedAtWhenItEnds) {
   const auto waits_for_both = submit(daemon, {first, blocker});
   const int at_start = daemon.store.reads;
   daemon.scheduler.start();
+
   // The first look is at all, at each job that one waits for.
   EXPECT_TRUE(eventually([&] { return daemon.store.reads - at_start >= others + 3; }));
+
   const int before = daemon.store.reads;
   daemon.scheduler.cancel(first, "");
   EXPECT_TRUE(becomes(daemon, waits, v1::CANCELLED));
@@ -59,6 +61,7 @@ TEST_F(After, OnlyThoseThatWaitForAJobAreLookedAtWhenItEnds) {
   EXPECT_TRUE(eventually([&] { return daemon.scheduler.queued() == others; }));
   EXPECT_TRUE(eventually([&] { return !daemon.scheduler.is_awaited(first); }));
   EXPECT_TRUE(daemon.scheduler.is_awaited(blocker));
+
   daemon.scheduler.shut_down();
 }
 
@@ -92,6 +95,7 @@ TEST_F(After, AChangeThatTheStoreRefusesLeavesTheFolderAsItWas) {
   const auto id = submit(daemon);
   const auto pin = [](v1::Job& job) { job.set_pinned(true); };
   EXPECT_TRUE(daemon.scheduler.mark(id, pin).job.pinned());
+
   const auto refuse = [](v1::Job& job) {
     job.set_pinned(false);
     throw std::invalid_argument("refused");
@@ -99,8 +103,10 @@ TEST_F(After, AChangeThatTheStoreRefusesLeavesTheFolderAsItWas) {
   EXPECT_THROW(daemon.scheduler.mark(id, refuse), std::invalid_argument);
   EXPECT_TRUE(daemon.scheduler.find(id)->pinned());
   EXPECT_EQ(daemon.scheduler.mark("no such job", pin).kind, Reply::Kind::not_found);
+
   daemon.store.refuses_updates = true;
   EXPECT_THROW(daemon.scheduler.mark(id, [](v1::Job& job) { job.set_pinned(false); }), StoreError);
+
   v1::Job in_folder;
   read_marks(folder_.path() / id, in_folder);
   EXPECT_TRUE(in_folder.pinned());
@@ -117,12 +123,14 @@ TEST_F(After, RetentionTakesTheOldestAndLeavesPinnedAndAwaitedJobs) {
   daemon.scheduler.mark(jobs[0], [](v1::Job& job) { job.set_pinned(true); });
   const auto bytes = bytes_kept(folder_.path() / jobs[3]);
   EXPECT_GT(daemon.store.find(jobs[3])->bytes, bytes / 2) << "all but the last event";
+
   const Retention retention({.jobs_directory = folder_.path(),
                              .bytes = 5 * bytes / 2,
                              .interval = std::chrono::milliseconds(5)},
                             daemon.store, daemon.scheduler);
   EXPECT_TRUE(eventually([&] { return !daemon.scheduler.find(jobs[1]); }));
   EXPECT_TRUE(eventually([&] { return daemon.store.find(jobs[3])->bytes == bytes; }));
+
   for (const int left : {0, 2, 3}) EXPECT_TRUE(daemon.scheduler.find(jobs[left]));
 }
 

@@ -53,6 +53,7 @@ TEST_F(SchedulerFaults, AFullDiskHoldsTheQueueAndFailsNoJob) {
     EXPECT_THROW(daemon.scheduler.submit(new_job(), {}), StorageHeld);
   }
   succeed_at_last(daemon);
+
   EXPECT_EQ(daemon.store.find(id_)->losses, 0);
   EXPECT_EQ(daemon.scheduler.held(), "");
   EXPECT_EQ(daemon.executor.wait_for_launch(3).job_id, waiting.id());
@@ -105,9 +106,11 @@ TEST_F(SchedulerFaults, ACancelWhoseFirstWriteFailsCanBeRequestedAgain) {
     EXPECT_THROW(daemon.scheduler.pause(id_), std::system_error);
     EXPECT_FALSE(read_request(folder));
   }
+
   EXPECT_EQ(daemon.scheduler.cancel(id_, "why").kind, Reply::Kind::done);
   ASSERT_TRUE(read_request(folder));
   EXPECT_EQ(read_request(folder)->action, RequestedAction::cancel);
+
   end_worker(daemon, "signal 9 (Killed)");
   EXPECT_TRUE(becomes(daemon, id_, v1::CANCELLED));
   EXPECT_TRUE(eventually([&] { return !read_request(folder); }));
@@ -356,8 +359,10 @@ TEST_F(SchedulerFaults, WhatTheStoreRefusesAtTheStartIsWrittenLater) {
   Scheduler scheduler({.attempts = {.jobs_directory = folder_.path()}}, store, logs, executor);
   store.refuses_updates = true;
   scheduler.recover();
+
   EXPECT_NE(scheduler.held(), "");
   EXPECT_EQ(scheduler.find(id_)->state(), v1::PAUSED);
+
   store.refuses_updates = false;
   scheduler.start();
   EXPECT_TRUE(eventually([&] { return scheduler.held().empty(); }));

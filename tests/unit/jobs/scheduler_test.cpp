@@ -15,14 +15,18 @@ TEST_F(SchedulerTest, RunsAJobToItsEnd) {
   const auto job = daemon.scheduler.submit(new_job(), {});
   FakeWorker worker(daemon.executor.wait_for_launch(1));
   const v1::SolveCase order = worker.launch().order;
+
   EXPECT_EQ(order.directory(), folder_.path() / job.id());
   EXPECT_EQ(order.job_id(), job.id());
   EXPECT_EQ(order.attempt(), 1);
   EXPECT_FALSE(order.resume());
+
   worker.step(1);
   EXPECT_TRUE(eventually([&] { return daemon.scheduler.find(job.id())->last_step().step() == 1; }));
+
   worker.end(RunEnd::SUCCEEDED);
   EXPECT_EQ(state(daemon, job.id()), v1::RUNNING) << "its process is still there";
+
   daemon.executor.end(worker.launch(), "exit code 0", 0);
   EXPECT_TRUE(becomes(daemon, job.id(), v1::SUCCEEDED));
   EXPECT_EQ(daemon.scheduler.find(job.id())->last_step().step(), 1);
@@ -41,6 +45,7 @@ TEST_F(SchedulerTest, AJobThatGoesFirstWaitsForNoPlace) {
   query.goes_first = true;
   const auto first = daemon.scheduler.submit(query, {});
   FakeWorker worker(daemon.executor.wait_for_launch(2));
+
   EXPECT_EQ(worker.launch().job_id, first.id());
   EXPECT_TRUE(worker.launch().order.goes_first());
   EXPECT_EQ(worker.launch().urgency, Urgency::quick);
@@ -49,6 +54,7 @@ TEST_F(SchedulerTest, AJobThatGoesFirstWaitsForNoPlace) {
   EXPECT_EQ(running.launch().urgency, Urgency::batch);
   EXPECT_EQ(running.launch().order.nice(), 19);
   EXPECT_EQ(worker.launch().order.threads(), 1);
+
   worker.end(RunEnd::SUCCEEDED);
   daemon.executor.end(worker.launch(), "exit code 0", 0);
   EXPECT_TRUE(becomes(daemon, first.id(), v1::SUCCEEDED));
@@ -66,9 +72,11 @@ TEST_F(SchedulerTest, ATurnIsNotMadeWhileTheThreadOfTheQueueHangs) {
   };
   daemon.scheduler.start();
   EXPECT_TRUE(daemon.scheduler.is_responsive(std::chrono::seconds(10))) << "an idle one turns";
+
   daemon.scheduler.submit(new_job(), {});
   begun.get_future().wait();
   EXPECT_FALSE(daemon.scheduler.is_responsive(std::chrono::milliseconds(20)));
+
   may_go_on.set_value();
   EXPECT_TRUE(daemon.scheduler.is_responsive(std::chrono::seconds(10)));
 }
@@ -97,6 +105,7 @@ TEST_F(SchedulerTest, ShuttingDownEndsAWorkerThatIsBeingStarted) {
       return false;
     }
   }));
+
   may_go_on.set_value();
   leaving.join();
   EXPECT_EQ(daemon.scheduler.running(), 0);
@@ -204,6 +213,7 @@ TEST_F(SchedulerTest, AnEndInTheLogAloneIsTakenOver) {
   }
   Daemon again(folder_.path());
   const auto job = *again.scheduler.find(id);
+
   EXPECT_EQ(job.state(), v1::FAILED);
   EXPECT_EQ(job.failure().message(), "the cause");
   EXPECT_EQ(job.artifacts(0).name(), "results.h5");
@@ -230,6 +240,7 @@ TEST_F(SchedulerTest, PauseCancelAndDeleteKnowTheirStates) {
   EXPECT_EQ(scheduler.pause(values::random_uuid()).kind, Kind::not_found);
   EXPECT_EQ(scheduler.cancel(values::random_uuid(), "").kind, Kind::not_found);
   EXPECT_EQ(scheduler.remove(values::random_uuid()).kind, Kind::not_found);
+
   const auto id = scheduler.submit(new_job(), {}).id();
   EXPECT_EQ(scheduler.resume(id).kind, Kind::wrong_state);
   EXPECT_EQ(scheduler.pause(id).job.state(), v1::PAUSED);

@@ -104,15 +104,19 @@ TEST(Settlement, AJobThatWasStoppedForItsTimeFailsUnlessItWasCancelledOrHasSucce
   RunEnd end;
   end.set_outcome(RunEnd::STOPPED);
   JobRecord record = running();
+
   EXPECT_EQ(settle_run_end(record, end, facts).state, v1::FAILED);
   EXPECT_EQ(record.job.failure().kind(), v1::Failure::TIME_LIMIT);
   EXPECT_NE(record.job.failure().message().find("--time-limit"), std::string::npos);
+
   record = running();
   EXPECT_EQ(settle_lost(record, {.how = "signal 9 (Killed)"}, facts).state, v1::FAILED);
   EXPECT_EQ(record.losses, 0);
+
   record = running();
   record.requested_action = RequestedAction::cancel;
   EXPECT_EQ(settle_run_end(record, end, facts).state, v1::CANCELLED);
+
   record = running();
   end.set_outcome(RunEnd::SUCCEEDED);
   EXPECT_EQ(settle_run_end(record, end, facts).state, v1::SUCCEEDED);

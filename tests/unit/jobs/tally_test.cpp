@@ -43,6 +43,7 @@ TEST(Tally, AJobCountsOnceWhenItStartsAndOnceWhenItEnds) {
   tally.count(job, v1::RUNNING);
   tally.count(job, v1::FAILED);  // written again
   const TallyFigures figures = tally.figures();
+
   EXPECT_EQ(figures.wait_s.count, 1u);
   EXPECT_DOUBLE_EQ(figures.wait_s.sum, 5.0);
   EXPECT_DOUBLE_EQ(figures.run_s.sum, 30.0);

@@ -111,6 +111,7 @@ TEST(Comparison, ACauseIsNamedWithItsTimeAndSize) {
   });
   const auto rows = curl_differences({first, other});
   const auto causes = find_causes(first, other, rows.at(0));
+
   ASSERT_THAT(causes, SizeIs(2));
   EXPECT_EQ(causes[0].sentence, "less heat through the side until 100 s (-22 %)");
   EXPECT_EQ(causes[1].sentence, "contact with the block 12 s longer");
@@ -167,13 +168,16 @@ TEST(Comparison, TheErrorOfADifferenceComesFromMeasuredPairs) {
   first.description = shipped_case("start-3d", v1::DRAFT);
   other.description = first.description;
   const auto row = curl_differences({first, other}).at(0);
+
   ASSERT_EQ(row.error_source, ErrorSource::table);
   EXPECT_NEAR(*row.error_m, 0.05 * 0.0277 + 0.2 * 0.0117, 1e-9);
   EXPECT_EQ(row.verdict(), Verdict::real);
   EXPECT_THAT(sentence(row, {}), HasSubstr("corner: -11.7 ± 3.7 mm, real."));
+
   other.description = shipped_case("start-3d", v1::ENGINEERING);
   EXPECT_FALSE(curl_differences({first, other}).at(0).error_m.has_value())
       << "of two qualities nothing cancels";
+
   other.description = first.description;
   other.description.mutable_mesh()->set_columns(5);
   EXPECT_FALSE(curl_differences({first, other}).at(0).error_m.has_value()) << "a mesh of its own";

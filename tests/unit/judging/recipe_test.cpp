@@ -100,11 +100,14 @@ TEST(Recipe, SaysWhereNothingIsSafeOrConfirmedOrThere) {
   for (auto& candidate : *lost.mutable_recipe()->mutable_front()) candidate.set_risk(0.9);
   EXPECT_THAT(judged(lost).sentences(),
               Contains(HasSubstr("No recipe within these limits is safe")));
+
   auto unconfirmed = recipes();
   unconfirmed.mutable_recipe()->set_chosen(-1);
   EXPECT_THAT(judged(unconfirmed).sentences(0), HasSubstr("No recipe is confirmed: the run"));
+
   unconfirmed.mutable_recipe()->mutable_front(0)->set_full_state(v1::QUEUED);
   EXPECT_THAT(judged(unconfirmed).sentences(0), HasSubstr("are to come"));
+
   v1::StudyResult open;
   open.mutable_study()->mutable_recipe();
   open.mutable_recipe()->set_fault("the drafts of this study have not all ended");

@@ -104,6 +104,7 @@ TEST(Sensitivity, StatesLeversDataFailuresAndWhatDoesNotMatter) {
   EXPECT_THAT(judgement.sentences(),
               ElementsAre(HasSubstr("A small difference is known to ± 2.0 mm"),
                           "This model does not respond to cooling.water.wetting.lag."));
+
   const v1::Table lost = table_of(judgement, "lost_runs");
   ASSERT_EQ(lost.rows_size(), 1);
   EXPECT_THAT(texts_of(lost.rows(0)),
@@ -225,6 +226,7 @@ TEST(Refinement, LimitsHaveTheirErrorAndWhereItIsLargest) {
     limit.mutable_curve()->add_uncertainty_m(t < 15 ? 3e-3 : 1e-3);
   }
   const v1::Table limits = table_of(judged(result, std::nullopt), "limits");
+
   ASSERT_EQ(limits.rows_size(), 1);
   EXPECT_DOUBLE_EQ(limits.rows(0).cells(2).value(), 20e-3);
   EXPECT_DOUBLE_EQ(limits.rows(0).cells(2).upper_error(), 1e-3);

@@ -109,6 +109,7 @@ TEST_P(BandCholeskyWith, SaysSoWhenTheMatrixIsNotPositiveDefinite) {
     }
   }
   ASSERT_TRUE(solver.factorize(grid.values)) << "a refusal leaves nothing behind";
+
   std::vector<double> x(grid.b.size());
   solver.solve(grid.b, x);
   EXPECT_LE(relative_difference(x, by_cholmod(grid)), 1e-12);
@@ -123,6 +124,7 @@ TEST_P(BandCholeskyWith, StartsAtTheFirstChangedRowWithTheSameBits) {
   EXPECT_EQ(kept.share_computed(), 1.0);
   ASSERT_TRUE(kept.factorize(grid.values));
   EXPECT_EQ(kept.share_computed(), 0.0);
+
   for (const int u : {0, 5, 399, 200, 390, 0}) {
     grid.values[std::size_t(grid.pattern.diagonal(u))] += 0.25;
     BandCholesky anew = analyzed(grid);
@@ -156,8 +158,10 @@ TEST(BandShape, CountsTheWorkInsideTheEnvelope) {
   const std::vector<int> none;
   const SparsityPattern diagonal(64, none, 1);
   const BandShape narrow(diagonal, reversed_order(64));
+
   EXPECT_EQ(narrow.start.back(), 8u);
   EXPECT_EQ(narrow.flops, 8 * 1024.0);
+
   // All coupled with all: the lower triangle of tiles, I (I + 1) / 2 products in row I.
   std::vector<int> all(64);
   for (int u = 0; u < 64; ++u) all[std::size_t(u)] = u;

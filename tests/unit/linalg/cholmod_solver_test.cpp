@@ -40,6 +40,7 @@ TEST_P(Solver, FindsTheVectorThatWasMultiplied) {
   CholmodSolver solver;
   solver.analyze(pattern, GetParam().geometry);
   EXPECT_GE(solver.factor_entries(), static_cast<double>(pattern.entries()));
+
   const auto x = some_vector(n * n);
   for (double shift : {0.5, 20.0}) {  // one analysis serves many factorisations
     const auto values = testing::grid_values(pattern, n, shift);
@@ -65,8 +66,10 @@ TEST_P(Solver, SaysSoWhenTheMatrixIsNotPositiveDefinite) {
     values[std::size_t(pattern.diagonal(u))] = std::nan("");
     EXPECT_FALSE(solver.factorize(values)) << u;
   }
+
   // A refusal leaves nothing behind.
   ASSERT_TRUE(solver.factorize(good));
+
   const auto x = some_vector(n * n);
   std::vector<double> b(x.size());
   multiply(pattern, good, x, b);
@@ -92,8 +95,10 @@ TEST(CholmodSolver, BothFactorisationsGiveOneSolution) {
   CholmodSolver one, other;
   one.analyze(pattern, Geometry::plane);
   other.analyze(pattern, Geometry::solid);
+
   ASSERT_TRUE(one.factorize(values));
   ASSERT_TRUE(other.factorize(values));
+
   one.solve(b, simplicial);
   other.solve(b, supernodal);
   double largest = 0.0;

@@ -176,8 +176,10 @@ TEST(DissectionCholesky, TakesAMeshInTwoPieces) {
   solver.analyze(pattern, DissectionTree(pattern, edges));
   CholmodSolver other;
   other.analyze(pattern);
+
   ASSERT_TRUE(solver.factorize(values));
   ASSERT_TRUE(other.factorize(values));
+
   std::vector<double> x(b.size()), expected(b.size());
   solver.solve(b, x);
   other.solve(b, expected);

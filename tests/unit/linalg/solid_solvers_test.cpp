@@ -120,6 +120,7 @@ TEST(SolidSolvers, CholmodTakesTheNodesOfAGraphWithOneUnknownEach) {
   for (int u = 0; u + 1 < 100; ++u) pair.insert(pair.end(), {u, u + 1});
   const SparsityPattern pattern(100, pair, 2);
   EXPECT_EQ(pattern.unknowns_per_node(), 1);
+
   std::vector<double> values(pattern.entries(), -1.0);
   for (int u = 0; u < 100; ++u) values[std::size_t(pattern.diagonal(u))] = 2.5;
   CholmodSolver solver;

@@ -52,6 +52,7 @@ TEST(ConstrainedSystem, AStepOfHeldUnknownsCountsOnce) {
   std::vector<double> step(grid.b.size(), 0.0);
   work.stiffness = grid.values;
   ASSERT_TRUE(system.factorize(grid.held, step));
+
   std::vector<char> held = grid.held;
   held[1] = held[1] != 0 ? 0 : 1;
   step[std::size_t(grid.bottom[1])] = 1.0;
@@ -60,6 +61,7 @@ TEST(ConstrainedSystem, AStepOfHeldUnknownsCountsOnce) {
   EXPECT_TRUE(system.solve(held, step));
   EXPECT_EQ(work.direction[std::size_t(grid.bottom[1])], 1.0);
   EXPECT_TRUE(system.solve(held, std::vector<double>(step.size(), 0.0)));
+
   for (const double d : work.direction) EXPECT_EQ(d, 0.0);
 }
 

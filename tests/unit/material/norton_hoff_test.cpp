@@ -49,9 +49,11 @@ TEST_P(Reference, TheLawGivesBackItsTest) {
   const auto rate = [&](double stress, double temperature) {
     return uniaxial_rate(law, stress, temperature) / test.strain_rate;
   };
+
   EXPECT_NEAR(rate(test.stress, test.temperature), 1.0, 1e-13);
   EXPECT_NEAR(rate(2.0 * test.stress, test.temperature), std::pow(2.0, test.stress_exponent),
               1e-11);
+
   // An Arrhenius factor in absolute temperature with the gas constant 8.314462618 J/(mol K).
   const double hotter = test.temperature + 50.0;
   const double expected = test.activation_energy / 8.314462618 *

@@ -73,6 +73,7 @@ TEST(ThermalProperties, EnthalpyOfConstantPropertiesIsClosed) {
   card.specific_heat = Curve(1000.0);
   card.conductivity = Curve(100.0);
   const ThermalProperties metal(card);
+
   EXPECT_DOUBLE_EQ(metal.enthalpy(500.0), 2500.0 * 1000.0 * 500.0);
   EXPECT_NEAR(metal.enthalpy(625.0), 2500.0 * (1000.0 * 625.0 + 2e5), 1e-5);
   EXPECT_NEAR(metal.enthalpy(700.0), 2500.0 * (1000.0 * 700.0 + 4e5), 1e-5);
@@ -143,6 +144,7 @@ TEST(ThermalProperties, IsothermalChangeIsAJumpOfTheEnthalpy) {
   const AlloyCard card = isothermal_card();
   const ThermalProperties metal(card);
   EXPECT_NEAR(metal.solidification_enthalpy(), 2560.0 * 397e3, 1e-3);
+
   for (const double fraction : {0.01, 0.5, 0.99}) {
     const double enthalpy = metal.solidus_enthalpy() + fraction * metal.solidification_enthalpy();
     const ThermalState state = metal.state(enthalpy);
@@ -203,11 +205,14 @@ TEST(MixedByFraction, WeighsSolidAndLiquidByTheirFractions) {
     const double fl = t > 649.0 ? 1.0 : card.liquid_fraction(t);
     EXPECT_NEAR(mixed(t), (1.0 - fl) * solid(std::min(t, 649.0)) + fl * 2360.0, 0.02) << t;
   }
+
   EXPECT_NEAR(mixed(500.0), solid(500.0), 1e-9);
   EXPECT_EQ(mixed(700.0), 2360.0);
+
   card.liquid_fraction = {};
   EXPECT_NEAR(mixed_by_fraction(card, solid, 2360.0)(634.5),
               0.5 * solid(634.5) + 0.5 * 2360.0, 0.05);
+
   card.solidus = card.liquidus;
   EXPECT_EQ(mixed_by_fraction(card, solid, 2360.0)(card.liquidus + 1.0), 2360.0);
   EXPECT_NEAR(mixed_by_fraction(card, solid, 2360.0)(card.liquidus - 1.0), 2550.0, 0.3);

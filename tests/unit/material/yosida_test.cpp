@@ -12,6 +12,7 @@ class Yosida : public ::testing::TestWithParam<double> {};
 TEST_P(Yosida, RootSolvesItsEquation) {
   const double q = GetParam();
   EXPECT_EQ(yosida_root(0.0, q), 1.0);
+
   double last = 1.0;
   for (double log_load = -22.0; log_load <= 24.0; log_load += 0.31) {
     const double load = std::pow(10.0, log_load);

@@ -66,10 +66,12 @@ TYPED_TEST(AxisymmetricBody, PassesThePatchTestWithCreep) {
   hold_boundary(this->body, linear);
   const auto outcome = this->body.step(tight(), 1.0);
   ASSERT_TRUE(outcome.converged) << outcome.equilibrium_residual;
+
   const auto exact = this->field(linear);
   for (std::size_t i = 0; i < exact.size(); ++i) {
     EXPECT_NEAR(this->body.displacement()[i], exact[i], 1e-15);
   }
+
   const PlaneStress strain{{across, along, across, 0.0}};
   const double trial = 2.0 * mu * strain.deviator().norm();
   for (const auto& s : this->body.unknowns().deviator) {
@@ -98,6 +100,7 @@ TYPED_TEST(AxisymmetricBody, ForcesArePerRadian) {
       within = std::max(within, std::abs(f[0]));
     if (x[1] == height) lid += f[1];
   }
+
   EXPECT_NEAR(rim, exact, 1e-12 * exact);
   EXPECT_NEAR(lid, 0.0, 1e-12 * exact);
   EXPECT_NEAR(within, 0.0, 1e-12 * exact) << "the hoop stress balances the radial one";
@@ -130,12 +133,14 @@ TYPED_TEST(AxisymmetricBody, AFreeThermalExpansionLeavesNoStress) {
   }
   const auto outcome = this->body.step(tight(1e-9), 1.0);
   ASSERT_TRUE(outcome.converged) << outcome.equilibrium_residual;
+
   const auto exact = this->field([](double r, double z) {
     return Vector2{stretch * r, stretch * z};
   });
   for (std::size_t i = 0; i < exact.size(); ++i) {
     EXPECT_NEAR(this->body.displacement()[i], exact[i], 1e-14);
   }
+
   for (const auto& stress : this->body.stresses()) EXPECT_LE(stress.norm(), 1e-12 * bulk * 0.06);
 }
 

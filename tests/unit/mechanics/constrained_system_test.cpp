@@ -71,6 +71,7 @@ TEST_F(Constrained, LiftsOnlyOnce) {
   fixed[3] = fixed[20] = 1;
   step[3] = 1.5;
   expect_exact();
+
   std::fill(step.begin(), step.end(), 0.0);
   for (int i = 0; i < unknowns; ++i) work.residual[i] = std::cos(i);
   ConstrainedSystem system(pattern, work);

@@ -23,9 +23,11 @@ TYPED_TEST(ContactOf, ConditionsAndBalanceHoldOnAPartialContact) {
   auto unknowns = block.at_rest(std::vector<char>(block.pairs(), 1));
   const auto outcome = solve_newton(block.body.problem, tight(1e-12), block.body.work, unknowns);
   ASSERT_TRUE(outcome.converged);
+
   const int closed = closed_of(unknowns.contact);
   EXPECT_GT(closed, 0);
   EXPECT_LT(closed, static_cast<int>(block.pairs())) << "the ends lift";
+
   const auto floor = block.floor(unknowns);
   EXPECT_NEAR(floor.total, block.body.problem.weight, 1e-8 * block.body.problem.weight);
   EXPECT_LE(

@@ -77,6 +77,7 @@ TYPED_TEST(CreepOf, CreepUnderALoadFollowsItsEquation) {
   constexpr double stress = 3e7, end = 240.0, width = 0.3;
   const PlaneCreep exact = exact_creep(stress, end);
   ASSERT_GT(exact.out_of_plane, 0.4 * stress);
+
   std::array<double, 3> error{}, strain_error{};
   for (int level = 0; level < 3; ++level) {
     FixedBody<TypeParam> body(distorted_rectangle<TypeParam>(width, 0.2, 3, 3));

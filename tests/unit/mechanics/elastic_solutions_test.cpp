@@ -51,6 +51,7 @@ TYPED_TEST(SolutionOf, OrdersOfConvergenceAreTwoAndOne) {
     error[std::size_t(level)] =
         verification::relative_errors<TypeParam>(body, displacement, stress);
   }
+
   EXPECT_NEAR(order(error[0].displacement, error[1].displacement), 2.0, 0.1);
   EXPECT_NEAR(order(error[1].displacement, error[2].displacement), 2.0, 0.03);
   EXPECT_NEAR(order(error[0].stress, error[1].stress), 1.0, 0.1);

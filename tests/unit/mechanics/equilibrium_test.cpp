@@ -80,6 +80,7 @@ TYPED_TEST(EquilibriumOf, TangentMeetsDifferencesAtTheExpectedOrder) {
     }
     return std::sqrt(sum / scale);
   };
+
   EXPECT_NEAR(error(0.02) / error(0.01), 4.0, 0.1);
   EXPECT_LE(error(1e-4), 1e-6);
 }
@@ -108,6 +109,7 @@ TYPED_TEST(PlaneEquilibriumOf, ARigidRotationLeavesNoStress) {
   std::vector<double> r(u.size());
   Equilibrium equilibrium(this->body.problem);
   equilibrium.residual(u, r, return_map_law(this->body.problem));
+
   for (const auto& deviator : equilibrium.deviators())
     EXPECT_LE(deviator.norm(), 1e-12 * 4e10 * angle);
   for (int e = 0; e < this->body.mesh.elements(); ++e) {

@@ -72,6 +72,7 @@ TYPED_TEST(PatchOf, WithCreep) {
     (middle + 2.0 * mu * kappa * std::pow(middle, 5.0) < trial ? low : high) = middle;
   }
   ASSERT_LT(low, 0.9 * trial) << "creep must matter here";
+
   PlaneStress exact;
   exact.add(low / strain.deviator().norm(), strain.deviator());
   exact.add_identity(bulk * (strain.trace() + 3e-3));

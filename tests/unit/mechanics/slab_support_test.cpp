@@ -57,10 +57,12 @@ TYPED_TEST(SupportOf, WithoutContactTheBottomIsHeld) {
   bench.step(cooled_from_below);
   for (int n : bench.mechanics.bottom_nodes()) EXPECT_EQ(bench.upwards(n), 0.0);
   const SlabChecks& checks = bench.mechanics.checks();
+
   EXPECT_NEAR(checks.bottom_reaction, checks.weight, 1e-5 * checks.weight);
   EXPECT_NEAR(checks.contact_length, 0.28, 1e-14);
   // It pulls somewhere: the same slab on contact lifts there.
   EXPECT_LT(*std::min_element(bench.state.reaction.begin(), bench.state.reaction.end()), -1.0);
+
   this->bench_.start(warm);
   this->bench_.step(cooled_from_below);
   EXPECT_GT(this->highest_bottom(), 1e-5);
@@ -76,6 +78,7 @@ TYPED_TEST(SupportOf, TheMouldLetsGoOnceAndForAll) {
     EXPECT_EQ(bench.state.released[std::size_t(n)], 0);
     EXPECT_EQ(bench.across(n), 0.0);
   }
+
   // The lower half passes the solidus, then warms up again.
   const auto lower_half = [&](int n) { return bench.slab.mesh().point(n)[1] < 0.05; };
   bench.step([](double, double y) { return y < 0.05 ? 610.0 : 630.0; });
@@ -123,13 +126,16 @@ TYPED_TEST(SupportOf, AReleasedSideCannotPassTheWall) {
   };
   bench.start(warm);
   bench.step([](double, double) { return 599.0; });
+
   EXPECT_LT(most_outwards(true), -1e-6);
   EXPECT_EQ(bench.mechanics.checks().wall_reaction, 0.0);
+
   bench.step([](double, double) { return 618.0; });
   EXPECT_NEAR(most_outwards(true), 0.0, 1e-10);
   EXPECT_GT(most_outwards(false), 1e-6) << "below the mould nothing stands in its way";
   EXPECT_GT(bench.mechanics.checks().wall_reaction, 1.0);
   EXPECT_EQ(bench.state.contact.size(), bench.mechanics.bottom_nodes().size());
+
   bench.step([](double, double) { return 590.0; });
   EXPECT_LT(most_outwards(true), -1e-6);
   EXPECT_EQ(bench.mechanics.checks().wall_reaction, 0.0);

@@ -73,6 +73,7 @@ TYPED_TEST(Solidification, TheStrainOfTheLiquidLeavesNoStress) {
   const auto before = bench.state.displacement;
   bench.step([](double, double) { return just_solid; });
   EXPECT_THAT(bench.state.solid, Each(1));
+
   for (int e = 0; e < this->elements(); ++e) bench.expect_metallostatic(e, 20.0);
   for (std::size_t i = 0; i < before.size(); ++i) {
     EXPECT_NEAR(bench.state.displacement[i], before[i], 1e-9);
@@ -211,10 +212,13 @@ TYPED_TEST(Solidification, MeltingAgainForgetsTheSolid) {
   double creep = 0.0, stress = 0.0;
   for (const auto& v : bench.state.viscoplastic) creep = std::max(creep, v.norm());
   for (const auto& s : bench.state.deviator) stress = std::max(stress, s.norm());
+
   EXPECT_GT(stress, 1e5) << "confined by the mould it cannot contract freely";
   EXPECT_GT(creep, 0.0);
+
   bench.step(molten);
   EXPECT_THAT(bench.state.solid, Each(0));
+
   for (const auto& v : bench.state.viscoplastic) EXPECT_EQ(v.norm(), 0.0);
   for (int e = 0; e < this->elements(); ++e) bench.expect_metallostatic(e, 20.0);
 }
@@ -257,6 +261,7 @@ TYPED_TEST(Solidification, WithoutALiquidWhatIsPouredLaterIsSolidToo) {
   bench.mechanics.follow_growth(bench.state, bench.slab.mesh(), bench.slab.nodes_per_row(),
                                 first_moved);
   bench.step(molten);
+
   EXPECT_THAT(bench.state.solid, Each(1));
   for (int e = 0; e < bench.slab.mesh().elements(); ++e) {
     EXPECT_LE(bench.state.pressure[std::size_t(e) * TypeParam::points], 0.0)

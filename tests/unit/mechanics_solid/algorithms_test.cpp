@@ -80,6 +80,7 @@ TYPED_TEST(SolidAlgorithmsOn, NewtonLeavesTheEvaluationOfItsEnd) {
   const Options options = options_of(Algorithm::newton);
   const auto outcome = solve_step(body.problem, options, body.work, unknowns);
   ASSERT_TRUE(outcome.converged);
+
   Equilibrium<3> afresh(body.problem);
   std::vector<double> residual(unknowns.displacement.size());
   const double acting =
@@ -97,6 +98,7 @@ TYPED_TEST(SolidAlgorithmsOn, AgreeOnACreepingPartialContact) {
   const auto contact = this->contact_;
   EXPECT_GT(this->creep_, 1e-3) << "creep must matter here";
   EXPECT_NE(std::count(contact.begin(), contact.end(), 0), 0);
+
   for (Algorithm algorithm : {all[1], all[2], all[3]}) {
     this->run(algorithm);
     double sum = 0.0, scale = 0.0;

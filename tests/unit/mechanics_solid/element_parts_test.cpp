@@ -32,6 +32,7 @@ TEST(ElementParts, CoverTheMeshAndShareNoNodeWithTheirOwnColour) {
   const mesh::Mesh<3> mesh = box({8, 5, 20});
   const ElementParts parts = ElementParts::of(mesh);
   ASSERT_GE(parts.parts(), 4u);
+
   std::vector<std::set<int>> nodes(parts.parts());
   std::vector<std::pair<std::size_t, std::size_t>> blocks(parts.parts());
   parts.for_each([&](std::size_t part, std::size_t first, std::size_t end) {
@@ -67,6 +68,7 @@ TEST(ElementParts, GiveATeamTheBitsOfOneThread) {
   for (double& kappa : body.problem.kappa) kappa = 1e-38;
   const ElementParts parts = ElementParts::of(body.box.mesh);
   ASSERT_GT(parts.parts(), 1u);
+
   body.problem.parts = &parts;
   std::vector<double> u(body.problem.unknowns());
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = 1e-4 * std::sin(1.7 * double(i));

@@ -62,6 +62,7 @@ TYPED_TEST(SolidEquilibriumOf, TangentMeetsDifferencesAtTheExpectedOrder) {
     }
     return std::sqrt(sum / scale);
   };
+
   EXPECT_NEAR(error(0.02) / error(0.01), 4.0, 0.1);
   EXPECT_LE(error(1e-4), 1e-6);
 }
@@ -92,6 +93,7 @@ TYPED_TEST(SolidEquilibriumOf, ARigidRotationLeavesNoStress) {
   std::vector<double> r(u.size());
   Equilibrium equilibrium(body.problem);
   equilibrium.residual(u, r, return_map_law(body.problem));
+
   for (const auto& deviator : equilibrium.deviators()) {
     EXPECT_LE(deviator.norm(), 1e-12 * 4e10 * angle);
   }

@@ -44,9 +44,11 @@ TYPED_TEST(FramesOn, ChangeNothingButTheUnknowns) {
   this->load(plain);
   this->load(framed);
   const auto a = plain.step(in_balance(1e-12)), b = framed.step(in_balance(1e-12));
+
   ASSERT_TRUE(a.converged);
   ASSERT_TRUE(b.converged);
   EXPECT_EQ(a.iterations, b.iterations);
+
   double size = 0.0;
   for (double u : plain.displacement()) size = std::max(size, std::abs(u));
   std::vector<double> back = framed.displacement();
@@ -58,6 +60,7 @@ TYPED_TEST(FramesOn, ChangeNothingButTheUnknowns) {
   for (std::size_t i = 0; i < back.size(); ++i) {
     EXPECT_NEAR(back[i], plain.displacement()[i], 1e-11 * size);
   }
+
   const auto stress = plain.stresses();
   auto other = framed.stresses();
   for (std::size_t i = 0; i < stress.size(); ++i) {

@@ -93,6 +93,7 @@ TEST(BendingHexahedron, MeetsHertzOverASphere) {
     scale += problem.contact_area[i] * exact * exact;
   }
   EXPECT_NEAR(total / (0.25 * force), 1.0, 0.02);
+
   const double found = std::sqrt(4.0 * area / std::numbers::pi);
   EXPECT_NEAR(found, contact_radius, 0.5 * 3.2 * contact_radius / cells) << "half a cell";
   EXPECT_NEAR(sphere.pressure(0) / peak_pressure, 1.0, 0.05);

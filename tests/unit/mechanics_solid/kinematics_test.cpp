@@ -68,6 +68,7 @@ TYPED_TEST(TurnedBody, AnswersAsItDidBeforeItWasTurned) {
   this->follow(turned);
   const auto after = this->body_.residual(turned);
   EXPECT_NEAR(this->body_.forms.strain(3, 0, turned).norm(), strain, 1e-9 * strain);
+
   double largest = 0.0;
   for (double f : before) largest = std::max(largest, std::abs(f));
   for (std::size_t n = 0; n < u.size() / 3; ++n) {

@@ -98,6 +98,7 @@ TYPED_TEST(SolidPatchOf, WithCreep) {
     (middle + 2.0 * mu * kappa * std::pow(middle, 5.0) < trial ? low : high) = middle;
   }
   ASSERT_LT(low, 0.9 * trial) << "creep must matter here";
+
   SymmetricTensor<3> exact;
   exact.add(low / strain().deviator().norm(), strain().deviator());
   exact.add_identity(bulk * strain().trace());

@@ -108,6 +108,7 @@ TYPED_TEST(ExtrusionOf, StandsOnAFloorAsTheSectionDoes) {
   solid.problem.weight = solid.forms.subtract_weight(weight, solid.problem.external_force);
   EXPECT_NEAR(solid.problem.weight, this->thickness * section.problem.weight,
               1e-12 * solid.problem.weight);
+
   for (int e = 0; e < section.mesh.elements(); ++e) {
     section.problem.thermal[std::size_t(e)] = solid.problem.thermal[std::size_t(e)] =
         -5e-3 * (e / this->columns);
@@ -117,6 +118,7 @@ TYPED_TEST(ExtrusionOf, StandsOnAFloorAsTheSectionDoes) {
   for (int n = 0; n < section.mesh.nodes(); n += this->columns + 1) section.fix(n, 0, 0.0);
   ASSERT_TRUE(section.step(testing::in_balance(1e-11), 1.0).converged);
   ASSERT_TRUE(solid.step(testing::in_balance(1e-11), 1.0).converged);
+
   this->expect_the_same_displacement(1e-9);
   EXPECT_NE(std::count(solid.unknowns().contact.begin(), solid.unknowns().contact.end(), 0), 0);
 }

@@ -129,8 +129,10 @@ TYPED_TEST(MergedSlab, AnEvenStateStaysWhatItIs) {
   bench.step(cold);
   const double before = bench.moved(bench.slab.mesh().nodes() - 1)[2];
   const MergeChecks checks = merge_lower_rows(bench, cold);
+
   EXPECT_LE(checks.mass_error, 1e-14);
   EXPECT_EQ(bench.slab.mesh().elements(), int(bench.state.solid.size()));
+
   bench.step(cold, 1e-3);
   EXPECT_NEAR(bench.moved(bench.slab.mesh().nodes() - 1)[2], before, 1e-6 * std::abs(before));
 }
@@ -147,8 +149,10 @@ TYPED_TEST(MergedSlab, ACurledSlabKeepsItsCurl) {
     if (bench.moved(n)[2] > bench.moved(corner)[2]) corner = n;
   const double curl = bench.moved(corner)[2];
   const MergeChecks checks = merge_lower_rows(bench, cooled);
+
   EXPECT_LE(checks.mass_error, 1e-4);
   EXPECT_LE(bench.moved(corner)[2], curl) << "nodes that stay keep their displacement";
+
   bench.step(cooled, 1e-3);
   EXPECT_NEAR(bench.moved(corner)[2], curl, 0.03 * curl);
   EXPECT_GT(curl, 1e-4);

@@ -44,9 +44,11 @@ TYPED_TEST(QuarterSlabOf, TheBlockCarriesTheWeightWhateverTheSlabDoes) {
   bench.start([](const Vector3&) { return 600.0; });
   bench.step(cooled_from_below);
   const SlabChecks& checks = bench.mechanics.checks();
+
   EXPECT_NEAR(checks.bottom_reaction, checks.weight, 1e-5 * checks.weight);
   EXPECT_LE(checks.complementarity_error, 1e-6);
   EXPECT_LE(checks.equilibrium_residual, 1e-10);
+
   double area = 0.0, highest = 0.0;
   for (double a : bench.mechanics.bottom_area()) area += a;
   EXPECT_NEAR(area, 0.2 * (0.22 + 0.215) / 2 + 0.3 * (0.215 + 0.2) / 2, 1e-12);
@@ -88,6 +90,7 @@ TYPED_TEST(QuarterSlabOf, TheMouldHoldsAnObliqueFaceAlongItsNormal) {
       }
     }
   }
+
   EXPECT_EQ(wide_faces, 2);
   EXPECT_GT(slid, 1e-5);
   EXPECT_LT(drawn_in, -1e-5);
@@ -134,9 +137,11 @@ TYPED_TEST(QuarterSlabOf, AShapedBlockIsMetWhereItIs) {
     gap.push_back(2e-4 * (bench.place(n)[0] + bench.place(n)[1]));
   }
   EXPECT_THROW(bench.mechanics.set_initial_gap({1.0}), std::invalid_argument);
+
   bench.mechanics.set_initial_gap(gap);
   bench.state = bench.mechanics.initial_state();
   EXPECT_EQ(std::count(bench.state.contact.begin(), bench.state.contact.end(), 1), 1);
+
   bench.start([](const Vector3&) { return 600.0; });
   bench.step([](const Vector3&) { return 599.0; });
   bool below_zero = false;
@@ -161,6 +166,7 @@ TYPED_TEST(QuarterSlabOf, AReleasedSideCannotPassTheWall) {
   bench.start([](const Vector3&) { return 500.0; });
   bench.step([](const Vector3&) { return 499.0; });
   EXPECT_EQ(bench.mechanics.checks().wall_reaction, 0.0);
+
   const auto most_outwards = [&](bool within) {
     double most = -1.0;
     for (const auto& patch : bench.slab.mesh().patches) {
@@ -174,12 +180,14 @@ TYPED_TEST(QuarterSlabOf, AReleasedSideCannotPassTheWall) {
     return most;
   };
   EXPECT_LT(most_outwards(true), -1e-6);
+
   bench.step([](const Vector3&) { return 520.0; });
   EXPECT_LE(most_outwards(true), 1e-9);
   EXPECT_GT(most_outwards(true), -1e-9);
   EXPECT_GT(most_outwards(false), 1e-6) << "below the mould nothing stands in its way";
   EXPECT_GT(bench.mechanics.checks().wall_reaction, 1.0);
   EXPECT_EQ(bench.state.contact.size(), bench.mechanics.bottom_nodes().size());
+
   bench.step([](const Vector3&) { return 495.0; });
   EXPECT_LT(most_outwards(true), -1e-6);
 }
@@ -216,6 +224,7 @@ TYPED_TEST(QuarterSlabOf, GrowthKeepsElasticStrain) {
   }
   const auto* side = bench.slab.mesh().find("side_y_2");
   ASSERT_NE(side, nullptr);
+
   for (int n : mesh::patch_nodes(*side)) {
     if (n < old_nodes || std::abs(bench.place(n)[0] - 0.2) < 1e-9) continue;
     EXPECT_NEAR(bench.outwards(n, *side), 0.0, 1e-17);

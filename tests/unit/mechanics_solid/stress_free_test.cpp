@@ -55,6 +55,7 @@ TEST(BendingHexahedron, APlateWithAThermalGradientBowsWithoutStress) {
   for (int n : body.box.nodes_on(Face::y_low)) body.fix(n, 1, 0.0);
   body.fix(body.box.node(0, 0, layers / 2), 2, 0.0);
   ASSERT_TRUE(body.step(in_balance(1e-10)).converged);
+
   const int corner = body.box.node(4, 3, layers / 2);
   const double exact = -0.5 * gradient * (2.0 * 2.0 + 1.5 * 1.5);
   // One temperature by layer has the moment of a linear one less by one over the square of the

@@ -86,6 +86,7 @@ TEST(SlabSupports, SidesThatMeetAtASmallAngleHoldAlongTheirMeanNormal) {
   EXPECT_EQ(held.frame_of.count(held.node_at(0.0, 0.2)), 0u);
   EXPECT_EQ(held.held_at(0.0, 0.2).size(), 2u);
   EXPECT_EQ(held.held_at(0.5, 0.2 - 0.2 * slope).size(), 2u) << "the corner is held both ways";
+
   for (const auto& [node, frame] : held.frame_of) {
     for (std::size_t a = 0; a < 3; ++a) {
       for (std::size_t b = 0; b < 3; ++b) {

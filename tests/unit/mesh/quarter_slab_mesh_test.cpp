@@ -180,6 +180,7 @@ TEST(RoundedCorner, TouchesBothFacesAndStaysOnItsCircle) {
   const CornerArc arc = corner_arc(spec);
   EXPECT_NEAR(arc.on_narrow_face()[0], length, 1e-12);
   EXPECT_NEAR(arc.on_wide_face()[1], spec.half_thickness(arc.on_wide_face()[0]), 1e-12);
+
   const Base<3> plan = base_of<3>(spec);
   int on_arc = 0;
   for (const auto& wall : plan.walls) {

@@ -83,8 +83,10 @@ TEST(RowMerging, AMergedMeshIsTheMeshOfItsRows) {
     EXPECT_NEAR(rows_at(spec, slab.level()), slab.rows(), 2) << i;
   }
   EXPECT_GT(merged_rows, 20);
+
   const auto& rows = slab.row_heights();
   EXPECT_NEAR(rows[6] - rows[5], 0.02, 1e-12) << "above the initial rows, of which one has grown";
+
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const double cell = rows[i] - rows[i - 1];
     EXPECT_LE(cell, 0.02 + 1e-12);

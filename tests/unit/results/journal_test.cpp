@@ -33,6 +33,7 @@ TEST(Journal, ReturnsWhatWasAppended) {
   journal.write();
   journal.sync();
   const auto records = records_of(folder / "j");
+
   ASSERT_EQ(records.size(), 3u);
   EXPECT_EQ(records[0].kind, RecordKind::header);
   EXPECT_EQ(records[1].kind, RecordKind::frame);
@@ -54,6 +55,7 @@ TEST(Journal, GoesOnBehindTheByteItIsCutAt) {
     journal.write();
   }
   const auto records = records_of(folder / "j");
+
   ASSERT_EQ(records.size(), 3u);
   EXPECT_EQ(records[1].content.integer("step"), 2);
   EXPECT_EQ(records[2].kind, RecordKind::frame);

@@ -96,6 +96,7 @@ TEST(ResultWriter, DropsWhatCameAfterTheCheckpoint) {
   }
   auto resumed = ResultWriter::resume(files, sample_steps(3), 4);
   ASSERT_TRUE(resumed.writer) << resumed.reason;
+
   resumed.writer->publish({});
   const ResultReader reader(folder / "r.h5");
   EXPECT_EQ(reader.history().size(), 3u);
@@ -118,8 +119,10 @@ TEST(ResultWriter, DoesNotResumeWithoutARecordTheCheckpointCounts) {
   }
   const auto checkpoint = read_checkpoint(folder / "c");
   const std::int64_t records = checkpoint.content->integer(journal_records);
+
   EXPECT_EQ(records, 2);  // header, frame
   EXPECT_TRUE(ResultWriter::resume(files, sample_steps(1), records).writer);
+
   std::filesystem::resize_file(folder / "j", before_the_frame);
   EXPECT_EQ(ResultWriter::resume(files, sample_steps(1), records).reason,
             "the journal has lost a record");
@@ -183,6 +186,7 @@ TEST(ResultWriter, KilledAndResumedGivesTheSameBytes) {
   const TemporaryFolder broken;
   std::mt19937 random(7);
   int kills = 0;
+
   // The longest life grows, so that the end, which is made in one go, is reached on any machine.
   while (!run_and_kill(broken, std::uniform_int_distribution(500, 20000 + 10000 * kills)(random)))
     ASSERT_LT(++kills, 500) << "the run makes no headway";

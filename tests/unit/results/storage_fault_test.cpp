@@ -64,8 +64,10 @@ TEST(FullDisk, IsReportedByTheResultFileWhichDoesNotAppear) {
   const auto publish = [&] {
     ResultWriter::resume(files, {sample_step(19)}, 21).writer->publish({});
   };
+
   EXPECT_EQ(outcome_with_limit(20000, publish), told);
   EXPECT_FALSE(std::filesystem::exists(folder / "r.h5"));
+
   publish();  // the disk has room again: nothing is lost
   EXPECT_TRUE(std::filesystem::exists(folder / "r.h5"));
 }

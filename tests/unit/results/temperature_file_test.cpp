@@ -41,8 +41,10 @@ TEST(TemperatureFile, IsLinearInTimeAndConstantOutside) {
   TemperatureFile{}.write(folder / "t.h5");
   Faults faults;
   const auto history = read_temperature_file(folder / "t.h5", 2, faults);
+
   ASSERT_TRUE(history);
   EXPECT_TRUE(faults.empty());
+
   std::vector<double> at;
   const auto temperatures_at = [&](double time) {
     history->at(time, at);

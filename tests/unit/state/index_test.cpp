@@ -111,6 +111,7 @@ TEST_F(IndexTest, ARequestInAStoreOfAnEarlierVersionGoesIntoTheFolder) {
           "ALTER TABLE job ADD COLUMN wish_reason TEXT NOT NULL DEFAULT 'later';"
           "PRAGMA user_version = 6");
   EXPECT_EQ(open_store(folder_)->ids(), std::set<std::string>{id});
+
   const auto request = jobs::read_request(folder_.jobs() / id);
   ASSERT_TRUE(request);
   EXPECT_EQ(request->action, jobs::RequestedAction::pause);
@@ -130,6 +131,7 @@ TEST_F(IndexTest, AnAttachmentThatIsDamagedIsReported) {
   index_job(*store_, of_job);
   std::ostringstream said;
   EXPECT_EQ(check(folder_, {.deep = true}, said), 0) << said.str();
+
   storage::replace_file(of_job / jobs::attachments_folder / "mesh", "abd");
   EXPECT_EQ(check(folder_, {.deep = true}, said), 1) << said.str();
 }
@@ -174,10 +176,12 @@ TEST_F(IndexTest, TakesStateTimesAttemptsAndEndFromTheLog) {
   append_state(failed, v1::FAILED);
   append_state(succeeded, v1::SUCCEEDED);
   const v1::Job of_failed = indexed(failed);
+
   EXPECT_EQ(of_failed.state(), v1::FAILED);
   EXPECT_EQ(of_failed.attempts(), 2);
   EXPECT_EQ(of_failed.failure().message(), "did not converge");
   EXPECT_TRUE(of_failed.has_start_time() && of_failed.has_end_time());
+
   const v1::Job of_succeeded = indexed(succeeded);
   EXPECT_EQ(of_succeeded.state(), v1::SUCCEEDED);
   EXPECT_EQ(of_succeeded.artifacts(0).name(), "results.h5");
@@ -194,12 +198,15 @@ TEST_F(IndexTest, RefusesWhatItCannotKnowWithTheReason) {
   };
   add_job("taken");
   EXPECT_NE(reason(add_job("taken", false)).find("belongs to job"), std::string::npos);
+
   const std::string old = add_job("", false);
   fs::remove(folder_.jobs() / old / jobs::description_file);
   EXPECT_NE(reason(old).find("earlier version"), std::string::npos);
+
   const std::string renamed = values::random_uuid();
   fs::rename(folder_.jobs() / add_job("", false), folder_.jobs() / renamed);
   EXPECT_NE(reason(renamed).find("another job"), std::string::npos);
+
   const std::string silent = add_job("", false);
   fs::remove(folder_.jobs() / silent / "events.log");
   storage::create_durably(folder_.jobs() / silent / "results.h5", "results");

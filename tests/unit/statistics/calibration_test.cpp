@@ -72,6 +72,7 @@ TEST(Calibration, IntervalsHoldHiddenValuesNineTimesOfTen) {
     EXPECT_NEAR(width(drawn.inputs.col(2)), 0.9, 0.06);  // stays as it was
     EXPECT_GE(fixed_combinations(drawn.inputs), 2);
   }
+
   EXPECT_GE(held, 2 * castings * 8 / 10);
   EXPECT_GE(noises, castings * 8 / 10);
 }
@@ -133,11 +134,14 @@ TEST(Calibration, ShowsWhatCannotBeSeparated) {
   Readings curve = measured(noisy(product(truth).front().row(0).transpose(), random));
   curve.noise = noise;
   const auto drawn = calibrated(curve, 0.0, product);
+
   EXPECT_LT(correlations(drawn.inputs)(0, 1), -0.7);
   EXPECT_NEAR(correlations(drawn.inputs)(0, 2), 0.0, 0.15);
   EXPECT_EQ(fixed_combinations(drawn.inputs.leftCols(2)), 1);
+
   const auto ridge = draws_along_ridge(drawn.inputs.leftCols(2), {0.05, 0.95});
   EXPECT_GT(std::abs(drawn.inputs(ridge[0], 0) - drawn.inputs(ridge[1], 0)), 0.5);
+
   const Eigen::Index central = central_draw(drawn.inputs);
   for (int input = 0; input < 3; ++input) EXPECT_NEAR(drawn.inputs(central, input), 0.5, 0.2);
 }

@@ -75,6 +75,7 @@ TEST(Posterior, FollowsACurvedRidge) {
     norm += density;
     square += x * x * density;
   }
+
   EXPECT_NEAR(drawn.places.col(0).array().square().mean(), square / norm, 0.06);
   EXPECT_NEAR(drawn.places.col(0).mean(), 0.0, 0.08);
 }

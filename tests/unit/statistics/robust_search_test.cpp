@@ -106,8 +106,10 @@ TEST(RobustSearch, TheFrontIsTheKnownOne) {
     for (const ScoredDesign& other : front) EXPECT_FALSE(dominates(other.score, one.score));
   }
   EXPECT_TRUE(std::ranges::is_sorted(front, {}, [](const auto& one) { return one.score.risk; }));
+
   const auto again = pareto_front(problem(), 256, 1);
   ASSERT_EQ(again.size(), front.size());
+
   for (std::size_t i = 0; i < front.size(); ++i) EXPECT_EQ(again[i].design, front[i].design);
 }
 
@@ -144,6 +146,7 @@ TEST(RobustSearch, AWrongModelIsCorrectedOnTheMeanAndTheErrorCoversTheTruth) {
     mean += share.value / repeats;
     covered += std::abs(share.value - truth) <= 2.0 * share.error ? 1 : 0;
   }
+
   EXPECT_NEAR(mean, truth, 0.015);
   EXPECT_GT(covered, 0.9 * repeats);
   EXPECT_EQ(corrected_share(0.25, {}, {}).value, 0.25);
@@ -169,8 +172,10 @@ TEST(RobustSearch, SurfacesOfRunsFindTheKnownShare) {
                     value.left_out_errors().norm() / std::sqrt(80.0)};
   };
   const ScoredDesign best = pareto_front(surfaces, 64, 1).front();
+
   EXPECT_GT(best.design(1), 0.5);
   EXPECT_NEAR(best.design(0), 0.5, 0.03);
+
   // At a design that is not safe, with some castings that are looked at.
   const Eigen::RowVector2d design(0.56, 0.9);
   const Eigen::MatrixXd looked_at = hypercube(16, 1, 9);

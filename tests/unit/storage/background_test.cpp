@@ -45,6 +45,7 @@ TEST(Background, ATaskWithoutAThreadIsNotWaitedFor) {
   pthread_attr_t usual, larger;  // than the stacks that are left of other threads
   ASSERT_EQ(::pthread_getattr_default_np(&usual), 0);
   ASSERT_EQ(::pthread_getattr_default_np(&larger), 0);
+
   ::pthread_attr_setstacksize(&larger, std::size_t{64} << 20);
   ::pthread_setattr_default_np(&larger);
   rlimit before{};
@@ -54,10 +55,12 @@ TEST(Background, ATaskWithoutAThreadIsNotWaitedFor) {
   const rlimit none{.rlim_cur = 1, .rlim_max = before.rlim_max};
   ::setrlimit(RLIMIT_AS, &none);
   EXPECT_THROW(background.post([&done] { done = true; }), std::system_error);
+
   ::setrlimit(RLIMIT_AS, &before);
   ::pthread_setattr_default_np(&usual);
   background.wait();
   EXPECT_FALSE(done);
+
   background.post([&done] { done = true; });
   background.wait();
   EXPECT_TRUE(done);
@@ -86,8 +89,10 @@ TEST(Background, TellsOfAFailureOnceAndDropsWhatFollowed) {
   });
   background.post([&followed] { followed = true; });
   both_posted.set_value();
+
   EXPECT_THROW(background.wait(), std::runtime_error);
   EXPECT_FALSE(followed);
+
   background.post([&followed] { followed = true; });
   background.wait();
   EXPECT_TRUE(followed);

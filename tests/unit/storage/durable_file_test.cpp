@@ -85,6 +85,7 @@ TEST(File, IsNoLinkAndNoFolder) {
   fs::create_symlink("elsewhere", folder / "link");
   fs::create_symlink("nowhere", folder / "dangling");
   fs::create_directory(folder / "folder");
+
   for (const int flags : {O_RDONLY, O_RDWR, O_WRONLY | O_CREAT | O_TRUNC}) {
     EXPECT_NE(refusal_of(folder / "link", flags).find("is a symbolic link, not a regular file"),
               std::string::npos);

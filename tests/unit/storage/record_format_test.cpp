@@ -71,12 +71,15 @@ TEST_P(RecordFormats, ReadAFileRecordByRecord) {
   const File file(folder / "f", O_RDONLY);
   FileWindow window(file);
   const auto first = format.at(window, 4);
+
   ASSERT_TRUE(first);
   EXPECT_EQ(first->payload, "step 7");
+
   const std::int64_t behind = 4 + first->size;
   const auto second = format.at(window, behind);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->payload, large);
+
   const std::int64_t end = behind + second->size;
   EXPECT_FALSE(format.at(window, end));
   EXPECT_FALSE(format.at(window, end + 4));

@@ -40,6 +40,7 @@ TEST(RecordLog, StaysAsItWasWhenAWriteFails) {
   small.rlim_cur = 5;  // a part of the next record fits
   ::setrlimit(RLIMIT_FSIZE, &small);
   EXPECT_THROW(log.append("two"), StorageError);
+
   ::setrlimit(RLIMIT_FSIZE, &before);
   EXPECT_EQ(read_file(folder / "log"), "one");
   EXPECT_EQ(log.append("three"), 3);

@@ -51,6 +51,7 @@ TEST(CurlSurface, PredictsCurvesItHasNotSeenWithinWhatItSays) {
   const CurlSurface surface = surface_of(30);
   EXPECT_EQ(surface.runs(), 30);
   EXPECT_LT(surface.cross_validated_error_m(), 0.05e-3);
+
   int inside = 0, asked = 0;
   double square = 0.0;
   const Eigen::MatrixXd unseen = statistics::hypercube(50, 2, 77);

@@ -140,6 +140,7 @@ TEST(RefinementStudy, TheOrderDoesNotDependOnHowManyStepsThereAre) {
     few.push_back(1.0 + i);
     many.push_back(1.0 + i);
   }
+
   EXPECT_NEAR(order_on(few), order_on(many), 0.02);
   EXPECT_NEAR(order_on(many), 1.0, 0.05);
 }

@@ -103,6 +103,7 @@ TEST(CalibrationOf, FindsHiddenValuesAndSaysThemAsInACaseFile) {
   EXPECT_EQ(calibration.fixed(), 2);
   EXPECT_FALSE(calibration.has_mesh_error());  // not known for such a case
   ASSERT_EQ(calibration.curves_size(), 1);
+
   const auto& curve = calibration.curves(0);
   EXPECT_EQ(curve.readings(), 20);
   EXPECT_LT(curve.off_after(), 0.6e-3);
@@ -192,6 +193,7 @@ TEST(CalibrationOf, TakesTemperaturesAndSeveralCastings) {
   }
   const auto calibration =
       calibration_of({casting_of(measured(0.3, 0.6)), casting_of(thermocouple)});
+
   ASSERT_EQ(calibration.curves_size(), 2);
   EXPECT_EQ(calibration.curves(1).casting(), 1);
   EXPECT_EQ(calibration.curves(1).noise().median(), 2.0);
@@ -211,13 +213,16 @@ TEST(CalibrationOf, SaysWhatIsMissing) {
     return {};
   };
   EXPECT_THAT(reason({casting_of(measured(0.3, 0.6), 4)}), HasSubstr("needs 5 valid runs"));
+
   MeasuredCasting other = casting_of(measured(0.3, 0.6));
   other.request.mutable_sweep()->mutable_axes(0)->set_values(0, "650 degC");
   EXPECT_THAT(reason({casting_of(measured(0.3, 0.6)), other}), HasSubstr("different free keys"));
+
   MeasuredCasting late = casting_of(measured(0.3, 0.6));
   for (double& time_s : *late.request.mutable_sweep()->mutable_measured(0)->mutable_time_s())
     time_s += 1000.0;
   EXPECT_THAT(reason({late}), HasSubstr("no reading within the computed time"));
+
   MeasuredCasting lost = casting_of(measured(0.3, 0.6));
   for (EvaluatedRun& run : lost.runs) run.history.temperature_c.clear();
   auto& curve = *lost.request.mutable_sweep()->mutable_measured(0);

@@ -75,6 +75,7 @@ TEST(MouldPlan, TheNextRunCorrectsTheOpeningAndTakesTheMonitorsOfTheFaceAlong) {
   ASSERT_TRUE(next);
   EXPECT_EQ(next->key, plan->key(1));
   EXPECT_EQ(next->name, "run 2");
+
   const v1::Curve& opening = next->description.section().half_thickness_m();
   ASSERT_EQ(opening.value_size(), 4);
   EXPECT_NEAR(opening.value(0), wanted + 0.019, 1e-3);
@@ -105,6 +106,7 @@ TEST(MouldPlan, EndsWithinTheToleranceAndTellsTheBestRun) {
   std::vector<EvaluatedRun> runs{cast_in(plan->run(0).description)};
   runs.push_back(cast_in(plan->next(1, runs)->description));
   EXPECT_FALSE(plan->next(2, runs));
+
   v1::StudyResult result;
   plan->evaluate(runs, result);
   EXPECT_TRUE(result.mould().within_tolerance());
@@ -112,10 +114,12 @@ TEST(MouldPlan, EndsWithinTheToleranceAndTellsTheBestRun) {
   EXPECT_EQ(result.mould().x_m_size(), 4);
   EXPECT_EQ(result.mould().half_opening_m_size(), 4);
   EXPECT_EQ(result.mould().profile_m_size(), 12);
+
   runs.pop_back();
   v1::StudyResult first_only;
   plan->evaluate(runs, first_only);
   EXPECT_FALSE(first_only.mould().within_tolerance());
+
   v1::StudyResult nothing;
   plan->evaluate({EvaluatedRun{}}, nothing);
   EXPECT_FALSE(nothing.has_mould());
@@ -132,17 +136,21 @@ TEST(MouldPlan, WithoutAWantedThicknessTheMouldsNarrowEndIsTaken) {
 
 TEST(MouldPlan, RefusesWhatHasNoMouldToDesign) {
   EXPECT_EQ(fields_of(mould_study()), "");
+
   auto request = mould_study();
   request.mutable_mould()->set_tolerance_m(0.0);
   request.mutable_mould()->set_maximum_runs(1);
   request.mutable_mould()->set_wanted_half_thickness_m(-1.0);
   EXPECT_EQ(fields_of(request), "mould.tolerance mould.maximum_runs mould.wanted_half_thickness ");
+
   request = mould_study();
   request.mutable_case_()->mutable_section()->set_kind(v1::Section::PLANE_STRAIN);
   EXPECT_EQ(fields_of(request), "section.kind ");
+
   request = mould_study();
   request.mutable_case_()->mutable_section()->clear_half_thickness_m();
   EXPECT_EQ(fields_of(request), "section.half_thickness ");
+
   request = mould_study();
   request.mutable_case_()->mutable_mesh()->set_growth(false);
   request.mutable_case_()->mutable_mesh()->set_file("slab.msh");

@@ -122,6 +122,7 @@ TEST(RecipePlan, FindsTheRecipeThatIsSafeAndInside) {
   const auto plan = study_plan(request());
   EXPECT_EQ(plan->runs(), 62);
   EXPECT_EQ(plan->most_runs(), 62 + 18 + 3 + 18);
+
   const auto found = found_in(*plan, cast_all(*plan));
   EXPECT_THAT(found.fault(), IsEmpty());
   EXPECT_EQ(found.monitor(), "corner");
@@ -129,6 +130,7 @@ TEST(RecipePlan, FindsTheRecipeThatIsSafeAndInside) {
   EXPECT_LT(found.surface_error_m(), 1e-3);
   ASSERT_GT(found.front_size(), 0);
   ASSERT_GE(found.chosen(), 0);
+
   const auto& chosen = found.front(found.chosen());
   // 1.1 (40 + 2 (40 - v)) = 40: v = 41.8; the metal makes 5.5 mm to both sides, a tenth of it lost.
   EXPECT_NEAR(chosen.numbers(0) / mm_per_min, 41.8, 1.0);
@@ -167,14 +169,17 @@ TEST(RecipePlan, TheSameRequestMakesTheSameRunsWhoeverAsks) {
   const auto plan = study_plan(request()), again = study_plan(request());
   const auto found = found_in(*plan, cast_all(*plan, &first));
   cast_all(*again, &second);
+
   ASSERT_EQ(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_EQ(first[i].key, second[i].key);
     EXPECT_EQ(first[i].description.SerializeAsString(), second[i].description.SerializeAsString());
   }
+
   // A daemon that comes back has the runs and none of what was found before.
   const auto restarted = study_plan(request());
   EXPECT_EQ(found_in(*restarted, cast_all(*plan)).SerializeAsString(), found.SerializeAsString());
+
   auto other = request();
   other.mutable_recipe()->set_seed(2);
   EXPECT_NE(study_plan(other)->run(2).description.SerializeAsString(),
@@ -186,6 +191,7 @@ TEST(RecipePlan, CandidatesWaitForTheRunsTheyRestOn) {
   EXPECT_EQ(plan->rests_on(plan->runs()), plan->runs());
   EXPECT_EQ(plan->rests_on(plan->runs() + 17), plan->runs());
   EXPECT_EQ(plan->rests_on(plan->runs() + 18), plan->runs() + 18);
+
   auto runs = cast_all(*plan);
   runs.resize(static_cast<std::size_t>(plan->runs()));
   runs.back().run.set_state(v1::RUNNING);
@@ -193,9 +199,11 @@ TEST(RecipePlan, CandidatesWaitForTheRunsTheyRestOn) {
   EXPECT_FALSE(fresh->next(fresh->runs(), runs));
   EXPECT_THAT(found_in(*fresh, runs).fault(), HasSubstr("not all ended"));
   EXPECT_TRUE(fresh->outlasts_failures());
+
   runs.back().run.set_state(v1::FAILED);
   runs.back().run.mutable_failure()->set_kind(v1::Failure::WORKER_LOST);
   EXPECT_FALSE(fresh->next(fresh->runs(), runs)) << "once it has run there may be other candidates";
+
   runs.back().run.mutable_failure()->set_kind(v1::Failure::SOLVE_FAILED);
   EXPECT_TRUE(fresh->next(fresh->runs(), runs));
 }
@@ -213,6 +221,7 @@ TEST(RecipePlan, WithoutValidDraftsThereIsNoRecipe) {
 
 TEST(RecipePlan, FaultsNameWhatIsWrong) {
   EXPECT_EQ(fields_of(request()), "");
+
   auto faulty = request();
   v1::RecipePlan& plan = *faulty.mutable_recipe();
   plan.mutable_numbers(0)->set_name("speed");
@@ -223,6 +232,7 @@ TEST(RecipePlan, FaultsNameWhatIsWrong) {
   EXPECT_EQ(
       fields_of(faulty),
       "recipe.numbers recipe.speed_run recipe.band recipe.greatest_speed_rate recipe.drafts ");
+
   auto unknown = request();
   unknown.mutable_recipe()->mutable_data(0)->set_key("schedule.casting_temperatur.offset");
   EXPECT_THAT(fields_of(unknown), HasSubstr("schedule"));

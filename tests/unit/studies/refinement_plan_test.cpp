@@ -69,6 +69,7 @@ TEST(RefinementPlan, OneRunSaysNothingAndALostOneLeavesTheRest) {
   v1::StudyResult one;
   plan->evaluate({run_with(1, 1.0)}, one);
   EXPECT_EQ(one.limits_size(), 0);
+
   EvaluatedRun failed = run_with(4, 7.0);
   failed.run.set_state(v1::FAILED);
   v1::StudyResult two;

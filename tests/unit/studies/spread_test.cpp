@@ -29,6 +29,7 @@ TEST(Spread, HasTheQuantilesAndSharesOfALinearFunction) {
   ASSERT_EQ(spread.time_s_size(), 2);
   EXPECT_NEAR(spread.median_m(0), 24e-3, 0.1e-3);
   EXPECT_NEAR(spread.median_m(1), 28e-3, 0.1e-3);
+
   // Of 6 x + 2 y: the 5 % quantile q has q^2 / (2 6 2) = 0.05.
   const double low = std::sqrt(0.05 * 24.0);
   EXPECT_NEAR(spread.low_m(0), (20.0 + low) * 1e-3, 0.1e-3);

@@ -66,6 +66,7 @@ TEST_F(StudyStoreTest, KeepsWhatAStudyIs) {
   const StudyRecord record = study();
   EXPECT_TRUE(store_.insert(record, three_runs()));
   EXPECT_FALSE(store_.insert(study(), three_runs()));  // the same request_id
+
   StudyStore again(folder_.path() / "jobs.sqlite");
   const auto found = again.find(record.id);
   ASSERT_TRUE(found);
@@ -99,20 +100,25 @@ TEST_F(StudyStoreTest, SaysWhatIsToBeQueued) {
   store_.insert(first, three_runs());
   EXPECT_EQ(store_.to_feed(), (std::vector{first.id, second.id}));
   EXPECT_EQ(store_.next_to_queue(first.id)->number, 0);
+
   give_job(first.id, 0, job(v1::QUEUED, first.id));
   EXPECT_EQ(store_.next_to_queue(first.id)->number, 1);
+
   store_.refuse(first.id, 1, {}, 3000);
   store_.cancel_waiting(first.id, 3500);
   EXPECT_EQ(store_.to_feed(), std::vector{second.id});
+
   const RunCounts counts = store_.counts(first.id);
   EXPECT_EQ(counts.of(v1::FAILED), 1);
   EXPECT_EQ(counts.of(v1::CANCELLED), 1);
   EXPECT_EQ(counts.waiting, 1);
   EXPECT_EQ(store_.find(first.id)->changed_ms, 3500);
+
   RunRecord late;
   late.number = 2;
   late.job = "x";
   EXPECT_FALSE(store_.set_job(first.id, late));  // cancelled meanwhile
+
   store_.queue_again(first.id, {{.number = 2, .failure = {}}});
   EXPECT_EQ(store_.next_to_queue(first.id)->number, 2);
 }
@@ -142,6 +148,7 @@ TEST_F(StudyStoreTest, ListsNewestFirstPageByPage) {
   const auto first = store_.list({.size = 2});
   ASSERT_EQ(first.size(), 2u);
   EXPECT_EQ(first[1].id, ids[1]);
+
   const auto second =
       store_.list({.before_ms = first[1].created_ms, .before_id = first[1].id, .size = 10});
   ASSERT_EQ(second.size(), 3u);
@@ -152,16 +159,19 @@ TEST_F(StudyStoreTest, AFileSaysWhatTheRowSays) {
   const StudyRecord record = study();
   write_study_file(folder_.path(), record);
   EXPECT_EQ(ids_of_study_files(folder_.path()), std::set{record.id});
+
   const StudyRecord read = read_study_file(folder_.path(), record.id);
   EXPECT_TRUE(MessageDifferencer::Equals(read.request, record.request));
   EXPECT_EQ(read.case_sha256, record.case_sha256);
   EXPECT_EQ(read.created_ms, record.created_ms);
+
   {
     std::fstream file(study_file(folder_.path(), record.id), std::ios::in | std::ios::out);
     file.seekp(40);
     file.put('\xff');
   }
   EXPECT_THROW(read_study_file(folder_.path(), record.id), std::runtime_error);
+
   remove_study_file(folder_.path(), record.id);
   EXPECT_THROW(read_study_file(folder_.path(), record.id), std::runtime_error);
 }

@@ -43,8 +43,10 @@ TEST(SweepPlan, AGridHasEveryValueWithEveryOther) {
       v1::SweepPlan::GRID,
       {{"schedule.casting_speed", "40 mm/min", "60 mm/min"}, {"mesh.rows", "10", "20", "30"}});
   ASSERT_TRUE(plan_faults(request).empty());
+
   const auto plan = study_plan(request);
   ASSERT_EQ(plan->runs(), 6);
+
   const PlannedRun last = plan->run(5), second = plan->run(1);
   EXPECT_EQ(last.description.mesh().rows(), 30);
   EXPECT_EQ(second.description.mesh().rows(), 20);
@@ -52,6 +54,7 @@ TEST(SweepPlan, AGridHasEveryValueWithEveryOther) {
   EXPECT_EQ(last.description.section().half_width_m(), 0.25);
   EXPECT_EQ(last.key, "6");
   EXPECT_EQ(last.name, "run 6 (schedule.casting_speed = 60 mm/min, mesh.rows = 30)");
+
   v1::StudyRun run;
   plan->describe(1, run);
   EXPECT_THAT(run.values(), ElementsAre("40 mm/min", "20"));
@@ -74,6 +77,7 @@ TEST(SweepPlan, EveryRunHasTheErrorOfItsOwnMeshAndSteps) {
       errors(sweep_of(v1::SweepPlan::GRID, {{"schedule.casting_speed", "40 mm/min", "60 mm/min"}}));
   EXPECT_GT(speeds[0], 0.0);
   EXPECT_EQ(speeds[1], speeds[0]);
+
   const auto qualities =
       errors(sweep_of(v1::SweepPlan::LIST, {{"quality", "draft", "engineering"}}));
   EXPECT_GT(qualities[0], qualities[1]);
@@ -100,8 +104,10 @@ TEST(SweepPlan, ALatinHypercubeHasOnePlaceInEachPartOfEachAxis) {
       v1::SweepPlan::LATIN_HYPERCUBE,
       {{"schedule.casting_speed", "40 mm/min", "1.5 mm/s"}, {"mesh.rows", "10", "49"}}, 20);
   ASSERT_TRUE(plan_faults(request).empty());
+
   const auto values = values_of(request);
   ASSERT_EQ(values.size(), 20u);
+
   std::set<int> parts;
   for (const auto& run : values) {
     const double speed = number_of(request.case_(), "schedule.casting_speed", run[0]);
@@ -113,6 +119,7 @@ TEST(SweepPlan, ALatinHypercubeHasOnePlaceInEachPartOfEachAxis) {
   }
   EXPECT_EQ(parts.size(), 20u);
   EXPECT_EQ(values_of(request), values);
+
   auto other = request;
   other.mutable_sweep()->set_seed(7);
   EXPECT_NE(values_of(other), values);
@@ -123,6 +130,7 @@ TEST(SweepPlan, EndsMoveOneKeyAtATime) {
                           {{"schedule.hold.scale", "0.9", "1.1"}, {"mesh.rows", "10", "30"}});
   request.mutable_case_()->mutable_schedule()->set_hold_s(60.0);
   ASSERT_TRUE(plan_faults(request).empty());
+
   const auto plan = study_plan(request);
   ASSERT_EQ(plan->runs(), 5);
   EXPECT_EQ(plan->run(0).name, "run 1 (the case itself)");
@@ -131,6 +139,7 @@ TEST(SweepPlan, EndsMoveOneKeyAtATime) {
   EXPECT_FALSE(plan->run(2).description.mesh().has_rows());
   EXPECT_EQ(plan->run(3).name, "run 4 (mesh.rows = 10)");
   EXPECT_DOUBLE_EQ(plan->run(3).description.schedule().hold_s(), 60.0);
+
   v1::StudyRun run;
   plan->describe(3, run);
   EXPECT_THAT(run.values(), ElementsAre("", "10"));

@@ -91,6 +91,7 @@ TEST(BlockColumns, TakesTheHeatOfTheSlab) {
     bottom += outcome.balance.bottom;
   }
   before = 80.0 * 2.6e6 * 0.15 * 0.28;
+
   EXPECT_NEAR(block_heat() - before, bottom, 1e-9 * bottom);
   EXPECT_GT(field.block_temperature.front(), 100.0);
 }

@@ -103,16 +103,19 @@ TEST(Valve, PulsesFromTheStartToTheirEnd) {
   EXPECT_TRUE(is_open(water, 2.1));
   EXPECT_TRUE(is_open(water, 500.0));
   EXPECT_EQ(valve_changes(water, 60.0), std::vector<double>{2.0});
+
   water.pulse_period = 4.0;
   water.pulse_share = 0.25;
   water.pulse_end = 13.0;
   for (const double open : {2.5, 6.5, 10.5, 13.5, 15.0}) EXPECT_TRUE(is_open(water, open)) << open;
   for (const double closed : {1.0, 3.5, 5.5, 7.5, 12.5})
     EXPECT_FALSE(is_open(water, closed)) << closed;
+
   auto changes = valve_changes(water, 60.0);
   std::sort(changes.begin(), changes.end());
   EXPECT_EQ(changes, (std::vector<double>{2, 2, 3, 6, 7, 10, 11, 13}));
   EXPECT_EQ(valve_changes(water, 60.0, 3), std::vector<double>{2.0});
+
   water.enabled = false;
   EXPECT_FALSE(is_open(water, 2.5));
   EXPECT_TRUE(valve_changes(water, 60.0).empty());
@@ -227,6 +230,7 @@ TEST_F(StartUp, WettingIsPartOfTheState) {
   input.casting_temperature = 680.0;
   input.water_flow = start_flow;
   const double wet_side = used.step(field, input).balance.side;
+
   EXPECT_GT(wet_side, 2.0 * used.step(dry, input).balance.side);
   EXPECT_GT(fresh.step(resumed, input).balance.side, 0.0);
   EXPECT_EQ(field.enthalpy, resumed.enthalpy);

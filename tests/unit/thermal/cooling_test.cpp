@@ -119,17 +119,21 @@ TEST(BottomBlock, GoesFromContactThroughTheGap) {
   block.contact_coefficient = {Abscissa::time, {10, 40}, {2000, 500}};
   block.gap_coefficient = {Abscissa::gap, {0.2e-3, 5e-3, 5.5e-3}, {100, 100, 1000}};
   block.temperature = Curve(80.0);
+
   EXPECT_DOUBLE_EQ(bottom_coefficient(block, 0.0, 0.0), 2000.0);
   EXPECT_DOUBLE_EQ(bottom_coefficient(block, 25.0, -1e-6), 1250.0);
   EXPECT_DOUBLE_EQ(bottom_coefficient(block, 100.0, 0.1e-3), 300.0);
   EXPECT_DOUBLE_EQ(bottom_coefficient(block, 100.0, 1e-3), 100.0);
   EXPECT_NEAR(bottom_coefficient(block, 100.0, 5.25e-3), 550.0, 1e-9);
   EXPECT_DOUBLE_EQ(bottom_coefficient(block, 100.0, 1.0), 1000.0);
+
   BottomPlace place{.coefficient = 2000.0, .block = 80.0};
   EXPECT_DOUBLE_EQ(bottom_flux(block, place, {580.0, 0.0}).slab.flux, 2000.0 * 500.0);
+
   block.temperature_factor = {Abscissa::temperature, {300, 600}, {0.5, 1.0}};
   EXPECT_DOUBLE_EQ(bottom_flux(block, place, {450.0, 0.0}).slab.flux, 1500.0 * 370.0);
   EXPECT_DOUBLE_EQ(bottom_flux(block, place, {450.0, 0.0}).into_block, 1500.0 * 370.0);
+
   for (const double compliance : {0.0, 3e-4}) {
     place.compliance = compliance;
     place.wet_coefficient = 700.0;

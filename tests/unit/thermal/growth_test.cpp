@@ -44,6 +44,7 @@ TEST_P(Growth, HeatRisesByTheMetalThatEnters) {
   bool new_pattern = false;
   const MetalEntry entry = forms->follow_growth(slab.nodes_per_row(), 2.9e9, enthalpy, new_pattern);
   const double face = kind == SectionKind::axisymmetric ? 0.5 * 0.28 * 0.28 : 0.28;
+
   ASSERT_EQ(enthalpy.size(), std::size_t(slab.mesh().nodes()));
   // Two sums of some hundred terms in different orders: their rounding is a few units in the last
   // place.

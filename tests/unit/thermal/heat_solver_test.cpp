@@ -69,11 +69,13 @@ TEST_P(GrowingCasting, ConvergesAndConservesEnergyInEveryStep) {
   RecordProperty("worst_balance", std::to_string(casting.worst_balance));
   EXPECT_TRUE(casting.converged);
   EXPECT_LT(casting.worst_balance, 1e-10);
+
   const auto [coldest, hottest] =
       std::minmax_element(casting.field.temperature.begin(), casting.field.temperature.end());
   EXPECT_GT(*coldest, 25.0);
   EXPECT_LE(*hottest, 680.0 + 1e-9);  // maximum principle
   EXPECT_LT(*coldest, 200.0);         // the water was there
+
   std::printf("  %d steps, %.2f iterations each, at most %d, balance %.1e\n", casting.steps,
               double(casting.iterations) / casting.steps, casting.most_iterations,
               casting.worst_balance);
@@ -124,6 +126,7 @@ TEST(HeatSolver, TheLevelLosesHeatToTheAir) {
   HeatField field = solver.uniform_field(680.0);
   const HeatStepOutcome outcome =
       solver.step(field, {.time = 0.01, .time_step = 0.01, .metal_level = 0.1});
+
   EXPECT_NEAR(outcome.balance.top, -0.01 * 15.0 * 0.28 * (680.0 - 25.0), 0.1);
   EXPECT_NEAR(outcome.balance.top, outcome.balance.stored, 1e-6 * -outcome.balance.top);
 }
@@ -189,6 +192,7 @@ TEST(HeatSolver, AStepIsAPureFunctionOfFieldAndInput) {
   const HeatStepInput first{1.0, 1.0, 0.1, 680.0, 3e-3, {}, {}};
   const HeatStepInput second{2.0, 1.0, 0.1, 680.0, 3e-3, {}, {}};
   ASSERT_TRUE(used.step(field, first).converged);
+
   HeatSolver fresh(material::ThermalProperties(casting_alloy()), casting_cooling(),
                    make_heat_forms(slab.mesh(), SectionKind::plane_strain));
   HeatField resumed;
@@ -258,6 +262,7 @@ TEST(HeatSolver, InsulatedBlockWithoutCoolingStaysAsItIs) {
   HeatField field = solver.uniform_field(500.0);
   const HeatStepOutcome outcome = solver.step(field, {1.0, 1.0, 0.1, 680.0, 3e-3, {}, {}});
   EXPECT_TRUE(outcome.converged);
+
   for (const double t : field.temperature) EXPECT_NEAR(t, 500.0, 1e-9);
   EXPECT_EQ(outcome.balance.error, 0.0);
 }

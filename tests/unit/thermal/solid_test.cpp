@@ -247,6 +247,7 @@ TEST_P(SolidCasting, ConservesEnergyInEveryStep) {
   }
   const auto [coldest, hottest] =
       std::minmax_element(field.temperature.begin(), field.temperature.end());
+
   EXPECT_GT(*coldest, 25.0);
   EXPECT_LT(*coldest, 300.0);
   EXPECT_LE(*hottest, 680.0 + 1e-9);
@@ -349,6 +350,7 @@ TEST(SolidWater, FacesHaveTheirOwnFlow) {
     return solver.step(field, input).face_heat_flux;
   };
   const auto same = flux({}), equal = flux(3e-3), dry = flux(0.0);
+
   EXPECT_EQ(same, equal);
   EXPECT_GT(same[1], 3.0 * dry[1]);
   // Only the metal near the edge feels it on the wide face.

@@ -60,6 +60,7 @@ TEST(SideShares, FirstMomentIsExact) {
     moment[share.law] += share.weight * slab.mesh().point(share.node)[1];
   }
   const auto exact = [](double low, double high) { return 0.5 * (high * high - low * low); };
+
   EXPECT_NEAR(moment[law_water], exact(0.0, 0.035), 1e-16);
   EXPECT_NEAR(moment[1], exact(0.035, 0.07), 1e-16);
   EXPECT_NEAR(moment[0], exact(0.07, 0.1), 1e-16);

@@ -38,6 +38,7 @@ TEST(CaseToCore, TakesTheKeysOfAQuarterSlab) {
   from.add_monitor()->set_z_m(0.02);
   from.add_monitor();
   const casting::Case to = to_core(from, "");
+
   EXPECT_EQ(to.section.kind, mesh::SectionKind::quarter_slab);
   EXPECT_EQ(to.section.half_thickness(0.3), 0.285);
   EXPECT_EQ(to.section.layers, 5);
@@ -134,6 +135,7 @@ TEST(CaseToCore, TakesEveryKindOfKey) {
   monitor->set_name("corner");
   monitor->set_x_m(0.25);
   const casting::Case to = to_core(from, "/folder");
+
   EXPECT_EQ(to.section.kind, mesh::SectionKind::axisymmetric);
   EXPECT_EQ(to.section.half_width, 0.25);
   EXPECT_EQ(to.section.element, mesh::ElementKind::q1);
@@ -198,6 +200,7 @@ TEST(CaseToCore, TakesFacesPulsesFactorsAndShifts) {
   schedule.set_water_flow_shift_s(-2.0);
   from.mutable_coupling()->set_deformed_zones(true);
   const casting::Case to = to_core(from, "");
+
   EXPECT_EQ(to.cooling.zones.at(0).face, thermal::Face::narrow);
   EXPECT_FALSE(to.cooling.zones.at(1).face);
   ASSERT_TRUE(to.cooling.narrow_water);

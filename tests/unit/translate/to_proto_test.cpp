@@ -19,6 +19,7 @@ TEST(StepToProto, NamesTheMonitors) {
   report.monitor_temperature = {600.0, std::nan("")};  // the second one is not poured yet
   report.liquid_pressure_error = 7.0;
   const auto to = to_proto(report, {{"centre", 0, 0}, {"corner", 1, 0}});
+
   EXPECT_EQ(to.step(), 3);
   EXPECT_EQ(to.cast_length_m(), 0.5);
   ASSERT_EQ(to.monitors_size(), 2);
@@ -38,6 +39,7 @@ TEST(StepToProto, KeepsHowFarTheSolidMovedAndTheMark) {
   report.bottom_shell = 0.04;
   report.mush_strain = 0.05;
   const auto to = to_proto(report, {});
+
   EXPECT_EQ(to.shell_at_water_line_m(), 0.03);
   EXPECT_EQ(to.bottom_shell_m(), 0.04);
   EXPECT_EQ(to.mush_strain(), 0.05);
@@ -136,6 +138,7 @@ TEST(FindingToProto, KeepsEveryFieldAndWhatIsAbsent) {
   EXPECT_EQ(to.worst().value(), 0.03);
   ASSERT_EQ(to.worst().place_m_size(), 2);
   EXPECT_EQ(to.worst().place_m(1), 0.2);
+
   const auto bare = to_proto(results::Finding{});
   EXPECT_FALSE(bare.has_time_s() || bare.has_value() || bare.has_limit() || bare.has_worst());
 }

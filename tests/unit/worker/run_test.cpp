@@ -74,6 +74,7 @@ TEST_F(JobRunTest, HasTheStepsOfEarlierAttempts) {
   const JobRun again(order_, *claim_);
   std::vector<std::int64_t> numbers;
   for (const v1::StepReport& each : again.steps(10)) numbers.push_back(each.step());
+
   EXPECT_EQ(numbers, (std::vector<std::int64_t>{1, 2, 3}));
   EXPECT_EQ(again.steps(2).size(), 2u);
 }
@@ -105,6 +106,7 @@ TEST_F(JobRunTest, StopsAtACheckpointWhenNoDaemonComes) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   EXPECT_EQ(run.order(), casting::Order::go_on);
+
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (run.order() == casting::Order::go_on && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

@@ -128,6 +128,7 @@ TEST_F(SandboxTest, WithoutAFolderWritesNowhere) {
 TEST_F(SandboxTest, HasNoNetwork) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
+
   const int made_before = ::socket(AF_INET, SOCK_STREAM, 0);
   EXPECT_EQ(status_of_child([&] {
               isolate();
@@ -141,6 +142,7 @@ TEST_F(SandboxTest, HasNoNetwork) {
               MUST(::write(ends[0], "answer", 6) == 6);  // the link to the daemon
             }),
             0);
+
   for (const int each : {ends[0], ends[1], made_before}) ::close(each);
 }
 
