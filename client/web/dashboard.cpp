@@ -47,6 +47,19 @@ Call unary(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Re
   };
 }
 
+/// The same of a call that is often refused for the state of a job or study, such as too few runs:
+/// a page shows the reason in place of the answer, {"refused": reason}.
+Call unless_refused(Call call) {
+  return [call = std::move(call)](Connection& connection, const std::string& body) {
+    try {
+      return call(connection, body);
+    } catch (const CommandFailed& failure) {
+      if (failure.code() != ExitCode::wrong_state) throw;
+      return Json{{"refused", failure.what()}}.dump();
+    }
+  };
+}
+
 /// What pages may call. Whatever else the service can do is not done from a page.
 const std::map<std::string, Call>& calls() {
   static const std::map<std::string, Call> all{
@@ -59,9 +72,9 @@ const std::map<std::string, Call>& calls() {
       {"ListStudies", unary(&Stub::ListStudies)},
       {"GetStudy", unary(&Stub::GetStudy)},
       {"EvaluateStudy", unary(&Stub::EvaluateStudy)},
-      {"PredictStudy", unary(&Stub::PredictStudy)},
-      {"CompareRuns", unary(&Stub::CompareRuns)},
-      {"JudgeStudy", unary(&Stub::JudgeStudy)},
+      {"PredictStudy", unless_refused(unary(&Stub::PredictStudy))},
+      {"CompareRuns", unless_refused(unary(&Stub::CompareRuns))},
+      {"JudgeStudy", unless_refused(unary(&Stub::JudgeStudy))},
   };
   return all;
 }

@@ -539,6 +539,7 @@ class Pages(InBrowser):
         self.go(f"job/{job}")
         self.wait_for("for anna")
         self.press("Link")
+        self.find("dialog input")
         links = [box.get_attribute("value")
                  for box in self.browser.find_elements(By.CSS_SELECTOR, "dialog input")]
         self.assertEqual(links[0], f"http://127.0.0.1:{self.url.port}/#/job/{job}")
@@ -748,6 +749,20 @@ class RealPages(InBrowser):
             with open(os.path.join(folder, files()[0]), "rb") as file:
                 return file.read()
         return saved
+
+    def test_a_study_with_too_few_runs_says_so_without_an_error(self):
+        subprocess.run(
+            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "sweep",
+             os.path.join(CASES, "start-2d-thickness.toml"), "--set", "quality=draft", "--set",
+             "time.end=5 s", "--grid", "schedule.water_flow.scale=0.8,1.2"],
+            capture_output=True, text=True, timeout=90, check=True)
+        self.go("studies")
+        self.wait_for("answered, 2 of 2 runs succeeded", seconds=40)
+        self.find("a[href^='#/study/']").click()
+        self.wait_for("needs", ".card", seconds=30)
+        self.assertEqual(self.complaints(), [])
+        self.on_phone()
+        self.assertEqual(self.hidden_sideways(), [])
 
     def test_the_slab_is_drawn_cut_and_probed(self):
         job = self.submit_case("start-3d.toml", "quality=draft", "time.end=10 s")

@@ -65,7 +65,10 @@ class Pictures(InBrowser):
         self.browser.set_window_size(1100, 900)
         self.go(f"job/{job}")
         self.find("canvas[aria-label^='Temperature']", 60)
-        self.find(".cuts option[value='0']").click()
+        self.find("select[aria-label=Field] option[value=von_mises_pa]").click()
+        self.find("canvas[aria-label^='Stress']", 60)
+        self.find(".cuts option[value='1']").click()
+        self.find("canvas").click()
         time.sleep(1)
         self.find(".job-parts").screenshot(self.made("dashboard-slab.png"))
         for name in ("report.png", "quarter-slab.png", "casting-drawing.png", "dashboard-slab.png"):

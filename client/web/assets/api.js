@@ -1,4 +1,5 @@
-// What the page asks its server. A server that does not answer is asked again; the page says so meanwhile.
+// What the page asks its server. A server that does not answer is asked again; the page says so
+// meanwhile.
 
 const listeners = new Set();
 let reachable = true;
@@ -23,7 +24,10 @@ async function ask(path, options) {
   }
   const text = await response.text();
   let fault = text;
-  try { fault = JSON.parse(text).error; } catch { /* plain text */ }
+  try {
+    fault = JSON.parse(text).error;
+  } catch { /* plain text */
+  }
   setReachable(response.status !== 502 && response.status !== 403, fault);
   throw new Error(fault);
 }
@@ -34,20 +38,32 @@ export const getBytes = async path => (await ask(path)).arrayBuffer();
 export const post = async path => (await ask(path, {method: 'POST'})).json();
 export const postText = async (path, body) => (await ask(path, {method: 'POST', body})).json();
 /** A call of the service by its name, as in service.proto. */
-export const call = async (name, request = {}, options = {}) =>
-  (await ask(`/call/${name}`, {method: 'POST', body: JSON.stringify(request), ...options})).json();
+export async function call(name, request = {}, options = {}) {
+  const init = {method: 'POST', body: JSON.stringify(request), ...options};
+  const reply = await (await ask(`/call/${name}`, init)).json();
+  if (reply.refused) throw new Error(reply.refused);
+  return reply;
+}
 
-/** Calls `take` with every event until `signal` aborts. Ends by itself at a fault, which goes to `fail`. */
+/**
+ * Calls `take` with every event until `signal` aborts. Ends by itself at a fault, which goes to
+ * `fail`.
+ */
 export function events(path, signal, take, fail = () => {}) {
   const source = new EventSource(path);
   const close = () => source.close();
   signal.addEventListener('abort', close);
   source.onmessage = event => take(JSON.parse(event.data), close);
-  source.addEventListener('fault', event => { close(); fail(JSON.parse(event.data).error); });
+  source.addEventListener('fault', event => {
+    close();
+    fail(JSON.parse(event.data).error);
+  });
   return close;
 }
 
-/** Calls `work` now and every so many milliseconds while the page is seen, until `signal` aborts. */
+/**
+ * Calls `work` now and every so many milliseconds while the page is seen, until `signal` aborts.
+ */
 export function repeat(milliseconds, signal, work) {
   let timer;
   const turn = async () => {

@@ -1,7 +1,8 @@
-// Pages by the part of the address behind '#'. A page gets its element and a signal that aborts when it is left.
+// Pages by the part of the address behind '#'. A page gets its element and a signal that aborts
+// when it is left.
 import {get, onReachable, post} from './api.js';
-import {h, replace} from './dom.js';
 import {comparePage} from './compare.js';
+import {h, replace} from './dom.js';
 import {jobPage} from './job.js';
 import {jobsPage} from './jobs.js';
 import {newCasePage} from './new_case.js';
@@ -10,9 +11,14 @@ import {wallPage} from './wall.js';
 import {whatIfPage} from './what_if.js';
 
 const pages = {
-  jobs: ['Jobs', jobsPage], job: ['Job', jobPage], compare: ['Comparison', comparePage],
-  studies: ['Studies', studiesPage], study: ['Study', studyPage],
-  new: ['New case', newCasePage], 'what-if': ['What-if', whatIfPage], wall: ['Wall', wallPage],
+  jobs: ['Jobs', jobsPage],
+  job: ['Job', jobPage],
+  compare: ['Comparison', comparePage],
+  studies: ['Studies', studiesPage],
+  study: ['Study', studyPage],
+  new: ['New case', newCasePage],
+  'what-if': ['What-if', whatIfPage],
+  wall: ['Wall', wallPage],
 };
 const main = document.getElementById('main'), status = document.getElementById('server');
 let left = new AbortController();
@@ -36,15 +42,23 @@ onReachable((reachable, text) => {
   status.textContent = reachable ? address : text;
 });
 let address = '';
-get('/server/').then(server => {
-  address = server.address;
-  status.textContent = address;
-  document.body.classList.toggle('viewer', server.role === 'VIEWER');  // hides what the server would refuse
-}).catch(() => {});
+get('/server/')
+  .then(server => {
+    address = server.address;
+    status.textContent = address;
+    document.body.classList.toggle(
+      'viewer', server.role === 'VIEWER');  // hides what the server would refuse
+  })
+  .catch(() => {});
 document.getElementById('another').addEventListener('click', async () => {
   const {address: link} = await post('/another/');
   await navigator.clipboard?.writeText(link).catch(() => {});
-  prompt('This address opens the dashboard once, in another browser. It is on the clipboard.', link);
+  prompt(
+    'This address opens the dashboard once, in another browser. It is on the clipboard.', link);
 });
-addEventListener('hashchange', () => { show(); main.focus({preventScroll: true}); scrollTo(0, 0); });
+addEventListener('hashchange', () => {
+  show();
+  main.focus({preventScroll: true});
+  scrollTo(0, 0);
+});
 show();

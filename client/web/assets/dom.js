@@ -1,13 +1,18 @@
 // Elements, numbers and words. Text from the server reaches the page as text nodes alone.
 
-/** An element: h('a', {href: '#/x', onclick: f}, 'text', child). Attributes that are null are left out. */
+/**
+ * An element: h('a', {href: '#/x', onclick: f}, 'text', child). Attributes that are null are left
+ * out.
+ */
 export function h(tag, attributes = {}, ...children) {
   const svg = svgTags.has(tag);
-  const element = svg ? document.createElementNS('http://www.w3.org/2000/svg', tag) : document.createElement(tag);
+  const element =
+    svg ? document.createElementNS('http://www.w3.org/2000/svg', tag) : document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
     else if (value === true) element.setAttribute(name, '');
-    else if (value !== null && value !== undefined && value !== false) element.setAttribute(name, value);
+    else if (value !== null && value !== undefined && value !== false)
+      element.setAttribute(name, value);
   }
   element.append(...children.flat().filter(child => child !== null && child !== undefined));
   return element;
@@ -22,8 +27,8 @@ export const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(
 export const mm = (metres, digits = 1) => fixed(1e3 * metres, digits);
 
 /** "41.9 ± 2.1 mm"; without an error where none is known. */
-export const curlText = (curl, relative) => relative
-  ? `${mm(curl)} ± ${mm(Math.abs(curl) * relative)} mm` : `${mm(curl)} mm`;
+export const curlText = (curl, relative) =>
+  relative ? `${mm(curl)} ± ${mm(Math.abs(curl) * relative)} mm` : `${mm(curl)} mm`;
 
 export const stateText = state => (state || '').toLowerCase().replaceAll('_', ' ');
 export const shortId = id => id.slice(0, 8);
@@ -36,8 +41,13 @@ export function ago(time) {
   return 'now';
 }
 
-const rank = {NOTE: 1, WARNING: 2, DANGER: 3};
-export const worst = findings => findings.reduce((most, f) => Math.max(most, rank[f.severity] || 0), 0);
+const rank = {
+  NOTE: 1,
+  WARNING: 2,
+  DANGER: 3
+};
+export const worst = findings =>
+  findings.reduce((most, f) => Math.max(most, rank[f.severity] || 0), 0);
 export const severityText = ['', 'note', 'warning', 'danger'];
 
 /**
@@ -50,18 +60,22 @@ export function sheet(heads, rows) {
     const {content, class: kind} = given?.content !== undefined ? given : {content: given};
     return h('td', {class: kind, 'data-label': heads[i]}, content);
   };
-  return h('div', {class: 'scroll', tabindex: 0}, h('table', {class: 'sheet'},
-    h('thead', {}, h('tr', {}, heads.map(text => h('th', {scope: 'col'}, text)))),
-    h('tbody', {}, rows.map(row => h('tr', {}, row.map(cell))))));
+  return h(
+    'div', {class: 'scroll', tabindex: 0},
+    h('table', {class: 'sheet'},
+      h('thead', {}, h('tr', {}, heads.map(text => h('th', {scope: 'col'}, text)))),
+      h('tbody', {}, rows.map(row => h('tr', {}, row.map(cell))))));
 }
 
-export const byGravity = findings => [...findings].sort((a, b) => (rank[b.severity] || 0) - (rank[a.severity] || 0));
+export const byGravity =
+  findings => [...findings].sort((a, b) => (rank[b.severity] || 0) - (rank[a.severity] || 0));
 
 /** The findings of a job as a list, the gravest first. */
 export function findingList(findings) {
   if (findings.length === 0) return h('p', {class: 'soft'}, 'No findings.');
   return h('ul', {class: 'findings'}, byGravity(findings).map(finding => {
     const grave = (finding.severity || '').toLowerCase();
-    return h('li', {}, h('span', {class: `tag ${grave}`}, grave), ' ', finding.message || finding.code);
+    return h(
+      'li', {}, h('span', {class: `tag ${grave}`}, grave), ' ', finding.message || finding.code);
   }));
 }

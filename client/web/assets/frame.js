@@ -70,7 +70,7 @@ export async function frameViewer(box, signal, job, title) {
   const canvas = h('canvas', {width: 900, height: 620, tabindex: 0, role: 'img'});
   const colours = await get('/colours/'), painter = new Painter(canvas, colours);
   signal.addEventListener('abort', () => painter.release());
-  const aspect = canvas.width / canvas.height;
+  const aspect = () => canvas.width / canvas.height;
   const marker = h('span', {class: 'marker', hidden: true}),
         stage = h('div', {class: 'stage'}, canvas, marker);
   const bar = h('div'), probe = h('p', {role: 'status', class: 'soft probe'}), picture = h('div');
@@ -111,11 +111,11 @@ export async function frameViewer(box, signal, job, title) {
   function fillCanvas() {
     const {low, high} = boundsOf(frame);
     if (axis >= 0) low[axis] = high[axis] = plane();
-    fit(eye, low, high, aspect);
+    fit(eye, low, high, canvas);
   }
 
   function onScreen(place, moved) {
-    const m = viewOf(eye, aspect), p = [0, 1, 2].map(c => place[c] + scale * moved[c]);
+    const m = viewOf(eye, aspect()), p = [0, 1, 2].map(c => place[c] + scale * moved[c]);
     const at = r => m[r] * p[0] + m[r + 4] * p[1] + m[r + 8] * p[2] + m[r + 12];
     return [at(0), at(1), at(2)];
   }

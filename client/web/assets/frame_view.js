@@ -23,13 +23,20 @@ export function viewOf(eye, aspect) {
   ]);
 }
 
-/** Moves the eye so that a box of the slab fills the picture. @param low, high  corners [m] */
-export function fit(eye, low, high, aspect) {
-  const {right, up} = axesOf(eye), margin = 1.08;
+/**
+ * Moves the eye so that a box of the slab fills the canvas, which becomes lower for a low box.
+ * @param low, high  corners [m]
+ */
+export function fit(eye, low, high, canvas) {
+  const {right, up} = axesOf(eye), margin = 1.08, lowest = 280, highest = 620;
   const extent = direction =>
     direction.reduce((sum, v, c) => sum + Math.abs(v) * (high[c] - low[c]), 0);
+  const [width, height] = [extent(right), Math.max(extent(up), 1e-3)];
+
+  const wanted = Math.round(canvas.width * height / Math.max(width, 1e-3));
+  canvas.height = Math.max(lowest, Math.min(highest, wanted));
   eye.centre = low.map((v, c) => (v + high[c]) / 2);
-  eye.size = margin * Math.max(extent(up), extent(right) / aspect, 1e-3);
+  eye.size = margin * Math.max(height, width * canvas.height / canvas.width);
 }
 
 const quarter = Math.PI / 2;

@@ -1,7 +1,7 @@
 // One job: its answer, its curl as it grows, its findings, its slab, its report.
 import {call, events, get, post, repeat} from './api.js';
-import {chart, curlLines, wantedBand} from './chart.js';
 import {cancelJobs} from './cancel.js';
+import {chart, curlLines, wantedBand} from './chart.js';
 import {curlText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
 import {frameViewer} from './frame.js';
 
@@ -11,76 +11,142 @@ const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 function linkButton(job) {
   const hash = `#/job/${job.id}`, here = `${location.origin}/${hash}`;
   const copied = h('span', {role: 'status', class: 'soft'});
-  const box = (label, address) => h('label', {}, label,
-    h('input', {type: 'text', readonly: true, value: address, onfocus: event => event.target.select()}),
-    h('button', {type: 'button', onclick: async () => {
-      await navigator.clipboard?.writeText(address).catch(() => {});
-      copied.textContent = 'Copied.';
-    }}, 'Copy'));
+  const box = (label, address) =>
+    h('label', {}, label,
+      h('input',
+        {type: 'text', readonly: true, value: address, onfocus: event => event.target.select()}),
+      h('button', {
+        type: 'button',
+        onclick: async () => {
+          await navigator.clipboard?.writeText(address).catch(() => {});
+          copied.textContent = 'Copied.';
+        }
+      },
+        'Copy'));
 
-  return h('button', {type: 'button', onclick: async () => {
-    const {address} = await post('/another/');
-    const dialog = h('dialog', {class: 'link', 'aria-label': 'Link to this job', onclose: () => dialog.remove()},
-      h('h2', {}, 'Link to this job'),
-      box('For browsers that have this dashboard open', here),
-      box('For one more browser; it works once', address + hash),
-      h('p', {class: 'soft'}, `In another dashboard of the same server: add ${hash} to its address.`),
-      location.hostname === '127.0.0.1' ? h('p', {class: 'soft'}, 'This dashboard serves this machine alone; dccast dashboard --listen serves others.') : null,
-      copied, h('div', {class: 'bar'}, h('button', {type: 'button', onclick: () => dialog.close()}, 'Close')));
-    document.body.append(dialog);
-    dialog.showModal();
-  }}, 'Link');
+  return h(
+    'button', {
+      type: 'button',
+      onclick: async () => {
+        const {address} = await post('/another/');
+        const dialog = h(
+          'dialog',
+          {class: 'link', 'aria-label': 'Link to this job', onclose: () => dialog.remove()},
+          h('h2', {}, 'Link to this job'), box('For browsers that have this dashboard open', here),
+          box('For one more browser; it works once', address + hash),
+          h('p', {class: 'soft'},
+            `In another dashboard of the same server: add ${hash} to its address.`),
+          location.hostname === '127.0.0.1'
+            ? h('p', {class: 'soft'},
+                'This dashboard serves this machine alone; dccast dashboard --listen serves others.')
+            : null,
+          copied,
+          h('div', {class: 'bar'},
+            h('button', {type: 'button', onclick: () => dialog.close()}, 'Close')));
+        document.body.append(dialog);
+        dialog.showModal();
+      }
+    },
+    'Link');
 }
 
 export function jobPage(element, signal, id) {
-  const head = h('div'), curves = h('div', {class: 'card'}), findings = h('div', {class: 'card'}), slab = h('div', {class: 'card'}), details = h('div');
+  const head = h('div'), curves = h('div', {class: 'card'}), findings = h('div', {class: 'card'}),
+        slab = h('div', {class: 'card'}), details = h('div');
   replace(element, head, curves, h('div', {class: 'job-parts'}, slab, findings), details);
 
-  // Buttons stay as they are while the state does: one that is replaced under the pointer is not pressed.
-  const title = h('div'), at = h('p'), message = h('p', {class: 'bad', role: 'alert'}), tiles = h('div', {class: 'tiles'}), buttons = h('div', {class: 'bar'});
+  // Buttons stay as they are while the state does: one that is replaced under the pointer is not
+  // pressed.
+  const title = h('div'), at = h('p'), message = h('p', {class: 'bad', role: 'alert'}),
+        tiles = h('div', {class: 'tiles'}), buttons = h('div', {class: 'bar'});
   replace(head, title, at, message, tiles, buttons);
   let stateOfButtons = '';
 
   function drawHead({job, history, relative_curl_error: error}) {
     const step = job.last_step || {};
-    const act = (name, text) => h('button', {type: 'button', class: 'submitter', onclick: async event => {
-      event.target.disabled = true;
-      await call(name, {id: job.id}).then(load, fault => { replace(message, fault.message); event.target.disabled = false; });
-    }}, text);
+    const act = (name, text) =>
+      h('button', {
+        type: 'button',
+        class: 'submitter',
+        onclick: async event => {
+          event.target.disabled = true;
+          await call(name, {id: job.id}).then(load, fault => {
+            replace(message, fault.message);
+            event.target.disabled = false;
+          });
+        }
+      },
+        text);
     const cancel = () => {
-      const button = h('button', {type: 'button', class: 'submitter', onclick: async () => {
-        button.disabled = await cancelJobs([job], {
-          done: text => { if (text) replace(message, text); button.disabled = false; load(); },
-          undone: () => { button.disabled = false; }});
-      }}, 'Cancel');
+      const button =
+        h('button', {
+          type: 'button',
+          class: 'submitter',
+          onclick: async () => {
+            button.disabled = await cancelJobs([job], {
+              done: text => {
+                if (text) replace(message, text);
+                button.disabled = false;
+                load();
+              },
+              undone: () => {
+                button.disabled = false;
+              }
+            });
+          }
+        },
+          'Cancel');
       return button;
     };
-    const last = history.monitors.map(m => h('div', {class: 'tile'}, h('span', {}, m.name), h('strong', {}, curlText(m.curl_m.at(-1) ?? NaN, error))));
-    replace(title, h('p', {class: 'soft'}, `Job ${shortId(job.id)} of ${job.owner || 'unknown'}`), h('h1', {}, job.title || job.id));
+    const last = history.monitors.map(
+      m =>
+        h('div', {class: 'tile'}, h('span', {}, m.name),
+          h('strong', {}, curlText(m.curl_m.at(-1) ?? NaN, error))));
+    replace(
+      title, h('p', {class: 'soft'}, `Job ${shortId(job.id)} of ${job.owner || 'unknown'}`),
+      h('h1', {}, job.title || job.id));
     replace(message, job.failure?.message || job.held || null);
     replace(tiles, last);
-    replace(at, h('span', {class: `state ${job.state.toLowerCase()}`}, stateText(job.state)),
-        step.time_s ? ` at ${step.time_s.toFixed(1)} s, ${mm(step.cast_length_m, 0)} mm cast` : '',
-        job.state === 'RUNNING' ? h('progress', {value: step.progress || 0, max: 1, 'aria-label': 'Progress'}) : null);
+    replace(
+      at, h('span', {class: `state ${job.state.toLowerCase()}`}, stateText(job.state)),
+      step.time_s ? ` at ${step.time_s.toFixed(1)} s, ${mm(step.cast_length_m, 0)} mm cast` : '',
+      job.state === 'RUNNING'
+        ? h('progress', {value: step.progress || 0, max: 1, 'aria-label': 'Progress'})
+        : null);
     if (stateOfButtons === job.state) return;
     stateOfButtons = job.state;
-    replace(buttons, job.state === 'RUNNING' ? act('PauseJob', 'Pause') : null, job.state === 'PAUSED' ? act('ResumeJob', 'Resume') : null,
-        ended.has(job.state) ? null : cancel(), linkButton(job), h('a', {class: 'button', href: `/report/${job.id}`, target: '_blank', rel: 'noopener'}, 'Report'));
+    replace(
+      buttons, job.state === 'RUNNING' ? act('PauseJob', 'Pause') : null,
+      job.state === 'PAUSED' ? act('ResumeJob', 'Resume') : null,
+      ended.has(job.state) ? null : cancel(), linkButton(job),
+      h('a', {class: 'button', href: `/report/${job.id}`, target: '_blank', rel: 'noopener'},
+        'Report'));
   }
 
   function drawCurves({history, relative_curl_error: error, wanted}) {
-    if (history.time_s.length === 0) return replace(curves, h('p', {class: 'soft'}, 'No step yet.'));
-    replace(curves, chart(curlLines(history, error), {title: error ? 'Curl, with the error of mesh and time steps' : 'Curl', xLabel: 'time, s', yLabel: 'mm', wanted: wantedBand(wanted)}));
+    if (history.time_s.length === 0)
+      return replace(curves, h('p', {class: 'soft'}, 'No step yet.'));
+    replace(curves, chart(curlLines(history, error), {
+              title: error ? 'Curl, with the error of mesh and time steps' : 'Curl',
+              xLabel: 'time, s',
+              yLabel: 'mm',
+              wanted: wantedBand(wanted)
+            }));
   }
 
   function add(history, step) {
     const at = history.time_s.findIndex(t => t >= step.time_s);
-    if (at >= 0) for (const list of [history.time_s, history.cast_length_m, ...history.monitors.map(m => m.curl_m)]) list.length = Math.min(list.length, at);
+    if (at >= 0)
+      for (const list
+             of [history.time_s, history.cast_length_m, ...history.monitors.map(m => m.curl_m)])
+        list.length = Math.min(list.length, at);
     history.time_s.push(step.time_s);
     history.cast_length_m.push(step.cast_length_m);
     for (const value of step.monitors || []) {
       let monitor = history.monitors.find(m => m.name === value.name);
-      if (!monitor) history.monitors.push(monitor = {name: value.name, curl_m: history.time_s.slice(1).map(() => null)});
+      if (!monitor)
+        history.monitors.push(
+          monitor = {name: value.name, curl_m: history.time_s.slice(1).map(() => null)});
       monitor.curl_m.push(value.displacement_m?.at(-1) ?? null);
     }
   }
@@ -89,7 +155,12 @@ export function jobPage(element, signal, id) {
   function redraw() {
     if (waiting) return;
     waiting = true;
-    requestAnimationFrame(() => { waiting = false; drawHead(shown); drawCurves(shown); replace(findings, h('h2', {}, 'Findings'), findingList(shown.job.findings || [])); });
+    requestAnimationFrame(() => {
+      waiting = false;
+      drawHead(shown);
+      drawCurves(shown);
+      replace(findings, h('h2', {}, 'Findings'), findingList(shown.job.findings || []));
+    });
   }
 
   function watch() {
@@ -100,7 +171,8 @@ export function jobPage(element, signal, id) {
         shown.job.last_step = event.step;
         redraw();
       } else if (event.finding) {
-        shown.job.findings = [...(shown.job.findings || []).filter(f => f.code !== event.finding.code), event.finding];
+        shown.job.findings =
+          [...(shown.job.findings || []).filter(f => f.code !== event.finding.code), event.finding];
         redraw();
       } else if (event.resumed || event.state_change) {
         if (event.state_change?.terminal) close();
@@ -135,7 +207,8 @@ export function jobPage(element, signal, id) {
     answered = question;
     shown = seen;
     redraw();
-    replace(details, h('details', {}, h('summary', {}, 'The case, complete'), h('pre', {}, shown.case)));
+    replace(
+      details, h('details', {}, h('summary', {}, 'The case, complete'), h('pre', {}, shown.case)));
     if (!ended.has(shown.job.state) && !watched) watch();
     if (!seesSlab) watchSlab();
   }

@@ -1,4 +1,5 @@
-// What-if: a case with a plant's levers changed, computed at once as a draft, beside the case as it is.
+// What-if: a case with a plant's levers changed, computed at once as a draft, beside the case as it
+// is.
 import {call, events, get, getText, post} from './api.js';
 import {chart, curlLines, wantedBand} from './chart.js';
 import {curlText, findingList, fixed, h, replace} from './dom.js';
@@ -6,15 +7,52 @@ import {judgement} from './judgement.js';
 
 // A factor is in %, everything else in its unit; 0 is the case as it is.
 const levers = [
-  {key: 'schedule.casting_speed.scale', name: 'Casting speed', unit: '%', low: -30, high: 30, step: 1},
+  {
+    key: 'schedule.casting_speed.scale',
+    name: 'Casting speed',
+    unit: '%',
+    low: -30,
+    high: 30,
+    step: 1
+  },
   {key: 'schedule.water_flow.scale', name: 'Water', unit: '%', low: -40, high: 40, step: 1},
-  {key: 'schedule.casting_temperature.offset', name: 'Metal temperature', unit: 'K', low: -15, high: 30, step: 1},
-  {key: 'cooling.water.temperature.offset', name: 'Water temperature', unit: 'K', low: -10, high: 15, step: 1},
-  {key: 'cooling.bottom_block.temperature.offset', name: 'Block temperature', unit: 'K', low: -40, high: 100, step: 5},
+  {
+    key: 'schedule.casting_temperature.offset',
+    name: 'Metal temperature',
+    unit: 'K',
+    low: -15,
+    high: 30,
+    step: 1
+  },
+  {
+    key: 'cooling.water.temperature.offset',
+    name: 'Water temperature',
+    unit: 'K',
+    low: -10,
+    high: 15,
+    step: 1
+  },
+  {
+    key: 'cooling.bottom_block.temperature.offset',
+    name: 'Block temperature',
+    unit: 'K',
+    low: -40,
+    high: 100,
+    step: 5
+  },
   {key: 'schedule.filling.scale', name: 'Filling time', unit: '%', low: -40, high: 60, step: 5},
-  {key: 'schedule.hold.scale', name: 'Hold before the start', unit: '%', low: -60, high: 100, step: 5},
+  {
+    key: 'schedule.hold.scale',
+    name: 'Hold before the start',
+    unit: '%',
+    low: -60,
+    high: 100,
+    step: 5
+  },
 ];
-const changeText = (lever, value) => (lever.unit === '%' ? `${lever.key}=${fixed(1 + value / 100, 2)}` : `${lever.key}=${value} ${lever.unit}`);
+const changeText = (lever, value) =>
+  (lever.unit === '%' ? `${lever.key}=${fixed(1 + value / 100, 2)}`
+                      : `${lever.key}=${value} ${lever.unit}`);
 
 /** "PLACE: VALUE" lines as a table of a case file; null of none. */
 export function rampText(text) {
@@ -32,7 +70,11 @@ function append(history, steps) {
   history.cast_length_m.push(...steps.cast_length_m);
   for (const {name, curl_m: curl} of steps.monitors) {
     let monitor = history.monitors.find(m => m.name === name);
-    if (!monitor) history.monitors.push(monitor = {name, curl_m: new Array(history.time_s.length - steps.time_s.length).fill(null)});
+    if (!monitor)
+      history.monitors.push(monitor = {
+        name,
+        curl_m: new Array(history.time_s.length - steps.time_s.length).fill(null)
+      });
     monitor.curl_m.push(...curl);
   }
 }
@@ -40,54 +82,119 @@ function append(history, steps) {
 /** @param wanted  name of the case to begin with */
 export function whatIfPage(element, signal, wanted) {
   const base = h('select', {id: 'base', onchange: () => restart()});
-  const quality = h('select', {id: 'quality', onchange: () => restart()}, ['draft', 'engineering', 'fine'].map(q => h('option', {}, q)));
-  const status = h('p', {role: 'status', class: 'soft'}), picture = h('div', {class: 'card'}), verdict = h('div', {class: 'card'}), kept = h('p', {role: 'status'});
-  const speed = h('textarea', {id: 'ramp-speed', rows: 4, placeholder: '60 s: 40 mm/min\n200 s: 60 mm/min', onchange: () => ask()});
-  const water = h('textarea', {id: 'ramp-water', rows: 4, placeholder: '60 s: 1.5e-3 m2/s\n200 s: 3e-3 m2/s', onchange: () => ask()});
-  const more = h('textarea', {id: 'more', rows: 3, placeholder: 'KEY=VALUE, one a line', onchange: () => ask()});
+  const quality =
+    h('select', {id: 'quality', onchange: () => restart()},
+      ['draft', 'engineering', 'fine'].map(q => h('option', {}, q)));
+  const status = h('p', {role: 'status', class: 'soft'}), picture = h('div', {class: 'card'}),
+        verdict = h('div', {class: 'card'}), kept = h('p', {role: 'status'});
+  const speed = h('textarea', {
+    id: 'ramp-speed',
+    rows: 4,
+    placeholder: '60 s: 40 mm/min\n200 s: 60 mm/min',
+    onchange: () => ask()
+  });
+  const water = h('textarea', {
+    id: 'ramp-water',
+    rows: 4,
+    placeholder: '60 s: 1.5e-3 m2/s\n200 s: 3e-3 m2/s',
+    onchange: () => ask()
+  });
+  const more = h(
+    'textarea', {id: 'more', rows: 3, placeholder: 'KEY=VALUE, one a line', onchange: () => ask()});
   const sliders = levers.map(lever => {
-    const id = lever.key.replaceAll('.', '-'), output = h('output', {for: id});
-    const slider = h('input', {type: 'range', id, min: lever.low, max: lever.high, step: lever.step, value: 0, oninput: () => { show(); ask(); }});
-    const show = () => { output.textContent = `${slider.value > 0 ? '+' : ''}${slider.value} ${lever.unit}`; };
+    const id = lever.key.replaceAll('.', '-'), output = h('output', {for: id
+                                               });
+    const slider = h('input', {
+      type: 'range',
+      id,
+      min: lever.low,
+      max: lever.high,
+      step: lever.step,
+      value: 0,
+      oninput: () => {
+        show();
+        ask();
+      }
+    });
+    const show = () => {
+      output.textContent = `${slider.value > 0 ? '+' : ''}${slider.value} ${lever.unit}`;
+    };
     show();
-    return {lever, slider, show, element: h('label', {for: id}, lever.name, output, slider)};
+    return {
+      lever,
+      slider,
+      show,
+      element:
+        h('label',
+          {for: id
+          },
+          lever.name, output, slider)
+    };
   });
 
   const changes = () => {
-    const list = sliders.filter(s => Number(s.slider.value) !== 0).map(s => changeText(s.lever, Number(s.slider.value)));
+    const list = sliders.filter(s => Number(s.slider.value) !== 0)
+                   .map(s => changeText(s.lever, Number(s.slider.value)));
     for (const [box, key] of [[speed, 'schedule.casting_speed'], [water, 'schedule.water_flow']]) {
       const ramp = rampText(box.value);
       if (ramp) list.unshift(`${key}=${ramp}`);  // before its factor
     }
     return [...list, ...more.value.split('\n').map(l => l.trim()).filter(l => l)];
   };
-  const address = (path, list) => `/${path}/?case=${encodeURIComponent(base.value)}&${[`quality=${quality.value}`, ...list].map(c => `set=${encodeURIComponent(c)}`).join('&')}`;
+  const address = (path, list) => `/${path}/?case=${encodeURIComponent(base.value)}&${
+      [`quality=${quality.value}`, ...list].map(c => `set=${encodeURIComponent(c)}`).join('&')}`;
 
   let reference = null, timer, running = new AbortController();
   signal.addEventListener('abort', () => running.abort());
 
   function draw(now, done) {
     const lines = [];
-    if (reference) lines.push(...curlLines(reference.history, reference.relative_curl_error, ' as it is').map((line, i) => ({...line, dashed: true, colour: i})));
-    if (now && now !== reference) lines.push(...curlLines(now.history, done ? now.relative_curl_error : null, ' changed').map((line, i) => ({...line, colour: i})));
-    if (lines.length === 0) return replace(picture, done ? h('p', {class: 'soft'}, 'This case has no monitor whose curl could be drawn.') : null);
-    replace(picture, chart(lines, {title: 'Curl; the bands are the error of mesh and time steps', xLabel: 'time, s', yLabel: 'mm', wanted: wantedBand((now || reference).wanted)}));
+    if (reference)
+      lines.push(...curlLines(reference.history, reference.relative_curl_error, ' as it is')
+                   .map((line, i) => ({...line, dashed: true, colour: i})));
+    if (now && now !== reference)
+      lines.push(...curlLines(now.history, done ? now.relative_curl_error : null, ' changed')
+                   .map((line, i) => ({...line, colour: i})));
+    if (lines.length === 0)
+      return replace(
+        picture,
+        done ? h('p', {class: 'soft'}, 'This case has no monitor whose curl could be drawn.')
+             : null);
+    replace(picture, chart(lines, {
+              title: 'Curl; the bands are the error of mesh and time steps',
+              xLabel: 'time, s',
+              yLabel: 'mm',
+              wanted: wantedBand((now || reference).wanted)
+            }));
     if (!done) return;
     if (reference && now !== reference) compare(now);
-    const ends = answer => answer.history.monitors.map(m => `${m.name} ${curlText(m.curl_m.at(-1) ?? NaN, answer.relative_curl_error)}`).join(', ');
-    replace(verdict, h('h2', {}, 'Answer'), reference ? h('p', {}, `As it is: ${ends(reference)}`) : null, now !== reference ? h('p', {}, h('strong', {}, `Changed: ${ends(now)}`)) : null,
-      now.failure ? h('p', {class: 'bad', role: 'alert'}, now.failure.message) : null, findingList(now.findings), difference);
+    const ends = answer =>
+      answer.history.monitors
+        .map(m => `${m.name} ${curlText(m.curl_m.at(-1) ?? NaN, answer.relative_curl_error)}`)
+        .join(', ');
+    replace(
+      verdict, h('h2', {}, 'Answer'), reference ? h('p', {}, `As it is: ${ends(reference)}`) : null,
+      now !== reference ? h('p', {}, h('strong', {}, `Changed: ${ends(now)}`)) : null,
+      now.failure ? h('p', {class: 'bad', role: 'alert'}, now.failure.message) : null,
+      findingList(now.findings), difference);
   }
 
-  // The server compares, as it does for dccast compare: a later question makes an earlier answer worthless.
+  // The server compares, as it does for dccast compare: a later question makes an earlier answer
+  // worthless.
   const difference = h('div', {id: 'difference', 'aria-live': 'polite'});
   let compared = 0;
   async function compare(now) {
-    const mine = ++compared, named = (answer, name) => ({...(answer.job ? {job: answer.job} : {answer: answer.key}), name});
+    const mine = ++compared,
+          named = (answer, name) =>
+            ({...(answer.job ? {job: answer.job} : {answer: answer.key}), name});
     replace(difference);
     try {
-      const found = await call('CompareRuns', {runs: [named(reference, 'as it is'), named(now, 'changed')]});
-      if (mine === compared) replace(difference, h('h2', {}, 'Difference of run 2, changed, from run 1, as it is'), judgement(found.judgement, part => part.table?.key === 'differences'));
+      const found =
+        await call('CompareRuns', {runs: [named(reference, 'as it is'), named(now, 'changed')]});
+      if (mine === compared)
+        replace(
+          difference, h('h2', {}, 'Difference of run 2, changed, from run 1, as it is'),
+          judgement(found.judgement, part => part.table?.key === 'differences'));
     } catch (fault) {
       if (mine === compared) replace(difference, h('p', {class: 'soft'}, fault.message));
     }
@@ -98,11 +205,27 @@ export function whatIfPage(element, signal, wanted) {
     running = new AbortController();
     const begin = performance.now(), history = {time_s: [], cast_length_m: [], monitors: []};
     status.textContent = 'Computing…';
-    events(address('ask', list), running.signal, (event, close) => {
-      if (event.waiting) status.textContent = `${event.waiting[0].toUpperCase()}${event.waiting.slice(1)}, about ${fixed(Math.max(1, event.expected_s), 0)} s`;
-      if (event.steps) { append(history, event.steps); draw({history}, false); status.textContent = `Computing… ${fixed(100 * event.progress, 0)} %`; }
-      if (event.answer) { close(); status.textContent = `Computed in ${fixed((performance.now() - begin) / 1000, 1)} s`; done(event.answer); }
-    }, text => { status.textContent = ''; replace(verdict, h('p', {class: 'bad', role: 'alert'}, h('span', {class: 'lines'}, text))); });
+    events(
+      address('ask', list), running.signal,
+      (event, close) => {
+        if (event.waiting)
+          status.textContent = `${event.waiting[0].toUpperCase()}${event.waiting.slice(1)}, about ${
+            fixed(Math.max(1, event.expected_s), 0)} s`;
+        if (event.steps) {
+          append(history, event.steps);
+          draw({history}, false);
+          status.textContent = `Computing… ${fixed(100 * event.progress, 0)} %`;
+        }
+        if (event.answer) {
+          close();
+          status.textContent = `Computed in ${fixed((performance.now() - begin) / 1000, 1)} s`;
+          done(event.answer);
+        }
+      },
+      text => {
+        status.textContent = '';
+        replace(verdict, h('p', {class: 'bad', role: 'alert'}, h('span', {class: 'lines'}, text)));
+      });
   }
 
   function ask() {
@@ -110,7 +233,11 @@ export function whatIfPage(element, signal, wanted) {
     timer = setTimeout(() => {
       try {
         const list = changes();
-        if (list.length === 0 && reference) { running.abort(); status.textContent = ''; return draw(reference, true); }
+        if (list.length === 0 && reference) {
+          running.abort();
+          status.textContent = '';
+          return draw(reference, true);
+        }
         compute(list, answer => draw(answer, true));
       } catch (fault) { replace(verdict, h('p', {class: 'bad', role: 'alert'}, fault.message)); }
     }, 150);
@@ -118,7 +245,11 @@ export function whatIfPage(element, signal, wanted) {
 
   function restart() {
     reference = null;
-    compute([], answer => { reference = answer; draw(answer, true); if (changes().length) ask(); });
+    compute([], answer => {
+      reference = answer;
+      draw(answer, true);
+      if (changes().length) ask();
+    });
   }
 
   async function keep() {
@@ -130,24 +261,67 @@ export function whatIfPage(element, signal, wanted) {
   async function save() {
     try {
       const text = await getText(address('case', changes()));
-      const link = h('a', {href: URL.createObjectURL(new Blob([text], {type: 'text/plain'})), download: 'what-if.toml'});
+      const link = h('a', {
+        href: URL.createObjectURL(new Blob([text], {type: 'text/plain'})),
+        download: 'what-if.toml'
+      });
       link.click();
       URL.revokeObjectURL(link.href);
       replace(kept, 'Saved as what-if.toml');
     } catch (fault) { replace(kept, h('span', {class: 'bad'}, fault.message)); }
   }
   function reset() {
-    for (const s of sliders) { s.slider.value = 0; s.show(); }
+    for (const s of sliders) {
+      s.slider.value = 0;
+      s.show();
+    }
     for (const box of [speed, water, more]) box.value = '';
     ask();
   }
 
   const button = (text, action) => h('button', {type: 'button', onclick: action}, text);
-  replace(element, h('h1', {}, 'What-if'),
-    h('div', {class: 'bar'}, h('label', {for: 'base'}, 'Case ', base), h('label', {for: 'quality'}, 'Quality ', quality), button('As it is', reset), button('Keep as a job', keep), button('Save as a case', save)),
-    kept, h('div', {class: 'what-if'}, h('div', {class: 'card levers'}, sliders.map(s => s.element),
-      h('details', {}, h('summary', {}, 'Ramps'), h('label', {for: 'ramp-speed'}, 'Casting speed', speed), h('label', {for: 'ramp-water'}, 'Water per metre of perimeter', water)),
-      h('details', {}, h('summary', {}, 'Other keys'), h('label', {for: 'more'}, 'Keys of a case, as with --set', more))), h('div', {}, status, picture, verdict)));
-  get('/bases/').then(names => { replace(base, names.map(name => h('option', {selected: wanted ? name === wanted : name === 'start-2d-thickness' && !names[0].endsWith('.toml')}, name))); if (!signal.aborted) restart(); })
+  replace(
+    element, h('h1', {}, 'What-if'),
+    h('div', {class: 'bar'},
+      h('label',
+        {for: 'base'
+        },
+        'Case ', base),
+      h('label',
+        {for: 'quality'
+        },
+        'Quality ', quality),
+      button('As it is', reset), button('Keep as a job', keep), button('Save as a case', save)),
+    kept,
+    h('div', {class: 'what-if'},
+      h('div', {class: 'card levers'}, sliders.map(s => s.element),
+        h('details', {}, h('summary', {}, 'Ramps'),
+          h('label',
+            {for: 'ramp-speed'
+            },
+            'Casting speed', speed),
+          h('label',
+            {for: 'ramp-water'
+            },
+            'Water per metre of perimeter', water)),
+        h('details', {}, h('summary', {}, 'Other keys'),
+          h('label',
+            {for: 'more'
+            },
+            'Keys of a case, as with --set', more))),
+      h('div', {}, status, picture, verdict)));
+  get('/bases/')
+    .then(names => {
+      replace(
+        base,
+        names.map(
+          name =>
+            h('option', {
+              selected: wanted ? name === wanted
+                               : name === 'start-2d-thickness' && !names[0].endsWith('.toml')
+            },
+              name)));
+      if (!signal.aborted) restart();
+    })
     .catch(fault => replace(verdict, h('p', {class: 'bad', role: 'alert'}, fault.message)));
 }
