@@ -79,7 +79,7 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
                                     .merge_below = 0.1,
                                     .begin = {{0, 1}, {10, 4}},
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}, {100, 4}},
-                                    .error = 0.2};
+                                    .error = 0.22};
 
   static const Discretisation engineering{.column = 66e-3,
                                           .fewest_columns = 7,
@@ -91,7 +91,7 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
                                           .growth_cell = 5e-3,
                                           .merge_below = 0.1,
                                           .event = {{0, 0.05}, {2, 0.25}, {10, 1}},
-                                          .error = 0.11};
+                                          .error = 0.14};
 
   static const Discretisation fine{.column = 47e-3,
                                    .fewest_columns = 10,
@@ -103,7 +103,7 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
                                    .growth_cell = 4e-3,
                                    .merge_below = 0.1,
                                    .event = {{0, 0.05}, {2, 0.125}, {10, 0.25}, {30, 1}},
-                                   .error = 0.06};
+                                   .error = 0.08};
 
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
 }

@@ -21,7 +21,7 @@ double band(const std::string& name, v1::Quality quality) {
   return case_file::relative_discretisation_error(description).value();
 }
 
-/// The bands were made from start-3d, whose fine lift is 3 % below the converged one.
+/// The bands were made from start-3d-paper, whose fine lift is 3 % below the converged one.
 TEST(Start3dBands, HoldTheTruthOfCastingsTheyWereNotMadeFrom) {
   constexpr double fine_to_converged = 1.03;
   int checks = 0, held = 0;
