@@ -9,7 +9,7 @@ namespace dccast::casting {
 
 namespace {
 
-/// Of coordinates: a point this far outside of the mesh is still found in it [m].
+/// Tolerance of coordinates: a point this far outside of the mesh is still found in it [m].
 constexpr double round_off = 1e-9;
 
 void lies_outside(CaseFindings& found, const std::string& field, double at,
@@ -24,7 +24,7 @@ void above(CaseFindings& found, const std::string& field, double height) {
                  "0 m to the final metal level, " + with_unit(*found.final_level, "m"));
 }
 
-/// Of a quarter slab: beyond the wide face.
+/// Whether a point of a quarter slab lies beyond the wide face.
 void behind(CaseFindings& found, const std::string& field, const Monitor& m) {
   if (!found.sound({field + ".x", field + ".y", "section.half_thickness"})) return;
   const mesh::SectionSpec& section = found.casting.section;

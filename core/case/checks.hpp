@@ -25,7 +25,7 @@ public:
   CaseFindings(const Case& the_case, const std::vector<std::string>& faulty_keys)
       : casting(the_case), faulty_keys_(faulty_keys) {}
 
-  /// As Faults::add().
+  /// Adds a fault, see Faults::add().
   template <class... Rest>
   void fault(Rest&&... rest) {
     faults.add(std::forward<Rest>(rest)...);

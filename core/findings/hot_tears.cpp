@@ -27,7 +27,7 @@ double share_within(double from, double to, double low, double high) {
 constexpr double centre_width = 0.25, centre_height = 0.5;    // [1]
 constexpr double surface_depth = 0.1, surface_height = 0.25;  // [1]
 
-/// Where the two places lie in a section.
+/// The two places of a section where butts tear.
 template <int Dim>
 class Places {
 public:

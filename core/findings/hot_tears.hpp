@@ -15,7 +15,7 @@
 /// feeds the mush orders alloys.
 namespace dccast::casting {
 
-/// What an element has met on its way through the mush so far.
+/// History of an element in the mush so far.
 struct MushPassage {
   /// [°C] at the end of the last step; above every liquidus before the first one
   double temperature = 1e9;

@@ -29,7 +29,7 @@ public:
     double shrunk = 0.0;      ///< int v fs^2 / (1 - fs)^2 dx [m2/s]
   };
 
-  /// What a place meets in a step.
+  /// Conditions at a place during a step.
   struct Step {
     double from = 0.0, to = 0.0;  ///< [°C] temperature at the beginning and at the end
     double time = 0.0;            ///< [s] length of the step

@@ -45,7 +45,7 @@ public:
   double shear_modulus(double temperature) const {
     return card_.young_modulus(temperature) / (2.0 * (1.0 + card_.poisson_ratio(temperature)));
   }
-  /// Of the mixture of solid and liquid [kg/m3].
+  /// Density of the mixture of solid and liquid [kg/m3].
   double density(double temperature) const { return card_.density(temperature); }
   double liquid_density() const { return liquid_density_; }  ///< rho_l = rho(T_l) [kg/m3]
 

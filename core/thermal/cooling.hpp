@@ -20,7 +20,7 @@ struct Film {
   double flow = 0.0;         ///< [m2/s] that is left, per metre of perimeter
 };
 
-/// What limits the heat that water takes from the metal at one place during one step.
+/// Limits on the heat that water takes from the metal at one place during one step.
 struct WaterPlace {
   Film film;
   double wetted = 1.0;              ///< [1] share that is not under vapour, mean over the step
@@ -114,7 +114,7 @@ SurfaceFlux dry_flux(const CoolingSpec& cooling, const SurfaceState& surface);
 /// The metal level, if it loses heat to the surroundings.
 SurfaceFlux level_flux(const CoolingSpec& cooling, const SurfaceState& surface);
 
-/// What the bottom of the slab faces at one place during one step.
+/// Surroundings of the bottom of the slab at one place during one step.
 struct BottomPlace {
   double coefficient = 0.0;      ///< [W/(m2 K)] to the block, without the temperature factor
   double block = 0.0;            ///< [°C] of the block's surface at the end, if no heat flowed

@@ -120,14 +120,15 @@ private:
   double tolerance_;  ///< [1]
   int maximum_iterations_;
 
-  /// Of a solid in rows, with conjugate gradients; empty on other meshes, which are factorised.
+  /// Preconditioner of conjugate gradients for solids with rows; empty on other meshes, whose
+  /// matrix is factorised.
   std::optional<linalg::LinePreconditioner> lines_;
   linalg::ConjugateGradients gradients_;
   linalg::DirectSolver solver_;
   std::vector<int> top_nodes_;  ///< held at the casting temperature
   std::vector<char> held_;      ///< (node) at the casting temperature
 
-  // Of the current step; the memory is reused between steps.
+  // Work vectors of the current step, whose memory is reused.
   std::vector<double> enthalpy_n_;  ///< (node) [J/m3] at the start of the step
   std::vector<double> enthalpy_;    ///< (node) [J/m3] of the iterate
   std::vector<double> trial_;       ///< (node) [J/m3] of the line search

@@ -117,7 +117,7 @@ private:
   CoolingSpec cooling_;
   std::optional<BlockColumns> block_;
 
-  // Of the current step; the memory is reused between steps.
+  // Work vectors of the current step, whose memory is reused.
   std::vector<SideShare> side_;
   std::vector<std::size_t> column_order_;  ///< side shares by face and column, from above
   std::vector<WaterPlace> side_water_;     ///< (side share) if it has water

@@ -21,7 +21,7 @@ struct FilmEnd {
   bool thrown_off = false;
 };
 
-/// What the water of a column can take [W]; 2D [W/m]: warmed to 100 °C and evaporated.
+/// Heat that warms the water of a column to 100 °C and evaporates it [W]; 2D [W/m].
 /// @param width  [m] of the column along the perimeter; axisymmetric [m2/rad / m]
 double film_capacity(const Film& supply, double width);
 

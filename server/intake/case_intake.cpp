@@ -1,11 +1,11 @@
 #include "server/intake/case_intake.hpp"
 
+#include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/util/json_util.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <optional>
 #include <set>
@@ -25,21 +25,22 @@ namespace dccast::intake {
 
 namespace {
 
-/// Where faults of the attachments themselves stand.
+/// Field of faults that concern the attachments themselves.
 constexpr const char* attachments_field = "attachments";
 
-/// What the core would find is not known until the first fault is fixed.
+/// Notes that the core will check the case only once the first fault is fixed.
 void note_that_checks_wait(v1::ValidateCaseResponse& verdict) {
   *verdict.add_warnings() =
       fault_of(verdict.faults(0).field(), "", "further checks wait until this is fixed");
 }
 
-/// Adds the core's faults, save those of keys that have one already.
+/// Adds the core's faults, except for keys that already have one.
 void merge(v1::ValidateCaseResponse from_core, v1::ValidateCaseResponse& verdict) {
   std::set<std::string> faulty;
   for (const v1::Fault& fault : verdict.faults()) faulty.insert(fault.field());
   for (v1::Fault& fault : *from_core.mutable_faults())
     if (!faulty.contains(fault.field())) *verdict.add_faults() = std::move(fault);
+
   verdict.mutable_warnings()->MergeFrom(from_core.warnings());
   if (verdict.faults_size() == 0 && from_core.has_estimate())
     *verdict.mutable_estimate() = from_core.estimate();
@@ -47,43 +48,49 @@ void merge(v1::ValidateCaseResponse from_core, v1::ValidateCaseResponse& verdict
 }
 
 std::string gigabytes(double bytes) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g GB", bytes * 1e-9);
-  return text;
+  return fmt::format("{:.3g} GB", bytes * 1e-9);
 }
 
 void add_fault(v1::ValidateCaseResponse& verdict, const char* field, const std::string& value,
                const std::string& most, const std::string& setting, const std::string& remedy) {
-  *verdict.add_faults() = fault_of(
-      field, value, "the case has " + value + ", more than this dccastd takes", "at most " + most,
-      remedy + ", or have " + setting + " raised in the settings of dccastd");
+  *verdict.add_faults() =
+      fault_of(field, value, fmt::format("the case has {}, more than this dccastd takes", value),
+               fmt::format("at most {}", most),
+               fmt::format("{}, or have {} raised in the settings of dccastd", remedy, setting));
 }
 
-/// Faults instead of the estimate when it is beyond a ceiling.
+/// Adds a fault for each ceiling that the estimate exceeds, and then removes the estimate.
 void hold_against(const Ceilings& ceilings, v1::ValidateCaseResponse& verdict) {
   if (!verdict.has_estimate()) return;
   const auto& estimate = verdict.estimate();
+
   const char* coarser = "make the mesh coarser";
   if (estimate.nodes() > ceilings.nodes)
-    add_fault(verdict, "mesh", std::to_string(estimate.nodes()) + " nodes at its end",
-              std::to_string(ceilings.nodes), "maximum_nodes", coarser);
+    add_fault(verdict, "mesh", fmt::format("{} nodes at its end", estimate.nodes()),
+              fmt::to_string(ceilings.nodes), "maximum_nodes", coarser);
   if (estimate.steps() > ceilings.steps)
-    add_fault(verdict, "time", std::to_string(estimate.steps()) + " steps",
-              std::to_string(ceilings.steps), "maximum_steps", "take longer steps");
+    add_fault(verdict, "time", fmt::format("{} steps", estimate.steps()),
+              fmt::to_string(ceilings.steps), "maximum_steps", "take longer steps");
   if (estimate.memory_bytes() > ceilings.memory_bytes)
-    add_fault(verdict, "mesh", gigabytes(estimate.memory_bytes()) + " of estimated memory",
+    add_fault(verdict, "mesh",
+              fmt::format("{} of estimated memory", gigabytes(estimate.memory_bytes())),
               gigabytes(ceilings.memory_bytes), "maximum_memory", coarser);
+
   if (verdict.faults_size() > 0) verdict.clear_estimate();
 }
 
+/// Checks that each attachment has a plain, printable name of its own.
+/// @param names  receives the sound names
 void check_names(const jobs::Attachments& attachments, std::set<std::string>& names,
                  v1::ValidateCaseResponse& verdict) {
   for (const jobs::AttachedFile& attachment : attachments) {
     const std::string& name = attachment.name;
+
     if (!jobs::is_plain_file_name(name))
       *verdict.add_faults() = fault_of(
           attachments_field, values::escaped(name), "is not the plain name of a file",
           "1 to 255 bytes without a slash, not \".\" or \"..\"", "attach it under its last name");
+    // The name becomes that of a file in the job folder.
     else if (const auto character = values::unprintable(name))
       *verdict.add_faults() =
           fault_of(attachments_field, values::escaped(name), "contains " + *character,
@@ -94,13 +101,16 @@ void check_names(const jobs::Attachments& attachments, std::set<std::string>& na
   }
 }
 
-/// Every file a message names must be attached; walks its tables.
+/// Checks that every file named in a message is attached. The recursion follows nested tables.
+/// @param path  of the message in the case; empty: the case itself
+/// @param used  receives the names of the files
 void check_references(const google::protobuf::Message& message, const std::string& path,
                       const std::set<std::string>& attached, std::set<std::string>& used,
                       v1::ValidateCaseResponse& verdict) {
   const auto* reflection = message.GetReflection();
   std::vector<const google::protobuf::FieldDescriptor*> fields;
   reflection->ListFields(message, &fields);
+
   for (const auto* field : fields) {
     const std::string name = path.empty() ? field->name() : path + "." + field->name();
     if (field->message_type() != nullptr && !field->is_repeated()) {
@@ -159,6 +169,7 @@ CaseIntake::CaseIntake(jobs::WarmWorkers& workers, std::filesystem::path alloy_d
       alloy_directory_(std::move(alloy_directory)),
       check_directory_(std::move(check_directory)),
       ceilings_(ceilings) {
+  // A faulty card stops the daemon at its start, not the first case that names it.
   for (const std::string& name : case_file::alloy_names(alloy_directory_)) {
     const auto card = case_file::alloy_card(name, alloy_directory_);
     if (!card.ok())
@@ -172,7 +183,7 @@ ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachme
                                  std::vector<std::string> faulty_keys,
                                  const jobs::CallLimits& waiting, bool findings) const {
   ExaminedCase examined = judged(submitted, attachments, std::move(faulty_keys), waiting, findings);
-  make_printable(examined.verdict);  // it repeats values that are refused for what they hold
+  make_printable(examined.verdict);  // a fault repeats the value that was refused
   return examined;
 }
 
@@ -192,11 +203,13 @@ ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachmen
   v1::ValidateCaseResponse& verdict = examined.verdict;
   const bool can_be_stored = std::ranges::none_of(
       verdict.faults(), [](const v1::Fault& fault) { return fault.field() == attachments_field; });
+
   for (const v1::Fault& fault : verdict.faults()) faulty_keys.push_back(fault.field());
   if (!can_be_stored) {
     note_that_checks_wait(verdict);
     return examined;
   }
+
   try {
     v1::CheckCase check;
     *check.mutable_case_() = examined.complete;
@@ -204,10 +217,13 @@ ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachmen
     check.set_findings(findings);
     merge(ask_core(std::move(check), attachments, waiting), verdict);
   } catch (const jobs::WorkerDidNotAnswer&) {
-    if (verdict.faults_size() == 0) throw;  // else a value at fault may well have brought it down
+    // A faulty value may have brought the worker down: report that fault first.
+    if (verdict.faults_size() == 0) throw;
     note_that_checks_wait(verdict);
   }
+
   hold_against(ceilings_, verdict);
+
   if (submitted.quality() != v1::QUALITY_UNSPECIFIED && !case_file::quality_matters(submitted))
     *verdict.add_warnings() =
         fault_of("quality", "", "changes nothing, as the case gives mesh and time steps itself", "",
@@ -218,8 +234,10 @@ ExaminedCase CaseIntake::judged(const v1::Case& submitted, const jobs::Attachmen
 std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted,
                                             const jobs::Attachments& attachments) const {
   case_file::apply_defaults(submitted);
+
   const auto card = this->card(submitted.alloy().card(), attachments);
   if (card.ok()) case_file::complete_alloy(card.alloy, *submitted.mutable_alloy());
+
   std::vector<v1::Fault> faults = card.faults;
   const auto ranges = case_file::check_ranges(submitted);
   faults.insert(faults.end(), ranges.begin(), ranges.end());
@@ -227,7 +245,7 @@ std::vector<v1::Fault> CaseIntake::complete(v1::Case& submitted,
   return case_file::uncertainty_faults(submitted);
 }
 
-// Those that are there were read at the start; reading one takes longer than a whole check.
+// Cards of the daemon are read once, at its start: reading one takes longer than a whole check.
 case_file::AlloyCard CaseIntake::card(const std::string& name,
                                       const jobs::Attachments& attachments) const {
   const auto attached = std::ranges::find(attachments, name, &jobs::AttachedFile::name);
@@ -284,7 +302,8 @@ std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& atta
   std::string text;
   const auto status = google::protobuf::util::MessageToJsonString(submitted, &text);
   if (!status.ok()) throw std::runtime_error("the case cannot be written as JSON");
-  std::set<std::string> files;  // in any order they are the same files
+
+  std::set<std::string> files;  // sorted: the order of attachments does not matter
   for (const jobs::AttachedFile& attachment : attachments)
     files.insert(attachment.name + " " + attachment.sha256);
   for (const std::string& file : files) text += "\n" + file;
@@ -333,10 +352,13 @@ jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachm
 
 void make_printable(google::protobuf::Message& message) {
   using google::protobuf::FieldDescriptor;
+
   const auto* reflection = message.GetReflection();
   std::vector<const FieldDescriptor*> fields;
   reflection->ListFields(message, &fields);
+
   for (const FieldDescriptor* field : fields) {
+    // Text fields are rewritten in place, messages recursively; other fields hold no text.
     const bool text = field->type() == FieldDescriptor::TYPE_STRING;
     const int count = field->is_repeated() ? reflection->FieldSize(message, field) : 1;
     for (int i = 0; i < count && (text || field->message_type() != nullptr); ++i) {

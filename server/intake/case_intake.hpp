@@ -14,18 +14,18 @@
 
 namespace dccast::intake {
 
-/// How large a case may be here, whatever it permits itself.
+/// Largest case that this server accepts, whatever the schema permits.
 struct Ceilings {
-  std::int64_t nodes = 0;  ///< at its end
+  std::int64_t nodes = 0;  ///< at the end of the casting
   std::int64_t steps = 0;
-  double memory_bytes = 0.0;  ///< as estimated
+  double memory_bytes = 0.0;  ///< estimated
 };
 
-/// The memory each of so many workers can have on this machine: its memory, or what the control
-/// group leaves of it, less a tenth for everything else [bytes].
+/// Memory available to each of `workers` workers [bytes]: nine tenths of the machine's memory, or
+/// of the control group's limit, divided by their number.
 double memory_per_worker(int workers);
 
-/// A case with its defaults and its alloy filled in, and what is wrong with it.
+/// A case with defaults and alloy filled in, and its faults.
 struct ExaminedCase {
   v1::Case complete;
   v1::ValidateCaseResponse verdict;
@@ -37,31 +37,31 @@ struct FrameChoice {
   std::string field{};  ///< name of a v1::FrameField; empty: mesh and temperature
 };
 
-/// Examines cases before they are queued. What single values permit is checked here by the schema;
-/// how they fit together is checked by the core, in a worker: a mesh or temperature file that
-/// brings it down costs one answer.
+/// Examines cases before they are queued. The schema checks single values here; the core checks how
+/// they fit together, in a worker process, so that a crash over a mesh or temperature file costs
+/// only one answer.
 class CaseIntake {
 public:
   /// @param workers          outlives this object
-  /// @param alloy_directory  further alloy cards; empty: only those that are built in
-  /// @param check_directory  where attachments are put while a case is checked
+  /// @param alloy_directory  directory of further alloy cards; empty: only built-in cards
+  /// @param check_directory  directory for attachments while a case is checked
   /// @throws std::runtime_error  an alloy card has faults
   CaseIntake(jobs::WarmWorkers& workers, std::filesystem::path alloy_directory,
              std::filesystem::path check_directory, const Ceilings& ceilings);
 
   /// @param faulty_keys  paths of keys that the client could not read
-  /// @param findings     also those of a case without faults, which takes longer
+  /// @param findings     whether a case without faults is judged too, which takes longer
   /// @throws std::system_error, jobs::WorkerDidNotAnswer
   ExaminedCase examine(const v1::Case& submitted, const jobs::Attachments& attachments,
                        std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
                        bool findings = false) const;
 
-  /// The part of examine() that needs no worker, and takes no longer than a look into a table: the
-  /// case with defaults and alloy card. A verdict without faults does not mean that it can be run.
+  /// The fast part of examine(), which needs no worker: fills in defaults and alloy card and checks
+  /// single values. A case without faults here may still be impossible to run.
   ExaminedCase complete_case(const v1::Case& submitted, const jobs::Attachments& attachments) const;
 
-  /// The times of all frames that a job has stored, and one of them; without it when there are
-  /// fewer. @param results  of the job, as its worker published them
+  /// Times of all frames that a job has stored, and one frame if its number exists.
+  /// @param results  artifact of the job, as published by its worker
   /// @throws jobs::WorkerDidNotAnswer, jobs::UnsoundResult
   v1::QueryResultResponse stored_frame(const std::filesystem::path& job_folder,
                                        const v1::Artifact& results, const FrameChoice& choice,
@@ -83,11 +83,11 @@ private:
   ExaminedCase judged(const v1::Case& submitted, const jobs::Attachments& attachments,
                       std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
                       bool findings) const;
-  /// Fills in defaults and the alloy card. @return what is wrong with single values
+  /// Fills in defaults and the alloy card. @return faults of single values
   std::vector<v1::Fault> complete(v1::Case& submitted, const jobs::Attachments& attachments) const;
   v1::ValidateCaseResponse ask_core(v1::CheckCase check, const jobs::Attachments& attachments,
                                     const jobs::CallLimits& waiting) const;
-  /// The card of this name, attached or known; with faults when there is none.
+  /// Finds an attached or known card; the result has faults if there is none.
   case_file::AlloyCard card(const std::string& name, const jobs::Attachments& attachments) const;
 
   jobs::WarmWorkers& workers_;
@@ -98,30 +98,30 @@ private:
   const std::unique_ptr<jobs::ResultDigests> digests_ = std::make_unique<jobs::ResultDigests>();
 };
 
-/// Checks that attachments have plain, distinct names, that every file the case names is among them
-/// (a fault otherwise), and that the case names each of them (a warning otherwise). Which keys name
-/// files stands in the schema.
+/// Checks that attachments have plain, distinct names, that every file named in the case is
+/// attached (a fault otherwise), and that the case names every attachment (a warning otherwise).
+/// The schema marks the keys that name files.
 void check_attachment_names(const v1::Case& submitted, const jobs::Attachments& attachments,
                             v1::ValidateCaseResponse& verdict);
 
-/// SHA-256 of a case and its attachments: two submissions with one request_id are the same when it
-/// is. Taken over the case's canonical JSON, which no library version changes.
+/// SHA-256 of a case and its attachments, by which a repeated request_id is recognised as the same
+/// submission. Taken over canonical JSON, which does not depend on the version of a library.
 std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments);
 
-/// SHA-256 of everything that decides the figures of a run: the complete case without its title and
-/// its checkpoints, and its attachments. Two cases with one key have, from one solver, one answer.
+/// SHA-256 of everything that determines the figures of a run: the complete case without title and
+/// checkpoints, and its attachments. The same solver gives equal keys equal answers.
 /// @param complete  with defaults and alloy card
 std::string answer_key(v1::Case complete, const jobs::Attachments& attachments);
 
-/// A job of a case that was found good; who wants it, and how, is to be added.
+/// Job for a sound case; the caller adds owner, priority and the like.
 jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachments,
                      const ExaminedCase& examined);
 
 v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
                    const std::string& permitted = {}, const std::string& remedy = {});
 
-/// Writes out what would act on a terminal in every text of a message. Cases of today are held
-/// against that when they are taken; those of an earlier version may hold anything.
+/// Escapes control characters in all texts of a message, so that they cannot act on a terminal. New
+/// cases are checked for them when accepted; those of an earlier version may hold anything.
 void make_printable(google::protobuf::Message& message);
 
 }  // namespace dccast::intake

@@ -100,7 +100,7 @@ bool Uploads::renew(const std::string& user, const v1::Attachment& announced) {
   if (found == files_.end()) return false;
 
   found->second.last_used = Clock::now();
-  found->second.was_used = false;  // it does not give way before that
+  found->second.was_used = false;  // protects the file from make_room() until it is used
   return true;
 }
 
@@ -126,10 +126,11 @@ std::unique_ptr<Uploads::Upload> Uploads::begin(const std::string& user,
   }
 }
 
-/// Each upload under way takes memory for a chunk.
+/// Counts an upload against the limits, because each holds a chunk in memory.
 void Uploads::count_upload(const std::string& user) {
   const int all = std::accumulate(under_way_.begin(), under_way_.end(), 0,
                                   [](int sum, const auto& entry) { return sum + entry.second; });
+
   int& of_user = under_way_[user];
   if (of_user >= limits_.at_once_of_user || all >= limits_.at_once)
     throw TooManyUploads(
@@ -145,7 +146,7 @@ void Uploads::end_upload(const std::string& user) {
   if (--found->second == 0) under_way_.erase(found);
 }
 
-/// Files that a call has used give way to new ones: their jobs have copies.
+/// Removes used files to make room: their jobs have copies.
 void Uploads::make_room(const std::string& user, const v1::Attachment& announced) {
   const std::string remedy =
       "submit the cases of the files that are there, or wait until they have expired";
@@ -166,7 +167,9 @@ void Uploads::make_room(const std::string& user, const v1::Attachment& announced
                     fmt::format("maximum_uploads = {} together", megabytes(limits_.all)), remedy);
 }
 
-/// @param user  null: of any user @return false: there is none that no one reads now
+/// Removes the file that was used longest ago, unless a call is reading it.
+/// @param user  owner of the file; null: any user
+/// @return      false if there is no such file
 bool Uploads::remove_oldest_used(const std::string* user) {
   auto oldest = files_.end();
   for (auto file = files_.begin(); file != files_.end(); ++file) {
@@ -183,7 +186,7 @@ bool Uploads::remove_oldest_used(const std::string* user) {
 
 void Uploads::keep(const Key& key, std::shared_ptr<const StagedFile> file) {
   const std::lock_guard lock(mutex_);
-  // The same file may have been uploaded twice at once.
+  // Concurrent uploads of the same file may both finish: the first one is kept.
   Entry& entry = files_[key];
   if (!entry.file) entry.file = std::move(file);
   entry.last_used = Clock::now();
@@ -220,6 +223,7 @@ void Uploads::Upload::append(std::string_view chunk) {
   const std::int64_t end = written_ + static_cast<std::int64_t>(chunk.size());
   if (end > announced_bytes_)
     throw UploadBroken(fmt::format("more than the {} bytes of size_bytes came", announced_bytes_));
+
   file_.write_at(written_, chunk);
   digest_.add(chunk);
   written_ = end;

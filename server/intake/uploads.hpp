@@ -20,7 +20,7 @@
 
 namespace dccast::intake {
 
-/// An upload is not taken: a limit. The fault names what was given, what is permitted, the remedy.
+/// A limit refuses an upload. The fault gives the value, the permitted range and the remedy.
 class UploadRefused : public std::runtime_error {
 public:
   explicit UploadRefused(v1::Fault fault);
@@ -30,47 +30,47 @@ private:
   v1::Fault fault_;
 };
 
-/// So many uploads are under way that a further one has to wait.
+/// Too many uploads are under way; a further one must wait.
 class TooManyUploads : public std::runtime_error {
   using runtime_error::runtime_error;
 };
 
-/// What came is not the file that was announced.
+/// The received bytes are not the announced file.
 class UploadBroken : public std::runtime_error {
   using runtime_error::runtime_error;
 };
 
-/// Files that users have uploaded for cases that are still to come. Each is its uploader's alone:
-/// knowing the SHA-256 of another user's file gives no access to it. The files lie in a folder of
-/// the data directory and are removed by age, for newer ones, and all of them at a start of the
-/// daemon; a job has copies. Safe to use from several threads; outlives its uploads.
+/// Files that users have uploaded for cases to be submitted. A file belongs to its uploader alone:
+/// knowing the SHA-256 of another user's file gives no access to it. Files are stored in a folder
+/// of the data directory. They are removed by age, in favour of newer ones, and at each start of
+/// the daemon; jobs have copies. Safe to use from several threads; outlives its uploads.
 class Uploads {
 public:
   struct Limits {
-    std::int64_t largest = 0;       ///< file [bytes]
-    std::int64_t of_user = 0;       ///< files of one user together [bytes]
-    std::int64_t all = 0;           ///< files of all users together [bytes]
-    std::int64_t minimum_free = 0;  ///< on the disk, beside the file [bytes]
+    std::int64_t largest = 0;       ///< size of one file [bytes]
+    std::int64_t of_user = 0;       ///< total size of one user's files [bytes]
+    std::int64_t all = 0;           ///< total size of all files [bytes]
+    std::int64_t minimum_free = 0;  ///< free space left on the disk [bytes]
     std::chrono::steady_clock::duration lifetime = std::chrono::hours(1);
-    int at_once_of_user = 24;  ///< uploads under way
-    int at_once = 32;          ///< the same of all users
+    int at_once_of_user = 24;  ///< concurrent uploads of one user
+    int at_once = 32;          ///< concurrent uploads of all users
   };
 
-  /// @param directory  made if need be, and emptied @throws std::filesystem::filesystem_error
+  /// @param directory  created if missing, and emptied @throws std::filesystem::filesystem_error
   Uploads(std::filesystem::path directory, const Limits& limits);
 
-  /// The file that a user's case names, which was uploaded before; nothing where there is none.
+  /// Finds a file that a user has uploaded and a case names; empty if there is none.
   std::optional<jobs::AttachedFile> find(const std::string& user, const v1::Attachment& named);
 
-  /// Whether the file is there for this user, who is about to use it.
+  /// Restarts the lifetime of a file that the user is about to use. @return whether it exists
   bool renew(const std::string& user, const v1::Attachment& announced);
 
   class Upload;
-  /// Begins to take a file. @param announced  its SHA-256 and size are held against what comes
+  /// Begins an upload. @param announced  SHA-256 and size that the file must have
   /// @throws UploadRefused, TooManyUploads, std::system_error  the disk takes nothing
   std::unique_ptr<Upload> begin(const std::string& user, const v1::Attachment& announced);
 
-  /// What all files hold, also those that are not complete yet [bytes].
+  /// Disk space of all files, complete or not [bytes].
   std::int64_t bytes() const { return held_->all(); }
 
 private:
@@ -89,7 +89,7 @@ private:
     std::int64_t all_ = 0;
   };
 
-  /// A file on the disk, which goes with this object, as does its share of what is held.
+  /// A file on disk. The destructor removes it and releases its share of the limits.
   class StagedFile {
   public:
     StagedFile(std::shared_ptr<Held> held, std::string user, std::int64_t bytes,
@@ -125,13 +125,13 @@ private:
   const std::filesystem::path directory_;
   const Limits limits_;
   const std::shared_ptr<Held> held_ = std::make_shared<Held>();
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< guards the members below
   std::map<Key, Entry> files_;
   std::map<std::string, int> under_way_;  ///< uploads by user
   std::jthread watcher_;
 };
 
-/// One upload under way. Its end before finish() removes what has come.
+/// An upload in progress. Destruction before finish() removes the received bytes.
 class Uploads::Upload {
 public:
   Upload(Uploads& uploads, std::string user, const v1::Attachment& announced,
@@ -141,7 +141,7 @@ public:
 
   /// @throws UploadBroken  more than was announced; std::system_error
   void append(std::string_view chunk);
-  /// From now on the file is found. @throws UploadBroken  it is not what was announced
+  /// Makes the file available. @throws UploadBroken  it is not the announced file
   void finish();
 
 private:

@@ -16,32 +16,32 @@ struct Transfer {
     moved,
     wait_until_readable,  ///< try again once the socket can be read
     wait_until_writable,  ///< try again once the socket can be written
-    ended,                ///< by the other side, or an error
+    ended,                ///< the other side closed, or an error
   };
   Outcome outcome = Outcome::moved;
-  std::size_t bytes = 0;  ///< where `moved`
+  std::size_t bytes = 0;  ///< set if `moved`
 };
 
-/// One end of a connection, over a socket that does not block and outlives this object.
+/// One end of a connection, over a non-blocking socket that outlives this object.
 class ByteStream {
 public:
   virtual ~ByteStream() = default;
 
-  /// Called until it has moved; `bytes` says nothing.
+  /// Repeat until the outcome is `moved`; `bytes` is not set.
   virtual Transfer handshake() = 0;
   virtual Transfer read(char* buffer, std::size_t room) = 0;
-  /// May write less than all. What was not written must be tried again first.
+  /// May write only a part. The rest must be written before anything else.
   virtual Transfer write(std::string_view bytes) = 0;
-  /// Tells the other side that nothing more comes.
+  /// Informs the other side that nothing more follows.
   virtual void close() = 0;
-  /// Adds what the handshake has shown.
+  /// Adds to `peer` what the handshake has established.
   virtual void describe(Peer& peer) const = 0;
 };
 
-/// Bytes as they are.
+/// Stream without encryption.
 std::unique_ptr<ByteStream> plain_stream(int socket);
 
-/// The server's side of TLS. @throws std::runtime_error  OpenSSL has no memory for it
+/// Server side of TLS. @throws std::runtime_error  OpenSSL is out of memory
 std::unique_ptr<ByteStream> tls_stream(int socket, SSL_CTX& context);
 
 }  // namespace dccast::relay

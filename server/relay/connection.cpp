@@ -17,18 +17,18 @@ namespace {
 using Outcome = Transfer::Outcome;
 
 constexpr std::chrono::seconds handshake_time{10};
-/// A client that takes nothing for so long has gone. gRPC's own ping ends it within 30 s, but
-/// gRPC's end of the socket pair does not see that what it has sent stays here.
+/// A client that accepts nothing for this long has gone. gRPC's ping ends a call within 30 s, but
+/// gRPC does not see that its bytes are stuck in the relay.
 constexpr std::chrono::seconds stall_time{60};
 
-// What a client sends before its first request, with some pings: preface, settings, window [bytes].
+// A client sends preface, settings and window before its first request, and some pings [bytes].
 constexpr std::uint64_t greeting_bytes = 200;
 
 constexpr std::size_t buffer_bytes = 128 * 1024;
-// Others wait while one connection moves so many buffers.
+// After this many buffers a connection lets others proceed.
 constexpr int buffers_a_turn = 4;
 
-/// Of the thread of the relay: what is read here is sent on before anything else is read.
+/// Buffers of the relay thread. They are shared: what is read is sent on before the next read.
 std::array<char, buffer_bytes>& read_buffer() {
   static thread_local std::array<char, buffer_bytes> buffer;
   return buffer;
@@ -83,6 +83,7 @@ void Connection::shake_hands() {
   const Transfer step = client_.stream->handshake();
   if (step.outcome != Outcome::moved) return wait(client_, step, &Connection::shake_hands);
 
+  // The deadline was that of the handshake.
   deadline_.cancel();
   try {
     open();
@@ -90,6 +91,7 @@ void Connection::shake_hands() {
     log::warn("a connection of {} is closed: {}", peer_.address, error.what());
     return end();
   }
+
   carry_requests();
   carry_answers();
 }
@@ -100,7 +102,8 @@ void Connection::open() {
   std::array<int, 2> pair{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, pair.data()) != 0)
     throw std::runtime_error(std::string("no pair of sockets: ") + ::strerror(errno));
-  // gRPC and the relay work beside each other only while some buffers are on their way.
+
+  // With larger buffers on their way, gRPC and the relay work in parallel.
   constexpr int answers_on_their_way = 512 * 1024;
   ::setsockopt(pair[1], SOL_SOCKET, SO_SNDBUF, &answers_on_their_way, sizeof answers_on_their_way);
   service_.emplace(Side{Socket(loop_, pair[0]), plain_stream(pair[0])});
@@ -117,7 +120,7 @@ void Connection::carry_requests() {
     if (read.outcome != Outcome::moved) return wait(client_, read, &Connection::carry_requests);
     received_ += read.bytes;
 
-    // What is hostile goes no further than this.
+    // A hostile frame is not forwarded.
     std::string& forwarded = forward_buffer();
     forwarded.clear();
     const std::size_t before = guard_->unfinished_bytes();
@@ -135,11 +138,13 @@ void Connection::carry_answers() {
   for (int buffer = 0; buffer < buffers_a_turn && !ended_; ++buffer) {
     if (!send_rest(client_, &Connection::carry_answers)) return;
     const Transfer read = service_->stream->read(read_buffer().data(), buffer_bytes);
-    if (read.outcome == Outcome::ended) client_.stream->close();  // it has got everything
+    if (read.outcome == Outcome::ended) client_.stream->close();  // all answers are sent
     if (read.outcome != Outcome::moved) return wait(*service_, read, &Connection::carry_answers);
+
     guard_->take_answer({read_buffer().data(), read.bytes});
     if (!send(client_, {read_buffer().data(), read.bytes}, &Connection::carry_answers)) return;
-    // There is no more for now.
+
+    // A short read has emptied the socket: wait instead of trying again.
     if (read.bytes < buffer_bytes)
       return wait(*service_, {Outcome::wait_until_readable}, &Connection::carry_answers);
   }

@@ -21,44 +21,45 @@ namespace dccast::relay {
 
 class Connection;
 
-/// Owner of connections; each call comes on the thread of the relay.
+/// Owner of connections. All calls come from the relay thread.
 class ConnectionOwner {
 public:
   virtual ~ConnectionOwner() = default;
   virtual PeerTable& peers() = 0;
-  /// Hands one end of a socket pair to gRPC. @param socket  is taken over
+  /// Passes one end of a socket pair to gRPC. @param socket  ownership passes with it
   virtual void serve(int socket) = 0;
   virtual const MemoryBounds& memory() const = 0;
-  /// Unfinished requests of a connection hold so many more bytes.
+  /// Reports that unfinished requests of a connection hold this much more memory [bytes].
   virtual void on_growth(std::size_t bytes) = 0;
-  /// @param hostile  for what its client has sent
+  /// @param hostile  whether the client's behaviour ended the connection
   virtual void on_end(const Connection& connection, bool hostile) = 0;
 };
 
-/// Carries one connection between its client and gRPC: terminates TLS, looks at the frames of the
-/// client, and reads from one side no more than the other side takes. It lives as long as it waits
-/// for something. For the thread of the relay alone.
+/// Relays one connection between its client and gRPC: terminates TLS, checks the client's frames,
+/// and reads from one side only as much as the other side takes. A connection lives while it waits
+/// for something. Used only by the relay thread.
 class Connection : public std::enable_shared_from_this<Connection> {
 public:
   using Clock = std::chrono::steady_clock;
 
-  /// @param socket  of the client, is taken over
-  /// @param tls     null: none
+  /// @param socket  of the client; ownership passes with it
+  /// @param tls     null for a connection without TLS
   Connection(boost::asio::io_context& loop, ConnectionOwner& owner, int socket, Peer peer,
              SSL_CTX* tls);
   ~Connection();
 
-  /// @param when  not before
+  /// @param when  earliest time of the handshake
   void start_at(Clock::time_point when);
-  /// Closes both sides; the second time it does nothing. @param hostile  why; empty: it is not
+  /// Closes both sides; repeated calls have no effect.
+  /// @param hostile  reason if the client is hostile; otherwise empty
   void end(std::string_view hostile = "");
 
   bool in_handshake() const { return !service_.has_value(); }
-  /// Whether its client has sent no more than greetings.
+  /// Whether the client has sent no more than its greeting.
   bool is_silent() const;
   const Peer& peer() const { return peer_; }
   Clock::time_point since() const { return since_; }
-  /// What its unfinished requests hold.
+  /// Memory of its unfinished requests.
   HeldMemory held() const;
 
 private:
@@ -69,7 +70,7 @@ private:
   struct Side {
     Socket socket;
     std::unique_ptr<ByteStream> stream;
-    std::string unsent{};  ///< what this side does not take yet
+    std::string unsent{};  ///< bytes that this side has not accepted yet
   };
 
   void start();
@@ -77,7 +78,7 @@ private:
   void open();
   void carry_requests();
   void carry_answers();
-  /// @return whether all was sent; otherwise `retry` follows, or the connection has ended
+  /// @return whether everything was sent; otherwise `retry` runs later, or the connection has ended
   bool send(Side& to, std::string_view bytes, Step retry);
   bool send_rest(Side& to, Step retry);
   void wait(Side& side, const Transfer& transfer, Step next);
@@ -91,7 +92,7 @@ private:
   Side client_;
   std::optional<Side> service_;  ///< gRPC, after the handshake
   boost::asio::steady_timer deadline_;
-  std::string name_;  ///< in the table of peers
+  std::string name_;  ///< key in the table of peers
   std::optional<FrameGuard> guard_;
   std::uint64_t received_ = 0;  ///< from the client, decrypted [bytes]
   bool ended_ = false;

@@ -24,11 +24,11 @@ using std::chrono::milliseconds;
 // A client whose connection was ended for what it sent comes back at once. Each such end delays its
 // next connections.
 constexpr milliseconds delay_per_hostile{25}, longest_delay{5000};
-/// A connection that has made no request for so long may give way.
+/// A connection without a request after this time may be ended in favour of another.
 constexpr std::chrono::seconds time_to_first_request{1};
 constexpr std::size_t most_in_handshake = 64;
 
-/// Whose connections wait for each other: those of a local user, or of another machine.
+/// Group of connections that share a delay: those of a local user, or of another machine.
 std::string origin_of(const Peer& peer) {
   return peer.user_id ? fmt::format("user id {}", *peer.user_id) : peer.host;
 }
@@ -60,7 +60,7 @@ void Door::stop_accepting() {
   pause_.cancel(ignored);
   socket_.close(ignored);
 
-  // Those would still be handed to gRPC.
+  // gRPC would still receive these after their handshake.
   end_those([](const Connection& connection) { return connection.in_handshake(); });
 }
 
@@ -88,8 +88,8 @@ Connection::Clock::time_point Door::first_turn(const Peer& peer) const {
 }
 
 void Door::end_those(const Condition& condition) {
-  const auto all = connections_;  // each end removes one
-  for (const auto& connection : all)
+  const auto connections = connections_;  // a copy: end() removes from the vector
+  for (const auto& connection : connections)
     if (condition(*connection)) connection->end();
 }
 
@@ -98,14 +98,16 @@ void Door::accept() {
   socklen_t size = sizeof from;
   const int socket = ::accept4(socket_.native_handle(), reinterpret_cast<sockaddr*>(&from), &size,
                                SOCK_CLOEXEC | SOCK_NONBLOCK);
+
   if (socket >= 0) {
     const std::string host = host_of(from, size);
     admit(socket, {.host = host,
                    .address = uri_of(host, from),
                    .over_tls = tls_ != nullptr,
                    .user_id = tls_ ? std::nullopt : owner_of_peer(socket, from)});
+
+    // The accepted client waits in the system's queue; a pause avoids a busy loop meanwhile.
   } else if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS) {
-    // The client stays in the queue of the system.
     constexpr milliseconds pause_after_refusal{100};
     log::warn("cannot accept a connection: {}", ::strerror(errno));
     pause_.expires_after(pause_after_refusal);
@@ -113,11 +115,13 @@ void Door::accept() {
       if (!cancelled) wait_for_client();
     });
   }
+
   wait_for_client();
 }
 
 void Door::admit(int socket, Peer peer) {
   const bool was_full = std::exchange(full_, !make_room(peer.host));
+  // Logged once, not for each connection that a full door closes.
   if (full_) {
     if (!was_full)
       log::warn(
@@ -149,8 +153,8 @@ bool Door::make_room(const std::string& host) {
   return connections_.size() < bounds_.connections || end_a_silent_one("");
 }
 
-/// Ends the oldest connection that has not made a request in its first second, for one that may.
-/// @param host  only one of this; empty: any
+/// Ends the oldest connection without a request after its first second, to make room for another.
+/// @param host  only connections of this host; empty: of any
 bool Door::end_a_silent_one(const std::string& host) {
   const auto now = Connection::Clock::now();
   const auto may_give_way = [&](const auto& connection) {
@@ -164,8 +168,8 @@ bool Door::end_a_silent_one(const std::string& host) {
   return true;
 }
 
-/// Handshakes cost most of the time of a processor. The oldest of the machine that has most of
-/// them gives way.
+/// Bounds concurrent handshakes, which cost most of the processor time. The host with the most of
+/// them loses its oldest.
 void Door::bound_handshakes() {
   std::map<std::string, std::size_t> of_host;
   std::size_t all = 0;

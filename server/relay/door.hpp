@@ -17,23 +17,23 @@
 
 namespace dccast::relay {
 
-/// A listener with its connections. When all are in use, the one that has been longest without a
-/// request gives way; where each has made one, or a machine has as many as it may, a further
-/// connection is closed. For the thread of the relay alone.
+/// A listener and its connections. When all are in use, the oldest connection without a request is
+/// ended. If each has made a request, or a machine has its maximum, a further connection is closed.
+/// Used only by the relay thread.
 class Door {
 public:
-  /// @param tls  null: without TLS
+  /// @param tls  null for connections without TLS
   Door(boost::asio::io_context& loop, ConnectionOwner& owner, const Listener& listener,
        const Bounds& bounds, std::unique_ptr<TlsContext> tls);
 
-  /// Takes up files of TLS that have changed.
+  /// Reloads TLS files that have changed.
   void refresh_certificates();
   const std::vector<std::shared_ptr<Connection>>& connections() const { return connections_; }
 
   void wait_for_client();
   void stop_accepting();
   void end_all();
-  /// @return whether the connection was of this door
+  /// @return whether the connection belonged to this door
   bool remove(const Connection& connection, bool hostile);
 
 private:
@@ -55,7 +55,7 @@ private:
   boost::asio::posix::stream_descriptor socket_;
   boost::asio::steady_timer pause_;
   std::vector<std::shared_ptr<Connection>> connections_;  ///< oldest first
-  /// When the next connections of who was hostile begin.
+  /// Earliest begin of the next connection, by origin of a hostile client.
   std::map<std::string, Connection::Clock::time_point> not_before_;
   bool full_ = false;
 };

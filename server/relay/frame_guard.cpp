@@ -10,16 +10,16 @@ namespace dccast::relay {
 namespace {
 
 constexpr std::size_t preface_bytes = 24;
-// gRPC takes 8 kB of metadata; what is longer it reads to its end, wherever that is.
+// gRPC accepts 8 kB of metadata, but reads longer metadata to its end, however long.
 constexpr std::size_t most_of_a_header_block = 64 * 1024;
-// Of a frame of a body, beside its bytes: a slice, and its place in a list.
+// gRPC keeps a slice and a list node for each frame of a body, beside its bytes.
 constexpr std::size_t kept_per_frame = 64;
 constexpr std::size_t kept_per_call = 8 * 1024;
-// Those who acknowledge the settings are held to the bound on calls by gRPC.
+// Once a client has acknowledged the settings, gRPC itself bounds its calls.
 constexpr int most_begun_before_acknowledgement = 100;
 
-/// A header as HPACK writes one that enters no table (RFC 7541, 6.2.2), without Huffman's code. It
-/// needs no knowledge of the table, and leaves it as it is.
+/// HPACK literal header field that is not indexed (RFC 7541, 6.2.2), without Huffman coding. It
+/// neither needs nor changes the dynamic table.
 std::string literal_field(std::string_view name, std::string_view value) {
   std::string field(1, '\0');
   for (const std::string_view text : {name, value}) {
@@ -64,7 +64,7 @@ void FrameGuard::take_answer(std::string_view bytes) {
 }
 
 void FrameGuard::forward_head(Frame frame, std::string& forwarded) {
-  // The headers of a call do not end where the client ends them: a frame of ours follows.
+  // Clear END_HEADERS: a continuation frame of the relay follows with the connection header.
   if ((frame.kind == Frame::headers || frame.kind == Frame::continuation) &&
       frame.flags & Frame::end_headers) {
     frame.flags = static_cast<std::uint8_t>(frame.flags & ~Frame::end_headers);
@@ -92,18 +92,23 @@ std::string_view FrameGuard::judge(const Frame& frame, Clock::time_point now) {
       if (!acknowledged_ && ++begun_before_acknowledgement_ > most_begun_before_acknowledgement)
         return "it begins calls and does not acknowledge how many it may";
       return take_headers(frame);
+
     case Frame::continuation:
       if (!others_.take(now)) return "it sends headers in small pieces";
       return take_headers(frame);
+
     case Frame::data:
       if (frame.size == 0 && !(frame.flags & Frame::end_stream) && !others_.take(now))
         return "it sends empty frames";
       return take_body(frame);
+
     case Frame::rst_stream:
       forget(frame.stream);
       return resets_.take(now) ? "" : "it takes back its calls";
+
     case Frame::window_update:
       return updates_.take(now) ? "" : "it updates windows without end";
+
     case Frame::settings:
       acknowledged_ = acknowledged_ || frame.flags & Frame::acknowledgement;
       [[fallthrough]];

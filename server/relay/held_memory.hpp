@@ -8,26 +8,26 @@
 
 namespace dccast::relay {
 
-/// How much requests may hold that are not finished [bytes].
+/// Bounds on the memory of unfinished requests [bytes].
 struct MemoryBounds {
   std::size_t all = 0;
   std::size_t of_user = 0;       ///< one user
-  std::size_t of_strangers = 0;  ///< all who have not shown who they are
-  std::size_t of_machine = 0;    ///< strangers of one machine
-  /// What gRPC holds of the content of one call at most: it reads no further before the call takes
-  /// what has come.
+  std::size_t of_strangers = 0;  ///< all unauthenticated clients
+  std::size_t of_machine = 0;    ///< unauthenticated clients of one machine
+  /// Content of one call that gRPC holds at most: it reads on only when the handler has taken what
+  /// has arrived.
   std::size_t of_call = SIZE_MAX;
 };
 
-/// What the unfinished requests of one connection hold.
+/// Memory of the unfinished requests of one connection.
 struct HeldMemory {
-  std::string user{};  ///< empty: a stranger
+  std::string user{};  ///< empty if unauthenticated
   std::string machine;
   std::size_t bytes = 0;
 };
 
-/// Bounds strangers and users before the total, so that no one ends the upload of another.
-/// @return index of the connection to be ended; nothing: all are within their bounds
+/// Checks unauthenticated clients and single users before the total, so that no one can end the
+/// upload of another. @return index of the connection to end; empty if all are within the bounds
 std::optional<std::size_t> beyond_bounds(const std::vector<HeldMemory>& connections,
                                          const MemoryBounds& bounds);
 

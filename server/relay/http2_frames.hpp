@@ -8,7 +8,7 @@
 
 namespace dccast::relay {
 
-/// Head of a frame of HTTP/2 (RFC 9113, 4.1 and 6).
+/// Head of an HTTP/2 frame (RFC 9113, 4.1 and 6).
 struct Frame {
   enum Kind : std::uint8_t {
     data,
@@ -27,19 +27,19 @@ struct Frame {
 
   std::uint8_t kind = 0, flags = 0;
   std::uint32_t stream = 0;
-  std::size_t size = 0;  ///< of what follows the head [bytes]
+  std::size_t size = 0;  ///< of the payload [bytes]
 };
 
-/// Cuts the bytes of a connection into heads and payloads, wherever they were cut before.
+/// Splits the bytes of a connection, which arrive cut anywhere, into frame heads and payloads.
 class FrameCutter {
 public:
-  /// @param preface  bytes before the first frame
+  /// @param preface  bytes before the first frame [bytes]
   explicit FrameCutter(std::size_t preface) : payload_left_(preface) {}
 
-  /// Takes what is left of the payload from the front of `bytes`. @return what it has taken
+  /// Takes the rest of the payload from the front of `bytes`. @return the bytes taken
   std::string_view take_payload(std::string_view& bytes);
   bool at_end_of_payload() const { return payload_left_ == 0; }
-  /// Takes a head from the front of `bytes`, behind a payload. @return nothing: it is not complete
+  /// Takes a head from the front of `bytes`, after a payload. @return empty if it is not complete
   std::optional<Frame> take_head(std::string_view& bytes);
 
 private:

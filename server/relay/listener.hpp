@@ -8,14 +8,14 @@
 
 namespace dccast::relay {
 
-/// A socket that listens, of TCP or of Unix. It is our own and not gRPC's: an address that is taken
-/// gives one line with its reason, and gRPC 1.51 accepts whatever comes, up to the last file
-/// descriptor, which the daemon would lack for its jobs.
+/// A listening TCP or Unix socket. The daemon owns it instead of gRPC for two reasons: an address
+/// in use gives one clear line, and gRPC 1.51 accepts connections up to the last file descriptor,
+/// which the daemon needs for its jobs.
 class Listener {
 public:
-  /// @param address  host and port, of which 0 takes a free one; or "unix:" and a path, where a
-  ///                 socket that no one listens to is replaced
-  /// @throws std::runtime_error  it cannot listen there
+  /// @param address  host and port, where port 0 chooses a free one; or "unix:" and a path, where a
+  ///                 stale socket is replaced
+  /// @throws std::runtime_error  the address cannot be used
   explicit Listener(const std::string& address);
   Listener(const Listener&) = delete;
   ~Listener();
@@ -32,9 +32,9 @@ private:
   std::string address_;
 };
 
-/// The host of an address that accept() gave: "192.0.2.1"; "unix" for a Unix socket.
+/// Host of an address from accept(): "192.0.2.1"; "unix" for a Unix socket.
 std::string host_of(const sockaddr_storage& address, socklen_t size);
-/// As gRPC writes it: "ipv4:192.0.2.1:40000", "ipv6:%5B::1%5D:40000", "unix:".
+/// Address in gRPC's notation: "ipv4:192.0.2.1:40000", "ipv6:%5B::1%5D:40000", "unix:".
 std::string uri_of(const std::string& host, const sockaddr_storage& address);
 
 }  // namespace dccast::relay

@@ -45,6 +45,7 @@ public:
     thread_ = std::thread([this] { run(); });
   }
 
+  /// Waits for the relay thread: no door accepts once this has returned.
   void stop_accepting() {
     if (!thread_.joinable()) return;
     const auto stopped = std::make_shared<std::promise<void>>();
@@ -57,7 +58,9 @@ public:
 
   void close() {
     if (!thread_.joinable()) return;
+
     stop_accepting();
+    // gRPC has sent its last answers: give clients a second to receive them.
     asio::post(context_, [this] {
       certificates_.cancel();
       trim_.cancel();
@@ -79,7 +82,10 @@ public:
 
   void on_growth(std::size_t bytes) override {
     constexpr std::size_t between_looks = 1'000'000;
-    if ((grown_ += bytes) < between_looks) return;
+    // Summing up all connections costs time: do it per megabyte, not per frame.
+    grown_ += bytes;
+    if (grown_ < between_looks) return;
+
     grown_ = 0;
     bound_memory();
   }
@@ -110,6 +116,7 @@ private:
     });
   }
 
+  /// Ends connections until unfinished requests stay within the bounds of memory.
   void bound_memory() {
     for (;;) {
       std::vector<std::shared_ptr<Connection>> connections;
@@ -120,14 +127,15 @@ private:
       std::vector<HeldMemory> held;
       held.reserve(connections.size());
       for (const auto& connection : connections) held.push_back(connection->held());
+
       const auto beyond = beyond_bounds(held, memory_);
       if (!beyond) return;
       connections[*beyond]->end("requests that are not finished hold too much memory");
     }
   }
 
-  /// Returns to the system what hostile connections held, once none was ended for a while: the C
-  /// library keeps it otherwise.
+  /// Returns memory of hostile connections to the system after a quiet time, because the C library
+  /// keeps it otherwise.
   void trim_later() {
     constexpr seconds quiet{2};
     trim_.expires_after(quiet);

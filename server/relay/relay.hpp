@@ -12,34 +12,35 @@
 
 namespace dccast::relay {
 
-/// How many connections of a listener may be open.
+/// Bounds on the open connections of a listener.
 struct Bounds {
   std::size_t connections = 1;
-  std::size_t per_peer = SIZE_MAX;  ///< of one machine
+  std::size_t per_peer = SIZE_MAX;  ///< connections of one machine
 };
 
-/// Stands between clients and gRPC 1.51, which shows nothing of a connection but its calls, and
-/// those when they have cost their memory already. The relay accepts connections up to a bound,
-/// terminates TLS, ends a connection whose client is hostile (FrameGuard), and hands gRPC one end
-/// of a socket pair for each. A header of each call names its connection (PeerTable).
-/// A connection that is closed at once is UNAVAILABLE to its client.
+/// Relay between clients and gRPC 1.51, which exposes nothing of a connection but its calls, and
+/// calls only after spending memory on them. The relay accepts connections up to a bound,
+/// terminates TLS, ends connections of hostile clients (FrameGuard), and hands gRPC one end of a
+/// socket pair for each. It adds to each call a header that names its connection (PeerTable). A
+/// client whose connection is closed at once sees UNAVAILABLE.
 class Relay {
 public:
   /// @param peers  outlives this object
-  /// @param serve  gives a socket to gRPC, which closes it
+  /// @param serve  passes a socket to gRPC, which closes it
   Relay(PeerTable& peers, std::function<void(int)> serve, const MemoryBounds& memory);
   ~Relay();
 
-  /// Accepts connections of this listener from start() on. Certificates that are replaced hold for
-  /// new connections within a second.
-  /// @param listener  outlives this object @param tls  nothing: without TLS
+  /// Adds a listener, whose connections are accepted after start(). New certificates apply to new
+  /// connections within a second.
+  /// @param listener  outlives this object
+  /// @param tls       empty: without TLS
   /// @throws std::runtime_error  the files of TLS cannot be used
   void add(const Listener& listener, const Bounds& bounds, std::optional<TlsFiles> tls);
   void start();
 
-  /// Accepts no more. gRPC gets no further socket once this has returned.
+  /// Stops accepting. gRPC receives no further socket once this has returned.
   void stop_accepting();
-  /// Ends all connections. Those that gRPC has closed have a second to get what it has sent.
+  /// Ends all connections; clients have one second to receive what gRPC has sent.
   void close();
 
 private:

@@ -19,7 +19,7 @@ struct Request {
   inet_diag_req_v2 body;
 };
 
-/// Port and address in network order, as the system's request takes them.
+/// Copies port and address in network byte order, as the kernel's request takes them.
 void copy_endpoint(const sockaddr_storage& endpoint, __be16& port, __be32 (&address)[4]) {
   if (endpoint.ss_family == AF_INET6) {
     const auto& ipv6 = reinterpret_cast<const sockaddr_in6&>(endpoint);
@@ -32,11 +32,12 @@ void copy_endpoint(const sockaddr_storage& endpoint, __be16& port, __be32 (&addr
   }
 }
 
-/// Asks for the one socket whose own end is `client` and whose other end is `server`.
+/// Netlink request for the one socket whose local end is `client` and whose remote end is `server`.
 Request request_for(const sockaddr_storage& client, const sockaddr_storage& server) {
   Request request{};
   request.head.nlmsg_len = sizeof request;
   request.head.nlmsg_type = SOCK_DIAG_BY_FAMILY;
+
   request.head.nlmsg_flags = NLM_F_REQUEST;
   request.body.sdiag_family = static_cast<__u8>(client.ss_family);
   request.body.sdiag_protocol = IPPROTO_TCP;
@@ -49,7 +50,7 @@ Request request_for(const sockaddr_storage& client, const sockaddr_storage& serv
   return request;
 }
 
-/// Of TCP.
+/// Owner of a TCP endpoint on this machine; asks the kernel by netlink.
 std::optional<unsigned> owner_of_endpoint(const sockaddr_storage& client,
                                           const sockaddr_storage& server) {
   const storage::FileDescriptor socket(

@@ -6,11 +6,11 @@
 
 namespace dccast::relay {
 
-/// The user of this machine who has the other end of a connection, of a Unix socket or of TCP over
-/// loopback. The system knows whose socket that is.
-/// @param socket  our end
+/// User who owns the other end of a connection over a Unix socket, or over TCP on loopback; the
+/// kernel is asked for the owner of that socket.
+/// @param socket  this end
 /// @param client  address of the other end
-/// @return        user id; nothing where the system does not know
+/// @return        user id; empty if the kernel does not know
 std::optional<unsigned> owner_of_peer(int socket, const sockaddr_storage& client);
 
 }  // namespace dccast::relay

@@ -9,14 +9,14 @@
 
 namespace dccast::relay {
 
-/// Where the server's certificate stands.
+/// Paths of the server's TLS files.
 struct TlsFiles {
   std::string certificate, key;  ///< PEM
-  std::string client_ca;         ///< PEM; empty: certificates of clients are not asked for
+  std::string client_ca;         ///< PEM; empty: client certificates are not requested
 };
 
-/// Settings of OpenSSL for new connections, made anew when the files change: connections that are
-/// open keep theirs.
+/// OpenSSL settings for new connections, reloaded when the files change. Open connections keep
+/// theirs.
 class TlsContext {
 public:
   /// @throws std::runtime_error  the files cannot be used
@@ -24,8 +24,8 @@ public:
 
   SSL_CTX& get() const { return *context_; }
 
-  /// Takes the files up where they have changed. Files that do not fit each other are tried again
-  /// at the next call: whoever renews them replaces one after the other.
+  /// Reloads changed files. Files that do not match are retried at the next call, because a renewal
+  /// replaces one after the other.
   void refresh();
 
 private:

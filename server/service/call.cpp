@@ -19,7 +19,7 @@ namespace {
 
 using Metadata = std::multimap<grpc::string_ref, grpc::string_ref>;
 
-/// The last value of a header; empty: there is none.
+/// The last value of a header; empty if the call has no such header.
 std::string header_in(const Metadata& metadata, const char* name) {
   const auto [first, end] = metadata.equal_range(name);
   if (first == end) return "";
@@ -33,6 +33,7 @@ std::string token_in(const Metadata& metadata) {
   return value.starts_with(scheme) ? value.substr(scheme.size()) : value;
 }
 
+/// What the client presents with a call: its connection and its token.
 /// @throws std::runtime_error  the connection has ended
 Shown shown_in(const Metadata& metadata, const relay::PeerTable& peers) {
   const auto peer = peers.find(header_in(metadata, relay::connection_header));
@@ -40,27 +41,34 @@ Shown shown_in(const Metadata& metadata, const relay::PeerTable& peers) {
   return {.peer = peer, .token = token_in(metadata)};
 }
 
+/// Refuses calls without proof of identity once their headers have arrived, before the body is
+/// read.
 class ProofBeforeBody final : public grpc::AuthMetadataProcessor {
 public:
   explicit ProofBeforeBody(Gate& gate) : gate_(gate) {}
 
-  bool IsBlocking() const override { return false; }  // it has the users at hand
+  bool IsBlocking() const override { return false; }  // users are in memory
 
   grpc::Status Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata*,
                        OutputMetadata*) override try {
     const auto path = metadata.find(":path");
     const auto* method =
         path == metadata.end() ? nullptr : method_at({path->second.data(), path->second.size()});
-    if (method == nullptr) return grpc::Status::OK;  // of gRPC, or UNIMPLEMENTED
+    if (method == nullptr) return grpc::Status::OK;  // gRPC answers it, if only by UNIMPLEMENTED
     const access::CallRule& rule = access::rule_of(*method->input_type());
     if (rule.access.role() == v1::ANYONE) return grpc::Status::OK;
+
     const Shown shown = shown_in(metadata, gate_.peers());
-    if (!shown.peer->over_tls) return grpc::Status::OK;  // looked up where a thread may wait
+    if (!shown.peer->over_tls)
+      return grpc::Status::OK;  // admit() looks local users up: it may wait
+
     const access::Caller caller = gate_.identify(shown);
     if (caller.proven()) {
       gate_.peers().set_user(header_in(metadata, relay::connection_header), caller.name);
       return grpc::Status::OK;
     }
+
+    // The audit log records refusals that reach no handler, too.
     const grpc::Status status = gate_.permit(caller, rule, shown.peer->address);
     gate_.record({}, caller, rule, shown.peer->address, status);
     return status;
@@ -72,7 +80,7 @@ private:
   Gate& gate_;
 };
 
-/// The field `id` of a request that has one.
+/// The `id` of the job or study that a request names; empty if its call touches neither.
 std::string id_of(const google::protobuf::Message& request, const access::CallRule& rule) {
   if (rule.access.touches() == v1::NOTHING) return "";
   const auto* field = request.GetDescriptor()->FindFieldByName("id");
@@ -116,8 +124,10 @@ void CallOrigin::judge() {
 Call CallOrigin::admit(std::function<bool()> cancelled) {
   if (!caller_) judge();
   if (!refusal_.ok()) throw Refusal{refusal_};
+
   Call call{.caller = *caller_, .deadline = deadline_, .cancelled = std::move(cancelled)};
   check_wanted(call);
+
   if (const auto status = gate_->permit_touch(call.caller, *rule_, id_); !status.ok()) {
     record_refusal(status);
     throw Refusal{status};
@@ -136,6 +146,7 @@ void CallOrigin::count(const grpc::Status& status) const {
 
 void CallOrigin::record(const Call& call, const grpc::Status& status) const {
   count(status);
+
   v1::AuditEvent event = *call.note;
   if (rule_->touches_job()) event.set_job(id_);
   if (rule_->touches_study()) event.set_study(id_);
@@ -155,7 +166,9 @@ void check_wanted(const Call& call) {
 jobs::CallLimits waiting_time(const Call& call, double most_s) {
   using std::chrono::nanoseconds;
   const auto most = std::chrono::duration_cast<nanoseconds>(std::chrono::duration<double>(most_s));
+
   const nanoseconds left = call.deadline - std::chrono::system_clock::now();
+
   return {.deadline = std::chrono::steady_clock::now() + std::min(left, most),
           .called_off = call.cancelled};
 }

@@ -20,36 +20,36 @@ class CallbackServerContext;
 
 namespace dccast::service {
 
-/// Who calls and how long they wait.
+/// Caller, deadline and cancellation of an admitted call.
 struct Call {
   access::Caller caller;
   std::chrono::system_clock::time_point deadline = std::chrono::system_clock::time_point::max();
   std::function<bool()> cancelled = [] { return false; };
-  /// What the audit log is to have of it besides: what a handler finds or makes.
+  /// Entry of the audit log, to which a handler adds what it found or made.
   std::shared_ptr<v1::AuditEvent> note = std::make_shared<v1::AuditEvent>();
 };
 
-/// What is kept of a call for its turn in a lane, when its context may be gone already. There is
-/// no other way to a Call, and so none past the gate.
+/// What a call keeps for its turn in a lane, when its gRPC context may no longer exist. A Call is
+/// made only by admit(), so that no handler runs before the gate has permitted it.
 class CallOrigin {
 public:
-  /// Over TLS the caller is judged here, before anything is kept of the call; a local user, whom it
-  /// takes a moment to find, in admit().
+  /// Judges callers over TLS at once, before memory is spent on the call. Local users are judged in
+  /// admit(), because finding their name may block.
   /// @param gate  outlives this object
   CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
              const google::protobuf::Message& request);
 
-  /// Not OK: the call is refused, and recorded.
+  /// If not OK, the call is refused and the refusal recorded.
   const grpc::Status& refusal() const { return refusal_; }
-  /// For a thread that may wait, of a call that is not cancelled: that costs an exception, and a
-  /// peer may cancel ten thousand calls a second. @throws Refusal  why it is not answered, which is
-  /// recorded
+  /// Admits a call that is not cancelled; may block. Check for cancellation first: a refusal costs
+  /// an exception, and a peer may cancel ten thousand calls a second.
+  /// @throws Refusal  reason why the call is not answered; it has been recorded
   Call admit(std::function<bool()> cancelled);
-  /// Of the job or study that the request names. @throws Refusal
+  /// Checks the form of the id of a job or study. @throws Refusal  INVALID_ARGUMENT
   void check_id() const;
-  /// For the audit log and the figures of the gate.
+  /// Records an admitted call in the audit log and in the gate's figures.
   void record(const Call& call, const grpc::Status& status) const;
-  /// For the figures alone: of a call that was not admitted.
+  /// Records a call that was not admitted, in the gate's figures only.
   void count(const grpc::Status& status) const;
   Gate& gate() const { return *gate_; }
 
@@ -59,26 +59,26 @@ private:
 
   Gate* gate_;
   const access::CallRule* rule_;
-  std::string id_;  ///< of the job or study that the request names
+  std::string id_;  ///< of the job or study named in the request
   Shown shown_;
   std::chrono::system_clock::time_point deadline_;
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
-  std::optional<access::Caller> caller_;  ///< once it was judged
+  std::optional<access::Caller> caller_;  ///< set when judged
   grpc::Status refusal_;
 };
 
-/// The call of ours at a path ("/dccast.v1.SimulationService/GetJob"); null: none.
+/// Method of our service at a path ("/dccast.v1.SimulationService/GetJob"); null for other paths.
 const google::protobuf::MethodDescriptor* method_at(std::string_view path);
 
-/// Refuses a call over TLS that needs a proof of who the caller is, and has none, when its headers
-/// have come, before its request is read.
-/// @param gate  outlives it
+/// Processor that refuses a call over TLS without the proof of identity it needs, when its headers
+/// have arrived and before its request is read.
+/// @param gate  outlives the processor
 std::shared_ptr<grpc::AuthMetadataProcessor> proof_before_body(Gate& gate);
 
 /// @throws Refusal  the call is cancelled or past its deadline
 void check_wanted(const Call& call);
 
-/// As long as the caller waits, and no longer than so many seconds.
+/// Limits by the caller's deadline and by a longest time [s], whichever is shorter.
 jobs::CallLimits waiting_time(const Call& call, double most_s);
 
 }  // namespace dccast::service

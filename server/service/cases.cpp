@@ -32,8 +32,8 @@ Unary* SimulationService::ValidateCase(Wire* wire, const v1::ValidateCaseRequest
 
 namespace {
 
-/// The text that a request gives or names. NOT_FOUND for a name that is not shipped.
-std::string text_of(const v1::ReadCaseRequest& request) {
+/// Case text that a request carries or names. @throws Refusal  NOT_FOUND: no such shipped case
+std::string find_case_text(const v1::ReadCaseRequest& request) {
   if (request.source_case() != v1::ReadCaseRequest::kShipped) return request.text();
   const auto& cases = shipped::case_templates();
   if (const auto* known = shipped::find(cases, request.shipped())) return known->text;
@@ -54,15 +54,21 @@ void describe(const access::Caller& caller, v1::WhoAmIResponse& response) {
 Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* request,
                                    v1::ReadCaseResponse* response) {
   return answer(wire, *request, lanes_.histories, [=](const Call&) {
-    auto read = case_file::read_elsewhere(text_of(*request), "case", *response->mutable_case_());
+    auto read =
+        case_file::read_elsewhere(find_case_text(*request), "case", *response->mutable_case_());
+
+    // A text that is not TOML has one fault without a field, and no key that could be changed.
     const bool parsed = read.faults.size() != 1 || !read.faults.front().field().empty();
     if (parsed)
       case_file::apply_changes_elsewhere(
           *response->mutable_case_(), {request->changes().begin(), request->changes().end()}, read);
+
     for (const v1::Fault& fault : read.faults) {
+      // Each fault carries the line where its key stands in the text.
       response->add_lines(read.source.find(fault.field()).line);
       intake::make_printable(*response->add_faults() = fault);
     }
+
     response->mutable_files()->Assign(read.files.begin(), read.files.end());
   });
 }
@@ -79,10 +85,13 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
                                         v1::GetServerInfoResponse* response) {
   return answer(wire, *request, lanes_.status, [=, this](const Call&) {
     const intake::Ceilings& ceilings = context_.intake.ceilings();
+
     response->set_version(context_.version);
     response->set_workers(context_.workers);
     response->set_queued(context_.scheduler.queued());
     response->set_running(context_.scheduler.running());
+
+    // Load of the server, and what the operator must repair.
     response->set_maximum_message_bytes(request_bytes);
     response->set_maximum_queued(context_.settings.maximum_queued());
     response->set_storage_fault(context_.scheduler.held());
@@ -90,14 +99,18 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
         static_cast<int>(jobs::quarantined_folders(context_.jobs_directory).size()));
     response->set_paused(context_.store.count(v1::PAUSED));
     response->set_memory_bytes(jobs::resident_bytes("self"));
+
     for (const auto& [name, total] : jobs::child_processes()) {
       response->set_worker_processes(response->worker_processes() + total.number);
       response->set_worker_memory_bytes(response->worker_memory_bytes() + total.resident_bytes);
     }
+
+    // Limits that a client can check a case against before it submits.
     response->set_maximum_nodes(ceilings.nodes);
     response->set_maximum_steps(ceilings.steps);
     response->set_maximum_memory_bytes(ceilings.memory_bytes);
     response->set_worker_sandbox(context_.worker_sandbox);
+
     response->set_build(
         fmt::format("g++ {}, gRPC {}, protobuf {}", __VERSION__, grpc::Version(),
                     google::protobuf::internal::VersionString(GOOGLE_PROTOBUF_VERSION)));
@@ -108,10 +121,12 @@ Unary* SimulationService::Enrol(Wire* wire, const v1::EnrolRequest* request,
                                 v1::EnrolResponse* response) {
   return answer(wire, *request, lanes_.durable, [=, this](const Call& call) {
     check_text("machine", request->machine());
+
     const std::int64_t now = std::time(nullptr);
     const access::Caller user = context_.gate.authority().users().enrol(
         request->secret(), request->machine(), now,
         now + std::llround(context_.settings.token_lifetime_s()), *response->mutable_token());
+
     if (!user.refusal.empty()) refuse(grpc::UNAUTHENTICATED, "{}", user.refusal);
     call.note->set_user(user.name);
     call.note->set_reason("a token was made for " + request->machine());

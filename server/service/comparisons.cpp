@@ -33,10 +33,12 @@ FoundRun find_job_run(Context& context, const Call& call, const std::string& id)
     throw Refusal{status};
 
   const v1::Job job = find_job(context, id);
+
   FoundRun run;
   if (!jobs::read_complete_case(context.jobs_directory / id, run.judged.description))
     refuse(grpc::DATA_LOSS, "the case of job {} cannot be read any more", id);
   intake::make_printable(run.judged.description);
+
   auto steps = read_steps(context, id);
   if (!steps) refuse(grpc::ABORTED, "job {} has gone back to a checkpoint; ask again", id);
   run.judged.steps = std::move(*steps);
@@ -52,8 +54,8 @@ FoundRun find_job_run(Context& context, const Call& call, const std::string& id)
   return run;
 }
 
-/// Of one code the last finding holds.
-void take(const v1::Finding& finding, Summary& summary) {
+/// Stores the finding; a later finding of the same code replaces the earlier one.
+void add_or_replace(const v1::Finding& finding, Summary& summary) {
   for (v1::Finding& known : *summary.mutable_findings())
     if (known.code() == finding.code()) {
       known = finding;
@@ -62,6 +64,8 @@ void take(const v1::Finding& finding, Summary& summary) {
   *summary.add_findings() = finding;
 }
 
+/// @param key  names the answer, see intake::answer_key()
+/// @throws Refusal  NOT_FOUND: the answer has been dropped
 FoundRun find_answer(Context& context, const std::string& key) {
   const auto kept = context.query_answers.find(key);
   if (!kept)
@@ -73,13 +77,15 @@ FoundRun find_answer(Context& context, const std::string& key) {
   run.judged.description.ParseFromString(kept->complete_case);
   run.judged.name = "query";
   run.summary.set_title(run.judged.description.title());
+
+  // The answer is kept as the stream that was sent: collect what a job would have in its record.
   for (const std::string& bytes : kept->messages) {
     v1::QueryButtCurlResponse message;
     message.ParseFromString(bytes);
     if (message.has_step()) {
       run.judged.steps.push_back(std::move(*message.mutable_step()));
     } else if (message.has_finding()) {
-      take(message.finding(), run.summary);
+      add_or_replace(message.finding(), run.summary);
     } else if (message.has_validity_lost()) {
       *run.summary.mutable_validity_loss() = message.validity_lost();
     } else if (message.has_ended()) {
@@ -94,10 +100,12 @@ FoundRun find_run(Context& context, const Call& call, const v1::ComparedRun& ask
   check_text("name", asked.name());
   if (asked.run_case() == v1::ComparedRun::RUN_NOT_SET)
     refuse("a run to be compared names neither a job nor an answer");
+
   FoundRun run = asked.has_job() ? find_job_run(context, call, asked.job())
                                  : find_answer(context, asked.answer());
   if (!asked.name().empty()) run.judged.name = asked.name();
   run.summary.set_name(run.judged.name);
+
   if (run.judged.steps.empty())
     refuse(grpc::FAILED_PRECONDITION, "{} has no step yet; compare it when it has begun",
            run.judged.name);
@@ -117,6 +125,8 @@ void compare(Context& context, const Call& call, const v1::CompareRunsRequest& r
     *comparison.add_runs() = std::move(run.summary);
     runs.push_back(std::move(run.judged));
   }
+
+  // Companions only give errors: they do not appear in the answer.
   std::vector<JudgedRun> companions;
   for (const v1::ComparedRun& asked : request.companions())
     companions.push_back(find_run(context, call, asked).judged);

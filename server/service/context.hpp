@@ -19,12 +19,12 @@
 
 namespace dccast::service {
 
-/// What a query was answered with, kept for the same query and for comparisons. As bytes: a message
-/// takes three times their memory.
+/// Stored answer of a query, for repetitions of the query and for comparisons. Messages are kept
+/// serialised: parsed ones take three times the memory.
 struct QueryAnswer {
-  bool succeeded = false;             ///< the same query has the same answer
+  bool succeeded = false;             ///< only then a repeated query receives it
   std::string complete_case;          ///< v1::Case
-  std::vector<std::string> messages;  ///< of QueryButtCurlResponse, behind `accepted`
+  std::vector<std::string> messages;  ///< QueryButtCurlResponse, all after `accepted`
 
   std::size_t bytes() const {
     std::size_t size = complete_case.capacity();
@@ -33,9 +33,9 @@ struct QueryAnswer {
   }
 };
 
-/// What the calls work with; owned by the daemon.
+/// Everything that calls use; owned by the daemon.
 struct Context {
-  const v1::DaemonConfig& settings;  ///< as daemon::resolved() has them
+  const v1::DaemonConfig& settings;  ///< as resolved by daemon::resolved()
   jobs::Scheduler& scheduler;
   jobs::EventLogs& logs;
   jobs::JobStore& store;
@@ -45,15 +45,15 @@ struct Context {
   Gate& gate;
   jobs::WarmWorkers& warm_workers;
   jobs::Precedence& precedence;
-  std::string solver;          ///< identity of the solver that the workers run; empty: not known
-  std::string worker_sandbox;  ///< what holds the workers
-  std::filesystem::path query_directory;  ///< where the runs of queries have their folders
+  std::string solver;                     ///< identity of the workers' solver; empty if unknown
+  std::string worker_sandbox;             ///< description of the workers' sandbox
+  std::filesystem::path query_directory;  ///< parent of the folders of query runs
   std::filesystem::path jobs_directory;
   std::string version;
-  int workers = 1;  ///< jobs that run at once
+  int workers = 1;  ///< jobs that run concurrently
   jobs::StepIndexes step_indexes{};
-  /// Of queries that were not kept as jobs, by their answer_key(), which names them to
-  /// CompareRuns; in bytes.
+  /// Answers of queries that left no job, bounded in bytes. Keys are answer_key(), by which
+  /// CompareRuns names them.
   jobs::Recent<const QueryAnswer> query_answers{16'000'000};
   std::atomic<bool> leaving{false};  ///< the daemon is shutting down: streams end
 };

@@ -14,15 +14,15 @@ namespace dccast::service {
 namespace {
 
 constexpr std::chrono::milliseconds between_looks{200};
-// Calls that change nothing cost their caller little: they must not fill the disk. Of one user, and
-// of all who have proved nothing together.
+// Calls that change nothing cost their caller little, so refusals must not fill the disk. The rate
+// applies to each user, and to all unauthenticated callers together.
 constexpr double recorded_refusals_per_s = 10.0;
 
 std::string name_of(grpc::StatusCode code) {
   return absl::StatusCodeToString(static_cast<absl::StatusCode>(code));
 }
 
-/// The setting that a refusal names, as every one by a limit does.
+/// The setting named in a refusal: every refusal by a limit names one.
 std::string limit_in(const std::string& message) {
   for (const char* first : {"maximum_", "minimum_"}) {
     const auto begin = message.find(first);
@@ -33,7 +33,7 @@ std::string limit_in(const std::string& message) {
   return "waiting_calls";
 }
 
-/// The address without its port: connections of one machine share a limit.
+/// The address without its port, so that connections of one machine share a limit.
 std::string host_of(const std::string& peer) {
   return peer.substr(0, peer.rfind(':'));
 }
@@ -74,12 +74,15 @@ grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& 
   const bool proven = caller.proven();
   const std::string who = proven && !caller.name.empty() ? caller.name : host_of(peer);
   access::CallRate& rate = proven ? rate_ : unproven_rate_;
+
+  // The rate is checked first: calls of unauthenticated peers must stay cheap.
   if (!rate.take(who, std::chrono::steady_clock::now()))
     return {grpc::RESOURCE_EXHAUSTED,
             fmt::format("{} makes more calls a second than maximum_calls_per_s = {:f} permits {}; "
                         "wait a moment, then try again",
                         who, rate_.per_s(),
                         proven ? "one user" : "one who has proved nothing (a tenth of it)")};
+
   if (rule.access.role() == v1::ANYONE) return grpc::Status::OK;
   if (!proven) return unauthenticated(caller.refusal);
   if (const std::string fault = authority_.role_fault(caller, rule); !fault.empty())
@@ -92,7 +95,8 @@ grpc::Status Gate::permit_touch(const access::Caller& caller, const access::Call
   if (!authority_.needs_ownership(caller, rule)) return grpc::Status::OK;
   const bool of_study = rule.touches_study();
   const auto owner = (of_study ? owners_.study : owners_.job)(id);
-  if (!owner) return grpc::Status::OK;  // the call finds that out itself
+  if (!owner) return grpc::Status::OK;  // the handler answers NOT_FOUND
+
   const std::string fault =
       authority_.owner_fault(caller, rule, *owner, (of_study ? "study " : "job ") + id);
   if (fault.empty()) return grpc::Status::OK;
@@ -102,18 +106,20 @@ grpc::Status Gate::permit_touch(const access::Caller& caller, const access::Call
 void Gate::enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream) {
   if (const std::string limit = streams_.enter(caller.name, "streams"); !limit.empty())
     refuse(grpc::RESOURCE_EXHAUSTED, "{}; end one, then try again", limit);
+
   const std::lock_guard lock(mutex_);
-  std::erase_if(lasting_, [](const Lasting& one) { return one.stream.expired(); });
+  std::erase_if(lasting_, [](const Lasting& call) { return call.stream.expired(); });
   lasting_.push_back({caller, std::move(stream)});
 }
 
-/// A look at the file of users costs a stat: five a second make a revocation hold at once for
-/// people.
+/// A check costs one stat of the users file: five a second end the streams of a revoked user
+/// without noticeable delay.
 void Gate::watch_for_lapses(const std::stop_token& stop) {
   std::condition_variable_any ended;
   std::unique_lock lock(mutex_);
   while (!ended.wait_for(lock, stop, between_looks, [&] { return stop.stop_requested(); })) {
     if (lasting_.empty()) continue;
+
     lock.unlock();
     try {
       end_lapsed(std::time(nullptr));
@@ -125,16 +131,18 @@ void Gate::watch_for_lapses(const std::stop_token& stop) {
 }
 
 void Gate::end_lapsed(std::int64_t now) {
-  std::vector<Lasting> all;
+  std::vector<Lasting> open;
   {
     const std::lock_guard lock(mutex_);
-    std::erase_if(lasting_, [](const Lasting& one) { return one.stream.expired(); });
-    all = lasting_;
+    std::erase_if(lasting_, [](const Lasting& call) { return call.stream.expired(); });
+    open = lasting_;
   }
-  for (const Lasting& one : all) {
-    const std::string why = authority_.lapse(one.caller, now);
+
+  // Without the lock: a stream that ends takes it in leave().
+  for (const Lasting& call : open) {
+    const std::string why = authority_.lapse(call.caller, now);
     if (why.empty()) continue;
-    if (const auto stream = one.stream.lock()) stream->lapse(unauthenticated(why));
+    if (const auto stream = call.stream.lock()) stream->lapse(unauthenticated(why));
   }
 }
 
@@ -175,7 +183,8 @@ void Gate::record(v1::AuditEvent event, const access::Caller& caller, const acce
   try {
     audit_.append(std::move(event));
   } catch (const std::exception& error) {
-    log::error("{}", error.what());  // what was done is done: the log has it
+    // The call has taken effect and cannot be refused any more.
+    log::error("{}", error.what());
   }
 }
 

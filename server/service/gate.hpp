@@ -23,31 +23,31 @@
 
 namespace dccast::service {
 
-/// Calls since the daemon began. Of one that lasts the time until it was open.
+/// Counts of calls since the daemon started. The duration of a stream ends when it is open.
 struct CallFigures {
   static constexpr std::array<double, 6> bounds_s{0.001, 0.01, 0.1, 1.0, 10.0, 60.0};
   std::map<std::pair<std::string, std::string>, jobs::Histogram> seconds;  ///< by method and code
   std::map<std::string, std::uint64_t> refused;                            ///< by the limit
 };
 
-/// A call that lasts: it is ended when its caller is one no longer.
+/// A stream, which ends when its caller loses access.
 class LastingCall {
 public:
   virtual ~LastingCall() = default;
   virtual void lapse(const grpc::Status& status) = 0;
 };
 
-/// What a client has shown of itself with a call.
+/// Credentials that a client presents with a call.
 struct Shown {
   std::shared_ptr<const relay::Peer> peer;  ///< other end of its connection
   std::string token{};
 };
 
-/// The name of a user of this machine, or the number of one without a name.
+/// Name of a user of this machine, or the user id as text if the user has no name.
 std::string user_name(unsigned id);
 
-/// As user_name(), which may ask a directory service, once for each user. Safe to use from several
-/// threads.
+/// Cache of user_name(), which may ask a directory service: once for each user. Safe to use from
+/// several threads.
 class LocalUsers {
 public:
   std::string name_of(unsigned id);
@@ -57,11 +57,11 @@ private:
   std::map<unsigned, std::string> names_;  ///< by user id
 };
 
-/// Who owns a job or study; nothing where there is none.
+/// Finds the owner of a job or study; empty if there is no such job or study.
 using OwnerOf = std::function<std::optional<std::string>(const std::string& id)>;
 
-/// What every call passes: who calls, what the role permits, whose the job is, the limits on calls
-/// and streams, and the audit log. Safe to use from several threads.
+/// Authentication, permissions by role and by owner, limits on calls and streams, and the audit
+/// log. Every call passes it. Safe to use from several threads.
 class Gate {
 public:
   struct Limits {
@@ -74,17 +74,17 @@ public:
 
   Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits, Owners owners);
 
-  /// Looks the names of local users up, which may wait; others are judged at once.
+  /// Determines the caller; may block to look up the name of a local user.
   access::Caller identify(const Shown& shown);
-  /// Role and rate.
+  /// Checks role and call rate.
   grpc::Status permit(const access::Caller& caller, const access::CallRule& rule,
                       const std::string& peer);
-  /// Owner of the job or study with this id; OK where there is none. Reads the store.
+  /// Checks the owner of the job or study `id`; OK if there is none. Reads the store.
   grpc::Status permit_touch(const access::Caller& caller, const access::CallRule& rule,
                             const std::string& id);
 
-  /// Counts a stream, and ends it once its caller has lapsed; leave() undoes the first.
-  /// @throws Refusal  a limit
+  /// Counts a stream, and ends the stream when its caller loses access. leave() removes it from the
+  /// count. @throws Refusal  a limit is reached
   void enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream);
   void leave(const access::Caller& caller) { streams_.leave(caller.name); }
 
@@ -98,7 +98,7 @@ public:
   std::size_t open_streams() { return streams_.open(); }
 
   access::Authority& authority() { return authority_; }
-  /// Other ends of the connections that are open.
+  /// Peers of all open connections.
   relay::PeerTable& peers() { return peers_; }
 
 private:
@@ -118,7 +118,7 @@ private:
   access::OpenCount streams_;
   std::mutex figures_mutex_;
   CallFigures figures_;
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< guards lasting_
   std::vector<Lasting> lasting_;
   std::jthread watcher_;
 };

@@ -31,7 +31,7 @@ void check_time_limit(double seconds, double most) {
                     : std::string());
 }
 
-/// It becomes a word of a command: no blank, and no option.
+/// The address becomes an argument of a command: no blank, and nothing that looks like an option.
 void check_mail(const std::string& mail) {
   check_text("mail", mail);
   const auto at = mail.find('@');
@@ -40,7 +40,7 @@ void check_mail(const std::string& mail) {
     refuse("mail must be one address, like anna@example.org");
 }
 
-/// Adds and removes labels as UpdateJobRequest has it.
+/// Adds and removes labels. A label `name=value` replaces every other label of that name.
 void change_labels(const v1::UpdateJobRequest& request, v1::Job& job) {
   std::vector<std::string> labels(job.labels().begin(), job.labels().end());
   const auto drop = [&labels](const std::string& name) {
@@ -48,6 +48,7 @@ void change_labels(const v1::UpdateJobRequest& request, v1::Job& job) {
       return label == name || label.starts_with(name + "=");
     });
   };
+
   for (const std::string& name : request.remove_labels()) drop(name);
   for (const std::string& label : request.set_labels()) {
     drop(label.substr(0, label.find('=')));
@@ -56,8 +57,8 @@ void change_labels(const v1::UpdateJobRequest& request, v1::Job& job) {
   job.mutable_labels()->Assign(labels.begin(), labels.end());
 }
 
-/// A job that can never start is not taken; which others there are, and whether they failed, is
-/// read by those alone who may read them.
+/// Refuses a job that could never start. Permission is checked for each predecessor, so that the
+/// refusal reveals nothing of jobs that the caller may not read.
 void check_jobs_before(Context& context, const access::Caller& caller,
                        const google::protobuf::RepeatedPtrField<std::string>& after) {
   constexpr int most = 100;
@@ -73,7 +74,8 @@ void check_jobs_before(Context& context, const access::Caller& caller,
   }
 }
 
-/// A study is changed and deleted by its owner with all its jobs: no other user has a job in it.
+/// Refuses a job in the study of another user: the owner of a study changes and deletes all its
+/// jobs.
 void check_joins_own_study(Context& context, const access::Caller& caller, const std::string& id) {
   check_study_of_job(id);
   if (id.empty()) return;
@@ -85,13 +87,13 @@ void check_joins_own_study(Context& context, const access::Caller& caller, const
          id, study->owner().empty() ? "no known user" : study->owner());
 }
 
-/// What SubmitJob's first half finds for its second.
+/// What the first stage of SubmitJob passes to its second.
 struct SoundSubmission {
   intake::ExaminedCase examined;
   jobs::Attachments attachments;
 };
 
-/// SubmitJob's first half: everything that can be wrong with the case.
+/// First stage of SubmitJob: checks the request and its case.
 SoundSubmission examine(Context& context, const Call& call, const v1::SubmitJobRequest& request) {
   check_joins_own_study(context, call.caller, request.study());
   check_text("request_id", request.request_id());
@@ -101,56 +103,66 @@ SoundSubmission examine(Context& context, const Call& call, const v1::SubmitJobR
   check_mail(request.mail());
   check_case_file(request.case_file());
   check_jobs_before(context, call.caller, request.after());
+
   auto attachments = uploaded_files(context, call, request.attachments());
   auto examined = sound_case(context, call, request.case_(), attachments);
   return {std::move(examined), std::move(attachments)};
 }
 
-/// Its second half: the job on the disk.
+/// Second stage of SubmitJob: stores the job on disk and queues it.
 v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& request,
                const SoundSubmission& sound) {
   jobs::NewJob job = intake::new_job(request.case_(), sound.attachments, sound.examined);
+
   job.request_id = request.request_id();
   job.study = request.study();
   job.priority = request.priority();
   job.owner = call.caller.name;
+
   job.labels = {request.labels().begin(), request.labels().end()};
   job.changes = {request.changes().begin(), request.changes().end()};
   job.case_file = request.case_file();
   job.after = {request.after().begin(), request.after().end()};
   job.time_limit_s = request.time_limit_s();
   job.mail = request.mail();
+
   return context.scheduler.submit(job, sound.attachments);
 }
 
-/// Each star doubles what a title may cost.
+/// Each star doubles the worst cost of matching a title.
 void check_pattern(const std::string& title) {
   constexpr std::ptrdiff_t most_stars = 5;
   check_text("title", title);
   if (std::ranges::count(title, '*') > most_stars) refuse("the title has more than 5 stars");
 }
 
-/// Which jobs a caller asks for, and reads.
-jobs::JobStore::Page wanted_by(const Context& context, const access::Caller& caller,
-                               const v1::ListJobsRequest& request) {
+/// The jobs that a request selects, reduced to those its caller may read.
+jobs::JobStore::Page select_jobs(const Context& context, const access::Caller& caller,
+                                 const v1::ListJobsRequest& request) {
   check_study_of_job(request.study());
   check_labels(request.labels());
   check_pattern(request.title());
+
   const AgePage page = read_page("the list of jobs", request.page_token(), request.page_size());
+
   jobs::JobStore::Page wanted;
   wanted.before_ms = page.before_ms;
   wanted.before_id = page.before_id;
   wanted.size = page.size;
+
   for (const int state : request.states())
     wanted.states.push_back(static_cast<v1::JobState>(state));
   wanted.study = request.study();
   wanted.owner = request.owner();
+
+  // Users who read only their own jobs must not learn of others by a filter.
   if (context.gate.authority().reads_own_only(caller)) {
     if (!wanted.owner.empty() && wanted.owner != caller.name)
       refuse(grpc::PERMISSION_DENIED, "{} reads only jobs of their own (read = \"own\")",
              caller.name);
     wanted.owner = caller.name;
   }
+
   wanted.since_ms = jobs::milliseconds(request.since());
   wanted.title = request.title();
   wanted.id_prefix = request.id_prefix();
@@ -158,44 +170,53 @@ jobs::JobStore::Page wanted_by(const Context& context, const access::Caller& cal
   return wanted;
 }
 
-/// Cuts a text between two characters of UTF-8.
+/// Cuts a text between two UTF-8 characters.
 void cut(std::string& text, std::size_t most) {
   if (text.size() <= most) return;
+
   std::size_t end = most;
+  // Bytes 10xxxxxx continue a character.
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
   text.resize(end);
   text += "...";
 }
 
-/// Cuts a job until it is fit for an answer with others: first its title to 1 KiB, then the
-/// monitors of its last step, the residuals and the texts of its failure. Cases of today are
-/// bounded by the schema; those in a store of an earlier version may hold anything.
+/// Reduces a job to what a list can carry: first cuts its title to 1 KiB, then drops the monitors
+/// of its last step, then the residuals and texts of its failure. The schema bounds cases of today;
+/// those in a store of an earlier version may hold anything.
 void fit_into_list(v1::Job& job) {
   constexpr std::size_t most_of_a_title = 1024;
   constexpr std::size_t most_of_a_job = 64 * 1024;
   constexpr int most_residuals = 1000;
+
   cut(*job.mutable_title(), most_of_a_title);
   if (job.ByteSizeLong() <= most_of_a_job) return;
+
   if (job.has_last_step()) job.mutable_last_step()->clear_monitors();
   if (!job.has_failure()) return;
+
   v1::Failure& failure = *job.mutable_failure();
   cut(*failure.mutable_message(), most_of_a_job / 8);
   if (failure.residual_history_size() > most_residuals)
     failure.mutable_residual_history()->Truncate(most_residuals);
+
   while (failure.ByteSizeLong() > most_of_a_job / 2 && failure.further_causes_size() > 0)
     failure.mutable_further_causes()->RemoveLast();
 }
 
-/// Adds jobs until the page is full, by number or by bytes; then there is a next one.
+/// Adds jobs until the page is full, by number or by bytes, and then names the next page.
 void fill(Context& context, jobs::JobStore::Page rest, v1::ListJobsResponse& response) {
   // Rows are fetched a few at a time: titles in a store of an earlier version have no bound.
   constexpr int rows_at_a_time = 32;
+
   const int size = rest.size;
   std::size_t bytes = 0;
   for (;;) {
+    // One row more than the page holds shows whether there is a next page.
     rest.size = std::min(rows_at_a_time, size + 1 - response.jobs_size());
     auto jobs = context.scheduler.list(rest);
     const bool last_rows = static_cast<int>(jobs.size()) < rest.size;
+
     for (v1::Job& job : jobs) {
       fit_into_list(job);
       bytes += job.ByteSizeLong();
@@ -204,6 +225,7 @@ void fill(Context& context, jobs::JobStore::Page rest, v1::ListJobsResponse& res
         return response.set_next_page_token(age_token(*response.jobs().rbegin()));
       *response.add_jobs() = std::move(job);
     }
+
     if (last_rows) return;
     const v1::Job& last = *response.jobs().rbegin();
     rest.before_ms = jobs::milliseconds(last.create_time());
@@ -224,6 +246,7 @@ private:
     find_job(context_, request_.id());
     log_ = context_.scheduler.log(request_.id());
     cursor_.sequence = std::max<std::int64_t>(request_.from_sequence(), 1);
+
     if (cursor_.sequence > log_->last_sequence() + 1)
       refuse(grpc::OUT_OF_RANGE, "job {} has {} events so far; watch from one of them, or the next",
              request_.id(), log_->last_sequence());
@@ -240,6 +263,7 @@ private:
       log::error("{}", error.what());
       refuse(grpc::DATA_LOSS, "{}; `dccastd check` says what is left of it", error.what());
     }
+
     if (log_->terminal_event()) return {.end = grpc::Status::OK};
     if (context_.leaving)
       refuse(grpc::UNAVAILABLE,
@@ -281,7 +305,7 @@ Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v
 Unary* SimulationService::ListJobs(Wire* wire, const v1::ListJobsRequest* request,
                                    v1::ListJobsResponse* response) {
   return answer(wire, *request, lanes_.status, [=, this](const Call& call) {
-    fill(context_, wanted_by(context_, call.caller, *request), *response);
+    fill(context_, select_jobs(context_, call.caller, *request), *response);
   });
 }
 
@@ -319,6 +343,7 @@ Unary* SimulationService::UpdateJob(Wire* wire, const v1::UpdateJobRequest* requ
       if (request->has_pinned()) found.set_pinned(request->pinned());
       check_labels(found.labels());
     };
+
     const jobs::Reply reply = context_.scheduler.mark(request->id(), change);
     call.note->set_reason(request->has_pinned() ? (request->pinned() ? "pinned" : "not pinned")
                                                 : "labels");

@@ -7,11 +7,12 @@
 
 namespace dccast::service {
 
-/// Threads for calls, by what a call waits for: one that takes long holds up only its like.
+/// Threads for calls, grouped by what a call waits for: a slow call delays only calls of its kind.
 struct Lanes {
-  /// @param checkers         checks at once
-  /// @param query_workers    queries at once, of each urgency
-  /// @param maximum_waiting  beyond those, of each; further ones are refused
+  /// @param checkers         concurrent checks
+  /// @param query_workers    concurrent queries, of each urgency
+  /// @param maximum_waiting  bound on waiting calls of each of these lanes; further ones are
+  /// refused
   Lanes(int checkers, int query_workers, int maximum_waiting)
       : few{.number = static_cast<std::size_t>(maximum_waiting), .bytes = many.bytes},
         checks(checkers, few),
@@ -21,13 +22,13 @@ struct Lanes {
   static constexpr WaitingBound many{.number = 3000, .bytes = 64'000'000};  ///< for each lane
   const WaitingBound few;
 
-  WorkPool status{4, many};          ///< one look into the store
+  WorkPool status{4, many};          ///< reads the store once
   WorkPool histories{2, many};       ///< reads event logs
-  WorkPool stored_answers{2, many};  ///< looks whether a query was answered before; likewise
+  WorkPool stored_answers{2, many};  ///< looks for a stored answer of a query, in event logs too
   WorkPool uploads{2, many};         ///< writes chunks of files to disk
   WorkPool durable{4, many};         ///< syncs new jobs and requests to disk
-  WorkPool checks;                   ///< asks a worker; one thread for each that may be at work
-  WorkPool query_checks;  ///< likewise, before a query runs: it waits for no job and no study
+  WorkPool checks;                   ///< asks a worker; one thread for each concurrent check
+  WorkPool query_checks;  ///< checks of queries, which so never wait for those of jobs and studies
   QueryTurns query_turns;
 };
 

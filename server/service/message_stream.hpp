@@ -14,16 +14,18 @@
 
 namespace dccast::service {
 
-/// What a stream does next: sends a message, or ends, or waits to be woken where there is neither.
+/// Next action of a stream: send `message`, or finish with `end`, or, if both are empty, wait for
+/// wake().
 template <class Message>
 struct NextMessage {
   std::optional<Message> message{};
   std::optional<grpc::Status> end{};
 };
 
-/// A stream of messages to a client, one under way at a time. It is opened in a lane, asks for the
-/// next message when it is woken and when one is sent, by one thread at a time, and lives until
-/// gRPC has done with it and no one else holds it. Only begin(), wake() and gRPC call it.
+/// A stream of messages to a client, of which one at a time is being sent. The stream is opened in
+/// a lane. It asks next() for a message after every wake() and every completed write, from one
+/// thread at a time. It lives until gRPC has finished with it and no one else holds it. Only
+/// begin(), wake() and gRPC call it.
 template <class Message>
 class MessageStream : public grpc::ServerWriteReactor<Message>,
                       public LastingCall,
@@ -40,7 +42,7 @@ public:
     end(too_many_waiting());
   }
 
-  /// There may be a next message.
+  /// A next message may be available.
   void wake() {
     go_on_with([this] { woken_ = true; });
   }
@@ -62,7 +64,7 @@ public:
     self_.reset();
   }
 
-  /// Ends what is under way, and the stream once its last message has gone.
+  /// Ends the stream after the message that is being sent, because its caller lost access.
   void lapse(const grpc::Status& status) final {
     go_on_with([&] {
       if (!lapsed_) lapsed_ = status;
@@ -71,13 +73,13 @@ public:
   }
 
 protected:
-  /// Finds what is to be sent. What it and next() throw ends the stream as guarded() has it.
+  /// Prepares the stream. An exception of open() or next() ends the stream, see guarded().
   virtual void open(const Call& call) = 0;
   virtual NextMessage<Message> next() = 0;
-  /// Whether next() waits for the store and is for a thread of the lane.
+  /// Whether next() may block on the store and so must run in the lane.
   virtual bool looks_in_lane() const { return false; }
 
-  /// Whether open() hands its work over to other lanes: the last of them calls finish_opening().
+  /// Whether open() continues in other lanes, the last of which calls finish_opening().
   virtual bool opens_in_stages() const { return false; }
 
   /// @param status  how opening ended, for the audit log; next() reports it
@@ -87,10 +89,10 @@ protected:
     wake();
   }
 
-  /// What a stream keeps in memory of its request while it waits to be opened.
+  /// Memory that the request occupies while it waits to be opened [bytes].
   virtual std::size_t kept_bytes() const { return 0; }
 
-  /// next() may be called from now on: at the end of open() at the latest.
+  /// Permits calls of next(), at the latest after open().
   void set_open() {
     const std::lock_guard lock(mutex_);
     open_ = true;
@@ -98,7 +100,9 @@ protected:
 
 private:
   void open_in_lane() {
-    if (cancelled()) return end(grpc::Status::CANCELLED);  // without an exception: admit()
+    // Before admit(), which would throw: a peer may cancel ten thousand calls a second.
+    if (cancelled()) return end(grpc::Status::CANCELLED);
+
     bool admitted = false;
     const grpc::Status status = guarded([&] {
       call_ = origin_.admit([this] { return cancelled(); });
@@ -108,6 +112,7 @@ private:
       origin_.check_id();
       open(call_);
     });
+
     if (!status.ok()) {
       if (admitted) origin_.record(call_, status);
       return end(status);
@@ -137,7 +142,7 @@ private:
     this->Finish(status);
   }
 
-  /// Sends the next message unless something else is under way.
+  /// Sends the next message unless a write or another look is in progress.
   void look() {
     {
       const std::lock_guard lock(mutex_);
@@ -145,6 +150,7 @@ private:
       looking_ = true;
       woken_ = false;
     }
+
     if (!looks_in_lane()) return send_next();
     if (!lane_.post([self = this->shared_from_this()] { self->send_next(); }))
       end(too_many_waiting());
@@ -169,17 +175,18 @@ private:
       writing_ = found.message.has_value();
       if (found.message) message_ = std::move(*found.message);
     }
+
     if (found.message) return this->StartWrite(&message_);
     if (found.end) return end(*found.end);
-    look();  // what came meanwhile
+    look();  // a wake() during next() only set the flag
   }
 
   WorkPool& lane_;
   CallOrigin origin_;
-  Call call_;             ///< once it was admitted
+  Call call_;             ///< valid once admitted
   bool entered_ = false;  ///< counted by the gate
   std::shared_ptr<MessageStream> self_;
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< guards all members below
   Message message_;
   bool open_ = false;
   bool woken_ = false;

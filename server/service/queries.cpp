@@ -1,4 +1,4 @@
-// The call of near-real-time queries: answered by a run of its own, or by one that was there.
+// Near-real-time queries, answered by a new run or by a stored one.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -34,8 +34,9 @@ using SendQueryResponse = std::function<void(Response)>;
 
 constexpr double longest_query_s = 24 * 3600.0;
 
-/// @param job     its id; empty: none
-/// @param answer  names the answer where there is no job
+/// First message of an answer.
+/// @param job     id of the run's job; empty if the run leaves none
+/// @param answer  names the stored answer if there is no job
 Response accepted(const intake::ExaminedCase& examined, bool from_store, const std::string& job,
                   const std::string& answer) {
   Response response;
@@ -53,7 +54,8 @@ v1::JobState state_of(RunEnd::Outcome outcome) {
   return outcome == RunEnd::FAILED ? v1::FAILED : v1::CANCELLED;
 }
 
-/// Steps, findings and the end of a job that has succeeded; nothing if its history cannot be read.
+/// Steps, findings and end of a succeeded job, as a query sends them; empty if its history cannot
+/// be read.
 std::optional<Responses> answer_of_job(Context& context, const v1::Job& job) {
   Responses answer;
   try {
@@ -64,17 +66,19 @@ std::optional<Responses> answer_of_job(Context& context, const v1::Job& job) {
     log::warn("job {} cannot answer a query: {}", job.id(), error.what());
     return std::nullopt;
   }
+
   for (const v1::Finding& finding : job.findings())
     *answer.emplace_back().mutable_finding() = finding;
   if (job.has_validity_loss()) *answer.emplace_back().mutable_validity_lost() = job.validity_loss();
+
   Response::Ended& ended = *answer.emplace_back().mutable_ended();
   ended.set_state(v1::SUCCEEDED);
   ended.set_solver_s(job.last_step().solver_s());
   return answer;
 }
 
-/// Lets the thread of a query sleep until its job has another event, and look now and then whether
-/// its caller has left.
+/// Lets the thread of a query sleep until its job has another event. It wakes every 20 ms as well,
+/// to notice that its caller has left.
 class Appended final : public jobs::Watcher {
 public:
   void on_appended() override {
@@ -104,15 +108,15 @@ Response waiting(std::string reason, double expected_s) {
   return response;
 }
 
-std::string in_words(const QueryWait& wait) {
+std::string describe(const QueryWait& wait) {
   const int before_it = wait.running + wait.ahead;
   return fmt::format("waiting for {} {}", before_it, before_it == 1 ? "query" : "queries");
 }
 
-/// One query. All arguments outlive it.
+/// One query. All constructor arguments outlive it.
 class Query {
 public:
-  /// @param complete  with defaults and alloy card, see CaseIntake::complete_case()
+  /// @param complete  case with defaults and alloy card, see CaseIntake::complete_case()
   Query(Context& context, const Call& call, const v1::QueryButtCurlRequest& request,
         const jobs::Attachments& attachments, intake::ExaminedCase complete,
         const SendQueryResponse& send)
@@ -124,7 +128,7 @@ public:
         send_(send),
         key_(intake::answer_key(examined_.complete, attachments)) {}
 
-  /// @return whether the answer was there already
+  /// Sends a stored answer, of a job or of an earlier query. @return whether there was one
   bool answer_from_store() {
     if (const auto id = context_.store.find_answer(key_, context_.solver)) {
       const auto job = context_.scheduler.find(*id);
@@ -133,12 +137,14 @@ public:
       auto answer = job && own ? answer_of_job(context_, *job) : std::nullopt;
       if (answer) return replay(std::move(*answer), *id);
     }
+
+    // A kept run needs its own job, so an answer without one does not serve it.
     if (request_.keep()) return false;
     const auto kept = context_.query_answers.find(key_);
     return kept && kept->succeeded && replay(read(*kept), "");
   }
 
-  /// The same case, found sound by a worker.
+  /// Replaces the case by the same one after a worker has checked it.
   void set_checked(intake::ExaminedCase checked) { examined_ = std::move(checked); }
 
   double estimated_s() const { return examined_.verdict.estimate().solver_s(); }
@@ -153,30 +159,36 @@ public:
   }
 
 private:
-  /// Runs it for this answer alone; nothing is left of the run.
+  /// Runs the case for this answer only; the run leaves no job.
   void run_without_job(jobs::CallLimits waiting) {
     waiting.enter = [this](const jobs::WorkerProcess& worker) { return enter(worker); };
     const jobs::CheckFolder folder(context_.query_directory, attachments_);
+
     begin("");
     const RunEnd end = context_.warm_workers
                            .ask(run_request(folder.path()), waiting,
                                 [this](const v1::JobEvent& event) { take(event); })
                            .run_end();
     finish(state_of(end.outcome()), end.failure());
+
     keep_answer(end.outcome());
   }
 
-  /// Runs it as a job that goes first, which stays.
+  /// Runs the case as a job that starts first and is kept.
   void run_as_job(const jobs::CallLimits& waiting) {
     check_may_queue(context_, call_);
+
     jobs::NewJob job = intake::new_job(request_.case_(), attachments_, examined_);
     job.owner = call_.caller.name;
     job.changes = {request_.changes().begin(), request_.changes().end()};
     job.goes_first = true;
+
     const std::string id = context_.scheduler.submit(job, attachments_).id();
     call_.note->set_job(id);
     call_.note->set_case_sha256(job.case_sha256);
     begin(id);
+
+    // Follow the job's log until its end, or until the caller leaves.
     const auto log = context_.scheduler.log(id);
     const auto appended = std::make_shared<Appended>();
     context_.logs.watch(id, appended);
@@ -186,15 +198,16 @@ private:
           return finish(event->state_change().state(), event->state_change().failure());
         take(*event);
       }
+
       if (!waiting.called_off()) continue;
-      // The daemon that leaves has its jobs go on; only the caller cancels one.
+      // When the daemon shuts down its jobs continue later; only a caller who leaves cancels one.
       if (!context_.leaving) context_.scheduler.cancel(id, "the caller of its query has left");
       throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::called_off,
                                      "no one waits for this answer any more");
     }
   }
 
-  /// The worker of this query stands still while more urgent ones run.
+  /// Pauses the worker of this query while more urgent queries run.
   jobs::Precedence::Registration enter(const jobs::WorkerProcess& worker) {
     const auto on_change = [this, &worker](const std::optional<jobs::MoreUrgentRun>& stopped_for) {
       worker.set_stopped(stopped_for.has_value());
@@ -203,7 +216,8 @@ private:
     return context_.precedence.enter(urgency(), estimated_s(), on_change);
   }
 
-  /// Now and then: queries that follow each other may stop this one every second.
+  /// Reports a pause, but not oftener than every 10 s: short queries may pause this one each
+  /// second.
   void report_stop(const jobs::MoreUrgentRun& stopped_for) {
     constexpr std::chrono::seconds between_reports{10};
     const auto now = std::chrono::steady_clock::now();
@@ -225,7 +239,7 @@ private:
     return answer;
   }
 
-  /// Once it has been sent. That of a run that failed is kept too, to be compared.
+  /// Keeps the answer once it has been sent. A failed run is kept too, so that it can be compared.
   void keep_answer(RunEnd::Outcome outcome) {
     if (outcome != RunEnd::SUCCEEDED && outcome != RunEnd::FAILED) return;
 
@@ -234,7 +248,7 @@ private:
     kept->complete_case = examined_.complete.SerializeAsString();
     for (const Response& response : answer_) kept->messages.push_back(response.SerializeAsString());
 
-    context_.query_answers.forget(key_);  // that of a run that failed before
+    context_.query_answers.forget(key_);  // keep() would not replace the answer of a failed run
     context_.query_answers.keep(key_, kept, kept->bytes());
   }
 
@@ -242,16 +256,19 @@ private:
     v1::WorkerRequest request;
     v1::SolveCase& order = *request.mutable_solve();
     *order.mutable_case_() = examined_.complete;
+
     order.set_directory(folder);
     order.set_threads(context_.settings.query_threads());
     order.set_nice(jobs::nice_value(urgency()));
+
+    // No one resumes this run.
     v1::CheckpointPolicy& checkpoint = *order.mutable_case_()->mutable_checkpoint();
-    checkpoint.set_every_steps(0);  // no one resumes it
+    checkpoint.set_every_steps(0);
     checkpoint.set_every_s(0.0);
     return request;
   }
 
-  /// @param job  its id; empty: none
+  /// @param job  id of the run's job; empty if it leaves none
   void begin(const std::string& job) {
     send_(accepted(examined_, false, job, key_));
     for (const v1::Finding& finding : examined_.verdict.findings()) pass_on(finding);
@@ -262,6 +279,7 @@ private:
     send_(std::move(response));
   }
 
+  /// Passes a finding on unless it was sent with the same content.
   void pass_on(const v1::Finding& finding) {
     const std::string content = finding.SerializeAsString();
     if (std::exchange(reported_[finding.code()], content) == content) return;
@@ -300,15 +318,15 @@ private:
   const Call& call_;
   const SendQueryResponse& send_;
   const std::string key_;
-  Responses answer_;                             // of a run that leaves no job
-  std::map<std::string, std::string> reported_;  // findings as they were sent, by code
+  Responses answer_;                             // kept if the run leaves no job
+  std::map<std::string, std::string> reported_;  // sent findings, serialised, by code
   std::int64_t last_step_ = 0;
   double solver_s_ = 0.0;
   std::optional<std::chrono::steady_clock::time_point> stop_reported_;
 };
 
-/// One query, in three stages, each in threads of its own: look whether it was answered before,
-/// check its case, run it. What the thread of a stage passes on waits here until gRPC sends it.
+/// One query in three stages, each in its own lane: look for a stored answer, check the case, run
+/// it. Messages of a stage wait here until gRPC has sent the previous one.
 class QueryStream final : public MessageStream<Response> {
 public:
   QueryStream(Lanes& lanes, CallOrigin origin, Context& context, v1::QueryButtCurlRequest request)
@@ -327,13 +345,13 @@ private:
     do_stage([this] { return look_for_stored_answer(); });
   }
 
-  /// A part of the work. @return whether it has handed the query over to the threads of the next
-  /// one
+  /// One stage. @return whether the query continues in the thread of another lane
   using Stage = std::function<bool()>;
 
   bool look_for_stored_answer() {
     check_changes(request_.changes());
     attachments_ = uploaded_files(context_, call_, request_.attachments());
+
     auto complete = context_.intake.complete_case(request_.case_(), attachments_);
     if (complete.verdict.faults_size() == 0) {
       query_.emplace(context_, call_, request_, attachments_, std::move(complete), send_);
@@ -348,8 +366,9 @@ private:
     auto checked = sound_case(context_, call_, request_.case_(), attachments_);
     query_.value().set_checked(std::move(checked));
     const auto report_wait = [this](const QueryWait& wait) {
-      send(waiting(in_words(wait), wait.expected_s));
+      send(waiting(describe(wait), wait.expected_s));
     };
+
     return hand_over(
         [&](auto work) {
           return lanes_.query_turns.post(query_->urgency(), query_->estimated_s(), report_wait,
@@ -361,7 +380,8 @@ private:
         });
   }
 
-  /// This thread must not touch the query afterwards. @throws Refusal  too many are waiting
+  /// Posts the next stage. The calling thread must not touch the query afterwards.
+  /// @throws Refusal  the lane is full
   template <class Post>
   bool hand_over(const Post& post, Stage next) {
     const auto self = this->shared_from_this();
@@ -378,12 +398,15 @@ private:
     });
     if (handed_over) return;
 
+    // The caller did not leave: the query was cancelled by the shutdown.
     if (status.error_code() == grpc::CANCELLED && context_.leaving)
       status = {grpc::UNAVAILABLE, "dccastd is shutting down; ask again later"};
+
     {
       const std::lock_guard lock(mutex_);
       end_ = status;
     }
+
     finish_opening(status);
   }
 
@@ -412,7 +435,7 @@ private:
   Call call_;
   jobs::Attachments attachments_;
   std::optional<Query> query_;
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< guards the members below
   std::deque<Response> waiting_;
   std::optional<grpc::Status> end_;
 };

@@ -21,6 +21,7 @@ QueryWait QueryTurns::wait_in(const Lane& lane) const {
   QueryWait wait{.running = static_cast<int>(lane.running.size()),
                  .ahead = static_cast<int>(lane.waiting_s.size())};
 
+  // Time that each running query still needs, by its estimate.
   std::vector<double> left_s;
   for (const Running& run : lane.running) {
     const std::chrono::duration<double> ran = Clock::now() - run.begin;
@@ -44,6 +45,7 @@ bool QueryTurns::post(Urgency urgency, double estimated_s, const OnWait& on_wait
   const auto place = std::prev(lane.waiting_s.end());
   lock.unlock();
 
+  // Reports without the lock: the listener sends a message.
   if (wait.running + wait.ahead >= at_once_) on_wait(wait);
 
   const auto run = [this, &lane, place, estimated_s, work = std::move(work)] {

@@ -30,101 +30,114 @@ constexpr int sqlite_corrupt = 11;
 constexpr int sqlite_full = 13;
 constexpr int sqlite_cannot_open = 14;
 constexpr int sqlite_not_a_database = 26;
-// With base64 and the message beside it this stays below the 8 KiB of the trailers.
+// Base64 and the message add to this; together they stay below the 8 KiB limit of trailers.
 constexpr std::size_t largest_details = 4096;
 
-grpc::Status disk_refuses(const std::string& what) {
-  return {
-      grpc::RESOURCE_EXHAUSTED,
-      what + "; the server's data directory takes nothing more: free space there, then try again"};
+grpc::Status refuse_for_full_disk(const std::string& what) {
+  return {grpc::RESOURCE_EXHAUSTED,
+          fmt::format("{}; the server's data directory takes nothing more: free space there, then "
+                      "try again",
+                      what)};
 }
 
-/// The log names the file; a caller learns why it cannot be used and who can change that.
-grpc::Status file_refuses(const std::system_error& error) {
+/// Logs the error with the file's name; the caller receives the reason and who can repair it.
+grpc::Status refuse_for_file(const std::system_error& error) {
   log::error("{}", values::escaped(error.what()));
-  if (storage::is_disk_fault(error.code())) return disk_refuses(error.what());
+  if (storage::is_disk_fault(error.code())) return refuse_for_full_disk(error.what());
+
   const std::string why = error.code().message();
   if (storage::is_resource_fault(error.code()))
     return {grpc::RESOURCE_EXHAUSTED,
             fmt::format("the server lacks something ({}); try again", why)};
+
   return {grpc::DATA_LOSS,
           fmt::format("a file of this dccastd cannot be used ({}); its log names the file, and "
                       "`dccastd check` says what is damaged",
                       why)};
 }
 
-/// The details have the fault, as those of check_verdict().
-grpc::Status upload_refused(const intake::UploadRefused& refused) {
+/// The details carry the fault, as those of check_verdict() do.
+grpc::Status refuse_upload(const intake::UploadRefused& refused) {
   v1::ValidateCaseResponse details;
   *details.add_faults() = refused.fault();
   return {grpc::RESOURCE_EXHAUSTED, refused.what(), details.SerializeAsString()};
 }
 
-grpc::Status internal(const std::string& what) {
+grpc::Status report_bug(const std::string& what) {
   const std::string shown = values::escaped(what, values::Lines::several);
   log::error("{}", values::escaped(what));
   return {grpc::INTERNAL, shown};
 }
 
-/// The log has the SQL that failed; a caller receives what is wrong with the store and who repairs
-/// it.
-grpc::Status store_refuses(const jobs::StoreError& error) {
+/// Logs the failed SQL; the caller receives the fault of the store and who can repair it.
+grpc::Status refuse_for_store(const jobs::StoreError& error) {
   log::error("{}", error.what());
+
   switch (error.code()) {
     case sqlite_full:
-      return disk_refuses("the job store cannot grow");
+      return refuse_for_full_disk("the job store cannot grow");
     case sqlite_read_only:
-      return disk_refuses("the job store is not writable");
+      return refuse_for_full_disk("the job store is not writable");
     case sqlite_io_error:
     case sqlite_cannot_open:
-      return disk_refuses("the job store cannot be read or written");
+      return refuse_for_full_disk("the job store cannot be read or written");
+
     case sqlite_corrupt:
     case sqlite_not_a_database:
       return {
           grpc::DATA_LOSS,
           "the job store of this dccastd, jobs.sqlite in its data directory, is damaged; stop it "
           "and run `dccastd check --repair`, or restore a backup with `dccastd restore`"};
+
     default:
-      return {grpc::INTERNAL, "the job store did not answer as it should (SQLite code " +
-                                  std::to_string(error.code()) + "); the log of dccastd says more"};
+      return {grpc::INTERNAL, fmt::format("the job store did not answer as it should (SQLite code "
+                                          "{}); the log of dccastd says more",
+                                          error.code())};
   }
 }
 
-/// Whether asking again can help decides the code.
-grpc::Status not_answered(const jobs::WorkerDidNotAnswer& error) {
+/// The status code depends on whether a retry can help.
+grpc::Status refuse_for_worker(const jobs::WorkerDidNotAnswer& error) {
   using Why = jobs::WorkerDidNotAnswer::Why;
   const std::string what = values::escaped(error.what());
   log::warn("{}", what);
+
   switch (error.why()) {
     case Why::called_off:
       return {grpc::CANCELLED, what};
+
     case Why::not_started:
     case Why::killed:
-      return {grpc::UNAVAILABLE, what + "; try again"};
+      return {grpc::UNAVAILABLE, fmt::format("{}; try again", what)};
+
+    // A retry alone does not help: the case is too much for the settings or the machine.
     case Why::too_slow:
       return {grpc::RESOURCE_EXHAUSTED,
-              what +
-                  " (check_timeout in the settings of dccastd); try again, or make mesh and "
-                  "tables of the case smaller"};
+              fmt::format("{} (check_timeout in the settings of dccastd); try again, or make mesh "
+                          "and tables of the case smaller",
+                          what)};
     case Why::too_large:
       return {grpc::RESOURCE_EXHAUSTED,
-              what + " of memory; make mesh and tables of the case smaller"};
+              fmt::format("{} of memory; make mesh and tables of the case smaller", what)};
+
     default:
-      return internal(what +
-                      ". It is a fault of dccast if it does so again: report it with the case");
+      return report_bug(fmt::format(
+          "{}. It is a fault of dccast if it does so again: report it with the case", what));
   }
 }
 
-void check_uuid(const std::string& given, const std::string& of_what, const std::string& origin) {
+void check_uuid(const std::string& given, const std::string& kind, const std::string& origin) {
   if (values::is_uuid(given)) return;
   refuse("\"{}\" is not a {} id; an id is a UUID in lower case, {}",
-         values::escaped(values::shortened(given)), of_what, origin);
+         values::escaped(values::shortened(given)), kind, origin);
 }
 
+/// Parses "<creation time in ms>.<id>". @return false: not a token of this form
 bool read_age_token(const std::string& token, AgePage& page) {
   if (token.empty()) return true;
   const auto dot = token.find('.');
   if (dot == std::string::npos || !values::is_uuid(token.substr(dot + 1))) return false;
+
   page.before_id = token.substr(dot + 1);
   const auto [end, error] = std::from_chars(token.data(), token.data() + dot, page.before_ms);
   return error == std::errc() && end == token.data() + dot;
@@ -140,37 +153,43 @@ grpc::Status guarded(const std::function<void()>& handler) {
   try {
     handler();
     return grpc::Status::OK;
+
+    // Refusals of calls, limits and uploads carry their own remedy.
   } catch (const Refusal& refusal) {
     return refusal.status;
   } catch (const jobs::QueueFull& error) {
     return {grpc::RESOURCE_EXHAUSTED, error.what()};
   } catch (const intake::UploadRefused& refused) {
-    return upload_refused(refused);
+    return refuse_upload(refused);
   } catch (const intake::UploadBroken& error) {
     return {grpc::INVALID_ARGUMENT, error.what()};
   } catch (const intake::TooManyUploads& error) {
     return {grpc::UNAVAILABLE, error.what()};
   } catch (const jobs::RequestIdTaken& error) {
     return {grpc::ALREADY_EXISTS, error.what()};
+
+    // The daemon cannot serve now.
   } catch (const jobs::StorageHeld& error) {
     return {grpc::RESOURCE_EXHAUSTED, error.what()};
   } catch (const jobs::ShuttingDown& error) {
     return {grpc::UNAVAILABLE, error.what()};
   } catch (const jobs::StoreError& error) {
-    return store_refuses(error);
+    return refuse_for_store(error);
   } catch (const jobs::WorkerDidNotAnswer& error) {
-    return not_answered(error);
+    return refuse_for_worker(error);
   } catch (const jobs::UnsoundResult& unsound) {
     return {grpc::DATA_LOSS, unsound.what()};
   } catch (const std::system_error& error) {
-    return file_refuses(error);
+    return refuse_for_file(error);
   } catch (const std::bad_alloc&) {
     log::error("out of memory");
     return {grpc::RESOURCE_EXHAUSTED, "dccastd is out of memory; try again later"};
+
+    // Everything else is a bug.
   } catch (const std::exception& error) {
-    return internal(error.what());
+    return report_bug(error.what());
   } catch (...) {
-    return internal("something was thrown that is no exception");
+    return report_bug("something was thrown that is no exception");
   }
 }
 
@@ -224,23 +243,26 @@ void check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& cha
 
 void check_verdict(const v1::ValidateCaseResponse& verdict, const RunOfPlan& run) {
   if (verdict.faults_size() == 0) return;
+
   v1::ValidateCaseResponse details;
   details.set_run(run.name);
   details.set_refinement(run.refinement);
+  // As many faults as fit into the trailers of the call.
   for (const v1::Fault& fault : verdict.faults()) {
     *details.add_faults() = fault;
     if (details.ByteSizeLong() <= largest_details) continue;
     details.mutable_faults()->RemoveLast();
     break;
   }
-  std::string message = (run.name.empty() ? "" : run.name + ": ") + "the case has " +
-                        std::to_string(verdict.faults_size()) + " fault" +
-                        (verdict.faults_size() == 1 ? "" : "s");
+
+  const std::string prefix = run.name.empty() ? "" : run.name + ": ";
+  std::string message = fmt::format("{}the case has {} fault{}", prefix, verdict.faults_size(),
+                                    verdict.faults_size() == 1 ? "" : "s");
   if (details.faults_size() < verdict.faults_size())
-    message += " (" + std::to_string(details.faults_size()) +
-               " given here; validating the case gives all)";
+    message +=
+        fmt::format(" ({} given here; validating the case gives all)", details.faults_size());
   const v1::Fault& first = verdict.faults(0);
-  message += "; first: " + first.field() + ": " + first.message().substr(0, 512);
+  message += fmt::format("; first: {}: {}", first.field(), first.message().substr(0, 512));
   throw Refusal{{grpc::INVALID_ARGUMENT, message, details.SerializeAsString()}};
 }
 
@@ -257,11 +279,13 @@ jobs::Attachments uploaded_files(Context& context, const Call& call,
   for (const v1::Attachment& attachment : named) {
     check_attachment(attachment);
     auto file = context.uploads.find(call.caller.name, attachment);
+
     if (!file)
       refuse(grpc::ABORTED,
              "attachment \"{}\" (SHA-256 {}) is not on the server; upload it (UploadAttachment), "
              "then call again",
              values::escaped(values::shortened(attachment.name())), attachment.sha256());
+
     files.push_back(std::move(*file));
   }
   return files;
@@ -280,18 +304,22 @@ void check_may_queue(Context& context, const Call& call, const std::string& requ
   const access::Caller& caller = call.caller;
   const v1::DaemonConfig& settings = context.settings;
   if (caller.role >= v1::ADMIN) return;
+
+  // A request that is sent again creates no second job, so it counts against no limit.
   if (const auto before =
           request_id.empty() ? std::nullopt : context.store.find_request(request_id)) {
     if (before->job.owner() == caller.name) return;
     refuse(grpc::ALREADY_EXISTS,
            "another user has submitted a job with this request_id; choose a new one");
   }
+
   if (const double most = settings.maximum_disk_per_user_bytes(); most > 0.0)
     if (const auto held = context.store.bytes_of(caller.name); static_cast<double>(held) >= most)
       refuse(RESOURCE_EXHAUSTED,
              "the jobs of {} hold {} bytes on the server; maximum_disk_per_user = {} bytes; delete "
              "some (dccast delete)",
              caller.name, held, std::llround(most));
+
   const int unfinished = context.store.unfinished_of(caller.name);
   if (unfinished >= settings.maximum_queued_per_user())
     refuse(RESOURCE_EXHAUSTED,

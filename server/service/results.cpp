@@ -26,42 +26,48 @@ const v1::Artifact* artifact_of(const v1::Job& job, const std::string& name) {
   return found == job.artifacts().end() ? nullptr : &*found;
 }
 
-/// A token is "<sequence of the event>.<step>" of the last step of the page before.
+/// Parses "<sequence of the event>.<step>", the place of the last step of the page before.
+/// @return false: not a token of this form
 bool read_token(const std::string& token, jobs::StepPlace& place) {
   if (token.empty()) return true;
   const char* end = token.data() + token.size();
   const auto [dot, first] = std::from_chars(token.data(), end, place.sequence);
   if (first != std::errc() || dot == end || *dot != '.' || place.sequence < 1) return false;
+
   const auto [rest, second] = std::from_chars(dot + 1, end, place.step);
   return second == std::errc() && rest == end;
 }
 
-/// As many steps as fit beside what the response holds already, one at least.
+/// Adds as many steps as fit beside what the response already holds, at least one.
 void add_steps(Context& context, const v1::QueryResultRequest& request,
                v1::QueryResultResponse& response) {
   const std::size_t taken = response.ByteSizeLong();
   const std::size_t most_bytes = std::min(page_bytes, answer_bytes - std::min(answer_bytes, taken));
+
   jobs::StepPlace place;
   if (!read_token(request.page_token(), place))
     refuse("the page_token is not one of this history; begin again without it");
   if (request.page_size() < 0) refuse("page_size must not be negative");
+
   const auto most = request.page_size() == 0 ? std::numeric_limits<std::size_t>::max()
                                              : static_cast<std::size_t>(request.page_size());
+
   const auto page = context.step_indexes.of(request.id())
                         ->page(*context.scheduler.log(request.id()), place, most, most_bytes);
   if (!page)
     refuse(grpc::ABORTED,
            "the run has gone back behind the page before this one; begin again without page_token");
+
   response.mutable_steps()->Add(page->steps.begin(), page->steps.end());
   if (page->next)
-    response.set_next_page_token(std::to_string(page->next->sequence) + "." +
-                                 std::to_string(page->next->step));
+    response.set_next_page_token(fmt::format("{}.{}", page->next->sequence, page->next->step));
 }
 
 void add_frame(Context& context, const Call& call, const v1::QueryResultRequest& request,
                const v1::Job& job, v1::QueryResultResponse& response) {
   const int number = request.frame_number();
   if (number < 0) refuse("frame_number must not be negative: 1 is the first frame, 0 the last");
+
   const v1::Artifact* results = artifact_of(job, "results.h5");
   const auto folder = context.jobs_directory / request.id();
   const intake::FrameChoice choice{.number = number, .field = request.field()};
@@ -81,7 +87,7 @@ void add_frame(Context& context, const Call& call, const v1::QueryResultRequest&
   response.MergeFrom(stored);
 }
 
-/// What comes with the first page only.
+/// Adds what only the first page carries.
 void add_case_and_frame(Context& context, const Call& call, const v1::QueryResultRequest& request,
                         const v1::Job& job, v1::QueryResultResponse& response) {
   *response.mutable_findings() = job.findings();
@@ -96,10 +102,10 @@ void add_case_and_frame(Context& context, const Call& call, const v1::QueryResul
 }
 
 std::string megabytes(std::size_t bytes) {
-  return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+  return fmt::format("{} MB", (bytes + 999'999) / 1'000'000);
 }
 
-/// An answer that most clients would not take is not sent.
+/// Refuses an answer larger than most clients accept.
 void check_size(const v1::QueryResultResponse& response) {
   if (response.ByteSizeLong() <= answer_bytes) return;
   const std::size_t frame = response.has_frame() ? response.frame().ByteSizeLong() : 0;
@@ -110,15 +116,15 @@ void check_size(const v1::QueryResultResponse& response) {
                       : "case and first step have " + megabytes(rest) + held);
 }
 
-/// A file on its way to a client.
+/// A file that is being sent to a client.
 struct SentFile {
   storage::File file;
-  std::string name;  ///< for messages
+  std::string name;  ///< used in messages
   std::int64_t size = 0;
   std::string sha256{};
 };
 
-/// A file in chunks, from an offset on; OUT_OF_RANGE where that lies beyond its end.
+/// Sends a file in chunks, from an offset on. OUT_OF_RANGE: the offset is beyond the file's end.
 class FileStream final : public MessageStream<v1::FetchResultResponse> {
 public:
   using OpenFile = std::function<SentFile(const Call&)>;
@@ -133,16 +139,18 @@ private:
       refuse(grpc::OUT_OF_RANGE, "{} has {} bytes; begin again from 0", file_.name, file_.size);
   }
 
-  /// At least one chunk, which may be empty: size and digest travel with it.
+  /// Sends at least one chunk, even if empty, because size and digest travel with it.
   NextMessage<v1::FetchResultResponse> next() override {
     constexpr std::int64_t chunk_size = 256 * 1024;
     if (std::exchange(begun_, true) && next_ == file_.size) return {.end = grpc::Status::OK};
+
     const auto size = static_cast<std::size_t>(std::min(chunk_size, file_.size - next_));
     v1::FetchResultResponse chunk;
     chunk.set_offset(next_);
     chunk.set_total_size_bytes(file_.size);
     chunk.set_sha256(file_.sha256);
     chunk.mutable_data()->resize(size);
+
     if (file_.file.read_at(next_, *chunk.mutable_data()) != size)
       refuse(grpc::DATA_LOSS, "the file became shorter while it was read");
     next_ += static_cast<std::int64_t>(size);
@@ -155,7 +163,7 @@ private:
   bool begun_ = false;
 };
 
-/// A job of a client that has no file, as Python's and those of a study, has one by its case.
+/// Writes the case of a job whose client sent no file, such as Python's jobs and those of studies.
 void write_case_file(const std::filesystem::path& folder, const std::filesystem::path& path) {
   v1::Case submitted;
   if (!submitted.ParseFromString(jobs::read_job_description(folder).submitted_case))
@@ -163,10 +171,11 @@ void write_case_file(const std::filesystem::path& folder, const std::filesystem:
   storage::write_file(path, case_file::to_toml(submitted));
 }
 
-/// What a job of any state may have beside its results, as it is now.
+/// Opens the case file, worker log or run facts of a job in any state, as the file is now.
 SentFile open_own_file(Context& context, const v1::Job& job, const std::string& name) {
   const auto folder = context.jobs_directory / job.id();
-  std::optional<jobs::CheckFolder> made;  // its file goes with the call
+  std::optional<jobs::CheckFolder> made;  // holds a file written for this call only
+
   auto path = folder / name;
   if (storage::kind_of_entry(path).empty()) {
     if (name != jobs::submitted_file)
@@ -176,9 +185,10 @@ SentFile open_own_file(Context& context, const v1::Job& job, const std::string& 
     path = made->path() / name;
     write_case_file(folder, path);
   }
+
+  // A worker may still append: digest and transfer stop at the size that the file has now.
   SentFile sent{.file = storage::File(path, O_RDONLY), .name = name};
   sent.size = sent.file.size();
-  // A worker may go on writing: what follows is not sent.
   sent.sha256 = values::sha256_of_file(path, sent.size);
   return sent;
 }
@@ -188,37 +198,45 @@ SentFile open_artifact(Context& context, const v1::FetchResultRequest& request) 
   if (request.artifact() == jobs::submitted_file || request.artifact() == "worker.log" ||
       request.artifact() == jobs::run_facts_file)
     return open_own_file(context, job, request.artifact());
+
   if (job.artifacts().empty())
     refuse_state(job, "it has no results yet: watch it until it has ended");
+
   const std::string name = request.artifact().empty() ? "results.h5" : request.artifact();
   const v1::Artifact* artifact = artifact_of(job, name);
   if (!artifact)
     refuse(grpc::NOT_FOUND, "job {} has no result \"{}\"; the job lists those it has", request.id(),
            name);
-  // The client compares the digest of what it receives.
+
+  // The client verifies the digest, so the file is not read twice here.
   return {.file = jobs::open_result(context.jobs_directory / request.id(), *artifact),
           .name = name,
           .size = artifact->size_bytes(),
           .sha256 = artifact->sha256()};
 }
 
-/// The study as a file that has no name any more: it is gone with the call. A study that has not
-/// changed gives the same bytes, so that a client goes on where it was.
+/// Writes the study's table to a file that is already unlinked when the call ends. An unchanged
+/// study gives the same bytes, so that a client can continue an interrupted download.
 SentFile open_study(Context& context, const Call& call, const v1::FetchStudyRequest& request) {
   v1::EvaluateStudyRequest every_curve;
   every_curve.set_id(request.id());
   every_curve.set_curves(true);
+
   v1::WorkerRequest asked;
   *asked.mutable_write_table()->mutable_study() =
       of_study(request.id(), context.studies.evaluate(every_curve));
+
+  // Only a worker may load HDF5: it writes the file.
   const jobs::CheckFolder folder(context.query_directory, {});
   const auto path = folder.path() / "study.h5";
   asked.mutable_write_table()->set_path(path);
   context.warm_workers.ask(asked, waiting_time(call, context.settings.check_timeout_s()));
+
   SentFile sent{.file = storage::File(path, O_RDONLY),
                 .name = "the table of study " + request.id(),
                 .sha256 = values::sha256_of_file(path)};
   sent.size = sent.file.size();
+
   if (!request.sha256().empty() && request.sha256() != sent.sha256)
     refuse(grpc::ABORTED, "the study went on meanwhile; begin again from 0");
   return sent;

@@ -10,8 +10,8 @@ namespace dccast::service {
 
 struct Context;
 
-/// The accepted steps of a job so far, each once. Empty where the run went back to a checkpoint
-/// while they were read. @throws std::exception  the event log cannot be read
+/// All accepted steps of a job so far, each once. Empty if the run returned to a checkpoint while
+/// they were read. @throws std::exception  the event log cannot be read
 std::optional<std::vector<v1::StepReport>> read_steps(Context& context, const std::string& job);
 
 }  // namespace dccast::service

@@ -15,30 +15,31 @@
 
 namespace dccast::service {
 
-/// Sends what gRPC logs to our log, as debug: its lines name its own sources and help no user.
+/// Forwards gRPC's log lines to our log at level debug: they name gRPC's sources and help no user.
 void log_grpc_as_debug();
 
-/// Where users of other machines call.
+/// Address for users of other machines.
 struct TlsListening {
   const relay::Listener& listener;
   std::size_t connections_per_peer = SIZE_MAX;
   relay::TlsFiles files;
 };
 
-/// SimulationService, health and reflection: for local users without TLS, for others over TLS. The
-/// health of "alive" is SERVING while calls are answered; that of "ready" and of the service while
-/// jobs are started, too: not while the queue is held, nor once the daemon is about to end. The
-/// empty name is that of the daemon until it is about to end.
+/// SimulationService, health and reflection, without TLS for local users and over TLS for others.
+/// Health by name: "alive" is SERVING while calls are answered; "ready" and the service's own name
+/// while jobs are started, so neither while the queue is held nor once the daemon is ending; the
+/// empty name until the daemon is ending.
 class PublicServer {
 public:
-  /// @param local  one or more, of local users @param tls  nothing: local users alone
-  /// @throws std::runtime_error  gRPC refuses, or the files of TLS cannot be used
+  /// @param local  one or more listeners for local users
+  /// @param tls    empty: only local users can call
+  /// @throws std::runtime_error  gRPC refuses, or the TLS files cannot be used
   PublicServer(Context& context, const std::vector<const relay::Listener*>& local,
                std::optional<TlsListening> tls);
   ~PublicServer();
-  /// Health is NOT_SERVING from now on, but for "alive".
+  /// Sets health to NOT_SERVING, except for "alive".
   void announce_end();
-  /// Ends all calls: those that end by themselves within a second do.
+  /// Ends all calls; gives them one second to finish by themselves.
   void shut_down();
 
 private:

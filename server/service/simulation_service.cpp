@@ -11,14 +11,14 @@ SimulationService::SimulationService(Context& context)
       lanes_(context.settings.checkers(), context.settings.query_workers(),
              context.settings.maximum_waiting_checks()) {}
 
-/// A call on its way through its lanes.
+/// A call on its way through its stages.
 struct SimulationService::UnaryCall {
   Wire* wire;
   Unary* reactor;
   CallOrigin origin;
   std::size_t bytes;  ///< of its request
   std::vector<Stage> stages;
-  Call call{};  ///< once it was admitted, before its first stage
+  Call call{};  ///< set when admitted, before the first stage
 
   void finish(const grpc::Status& status) {
     origin.record(call, status);
@@ -43,9 +43,12 @@ SimulationService::Unary* SimulationService::answer(Wire* wire,
 void SimulationService::do_stage(std::shared_ptr<UnaryCall> call, std::size_t number) {
   if (number == call->stages.size()) return call->finish(grpc::Status::OK);
   const auto work = [this, call, number] {
+    // Without admit(), which would throw: a peer may cancel ten thousand calls a second.
     bool admitted = number > 0;
     if (!admitted && call->wire->IsCancelled())
       return call->reactor->Finish(grpc::Status::CANCELLED);
+
+    // The first stage admits the call in the thread of its lane, because that may block.
     const grpc::Status status = guarded([&] {
       if (!admitted) {
         call->call = call->origin.admit([wire = call->wire] { return wire->IsCancelled(); });
@@ -55,10 +58,13 @@ void SimulationService::do_stage(std::shared_ptr<UnaryCall> call, std::size_t nu
       check_wanted(call->call);
       call->stages[number].work(call->call);
     });
+
+    // A refusal of admit() is recorded already.
     if (!admitted) return call->reactor->Finish(status);
     if (!status.ok()) return call->finish(status);
     do_stage(call, number + 1);
   };
+
   if (call->stages[number].lane.post(work, call->bytes)) return;
   call->origin.count(too_many_waiting());
   call->reactor->Finish(too_many_waiting());

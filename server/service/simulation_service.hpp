@@ -75,15 +75,15 @@ public:
 
 private:
   using Work = std::function<void(const Call&)>;
-  /// A part of a call and the lane that does it.
+  /// One part of a call, and the lane in which it runs.
   struct Stage {
     WorkPool& lane;
     Work work;
   };
   struct UnaryCall;
 
-  /// Answers a call by its stages in turn, as long as it is wanted; what one throws ends it:
-  /// guarded().
+  /// Runs the stages of a call in turn, as long as its caller waits. An exception of a stage ends
+  /// the call with the status that guarded() gives.
   /// @param request  lives as long as the call
   Unary* answer(Wire* wire, const google::protobuf::Message& request, std::vector<Stage> stages);
   Unary* answer(Wire* wire, const google::protobuf::Message& request, WorkPool& lane, Work work) {

@@ -21,22 +21,24 @@ using Unary = SimulationService::Unary;
 
 namespace {
 
-// Of a long sweep so many runs are checked before it is taken; one that is refused later fails.
+// So many runs of a long sweep are checked before it is accepted; faulty ones among the rest fail.
 constexpr int most_checked = 24;
 
-/// CreateStudy's first half: everything that can be wrong with the plan and its cases.
+/// First stage of CreateStudy: checks the plan and the cases of its runs.
 void examine(Context& context, const Call& call, const v1::CreateStudyRequest& request,
              const jobs::Attachments& attachments) {
   check_text("request_id", request.request_id());
   check_labels(request.labels());
   check_changes(request.changes());
+
   v1::ValidateCaseResponse verdict;
   for (v1::Fault& fault : studies::plan_faults(request)) *verdict.add_faults() = std::move(fault);
   check_verdict(verdict);
+
   const auto plan = studies::study_plan(request);
   const int checked = std::min(plan->runs(), most_checked);
   for (int i = 0; i < checked; ++i) {
-    // From the first run to the last.
+    // Evenly spaced, with the first and the last run.
     const int number = checked == 1 ? 0 : i * (plan->runs() - 1) / (checked - 1);
     const studies::PlannedRun run = plan->run(number);
     const int refinement = request.has_refinement() ? run.description.mesh().refinement() : 0;
@@ -44,8 +46,8 @@ void examine(Context& context, const Call& call, const v1::CreateStudyRequest& r
   }
 }
 
-/// Gives a request for further runs of a study the case of that study, which its caller may read.
-/// @return the files that the case names
+/// Completes a request for further runs of a study with the case of that study, which the caller
+/// must be permitted to read. @return  the files that the case names
 jobs::Attachments complete(Context& context, const Call& call, v1::CreateStudyRequest& request) {
   const std::string before = request.sweep().further_of();
   if (before.empty()) return uploaded_files(context, call, request.attachments());
@@ -54,6 +56,7 @@ jobs::Attachments complete(Context& context, const Call& call, v1::CreateStudyRe
   const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
   if (const auto status = context.gate.permit_touch(call.caller, reading, before); !status.ok())
     throw Refusal{status};
+
   auto attachments = context.studies.complete(request);
   if (!attachments) refuse_unknown_study(before);
   return std::move(*attachments);
@@ -71,7 +74,7 @@ v1::Prediction predict(Context& context, const v1::PredictStudyRequest& request)
   }
 }
 
-/// Error of a small difference between two runs of the study, relative to the curl.
+/// Relative error of a small difference in curl between two runs of the study; empty if unknown.
 std::optional<double> difference_error(Context& context, const v1::StudyResult& result) {
   const v1::StudyRun* const run = judging::first_valid_run(result);
   v1::Case complete;
@@ -98,10 +101,13 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
   const auto purpose = study.result.study().sweep().purpose();
   if (purpose == v1::SweepPlan::UNCERTAINTY || purpose == v1::SweepPlan::SENSITIVITY)
     study.monitor = judged_monitor(study.result, request.monitor());
+
+  // An uncertainty is judged with its spread, which costs time and only this purpose needs.
   if (purpose == v1::SweepPlan::UNCERTAINTY) {
     evaluation.set_spread(study.result.monitors(study.monitor));
     study.result = of_study(request.id(), context.studies.evaluate(evaluation));
   }
+
   if (purpose == v1::SweepPlan::SENSITIVITY)
     study.difference_error = difference_error(context, study.result);
 
@@ -109,7 +115,7 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
   *response.mutable_study() = std::move(*study.result.mutable_study());
 }
 
-/// The study each time it differs from what was sent last.
+/// Sends the study whenever it differs from what was sent last.
 class StudyStream final : public MessageStream<v1::Study>, public studies::StudyWatcher {
 public:
   StudyStream(WorkPool& lane, CallOrigin origin, Context& context, std::string id)
@@ -124,17 +130,19 @@ private:
                                       std::static_pointer_cast<StudyStream>(shared_from_this()));
   }
 
-  /// Looking a study up reads the store.
+  /// Reading a study reads the store.
   bool looks_in_lane() const override { return true; }
 
   NextMessage<v1::Study> next() override {
     auto study = of_study(id_, context_.studies.find(id_));
     const bool over = study.state() != v1::STUDY_RUNNING;
     const bool leaving = context_.leaving;
+
     if (!sent_ || !google::protobuf::util::MessageDifferencer::Equals(*sent_, study)) {
       sent_ = study;
       return {.message = std::move(study)};
     }
+
     if (over) return {.end = grpc::Status::OK};
     if (leaving)
       refuse(grpc::UNAVAILABLE,
@@ -153,15 +161,18 @@ Unary* SimulationService::CreateStudy(Wire* wire, const v1::CreateStudyRequest* 
                                       v1::Study* study) {
   const auto whole = std::make_shared<v1::CreateStudyRequest>(*request);
   const auto attachments = std::make_shared<jobs::Attachments>();
+
   const auto check = [=, this](const Call& call) {
     *attachments = complete(context_, call, *whole);
     check_may_queue(context_, call);
     examine(context_, call, *whole, *attachments);
   };
+
   const auto create = [=, this](const Call& call) {
     *study = context_.studies.create(*whole, *attachments, call.caller.name);
     call.note->set_study(study->id());
   };
+
   return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, create}});
 }
 
@@ -177,10 +188,12 @@ Unary* SimulationService::ListStudies(Wire* wire, const v1::ListStudiesRequest* 
   return answer(wire, *request, lanes_.status, [=, this](const Call& call) {
     const AgePage page =
         read_page("the list of studies", request->page_token(), request->page_size());
-    // One more shows whether there is a next page.
+
+    // One study more than the page holds shows whether there is a next page.
     const bool own = context_.gate.authority().reads_own_only(call.caller);
     auto studies = context_.studies.list(
         {page.before_ms, page.before_id, page.size + 1, own ? call.caller.name : ""});
+
     const bool more = static_cast<int>(studies.size()) > page.size;
     if (more) studies.pop_back();
     for (v1::Study& study : studies) *response->add_studies() = std::move(study);

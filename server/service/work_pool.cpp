@@ -34,11 +34,12 @@ void WorkPool::run(const std::stop_token& stop) {
       waiting_bytes_ -= waiting_.front().bytes;
       waiting_.pop_front();
     }
+
     try {
       work();
     } catch (const std::exception& error) {
-      // Posted work answers its caller for what it throws; this was not foreseen.
-      log::critical("posted work has thrown: {}", error.what());
+      // Posted work reports its errors to its caller: an exception here is a bug.
+      log::critical("a thread of the service caught an exception of posted work: {}", error.what());
     }
   }
 }

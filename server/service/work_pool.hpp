@@ -11,20 +11,20 @@
 
 namespace dccast::service {
 
-/// How much may wait: of what was posted and is not begun.
+/// Bound on work that was posted and has not begun.
 struct WaitingBound {
   std::size_t number = SIZE_MAX;
-  std::size_t bytes = SIZE_MAX;  ///< one piece of work may be larger when nothing else waits
+  std::size_t bytes = SIZE_MAX;  ///< a single item may be larger if nothing else waits
 };
 
-/// A few threads for calls that wait for the disk or compute: gRPC's own threads must not.
+/// A few threads for calls that wait for the disk or compute: gRPC's own threads must not block.
 class WorkPool {
 public:
-  /// Its end does what was posted first.
+  /// The destructor first does the work that was posted.
   WorkPool(int threads, const WaitingBound& bound);
-  /// With one thread, work is done in the order it was posted. What it throws is logged.
-  /// @param bytes  that it keeps in memory
-  /// @return       false when too much is waiting: the work was not taken
+  /// One thread does its work in the order of posting. Exceptions of work are logged.
+  /// @param bytes  memory held by the work [bytes]
+  /// @return       false if too much is waiting: the work was not accepted
   bool post(std::function<void()> work, std::size_t bytes = 0);
 
 private:

@@ -13,7 +13,7 @@
 
 namespace dccast::studies {
 
-/// Curls that are accepted [m].
+/// Accepted curls [m].
 struct CurlBand {
   double least = 0.0, greatest = 0.0;
 };
@@ -22,12 +22,12 @@ struct CurlBand {
 struct SampledCurls {
   statistics::SampledFunction curls;  ///< (place, input) -> (place, instant) [m]
   std::vector<double> time_s, cast_length_m;
-  std::vector<double> error_m;  ///< by instant: root mean square of what `curls` is off
+  std::vector<double> error_m;  ///< by instant: root mean square error of `curls`
 };
 
-/// What the inputs leave open: the 5, 50 and 95 % curl at every instant, with the error of the
-/// function as normal noise, and the shares of the inputs in the variance of the curl at some
-/// instants; the last share is that of the error. The same whenever the function is.
+/// Distribution of the curl over all values of the inputs: its 5, 50 and 95 % quantiles at every
+/// instant, with the error of the function as normal noise, and the shares of the inputs in its
+/// variance at some instants; the last share is that of the error. Deterministic.
 v1::Spread spread_of(const SampledCurls& sampled, int inputs, const std::optional<CurlBand>& band);
 
 /// The range of one input, in the unit of the schema.
@@ -42,33 +42,31 @@ struct SurfaceRun {
   RunHistory history;
 };
 
-/// The curl against time of all monitors as a function of some inputs. The curves of the runs are
-/// taken apart into their principal components, whose amounts are Gaussian processes over the
-/// inputs.
+/// Curls of all monitors against time as a function of some inputs. The curves of the runs are
+/// decomposed into principal components, whose coefficients are Gaussian processes over the inputs.
 class CurlSurface {
 public:
-  /// @param runs      fewest_runs() or more
-  /// @param monitors  those of the case
+  /// @param runs      at least fewest_runs()
+  /// @param monitors  of the case
   CurlSurface(std::vector<InputRange> domain, std::vector<SurfaceRun> runs,
               std::vector<std::string> monitors);
 
-  /// Runs that a surface over `inputs` inputs needs.
+  /// Fewest runs for a surface over `inputs` inputs.
   static std::size_t fewest_runs(std::size_t inputs) {
     return std::max<std::size_t>(5, inputs + 3);
   }
 
   /// Curves with standard errors. @param place  inside the domain
   std::vector<v1::CurlCurve> predict(const std::vector<double>& place) const;
-  /// Root mean square of what runs left out one by one are off at the end, of the worst monitor
-  /// [m].
+  /// Root mean square leave-one-out error of the final curl, at the worst monitor [m].
   double cross_validated_error_m() const { return error_m_; }
-  /// What the inputs leave open of a monitor's curl when they vary over the whole domain.
-  /// @param band  of curls that are accepted [m]; empty: none
+  /// Distribution of a monitor's curl when the inputs vary over the whole domain.
+  /// @param band  of accepted curls [m]; empty: none
   v1::Spread spread(const std::string& monitor, const std::optional<CurlBand>& band) const;
-  /// Where the curls at the end are least certain. @return by input, 0 to 1 over the domain
+  /// Place where the final curls are least certain. @return by input, 0 to 1 over the domain
   const std::vector<double>& next_place() const { return next_place_; }
   int runs() const { return runs_; }
-  /// Of memory, most of it.
+  /// Memory used, without small members [bytes].
   std::size_t bytes() const { return curls_.bytes() + lengths_.bytes(); }
 
 private:
@@ -80,7 +78,7 @@ private:
   int runs_;
   std::vector<std::string> monitors_;
   std::vector<double> time_s_;
-  std::vector<std::vector<Eigen::Index>> figure_;  ///< (monitor, instant); -1: not known
+  std::vector<std::vector<Eigen::Index>> figure_;  ///< (monitor, instant) column; -1: unknown
   Eigen::MatrixXd places_;
   statistics::PrincipalComponents curls_;
   statistics::PrincipalComponents lengths_;

@@ -1,4 +1,4 @@
-// The results of studies: their runs with figures and curves, and what a plan makes of them.
+// Results of studies: runs with their figures and curves, and the conclusions of a plan from them.
 #include <algorithm>
 #include <chrono>
 #include <iterator>
@@ -30,7 +30,7 @@ v1::CurlCurve& curve_of(RunHistory& history, const std::string& monitor) {
   return history.curves.back();
 }
 
-/// A monitor has no value before its first report, and none in a step that leaves it out.
+/// Pads with NaN: a monitor has no value before its first report, nor in a step that omits it.
 void fill_up(v1::CurlCurve& curve, std::size_t count) {
   while (curve.curl_m_size() < static_cast<int>(count)) curve.add_curl_m(unknown);
 }
@@ -42,8 +42,9 @@ void add_instants(v1::CurlCurve& curve, const std::vector<v1::StepReport>& steps
   }
 }
 
+/// Time from which on a run is beyond the validity of the model [s]; empty if it never is.
 std::optional<double> first_beyond(const v1::Job& job, const std::vector<v1::StepReport>& steps) {
-  constexpr double margin_s = 1e-9;  // the same time, read from a text
+  constexpr double margin_s = 1e-9;  // times read from text may differ in rounding
   const auto beyond = [&job](const v1::StepReport& step) {
     return step.beyond_validity() ||
            (job.has_validity_loss() && step.time_s() >= job.validity_loss().time_s() - margin_s);
@@ -60,7 +61,7 @@ double curl_at(const v1::StepReport& step, const std::string& monitor) {
   return unknown;
 }
 
-/// A run that has a job.
+/// Describes a run by its job.
 void describe_job(const v1::Job& job, v1::StudyRun& run) {
   run.set_job(job.id());
   run.set_state(job.state());
@@ -75,12 +76,20 @@ void describe_without_job(const RunRecord& record, v1::StudyRun& run) {
   if (record.outcome == v1::FAILED) *run.mutable_failure() = record.failure;
 }
 
+/// Memory of a history [bytes].
 std::size_t bytes_of(const RunHistory& history) {
   std::size_t bytes = 0;
   for (const v1::CurlCurve& curve : history.curves) bytes += curve.SpaceUsedLong();
   for (const auto& [monitor, temperature_c] : history.temperature_c)
     bytes += temperature_c.size() * sizeof(double);
   return bytes;
+}
+
+/// @throws jobs::UnsoundResult  the job has none
+const v1::Artifact& results_of(const v1::Job& job) {
+  const auto found = std::ranges::find(job.artifacts(), "results.h5", &v1::Artifact::name);
+  if (found != job.artifacts().end()) return *found;
+  throw jobs::UnsoundResult("job " + job.id() + " has no results.h5; run it again");
 }
 
 }  // namespace
@@ -99,6 +108,7 @@ std::vector<double> at_instants(const std::vector<double>& instants_s, const v1:
 RunHistory run_history(const v1::Job& job, const std::vector<v1::StepReport>& steps) {
   RunHistory history;
   history.beyond_from_s = first_beyond(job, steps);
+
   for (std::size_t i = 0; i < steps.size(); ++i)
     for (const v1::MonitorValue& value : steps[i].monitors()) {
       v1::CurlCurve& curve = curve_of(history, value.name());
@@ -109,6 +119,7 @@ RunHistory run_history(const v1::Job& job, const std::vector<v1::StepReport>& st
       temperature_c.resize(steps.size(), unknown);
       temperature_c[i] = value.temperature_c();
     }
+
   for (v1::CurlCurve& curve : history.curves) {
     fill_up(curve, steps.size());
     add_instants(curve, steps);
@@ -118,36 +129,31 @@ RunHistory run_history(const v1::Job& job, const std::vector<v1::StepReport>& st
 
 RunHistory Studies::history_of(const v1::Job& job) {
   if (const auto kept = histories_.find(job.id())) return *kept;
+
   const auto log = scheduler_.log(job.id());
   const auto page = jobs::StepIndex().page(*log, {}, SIZE_MAX, SIZE_MAX);
   const auto history =
       std::make_shared<const RunHistory>(page ? run_history(job, page->steps) : RunHistory{});
+
+  // Only the history of an ended job cannot change any more.
   if (jobs::is_terminal(job.state())) histories_.keep(job.id(), history, bytes_of(*history));
   return *history;
 }
 
-namespace {
-
-/// @throws jobs::UnsoundResult  the job has none
-const v1::Artifact& results_of(const v1::Job& job) {
-  const auto found = std::ranges::find(job.artifacts(), "results.h5", &v1::Artifact::name);
-  if (found != job.artifacts().end()) return *found;
-  throw jobs::UnsoundResult("job " + job.id() + " has no results.h5; run it again");
-}
-
-}  // namespace
-
-/// The last frame of a run is read once and its face kept.
+/// Contour of the wide face of a run, from its last frame; kept after the first call.
 /// @throws jobs::WorkerDidNotAnswer, jobs::UnsoundResult, frames::NoContraction
 std::shared_ptr<const RunFace> Studies::face_of(const v1::Job& job) {
   if (const auto kept = faces_.find(job.id())) return kept;
+
   v1::Case complete;
   if (!jobs::read_complete_case(options_.jobs_directory / job.id(), complete))
     throw jobs::WorkerDidNotAnswer(jobs::WorkerDidNotAnswer::Why::refused,
                                    "the case of job " + job.id() + " cannot be read");
+
   const auto last =
       intake_.stored_frame(options_.jobs_directory / job.id(), results_of(job), {},
                            {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+
   const auto face = std::make_shared<const RunFace>(RunFace{
       complete.section(), frames::steady_face(frames::contraction_of(complete, last.frame()))});
   return faces_.keep(job.id(), face);
@@ -161,30 +167,37 @@ void Studies::add_face(const v1::Job& job, EvaluatedRun& run) {
   } catch (const jobs::UnsoundResult& unsound) {
     run.face_fault = unsound.what();
   } catch (const jobs::WorkerDidNotAnswer& error) {
+    // Without a worker nothing is known of the face: the call can be repeated.
     if (error.why() == jobs::WorkerDidNotAnswer::Why::not_started) throw;
     run.face_fault = error.what();
   }
 }
 
-/// Runs whose job was deleted are left out.
+/// Runs of a study with as much of their results as `depth` asks for. Runs of deleted jobs are
+/// omitted.
 std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, const Depth& depth) {
   const auto plan = plan_of(record);
   const auto jobs = jobs_of(record);
   std::vector<EvaluatedRun> runs;
+
   for (const RunRecord& kept : store_.runs(record.id)) {
     if (kept.number >= depth.before) break;
     const auto found = jobs.find(kept.job);
     if (!kept.job.empty() && found == jobs.end()) continue;
+
     EvaluatedRun& evaluated = runs.emplace_back();
     evaluated.number = kept.number;
     plan->describe(kept.number, evaluated.run);
+
     if (kept.job.empty())
       describe_without_job(kept, evaluated.run);
     else
       describe_job(found->second, evaluated.run);
+
     for (const v1::Monitor& monitor : record.request.case_().monitor())
       evaluated.run.add_end_curl_m(
           evaluated.succeeded() ? curl_at(found->second.last_step(), monitor.name()) : unknown);
+
     if (!evaluated.succeeded()) continue;
     if (depth.histories) evaluated.history = history_of(found->second);
     if (depth.faces) add_face(found->second, evaluated);
@@ -202,15 +215,18 @@ SweepState Studies::sweep_state(const StudyRecord& record) {
           }};
 }
 
-/// @throws CannotPredict
+/// Calibrates with the runs of all castings. The runs of a casting come from its first study, and
+/// from further ones that check it. @throws CannotPredict
 v1::Calibration Studies::calibration(const v1::EvaluateStudyRequest& request) {
   std::vector<MeasuredCasting> castings;
+
   for (const v1::CalibratedCasting& asked : request.castings()) {
     MeasuredCasting& casting = castings.emplace_back();
     for (const std::string& id : asked.studies()) {
       const auto record = store_.find(id);
       if (!record || !record->request.has_sweep()) throw CannotPredict("there is no sweep " + id);
       auto runs = evaluated_runs(*record, {.histories = true});
+
       if (casting.runs.empty())
         casting.request = record->request;
       else
@@ -223,16 +239,20 @@ v1::Calibration Studies::calibration(const v1::EvaluateStudyRequest& request) {
 
 std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest& request) {
   const auto record = store_.find(request.id());
-  const bool curves = request.curves();
   if (!record) return std::nullopt;
+
+  const bool curves = request.curves();
   const auto plan = plan_of(*record);
   auto runs = evaluated_runs(
       *record, {.histories = curves || plan->needs_histories(), .faces = plan->needs_faces()});
+
   v1::StudyResult result;
   *result.mutable_study() = view(*record);
   for (const v1::Monitor& monitor : record->request.case_().monitor())
     result.add_monitors(monitor.name());
   plan->evaluate(runs, result);
+
+  // A part that cannot be computed yet leaves its reason: the others stand.
   try {
     if (!request.spread().empty())
       *result.mutable_spread() = predictions_.spread(sweep_state(*record), request.spread());
@@ -244,6 +264,7 @@ std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest&
   } catch (const CannotPredict& reason) {
     result.set_calibration_fault(reason.what());
   }
+
   for (EvaluatedRun& evaluated : runs) {
     v1::StudyRun& run = *result.add_runs() = std::move(evaluated.run);
     if (curves)

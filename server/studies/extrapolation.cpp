@@ -61,15 +61,20 @@ CurveLimit without_order(const std::vector<RefinedCurve>& curves) {
 
 CurveLimit extrapolate(const std::vector<double>& time_s, const std::vector<RefinedCurve>& curves) {
   if (!each_half_of_the_one_before(curves)) return without_order(curves);
+
+  // Differences of successive refinements shrink by the ratio rho, from which the order follows.
   const std::vector<double>& finest = curves.back().value_m;
   const std::vector<double>& before = curves[curves.size() - 2].value_m;
   const std::vector<double> d1 = difference(before, curves[curves.size() - 3].value_m);
   const std::vector<double> d2 = difference(finest, before);
   const double rho = fitted_ratio(time_s, d1, d2);
   if (!(rho > 0.0 && rho < 1.0)) return without_order(curves);
+
+  // Richardson extrapolation; a clamped order keeps an accidental ratio from inflating the error.
   CurveLimit limit;
   limit.order = -std::log2(rho);
   const double c = 1.0 / (std::exp2(std::clamp(*limit.order, lowest_order, highest_order)) - 1.0);
+
   for (std::size_t i = 0; i < finest.size(); ++i) {
     limit.value_m.push_back(finest[i] + c * rho * d1[i]);
     limit.uncertainty_m.push_back(safety * c * std::max(std::abs(d2[i]), std::abs(rho * d1[i])));

@@ -102,9 +102,10 @@ Eigen::VectorXd column_of(const google::protobuf::RepeatedField<double>& values)
 
 statistics::CalibrationDraws infer(const std::vector<Channel>& channels, int inputs,
                                    double mesh_error) {
-  // Curls are quantity 0, temperatures 1: both are there, whether measured or not.
+  // Quantity 0 is curl and 1 is temperature; both exist even if only one was measured.
   const std::vector<statistics::Quantity> quantities{
       {scale_of(channels, true), mesh_error / half_of_band}, {scale_of(channels, false), 0.0}};
+
   std::vector<statistics::Readings> readings;
   for (const Channel& channel : channels) {
     auto& curve = readings.emplace_back();
@@ -114,15 +115,19 @@ statistics::CalibrationDraws infer(const std::vector<Channel>& channels, int inp
     if (channel.measured.noise() > 0.0) curve.noise = channel.measured.noise();
     curve.quantity = is_curl(channel.measured) ? 0 : 1;
   }
+
+  // (casting, reading) values of each channel's surface at given places of the inputs.
   const auto model = [&](const Eigen::MatrixXd& places) {
     std::vector<Eigen::MatrixXd> curves;
     for (const Channel& channel : channels)
       curves.push_back(channel.surface->means(places).leftCols(channel.surface->readings()));
     return curves;
   };
+
   return statistics::calibrate(model, inputs, readings, quantities, seed);
 }
 
+/// Quantiles 5, 50 and 95 % of draws.
 v1::Calibration::Share share_of(Eigen::VectorXd draws) {
   std::sort(draws.begin(), draws.end());
   v1::Calibration::Share share;
@@ -132,11 +137,12 @@ v1::Calibration::Share share_of(Eigen::VectorXd draws) {
   return share;
 }
 
-/// The band of some castings, with the error of the surface as normal noise.
+/// Quantiles of curves over castings; the error of the surface is added as normal noise.
 v1::Calibration::Band band_of(Eigen::MatrixXd curves, const Eigen::RowVectorXd& error) {
   std::mt19937_64 random(seed);
   for (Eigen::Index i = 0; i < curves.rows(); ++i)
     curves.row(i) += statistics::normal(random) * error;
+
   v1::Calibration::Band band;
   for (Eigen::Index k = 0; k < curves.cols(); ++k) {
     const auto share = share_of(curves.col(k));
@@ -147,33 +153,44 @@ v1::Calibration::Band band_of(Eigen::MatrixXd curves, const Eigen::RowVectorXd& 
   return band;
 }
 
-/// Root mean square of what the readings are off a curve.
-double off(const Channel& channel, const Eigen::MatrixXd& at_readings) {
+/// Root mean square difference of the readings from a computed curve.
+double rms_difference(const Channel& channel, const Eigen::MatrixXd& computed) {
   const Eigen::RowVectorXd values = column_of(values_of(channel.used)).transpose();
-  return (values - at_readings).norm() / std::sqrt(static_cast<double>(values.size()));
+  return (values - computed).norm() / std::sqrt(static_cast<double>(values.size()));
 }
 
+/// Result of one measured curve: bands before and after calibration, best curve, misfit and noise.
+/// @param best  index of the central draw
 v1::Calibration::Curve curve_of(const Channel& channel, const statistics::CalibrationDraws& draws,
                                 Eigen::Index best) {
   const CurveSurface& surface = *channel.surface;
   const int quantity = is_curl(channel.measured) ? 0 : 1;
+
   v1::Calibration::Curve curve;
+
   curve.set_casting(channel.casting);
   *curve.mutable_measured() = channel.used;
   curve.set_readings(values_of(channel.measured).size());
   *curve.mutable_time_s() = {channel.computed.time_s.begin(), channel.computed.time_s.end()};
   *curve.mutable_cast_length_m() = {channel.computed.cast_length_m.begin(),
                                     channel.computed.cast_length_m.end()};
+
+  // Before the calibration the inputs fill their ranges; after it they follow the draws.
   const int inputs = static_cast<int>(draws.inputs.cols());
   const Eigen::MatrixXd before = surface.means(statistics::hypercube(drawn_before, inputs, seed));
   const Eigen::MatrixXd after = surface.means(draws.inputs);
   *curve.mutable_before() = band_of(before.rightCols(band_instants), surface.error());
   *curve.mutable_after() = band_of(after.rightCols(band_instants), surface.error());
+
   const Eigen::RowVectorXd at_best = after.row(best);
   for (int i = 0; i < band_instants; ++i) curve.add_best(at_best(surface.readings() + i));
+
   curve.set_surface_error(surface.error_at_readings());
-  curve.set_off_before(off(channel, before.leftCols(surface.readings()).colwise().mean()));
-  curve.set_off_after(off(channel, at_best.head(surface.readings())));
+  curve.set_off_before(
+      rms_difference(channel, before.leftCols(surface.readings()).colwise().mean()));
+  curve.set_off_after(rms_difference(channel, at_best.head(surface.readings())));
+
+  // A noise given with the measurement is not inferred.
   const double noise = channel.measured.noise();
   *curve.mutable_noise() = share_of(noise > 0.0 ? Eigen::VectorXd::Constant(1, noise)
                                                 : draws.noise.col(quantity).eval());
@@ -181,41 +198,51 @@ v1::Calibration::Curve curve_of(const Channel& channel, const statistics::Calibr
   return curve;
 }
 
-/// What the last further runs are off a surface that is built without them.
+/// Adds the difference of the last further runs from a surface that is built without them.
+/// @param places  (run, input)  @param last  number of further runs
 void add_check(const Channel& channel, const Eigen::MatrixXd& places, int last,
                v1::Calibration::Curve& curve) {
   const Eigen::Index before = places.rows() - last;
   Computed known = channel.computed;
+
   known.runs.resize(before);
+
   const CurveSurface surface(places.topRows(before), known, channel.used);
   const Eigen::MatrixXd truth = CurveSurface::figures(channel.computed, channel.used)
                                     .bottomRows(last)
                                     .leftCols(surface.readings());
+
   const Eigen::MatrixXd off =
       surface.means(places.bottomRows(last)).leftCols(surface.readings()) - truth;
   curve.set_check_error(off.norm() / std::sqrt(static_cast<double>(off.size())));
   curve.set_checked_error(surface.error_at_readings());
 }
 
+/// Adds for each calibrated key its quantiles, its best value and its correlations.
 void add_keys(const v1::CreateStudyRequest& request, const Eigen::MatrixXd& inputs,
               Eigen::Index best, v1::Calibration& calibration) {
   const Eigen::MatrixXd correlation = statistics::correlations(inputs);
   for (int j = 0; j < inputs.cols(); ++j) {
     v1::Calibration::Key& key = *calibration.add_keys();
+
     const auto share = share_of(inputs.col(j));
     key.set_low(share.low());
     key.set_median(share.median());
     key.set_high(share.high());
     key.set_best(inputs(best, j));
+
     key.set_low_text(text_of(request, j, key.low()));
     key.set_median_text(text_of(request, j, key.median()));
     key.set_high_text(text_of(request, j, key.high()));
     key.set_best_text(text_of(request, j, key.best()));
+
+    // 0.9 is the width of the same quantiles before calibration, where the key is uniform.
     key.set_narrowed((share.high() - share.low()) / 0.9);
     for (const double value : correlation.row(j)) key.add_correlation(value);
   }
 }
 
+/// Adds places for further runs that test the calibration: the best draw and some along its ridge.
 void add_checks(const v1::CreateStudyRequest& request, const Eigen::MatrixXd& inputs,
                 Eigen::Index best, v1::Calibration& calibration) {
   auto draws = statistics::draws_along_ridge(inputs, {0.05, 0.35, 0.65, 0.95});
@@ -232,6 +259,8 @@ v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
   require_same_axes(castings);
   const v1::CreateStudyRequest first = castings.front().request;
   const std::vector<InputRange> ranges = ranges_of(first);
+
+  // One channel for each measured curve of each casting, with a surface of that casting's runs.
   v1::Calibration calibration;
   std::vector<Channel> channels;
   std::vector<Eigen::MatrixXd> places;
@@ -244,6 +273,7 @@ v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
     mesh_error = std::max(mesh_error, error.value_or(0.0));
     calibration.add_runs(static_cast<int>(casting.runs.size()));
     const Eigen::MatrixXd& here = places.emplace_back(places_of(casting.runs, ranges));
+
     for (const v1::MeasuredCurve& measured : casting.request.sweep().measured()) {
       Channel& channel = channels.emplace_back();
       channel.casting = static_cast<int>(places.size()) - 1;
@@ -254,16 +284,21 @@ v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
     }
   }
   if (channels.empty()) throw CannotPredict("nothing was measured of these castings");
+
   const auto draws = infer(channels, static_cast<int>(ranges.size()), mesh_error);
   const Eigen::Index best = statistics::central_draw(draws.inputs);
+
   add_keys(first, draws.inputs, best, calibration);
   add_checks(first, draws.inputs, best, calibration);
   calibration.set_fixed(statistics::fixed_combinations(draws.inputs));
+
   for (const Channel& channel : channels) {
     v1::Calibration::Curve& curve = *calibration.add_curves() = curve_of(channel, draws, best);
     const int last = castings[channel.casting].last;
     if (last > 0) add_check(channel, places[channel.casting], last, curve);
   }
+
+  // The error of the mesh is common to all curls, if it is known for every casting.
   if (known) {
     calibration.set_mesh_error(mesh_error);
     *calibration.mutable_mesh_factor() = share_of(draws.common);

@@ -1,5 +1,7 @@
 #include "server/studies/measured_castings.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -18,16 +20,19 @@ constexpr double same_length = 0.01;  // to which runs agree on the cast length
 using Numbers = std::vector<double>;
 using Field = google::protobuf::RepeatedField<double>;
 
+/// The curve's name in messages.
 std::string name_of(const v1::MeasuredCurve& measured) {
-  return (is_curl(measured) ? "curl of " : "temperature of ") + measured.monitor() + " (" +
-         measured.source() + ")";
+  return fmt::format("{} of {} ({})", is_curl(measured) ? "curl" : "temperature",
+                     measured.monitor(), measured.source());
 }
 
+/// What a run computes where the curve was measured; empty if the run does not report it.
 History history_of(const RunHistory& run, const v1::MeasuredCurve& measured) {
   const v1::CurlCurve* curve = run.curve(measured.monitor());
   const auto temperature_c = run.temperature_c.find(measured.monitor());
   if (curve == nullptr || (!is_curl(measured) && temperature_c == run.temperature_c.end()))
     return {};
+
   History history;
   for (int i = 0; i < curve->time_s_size(); ++i) {
     const double value = is_curl(measured) ? curve->curl_m(i) : temperature_c->second[i];
@@ -39,12 +44,13 @@ History history_of(const RunHistory& run, const v1::MeasuredCurve& measured) {
   return history;
 }
 
-/// First time at which a length is cast; NaN beyond the end.
+/// First time at which a length is cast [s]; NaN if it is never cast.
 double time_at(const Computed& computed, double length_m) {
   const auto above = std::ranges::lower_bound(computed.cast_length_m, length_m);
   if (above == computed.cast_length_m.end()) return std::nan("");
   const auto i = above - computed.cast_length_m.begin();
   if (i == 0) return length_m < computed.cast_length_m[0] ? std::nan("") : computed.time_s[0];
+
   const double share = (length_m - computed.cast_length_m[i - 1]) /
                        (computed.cast_length_m[i] - computed.cast_length_m[i - 1]);
   return computed.time_s[i - 1] + share * (computed.time_s[i] - computed.time_s[i - 1]);
@@ -60,18 +66,24 @@ const Field& values_of(const v1::MeasuredCurve& measured) {
   return is_curl(measured) ? measured.curl_m() : measured.temperature_c();
 }
 
+/// Curves of all runs, and the time that they have in common with the mean cast length over it.
+/// @throws CannotPredict
 Computed computed_of(const std::vector<EvaluatedRun>& runs, const v1::MeasuredCurve& measured) {
   Computed computed;
   double from = -1e300, to = 1e300;
+
   for (const EvaluatedRun& run : runs) {
     History& history = computed.runs.emplace_back(history_of(run.history, measured));
     if (history.time_s.empty()) throw CannotPredict(name_of(measured) + " is in no run");
     from = std::max(from, history.time_s.front());
     to = std::min(to, history.time_s.back());
   }
+
   if (!(from < to)) throw CannotPredict(name_of(measured) + ": the runs have no time in common");
   for (int i = 0; i < band_instants; ++i)
     computed.time_s.push_back(from + (to - from) * i / (band_instants - 1));
+
+  // A reading at a cast length has one time only if all runs reach that length at that time.
   std::vector<Numbers> all_lengths;
   for (const History& run : computed.runs)
     all_lengths.push_back(values::at_instants(computed.time_s, run.time_s, run.cast_length_m));
@@ -80,12 +92,16 @@ Computed computed_of(const std::vector<EvaluatedRun>& runs, const v1::MeasuredCu
   computed.cast_length_m.assign(mean.begin(), mean.end());
   const double apart = (lengths.rowwise() - mean).cwiseAbs().maxCoeff();
   if (measured.cast_length_m_size() > 0 && apart > same_length * mean.maxCoeff())
-    throw CannotPredict(name_of(measured) +
-                        ": a free key changes the casting speed, so that readings need a time "
-                        "instead of a cast length");
+    throw CannotPredict(
+        fmt::format("{}: a free key changes the casting speed, so that readings "
+                    "need a time instead of a cast length",
+                    name_of(measured)));
+
   return computed;
 }
 
+/// The readings within the computed time, as means of neighbours if there are very many.
+/// @throws CannotPredict  there is none
 v1::MeasuredCurve usable(const v1::MeasuredCurve& measured, const Computed& computed) {
   std::vector<std::pair<double, double>> readings;
   for (int i = 0; i < values_of(measured).size(); ++i) {
@@ -94,21 +110,28 @@ v1::MeasuredCurve usable(const v1::MeasuredCurve& measured, const Computed& comp
     if (time_s >= computed.time_s.front() && time_s <= computed.time_s.back())
       readings.emplace_back(time_s, values_of(measured)[i]);
   }
+
   if (readings.empty())
     throw CannotPredict(name_of(measured) + " has no reading within the computed time");
+
   v1::MeasuredCurve used = measured;
   for (Field* field : {used.mutable_time_s(), used.mutable_cast_length_m(), used.mutable_curl_m(),
                        used.mutable_temperature_c()})
     field->Clear();
+
+  // Each group of neighbouring readings becomes one, their mean.
   const std::size_t count = std::min<std::size_t>(readings.size(), most_readings);
   for (std::size_t k = 0; k < count; ++k) {
-    const auto group =
-        std::span(readings).subspan(k * readings.size() / count, (k + 1) * readings.size() / count -
-                                                                     k * readings.size() / count);
+    const std::size_t begin = k * readings.size() / count;
+    const std::size_t end = (k + 1) * readings.size() / count;
+    const auto group = std::span(readings).subspan(begin, end - begin);
+
     double time_s = 0.0, value = 0.0;
-    for (const auto& [at, reading] : group)
-      time_s += at / static_cast<double>(group.size()),
-          value += reading / static_cast<double>(group.size());
+    for (const auto& [instant, reading] : group) {
+      time_s += instant / static_cast<double>(group.size());
+      value += reading / static_cast<double>(group.size());
+    }
+
     used.add_time_s(time_s);
     (is_curl(measured) ? used.mutable_curl_m() : used.mutable_temperature_c())->Add(value);
   }

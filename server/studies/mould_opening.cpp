@@ -13,12 +13,12 @@ namespace {
 
 using frames::SteadyFace;
 
-constexpr double break_point_unit = 1e-3;  // [m] that a mould maker works to
+constexpr double break_point_unit = 1e-3;  // [m] resolution at which moulds are made
 constexpr double height_unit = 1e-5;       // [m]
 constexpr int coarse_places = 48;          // of each break point in the first search
 
-/// middle - steeper * (x - first)+ - more * (x - second)+: convex and never widening where neither
-/// slope is negative.
+/// middle - first * (x - x1)+ - second * (x - x2)+, with break points x1 < x2. Convex and narrowing
+/// outwards if no slope is negative.
 struct Slopes {
   double middle = 0.0, first = 0.0, second = 0.0;
   double error = std::numeric_limits<double>::infinity();  ///< sum of squares [m2]
@@ -28,7 +28,7 @@ double beyond(double x, double from) {
   return std::max(0.0, x - from);
 }
 
-/// Openings with given break points, fitted to half-openings at some places.
+/// Openings with given break points, fitted to half-openings at some places by least squares.
 class Fit {
 public:
   Fit(const std::vector<double>& x, const std::vector<double>& half, const OpeningBounds& bounds)
@@ -36,8 +36,8 @@ public:
     for (double& h : half_) h = std::clamp(h, bounds.least, bounds.most);
   }
 
-  /// Least squares over slopes that are not negative: of the four choices of slopes that are kept
-  /// the best one without a negative slope.
+  /// Fit with non-negative slopes: solves with each subset of the slopes and returns the best
+  /// solution that has no negative slope.
   Slopes at(double first, double second) const {
     Slopes best;
     for (const bool use_first : {true, false})
@@ -91,7 +91,7 @@ struct BreakPoints {
   double first, second;
 };
 
-/// The best of the break points on a lattice between two pairs.
+/// Best break points on a lattice between two pairs.
 /// @param space  [m] least distance of the two
 BreakPoints search(const Fit& fit, double space, const BreakPoints& low, const BreakPoints& high,
                    double step) {
@@ -108,63 +108,34 @@ BreakPoints search(const Fit& fit, double space, const BreakPoints& low, const B
   return best;
 }
 
-/// Heights that are rounded one by one could be hollow by a hundredth: going outwards each one is
-/// taken as low as a convex mould needs.
+/// Rounds the heights to height_unit so that the mould stays convex. Rounded one by one they could
+/// become hollow by a hundredth, so each is lowered, going outwards, as far as convexity needs.
 void round_heights(MouldOpening& opening, const OpeningBounds& bounds) {
   for (double& h : opening.half) h = rounded(std::clamp(h, bounds.least, bounds.most), height_unit);
   auto& half = opening.half;
   half[1] = half[0];
   half[2] = std::min(half[2], half[1]);
+
   const double slope = (half[2] - half[1]) / (opening.x[2] - opening.x[1]);
   const double straight = half[2] + slope * (opening.x[3] - opening.x[2]);
   constexpr double round_off = 1e-9;
   half[3] = std::min(half[3], height_unit * std::floor(straight / height_unit + round_off));
   if (half[3] >= bounds.least) return;
-  // The least opening lies above what is convex: one slope from the first break point on.
+
+  // The least opening lies above the convex continuation: use one slope from the first break point.
   half[3] = bounds.least;
   const double share = (opening.x[2] - opening.x[1]) / (opening.x[3] - opening.x[1]);
   half[2] = height_unit * std::ceil((half[1] + share * (half[3] - half[1])) / height_unit);
 }
 
-}  // namespace
-
-double MouldOpening::at(double place) const {
-  std::size_t right = 1;
-  while (right < 3 && x[right] < place) ++right;
-  const double share = std::clamp((place - x[right - 1]) / (x[right] - x[right - 1]), 0.0, 1.0);
-  return half[right - 1] + share * (half[right] - half[right - 1]);
-}
-
-MouldOpening nearest_opening(const std::vector<double>& x, const std::vector<double>& half,
-                             const OpeningBounds& bounds) {
-  const Fit fit(x, half, bounds);
-  // All places of the lattices are whole millimetres.
-  const double space = rounded_up(bounds.spacing, break_point_unit);
-  const double coarse = rounded_up(bounds.length / coarse_places, break_point_unit);
-  const double last = -rounded_up(bounds.spacing - bounds.length, break_point_unit);
-  const BreakPoints low{space, 2.0 * space}, high{last - space, last};
-  const BreakPoints near = search(fit, space, low, high, coarse);
-  const BreakPoints found = search(
-      fit, space,
-      {std::max(low.first, near.first - coarse), std::max(low.second, near.second - coarse)},
-      {std::min(high.first, near.first + coarse), std::min(high.second, near.second + coarse)},
-      break_point_unit);
-  MouldOpening opening =
-      fit.opening(rounded(found.first, break_point_unit), rounded(found.second, break_point_unit));
-  round_heights(opening, bounds);
-  return opening;
-}
-
-namespace {
-
 constexpr int places = 61;  // along the face, at which trials are compared
-// A run is worth its time when what is known promises a slab nearer to flat by a tenth.
+// A further run must promise a residual at least a tenth smaller.
 constexpr double worth_a_run = 0.9;
-// The share of a change that contraction eats, so that a correction is at least half and at most
-// twice what a slab lacks.
+// Bounds on the share of a change of the mould that contraction takes up: a correction is at least
+// half and at most twice of what a slab lacks.
 constexpr double least_share = -1.0, most_share = 0.5;
 
-/// Places that all trials have.
+/// Places along the face that all trials cover [m].
 std::vector<double> common_places(const std::vector<SteadyFace>& history) {
   double end = history.front().x_m.back();
   for (const SteadyFace& trial : history) end = std::min(end, trial.x_m.back());
@@ -180,7 +151,8 @@ SteadyFace sampled(const SteadyFace& trial, const std::vector<double>& x) {
           .cold_m = values::at_instants(x, trial.x_m, trial.cold_m)};
 }
 
-/// Of what each pair of trials in a row gives for the share, by least squares.
+/// Share of a change of the opening that contraction takes up, by least squares over all pairs of
+/// successive trials.
 double eaten_share(const std::vector<SteadyFace>& trials) {
   double product = 0.0, square = 0.0;
   for (std::size_t t = 0; t + 1 < trials.size(); ++t) {
@@ -195,7 +167,7 @@ double eaten_share(const std::vector<SteadyFace>& trials) {
   return square == 0.0 ? 0.0 : std::clamp(product / square, least_share, most_share);
 }
 
-/// The slab that an opening gives, if it follows changes of the best trial's by this share.
+/// Slab of an opening, if it follows the change from the best trial's mould by a given share.
 SteadyFace predicted(const SteadyFace& best, const MouldOpening& opening, double followed) {
   SteadyFace slab = best;
   for (std::size_t i = 0; i < slab.x_m.size(); ++i) {
@@ -207,6 +179,36 @@ SteadyFace predicted(const SteadyFace& best, const MouldOpening& opening, double
 
 }  // namespace
 
+double MouldOpening::at(double place) const {
+  std::size_t right = 1;
+  while (right < 3 && x[right] < place) ++right;
+  const double share = std::clamp((place - x[right - 1]) / (x[right] - x[right - 1]), 0.0, 1.0);
+  return half[right - 1] + share * (half[right] - half[right - 1]);
+}
+
+MouldOpening nearest_opening(const std::vector<double>& x, const std::vector<double>& half,
+                             const OpeningBounds& bounds) {
+  const Fit fit(x, half, bounds);
+
+  // All lattice points are whole millimetres.
+  const double space = rounded_up(bounds.spacing, break_point_unit);
+  const double coarse = rounded_up(bounds.length / coarse_places, break_point_unit);
+  const double last = -rounded_up(bounds.spacing - bounds.length, break_point_unit);
+  const BreakPoints low{space, 2.0 * space}, high{last - space, last};
+
+  const BreakPoints near = search(fit, space, low, high, coarse);
+  const BreakPoints found = search(
+      fit, space,
+      {std::max(low.first, near.first - coarse), std::max(low.second, near.second - coarse)},
+      {std::min(high.first, near.first + coarse), std::min(high.second, near.second + coarse)},
+      break_point_unit);
+
+  MouldOpening opening =
+      fit.opening(rounded(found.first, break_point_unit), rounded(found.second, break_point_unit));
+  round_heights(opening, bounds);
+  return opening;
+}
+
 const SteadyFace* best_trial(const std::vector<SteadyFace>& history, double wanted) {
   if (history.empty()) return nullptr;
   return &*std::ranges::min_element(
@@ -217,14 +219,18 @@ std::optional<MouldOpening> next_opening(const std::vector<SteadyFace>& history,
                                          const MouldTarget& target) {
   const SteadyFace* best = best_trial(history, target.wanted);
   if (best == nullptr || best->residual_m(target.wanted) <= target.tolerance) return std::nullopt;
+
   const std::vector<double> x = common_places(history);
   std::vector<SteadyFace> trials;
   for (const SteadyFace& trial : history) trials.push_back(sampled(trial, x));
+
+  // Open the mould by what the slab lacks, enlarged by what contraction takes up.
   const double followed = 1.0 - eaten_share(trials);
   const SteadyFace from = sampled(*best, x);
   std::vector<double> corrected = from.mould_m;
   for (std::size_t i = 0; i < x.size(); ++i)
     corrected[i] += (target.wanted - from.cold_m[i]) / followed;
+
   const MouldOpening next = nearest_opening(x, corrected, target.bounds);
   const double promised = predicted(from, next, followed).residual_m(target.wanted);
   if (promised > worth_a_run * best->residual_m(target.wanted)) return std::nullopt;

@@ -19,7 +19,7 @@ struct MouldOpening {
   bool operator==(const MouldOpening&) const = default;
 };
 
-/// What an opening must keep to.
+/// Constraints on an opening.
 struct OpeningBounds {
   double length = 0.0;  ///< [m] half the length of the wide face
   double spacing =
@@ -28,34 +28,33 @@ struct OpeningBounds {
   double most = 0.0;   ///< [m]
 };
 
-/// The opening nearest to some half-openings in least squares, over its break points and heights;
-/// break points are whole millimetres, heights hundredths of one.
+/// Opening nearest to some half-openings in least squares. Break points are whole millimetres,
+/// heights whole hundredths of a millimetre.
 /// @param x     [m] rising, 0 to the length  @param half  [m] as long as x
 /// @pre         three segments of the spacing fit into the length
 MouldOpening nearest_opening(const std::vector<double>& x, const std::vector<double>& half,
                              const OpeningBounds& bounds);
 
-/// The flat slab that is wanted.
+/// Wanted flat slab.
 struct MouldTarget {
   double wanted = 0.0;     ///< [m] half-thickness of the cold slab
   double tolerance = 0.0;  ///< [m] of it, anywhere along the face
   OpeningBounds bounds{};
 };
 
-/// The trial, a mould that was cast in and its cold slab, whose slab is nearest to what is wanted;
-/// null without trials.
+/// The trial whose cold slab is nearest to the wanted one; null without trials.
 const frames::SteadyFace* best_trial(const std::vector<frames::SteadyFace>& history, double wanted);
 
-/// The opening to cast in next, as mould makers correct one: that of the best trial, and what its
-/// cold slab lacks everywhere, brought back to three segments.
+/// The opening to try next: that of the best trial, enlarged everywhere by what its cold slab
+/// lacks, as mould makers correct a mould, and fitted with three segments.
 ///
-/// How much of a change of the opening the slab follows is not known at first and taken as all of
-/// it. With two trials or more, the share s of a change that contraction eats is fitted to all
-/// changes between trials in a row (least squares over the face), and the correction divided by
-/// 1 - s: the secant of the one unknown that matters.
+/// The slab is at first assumed to follow a change of the opening completely. From two trials on,
+/// the share s of a change that contraction takes up is fitted to all changes between successive
+/// trials (least squares over the face), and the correction is divided by 1 - s: a secant method in
+/// one unknown.
 ///
-/// @return  nothing when the search is over: a trial is within the tolerance, or three segments
-///          promise no slab that is nearer to flat by a tenth
+/// @return  empty if the search is finished: a trial is within the tolerance, or three segments
+///          promise no slab whose residual is a tenth smaller
 std::optional<MouldOpening> next_opening(const std::vector<frames::SteadyFace>& history,
                                          const MouldTarget& target);
 

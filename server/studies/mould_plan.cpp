@@ -35,24 +35,29 @@ std::string in_mm(double metres) {
   return number + " mm";
 }
 
+/// Faults of single values of the plan.
 std::vector<v1::Fault> plan_value_faults(const v1::MouldPlan& plan) {
   std::vector<v1::Fault> faults;
   if (!(plan.tolerance_m() >= least_tolerance && plan.tolerance_m() <= most_tolerance))
     faults.push_back(fault_of("mould.tolerance", in_mm(plan.tolerance_m()), "is out of range",
                               "0.01 to 50 mm", "0.5 mm is what moulds are made to"));
+
   if (plan.maximum_runs() != 0 &&
       (plan.maximum_runs() < fewest_runs || plan.maximum_runs() > most_runs_permitted))
     faults.push_back(fault_of("mould.maximum_runs", std::to_string(plan.maximum_runs()),
                               "is out of range", "2 to 50; 0 for 12",
                               "one run shows what its own mould gives: dccast contraction"));
+
   const double wanted = plan.wanted_half_thickness_m();
   if (!(wanted == 0.0 || (wanted >= 0.005 && wanted <= 3.0)))
     faults.push_back(fault_of("mould.wanted_half_thickness", in_mm(wanted), "is out of range",
                               "0.005 to 3 m; 0 for the opening at the narrow face",
                               "give half the thickness of the cold slab"));
+
   return faults;
 }
 
+/// Faults of a section that has no wide face, or no mould to begin with.
 std::vector<v1::Fault> section_faults(const v1::Case& base) {
   const v1::Section& section = base.section();
   if (section.kind() != v1::Section::QUARTER_SLAB)
@@ -60,6 +65,7 @@ std::vector<v1::Fault> section_faults(const v1::Case& base) {
                      section.kind() == v1::Section::AXISYMMETRIC ? "axisymmetric" : "plane_strain",
                      "has no wide face whose mould could be designed", "quarter_slab",
                      "begin with dccast new stationary-3d")};
+
   if (section.half_thickness_m().value_size() == 0)
     return {fault_of(
         "section.half_thickness", "", "is missing",
@@ -68,24 +74,28 @@ std::vector<v1::Fault> section_faults(const v1::Case& base) {
   return {};
 }
 
-/// What a case needs so that its runs show a steady face.
+/// Faults of a case whose runs cannot show a steady face.
 std::vector<v1::Fault> case_faults(const v1::Case& base) {
   auto faults = section_faults(base);
+
   if (!base.mesh().file().empty())
     faults.push_back(fault_of("mesh.file", base.mesh().file(),
                               "has a mould of its own that cannot be opened further",
                               "the built-in mesh", "leave mesh.file out"));
+
   if (base.mesh().has_growth() && !base.mesh().growth())
     faults.push_back(fault_of("mesh.growth", "false",
                               "is a block of fixed size, in which no casting gets steady", "true",
                               "leave mesh.growth out"));
+
   if (base.mechanics().has_enabled() && !base.mechanics().enabled())
     faults.push_back(fault_of("mechanics.enabled", "false", "leaves the slab as wide as its mould",
                               "true", "leave mechanics.enabled out"));
+
   return faults;
 }
 
-/// As in a case file.
+/// The opening as a table of a case file.
 std::string table_text(const MouldOpening& opening) {
   std::string text;
   for (std::size_t i = 0; i < opening.x.size(); ++i) {
@@ -105,7 +115,7 @@ public:
     return plan_.maximum_runs() == 0 ? usual_runs : plan_.maximum_runs();
   }
   bool needs_faces() const override { return true; }
-  /// The first run casts in the mould of the case.
+  /// The first run uses the mould of the case.
   PlannedRun run(int number) const override {
     return planned(number, "run " + key(number), base_, {});
   }
@@ -125,16 +135,21 @@ public:
     for (const EvaluatedRun& run : runs)
       if (run.face) faces.push_back(&*run.face);
     if (faces.empty()) return;
+
+    // The best mould is that of the flattest slab.
     const auto residual = [this](const RunFace* face) {
       return face->steady.residual_m(target_.wanted);
     };
     const RunFace* best = *std::ranges::min_element(faces, {}, residual);
+
     v1::StudyResult::MouldFound& found = *result.mutable_mould();
     const v1::Curve& opening = best->section.half_thickness_m();
     *found.mutable_x_m() = opening.at();
     *found.mutable_half_opening_m() = opening.value();
+
     found.mutable_profile_x_m()->Assign(best->steady.x_m.begin(), best->steady.x_m.end());
     found.mutable_profile_m()->Assign(best->steady.cold_m.begin(), best->steady.cold_m.end());
+
     found.set_residual_m(residual(best));
     found.set_within_tolerance(found.residual_m() <= target_.tolerance);
   }

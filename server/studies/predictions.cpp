@@ -1,5 +1,7 @@
 #include "server/studies/predictions.hpp"
 
+#include <fmt/format.h>
+
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -20,24 +22,31 @@
 
 namespace dccast::studies {
 
+/// The response surface of the runs of one kind.
+struct SweepSurface {
+  CurlSurface surface;
+  std::vector<v1::CaseChange> next_run;  ///< place where the surface is least certain
+  double curl_error;  ///< largest relative error of the runs; infinite if one of them is unknown
+};
+
 namespace {
 
-// A surface may be out of date while runs arrive, so that no more than this share of the time goes
-// into building it.
+// While runs arrive, a surface is rebuilt so rarely that building takes at most one part in
+// building_share of the time; it may be out of date until then.
 constexpr int building_share = 20;
-// A sweep of many alloys has a surface for each; further ones are built when they are asked for.
+// A sweep over alloys has a surface for each; those beyond this number are built on request.
 constexpr std::size_t most_prepared = 8;
-constexpr int fewest_prepared = 16;              // runs; with fewer a surface takes no time
-constexpr std::size_t most_bytes = 256'000'000;  // of all surfaces that are kept
+constexpr int fewest_prepared = 16;  // runs; a surface of fewer takes no noticeable time
+constexpr std::size_t most_bytes = 256'000'000;  // memory of all kept surfaces
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// One axis of a sweep: numbers are the inputs of surfaces, other values choose among them.
+/// One axis of a sweep: numbers are inputs of surfaces, other values select a surface.
 struct SweptKey {
   std::string key;
   bool numeric = true;
-  InputRange range;                 ///< of a numeric one, in the unit of the schema
-  std::string low, high;            ///< as written
-  std::vector<std::string> values;  ///< of another one
+  InputRange range;                 ///< of a numeric key, in the unit of the schema
+  std::string low, high;            ///< the ends of the range as written
+  std::vector<std::string> values;  ///< of any key, as written
 };
 
 SweptKey swept_key(const v1::Case& base, const v1::SweepPlan::Axis& axis) {
@@ -45,35 +54,43 @@ SweptKey swept_key(const v1::Case& base, const v1::SweepPlan::Axis& axis) {
   for (const std::string& value : key.values) {
     const double number = number_of(base, axis.key(), value);
     key.numeric = key.numeric && std::isfinite(number);
-    if (key.low.empty() || number < key.range.low) key.low = value, key.range.low = number;
-    if (key.high.empty() || number > key.range.high) key.high = value, key.range.high = number;
+    if (key.low.empty() || number < key.range.low) {
+      key.low = value;
+      key.range.low = number;
+    }
+    if (key.high.empty() || number > key.range.high) {
+      key.high = value;
+      key.range.high = number;
+    }
   }
   return key;
 }
 
-/// Where a prediction is asked for.
+/// Place of a prediction.
 struct Place {
-  std::vector<double> inputs;  ///< of the numeric keys
-  std::string kind;            ///< values of the others
+  std::vector<double> inputs;  ///< values of the numeric keys
+  std::string kind;            ///< values of the other keys
 };
 
 [[noreturn]] void outside(const SweptKey& key, const std::string& value) {
-  throw OutsideDomain(key.key + " = " + value +
-                      " is outside of what the study has run; permitted: " +
-                      (key.numeric ? key.low + " to " + key.high : case_file::joined(key.values)));
+  throw OutsideDomain(fmt::format(
+      "{} = {} is outside of what the study has run; permitted: {}", key.key, value,
+      key.numeric ? fmt::format("{} to {}", key.low, key.high) : case_file::joined(key.values)));
 }
 
-/// The number of a key that is asked for, or that of the case. @param given  null: not asked for
+/// Value of a numeric key for a prediction. @param given  value of the request; null: the case's
 double input_of(const v1::Case& base, const SweptKey& key, const std::string* given) {
-  constexpr double margin = 1e-9;  // of a value that was converted from another unit
+  constexpr double margin = 1e-9;  // relative; units may have been converted
   const double number = given != nullptr ? number_of(base, key.key, *given)
                                          : case_file::number_at(base, key.key).value_or(unknown);
+
   if (given != nullptr && !std::isfinite(number))
-    throw FaultyPlace(key.key + " = " + *given + " cannot be read; permitted: " + key.low + " to " +
-                      key.high);
+    throw FaultyPlace(fmt::format("{} = {} cannot be read; permitted: {} to {}", key.key, *given,
+                                  key.low, key.high));
   if (given == nullptr && !std::isfinite(number))
-    throw FaultyPlace("give a value of " + key.key + ", " + key.low + " to " + key.high +
-                      ": the case has none of its own");
+    throw FaultyPlace(fmt::format("give a value of {}, {} to {}: the case has none of its own",
+                                  key.key, key.low, key.high));
+
   const double allowed = margin * std::max(std::abs(key.range.low), std::abs(key.range.high));
   if (number < key.range.low - allowed || number > key.range.high + allowed)
     outside(key, given != nullptr ? *given : "as in the case, which is not given");
@@ -84,10 +101,12 @@ double input_of(const v1::Case& base, const SweptKey& key, const std::string* gi
   std::vector<std::string> names;
   for (const SweptKey& swept : keys) names.push_back(swept.key);
   const std::string near = case_file::nearest(key, names);
-  throw FaultyPlace(key + " was not swept; " + (near.empty() ? "" : "did you mean " + near + "? ") +
-                    "the keys of this study are " + case_file::joined(names));
+  throw FaultyPlace(fmt::format("{} was not swept; {}the keys of this study are {}", key,
+                                near.empty() ? "" : fmt::format("did you mean {}? ", near),
+                                case_file::joined(names)));
 }
 
+/// Place that a request names. @throws FaultyPlace, OutsideDomain
 Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
                const v1::PredictStudyRequest& request) {
   std::map<std::string, std::string> given;
@@ -96,6 +115,7 @@ Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
       not_swept(change.key(), keys);
     given[change.key()] = change.value();
   }
+
   Place place;
   for (const SweptKey& key : keys) {
     const auto found = given.find(key.key);
@@ -104,7 +124,8 @@ Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
       place.inputs.push_back(input_of(base, key, value));
     } else {
       if (value == nullptr)
-        throw FaultyPlace("give a value of " + key.key + ": " + case_file::joined(key.values));
+        throw FaultyPlace(
+            fmt::format("give a value of {}: {}", key.key, case_file::joined(key.values)));
       if (std::ranges::find(key.values, *value) == key.values.end()) outside(key, *value);
       place.kind += *value + "\n";
     }
@@ -112,7 +133,7 @@ Place place_of(const v1::Case& base, const std::vector<SweptKey>& keys,
   return place;
 }
 
-/// The values of a run's keys that are no numbers.
+/// Values of a run's keys that are not numbers.
 std::string kind_of(const std::vector<SweptKey>& keys, const EvaluatedRun& run) {
   std::string kind;
   for (std::size_t i = 0; i < keys.size(); ++i)
@@ -120,54 +141,45 @@ std::string kind_of(const std::vector<SweptKey>& keys, const EvaluatedRun& run) 
   return kind;
 }
 
-}  // namespace
-
-/// The axes of a sweep. To read all values of a long list takes longer than to predict.
-struct SweptKeys {
-  v1::Case base;  ///< with its defaults
-  std::vector<SweptKey> all;
-};
-
-/// The response surface of the runs of one kind.
-struct SweepSurface {
-  CurlSurface surface;
-  std::vector<v1::CaseChange> next_run;  ///< where it is least certain
-  double curl_error;  ///< largest of the runs, relative; infinite: not known of one of them
-};
-
-namespace {
-
 void require_runs(std::size_t inputs, std::size_t runs) {
   const std::size_t fewest = CurlSurface::fewest_runs(inputs);
   if (inputs == 0) throw CannotPredict("no key of this study has numbers to interpolate");
   if (runs < fewest)
-    throw CannotPredict("a prediction over " + std::to_string(inputs) + " keys needs " +
-                        std::to_string(fewest) + " valid runs that succeeded, and " +
-                        std::to_string(runs) + " have; wait for more, or sweep more");
+    throw CannotPredict(
+        fmt::format("a prediction over {} keys needs {} valid runs that succeeded, and {} have; "
+                    "wait for more, or sweep more",
+                    inputs, fewest, runs));
 }
 
+/// Builds the surface of the runs of one kind. @throws CannotPredict  too few runs
 SweepSurface sweep_surface(const v1::Case& base, const std::vector<SweptKey>& keys,
                            const std::string& kind, const std::vector<EvaluatedRun>& runs) {
   std::vector<SurfaceRun> chosen;
   double curl_error = 0.0;
+
   for (const EvaluatedRun& run : runs) {
     if (!run.counts() || kind_of(keys, run) != kind) continue;
+
     std::vector<double> inputs;
     for (std::size_t i = 0; i < keys.size(); ++i)
       if (keys[i].numeric) inputs.push_back(run.run.numbers(static_cast<int>(i)));
     chosen.push_back({std::move(inputs), run.history});
+
     curl_error = std::max(curl_error, run.run.has_relative_curl_error()
                                           ? run.run.relative_curl_error()
                                           : std::numeric_limits<double>::infinity());
   }
+
   std::vector<InputRange> domain;
   for (const SweptKey& key : keys)
     if (key.numeric) domain.push_back(key.range);
   require_runs(domain.size(), chosen.size());
+
   std::vector<std::string> monitors;
   for (const v1::Monitor& monitor : base.monitor()) monitors.push_back(monitor.name());
   SweepSurface built{
       CurlSurface(std::move(domain), std::move(chosen), std::move(monitors)), {}, curl_error};
+
   auto place = built.surface.next_place().begin();
   for (const SweptKey& key : keys)
     if (key.numeric)
@@ -176,7 +188,24 @@ SweepSurface sweep_surface(const v1::Case& base, const std::vector<SweptKey>& ke
   return built;
 }
 
+// Runs that end within this time are handled together.
+constexpr std::chrono::milliseconds least_interval{500};
+
+/// Lowers the priority of the calling thread (on Linux priorities are per thread), if permitted.
+void step_back() {
+  constexpr int steps_behind = 10;  // like the workers of jobs
+  const int now = ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()));
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), now + steps_behind);
+}
+
 }  // namespace
+
+/// The axes of a sweep, kept because reading the values of a long list takes longer than
+/// predicting.
+struct SweptKeys {
+  v1::Case base;  ///< with defaults
+  std::vector<SweptKey> all;
+};
 
 std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) {
   const std::lock_guard lock(mutex_);
@@ -190,7 +219,7 @@ std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) 
   return kept = std::make_shared<const SweptKeys>(std::move(keys));
 }
 
-/// @param of_fewer_runs  also one that is out of date  @return null where it is missing
+/// @param of_fewer_runs  accepts an outdated surface, too  @return null if there is none
 Predictions::Surface Predictions::kept_surface(const SweepState& sweep, const std::string& kind,
                                                bool of_fewer_runs) {
   const std::lock_guard lock(mutex_);
@@ -207,25 +236,28 @@ Predictions::Surface Predictions::surface_of(const SweepState& sweep, const std:
   if (auto surface = kept_surface(sweep, kind)) return surface;
   std::unique_lock one_at_a_time(building_, std::try_to_lock);
   if (!one_at_a_time) {
-    // While runs arrive, the answer of a surface of fewer of them now is worth more than a
-    // better one later: the prediction has how many it rests on.
+    // While runs arrive, an answer from fewer runs now is worth more than a better one later. The
+    // prediction states the number of its runs.
     if (auto older = sweep.running ? kept_surface(sweep, kind, true) : nullptr) return older;
     one_at_a_time.lock();
   }
-  if (auto surface = kept_surface(sweep, kind)) return surface;  // built while we waited
+  // Another thread may have built it while this one waited.
+  if (auto surface = kept_surface(sweep, kind)) return surface;
+
   const auto begin = Clock::now();
   const auto surface = std::make_shared<const SweepSurface>(
       sweep_surface(sweep.study.request.case_(), keys_of(sweep.study)->all, kind, sweep.runs()));
   const auto now = Clock::now();
   log::debug("study {}: response surface of {} runs in {} ms", sweep.study.id, sweep.succeeded,
              std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
+
   const std::lock_guard lock(mutex_);
   studies_[sweep.study.id].kept[kind] = {surface, sweep.succeeded, now, now - begin, now};
   make_room();
   return surface;
 }
 
-/// Lets go of those asked for longest ago, save the last one.
+/// Drops the surfaces used longest ago until the rest fit, but never the last one.
 void Predictions::make_room() {
   for (;;) {
     std::size_t bytes = 0, count = 0;
@@ -237,6 +269,7 @@ void Predictions::make_room() {
         ++count;
       }
     if (bytes <= most_bytes || count <= 1) return;
+
     for (auto& [id, study] : studies_)
       std::erase_if(study.kept, [&](const auto& entry) { return entry.second.used == oldest; });
   }
@@ -247,11 +280,14 @@ v1::Spread Predictions::spread(const SweepState& sweep, const std::string& monit
   if (request.sweep().design() != v1::SweepPlan::LATIN_HYPERCUBE)
     throw CannotPredict("study " + sweep.study.id +
                         " is no Latin hypercube: its runs do not stand for what its keys may be");
+
+  // A limit that is not given does not bind.
   const v1::Plausibility& limits = request.case_().plausibility();
   std::optional<CurlBand> band;
   if (limits.has_least_curl_m() || limits.has_greatest_curl_m())
     band = CurlBand{limits.has_least_curl_m() ? limits.least_curl_m() : -1e9,
                     limits.has_greatest_curl_m() ? limits.greatest_curl_m() : 1e9};
+
   v1::Spread spread = surface_of(sweep, "")->surface.spread(monitor, band);
   if (spread.time_s().empty())
     throw CannotPredict("\"" + monitor + "\" is no monitor of this study that all runs report");
@@ -263,14 +299,17 @@ v1::Prediction Predictions::predict(const SweepState& sweep,
   const std::string study = "study " + sweep.study.id;
   if (!sweep.study.request.has_sweep())
     throw CannotPredict(study + " is no sweep: nothing lies between its runs");
-  // Between runs of one key each nothing is known of two.
+
+  // Runs that vary one key each show nothing of two keys together.
   if (sweep.study.request.sweep().design() == v1::SweepPlan::ENDS)
     throw CannotPredict(study +
                         " changes one key at a time; dccast sweep --lhs "
                         "makes runs to predict from");
+
   const auto keys = keys_of(sweep.study);
   const Place place = place_of(keys->base, keys->all, request);
   const auto found = surface_of(sweep, place.kind);
+
   v1::Prediction prediction;
   for (v1::CurlCurve& curve : found->surface.predict(place.inputs))
     *prediction.add_curves() = std::move(curve);
@@ -289,6 +328,8 @@ void Predictions::prepare(const SweepState& sweep) {
     if (sweep.running && sweep.succeeded < std::max(fewest_prepared, 2 * before)) return;
     before = sweep.succeeded;
   }
+
+  // Build the surface of each kind that the runs have.
   const auto keys = keys_of(sweep.study);
   std::set<std::string> kinds;
   for (const EvaluatedRun& run : sweep.runs())
@@ -297,7 +338,7 @@ void Predictions::prepare(const SweepState& sweep) {
     try {
       surface_of(sweep, kind);
     } catch (const CannotPredict&) {
-      // Reported to the caller who asks for it.
+      // A caller who asks for a prediction receives the reason.
     }
   }
 }
@@ -306,20 +347,6 @@ void Predictions::forget(const std::string& study) {
   const std::lock_guard lock(mutex_);
   studies_.erase(study);
 }
-
-namespace {
-
-// Runs that end within it are taken together.
-constexpr std::chrono::milliseconds least_interval{500};
-
-/// On Linux the priority is that of a thread. Where it cannot be lowered the thread works on.
-void step_back() {
-  constexpr int steps_behind = 10;  // as the workers of jobs
-  const int now = ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()));
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), now + steps_behind);
-}
-
-}  // namespace
 
 SurfaceKeeper::SurfaceKeeper(Ready ready)
     : ready_(std::move(ready)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
@@ -335,12 +362,12 @@ void SurfaceKeeper::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-/// What cannot be built now is built when it is asked for.
+/// Builds the surfaces of a study; one that cannot be built yet is built on request.
 void SurfaceKeeper::build(const std::string& study) const {
   try {
     ready_(study);
   } catch (const std::exception& error) {
-    log::warn("study {}: no response surface yet: {}", study, error.what());
+    log::warn("study {}: its response surface is not built yet: {}", study, error.what());
   }
 }
 

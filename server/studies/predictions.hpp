@@ -18,39 +18,39 @@
 
 namespace dccast::studies {
 
-/// There is nothing to predict from: not a sweep, or too few runs. The text has the remedy.
+/// No prediction is possible: not a sweep, or too few runs. The text gives the remedy.
 struct CannotPredict : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-/// A value outside of what was swept. The text names key, value and what is permitted.
+/// A value is outside the swept range. The text names key, value and permitted range.
 struct OutsideDomain : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-/// A value that cannot be read, or a key that was not swept.
+/// A value cannot be read, or its key was not swept.
 struct FaultyPlace : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A sweep as it stands.
+/// Current state of a sweep.
 struct SweepState {
   const StudyRecord& study;
-  int succeeded;                                           ///< runs that have
-  bool running;                                            ///< whether more may come
-  std::function<const std::vector<EvaluatedRun>&()> runs;  ///< reads them with their histories
+  int succeeded;                                           ///< number of succeeded runs
+  bool running;                                            ///< whether further runs may end
+  std::function<const std::vector<EvaluatedRun>&()> runs;  ///< reads the runs with histories
 };
 
 struct SweepSurface;
 struct SweptKeys;
 
-/// Response surfaces of sweeps, built when one is asked for or beforehand, and kept until runs
-/// arrive. Safe to use from several threads.
+/// Response surfaces of sweeps, built on request or in advance, and kept until further runs end.
+/// Safe to use from several threads.
 class Predictions {
 public:
   /// @throws CannotPredict, OutsideDomain, FaultyPlace
   v1::Prediction predict(const SweepState& sweep, const v1::PredictStudyRequest& request);
-  /// What the axes of a Latin hypercube leave open of the curl of a monitor. @throws CannotPredict
+  /// Distribution of a monitor's curl over the axes of a Latin hypercube. @throws CannotPredict
   v1::Spread spread(const SweepState& sweep, const std::string& monitor);
-  /// Builds what will be asked for: as the runs of a sweep double, and when all have ended.
+  /// Builds surfaces in advance: whenever the number of runs has doubled, and when all have ended.
   void prepare(const SweepState& sweep);
   void forget(const std::string& study);
 
@@ -67,7 +67,7 @@ private:
   struct OfStudy {
     std::shared_ptr<const SweptKeys> keys;
     std::map<std::string, Kept> kept;  ///< by kind
-    int prepared = 0;                  ///< runs that had succeeded then
+    int prepared = 0;                  ///< succeeded runs when surfaces were last prepared
   };
   Surface surface_of(const SweepState& sweep, const std::string& kind);
   Surface kept_surface(const SweepState& sweep, const std::string& kind,
@@ -75,22 +75,22 @@ private:
   void make_room();
   std::shared_ptr<const SweptKeys> keys_of(const StudyRecord& study);
 
-  std::mutex building_;  ///< one surface is built at a time; taken before the other one
-  std::mutex mutex_;     ///< of studies_
+  std::mutex building_;  ///< serialises building; locked before mutex_
+  std::mutex mutex_;     ///< guards studies_
   std::map<std::string, OfStudy> studies_;
 };
 
-/// Has response surfaces built before they are asked for, on a thread of its own that stands back
-/// behind everything else of the daemon.
+/// Builds response surfaces in advance, on a thread with a lower priority than the rest of the
+/// daemon.
 class SurfaceKeeper {
 public:
-  /// Builds what the runs of a study allow.
+  /// Builds the surfaces of a study that its runs permit.
   using Ready = std::function<void(const std::string& study)>;
   explicit SurfaceKeeper(Ready ready);
 
-  /// The study has changed. Does not wait; several calls may lead to one look.
+  /// Schedules a study whose runs have changed. Does not wait; several calls may cause one build.
   void look_at(const std::string& study);
-  /// Ends once what is being built is built.
+  /// Ends the thread after the surface being built.
   void stop();
 
 private:

@@ -16,6 +16,8 @@
 #include "server/studies/recipe_search.hpp"
 #include "server/studies/study_plan.hpp"
 
+#include <fmt/format.h>
+
 namespace dccast::studies {
 
 namespace {
@@ -86,14 +88,17 @@ public:
   void evaluate(const std::vector<EvaluatedRun>& runs, v1::StudyResult& result) const override {
     v1::RecipeFound& found = *result.mutable_recipe();
     found.set_chosen(-1);
+
     const auto round = round_of(final_round(), runs);
     if (round == nullptr) {
       found.set_fault("the drafts of this study have not all ended, or some were lost");
       return;
     }
+
     found.set_fault(round->fault);
     if (round->search == nullptr) return;
     round->search->describe(found);
+
     const int monitor = monitor_of(runs);
     if (monitor < full_.monitor_size()) found.set_monitor(full_.monitor(monitor).name());
     add_itself(*round, found);
@@ -194,6 +199,9 @@ private:
            }) >= count;
   }
 
+  /// Finds candidates with surfaces of all runs that have ended.
+  /// @param which  0: from the drafts alone; 1: with the castings of the trial round too
+  /// @param trial  result of the trial round; null in that round itself
   Round proposed(std::size_t which, const Round* trial,
                  const std::vector<EvaluatedRun>& runs) const {
     const int monitor = monitor_of(runs);
@@ -202,11 +210,13 @@ private:
       const int number = evaluated.number;
       if (number < first_draft || number >= (trial == nullptr ? trial_round() : final_round()))
         continue;
+
       const Eigen::RowVectorXd place =
           number < trial_round() ? Eigen::RowVectorXd(drafts_.row(number - first_draft))
                                  : place_of(number, *candidate_run(number, *trial), *trial);
       if (auto run = recipe_run(evaluated.run, monitor, place)) known.push_back(std::move(*run));
     }
+
     Round round;
     try {
       round.search = std::make_shared<RecipeSearch>(space_, known, scale_of(runs, monitor));
@@ -217,19 +227,24 @@ private:
     return round;
   }
 
-  /// @param castings  at the design, that the surfaces do not know
+  /// Writes a candidate with its numbers, score and risk.
+  /// @param castings  runs at this design, of which the surfaces do not know
   void write(const RecipeSearch& search, const ScoredDesign& scored,
              const std::vector<RecipeRun>& castings, v1::RecipeFound::Candidate& candidate) const {
     for (int i = 0; i < space_->numbers(); ++i)
       candidate.add_numbers(space_->number(i, scored.design));
+
     const auto changes = space_->changes(scored.design);
     *candidate.mutable_changes() = {changes.begin(), changes.end()};
+
     candidate.set_low_m(scored.score.low);
     candidate.set_median_m(scored.score.median);
     candidate.set_high_m(scored.score.high);
     candidate.set_danger(scored.score.danger);
     candidate.set_surface_risk(scored.score.risk);
     candidate.set_casting_time_s(scored.score.cost);
+
+    // The risk combines the score with the castings that were run at the design.
     const statistics::Share share = search.risk(scored.score, castings);
     candidate.set_risk(share.value);
     candidate.set_risk_error(share.error);
@@ -238,9 +253,10 @@ private:
         castings, [&](const RecipeRun& run) { return run.lost(plan_, search.scale()); })));
   }
 
+  /// Adds the case's own recipe, unless it lies too far outside the domain.
   void add_itself(const Round& round, v1::RecipeFound& found) const {
     const Eigen::RowVectorXd design = space_->design(case_file::recipe_of(draft_));
-    constexpr double outside = 0.1;  // surfaces know nothing farther out
+    constexpr double outside = 0.1;  // of a range; surfaces do not extrapolate farther
     if (design.minCoeff() < -outside || design.maxCoeff() > 1.0 + outside) return;
     write(*round.search, {design, round.search->score(design)}, {}, *found.mutable_itself());
   }
@@ -253,6 +269,7 @@ private:
       if (evaluated.number < final_round()) continue;
       const auto which = candidate_run(evaluated.number, round);
       if (!which || which->candidate != number) continue;
+
       if (which->casting < 0)
         write_full(evaluated.run, monitor, candidate);
       else if (auto run =
@@ -272,11 +289,13 @@ private:
     *candidate.mutable_full_dangers() = {dangers.begin(), dangers.end()};
   }
 
-  /// Least risk first. That is chosen whose full run lies inside the band and has no danger.
+  /// Sorts the front by risk and chooses the first candidate whose full run ends inside the band
+  /// without danger.
   void choose(v1::RecipeFound& found) const {
     auto& front = *found.mutable_front();
     std::stable_sort(front.begin(), front.end(),
                      [](const auto& a, const auto& b) { return a.risk() < b.risk(); });
+
     const auto confirmed = std::ranges::find_if(front, [this](const auto& candidate) {
       return candidate.has_full_curl_m() && candidate.full_dangers().empty() &&
              candidate.full_curl_m() >= plan_.least_curl_m() &&
@@ -296,20 +315,25 @@ private:
 std::vector<v1::Fault> number_faults(const v1::RecipePlan& plan) {
   std::vector<v1::Fault> faults;
   std::set<std::string> names;
+
   for (const v1::RecipePlan::Number& number : plan.numbers()) {
+    // Each number is a known one, and occurs once.
     if (std::ranges::find(case_file::recipe_names, number.name()) ==
             case_file::recipe_names.end() ||
         !names.insert(number.name()).second)
       faults.push_back(fault_of("recipe.numbers", number.name(),
                                 "is no number of a recipe, or twice",
                                 "speed_start, speed_run, speed_ramp, filling, hold, water_start, "
+
                                 "water_run, water_ramp, each once"));
+    // Each range is finite and not empty.
     if (!(number.low() >= 0.0 && number.high() > number.low() && std::isfinite(number.high())))
-      faults.push_back(fault_of(
-          "recipe." + number.name(),
-          case_file::number_text(number.low()) + ".." + case_file::number_text(number.high()),
-          "is no range", "0 or more, the smaller end first"));
+      faults.push_back(fault_of(fmt::format("recipe.{}", number.name()),
+                                fmt::format("{}..{}", case_file::number_text(number.low()),
+                                            case_file::number_text(number.high())),
+                                "is no range", "0 or more, the smaller end first"));
   }
+
   if (names.empty())
     faults.push_back(
         fault_of("recipe.numbers", "", "there is nothing to choose", "one number or more"));
@@ -319,11 +343,11 @@ std::vector<v1::Fault> number_faults(const v1::RecipePlan& plan) {
 void check_count(const std::string& field, int value, int least, int most,
                  std::vector<v1::Fault>& faults) {
   if (value < least || value > most)
-    faults.push_back(fault_of("recipe." + field, std::to_string(value), "is out of range",
-                              std::to_string(least) + " to " + std::to_string(most)));
+    faults.push_back(fault_of(fmt::format("recipe.{}", field), fmt::to_string(value),
+                              "is out of range", fmt::format("{} to {}", least, most)));
 }
 
-/// Data are the axes of a Latin hypercube.
+/// Checks the uncertain data as what they are run with: the axes of a Latin hypercube.
 std::vector<v1::Fault> data_faults(const v1::CreateStudyRequest& request) {
   v1::CreateStudyRequest sweep;
   *sweep.mutable_case_() = request.recipe().draft();
@@ -343,20 +367,25 @@ std::vector<v1::Fault> data_faults(const v1::CreateStudyRequest& request) {
 std::vector<v1::Fault> recipe_faults(const v1::CreateStudyRequest& request) {
   const v1::RecipePlan& plan = request.recipe();
   auto faults = number_faults(plan);
+
   if (!plan.has_draft())
     faults.push_back(fault_of("recipe.draft", "", "is absent", "the case at draft quality"));
+
   if (!(plan.greatest_curl_m() > plan.least_curl_m()))
     faults.push_back(fault_of("recipe.band",
-                              case_file::number_text(plan.least_curl_m()) + ".." +
-                                  case_file::number_text(plan.greatest_curl_m()),
+                              fmt::format("{}..{}", case_file::number_text(plan.least_curl_m()),
+                                          case_file::number_text(plan.greatest_curl_m())),
                               "is no band", "two curls, the smaller one first"));
+
   if (!(plan.greatest_speed_rate_m_per_s2() > 0.0))
     faults.push_back(fault_of("recipe.greatest_speed_rate", "", "is out of range", "above 0"));
   if (!(plan.greatest_flow_rate_m2_per_s2() > 0.0))
     faults.push_back(fault_of("recipe.greatest_flow_rate", "", "is out of range", "above 0"));
+
   check_count("drafts", plan.drafts(), 12, 5000, faults);
   check_count("castings", plan.castings(), 2, 200, faults);
   check_count("candidates", plan.candidates(), 1, 10, faults);
+
   if (!faults.empty()) return faults;
   return data_faults(request);
 }

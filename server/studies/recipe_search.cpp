@@ -1,5 +1,7 @@
 #include "server/studies/recipe_search.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -57,7 +59,9 @@ Eigen::RowVectorXd RecipeSpace::design(const Recipe& recipe) const {
   return design;
 }
 
-/// @param start  its run and its ramp are the two numbers that follow
+/// Lengthens a ramp that changes speed or water faster than `rate` [unit/s]; shortens the step if
+/// the ramp cannot become long enough.
+/// @param start  number of the value at the start; the next two are those of the run and the ramp
 void RecipeSpace::keep_rate(Recipe& recipe, RecipeNumber start, double rate) const {
   const auto run = static_cast<RecipeNumber>(start + 1),
              ramp = static_cast<RecipeNumber>(start + 2);
@@ -65,12 +69,14 @@ void RecipeSpace::keep_rate(Recipe& recipe, RecipeNumber start, double rate) con
   const bool by_length =
       case_file::ramps_by_length(start == case_file::speed_start ? schedule.casting_speed_m_per_s()
                                                                  : schedule.water_flow_m2_per_s());
-  // A ramp along the slab lasts as long as that takes at the mean speed.
+
+  // A ramp by length lasts as long as its length takes at the mean speed.
   const double per_second =
       by_length ? 0.5 * (recipe[case_file::speed_start] + recipe[case_file::speed_run]) : 1.0;
   const double step = recipe[run] - recipe[start];
   const double shortest = std::abs(step) / rate * per_second;
   if (recipe[ramp] >= shortest) return;
+
   const Ends* ends = ends_of(ramp);
   const double longest = ends == nullptr ? recipe[ramp] : std::max(ends->high, recipe[ramp]);
   recipe[ramp] = std::min(shortest, longest);
@@ -151,25 +157,29 @@ RecipeSearch::RecipeSearch(std::shared_ptr<const RecipeSpace> space,
     valid.push_back(run.place);
     curls.push_back(scale * *run.curl_m);
   }
+
   if (valid.size() < fewest_valid)
-    throw std::runtime_error(std::to_string(valid.size()) + " of " + std::to_string(runs.size()) +
-                             " drafts end with a valid curl; a surface needs " +
-                             std::to_string(fewest_valid) + " or more");
+    throw std::runtime_error(
+        fmt::format("{} of {} drafts end with a valid curl; a surface needs {} or more",
+                    valid.size(), runs.size(), fewest_valid));
+
+  // Every draft shows whether a recipe is dangerous, but only valid ones give a curl.
   curl_.emplace(stack_rows(valid), Eigen::Map<const Eigen::VectorXd>(curls.data(), curls.size()));
   error_m_ = curl_->left_out_errors().norm() / std::sqrt(static_cast<double>(curls.size()));
   danger_.emplace(stack_rows(places), dangers);
+
   const v1::RecipePlan& plan = space_->plan();
-  problem_ = {
-      .design_inputs = space_->numbers(),
-      .data_inputs = space_->data(),
-      .least = plan.least_curl_m(),
-      .greatest = plan.greatest_curl_m(),
-      .outcomes =
-          [this](const Eigen::MatrixXd& at) {
-            return statistics::Outcomes{curl_->means(at), danger_->probability(at), error_m_};
-          },
-      .cost = [this](const auto& design) { return space_->casting_time_s(design); },
-      .permitted = [this](const auto& design) { return space_->permitted(design); }};
+  problem_ = {.design_inputs = space_->numbers(),
+              .data_inputs = space_->data(),
+              .least = plan.least_curl_m(),
+              .greatest = plan.greatest_curl_m(),
+              .outcomes =
+                  [this](const Eigen::MatrixXd& points) {
+                    return statistics::Outcomes{curl_->means(points), danger_->probability(points),
+                                                error_m_};
+                  },
+              .cost = [this](const auto& design) { return space_->casting_time_s(design); },
+              .permitted = [this](const auto& design) { return space_->permitted(design); }};
 }
 
 std::vector<statistics::ScoredDesign> RecipeSearch::candidates(std::uint64_t seed) const {
@@ -181,7 +191,7 @@ std::vector<statistics::ScoredDesign> RecipeSearch::candidates(std::uint64_t see
 
 statistics::DesignScore RecipeSearch::score(const Eigen::RowVectorXd& design) const {
   return statistics::score_design(problem_, design,
-                              statistics::hypercube(score_samples, space_->data(), score_seed));
+                                  statistics::hypercube(score_samples, space_->data(), score_seed));
 }
 
 statistics::Share RecipeSearch::risk(const statistics::DesignScore& score,

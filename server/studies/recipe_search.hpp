@@ -12,24 +12,25 @@
 
 namespace dccast::studies {
 
-/// The designs of a recipe plan: its numbers, 0 to 1 between their ends, and what they make of the
-/// case.
+/// Designs of a recipe plan: vectors of its numbers, scaled to 0..1 between their ends, and the
+/// changes of the case that they stand for.
 class RecipeSpace {
 public:
   RecipeSpace(const v1::Case& draft, const v1::RecipePlan& plan);
 
   int numbers() const { return plan_.numbers_size(); }
   int data() const { return plan_.data_size(); }
-  /// One of the numbers. @param which  from 0, as in the plan
+  /// Value of one number of a design. @param which  index in the plan
   double number(int which, const Eigen::RowVectorXd& design) const {
     return ends_[which].low + design(which) * (ends_[which].high - ends_[which].low);
   }
   Eigen::RowVectorXd design(const case_file::Recipe& recipe) const;
-  /// Within the limits of the rates of speed and water and with no filling beyond the hold: ramps
-  /// get longer, and where they cannot the level of the run comes nearer to that of the start.
+  /// Nearest design within the limits on the rates of speed and water, and with no filling beyond
+  /// the hold: ramps become longer, and if they cannot, the level of the run moves to that of the
+  /// start.
   Eigen::RowVectorXd permitted(const Eigen::RowVectorXd& design) const;
   std::vector<v1::CaseChange> changes(const Eigen::RowVectorXd& design) const;
-  /// From the first metal to the cast length of the case [s].
+  /// Time from the first metal to the cast length of the case [s].
   double casting_time_s(const Eigen::RowVectorXd& design) const;
   std::vector<v1::CaseChange> data_changes(const Eigen::RowVectorXd& data) const;
   const v1::RecipePlan& plan() const { return plan_; }
@@ -48,39 +49,39 @@ private:
   std::vector<Ends> ends_;
 };
 
-/// A draft that has ended.
+/// Outcome of a draft that has ended.
 struct RecipeRun {
   Eigen::RowVectorXd place;      ///< numbers, then data
-  std::optional<double> curl_m;  ///< empty: the run has no valid end
-  bool danger = false;           ///< also where it did not get to a valid end
+  std::optional<double> curl_m;  ///< empty if the run has no valid end
+  bool danger = false;           ///< set, too, if the run has no valid end
 
-  /// Outside the band or with a danger. @param scale  of the curl
+  /// Whether the run is outside the band or dangerous. @param scale  factor on the curl
   bool lost(const v1::RecipePlan& plan, double scale) const;
 };
 
-/// What a run that has ended means for a recipe; empty for one that was cancelled or that ended for
-/// a reason outside of the casting.
+/// Outcome of a run for a recipe; empty if the run was cancelled or ended for a reason unrelated to
+/// the casting.
 std::optional<RecipeRun> recipe_run(const v1::StudyRun& run, int monitor, Eigen::RowVectorXd place);
 
-/// Codes of the dangers of a run, those of its failure among them.
+/// Codes of a run's dangers, including that of its failure.
 std::vector<std::string> dangers_of(const v1::StudyRun& run);
 
-/// Candidates by surfaces over the drafts there are.
+/// Proposes candidates with surfaces over the drafts.
 class RecipeSearch {
 public:
-  /// @param scale  curl at full quality over that of a draft
+  /// @param scale  ratio of the curl at full quality to that of a draft
   /// @throws std::runtime_error  too few drafts with a valid curl
   RecipeSearch(std::shared_ptr<const RecipeSpace> space, const std::vector<RecipeRun>& runs,
                double scale);
   RecipeSearch(const RecipeSearch&) = delete;
 
-  /// From the front of all designs, least risk first. @param seed  of the search
+  /// Front of all designs, least risk first. @param seed  of the search
   std::vector<statistics::ScoredDesign> candidates(std::uint64_t seed) const;
   statistics::DesignScore score(const Eigen::RowVectorXd& design) const;
-  /// With castings at the design. @param castings  that the surfaces do not know
+  /// Risk of a design. @param castings  runs at the design of which the surfaces do not know
   statistics::Share risk(const statistics::DesignScore& score,
                          const std::vector<RecipeRun>& castings) const;
-  /// Writes how far the surfaces may be trusted.
+  /// Writes measures of the surfaces' accuracy.
   void describe(v1::RecipeFound& found) const;
   double scale() const { return scale_; }
 

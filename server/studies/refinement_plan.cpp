@@ -14,21 +14,24 @@ namespace {
 
 constexpr int fewest_levels = 2, most_levels = 5;
 
-/// The limit of one monitor at the instants of the coarsest run; nothing with fewer than two runs.
+/// Limit of one monitor's curl at the instants of the coarsest run; empty with fewer than two runs.
 std::optional<v1::StudyResult::Limit> limit_of(const std::vector<const EvaluatedRun*>& levels,
                                                const v1::CurlCurve& coarsest) {
   const std::vector<double> time_s(coarsest.time_s().begin(), coarsest.time_s().end());
+
   std::vector<RefinedCurve> curves;
   for (const EvaluatedRun* level : levels)
     if (const v1::CurlCurve* curve = level->history.curve(coarsest.monitor()))
       curves.push_back({level->run.refinement(), at_instants(time_s, *curve, curve->curl_m())});
   if (curves.size() < 2) return std::nullopt;
+
   const CurveLimit found = extrapolate(time_s, curves);
   v1::StudyResult::Limit limit;
   *limit.mutable_curve() = coarsest;
   limit.mutable_curve()->mutable_curl_m()->Assign(found.value_m.begin(), found.value_m.end());
   limit.mutable_curve()->mutable_uncertainty_m()->Assign(found.uncertainty_m.begin(),
                                                          found.uncertainty_m.end());
+
   if (found.order) limit.set_order(*found.order);
   return limit;
 }

@@ -2,6 +2,7 @@
 // evaluation.cpp.
 #include "server/studies/studies.hpp"
 
+#include <fmt/format.h>
 #include <google/protobuf/util/message_differencer.h>
 
 #include <algorithm>
@@ -130,6 +131,8 @@ v1::Study Studies::create(const v1::CreateStudyRequest& request,
                           const jobs::Attachments& attachments, const std::string& owner) {
   const std::string sha256 = intake::fingerprint(request.case_(), attachments);
   const std::lock_guard lock(requests_mutex_);
+
+  // A request that is repeated after a lost answer creates nothing new.
   if (!request.request_id().empty())
     if (auto there = store_.find_request(request.request_id())) {
       if (there->owner != owner)
@@ -137,9 +140,11 @@ v1::Study Studies::create(const v1::CreateStudyRequest& request,
             "another user has created a study with this request_id; choose a new one");
       return take_up(std::move(*there), request, sha256);
     }
+
   if (const std::string reason = scheduler_.held(); !reason.empty())
     throw jobs::StorageHeld("the queue is held and takes no study now: " + reason +
                             "; it goes on by itself once that has passed: try again then");
+
   return create_new(request, attachments, owner, sha256);
 }
 
@@ -160,11 +165,14 @@ v1::Study Studies::create_new(const v1::CreateStudyRequest& request,
   record.created_ms = record.changed_ms = jobs::milliseconds(jobs::now());
   record.case_sha256 = case_sha256;
   record.request = request;
+
+  // Attachments before the row: a crash in between leaves no study without them.
   const int runs = plan_of(record)->runs();
   if (store_.find(record.id)) refuse_taken(record.id);  // its files must stay as they are
   write_study_attachments(options_.directory, record.id, attachments);
   if (!store_.insert(record, runs_to_queue(runs))) refuse_taken(record.id);
   write_study_file(options_.directory, record);
+
   log::info("study {}: {} runs", record.id, runs);
   wake_feeder();
   return view(record);
@@ -173,9 +181,11 @@ v1::Study Studies::create_new(const v1::CreateStudyRequest& request,
 v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& request,
                            const std::string& case_sha256) {
   if (record.case_sha256 != case_sha256 || !same_plan(record.request, request))
-    throw jobs::RequestIdTaken("request_id \"" + request.request_id() + "\" was used for another " +
-                               (record.case_sha256 != case_sha256 ? "case" : "plan") + " (study " +
-                               record.id + "); choose a new one");
+    throw jobs::RequestIdTaken(fmt::format(
+        "request_id \"{}\" was used for another {} (study {}); choose a new one",
+        request.request_id(), record.case_sha256 != case_sha256 ? "case" : "plan", record.id));
+
+  // A refinement study may be continued to finer levels.
   const int before = record.request.refinement().levels();
   if (request.refinement().levels() > before) {
     record.request.mutable_refinement()->set_levels(request.refinement().levels());
@@ -187,6 +197,8 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
     }
     plans_.forget(record.id);
   }
+
+  // Runs whose jobs were deleted are queued again.
   const auto jobs = jobs_of(record);
   std::vector<RunRecord> deleted;
   for (const RunRecord& run : store_.runs(record.id))
@@ -196,7 +208,7 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
   return view(record);
 }
 
-/// Writes what becomes of runs without a job into the file of the study, before the rows.
+/// Records runs without a job in the study's file before the rows of the index change.
 void Studies::keep(const StudyRecord& record, const std::vector<RunRecord>& runs) {
   const std::lock_guard lock(files_mutex_);
   if (!std::filesystem::exists(study_file(options_.directory, record.id)))
@@ -219,17 +231,21 @@ v1::Study Studies::view(const StudyRecord& record) {
   study.set_owner(record.owner);
   *study.mutable_create_time() = jobs::timestamp(record.created_ms);
   *study.mutable_labels() = record.request.labels();
+
   add_plan(record.request, study);
   add_counts(counts, study);
   study.set_state(state_of(counts));
   study.set_message(message_of(counts, study.state()));
-  // A plan that grows ends with the run that failed.
+
+  // A growing plan ends with the run that failed: show its reason.
   if (study.state() == v1::STUDY_FAILED && record.request.has_mould())
     for (const EvaluatedRun& evaluated : evaluated_runs(record, {}))
       if (evaluated.run.state() == v1::FAILED) {
         study.set_message(study.message() + ": " + evaluated.run.failure().message());
         break;
       }
+
+  // Running jobs count by their progress.
   double done = counts.ended();
   if (counts.of(v1::RUNNING) > 0)
     for (const v1::Job& job : scheduler_.list({.states = {v1::RUNNING},
@@ -237,10 +253,12 @@ v1::Study Studies::view(const StudyRecord& record) {
                               .owner = record.owner,
                               .size = counts.of(v1::RUNNING)}))
       done += job.last_step().progress();
-  // Of a recipe all runs that will be are known, though not what they are.
+
+  // The number of a recipe's runs is known before its later rounds are planned.
   const bool grows = record.request.has_recipe() && study.state() == v1::STUDY_RUNNING;
   const int all = grows ? plan_of(record)->most_runs() : counts.all();
   study.set_progress(all == 0 ? 1.0 : std::min(1.0, done / all));
+
   if (study.state() != v1::STUDY_RUNNING)
     *study.mutable_end_time() = jobs::timestamp(std::max(record.changed_ms, counts.last_end_ms));
   return study;
@@ -291,14 +309,17 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
   const auto record = store_.find(id);
   if (!record) return {StudyReply::Kind::not_found};
   const auto jobs = jobs_of(*record);
+
   std::vector<RunRecord> again;
   for (const RunRecord& run : store_.runs(id)) {
     const auto job = jobs.find(run.job);
     if (job == jobs.end() && !run.job.empty()) continue;  // deleted on purpose
+
     const v1::JobState state = run.job.empty() ? run.outcome : job->second.state();
     const v1::Failure& failure = run.job.empty() ? run.failure : job->second.failure();
     if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run);
   }
+
   queue_again(*record, again);
   if (!again.empty()) grow_again(*record);
   note_change(id);

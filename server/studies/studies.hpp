@@ -29,7 +29,7 @@ namespace dccast::studies {
 struct StudyOptions {
   std::filesystem::path directory;       ///< of the study files
   std::filesystem::path jobs_directory;  ///< of the jobs' folders
-  int waiting = 16;                      ///< jobs of one study that wait in the queue at once
+  int waiting = 16;                      ///< most jobs of one study that wait in the queue
   std::chrono::milliseconds check_timeout{30000};
 };
 
@@ -37,37 +37,37 @@ struct StudyOptions {
 struct StudyReply {
   enum class Kind { done, not_found, wrong_state };
   Kind kind = Kind::done;
-  v1::Study study{};         ///< as it is now, unless not_found
-  std::string unfinished{};  ///< job for which the study, which has ended, cannot be removed
+  v1::Study study{};         ///< current state, unless not_found
+  std::string unfinished{};  ///< job that prevents the removal of an ended study
 };
 
-/// Studies: each is a plan in the store, whose runs a feeder queues as jobs, few at a time. What
-/// create() has returned survives a crash of daemon and machine. A study holds jobs of its owner
-/// alone: whatever is done to it is done to those.
+/// Studies: each is a plan in the store, and a feeder queues its runs as jobs, a few at a time. A
+/// study that create() has returned survives a crash of daemon or machine. All jobs of a study
+/// belong to its owner, so that permission for the study is permission for its jobs.
 ///
-/// Safe to use from several threads. Requests throw as those of the Scheduler do, and have changed
-/// nothing then.
+/// Safe to use from several threads. Requests throw like those of the Scheduler, and have then
+/// changed nothing.
 class Studies {
 public:
   Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
           const intake::CaseIntake& intake);
   ~Studies();
 
-  /// Puts in order what the last daemon left; before start().
+  /// Repairs what the previous daemon left unfinished; call before start().
   void recover();
-  /// Begins to queue runs.
+  /// Starts to queue runs.
   void start();
-  /// Queues no further run and wakes no watcher any more.
+  /// Stops queueing runs and waking watchers.
   void stop();
 
-  /// The study of a request whose plan and cases are sound. With a request_id that is known: that
-  /// study. Runs whose job was deleted are queued again then, and a refinement study grows to more
-  /// levels. @throws jobs::RequestIdTaken, jobs::StorageHeld
-  /// @param attachments  that the request names
+  /// Creates a study from a request whose plan and cases are sound. If the request_id is known,
+  /// returns that study; queues again its runs whose jobs were deleted, and adds levels to a
+  /// refinement study. @throws jobs::RequestIdTaken, jobs::StorageHeld
+  /// @param attachments  files named by the request
   v1::Study create(const v1::CreateStudyRequest& request, const jobs::Attachments& attachments,
                    const std::string& owner);
-  /// Gives a request for further runs of a study the case of that study.
-  /// @return the files that the case names; nothing: there is no such study
+  /// Completes a request for further runs of a study with the case of that study.
+  /// @return files that the case names; empty if there is no such study
   std::optional<jobs::Attachments> complete(v1::CreateStudyRequest& request) const;
   std::optional<v1::Study> find(const std::string& id);
   std::vector<v1::Study> list(const StudyStore::Page& page);
@@ -75,9 +75,9 @@ public:
   /// @param failed  also runs that failed by their own case
   StudyReply resume(const std::string& id, bool failed);
   StudyReply remove(const std::string& id);
-  /// The results of a study so far; nothing when there is no such study.
+  /// Current results of a study; empty if there is no such study.
   std::optional<v1::StudyResult> evaluate(const v1::EvaluateStudyRequest& request);
-  /// @return nothing when there is no such study
+  /// @return empty if there is no such study
   /// @throws OutsideDomain, CannotPredict
   std::optional<v1::Prediction> predict(const v1::PredictStudyRequest& request);
 
@@ -89,7 +89,7 @@ private:
   void feed_run(const StudyRecord& study, const RunRecord& run, const PlannedRun& planned);
   bool feed_grown(const StudyRecord& study, const StudyPlan& plan, const RunRecord& run);
   void refuse(const StudyRecord& study, RunRecord run, const std::string& why);
-  /// Nothing when the run was cancelled meanwhile.
+  /// Does nothing if the run has been cancelled meanwhile.
   void make_job(const StudyRecord& study, RunRecord run, const std::string& key, jobs::NewJob job);
   void wake_feeder();
   void note_change(const std::string& id);
@@ -105,22 +105,22 @@ private:
   void grow_again(const StudyRecord& record);
   void queue_again(const StudyRecord& record, std::vector<RunRecord> runs);
   void remove_now(const StudyRecord& study);
-  /// The jobs that name the study and have its owner: those of others are no part of it.
+  /// Jobs that name the study and belong to its owner; other users' jobs are not part of it.
   std::map<std::string, v1::Job> jobs_of(const StudyRecord& study);
   RunHistory history_of(const v1::Job& job);
   std::shared_ptr<const RunFace> face_of(const v1::Job& job);
   void add_face(const v1::Job& job, EvaluatedRun& run);
-  /// What runs are evaluated with.
+  /// What is read for an evaluation.
   struct Depth {
     bool histories = false;
     bool faces = false;
-    int before = INT_MAX;  ///< only runs of a lower number
+    int before = INT_MAX;  ///< only runs with a lower number
   };
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
-  /// @param record  must outlive it
+  /// @param record  outlives the result
   SweepState sweep_state(const StudyRecord& record);
   v1::Calibration calibration(const v1::EvaluateStudyRequest& request);
-  /// Has the response surface of a sweep built, of the runs that have succeeded.
+  /// Builds the response surface of a sweep from its succeeded runs.
   void ready_surface(const std::string& id);
 
   const StudyOptions options_;
@@ -130,16 +130,16 @@ private:
   StudyNotifier notifier_;
   Predictions predictions_;
 
-  std::mutex requests_mutex_;  ///< one creation, resumption or removal at a time
-  std::mutex queueing_mutex_;  ///< a run gets its job and knows it, or is cancelled, as one
-  std::mutex files_mutex_;     ///< of the study files
+  std::mutex requests_mutex_;  ///< serialises creation, resumption and removal
+  std::mutex queueing_mutex_;  ///< makes giving a run its job atomic with its cancellation
+  std::mutex files_mutex_;     ///< guards the study files
   jobs::Recent<const StudyPlan> plans_{32};                ///< by study
   jobs::Recent<const RunHistory> histories_{128'000'000};  ///< by job that has ended; bytes
   jobs::Recent<const RunFace> faces_{4096};                ///< by job that succeeded
   std::mutex feeder_mutex_;
   std::condition_variable_any feeder_wake_;
   bool feeder_woken_ = true;
-  std::map<std::string, int> unanswered_;  ///< checks of a run that brought down a worker
+  std::map<std::string, int> unanswered_;  ///< checks of a run that crashed a worker
   std::jthread feeder_;
   SurfaceKeeper surface_keeper_;
 };

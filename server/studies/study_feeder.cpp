@@ -12,6 +12,8 @@
 #include "server/jobs/log.hpp"
 #include "server/studies/studies.hpp"
 
+#include <fmt/format.h>
+
 namespace dccast::studies {
 
 namespace {
@@ -85,12 +87,13 @@ bool Studies::feed_study(const std::string& id) {
   return more;
 }
 
-/// A run of a plan that grows waits from the moment the one before it is queued, so that the study
-/// does not end in between. It is queued when those that it rests on have ended and do not suffice.
-/// @return false: it waits
+/// Queues the next run of a growing plan, or drops it if the plan is finished. The run waits from
+/// the moment the one before it is queued, so that the study does not end in between.
+/// @return false: a run on which it depends has not ended
 bool Studies::feed_grown(const StudyRecord& study, const StudyPlan& plan, const RunRecord& run) {
   const auto before =
       evaluated_runs(study, {.faces = plan.needs_faces(), .before = plan.rests_on(run.number)});
+
   std::optional<PlannedRun> next;
   bool stopped = false;
   for (const EvaluatedRun& other : before) {
@@ -98,15 +101,19 @@ bool Studies::feed_grown(const StudyRecord& study, const StudyPlan& plan, const 
     stopped = stopped || (!other.succeeded() &&
                           !(plan.outlasts_failures() && other.run.state() == v1::FAILED));
   }
+
   if (!stopped) {
+    // A run whose face cannot be read gives no next mould.
     for (const EvaluatedRun& other : before)
       if (!other.face_fault.empty()) {
-        refuse(study, run,
-               "job " + other.run.job() + " says nothing of its mould: " + other.face_fault);
+        refuse(
+            study, run,
+            fmt::format("job {} says nothing of its mould: {}", other.run.job(), other.face_fault));
         return true;
       }
     next = plan.next(run.number, before);
   }
+
   if (next)
     feed_run(study, run, *next);
   else
@@ -118,16 +125,19 @@ void Studies::feed_run(const StudyRecord& study, const RunRecord& run, const Pla
   using Why = jobs::WorkerDidNotAnswer::Why;
   try {
     const auto attachments = study_attachments(options_.directory, study);
+
     const auto examined =
         intake_.examine(planned.description, attachments, {},
                         {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+
     if (examined.verdict.faults_size() > 0)
       refuse(study, run,
-             planned.name + " is refused: " + case_file::describe(examined.verdict.faults(0), {}));
+             fmt::format("{} is refused: {}", planned.name,
+                         case_file::describe(examined.verdict.faults(0), {})));
     else
       make_job(study, run, planned.key, new_job(study, attachments, planned, examined));
   } catch (const jobs::WorkerDidNotAnswer& error) {
-    // A case that brings workers down again and again is at fault itself.
+    // A case that brings down workers repeatedly is itself at fault.
     if (error.why() == Why::not_started) throw;
     const std::string key = study.id + "/" + std::to_string(run.number);
     if (++unanswered_[key] < most_unanswered) return;
@@ -143,13 +153,15 @@ void Studies::make_job(const StudyRecord& study, RunRecord run, const std::strin
   const std::lock_guard lock(queueing_mutex_);
   const auto next = store_.next_to_queue(study.id);
   if (!next || next->number != run.number) return;  // cancelled meanwhile
+
   v1::Job queued;
-  // A job that was made before a crash and cancelled after it is not this attempt's, nor is one of
-  // another user with this request_id.
+  // Skip a job that was made before a crash and cancelled after it, and one of another user with
+  // this request_id: neither belongs to this attempt.
   do {
     job.request_id = job_request_id(study.id, key, ++run.attempt);
     queued = scheduler_.submit(job, study_attachments(options_.directory, study));
   } while (queued.state() == v1::CANCELLED || queued.owner() != study.owner);
+
   run.job = queued.id();
   const auto plan = plan_of(study);
   store_.set_job(study.id, run, plan->grows() && run.number + 1 < plan->most_runs());

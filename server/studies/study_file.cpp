@@ -182,11 +182,14 @@ std::map<int, RunRecord> read_study_runs(const fs::path& directory, const std::s
   for (std::string_view rest = runs_in(bytes); !rest.empty();) {
     const std::string part = take_part(rest);
     if (part.size() < size_of_numbers) continue;
+
     RunRecord run;
     run.number = number_at(part, 0);
     run.attempt = number_at(part, 4);
     run.outcome = static_cast<v1::JobState>(number_at(part, 8));
     run.failure.ParseFromString(part.substr(size_of_numbers));
+
+    // A later entry of the same run replaces the earlier one.
     runs[run.number] = std::move(run);
   }
   return runs;

@@ -12,28 +12,28 @@
 
 namespace dccast::studies {
 
-/// A study as it is kept. Its state is not kept: it follows from its runs.
+/// Stored part of a study. Its state is not stored: it follows from the runs.
 struct StudyRecord {
   std::string id;  ///< UUID; the request_id where that is one
   std::string owner;
   std::int64_t created_ms = 0;  ///< since 1970
-  std::int64_t changed_ms = 0;  ///< when a run last ended without a job, since 1970
-  std::string case_sha256;      ///< of case and attachments as they came
+  std::int64_t changed_ms = 0;  ///< last end of a run without a job, since 1970
+  std::string case_sha256;      ///< of the submitted case and attachments
   v1::CreateStudyRequest request;
 };
 
-/// One run of a study: the job that stands for it, or why it has none.
+/// One run of a study, with its job or the reason why it has none.
 struct RunRecord {
   int number = 0;     ///< from 0, in the order of the plan
-  int attempt = 0;    ///< jobs that were made for it so far
-  std::string job{};  ///< the last of them; empty while it waits to be queued
-  v1::JobState outcome = v1::JOB_STATE_UNSPECIFIED;  ///< FAILED, CANCELLED: it gets no job
-  v1::Failure failure;                               ///< why it was refused
+  int attempt = 0;    ///< number of jobs made for it so far
+  std::string job{};  ///< the last job; empty while the run waits to be queued
+  v1::JobState outcome = v1::JOB_STATE_UNSPECIFIED;  ///< FAILED or CANCELLED: it receives no job
+  v1::Failure failure;                               ///< reason of a refusal
 
   bool to_queue() const { return job.empty() && outcome == v1::JOB_STATE_UNSPECIFIED; }
 };
 
-/// The request id of the job of a run; it follows from the study alone, so that submitting a run
+/// Request id of a run's job. It depends on the study and the run only, so that submitting a run
 /// twice gives one job.
 /// @param key      of the run in its plan
 /// @param attempt  from 1
@@ -42,49 +42,49 @@ inline std::string job_request_id(const std::string& study, const std::string& k
   return attempt == 1 ? first : first + "/" + std::to_string(attempt);
 }
 
-/// What the data directory holds of a study: `studies/<id>.bin`, the truth about it; rows are an
-/// index that is made again from it and the jobs. Written before the study is acknowledged, removed
-/// before its row: a file without a row shows that rows were lost.
+/// Path of a study's file, `studies/<id>.bin`. The file is the truth; rows of the store are an
+/// index that can be rebuilt from it and the jobs. It is written before the study is acknowledged
+/// and removed before its row: a file without a row shows that rows were lost.
 ///
 /// Format: 8 bytes "DCCASTSD", version 1 and zero as in EVENT_LOG.md, then three frames: a
 /// serialised Study with id, owner and create_time, the serialised CreateStudyRequest, case_sha256
-/// in hexadecimal. A frame follows for each time a run without a job was cancelled, refused or put
-/// back to wait: its number, attempt and outcome, 4 bytes each, and a serialised Failure.
+/// in hexadecimal. A further frame records each cancellation, refusal or requeueing of a run
+/// without a job: its number, attempt and outcome, 4 bytes each, and a serialised Failure.
 std::filesystem::path study_file(const std::filesystem::path& directory, const std::string& id);
 
-/// Folder of the files that the case of a study names: `studies/<id>.attachments`. Written before
-/// study and row, removed after them.
+/// Folder of the files named by a study's case: `studies/<id>.attachments`. Written before study
+/// and row, removed after them.
 std::filesystem::path attachments_of_study(const std::filesystem::path& directory,
                                            const std::string& id);
 
-/// The files that the request of a study names, in the study's folder.
+/// The files named by a study's request, in the study's folder.
 jobs::Attachments study_attachments(const std::filesystem::path& directory,
                                     const StudyRecord& record);
 
-/// Puts the files of a study into its folder; they survive a crash of the machine once this has
+/// Copies the files of a study into its folder. They survive a crash of the machine once this has
 /// returned. @throws std::system_error
 void write_study_attachments(const std::filesystem::path& directory, const std::string& id,
                              const jobs::Attachments& attachments);
 
-/// Removes the files of studies whose creation did not come to its end.
+/// Removes the files of studies whose creation was interrupted.
 /// @param known  ids of the studies that have a row @throws std::filesystem::filesystem_error
 void remove_orphaned_attachments(const std::filesystem::path& directory,
                                  const std::vector<std::string>& known);
 
-/// In studies of earlier versions the request holds the files themselves: moves them into the
-/// study's folder. @return whether the request has changed @throws std::system_error
+/// Moves files that requests of earlier versions contain into the study's folder.
+/// @return whether the request has changed @throws std::system_error
 bool move_attachments_out(const std::filesystem::path& directory, StudyRecord& record);
 
 /// Writes the file, or replaces its first three frames; it survives a crash of the machine once
 /// this has returned. @throws std::system_error
 void write_study_file(const std::filesystem::path& directory, const StudyRecord& record);
 
-/// Adds what became of runs that have no job; survives a crash of the machine once this has
+/// Appends the state of runs without a job; it survives a crash of the machine once this has
 /// returned. @throws std::system_error
 void append_runs(const std::filesystem::path& directory, const std::string& id,
                  const std::vector<RunRecord>& runs);
 
-/// What was added last of each run, by its number. @throws as read_study_file()
+/// Last appended state of each run, by its number. @throws as read_study_file()
 std::map<int, RunRecord> read_study_runs(const std::filesystem::path& directory,
                                          const std::string& id);
 

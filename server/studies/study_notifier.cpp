@@ -54,14 +54,19 @@ void StudyNotifier::run(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
     wake_.wait(lock, stop, [this] { return !watchers_.empty(); });
+
     wake_.wait_until(lock, stop, last_of_all + progress_interval,
                      [this] { return !changed_studies_.empty(); });
-    const bool all = Clock::now() >= last_of_all + progress_interval;
-    if (all) last_of_all = Clock::now();
-    const auto watchers = due(all);
+
+    // Watchers of all studies are due once per interval, because progress changes no row.
+    const bool every_study = Clock::now() >= last_of_all + progress_interval;
+    if (every_study) last_of_all = Clock::now();
+    const auto watchers = due(every_study);
+
     lock.unlock();
     for (const auto& watcher : watchers) watcher->on_changed();
     lock.lock();
+
     wake_.wait_for(lock, stop, least_interval, [] { return false; });  // or the end
   }
 }

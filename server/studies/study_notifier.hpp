@@ -18,28 +18,27 @@ public:
   virtual void on_changed() = 0;
 };
 
-/// Wakes the watchers of studies on a thread of its own: soon after a study has changed, no more
-/// often than 20 times a second, and every second while there are watchers, as the progress of a
-/// run is no change of state.
+/// Wakes watchers of studies on its own thread: soon after a change, at most 20 times a second, and
+/// every second while there are watchers, because progress of a run changes no state.
 class StudyNotifier {
 public:
   StudyNotifier();
 
-  /// Calls the watcher soon, and after every change from now on, as long as it lives.
+  /// Calls the watcher soon, and after every later change, as long as it lives.
   void watch(const std::string& study, std::weak_ptr<StudyWatcher> watcher);
-  /// The study has changed. Does not wait.
+  /// Reports a change of the study. Does not wait.
   void note(const std::string& study);
   /// Calls every watcher once more.
   void wake_all();
 
 private:
   void run(const std::stop_token& stop);
-  /// Those to be called now. Forgets those that are gone.
+  /// Watchers to call now. Drops those that no longer exist.
   std::vector<std::shared_ptr<StudyWatcher>> due(bool all);
 
   std::mutex mutex_;
   std::condition_variable_any wake_;
-  std::set<std::string> changed_studies_;  ///< since watchers were woken
+  std::set<std::string> changed_studies_;  ///< since the last call of watchers
   std::map<std::string, std::vector<std::weak_ptr<StudyWatcher>>> watchers_;
   std::jthread thread_;
 };

@@ -165,6 +165,7 @@ RunCounts StudyStore::counts(const std::string& id) {
     counts.last_end_ms = std::max(counts.last_end_ms, row.integer(2));
     if (state == v1::QUEUED) counts.waiting = static_cast<int>(row.integer(3));
   };
+
   database_.read(
       "SELECT CASE WHEN run.job <> '' THEN job.state WHEN run.outcome = 0 THEN 1 "
       "ELSE run.outcome END AS run_state, COUNT(*), MAX(COALESCE(job.ended_ms, 0)), "
@@ -201,11 +202,13 @@ bool StudyStore::set_job(const std::string& id, const RunRecord& run, bool follo
           "WHERE study = ? AND number = ? AND outcome = 0",
           run.job, run.attempt, id, run.number);
   const bool done = database_.changes() > 0;
+
   if (done && followed)
     execute(database_,
             "INSERT OR IGNORE INTO study_run (study, number, attempt, job, outcome) "
             "VALUES (?, ?, 0, '', 0)",
             id, run.number + 1);
+
   transaction.commit();
   return done;
 }

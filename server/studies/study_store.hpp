@@ -14,29 +14,29 @@
 
 namespace dccast::studies {
 
-/// Runs of a study by state.
+/// Number of a study's runs by state.
 struct RunCounts {
   std::map<v1::JobState, int> by_state;  ///< without runs whose job was deleted
-  int waiting = 0;                       ///< of the queued ones those that have a job
-  std::int64_t last_end_ms = 0;          ///< latest end of a job, since 1970
+  int waiting = 0;                       ///< queued runs that have a job
+  std::int64_t last_end_ms = 0;          ///< last end of a job, since 1970
 
   int of(v1::JobState state) const;
   int all() const;
   int ended() const;
 };
 
-/// All studies with their runs, in the file of the job store, whose tables JobStore makes: open
-/// that first. Safe to use from several threads. Every call throws jobs::StoreError when the file
-/// cannot be read or written. What has returned survives a crash of the machine.
+/// All studies with their runs, in the file of the job store. JobStore creates the tables, so open
+/// it first. Safe to use from several threads. Every call throws jobs::StoreError if the file
+/// cannot be read or written. A change survives a crash of the machine once its call has returned.
 class StudyStore {
 public:
   explicit StudyStore(const std::filesystem::path& path);
 
-  /// Adds a study and its runs. @return whether it was added: its id and request_id are new
+  /// Adds a study and its runs. @return false if its id or request_id is taken
   bool insert(const StudyRecord& record, const std::vector<RunRecord>& runs);
   /// Replaces the request and adds runs.
   void extend(const StudyRecord& record, const std::vector<RunRecord>& more);
-  /// Marks a study whose removal has begun; only removing() returns it from then on.
+  /// Marks a study whose removal has begun; from then on only removing() returns it.
   void begin_removal(const std::string& id);
   void erase(const std::string& id);
 
@@ -61,16 +61,16 @@ public:
   std::vector<std::string> to_feed();
   std::optional<RunRecord> next_to_queue(const std::string& id);
 
-  /// A run has its job. @param followed  the next run waits from now on, if it is not there yet
-  /// @return false when the run was cancelled meanwhile
+  /// Gives a run its job. @param followed  also adds the next run of a growing plan, to wait
+  /// @return false if the run has been cancelled meanwhile
   bool set_job(const std::string& id, const RunRecord& run, bool followed = false);
-  /// A run that waits to be queued is not needed.
+  /// Removes a run that waits to be queued and is not needed.
   void drop(const std::string& id, int number);
-  /// A run whose case is refused ends without a job.
+  /// Ends a run whose case is refused, without a job.
   void refuse(const std::string& id, int number, const v1::Failure& failure, std::int64_t now_ms);
-  /// Runs that wait to be queued never will be.
+  /// Cancels all runs that wait to be queued.
   void cancel_waiting(const std::string& id, std::int64_t now_ms);
-  /// These runs wait to be queued again, as further attempts.
+  /// Lets these runs wait to be queued again, as further attempts.
   void queue_again(const std::string& id, const std::vector<RunRecord>& runs);
 
 private:

@@ -18,6 +18,8 @@
 #include "server/intake/case_intake.hpp"
 #include "server/studies/study_plan.hpp"
 
+#include <fmt/format.h>
+
 namespace dccast::studies {
 
 namespace {
@@ -81,14 +83,16 @@ private:
   std::string unit_;
 };
 
-/// Faults of the axes by themselves; those of their values come after.
+/// Faults of the axes themselves; value_faults() checks their values afterwards.
 std::vector<v1::Fault> axis_faults(const v1::SweepPlan& sweep) {
   std::vector<v1::Fault> faults;
   std::set<std::string> keys;
+
   const int most = has_ranges(sweep) ? most_ranges : most_axes;
   if (sweep.axes().empty() || sweep.axes_size() > most)
     faults.push_back(fault_of("sweep.axes", std::to_string(sweep.axes_size()),
                               "wrong number of keys", "1 to " + std::to_string(most)));
+
   for (const Axis& axis : sweep.axes()) {
     if (!keys.insert(axis.key()).second)
       faults.push_back(fault_of(axis.key(), "", "is swept twice", "each key once"));
@@ -111,15 +115,18 @@ double run_count(const v1::SweepPlan& sweep) {
   return product;
 }
 
+/// Faults of the design and of its number of runs.
 std::vector<v1::Fault> design_faults(const v1::SweepPlan& sweep) {
   if (!v1::SweepPlan::Design_IsValid(sweep.design()) ||
       sweep.design() == v1::SweepPlan::DESIGN_UNSPECIFIED)
     return {fault_of("sweep.design", "", "is absent", "GRID, LIST, LATIN_HYPERCUBE, ENDS")};
+
   std::vector<v1::Fault> faults;
   const double runs = run_count(sweep);
   if (runs < 1 || runs > most_sweep_runs)
     faults.push_back(fault_of("sweep.runs", case_file::number_text(runs), "wrong number of runs",
                               "1 to " + std::to_string(most_sweep_runs)));
+
   if (sweep.design() == v1::SweepPlan::LIST)
     for (const Axis& axis : sweep.axes())
       if (axis.values_size() != sweep.axes(0).values_size())
@@ -129,6 +136,7 @@ std::vector<v1::Fault> design_faults(const v1::SweepPlan& sweep) {
   return faults;
 }
 
+/// Checks that the two values of an axis are numbers with convertible units in ascending order.
 std::vector<v1::Fault> range_faults(const v1::Case& base, const Axis& axis) {
   const auto low = written(axis.values(0)), high = written(axis.values(1));
   const bool comparable =
@@ -140,17 +148,21 @@ std::vector<v1::Fault> range_faults(const v1::Case& base, const Axis& axis) {
                    "two numbers with units, the smaller one first")};
 }
 
+/// Applies every value to the case by itself, and reports those that the schema refuses.
 std::vector<v1::Fault> value_faults(const v1::CreateStudyRequest& request) {
   std::vector<v1::Fault> faults;
   const bool ranges = request.sweep().design() == v1::SweepPlan::LATIN_HYPERCUBE;
   for (const Axis& axis : request.sweep().axes()) {
     const std::size_t before = faults.size();
+
     for (const std::string& value : axis.values()) {
       v1::Case changed = request.case_();
       const auto found =
           case_file::apply_changes(changed, {case_file::change_of(axis.key(), value)});
       faults.insert(faults.end(), found.begin(), found.end());
     }
+
+    // A range of values that cannot be read would only repeat the fault.
     if (!ranges || faults.size() > before) continue;
     const auto found = range_faults(request.case_(), axis);
     faults.insert(faults.end(), found.begin(), found.end());
@@ -164,40 +176,46 @@ bool all_finite(const Field& values) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
-/// What is wrong with a curve and its readings; empty: nothing.
+/// First fault of a measured curve and its readings, if any.
 std::optional<v1::Fault> curve_fault(const std::string& field, const v1::MeasuredCurve& curve) {
   if (values::unprintable(curve.source()) || !values::too_long("source", curve.source()).empty())
     return fault_of(field + ".source", values::shortened(values::escaped(curve.source())),
                     "is no name of a file", "one line of at most 200 bytes");
-  const Field& at = curve.time_s_size() > 0 ? curve.time_s() : curve.cast_length_m();
+
+  const Field& instants = curve.time_s_size() > 0 ? curve.time_s() : curve.cast_length_m();
   const Field& values = curve.curl_m_size() > 0 ? curve.curl_m() : curve.temperature_c();
   const bool one_each = (curve.time_s_size() > 0) != (curve.cast_length_m_size() > 0) &&
                         (curve.curl_m_size() > 0) != (curve.temperature_c_size() > 0);
-  if (!one_each || at.size() != values.size() || at.size() < 2)
-    return fault_of(field, std::to_string(values.size()) + " values", "readings are not complete",
+  if (!one_each || instants.size() != values.size() || instants.size() < 2)
+    return fault_of(field, fmt::format("{} values", values.size()), "readings are not complete",
                     "times or cast lengths, as many curls or temperatures, 2 or more");
-  if (!all_finite(at) || !all_finite(values) || !std::isfinite(curve.noise()) ||
+
+  if (!all_finite(instants) || !all_finite(values) || !std::isfinite(curve.noise()) ||
       curve.noise() < 0.0)
     return fault_of(field, "", "has readings that are no numbers", "finite numbers");
-  if (std::ranges::adjacent_find(at, std::greater_equal()) != at.end())
+  if (std::ranges::adjacent_find(instants, std::greater_equal()) != instants.end())
     return fault_of(field, "", "readings are not in order", "each later than the last");
   return std::nullopt;
 }
 
+/// Faults of all measured curves, and of measurements in a design that cannot use them.
 std::vector<v1::Fault> measurement_faults(const v1::CreateStudyRequest& request) {
   std::vector<v1::Fault> faults;
   const auto& curves = request.sweep().measured();
   if (!curves.empty() && request.sweep().design() != v1::SweepPlan::LATIN_HYPERCUBE)
     faults.push_back(fault_of("sweep.measured", "", "needs a Latin hypercube", "none"));
+
   for (int i = 0; i < curves.size(); ++i) {
-    const std::string field = "sweep.measured[" + std::to_string(i) + "]";
+    const std::string field = fmt::format("sweep.measured[{}]", i);
     const v1::MeasuredCurve& curve = curves[i];
+
     std::string monitors;
     bool known = false;
     for (const v1::Monitor& monitor : request.case_().monitor()) {
       monitors += (monitors.empty() ? "" : ", ") + monitor.name();
       known = known || monitor.name() == curve.monitor();
     }
+
     if (!known)
       faults.push_back(
           fault_of(field + ".monitor", curve.monitor(), "the case has no such monitor", monitors));

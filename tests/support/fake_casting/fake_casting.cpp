@@ -167,36 +167,6 @@ Finding make_finding(std::int64_t step) {
   return finding;
 }
 
-}  // namespace
-
-std::vector<Finding> findings_of_case(const Case&) {
-  return {};
-}
-
-std::vector<Finding> forecast(const Case& casting_case) {
-  const auto step = Script(casting_case.title).number("finding_at", -1);
-  return step < 0 ? std::vector<Finding>{} : std::vector{make_finding(step)};
-}
-
-CheckedCase check(const Case& casting_case, const std::vector<std::string>&) {
-  const Script script(casting_case.title);
-  CheckedCase checked;
-  if (script.word("check") == "crash") std::abort();
-  std::this_thread::sleep_for(std::chrono::milliseconds(script.number("check_ms", 0)));
-  if (script.word("check") == "fault") {
-    checked.faults.add("monitor[0].y", 7.0, "is outside the slab", "0 to 0.1 m", "move it");
-    checked.faults.add("limits.maximum_steps", 10.0, "the case has 145 steps", "at least 145", "");
-  }
-  checked.estimate = {.nodes = script.number("nodes", 1),
-                      .elements = 1,
-                      .steps = script.number("steps", 20),
-                      .solver_seconds = static_cast<double>(script.number("estimate_s", 0)),
-                      .memory_bytes = static_cast<double>(script.number("memory", 0))};
-  return checked;
-}
-
-namespace {
-
 /// A run with its state.
 struct FakeRun {
   const Script& script;
@@ -292,6 +262,32 @@ std::optional<RunOutcome> FakeRun::step() {
 }
 
 }  // namespace
+
+std::vector<Finding> findings_of_case(const Case&) {
+  return {};
+}
+
+std::vector<Finding> forecast(const Case& casting_case) {
+  const auto step = Script(casting_case.title).number("finding_at", -1);
+  return step < 0 ? std::vector<Finding>{} : std::vector{make_finding(step)};
+}
+
+CheckedCase check(const Case& casting_case, const std::vector<std::string>&) {
+  const Script script(casting_case.title);
+  CheckedCase checked;
+  if (script.word("check") == "crash") std::abort();
+  std::this_thread::sleep_for(std::chrono::milliseconds(script.number("check_ms", 0)));
+  if (script.word("check") == "fault") {
+    checked.faults.add("monitor[0].y", 7.0, "is outside the slab", "0 to 0.1 m", "move it");
+    checked.faults.add("limits.maximum_steps", 10.0, "the case has 145 steps", "at least 145", "");
+  }
+  checked.estimate = {.nodes = script.number("nodes", 1),
+                      .elements = 1,
+                      .steps = script.number("steps", 20),
+                      .solver_seconds = static_cast<double>(script.number("estimate_s", 0)),
+                      .memory_bytes = static_cast<double>(script.number("memory", 0))};
+  return checked;
+}
 
 const std::string& solver_identity() {
   static const std::string identity = "no solver at all";

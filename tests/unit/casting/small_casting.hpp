@@ -24,6 +24,7 @@ inline Case small_casting(mesh::ElementKind element = mesh::ElementKind::p1) {
   Case c;
   c.title = "a small casting";
   c.source_json = R"({"title": "a small casting"})";
+
   c.section.half_width = 0.28;
   c.section.initial_depth = 0.10;
   c.section.element = element;
@@ -34,6 +35,7 @@ inline Case small_casting(mesh::ElementKind element = mesh::ElementKind::p1) {
   c.section.wide_side_cell = 3e-3;
   c.section.growth_cell = 0.008;
   c.section.growth = true;
+
   c.alloy = thermal::testing::casting_alloy();
   c.alloy.name = "paper";
   c.alloy.coherency = 649.0;
@@ -41,35 +43,41 @@ inline Case small_casting(mesh::ElementKind element = mesh::ElementKind::p1) {
   c.alloy.young_modulus = {Abscissa::temperature, {126.9, 326.9, 526.9}, {67e9, 58e9, 40e9}};
   c.alloy.poisson_ratio = {Abscissa::temperature, {126.9, 326.9, 526.9}, {0.3134, 0.3448, 0.45}};
   c.alloy.creep = material::NortonHoffConstants{4.0e12, 15.72e6, 37.3 * 4184.0, 6.0};
+
   c.schedule.hold = 10.0;
   c.schedule.casting_speed = Curve(1e-3);
   c.schedule.casting_temperature = Curve(680.0);
   c.schedule.water_flow = Curve(2e-3);
   c.cooling = thermal::testing::casting_cooling();
+
   c.thermal.tolerance = 1e-11;
   c.thermal.maximum_iterations = 60;
   c.mechanics.enabled = true;
   // Forces are judged against those that act, which are a thousand times the weight: at 1e-7 the
   // reaction is off by up to 5e-4 of it.
   c.mechanics.options = dccast::testing::usual_options(1e-9);
+
   c.coupling.gap_feedback = true;
   c.time.minimum_step = 1e-3;
   c.time.end = 20.0;
   c.time.step = {Abscissa::time, {-10.0, -0.001, 0.0, 4.0, 4.001}, {1.0, 1.0, 0.25, 0.25, 1.0}};
   c.monitors = {{"corner", 0.28, 0.0}, {"centre", 0.0, 0.0}, {"not yet poured", 0.1, 0.115}};
+
   c.output = {.frame_interval = 5.0, .stresses = true};
   c.validity = {.maximum_liquid_pressure_error = 0.15,
                 .maximum_rotation = 10.0 * std::numbers::pi / 180.0,
                 .maximum_slip = 0.02};
+
   c.plausibility.minimum_superheat = 5.0;
   c.plausibility.minimum_shell = 5e-3;
   c.plausibility.maximum_mush_strain = 0.005;
   c.plausibility.maximum_sump_share = 0.95;
+
   c.limits = {.maximum_nodes = 400000, .maximum_steps = 200000};
   return c;
 }
 
-/// "FIELD: MESSAGE" of each, for what a test says when it fails.
+/// "FIELD: MESSAGE" of each fault, for the message of a failed test.
 inline std::string all(const Faults& faults) {
   std::string text;
   for (const Fault& f : faults.list()) text += f.field + ": " + f.message + "\n";
@@ -80,7 +88,7 @@ inline std::string all(const Faults& faults) {
 class Recorder : public StepObserver {
 public:
   std::vector<results::StepReport> reports;
-  std::vector<results::StepReport> before;  ///< of the part of the run that this one goes on from
+  std::vector<results::StepReport> before;  ///< of the earlier part of a resumed run
   std::int64_t resumed_from = -1;
   std::vector<std::string> messages;
   std::int64_t act_after = -1;  ///< step after which `then` is ordered
@@ -105,16 +113,17 @@ public:
 
 /// Whether two steps agree bit by bit in all but the seconds of the processor.
 inline bool equal_except_timing(results::StepReport a, results::StepReport b) {
+  // A monitor above the metal is NaN, which is not equal to itself: compare its bits.
   const auto bits = [](const auto& points) {
-    std::vector<std::uint64_t>
-        all;  // a monitor above the metal is NaN, which is not equal to itself
+    std::vector<std::uint64_t> numbers;
     for (const auto& point : points)
-      for (const double value : point) all.push_back(std::bit_cast<std::uint64_t>(value));
-    return all;
+      for (const double value : point) numbers.push_back(std::bit_cast<std::uint64_t>(value));
+    return numbers;
   };
   const bool same_monitors =
       bits(a.monitor_displacement) == bits(b.monitor_displacement) &&
       bits(std::array{a.monitor_temperature}) == bits(std::array{b.monitor_temperature});
+
   a.monitor_displacement = b.monitor_displacement = {};
   a.monitor_temperature = b.monitor_temperature = {};
   a.solver_seconds = b.solver_seconds;
@@ -134,9 +143,11 @@ inline void expect_the_same_bytes_after_a_kill(Case c) {
   Recorder first, second, uninterrupted;
   c.checkpoint.every_steps = 4;
   EXPECT_EQ(run(c, {whole / "", false}, uninterrupted).end, RunEnd::succeeded);
+
   first.act_after = 18;
   first.die = true;
   EXPECT_THROW(run(c, {killed / "", false}, first), Recorder::Killed);
+
   second.before = first.reports;
   EXPECT_EQ(run(c, {killed / "", true}, second).end, RunEnd::succeeded);
   EXPECT_EQ(second.resumed_from, 16);

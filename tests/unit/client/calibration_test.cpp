@@ -61,6 +61,7 @@ TEST(MeasuredCsv, FaultsNameLineColumnAndWhatIsPermitted) {
   EXPECT_THAT(fault("\n# nothing\n"), HasSubstr("is empty"));
 }
 
+/// A calibration of three keys, the second of which has moved with the first.
 v1::StudyResult calibrated() {
   v1::StudyResult result;
   result.mutable_study()->set_id("0f8fad5b-d9cb-469f-a165-70867728950e");
@@ -72,6 +73,7 @@ v1::StudyResult calibrated() {
     axis.add_values(low);
     axis.add_values(high);
   }
+
   auto& calibration = *result.mutable_calibration();
   const auto add = [&](double narrowed, const char* low, const char* best, const char* high) {
     auto& key = *calibration.add_keys();
@@ -81,13 +83,16 @@ v1::StudyResult calibrated() {
     key.set_high_text(high);
     for (int i = 0; i < 3; ++i) key.add_correlation(0.0);
   };
+
   add(0.2, "0.971234", "0.98", "0.991");
   add(0.4, "2.4 mm", "2.71828 mm", "3 mm");
   add(0.95, "0.7 s", "2.5 s", "4.8 s");
   calibration.mutable_keys(1)->set_correlation(0, -0.87);
+
   calibration.set_fixed(1);
   calibration.set_mesh_error(0.2);
   calibration.add_runs(64);
+
   auto& curve = *calibration.add_curves();
   curve.mutable_measured()->set_monitor("corner");
   curve.mutable_measured()->set_source("curl.csv");
@@ -106,11 +111,13 @@ v1::StudyResult calibrated() {
   curve.set_surface_error(0.2e-3);
   curve.set_check_error(0.3e-3);
   curve.set_checked_error(0.2e-3);
+
   for (auto* share : {curve.mutable_noise(), curve.mutable_misfit()}) {
     share->set_low(0.1e-3);
     share->set_median(0.5e-3);
     share->set_high(0.9e-3);
   }
+
   return result;
 }
 

@@ -27,6 +27,8 @@ v1::Frame slab(int dimension, int rows, double time_s) {
   frame.set_cast_length_m(1e-3 * time_s);
   frame.set_solidus_c(620);
   frame.set_liquidus_c(649);
+
+  // Nodes row by row, warmer upwards and outwards.
   const int depth = dimension == 2 ? 1 : 3, plan = 3 * depth;
   for (int k = 0; k <= rows; ++k)
     for (int j = 0; j < depth; ++j)
@@ -37,7 +39,10 @@ v1::Frame slab(int dimension, int rows, double time_s) {
         frame.add_temperature_c(100.0 + 500.0 * k / rows + 10.0 * i);
         for (int c = 0; c < dimension; ++c) frame.add_displacement_m(0.0);
       }
+
   frame.set_displacement_m(frame.displacement_m_size() - 1, 0.25);
+
+  // Cells between the rows.
   for (int k = 0; k < rows; ++k)
     for (int j = 0; j < std::max(1, depth - 1); ++j)
       for (int i = 0; i < 2; ++i) {
@@ -48,6 +53,7 @@ v1::Frame slab(int dimension, int rows, double time_s) {
                                          n + plan, n + plan + 1, n + plan + 4, n + plan + 3};
         for (const int node : across) frame.add_element_node(node);
       }
+
   return frame;
 }
 

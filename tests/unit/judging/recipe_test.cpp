@@ -18,8 +18,10 @@ v1::StudyResult recipes() {
   for (const char* name : {"speed_start", "speed_run", "speed_ramp", "filling", "hold",
                            "water_start", "water_run", "water_ramp"})
     plan.add_numbers()->set_name(name);
+
   plan.set_least_curl_m(0.035);
   plan.set_greatest_curl_m(0.045);
+
   v1::RecipeFound& found = *result.mutable_recipe();
   found.set_monitor("middle of the narrow face");
   found.set_runs(128);
@@ -28,6 +30,8 @@ v1::StudyResult recipes() {
   found.set_surface_error_m(2.6e-3);
   found.set_misjudged(0.04);
   found.set_chosen(1);
+
+  // The second candidate is riskier, but its full run ends inside the band.
   for (const double risk : {0.12, 0.2}) {
     auto& candidate = *found.add_front();
     for (const double number : {40.0 / 60e3, 60.0 / 60e3, 140.0, 30.0, 60.0, 1.5e-3, 3e-3, 141.4})
@@ -42,9 +46,11 @@ v1::StudyResult recipes() {
     candidate.set_full_state(v1::SUCCEEDED);
     candidate.set_full_curl_m(risk > 0.15 ? 0.04 : 0.05);
   }
+
   v1::CaseChange& change = *found.mutable_front(1)->add_changes();
   change.set_key("schedule.hold");
   change.set_value("60 s");
+
   *found.mutable_itself() = found.front(0);
   found.mutable_itself()->set_castings(0);
   return result;

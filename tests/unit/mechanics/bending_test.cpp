@@ -204,6 +204,8 @@ TEST(BendingQuadrilateral, AnHourglassDoesNotGrowUnderCompression) {
   FixedBody<fem::BendingQuadrilateral> body(
       uniform_rectangle(1.0, 1.0, cells, cells, mesh::ElementKind::q1));
   body.set_material(4e10, 0.45, 1e-40, 6.0);
+
+  // An hourglass of strain: its sign changes from cell to cell, its shape is the first mode.
   const auto pattern = [](int e) { return (e / cells + e % cells) % 2 == 0 ? 1.0 : -1.0; };
   for (int e = 0; e < body.mesh.elements(); ++e) {
     for (std::size_t q = 0; q < 4; ++q) {
@@ -212,6 +214,8 @@ TEST(BendingQuadrilateral, AnHourglassDoesNotGrowUnderCompression) {
                                                          cell.bending[0].strain);
     }
   }
+
+  // Size of the hourglass in the displacement [m].
   const auto hourglass = [&] {
     double sum = 0.0;
     for (int e = 0; e < body.mesh.elements(); ++e) {
@@ -226,6 +230,8 @@ TEST(BendingQuadrilateral, AnHourglassDoesNotGrowUnderCompression) {
     }
     return std::sqrt(sum);
   };
+
+  // Squeeze the block between its bottom and its top, free to spread sideways.
   double first = 0.0;
   for (int step = 1; step <= steps; ++step) {
     for (int n = 0; n < body.mesh.nodes(); ++n) {
@@ -238,6 +244,7 @@ TEST(BendingQuadrilateral, AnHourglassDoesNotGrowUnderCompression) {
     if (step == 1) first = hourglass();
     EXPECT_LE(hourglass(), 1.1 * first) << step;
   }
+
   EXPECT_GT(first, 1e-7) << "there was one";
 }
 

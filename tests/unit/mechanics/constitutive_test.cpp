@@ -165,12 +165,15 @@ TEST(ConstitutiveLaw, StressAndRateSatisfyTheStepsEquation) {
 /// Neighbours in a block differ in stress, modulus and creep by orders of magnitude.
 TEST(ConstitutiveLaw, EveryPointOfABlockGetsItsOwnAnswer) {
   constexpr std::size_t elements = 11, points = 2, places = points * elements_in_block;
+
   Problem all;
   all.dt = 0.5;
   all.exponent = 6.0;
   std::vector<double> strain(4 * places), numbers(6 * places);
   const TensorBlock<2> strains(strain.data(), places);
   const ResponseBlock<2> responses(numbers.data(), places);
+
+  // Stresses over twenty powers of ten, one of them zero.
   const auto trial_at = [](std::size_t e, std::size_t q) {
     Tensor own;
     return own.add(e == 4 ? 0.0 : std::pow(10.0, double(q) - double(e)), trial);
@@ -180,16 +183,21 @@ TEST(ConstitutiveLaw, EveryPointOfABlockGetsItsOwnAnswer) {
     all.kappa.push_back(e % 3 == 0 ? 0.0 : kappa_for(std::pow(10.0, 2.0 * double(e)), 6.0));
     for (std::size_t q = 0; q < points; ++q) strains.set(place_in_block(e, q), trial_at(e, q));
   }
+
   return_map_law(all)(ElementBlock{0, elements}, strains, responses);
+
+  // Each point agrees with the law evaluated by itself.
   for (std::size_t e = 0; e < elements; ++e) {
     for (std::size_t q = 0; q < points; ++q) {
       const Tensor own = trial_at(e, q);
       const double R = 2.0 * all.shear[e] * own.norm();
       const auto map = material::return_map(R, 2.0 * all.shear[e] * all.dt * all.kappa[e], 6.0);
       const auto response = responses.at(place_in_block(e, q));
+
       EXPECT_NEAR(response.deviator.norm(), map.norm, 4e-15 * map.norm) << e;
       const double ratio = R > 0.0 ? map.norm / R : 1.0;
       EXPECT_NEAR(response.shear, all.shear[e] * ratio, 4e-15 * all.shear[e]) << e;
+
       const double slope =
           2.0 * response.shear + response.softening * response.deviator.squared_norm();
       EXPECT_NEAR(slope, 2.0 * all.shear[e] * map.derivative, 1e-13 * all.shear[e]) << e;

@@ -124,6 +124,7 @@ constexpr double density = 2360.0, gravity = 9.81;
 TEST(FictitiousLiquid, ItsPressureCarriesItsWeight) {
   constexpr double height = 0.2;
   const auto check = [&]<class Element>(FixedBody<Element>& body) {
+    // Prestress of each element by the depth of its centroid.
     for (int e = 0; e < body.mesh.elements(); ++e) {
       double y = 0.0;
       for (int i = 0; i < Element::nodes; ++i) {
@@ -131,11 +132,15 @@ TEST(FictitiousLiquid, ItsPressureCarriesItsWeight) {
       }
       body.problem.prestress[std::size_t(e)] = -density * gravity * (height - y);
     }
+
     body.problem.dt = 1.0;
     body.add_body_force([](double, double) { return Vector2{0.0, -density * gravity}; });
+
     std::vector<double> u(body.problem.unknowns(), 0.0), r(u.size());
     Equilibrium equilibrium(body.problem);
     const double acting = equilibrium.residual(u, r, return_map_law(body.problem));
+
+    // Supported nodes carry the weight; free ones are in balance.
     double reaction = 0.0;
     for (int n = 0; n < body.mesh.nodes(); ++n) {
       const double* x = body.mesh.point(n);
@@ -147,8 +152,10 @@ TEST(FictitiousLiquid, ItsPressureCarriesItsWeight) {
         EXPECT_NEAR(r[2 * std::size_t(n)], 0.0, 1e-14 * acting);
       }
     }
+
     EXPECT_NEAR(reaction, density * gravity * 0.3 * height, 1e-12 * reaction);
   };
+
   FixedBody<fem::P1Triangle> triangles(distorted_rectangle<fem::P1Triangle>(0.3, height, 5, 4));
   check(triangles);
   FixedBody<fem::Q1Quadrilateral> squares(

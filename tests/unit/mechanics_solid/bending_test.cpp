@@ -155,6 +155,8 @@ TEST(BendingHexahedron, AnHourglassDoesNotGrowUnderCompression) {
   SolidBody<fem::BendingHexahedron> body(
       box_mesh({cells, cells, cells}, false, [](const Vector3& s) { return s; }));
   body.set_material(4e10, 0.45, 1e-40);
+
+  // An hourglass of strain: its sign changes from cell to cell, its shape is the first modes.
   const auto pattern = [](int e) {
     return (e / cells / cells + e / cells % cells + e % cells) % 2 == 0 ? 1.0 : -1.0;
   };
@@ -168,6 +170,8 @@ TEST(BendingHexahedron, AnHourglassDoesNotGrowUnderCompression) {
       }
     }
   }
+
+  // Size of the hourglass in the displacement [m].
   const auto hourglass = [&] {
     double sum = 0.0;
     for (int e = 0; e < body.box.mesh.elements(); ++e) {
@@ -183,6 +187,8 @@ TEST(BendingHexahedron, AnHourglassDoesNotGrowUnderCompression) {
     }
     return std::sqrt(sum);
   };
+
+  // Squeeze the cube between its bottom and its top, free to spread sideways.
   for (int n : body.box.nodes_on(Face::x_low)) body.fix(n, 0, 0.0);
   for (int n : body.box.nodes_on(Face::y_low)) body.fix(n, 1, 0.0);
   for (int n : body.box.nodes_on(Face::z_low)) body.fix(n, 2, 0.0);
@@ -193,6 +199,7 @@ TEST(BendingHexahedron, AnHourglassDoesNotGrowUnderCompression) {
     if (step == 1) first = hourglass();
     EXPECT_LE(hourglass(), 1.1 * first) << step;
   }
+
   EXPECT_GT(first, 1e-7) << "there was one";
 }
 

@@ -76,15 +76,19 @@ TYPED_TEST(FramesOn, HoldAnObliqueFaceExactly) {
     return Vector3{std::cos(angle) * x[0] - std::sin(angle) * x[1],
                    std::sin(angle) * x[0] + std::cos(angle) * x[1], x[2]};
   };
+
   constexpr bool tetrahedra = of_tetrahedra<TypeParam>;
   SolidBody<TypeParam> straight(box_mesh({3, 2, 2}, tetrahedra, place));
   SolidBody<TypeParam> oblique(
       box_mesh({3, 2, 2}, tetrahedra, [&](const Vector3& s) { return turn(place(s)); }));
+
+  // The oblique box is held along the normals of its turned faces.
   std::vector<NodalFrame<3>> frames;
   for (Face face : {Face::x_low, Face::x_high, Face::y_low}) {
     for (int n : oblique.box.nodes_on(face)) frames.push_back(turned_frame(n, angle));
   }
   oblique.forms.set_frames(frames);
+
   for (auto* body : {&straight, &oblique}) {
     body->set_material(1e9, 0.35);
     for (double& thermal : body->problem.thermal) thermal = 1e-2;
@@ -94,6 +98,7 @@ TYPED_TEST(FramesOn, HoldAnObliqueFaceExactly) {
     for (int n : body->box.nodes_on(Face::z_low)) body->fix(n, 2, 0.0);
     ASSERT_TRUE(body->step(in_balance(1e-12)).converged);
   }
+
   for (int n : straight.box.nodes_on(Face::x_high)) {
     for (int d = 0; d < 3; ++d) {
       EXPECT_NEAR(oblique.displacement(n, d), straight.displacement(n, d), 1e-14);

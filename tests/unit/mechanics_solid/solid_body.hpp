@@ -145,6 +145,8 @@ private:
   void add_traction(const mesh::Facet<3>& facet,
                     const std::function<Vector3(const Vector3&)>& traction) {
     const bool quadrilateral = facet.nodes == 4;
+
+    // Adds a point's share of the traction, by the shape functions there.
     const auto add = [&](const auto& shape, double area) {
       Vector3 at{};
       for (std::size_t i = 0; i < shape.size(); ++i) {
@@ -157,6 +159,8 @@ private:
         }
       }
     };
+
+    // A triangle by the middles of its edges, exact up to quadratic terms.
     if (!quadrilateral) {
       const double third = fem::facet_shares(box.mesh, facet)[0];
       for (std::size_t edge = 0; edge < 3; ++edge) {
@@ -166,12 +170,15 @@ private:
       }
       return;
     }
+
+    // A quadrilateral by 2 x 2 Gauss points.
     for (const auto& p : fem::Q1Quadrilateral::point) {
       const auto gradient = fem::Q1Quadrilateral::shape_gradient(p);
       Eigen::Vector3d along = Eigen::Vector3d::Zero(), across = along;
       for (std::size_t i = 0; i < 4; ++i) {
         const Eigen::Map<const Eigen::Vector3d> x(box.mesh.point(facet.node[i]));
-        along += gradient[i][0] * x, across += gradient[i][1] * x;
+        along += gradient[i][0] * x;
+        across += gradient[i][1] * x;
       }
       add(fem::Q1Quadrilateral::shape(p), along.cross(across).norm());
     }

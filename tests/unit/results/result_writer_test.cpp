@@ -31,6 +31,8 @@ std::vector<StepReport> sample_steps(std::int64_t last) {
 /// A run as casting makes it, from its checkpoint on if there is one. @return false: started over
 bool run_sample(const TemporaryFolder& folder) {
   const RunFiles files{folder / "results.journal", folder / "results.h5"};
+
+  // Resume from the checkpoint, if the journal still fits it.
   std::int64_t step = 0;
   std::unique_ptr<ResultWriter> writer;
   if (const auto checkpoint = read_checkpoint(folder / "checkpoint.bin"); checkpoint.content) {
@@ -39,12 +41,14 @@ bool run_sample(const TemporaryFolder& folder) {
                                   checkpoint.content->integer(journal_records))
                  .writer;
   }
+
   const bool resumed = writer != nullptr;
   if (!resumed) {
     step = 0;
     writer = std::make_unique<ResultWriter>(files, sample_header());
     writer->append(sample_frame(0, 3, 100));
   }
+
   while (step < last_step) {
     writer->append(sample_step(++step));
     if (step % steps_per_frame == 0) {
@@ -57,6 +61,7 @@ bool run_sample(const TemporaryFolder& folder) {
       writer->checkpoint(folder / "checkpoint.bin", std::move(content));
     }
   }
+
   writer->publish({});
   return resumed;
 }

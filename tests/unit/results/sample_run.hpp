@@ -32,15 +32,18 @@ inline RunHeader sample_header() {
 inline StepReport sample_step(std::int64_t step) {
   StepReport report;
   const double s = static_cast<double>(step);
+
   report.step = step;
   report.time = s / 3.0;
   report.time_step = 1.0 / 3.0;
   report.cast_length = 1e-3 * std::sqrt(s);
+
   report.iterations = static_cast<int>(step % 7);
   report.heat_iterations = static_cast<int>(step % 5);
   report.contact_changes = static_cast<int>(step % 3);
   report.monitor_displacement = {{std::sin(s), std::cos(s)}, {std::exp(-s), std::sqrt(s)}};
   report.monitor_temperature = {600.0 + std::sin(s), 500.0 + std::cos(s)};
+
   report.side_heat = 5e5 + s / 7.0;
   report.bottom_heat = 2e5;
   report.conjugate_gradient_iterations = static_cast<int>(step % 11);
@@ -48,6 +51,7 @@ inline StepReport sample_step(std::int64_t step) {
   report.wall_heat_flux = 7e5 + s / 7.0;
   report.maximum_rotation = 0.01 * std::sqrt(s);
   report.bottom_slip = 1e-4 / (1.0 + s);
+
   report.shell_at_water_line = 0.03 / (1.0 + s);
   report.bottom_shell = 0.02 * std::sqrt(s);
   report.mush_strain = 1e-3 * s / 7.0;
@@ -57,10 +61,12 @@ inline StepReport sample_step(std::int64_t step) {
   report.tear_pressure_surface = 1e4 / (1.0 + s);
   report.pore_volume = 1e-6 * s;
   report.beyond_validity = step > 290;
+
   report.solver_seconds = 0.25;
   report.process_seconds = 0.5;
   report.nodes = 6 + 2 * step;
   report.elements = 4;
+
   return report;
 }
 
@@ -72,6 +78,8 @@ inline Frame sample_frame(std::int64_t step, int nodes_per_element, int cells) {
   frame.cast_length = 1e-3 * std::sqrt(static_cast<double>(step));
   frame.metal_level = 0.1 + frame.cast_length;
   frame.nodes_per_element = nodes_per_element;
+
+  // A lower and an upper row of nodes, and cells between them.
   for (int i = 0; i <= cells; ++i)
     for (const double height : {0.0, 0.1}) frame.node.insert(frame.node.end(), {0.01 * i, height});
   for (int i = 0; i < cells; ++i) {
@@ -80,6 +88,8 @@ inline Frame sample_frame(std::int64_t step, int nodes_per_element, int cells) {
     if (nodes_per_element == 3)
       frame.element_node.insert(frame.element_node.end(), {a, b, c, a, c, d});
   }
+
+  // Fields at nodes, at nodes of the bottom and at elements.
   for (std::int64_t n = 0; n < frame.nodes(); ++n) {
     const double value = std::sin(static_cast<double>(n + step));
     frame.temperature.push_back(600.0 + 100.0 * value);
@@ -92,6 +102,7 @@ inline Frame sample_frame(std::int64_t step, int nodes_per_element, int cells) {
       frame.bottom_pressure.push_back(0.0);
     }
   }
+
   for (std::int64_t i = 0; i < 4 * frame.elements(); ++i) {
     frame.stress.push_back(1e6 / static_cast<double>(i + 1 + step));
     frame.viscoplastic_strain.push_back(1e-3 / static_cast<double>(i + 1 + step));
@@ -100,6 +111,7 @@ inline Frame sample_frame(std::int64_t step, int nodes_per_element, int cells) {
     frame.tear_rate.push_back(1e-4 / static_cast<double>(i + 1 + step));
     frame.tear_pressure.push_back(1e4 / static_cast<double>(i + 1 + step));
   }
+
   return frame;
 }
 
@@ -110,6 +122,8 @@ inline Frame sample_solid_frame(std::int64_t step, int cells) {
   frame.time = static_cast<double>(step) / 3.0;
   frame.dimension = 3;
   frame.nodes_per_element = 8;
+
+  // Four nodes in each plane, and cells between the planes.
   for (int i = 0; i <= cells; ++i) {
     const double x = 0.01 * i;
     for (const auto& [y, z] : {std::pair{0.0, 0.0}, {0.01, 0.0}, {0.01, 0.01}, {0.0, 0.01}})
@@ -120,6 +134,8 @@ inline Frame sample_solid_frame(std::int64_t step, int cells) {
     for (const int n : {a, b, b + 1, a + 1, a + 3, b + 3, b + 2, a + 2})
       frame.element_node.push_back(n);
   }
+
+  // Fields at nodes, at nodes of the bottom and at elements.
   for (std::int64_t n = 0; n < frame.nodes(); ++n) {
     const double value = std::sin(static_cast<double>(n + step));
     frame.temperature.push_back(600.0 + 100.0 * value);
@@ -130,6 +146,7 @@ inline Frame sample_solid_frame(std::int64_t step, int cells) {
     frame.bottom_gap.push_back(std::abs(value) / 3.0);
     frame.bottom_pressure.push_back(1e3 * value * value);
   }
+
   for (std::int64_t i = 0; i < 6 * frame.elements(); ++i) {
     frame.stress.push_back(1e6 / static_cast<double>(i + 1 + step));
     frame.viscoplastic_strain.push_back(1e-3 / static_cast<double>(i + 1 + step));

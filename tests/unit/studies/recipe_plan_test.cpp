@@ -36,8 +36,10 @@ v1::Case start() {
 v1::CreateStudyRequest request() {
   v1::CreateStudyRequest request;
   *request.mutable_case_() = start();
+
   v1::RecipePlan& plan = *request.mutable_recipe();
   *plan.mutable_draft() = start();
+
   const auto add = [&](const char* name, double low, double high) {
     v1::RecipePlan::Number& number = *plan.add_numbers();
     number.set_name(name);
@@ -49,14 +51,17 @@ v1::CreateStudyRequest request() {
   add("speed_ramp", 30.0, 200.0);
   add("filling", 20.0, 80.0);
   add("hold", 40.0, 80.0);
+
   v1::RecipePlan::Datum& datum = *plan.add_data();
   datum.set_key("schedule.casting_temperature.offset");
   datum.set_low("-10 K");
   datum.set_high("10 K");
+
   plan.set_least_curl_m(0.035);
   plan.set_greatest_curl_m(0.045);
   plan.set_greatest_speed_rate_m_per_s2(30.0 * mm_per_min / 60.0);
   plan.set_greatest_flow_rate_m2_per_s2(1e-4);
+
   plan.set_drafts(60);
   plan.set_castings(6);
   plan.set_candidates(3);

@@ -33,11 +33,14 @@ Casting cast(const material::AlloyCard& alloy, const CoolingSpec& cooling, Eleme
   mesh::SlabMesh2D slab(casting_section(element));
   HeatSolver solver(material::ThermalProperties(alloy), cooling,
                     make_heat_forms(slab.mesh(), kind));
+
   Casting casting;
   casting.field = solver.uniform_field(680.0);
+
   for (double time = -10.0; time < end - 1e-9;) {
     const double dt = time >= 0.0 && time < 2.0 ? 0.05 : step;
     time += dt;
+
     HeatStepInput input{.time = time,
                         .time_step = dt,
                         .metal_level = 0.10 + 1e-3 * std::max(time, 0.0),
@@ -45,15 +48,18 @@ Casting cast(const material::AlloyCard& alloy, const CoolingSpec& cooling, Eleme
                         .water_flow = 3e-3,
                         .bottom_gap = {},
                         .entry = {}};
+
     slab.grow_to(input.metal_level);
     input.entry = solver.follow_growth(casting.field, slab.nodes_per_row(), 680.0);
     const HeatStepOutcome outcome = solver.step(casting.field, input);
+
     casting.converged = casting.converged && outcome.converged;
     casting.worst_balance = std::max(casting.worst_balance, outcome.balance.error);
     casting.level += outcome.balance.top;
     casting.most_iterations = std::max(casting.most_iterations, outcome.iterations);
     casting.iterations += outcome.iterations;
     ++casting.steps;
+
     if (!outcome.converged) break;
   }
   return casting;
@@ -86,8 +92,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Combine(::testing::Bool(), ::testing::Values(ElementKind::p1, ElementKind::q1),
                        ::testing::Values(SectionKind::plane_strain, SectionKind::axisymmetric)));
 
-/// Heat of the metal poured in equals heat out plus heat stored, whatever happens at the level, with
-/// a film that is marched down the face and a block that warms up.
+/// Heat of the metal poured in equals heat out plus heat stored, whatever happens at the level,
+/// with a film that is marched down the face and a block that warms up.
 TEST(HeatSolver, MetalBringsItsOwnHeatUnderEveryTop) {
   for (const Top top : {Top::pouring, Top::held, Top::insulated}) {
     CoolingSpec cooling = casting_cooling();

@@ -122,16 +122,21 @@ struct AreaKey {
 
 TEST_P(SolidForms, EveryLawGetsItsExactAreaAndMomentOnEachFace) {
   std::vector<SideShare> shares;
+
   CoolingSpec cooling = casting_cooling();
   cooling.zones[1].face = Face::wide;
   cooling.narrow_water = cooling.water;
   cooling.narrow_water->from = 0.051;
   forms_->divide_side(cooling, {depth, {true, true}, {}}, shares);
+
+  // Area and first moment that each law has on each face.
   std::map<AreaKey, double> area, moment;
   for (const SideShare& share : shares) {
     area[{share.law, share.face}] += share.weight;
     moment[{share.law, share.face}] += share.weight * slab_.mesh().point(share.node)[2];
   }
+
+  // Width of the wide face, along its lowest edges.
   double wide = 0.0;
   for (const auto& patch : slab_.mesh().patches) {
     if (patch.kind != PatchKind::side || patch.name == "side_x") continue;
@@ -144,12 +149,14 @@ TEST_P(SolidForms, EveryLawGetsItsExactAreaAndMomentOnEachFace) {
       }
     }
   }
+
   const double narrow = convex() ? 0.275 : half_thickness;
   const auto check = [&](int law, Face face, double width, double low, double high) {
     const AreaKey key{law, face};
     EXPECT_NEAR(area[key], width * (high - low), 1e-15);
     EXPECT_NEAR(moment[key], width * 0.5 * (high * high - low * low), 1e-15);
   };
+
   check(0, Face::wide, wide, 0.07, 0.10);
   check(1, Face::wide, wide, 0.035, 0.07);
   check(law_water, Face::wide, wide, 0.0, 0.035);
@@ -273,31 +280,39 @@ TEST_P(SlabAsSection, AgreesToRoundOff) {
   const mesh::SectionSpec solid = quarter_slab(ElementKind::q1);
   mesh::SectionSpec section = solid;
   section.kind = SectionKind::plane_strain;
+
+  // The plane section across the face that is cooled.
   if (wide) {
     section.half_width = half_thickness;
     section.columns = solid.layers;
     section.side_cell = solid.wide_side_cell;
   }
+
   mesh::SlabMesh3D slab(solid);
   mesh::SlabMesh2D plane(section);
   const material::ThermalProperties metal(casting_alloy());
   HeatSolver in_solid(metal, cooled_on(GetParam()), make_heat_forms(slab.mesh()), 1e-13);
   HeatSolver in_plane(metal, casting_cooling(),
                       make_heat_forms(plane.mesh(), SectionKind::plane_strain), 1e-13);
+
   HeatField field = in_solid.uniform_field(680.0), plane_field = in_plane.uniform_field(680.0);
   for (int i = 1; i <= 8; ++i) {
     HeatStepInput input = input_at(0.5 * i, 0.5, depth + 2e-3 * i);
     slab.grow_to(input.metal_level);
     plane.grow_to(input.metal_level);
     input.entry = in_solid.follow_growth(field, slab.nodes_per_row(), 680.0);
+
     const HeatStepOutcome whole = in_solid.step(field, input);
     input.entry = in_plane.follow_growth(plane_field, plane.nodes_per_row(), 680.0);
     const HeatStepOutcome slice = in_plane.step(plane_field, input);
     ASSERT_TRUE(whole.converged && slice.converged);
+
     const double width = wide ? half_length : half_thickness;
     EXPECT_NEAR(whole.wall_heat_flux / (width * slice.wall_heat_flux), 1.0, 1e-10);
     EXPECT_EQ(whole.face_heat_flux[wide ? 1 : 0], 0.0);
   }
+
+  // Every layer along the insulated face has the temperatures of the section.
   const int per_column = solid.layers + 1;
   for (int n = 0; n < slab.mesh().nodes(); ++n) {
     const int in_row = n % slab.nodes_per_row(), row = n / slab.nodes_per_row();
