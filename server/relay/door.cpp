@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "server/jobs/log.hpp"
-#include "server/relay/socket_owner.hpp"
 
 namespace dccast::relay {
 
@@ -27,6 +26,17 @@ constexpr milliseconds delay_per_hostile{25}, longest_delay{5000};
 /// A connection that has made no request for so long may give way.
 constexpr std::chrono::seconds time_to_first_request{1};
 constexpr std::size_t most_in_handshake = 64;
+
+/// The user of this machine who has made a connection to a Unix socket of ours.
+/// @return nothing: the connection is of TCP, or the system does not say
+std::optional<unsigned> user_of_peer(int socket, const sockaddr_storage& from) {
+  ucred credentials{};
+  socklen_t size = sizeof credentials;
+  if (from.ss_family != AF_UNIX ||
+      ::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0)
+    return std::nullopt;
+  return credentials.uid;
+}
 
 /// Whose connections wait for each other: those of a local user, or of another machine.
 std::string origin_of(const Peer& peer) {
@@ -103,7 +113,7 @@ void Door::accept() {
     admit(socket, {.host = host,
                    .address = uri_of(host, from),
                    .over_tls = tls_ != nullptr,
-                   .user_id = tls_ ? std::nullopt : owner_of_peer(socket, from)});
+                   .user_id = user_of_peer(socket, from)});
   } else if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS) {
     // The client stays in the queue of the system.
     constexpr milliseconds pause_after_refusal{100};

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "server/relay/relay.hpp"
 #include "server/service/context.hpp"
@@ -25,16 +24,15 @@ struct TlsListening {
   relay::TlsFiles files;
 };
 
-/// SimulationService, health and reflection: for local users without TLS, for others over TLS. The
-/// health of "alive" is SERVING while calls are answered; that of "ready" and of the service while
-/// jobs are started, too: not while the queue is held, nor once the daemon is about to end. The
-/// empty name is that of the daemon until it is about to end.
+/// SimulationService, health and reflection: for local users at a Unix socket, for others over TLS.
+/// The health of "alive" is SERVING while calls are answered; that of "ready" and of the service
+/// while jobs are started, too: not while the queue is held, nor once the daemon is about to end.
+/// The empty name is that of the daemon until it is about to end.
 class PublicServer {
 public:
-  /// @param local  one or more, of local users @param tls  nothing: local users alone
+  /// @param local  a Unix socket, of local users @param tls  nothing: local users alone
   /// @throws std::runtime_error  gRPC refuses, or the files of TLS cannot be used
-  PublicServer(Context& context, const std::vector<const relay::Listener*>& local,
-               std::optional<TlsListening> tls);
+  PublicServer(Context& context, const relay::Listener& local, std::optional<TlsListening> tls);
   ~PublicServer();
   /// Health is NOT_SERVING from now on, but for "alive".
   void announce_end();
