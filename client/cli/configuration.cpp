@@ -106,7 +106,7 @@ void apply_configuration(const fs::path& file, cli::CommandLine& line, std::stri
       continue;
     }
     const auto address = node.value<std::string>();
-    if (!address) refuse(file, node.source().begin, "server is text, e.g. \"127.0.0.1:7117\"");
+    if (!address) refuse(file, node.source().begin, "server is text, e.g. \"casthouse:7118\"");
     server = *address;
   }
 }

@@ -21,7 +21,7 @@ struct Program {
   std::filesystem::path servers{};        ///< logins of the user; empty: none
   std::shared_ptr<Interruption> interruption = std::make_shared<Interruption>();
   mutable std::shared_ptr<SshTunnel> tunnel{};  ///< of a server that is meant by ssh://
-  /// To the server that is meant: one of a login, else one on loopback. Throws CommandFailed.
+  /// To the server that is meant: one of a login, else of this machine. Throws CommandFailed.
   Endpoint endpoint() const;
   Connection connect() const { return Connection(endpoint(), interruption); }
 };

@@ -56,7 +56,10 @@ constexpr const char* completion_examples =
 
 Endpoint Program::endpoint() const {
   if (SshTunnel::is_meant(server)) {
-    if (!tunnel) tunnel = std::make_shared<SshTunnel>(server);
+    if (!tunnel) {
+      tunnel = std::make_shared<SshTunnel>(server);
+      tunnel->open();
+    }
     return {.address = tunnel->address()};
   }
   const StoredServers stored(servers);

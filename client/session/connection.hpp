@@ -12,7 +12,6 @@
 
 #include "client/session/failure.hpp"
 #include "dccast/v1/service.grpc.pb.h"
-#include "proto/values/address.hpp"
 
 namespace dccast::client {
 
@@ -72,8 +71,8 @@ struct CallPolicy {
   std::chrono::milliseconds first_pause{200};  ///< doubled after every attempt
 };
 
-/// Port of a daemon whose address names none.
-inline constexpr const char* default_port = ":7117";
+/// Port of a daemon over TLS whose address names none.
+inline constexpr const char* default_port = ":7118";
 
 /// The address with the port of dccastd where none is given. Throws CommandFailed for a URL.
 std::string address_of(const std::string& server);
@@ -84,9 +83,8 @@ struct Endpoint {
   std::string ca{};                  ///< trusted alone; empty: there is no TLS
   std::string token{};               ///< of `dccast login`; not PEM
   std::string certificate{}, key{};  ///< of this client; empty: none
-  bool is_plain() const {
-    return ca.empty() && (address.starts_with("unix:") || values::is_loopback(address));
-  }
+  /// Whether the users of this machine call there, known by their socket.
+  bool is_local() const { return ca.empty() && address.starts_with("unix:"); }
 };
 
 /// Connection to a daemon. It is established by the first call, and never through a proxy:

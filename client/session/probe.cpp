@@ -42,8 +42,7 @@ Diagnosis without_connection(const Socket& socket, const values::HostAndPort& to
   if (const std::string through = proxy(); !through.empty())
     return {"there is no direct connection to " + where + " (" + reason +
                 "), and dccast never uses a proxy, which the environment names (" + through + ")",
-            "ask for a direct way to that port, or use a tunnel: ssh -L 7117:127.0.0.1:7117 " +
-                to.host};
+            "ask for a direct way to that port, or go through ssh: --server ssh://" + to.host};
   if (outcome == Outcome::refused)
     return {"the machine answers, but no program listens at " + where,
             "start dccastd there with listen_tls at this port, or give the port that it has (its "
@@ -85,41 +84,6 @@ std::string names_of(X509* certificate) {
   }
   GENERAL_NAMES_free(all);
   return names.empty() ? "none" : names;
-}
-
-bool takes_tls(const values::HostAndPort& to, const ProbeOptions& options) {
-  const Socket socket(to, options.timeout);
-  return socket.is_connected() && Handshake(socket, to, "").made;
-}
-
-/// What answers without TLS, which only loopback and tunnels have.
-Diagnosis judge_plain(Speaks language, const std::string& address,
-                      std::vector<std::string>& found) {
-  switch (language) {
-    case Speaks::http2:
-      found.push_back("it speaks gRPC without TLS");
-      return {};
-    case Speaks::tls:
-      return {"the server speaks TLS at " + address + ", and there is no login for it here",
-              "log in with the line of `dccastd user add`: dccast login"};
-    case Speaks::http1:
-      return {"a web server answers at " + address + ", not dccastd",
-              "give the port of dccastd; its log names it"};
-    case Speaks::nothing:
-      return {"the server at " + address + " closes the connection without an answer",
-              "it may have too many of them; try again later"};
-    default:
-      return {"what answers at " + address + " does not speak gRPC",
-              "give the port of dccastd; its log names it"};
-  }
-}
-
-Diagnosis plain(Socket& socket, const values::HostAndPort& to, const std::string& address,
-                const ProbeOptions& options, std::vector<std::string>& found) {
-  Speaks language = language_of(socket.exchange(http2_greeting));
-  // gRPC behind TLS closes without a sign of its own.
-  if (language == Speaks::nothing && takes_tls(to, options)) language = Speaks::tls;
-  return judge_plain(language, address, found);
 }
 
 /// The first thing that is wrong with the server's certificate for this host and CA.
@@ -166,14 +130,19 @@ Diagnosis no_handshake(const values::HostAndPort& to, const std::string& address
             "it may have too many of them; try again later"};
   switch (language_of(second.exchange(http2_greeting))) {
     case Speaks::http2:
-      return {"the server speaks no TLS at " + address + ", and this client does",
-              "give the port of listen_tls; the log of dccastd names it"};
+      return {"the server speaks no TLS at " + address +
+                  ", without which dccast calls Unix sockets alone",
+              "give the port of listen_tls, which the log of dccastd names, or on its own machine "
+              "no address"};
     case Speaks::tls:
       return {"the server at " + address + " speaks TLS and refuses this client's greeting",
               "it may be too old, or ask for a certificate: ask an admin"};
     case Speaks::http1:
       return {"a web server without TLS answers at " + address + ", not dccastd",
               "give the port of listen_tls; the log of dccastd names it"};
+    case Speaks::nothing:
+      return {"the server at " + address + " closes the connection without an answer",
+              "it may have too many of them; try again later"};
     default:
       return {"what answers at " + address + " does not speak TLS",
               "give the port of listen_tls; the log of dccastd names it"};
@@ -234,8 +203,6 @@ Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
   return {};
 }
 
-constexpr std::string_view unix_scheme = "unix:";
-
 /// Of a socket of this machine it is the file that says why it cannot be used.
 Diagnosis at_unix_socket(const std::string& path) {
   std::error_code error;
@@ -251,13 +218,14 @@ Diagnosis at_unix_socket(const std::string& path) {
 /// What a socket finds out elsewhere one ssh does here.
 Diagnosis through_ssh(const std::string& server, const ProbeOptions& options,
                       std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
-  const SshTunnel tunnel(server);
+  SshTunnel tunnel(server);
   std::string answer;
-  const Diagnosis way = tunnel.try_once(http2_greeting, options.timeout, answer);
+  const Diagnosis way = tunnel.open_and_greet(http2_greeting, options.timeout, answer);
   if (!way.sound()) return way;
   found.push_back("ssh reaches " + tunnel.target() + " on the other machine");
-  const Diagnosis wire = judge_plain(language_of(answer), server, found);
-  if (!wire.sound()) return wire;
+  if (language_of(answer) != Speaks::http2)
+    return {"what answers at " + tunnel.target() + " there does not speak gRPC",
+            "give the path of dccastd's socket, which its log names: ssh://HOST/PATH"};
   return call({.address = tunnel.address()}, options, found, std::move(interruption));
 }
 
@@ -280,8 +248,9 @@ Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
     return {
         "the address begins with " + address.substr(0, scheme + 3) + ", as that of a web page does",
         "write " + address.substr(scheme + 3) + " alone"};
-  if (address.starts_with(unix_scheme)) {
-    const Diagnosis wire = at_unix_socket(address.substr(unix_scheme.size()));
+  if (address.starts_with(values::unix_scheme)) {
+    const Diagnosis wire =
+        at_unix_socket(address.substr(std::string_view(values::unix_scheme).size()));
     if (!wire.sound()) return wire;
     found.push_back("connected to " + address);
     return call(endpoint, options, found, std::move(interruption));
@@ -293,8 +262,7 @@ Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
   Socket socket(to, options.timeout);
   if (!socket.is_connected()) return without_connection(socket, to, options);
   found.push_back("connected to " + address);
-  const Diagnosis wire = endpoint.is_plain() ? plain(socket, to, address, options, found)
-                                             : secure(socket, to, endpoint, options, found);
+  const Diagnosis wire = secure(socket, to, endpoint, options, found);
   return wire.sound() ? call(endpoint, options, found, std::move(interruption)) : wire;
 }
 

@@ -1,6 +1,7 @@
 #include "client/session/servers.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -116,12 +117,16 @@ void StoredServers::write() const {
 
 Endpoint endpoint_of(const std::string& server) {
   const Endpoint endpoint{.address = address_of(server)};
-  if (endpoint.is_plain()) return endpoint;
-  throw CommandFailed(ExitCode::unreachable,
-                      "there is no login for " + endpoint.address +
-                          "; log in with the line of `dccastd user add`: dccast login. Why a "
-                          "connection fails: dccast doctor " +
-                          endpoint.address);
+  if (endpoint.is_local()) return endpoint;
+  throw CommandFailed(
+      ExitCode::unreachable,
+      fmt::format("there is no login for {}; log in with the line of `dccastd user add`: dccast "
+                  "login.{} Why a connection fails: dccast doctor {}",
+                  endpoint.address,
+                  values::is_loopback(endpoint.address)
+                      ? " Local users give no --server: dccastd serves them at a Unix socket."
+                      : "",
+                  endpoint.address));
 }
 
 EnrolmentLine read_enrolment_line(const std::string& line) {

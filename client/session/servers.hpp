@@ -40,8 +40,8 @@ private:
   std::vector<StoredServer> all_;
 };
 
-/// Where an address points without a stored server: on loopback, without TLS. Throws CommandFailed
-/// for any other, which needs a login.
+/// Where an address points without a stored server: a Unix socket of this machine. Throws
+/// CommandFailed for any other, which needs a login.
 Endpoint endpoint_of(const std::string& server);
 
 /// The line that `dccastd user add` prints: "HOST:PORT/sha256:FINGERPRINT/SECRET".
@@ -69,7 +69,8 @@ struct ProbeOptions {
 
 /// Why calls to a server fail, step by step: address, name, port, TLS, certificate, and last a call
 /// with the token. Uses sockets and OpenSSL, as gRPC states no more than that a connection failed.
-/// "ssh://...": whether ssh reaches the machine, whether the port there takes connections, a call.
+/// "ssh://...": whether ssh reaches the machine, whether the socket there takes connections, a
+/// call.
 /// @param found  a line for each step that succeeded is added
 Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
                    std::vector<std::string>& found, std::shared_ptr<Interruption> interruption);

@@ -1,12 +1,14 @@
 #include "client/session/ssh_tunnel.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <string.h>
 #include <sys/eventfd.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,66 +17,86 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <cstdint>
 #include <fstream>
-#include <iostream>
 #include <regex>
 
 #include "client/session/connection.hpp"
+#include "proto/values/local_socket.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::client {
 namespace {
 
-constexpr std::size_t target_word = 3;  // of command_for's
+using std::chrono::milliseconds;
 
-std::vector<std::string> command_for(const std::string& server) {
+constexpr int cannot_be_started = 127;  // as a shell says it
+
+struct Target {
+  std::string login;  ///< "anna@casthouse"
+  std::string port;   ///< of ssh; empty: the usual one
+  std::string path;   ///< of the socket there
+};
+
+Target read_target(const std::string& server) {
   // No name begins with a dash: ssh would take it for an option.
   static const std::regex form(
-      R"(ssh://((?:[A-Za-z0-9_.][\w.-]*@)?[A-Za-z0-9_.][\w.-]*)(?::(\d{1,5}))?(?:/(\d{1,5})?)?)");
+      R"(ssh://((?:[A-Za-z0-9_.][\w.-]*@)?[A-Za-z0-9_.][\w.-]*)(?::(\d{1,5}))?(/[\w./@+-]*)?)");
+  static const std::regex port(R"(/\d{1,5})");  // earlier versions were reached at one
+  constexpr std::size_t longest = sizeof sockaddr_un::sun_path - 1;
+
   std::smatch parts;
-  if (!std::regex_match(server, parts, form))
-    throw invalid("--server " + server +
-                  ": write ssh://[USER@]HOST[:SSH_PORT][/PORT], where PORT is that of dccastd on "
-                  "HOST (7117)");
-  const std::string port = parts[3].matched ? ":" + parts[3].str() : default_port;
-  std::vector<std::string> command{"ssh", "-T", "-W", "127.0.0.1" + port};
-  if (parts[2].matched) command.insert(command.end(), {"-p", parts[2].str()});
-  command.insert(command.end(), {"--", parts[1].str()});
-  return command;
+  const bool is_read = std::regex_match(server, parts, form);
+  const std::string path = parts[3].str();
+  if (!is_read || std::regex_match(path, port) || path.size() > longest)
+    throw invalid(
+        fmt::format("--server {}: write ssh://[USER@]HOST[:SSH_PORT][/PATH], where PATH is that of "
+                    "dccastd's Unix socket on HOST, of at most {} bytes; without it {}",
+                    server, longest, values::service_socket));
+  return {parts[1].str(), parts[2].str(), path.size() > 1 ? path : values::service_socket};
 }
 
 [[noreturn]] void fail(const std::string& what) {
   throw CommandFailed(ExitCode::unreachable,
-                      "ssh cannot be used: " + what + ": " + ::strerror(errno));
+                      fmt::format("ssh cannot be used: {}: {}", what, ::strerror(errno)));
 }
 
-/// What goes over the connection is standard input and output of an ssh of its own.
-/// @return its process, or the error of the system
-std::pair<pid_t, int> spawn(std::vector<std::string> command, int connection, int errors) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, connection, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, connection, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
+sockaddr_un address_at(const std::filesystem::path& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.native().size() >= sizeof address.sun_path) {
+    errno = ENAMETOOLONG;
+    fail(path.string());
+  }
+  path.native().copy(address.sun_path, path.native().size());
+  return address;
+}
+
+/// Starts a program that ends when this thread does. It reads and writes nothing but its messages.
+/// @return its process; negative: there can be none
+pid_t spawn_tied(const std::vector<std::string>& command, int errors) {
+  std::vector<char*> words;
+  for (const std::string& word : command) words.push_back(const_cast<char*>(word.data()));
+  words.push_back(nullptr);
+  const pid_t parent = ::getpid();
+
+  const pid_t process = ::fork();
+  if (process != 0) return process;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() != parent) ::_exit(cannot_be_started);  // it has ended in between
   sigset_t none;
   sigemptyset(&none);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-  std::vector<char*> words;
-  for (std::string& word : command) words.push_back(word.data());
-  words.push_back(nullptr);
-  pid_t process = 0;
-  const int error =
-      ::posix_spawnp(&process, words[0], &actions, &attributes, words.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  return {process, error};
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  const int nothing = ::open("/dev/null", O_RDWR);
+  ::dup2(errors, STDERR_FILENO);
+  ::dup2(nothing, STDIN_FILENO);
+  ::dup2(nothing, STDOUT_FILENO);
+  ::execvp(words[0], words.data());
+  ::_exit(cannot_be_started);
 }
 
 /// The last line of what ssh wrote, or the one before it by which the other machine refuses the
-/// port.
+/// socket.
 std::string reason_in(const std::filesystem::path& messages) {
   std::ifstream stream(messages);
   std::string line, reason;
@@ -82,139 +104,167 @@ std::string reason_in(const std::filesystem::path& messages) {
     while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
     if (!line.empty() && reason.find("open failed") == std::string::npos) reason = line;
   }
-  return reason;
+  return values::escaped(reason);
 }
 
-/// "ssh -p 2222 anna@casthouse": as a person would type it, without the forwarding.
-std::string login_of(const std::vector<std::string>& command) {
-  std::string text = "ssh";
-  for (std::size_t word = target_word + 1; word < command.size(); ++word)
-    if (command[word] != "--") text += " " + command[word];
-  return text;
+Diagnosis without_login(int exit_code, const std::string& reason, const std::string& login) {
+  if (exit_code == cannot_be_started && reason.empty())
+    return {"ssh cannot be started", "install it (package openssh-client)"};
+  return {fmt::format("ssh ended with exit code {}{}", exit_code,
+                      reason.empty() ? ", without a message" : ": " + reason),
+          fmt::format("mend that first, with {} alone", login)};
 }
 
-/// Why an ssh ended without an answer.
-/// @param port  that it was to reach; @param login  the same ssh as a person types it
-Diagnosis judge(int exit_code, const std::string& reason, const std::string& port,
-                const std::string& login) {
-  const auto has = [&](const char* text) { return reason.find(text) != std::string::npos; };
-  if (has("administratively prohibited"))
-    return {"ssh logs in, but the other machine forbids forwarding (" + reason + ")",
-            "ask its admin for AllowTcpForwarding, or for a login over TLS"};
-  if (has("open failed") || has("stdio forwarding failed"))
-    return {"ssh logs in, but nothing takes connections at " + port + " (" + reason + ")",
-            "start dccastd there, or give the port of its `listen`: ssh://HOST/PORT"};
-  if (exit_code != 0)
-    return {"ssh ended with exit code " + std::to_string(exit_code) +
-                (reason.empty() ? ", without a message" : ": " + reason),
-            "mend that first, with " + login + " alone"};
-  return {"what listens at " + port + " closes the connection without an answer",
-          "give the port of `listen`, not that of listen_tls: ssh://HOST/PORT"};
+/// Why nothing came back over an ssh that has logged in. sshd says "open failed" alike where it
+/// forbids forwarding and where it finds no socket.
+Diagnosis without_answer(const std::string& reason, const std::string& path) {
+  if (reason.find("open failed") != std::string::npos)
+    return {
+        fmt::format("ssh logs in, but makes no connection to {} there ({})", path, reason),
+        "start dccastd there, or give the path of its socket, which its log names: "
+        "ssh://HOST/PATH; if it serves there, ask for AllowStreamLocalForwarding of sshd, or for "
+        "a login over TLS"};
+  return {fmt::format("what listens at {} there closes the connection without an answer", path),
+          "give the path of dccastd's socket, which its log names: ssh://HOST/PATH"};
 }
 
 }  // namespace
 
-SshTunnel::SshTunnel(const std::string& server) : command_(command_for(server)) {
+SshTunnel::SshTunnel(const std::string& server) : errors_(STDERR_FILENO) {
+  const Target target = read_target(server);
+  target_ = target.path;
+
   std::string folder = std::filesystem::temp_directory_path() / "dccast-ssh-XXXXXX";
   if (::mkdtemp(folder.data()) == nullptr) fail(folder);
   socket_ = std::filesystem::path(folder) / "socket";
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (socket_.native().size() >= sizeof address.sun_path) {
-    errno = ENAMETOOLONG;
-    fail(socket_.string());
-  }
-  ::strcpy(address.sun_path, socket_.c_str());
-  listener_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  ended_ = ::eventfd(0, EFD_CLOEXEC);
-  if (listener_ < 0 || ended_ < 0 ||
-      ::bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      ::listen(listener_, SOMAXCONN) != 0)
-    fail(socket_.string());
-  thread_ = std::thread([this] { run(); });
-}
+  messages_ = std::filesystem::path(folder) / "messages";
+  leaving_ = ::eventfd(0, EFD_CLOEXEC);
+  if (leaving_ < 0) fail("eventfd");
 
-const std::string& SshTunnel::target() const {
-  return command_[target_word];
+  // A connection that ssh shares with others would keep this forwarding beyond our end.
+  command_ = {"ssh",
+              "-N",
+              "-T",
+              "-S",
+              "none",
+              "-o",
+              "ServerAliveInterval=15",
+              "-L",
+              fmt::format("{}:{}", socket_.string(), target_)};
+  login_ = "ssh";
+  if (!target.port.empty()) {
+    command_.insert(command_.end(), {"-p", target.port});
+    login_ += " -p " + target.port;
+  }
+  command_.insert(command_.end(), {"--", target.login});
+  login_ += " " + target.login;
 }
 
 SshTunnel::~SshTunnel() {
-  const std::uint64_t one = 1;
-  [[maybe_unused]] const auto written = ::write(ended_, &one, sizeof one);
-  thread_.join();
-  for (const int process : processes_) ::kill(process, SIGTERM);
-  reap(true);
-  ::close(listener_);
-  ::close(ended_);
+  if (thread_.joinable()) {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(leaving_, &one, sizeof one);
+    thread_.join();
+  }
+  if (errors_ != STDERR_FILENO) ::close(errors_);
+  ::close(leaving_);
   std::error_code ignored;
   std::filesystem::remove_all(socket_.parent_path(), ignored);
 }
 
-void SshTunnel::run() {
-  std::array<pollfd, 2> awaited{{{listener_, POLLIN, 0}, {ended_, POLLIN, 0}}};
-  for (;;) {
-    if (::poll(awaited.data(), awaited.size(), -1) < 0 && errno != EINTR) return;
-    if (awaited[1].revents != 0) return;
-    if (awaited[0].revents == 0) continue;
-    const int connection = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
-    reap(false);
-    if (connection < 0) continue;
-    connect(connection);
-    ::close(connection);
-  }
+void SshTunnel::open() {
+  start();
+  if (wait_for_login(Clock::time_point::max()) == Login::made) return;
+  const Diagnosis why = without_login(*exit_code_, "", login_);
+  throw CommandFailed(ExitCode::unreachable, fmt::format("{}; {}", why.cause, why.remedy));
 }
 
-void SshTunnel::connect(int connection) {
-  const auto [process, error] = spawn(command_, connection, STDERR_FILENO);
-  if (error == 0)
-    processes_.push_back(process);
-  else
-    std::cerr << "dccast: ssh cannot be started: " << ::strerror(error) << std::endl;
-}
-
-Diagnosis SshTunnel::try_once(const std::string& greeting, std::chrono::milliseconds timeout,
-                              std::string& answer) const {
-  std::vector<std::string> command = command_;
+Diagnosis SshTunnel::open_and_greet(const std::string& greeting, milliseconds timeout,
+                                    std::string& answer) {
+  errors_ = ::open(messages_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0600);
+  if (errors_ < 0) fail(messages_.string());
   const auto seconds = std::chrono::ceil<std::chrono::seconds>(timeout).count();
-  command.insert(command.begin() + 1, {"-o", "ConnectTimeout=" + std::to_string(seconds)});
-  // A file, not a pipe: a master that ssh leaves behind (ControlPersist) would hold that open.
-  const std::filesystem::path messages = socket_.parent_path() / "messages";
-  const int errors = ::open(messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  std::array<int, 2> ends{-1, -1};
-  if (errors < 0 || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
-    fail(messages.string());
-  const auto [process, error] = spawn(std::move(command), ends[1], errors);
-  ::close(ends[1]);
-  ::close(errors);
-  bool timed_out = false;
-  int status = 0;
-  if (error == 0) {
-    ::send(ends[0], greeting.data(), greeting.size(), MSG_NOSIGNAL);
-    pollfd awaited{ends[0], POLLIN, 0};
-    timed_out = ::poll(&awaited, 1, static_cast<int>(4 * timeout.count())) == 0;
-    std::array<char, 64> bytes;
-    const auto size = timed_out ? 0 : ::recv(ends[0], bytes.data(), bytes.size(), 0);
-    answer.assign(bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
-    if (timed_out || !answer.empty()) ::kill(process, SIGTERM);
-    ::waitpid(process, &status, 0);
-  }
-  ::close(ends[0]);
-  if (error != 0)
-    return {std::string("ssh cannot be started: ") + ::strerror(error),
-            "install it (package openssh-client)"};
+  command_.insert(command_.begin() + 1, {"-o", fmt::format("ConnectTimeout={}", seconds)});
+
+  const auto end = Clock::now() + 4 * timeout;
+  start();
+  const Login login = wait_for_login(end);
+  if (login == Login::failed) return without_login(*exit_code_, reason_in(messages_), login_);
+  if (login == Login::made) answer = greet(greeting, end);
   if (!answer.empty()) return {};
-  const std::string port = target() + " there", login = login_of(command_);
-  if (timed_out)
-    return {"ssh has brought no answer in time: it waits for a person, or what listens at " + port +
-                " does not answer",
-            "try " + login + ", and there dccast doctor"};
-  return judge(WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-               values::escaped(reason_in(messages)), port, login);
+  if (Clock::now() >= end)
+    return {fmt::format("ssh has brought no answer in time: it waits for a person, or what listens "
+                        "at {} there does not answer",
+                        target_),
+            fmt::format("try {}, and there dccast doctor", login_)};
+  return without_answer(reason_in(messages_), target_);
 }
 
-void SshTunnel::reap(bool all) {
-  std::erase_if(processes_,
-                [all](int process) { return ::waitpid(process, nullptr, all ? 0 : WNOHANG) != 0; });
+void SshTunnel::start() {
+  address_at(socket_);  // no longer than it may be
+  thread_ = std::thread([this] { run(); });
+}
+
+void SshTunnel::run() {
+  for (;;) {
+    std::error_code ignored;
+    std::filesystem::remove(socket_, ignored);
+    const pid_t process = spawn_tied(command_, errors_);
+    if (process < 0) return note_end(cannot_be_started << 8);
+
+    // The function pidfd_open() of Debian 12 cannot be linked from C++.
+    const int descriptor = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
+    std::array<pollfd, 2> awaited{{{descriptor, POLLIN, 0}, {leaving_, POLLIN, 0}}};
+    while (::poll(awaited.data(), awaited.size(), -1) < 0 && errno == EINTR) {
+    }
+    ::close(descriptor);
+    const bool is_leaving = awaited[1].revents != 0;
+    if (is_leaving) ::kill(process, SIGTERM);
+    int status = 0;
+    ::waitpid(process, &status, 0);
+    if (is_leaving) return;
+
+    // The first has to log in; a later one may be without a network for a while.
+    if (!has_logged_in_) return note_end(status);
+    constexpr int pause_ms = 1000;
+    if (::poll(&awaited[1], 1, pause_ms) > 0) return;
+  }
+}
+
+void SshTunnel::note_end(int wait_status) {
+  const std::lock_guard lock(mutex_);
+  exit_code_ = WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status);
+  changed_.notify_all();
+}
+
+SshTunnel::Login SshTunnel::wait_for_login(Clock::time_point end) {
+  constexpr milliseconds between_looks{10};
+  std::unique_lock lock(mutex_);
+  // ssh makes the socket once it has logged in.
+  for (std::error_code ignored; !std::filesystem::exists(socket_, ignored);) {
+    if (changed_.wait_for(lock, between_looks, [this] { return exit_code_.has_value(); }))
+      return Login::failed;
+    if (Clock::now() >= end) return Login::timed_out;
+  }
+  has_logged_in_ = true;
+  return Login::made;
+}
+
+std::string SshTunnel::greet(const std::string& greeting, Clock::time_point end) const {
+  const int caller = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (caller < 0) fail("socket");
+  const sockaddr_un address = address_at(socket_);
+  ::connect(caller, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  ::send(caller, greeting.data(), greeting.size(), MSG_NOSIGNAL);
+
+  pollfd awaited{caller, POLLIN, 0};
+  const auto left = std::chrono::ceil<milliseconds>(end - Clock::now()).count();
+  std::array<char, 64> bytes;
+  const ssize_t size = ::poll(&awaited, 1, static_cast<int>(std::max<long>(left, 0))) > 0
+                           ? ::recv(caller, bytes.data(), bytes.size(), 0)
+                           : 0;
+  ::close(caller);
+  return {bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0))};
 }
 
 }  // namespace dccast::client

@@ -1,7 +1,13 @@
 #pragma once
 
+#include <sys/types.h>
+
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <filesystem>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -10,39 +16,55 @@
 
 namespace dccast::client {
 
-/// A way to a daemon through the user's own ssh: "ssh://[USER@]HOST[:SSH_PORT][/PORT]", where PORT
-/// is that of dccastd on loopback there (7117). Each connection to `address()` is one `ssh -W`,
-/// with the user's keys, settings and known hosts; it ends with the connection. The socket lies in
-/// a folder of this user's alone.
+/// A way to a daemon through the user's own ssh: "ssh://[USER@]HOST[:SSH_PORT][/PATH]", where PATH
+/// is that of the daemon's Unix socket there, which for a service may be left out. One ssh forwards
+/// connections to it, with the user's keys, settings and known hosts, and is started again when it
+/// ends; it does not outlive this process. Our end is a socket in a folder of this user's alone.
 class SshTunnel {
 public:
   static bool is_meant(const std::string& server) { return server.starts_with("ssh://"); }
   /// @throws CommandFailed  another text, or there is no place for the socket
   explicit SshTunnel(const std::string& server);
+  SshTunnel(const SshTunnel&) = delete;
   ~SshTunnel();
-  /// For gRPC.
-  std::string address() const { return "unix:" + socket_.string(); }
 
-  /// "127.0.0.1:7117", as the other machine sees it.
-  const std::string& target() const;
-  /// Sends a greeting to the daemon by one ssh of its own.
+  /// Starts ssh, and returns once it has logged in.
+  /// @throws CommandFailed  it ended before that; it has said why
+  void open();
+  /// Starts ssh, and sends a greeting to the daemon.
   /// @param timeout  of ssh for reaching the machine; four times that for all, as a person may have
   ///                 to enter something
   /// @param answer   set to the first bytes that came back, at most 64
   /// @return         why there is no answer: ssh itself, or what it found on the other machine
-  Diagnosis try_once(const std::string& greeting, std::chrono::milliseconds timeout,
-                     std::string& answer) const;
+  Diagnosis open_and_greet(const std::string& greeting, std::chrono::milliseconds timeout,
+                           std::string& answer);
+
+  /// For gRPC.
+  std::string address() const { return "unix:" + socket_.string(); }
+  /// "/run/dccast/dccastd.sock", as the other machine sees it.
+  const std::string& target() const { return target_; }
 
 private:
-  void run();
-  void connect(int connection);
-  void reap(bool all);
+  using Clock = std::chrono::steady_clock;
+  enum class Login { made, failed, timed_out };
 
+  void start();
+  /// Of the thread that owns the ssh processes.
+  void run();
+  void note_end(int wait_status);
+  Login wait_for_login(Clock::time_point end);
+  std::string greet(const std::string& greeting, Clock::time_point end) const;
+
+  std::string login_;  ///< "ssh -p 2222 anna@casthouse", as a person would type it
+  std::string target_;
+  std::filesystem::path socket_, messages_;
   std::vector<std::string> command_;
-  std::filesystem::path socket_;
-  int listener_ = -1;
-  int ended_ = -1;  ///< eventfd
-  std::vector<int> processes_;
+  int errors_;        ///< what ssh writes its messages to
+  int leaving_ = -1;  ///< eventfd
+  std::atomic<bool> has_logged_in_ = false;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<int> exit_code_;  ///< of the ssh that ended last; 127: it cannot be started
   std::thread thread_;
 };
 

@@ -21,7 +21,6 @@
 #include <vector>
 
 #include "core/storage/file.hpp"
-#include "proto/values/address.hpp"
 #include "proto/values/local_socket.hpp"
 #include "server/daemon/metrics.hpp"
 #include "server/daemon/service_manager.hpp"
@@ -176,33 +175,10 @@ v1::WorkerAnswer identify_worker(jobs::WarmWorkers& workers) {
   }
 }
 
-void refuse_open_address(const std::string& listen) {
-  if (listen.starts_with("unix:") || values::is_loopback(listen)) return;
-  throw std::runtime_error(fmt::format(
-      "listen = \"{}\" can be reached from other machines, and has no TLS; set listen_tls "
-      "to it, and listen to a loopback address such as 127.0.0.1:7117",
-      listen));
-}
-
-/// The socket at which local clients look for a daemon, beside the address of the settings.
-/// @return nothing: `listen` is a socket already, there is no place for one, or another daemon of
-/// this user has it
-std::unique_ptr<relay::Listener> socket_of_user(const v1::DaemonConfig& config) {
-  const auto path = values::own_socket();
-  if (!path || config.listen().starts_with("unix:")) return nullptr;
-
-  if (values::is_listening(*path)) {
-    log::info("another program listens at {}: local clients reach this dccastd at {} alone", *path,
-              config.listen());
-    return nullptr;
-  }
-
-  try {
-    return std::make_unique<relay::Listener>("unix:" + *path);
-  } catch (const std::runtime_error& error) {
-    log::warn("{}; local clients reach this dccastd at {} alone", error.what(), config.listen());
-    return nullptr;
-  }
+/// Where the users of this machine call: "unix:PATH".
+std::string local_address(const v1::DaemonConfig& config) {
+  return config.listen().empty() ? values::unix_scheme + values::make_place_of_socket()
+                                 : config.listen();
 }
 
 /// Listens over TLS if the settings say so.
@@ -457,15 +433,11 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   ServiceManager manager;
   service::log_grpc_as_debug();
 
-  refuse_open_address(given.listen());
   const v1::DaemonConfig config = resolve(given);
   JobSide jobs(config, workers);
 
   // A caller that connects before the recovery has ended would only wait.
-  const relay::Listener listener(config.listen());
-  const auto socket = socket_of_user(config);
-  std::vector<const relay::Listener*> local{&listener};
-  if (socket) local.push_back(socket.get());
+  const relay::Listener local(local_address(config));
   TlsListener tls(config);
   AccessSide access(config, jobs);
   service::Context context = make_context(config, jobs, access.gate);
@@ -479,8 +451,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
                                   *jobs.store, jobs.scheduler);
   const auto metrics = serve_metrics_if_set(config, jobs, context, tls);
 
-  if (socket) log::info("local clients find it at {}", socket->address());
-  log_start(config, listener.address(), tls.address(), context, jobs.directory.path());
+  log_start(config, local.address(), tls.address(), context, jobs.directory.path());
   serve_until_signal(server, context, jobs, workers, manager);
   return 0;
 }

@@ -1,5 +1,6 @@
 #include "server/daemon/settings.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -11,6 +12,7 @@
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/source_map.hpp"
+#include "proto/values/local_socket.hpp"
 
 namespace dccast::daemon {
 
@@ -20,7 +22,7 @@ void add_settings(CLI::App& app, CommandLine& line) {
   app.add_option("--config", line.config_file,
                  "Settings, TOML; every key has a default, see deploy/config/dccastd.toml");
   app.add_option("--set", line.overrides,
-                 "One setting over the file's, e.g. --set listen=127.0.0.1:0; may be repeated")
+                 "One setting over the file's, e.g. --set workers=2; may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
 }
@@ -172,12 +174,21 @@ void override_key(const std::string& override_text, v1::DaemonConfig& config, st
   config.MergeFrom(one);
 }
 
+/// The address of local users. Earlier versions took host and port.
+void check_listen(const std::string& listen, std::string& faults) {
+  if (listen.empty() || listen.starts_with(values::unix_scheme)) return;
+  faults += fmt::format(
+      "listen = {}: permitted: unix:PATH of a socket, or nothing for the usual one, where local "
+      "clients look first; TCP needs TLS and a token: for other users write the address as "
+      "listen_tls, see docs/remote.md\n",
+      listen);
+}
+
 /// gRPC and the system take a port modulo 65536.
-void check_listen(const std::string& key, const std::string& listen, std::string& faults) {
-  if (key == "listen" && listen.starts_with("unix:")) return;  // a path, which listening tries
+void check_host_and_port(const std::string& key, const std::string& listen, std::string& faults) {
   const auto colon = listen.rfind(':');
   if (colon == std::string::npos) {
-    faults += key + " = " + listen + ": permitted: host:port, e.g. 127.0.0.1:7117\n";
+    faults += key + " = " + listen + ": permitted: host:port, e.g. 127.0.0.1:7118\n";
     return;
   }
   unsigned port = 0;
@@ -234,12 +245,12 @@ v1::DaemonConfig read_config(const std::string& file, const std::vector<std::str
     faults +=
         "log_level = " + config.log_level() + ": permitted: trace, debug, info, warn, error\n";
 
-  check_listen("listen", config.listen(), faults);
-  if (!config.metrics().empty()) check_listen("metrics", config.metrics(), faults);
+  check_listen(config.listen(), faults);
+  if (!config.metrics().empty()) check_host_and_port("metrics", config.metrics(), faults);
   if (const std::string& hook = config.job_end_hook();
       !hook.empty() && (hook.front() != '/' || ::access(hook.c_str(), X_OK) != 0))
     faults += "job_end_hook = " + hook + ": permitted: the absolute path of a program\n";
-  if (!config.listen_tls().empty()) check_listen("listen_tls", config.listen_tls(), faults);
+  if (!config.listen_tls().empty()) check_host_and_port("listen_tls", config.listen_tls(), faults);
 
   if (!faults.empty()) throw InvalidConfig(faults.substr(0, faults.size() - 1));
   return config;

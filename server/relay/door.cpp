@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "server/jobs/log.hpp"
-#include "server/relay/socket_owner.hpp"
 
 namespace dccast::relay {
 
@@ -27,6 +26,17 @@ constexpr milliseconds delay_per_hostile{25}, longest_delay{5000};
 /// A connection without a request after this time may be ended in favour of another.
 constexpr std::chrono::seconds time_to_first_request{1};
 constexpr std::size_t most_in_handshake = 64;
+
+/// The user of this machine who has made a connection to a Unix socket of ours.
+/// @return nothing: the connection is of TCP, or the system does not say
+std::optional<unsigned> user_of_peer(int socket, const sockaddr_storage& from) {
+  ucred credentials{};
+  socklen_t size = sizeof credentials;
+  if (from.ss_family != AF_UNIX ||
+      ::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0)
+    return std::nullopt;
+  return credentials.uid;
+}
 
 /// Group of connections that share a delay: those of a local user, or of another machine.
 std::string origin_of(const Peer& peer) {
@@ -104,10 +114,9 @@ void Door::accept() {
     admit(socket, {.host = host,
                    .address = uri_of(host, from),
                    .over_tls = tls_ != nullptr,
-                   .user_id = tls_ ? std::nullopt : owner_of_peer(socket, from)});
-
-    // The accepted client waits in the system's queue; a pause avoids a busy loop meanwhile.
+                   .user_id = user_of_peer(socket, from)});
   } else if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS) {
+    // The accepted client waits in the system's queue; a pause avoids a busy loop meanwhile.
     constexpr milliseconds pause_after_refusal{100};
     log::warn("cannot accept a connection: {}", ::strerror(errno));
     pause_.expires_after(pause_after_refusal);

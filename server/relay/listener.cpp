@@ -34,9 +34,9 @@ std::string numeric(const std::string& address) {
 }
 
 [[noreturn]] void fail(const std::string& address, const std::string& reason) {
-  throw std::runtime_error(
-      fmt::format("cannot listen on {}: {}; is another dccastd there? Port 0 takes a free one",
-                  address, reason));
+  throw std::runtime_error(fmt::format(
+      "cannot listen on {}: {}; is another dccastd there? Give this one another address", address,
+      reason));
 }
 
 using Addresses = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
@@ -80,8 +80,9 @@ void Listener::listen_at_path(const std::string& path) {
   place.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof place.sun_path)
     throw std::runtime_error(
-        fmt::format("cannot listen on {}: a path of 1 to {} characters is needed", address_,
-                    sizeof place.sun_path - 1));
+        fmt::format("cannot listen on {}: the path of a Unix socket has 1 to {} bytes; set "
+                    "listen = \"unix:PATH\" to a shorter one",
+                    address_, sizeof place.sun_path - 1));
   path.copy(place.sun_path, path.size());
   const auto* name = reinterpret_cast<const sockaddr*>(&place);
 

@@ -120,7 +120,7 @@ void log_grpc_as_debug() {
   });
 }
 
-PublicServer::PublicServer(Context& context, const std::vector<const relay::Listener*>& local,
+PublicServer::PublicServer(Context& context, const relay::Listener& local,
                            std::optional<TlsListening> tls)
     : service_(context), context_(context) {
   grpc::EnableDefaultHealthCheckService(true);
@@ -143,14 +143,13 @@ PublicServer::PublicServer(Context& context, const std::vector<const relay::List
 
   const auto connections = static_cast<std::size_t>(context.settings.maximum_connections());
   relay_.emplace(context.gate.peers(), std::move(serve), memory_bounds);
-  for (const relay::Listener* listener : local)
-    relay_->add(*listener, {.connections = connections}, std::nullopt);
+  relay_->add(local, {.connections = connections}, std::nullopt);
   if (tls)
     relay_->add(tls->listener, {.connections = connections, .per_peer = tls->connections_per_peer},
                 tls->files);
 
   server_ = builder.BuildAndStart();
-  if (!server_) throw std::runtime_error("gRPC cannot serve on " + local.front()->address());
+  if (!server_) throw std::runtime_error("gRPC cannot serve on " + local.address());
   relay_->start();
   server_->GetHealthCheckService()->SetServingStatus(alive, true);
   health_ = std::jthread([this](const std::stop_token& stop) { report_health(stop); });

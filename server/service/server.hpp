@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "server/relay/relay.hpp"
 #include "server/service/context.hpp"
@@ -25,17 +24,16 @@ struct TlsListening {
   relay::TlsFiles files;
 };
 
-/// SimulationService, health and reflection, without TLS for local users and over TLS for others.
+/// SimulationService, health and reflection, at a Unix socket for local users and over TLS for others.
 /// Health by name: "alive" is SERVING while calls are answered; "ready" and the service's own name
 /// while jobs are started, so neither while the queue is held nor once the daemon is ending; the
 /// empty name until the daemon is ending.
 class PublicServer {
 public:
-  /// @param local  one or more listeners for local users
+  /// @param local  a Unix socket, of local users
   /// @param tls    empty: only local users can call
   /// @throws std::runtime_error  gRPC refuses, or the TLS files cannot be used
-  PublicServer(Context& context, const std::vector<const relay::Listener*>& local,
-               std::optional<TlsListening> tls);
+  PublicServer(Context& context, const relay::Listener& local, std::optional<TlsListening> tls);
   ~PublicServer();
   /// Sets health to NOT_SERVING, except for "alive".
   void announce_end();

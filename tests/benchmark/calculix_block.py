@@ -84,7 +84,7 @@ class Service:
         self.bin = os.path.join(os.path.abspath(build), "bin")
         self.folder = folder
         port = os.path.join(folder, "port")
-        settings = {"listen": "127.0.0.1:0", "port_file": port,
+        settings = {"listen": f"unix:{folder}/socket", "port_file": port,
                     "data_directory": os.path.join(folder, "data"), "workers": 1}
         words = [word for item in settings.items() for word in ("--set", "%s=%s" % item)]
         with open(os.path.join(folder, "daemon.log"), "wb") as log:

@@ -3,7 +3,6 @@ import contextlib
 import os
 import re
 import resource
-import socket
 import subprocess
 import threading
 import time
@@ -16,7 +15,7 @@ from dccast.v1 import service_pb2, service_pb2_grpc
 from fault import Fault
 from oracle import must
 from scene import Scene, limit
-from support import BIN, until
+from support import BIN, connected, until
 
 LONG = "steps=400 sleep_ms=10"
 
@@ -197,10 +196,9 @@ class SilentConnections(RemoteFault):
         job_id = scene.submit(fake(LONG))
         with contextlib.ExitStack() as silent:
             for address in (scene.daemon.address, scene.daemon.tls_address):
-                host, port = address.rsplit(":", 1)
                 for number in range(self.connections):
                     with contextlib.suppress(OSError):
-                        one = silent.enter_context(socket.create_connection((host, int(port)), 2))
+                        one = silent.enter_context(connected(address, timeout=2))
                         if number % 2:
                             one.sendall(self.greeting)
             time.sleep(1.0)

@@ -2,7 +2,6 @@
 import os
 import resource
 import signal
-import socket
 import threading
 import time
 
@@ -13,7 +12,7 @@ from dccast.v1 import case_pb2, service_pb2
 from fault import Fault
 from oracle import all_jobs, must
 from scene import limit, pause, signal_process
-from support import start_ticks
+from support import connected, start_ticks
 
 SERVICE = "/dccast.v1.SimulationService/"
 METHODS = ("ValidateCase", "SubmitJob", "GetJob", "ListJobs", "WatchJob", "CancelJob", "PauseJob",
@@ -54,11 +53,10 @@ class IdleConnections(Fault):
                 count.found("wrong", f"job {job_id} was started {attempts} times")
 
     def connect(self, scene):
-        host, port = scene.daemon.address.rsplit(":", 1)
         idle = []
         for _ in range(self.connections):
             try:
-                idle.append(socket.create_connection((host, int(port)), timeout=1))
+                idle.append(connected(scene.daemon.address, timeout=1))
             except OSError:
                 break  # refused: that is one way to bound them
         time.sleep(0.5)

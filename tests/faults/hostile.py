@@ -30,6 +30,9 @@ class HostilePeers(RemoteFault):
     short = long = at_once = len(WAYS)
     lasts, after = 8.0, 2.0
 
+    def prepare(self, scene):
+        os.chmod(scene.folder, 0o711)  # of the socket, for the other user of this machine
+
     def begin(self, scene):
         self.long_job = scene.submit(fake("steps=4000 sleep_ms=10"))
         self.tokens = {name: self.enrol(scene, name) for name in ("anna", "mallory")}

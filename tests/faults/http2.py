@@ -1,14 +1,14 @@
-"""As much of HTTP/2 as a hostile peer needs: frames and headers by hand, over TCP or TLS."""
+"""As much of HTTP/2 as a hostile peer needs: frames and headers by hand, over a Unix socket or TLS."""
 import collections
 import contextlib
 import hashlib
 import select
-import socket
 import ssl
 import struct
 import time
 
 from dccast.v1 import job_pb2, service_pb2
+from support import connected
 
 DATA, HEADERS, RST_STREAM, SETTINGS, PING, GOAWAY, WINDOW_UPDATE, CONTINUATION = 0, 1, 3, 4, 6, 7, 8, 9
 END_STREAM, END_HEADERS, ACK = 1, 4, 1
@@ -66,10 +66,9 @@ class Peer:
 
     def __init__(self, address, ca=None, token="", settings=b"", greets=True, acknowledges=True,
                  machine="127.0.0.9"):
-        host, port = address.rsplit(":", 1)
+        host = address.rsplit(":", 1)[0]
         # Over TLS as another machine, which has its own limits.
-        source = (machine, 0) if host == "127.0.0.2" else None
-        self.socket = socket.create_connection((host, int(port)), 5, source)
+        self.socket = connected(address, source=(machine, 0) if host == "127.0.0.2" else None)
         if ca:
             context = ssl.create_default_context(cafile=ca)
             context.set_alpn_protocols(["h2"])

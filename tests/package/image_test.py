@@ -50,7 +50,7 @@ class Image(unittest.TestCase):
 
     def start(self, config):
         command = ["buildah", "run", self.container, "--", *config["Entrypoint"], *config.get("Cmd", ()),
-                   "--set", "listen=127.0.0.1:0", "--set", "listen_tls=127.0.0.1:0",
+                   "--set", "listen_tls=127.0.0.1:0",
                    "--set", "port_file=/var/lib/dccast/port"]
         runner = subprocess.Popen(command, env=self.environment)
         self.addCleanup(self.end, runner)

@@ -15,7 +15,7 @@ import unittest
 import grpc
 
 from dccast.v1 import access_pb2, job_pb2, judgement_pb2, service_pb2, service_pb2_grpc, study_pb2
-from support import BIN, Daemon, ServiceTest, fake_case as fake, until
+from support import BIN, Daemon, ServiceTest, connected, fake_case as fake, until
 
 NOBODY = 65534
 
@@ -361,6 +361,7 @@ class Owners(AccessTest):
 
     @unittest.skipUnless(os.geteuid() == 0, "takes another user's id")
     def test_another_local_user_does_not_delete_roots_job(self):
+        os.chmod(self.folder, 0o755)
         self.start()
         job = self.submit(self.local())
         until(lambda: self.local().GetJob(service_pb2.GetJobRequest(id=job.id),
@@ -423,11 +424,12 @@ class Certificates(AccessTest):
         self.assertEqual(self.submit(anna).owner, "anna")  # nor does a new connection need more
         anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)
 
-    def test_loopback_without_tls_is_all_that_listen_takes(self):
-        daemon = Daemon(self.folder, listen="0.0.0.0:0")
-        with self.assertRaises(RuntimeError) as caught:
-            daemon.start()
-        self.assertIn("listen_tls", str(caught.exception))
+    def test_without_tls_no_port_is_served(self):
+        for address in ("0.0.0.0:0", "127.0.0.1:7117"):
+            daemon = Daemon(self.folder, listen=address)
+            with self.assertRaises(RuntimeError) as caught:
+                daemon.start()
+            self.assertIn("listen_tls", str(caught.exception))
 
 
 class Limits(AccessTest):
@@ -556,11 +558,10 @@ class LocalSocket(AccessTest):
 class Silence(AccessTest):
     def test_silent_connections_give_way(self):
         self.start(maximum_connections=50)
-        host, port = self.daemon.address.rsplit(":", 1)
         silent = []
         self.addCleanup(lambda: [one.close() for one in silent])
         for number in range(200):
-            one = socket.create_connection((host, int(port)), 5)
+            one = connected(self.daemon.address)
             if number % 2:  # an HTTP/2 greeting, and then nothing
                 one.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0]))
             silent.append(one)

@@ -28,9 +28,11 @@ class KilledDaemon(AdoptionTest):
     def test_a_daemon_that_cannot_serve_leaves_it_to_the_next_one(self):
         job_id, worker = self.running_job()
         self.daemon.kill()
-        with socket.create_server(("127.0.0.1", 0)) as taken:
+        with socket.socket(socket.AF_UNIX) as taken:
+            taken.bind(os.path.join(self.folder, "taken"))
+            taken.listen()
             free = self.daemon.settings["listen"]
-            self.daemon.settings["listen"] = f"127.0.0.1:{taken.getsockname()[1]}"
+            self.daemon.settings["listen"] = f"unix:{taken.getsockname()}"
             with self.assertRaises(RuntimeError):
                 self.daemon.start()
         self.daemon.settings["listen"] = free

@@ -146,7 +146,7 @@ class Doctor(ClientTest):
         with self.listening() as closed:
             address = "127.0.0.1:%d" % closed.getsockname()[1]
         self.doctor(address, cause="no program listens", remedy="start dccastd")
-        self.doctor(address, cause="https_proxy=http://proxy:3128", remedy="tunnel",
+        self.doctor(address, cause="https_proxy=http://proxy:3128", remedy="--server ssh://127.0.0.1",
                     https_proxy="http://proxy:3128")
 
     def test_a_firewall_that_drops(self):
@@ -166,15 +166,21 @@ class Doctor(ClientTest):
         self.assertIn(f"dccast doctor {self.daemon.tls_address}",
                       self.dccast("--server", self.daemon.tls_address, "list").stderr)
         self.log_in("anna")
-        self.edit("address", self.daemon.address)
-        self.doctor(cause="speaks no TLS", remedy="listen_tls")
+
+        def answer(connection):
+            with contextlib.suppress(ConnectionResetError):
+                connection.recv(1000)
+            connection.sendall(bytes([0, 0, 0, 4, 0, 0, 0, 0, 0]))  # settings of HTTP/2
+        with self.serving(answer) as address:
+            self.edit("address", address)
+            self.doctor(cause="speaks no TLS", remedy="listen_tls")
 
     def test_a_web_server(self):
         def answer(connection):
             connection.recv(1000)
             connection.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n")
         with self.serving(answer) as address:
-            self.doctor(address, cause="a web server", remedy="port of dccastd")
+            self.doctor(address, cause="a web server", remedy="port of listen_tls")
 
     def test_a_server_that_says_nothing(self):
         with self.serving(lambda connection: None) as address:

@@ -13,7 +13,7 @@ import termios
 import threading
 
 from dccast.v1 import job_pb2
-from support import BIN, WAIT_FACTOR, ServiceTest, fake_case, main, until
+from support import BIN, WAIT_FACTOR, ServiceTest, connected, fake_case, main, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 LONG = "steps=100000 sleep_ms=5"
@@ -35,11 +35,12 @@ def has_socket(process):
 class StallingProxy:
     """Between client and daemon; holds back what the daemon sends beyond so many bytes."""
 
-    def __init__(self, address, most):
-        host, port = address.rsplit(":", 1)
-        self.daemon = socket.create_connection((host, int(port)))
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.address = "127.0.0.1:%d" % self.listener.getsockname()[1]
+    def __init__(self, address, most, path):
+        self.daemon = connected(address, timeout=None)
+        self.listener = socket.socket(socket.AF_UNIX)
+        self.listener.bind(path)
+        self.listener.listen()
+        self.address = f"unix:{path}"
         self.most = most
         self.stalled = threading.Event()  # the client gets no more
         self.ends = [self.daemon, self.listener]
@@ -183,7 +184,7 @@ class Interrupt(ServiceTest):
     def test_fetch_leaves_a_part_that_the_same_command_continues(self):
         job = self.client.submit(fake_case("steps=3 big=4000000"))
         self.client.until_state(job.id, job_pb2.SUCCEEDED)
-        proxy = StallingProxy(self.daemon.address, 1500000)
+        proxy = StallingProxy(self.daemon.address, 1500000, os.path.join(self.folder, "proxy"))
         self.addCleanup(proxy.close)
         part = os.path.join(self.folder, "r.h5.part")
         process = self.begin("fetch", job.id, "-o", "r.h5", address=proxy.address)

@@ -7,7 +7,6 @@ much.
 """
 import os
 import resource
-import socket
 import sys
 import threading
 import time
@@ -16,7 +15,7 @@ import unittest
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import ServiceTest, fake_case, main
+from support import ServiceTest, connected, fake_case, main
 
 LONG = "--long" in sys.argv
 if LONG:
@@ -116,9 +115,8 @@ class IdleConnections(Load):
     def test_connections_that_say_nothing_take_nothing_from_jobs(self):
         most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
-        host, port = self.daemon.address.rsplit(":", 1)
         self.info()  # this client is connected
-        idle = [socket.create_connection((host, int(port)), timeout=5) for _ in range(1100)]
+        idle = [connected(self.daemon.address) for _ in range(1100)]
         jobs = [self.client.submit(fake_case(f"steps=3 number={i}")) for i in range(10)]
         for job in jobs:
             job = self.client.until_state(job.id, job_pb2.SUCCEEDED, job_pb2.FAILED)

@@ -1,30 +1,39 @@
 #!/usr/bin/python3
 """Where local clients find a daemon without being told: its Unix socket; and the file that names its address."""
+import ctypes
 import os
+import platform
+import pwd
+import shutil
+import socket
+import struct
 import subprocess
+import tempfile
+import unittest
 import unittest.mock
 
-from support import BIN, Daemon, ServiceTest, fake_case, main
+from dccast.v1 import service_pb2
+from support import BIN, Daemon, ServiceTest, connected, fake_case, main
 
 CASE_TITLE = "steps=1"
+USER = 61000 + os.getpid() % 4000  # that no one has
 
 
 class LocalSocket(ServiceTest):
+    """A daemon whose settings name no address."""
+    settings = {"listen": ""}
+
     def setUp(self):
         environment = unittest.mock.patch.dict(os.environ)
         environment.start()
         self.addCleanup(environment.stop)
         for name in ("XDG_RUNTIME_DIR", "RUNTIME_DIRECTORY", "DCCAST_SERVER", "DCCAST_CONFIG"):
             os.environ.pop(name, None)
+        runtime = tempfile.mkdtemp(prefix="dccast-", dir="/tmp")
+        self.addCleanup(shutil.rmtree, runtime)
+        os.environ["XDG_RUNTIME_DIR"] = runtime
+        self.path = os.path.join(runtime, "dccastd.sock")
         super().setUp()
-
-    def in_runtime_directory(self):
-        """Starts the daemon again as one of a user with a runtime directory. Returns its socket."""
-        os.environ["XDG_RUNTIME_DIR"] = os.path.join(self.folder, "run")
-        os.mkdir(os.environ["XDG_RUNTIME_DIR"], 0o700)
-        self.daemon.terminate()
-        self.restart()
-        return os.path.join(os.environ["XDG_RUNTIME_DIR"], "dccastd.sock")
 
     def dccast(self, *words):
         environment = {"HOME": self.folder, "PATH": os.environ["PATH"],
@@ -33,7 +42,8 @@ class LocalSocket(ServiceTest):
                               timeout=60, check=False, env=environment)
 
     def test_local_clients_use_the_socket_of_their_user(self):
-        path = self.in_runtime_directory()
+        path = self.path
+        self.assertEqual(self.daemon.address, f"unix:{path}")
         job = self.client.submit(fake_case(CASE_TITLE))
         listed = self.dccast("list", "--json")
         self.assertIn(job.id, listed.stdout, listed.stderr)
@@ -50,37 +60,126 @@ class LocalSocket(ServiceTest):
         self.assertFalse(os.path.exists(path))
 
     def test_a_second_daemon_leaves_the_socket_to_the_first(self):
-        self.in_runtime_directory()
         job = self.client.submit(fake_case(CASE_TITLE))
         folder = os.path.join(self.folder, "second")
         os.mkdir(folder)
-        second = Daemon(folder).start()
-        try:
-            self.assertIn("another program listens", second.said())
-            self.assertIn(job.id, self.dccast("list", "--json").stdout)
-        finally:
-            second.terminate()
+        with self.assertRaises(RuntimeError) as refused:
+            Daemon(folder, listen="").start()
+        self.assertIn(f"cannot listen on unix:{self.path}", str(refused.exception))
+        self.assertIn("is another dccastd there?", str(refused.exception))
         self.assertIn(job.id, self.dccast("list", "--json").stdout)  # it is still there
 
     def test_doctor_says_why_a_socket_does_not_answer(self):
-        path = self.in_runtime_directory()
         self.daemon.kill()
-        left = self.dccast("doctor", f"unix:{path}")
+        left = self.dccast("doctor", f"unix:{self.path}")
         self.assertEqual(left.returncode, 4)
         self.assertIn("no program listens at the socket", left.stdout)
         self.assertIn("start dccastd again", left.stdout)
-        self.assertIn("there is no socket at", self.dccast("doctor", f"unix:{path}.no").stdout)
+        self.assertIn("there is no socket at", self.dccast("doctor", f"unix:{self.path}.no").stdout)
 
         self.restart()  # takes the place of the socket that was left
         self.assertEqual(self.dccast("doctor").returncode, 0)
 
-    def test_without_a_runtime_directory_there_is_no_socket_and_a_long_one_does_no_harm(self):
-        self.assertNotIn("unix:", self.daemon.said())
-        os.environ["XDG_RUNTIME_DIR"] = os.path.join(self.folder, "x" * 120)
-        os.mkdir(os.environ["XDG_RUNTIME_DIR"])
+    def test_a_path_that_is_too_long_is_refused_with_the_remedy(self):
         self.daemon.terminate()
-        self.restart()
-        self.assertEqual(os.listdir(os.environ["XDG_RUNTIME_DIR"]), [])
+        os.environ["XDG_RUNTIME_DIR"] = os.path.join(self.folder, "x" * 120)
+        with self.assertRaises(RuntimeError) as refused:
+            self.daemon.start()
+        self.assertIn("1 to 107 bytes", str(refused.exception))
+        self.assertIn('listen = "unix:PATH"', str(refused.exception))
+
+    def test_an_address_of_earlier_versions_is_answered_with_the_remedy(self):
+        said = self.dccast("--server", "127.0.0.1:7117", "list")
+        self.assertEqual(said.returncode, 4)
+        self.assertIn("there is no login for 127.0.0.1:7117", said.stderr)
+        self.assertIn("Local users give no --server", said.stderr)
+
+
+def without_netlink():
+    """Kills this process with its first netlink socket: a filter as seccomp(2) takes it."""
+    load, is_equal, ret = 0x20, 0x15, 0x06
+    kill_process, allow = 0x80000000, 0x7FFF0000
+    socket_call, af_netlink = 41, 16  # of x86-64
+    program = b"".join(struct.pack("HBBI", *line) for line in (
+        (load, 0, 0, 0), (is_equal, 0, 3, socket_call),
+        (load, 0, 0, 16), (is_equal, 0, 1, af_netlink),
+        (ret, 0, 0, kill_process), (ret, 0, 0, allow)))
+    content = ctypes.create_string_buffer(program, len(program))
+    pr_set_no_new_privs, pr_set_seccomp, filter_mode = 38, 22, 2
+    described = ctypes.create_string_buffer(
+        struct.pack("HxxxxxxP", len(program) // 8, ctypes.addressof(content)))
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.prctl(pr_set_no_new_privs, 1, 0, 0, 0) != 0 or \
+            libc.prctl(pr_set_seccomp, filter_mode, described, 0, 0) != 0:
+        raise OSError(ctypes.get_errno(), "seccomp")
+
+
+@unittest.skipUnless(platform.machine() == "x86_64", "the numbers of calls are those of x86-64")
+class NoNetlink(ServiceTest):
+    settings = {"listen_tls": "127.0.0.1:0"}
+    before_exec = staticmethod(without_netlink)
+
+    def test_no_netlink_socket_is_opened(self):
+        who = self.client.stub.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        self.assertEqual(who.name, pwd.getpwuid(os.getuid()).pw_name)
+        with connected(self.daemon.tls_address):
+            pass
+        self.client.stub.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        self.assertTrue(self.daemon.running())
+
+
+@unittest.skipUnless(os.getuid() == 0, "root alone starts programs of other users")
+class WithoutRuntimeDirectory(ServiceTest):
+    """A daemon of another user, who has no runtime directory and sets nothing."""
+    settings = {"listen": ""}
+
+    @staticmethod
+    def before_exec():
+        os.setgroups([])
+        os.setgid(USER)
+        os.setuid(USER)
+
+    def setUp(self):
+        environment = unittest.mock.patch.dict(os.environ)
+        environment.start()
+        self.addCleanup(environment.stop)
+        for name in ("XDG_RUNTIME_DIR", "RUNTIME_DIRECTORY", "DCCAST_SERVER", "DCCAST_CONFIG"):
+            os.environ.pop(name, None)
+        self.place = f"/tmp/dccast-{USER}"
+        shutil.rmtree(self.place, ignore_errors=True)
+        self.addCleanup(shutil.rmtree, self.place, ignore_errors=True)
+        self.folder = tempfile.mkdtemp(prefix="dccast-service-", dir="/tmp")
+        os.chown(self.folder, USER, USER)
+        self.daemon = Daemon(self.folder, before_exec=self.before_exec, **self.settings)
+        self.clients = []
+
+    def dccast(self, *words, user=USER):
+        return subprocess.run(
+            ["setpriv", f"--reuid={user}", f"--regid={user}", "--clear-groups",
+             os.path.join(BIN, "dccast"), *words], capture_output=True, text=True, timeout=60,
+            check=False, env={"HOME": "/nonexistent", "PATH": os.environ["PATH"]})
+
+    def test_the_users_client_finds_it_and_others_are_refused(self):
+        self.daemon.start()
+        self.assertEqual(self.daemon.address, f"unix:{self.place}/dccastd.sock")
+        who = self.dccast("whoami")
+        self.assertEqual(who.returncode, 0, who.stderr)
+        self.assertIn(str(USER), who.stdout)
+        stranger = self.dccast("--server", self.daemon.address, "whoami", user=USER + 1)
+        self.assertEqual(stranger.returncode, 4, stranger.stdout)
+        self.assertEqual(self.daemon.terminate(), 0)
+
+    def test_a_folder_that_another_user_has_made_is_not_used(self):
+        os.mkdir(self.place, 0o777)  # of root
+        with self.assertRaises(RuntimeError) as refused:
+            self.daemon.start()
+        self.assertIn(f"{self.place} is not a folder that this user alone may write to",
+                      str(refused.exception))
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(os.path.join(self.place, "dccastd.sock"))
+            os.chmod(listener.getsockname(), 0o777)
+            listener.listen()
+            self.assertNotIn(self.place, self.dccast("info").stderr)
 
 
 class PortFile(ServiceTest):

@@ -112,14 +112,15 @@ class Terminals(Commands):
     def test_texts_of_a_server(self):
         server = grpc.server(concurrent.futures.ThreadPoolExecutor(2))
         server.add_generic_rpc_handlers((HostileServer(),))
-        port = server.add_insecure_port("127.0.0.1:0")
+        address = f"unix:{self.folder}/hostile"
+        server.add_insecure_port(address)
         server.start()
         try:
-            shown = self.on_screen("info", address=f"127.0.0.1:{port}")
+            shown = self.on_screen("info", address=address)
             self.is_harmless(shown)
             self.assertIn("\\u{1B}]0;owned", shown)
             shown = self.on_screen("show", "00000000-0000-4000-8000-000000000000",
-                                   address=f"127.0.0.1:{port}")
+                                   address=address)
             self.is_harmless(shown)
             self.assertIn("forged", shown)
         finally:
@@ -289,8 +290,9 @@ class Output(Commands):
         self.assertNotIn("case.toml:", error)
 
     def test_an_address_without_port_and_one_of_the_web(self):
-        self.assertIn("no answer from 127.0.0.77:7117",
-                      self.dccast("info", address="127.0.0.77", code=4).stderr)
+        error = self.dccast("info", address="127.0.0.77", code=4).stderr
+        self.assertIn("there is no login for 127.0.0.77:7118", error)
+        self.assertIn("Local users give no --server", error)
         self.assertIn("write HOST:PORT, without https://",
                       self.dccast("info", address="https://localhost:1", code=2).stderr)
 
@@ -357,8 +359,6 @@ class Results(Commands):
 
     def test_fetch_survives_a_daemon_that_is_away_for_five_seconds(self):
         job = self.cast_job()
-        port = self.daemon.address.rsplit(":", 1)[1]
-        self.daemon.settings["listen"] = "127.0.0.1:" + port
         # The job is named by its whole id, so that the stream is the first call.
         self.daemon.terminate()
         again = threading.Timer(5, self.daemon.start)

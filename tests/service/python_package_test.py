@@ -10,6 +10,7 @@ import os
 import pathlib
 import re
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -406,8 +407,12 @@ class Packaging(unittest.TestCase):
         def said(**more):
             return subprocess.run([sys.executable, "-c", script], env={**environment, **more},
                                   capture_output=True, text=True, check=False)
-        self.assertEqual(said(HOME="/nonexistent").stdout, "127.0.0.1:7117\n")
-        self.assertIn("there is no login for caster:7117", said(DCCAST_CONFIG=str(file)).stderr)
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(str(file.with_name("dccastd.sock")))
+            listener.listen()
+            self.assertEqual(said(HOME="/nonexistent", XDG_RUNTIME_DIR=str(file.parent)).stdout,
+                             f"unix:{listener.getsockname()}\n")
+        self.assertIn("there is no login for caster:7118", said(DCCAST_CONFIG=str(file)).stderr)
         logins = file.with_name("servers.toml")
         logins.write_text('[[server]]\nname = "plant"\naddress = "caster:7118"\nca = "x"\n')
         logins.chmod(0o644)
@@ -415,7 +420,8 @@ class Packaging(unittest.TestCase):
         logins.chmod(0o600)
         for named in ("plant", "caster", "caster:7118"):
             self.assertEqual(said(DCCAST_CONFIG=str(file), DCCAST_SERVER=named).stdout, "caster:7118\n")
-        self.assertEqual(said(DCCAST_CONFIG=str(file), DCCAST_SERVER="[::1]").stdout, "[::1]:7117\n")
+        self.assertIn("there is no login for [::1]:7118",
+                      said(DCCAST_CONFIG=str(file), DCCAST_SERVER="[::1]").stderr)
         self.assertIn("there is no such file", said(DCCAST_CONFIG=str(file) + "x").stderr)
 
 

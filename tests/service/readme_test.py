@@ -52,12 +52,12 @@ class NextCommands(unittest.TestCase):
         shutil.copy(pathlib.Path(BIN) / "dccast-worker-fake", prefix / "bin/dccast-worker")
 
     def start_daemon(self, line):
-        """The line as it stands, but on a port that nothing else on this machine uses."""
+        """The line as it stands, but at a socket that nothing else on this machine uses."""
         port_file = self.folder / "port"
         command = line.removesuffix(" &")
         self.assertNotEqual(command, line, "the daemon of README keeps the terminal")
         self.daemon = subprocess.Popen(
-            [*command.split(), "--set", "listen=127.0.0.1:0", "--set", f"port_file={port_file}"],
+            [*command.split(), "--set", f"listen=unix:{self.folder}/socket", "--set", f"port_file={port_file}"],
             cwd=self.folder, env=self.environment, stderr=subprocess.DEVNULL)
         until(lambda: port_file.exists() or self.daemon.poll() is not None, 15)
         self.environment["DCCAST_SERVER"] = port_file.read_text(encoding="ascii").split()[0]

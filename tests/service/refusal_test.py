@@ -5,7 +5,6 @@ import contextlib
 import os
 import re
 import signal
-import socket
 import sqlite3
 import subprocess
 import time
@@ -14,7 +13,7 @@ import zlib
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, fake_case, main, until, work_of
+from support import BIN, ServiceTest, connected, fake_case, main, until, work_of
 
 
 class Refusal(ServiceTest):
@@ -173,10 +172,9 @@ class Refusal(ServiceTest):
         self.assertIn("maximum_attachment", error.details())
 
     def test_garbage_on_the_socket(self):
-        host, port = self.daemon.address.rsplit(":", 1)
         for garbage in (b"", b"GET / HTTP/1.1\r\n\r\n", os.urandom(5000),
                         b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + os.urandom(2000)):
-            with socket.create_connection((host, int(port)), timeout=5) as connection:
+            with connected(self.daemon.address) as connection:
                 connection.sendall(garbage)
 
     def test_a_broken_message(self):
@@ -417,13 +415,21 @@ class CommandLine(ServiceTest):
         return subprocess.run([os.path.join(BIN, "dccastd"), *words], capture_output=True, text=True,
                               timeout=20, check=False, cwd=self.folder)
 
-    def test_an_open_address_is_refused(self):
-        ended = self.run_daemon("--set", "listen=0.0.0.0:0", "--set", "data_directory=other")
-        self.assertEqual(ended.returncode, 4)
-        self.assertIn("TLS", ended.stderr)
-        self.assertIn("127.0.0.1", ended.stderr)
+    def test_a_port_for_local_users_is_refused_with_the_remedy(self):
+        for address in ("0.0.0.0:0", "127.0.0.1:7117"):
+            ended = self.run_daemon("--set", f"listen={address}", "--set", "data_directory=other")
+            self.assertEqual(ended.returncode, 2)
+            for text in (f"listen = {address}", "unix:PATH", "listen_tls", "TLS and a token"):
+                self.assertIn(text, ended.stderr)
 
-    def test_a_port_in_use(self):
+    def test_a_path_that_is_too_long(self):
+        ended = self.run_daemon("--set", "listen=unix:/tmp/" + "x" * 103, "--set",
+                                "data_directory=other", "--set",
+                                f"worker_program={self.daemon.settings['worker_program']}")
+        self.assertEqual(ended.returncode, 4)
+        self.assertIn("1 to 107 bytes", ended.stderr)
+
+    def test_an_address_in_use(self):
         ended = self.run_daemon("--set", f"listen={self.daemon.address}", "--set",
                                 "data_directory=other", "--set",
                                 f"worker_program={self.daemon.settings['worker_program']}")
@@ -434,9 +440,9 @@ class CommandLine(ServiceTest):
 
     def test_a_port_that_is_none(self):
         for port in ("65536", "99999", "-1", "", "7117x"):
-            ended = self.run_daemon("--set", f"listen=127.0.0.1:{port}")
+            ended = self.run_daemon("--set", f"listen_tls=127.0.0.1:{port}")
             self.assertEqual(ended.returncode, 2)
-            self.assertIn(f"listen = 127.0.0.1:{port}", ended.stderr)
+            self.assertIn(f"listen_tls = 127.0.0.1:{port}", ended.stderr)
             self.assertIn("0 to 65535", ended.stderr)
 
     def test_settings_with_faults(self):

@@ -3,26 +3,35 @@
 import getpass
 import os
 import shutil
+import signal
 import socket
 import subprocess
+import threading
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, fake_case, main, until
+from support import BIN, ServiceTest, fake_case, main, start_ticks, until
 
 STAND_IN = """#!/usr/bin/python3
-import os, select, socket, sys
+import os, signal, socket, sys, threading
+def carry(source, target):
+    while data := source.recv(65536):
+        target.sendall(data)
+    target.shutdown(socket.SHUT_WR)
 with open({notes!r}, "a") as notes:
-    print(*sys.argv[1:], file=notes)
+    print(*[word.replace(os.environ["TMPDIR"], "TMP") for word in sys.argv[1:]], os.getpid(), file=notes)
 if "nowhere" in sys.argv:
     sys.exit("ssh: Could not resolve hostname nowhere")
-peer = socket.create_connection(("127.0.0.1", {port}))
+listener = socket.socket(socket.AF_UNIX)
+listener.bind(sys.argv[sys.argv.index("-L") + 1].split(":")[0])
+listener.listen()
 while True:
-    for ready in select.select([0, peer], [], [])[0]:
-        data = os.read(0, 65536) if ready == 0 else peer.recv(65536)
-        if not data:
-            sys.exit(0)
-        peer.sendall(data) if ready == 0 else os.write(1, data)
+    client = listener.accept()[0]
+    peer = socket.socket(socket.AF_UNIX)
+    peer.connect({path!r})
+    for pair in ((client, peer), (peer, client)):
+        threading.Thread(target=carry, args=pair, daemon=True).start()
 """
+OPTIONS = "-N -T -S none -o ServerAliveInterval=15 -L TMP/dccast-ssh-"
 
 
 class SshTest(ServiceTest):
@@ -31,21 +40,25 @@ class SshTest(ServiceTest):
         self.temporary = os.path.join(self.folder, "tmp")
         os.mkdir(self.temporary)
         self.programs = self.folder + ":" + os.environ["PATH"]
-        self.port = self.daemon.address.rsplit(":", 1)[1]
+        self.socket = self.daemon.address.removeprefix("unix:")
 
     def write_ssh(self, text):
         with open(os.path.join(self.folder, "ssh"), "w", encoding="utf-8") as file:
             file.write(text)
         os.chmod(file.name, 0o700)
 
-    def dccast(self, server, *words, code=0):
+    def start_dccast(self, server, *words):
         environment = {**os.environ, "PATH": self.programs, "TMPDIR": self.temporary, "HOME": self.folder}
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", server, *words],
-                               capture_output=True, text=True, timeout=90, check=False,
-                               env=environment, stdin=subprocess.DEVNULL)
-        self.assertEqual(ended.returncode, code, ended.stderr)
+        return subprocess.Popen([os.path.join(BIN, "dccast"), "--server", server, *words], text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                env=environment, stdin=subprocess.DEVNULL)
+
+    def dccast(self, server, *words, code=0):
+        ended = self.start_dccast(server, *words)
+        out, err = ended.communicate(timeout=90)
+        self.assertEqual(ended.returncode, code, err)
         self.assertEqual(os.listdir(self.temporary), [], "the socket is left")
-        return ended.stdout if code == 0 else ended.stdout + ended.stderr
+        return out if code == 0 else out + err
 
     def doctor(self, server, cause, remedy):
         """One sentence about the cause, one remedy, each with these texts."""
@@ -61,18 +74,43 @@ class StandIn(SshTest):
     def setUp(self):
         super().setUp()
         self.notes = os.path.join(self.folder, "notes")
-        self.write_ssh(STAND_IN.format(notes=self.notes, port=self.port))
+        self.write_ssh(STAND_IN.format(notes=self.notes, path=self.socket))
 
     def calls(self):
+        """Words of each ssh without the name of its folder, and its process id."""
         with open(self.notes, encoding="utf-8") as file:
-            return file.read().splitlines()
+            lines = file.read().splitlines()
+        for line in lines:
+            self.assertTrue(line.startswith(OPTIONS), line)
+        return [line.removeprefix(OPTIONS).split(":", 1)[1].rsplit(" ", 1) for line in lines]
 
     def test_a_job_is_submitted_and_followed(self):
         job = self.client.submit(fake_case("steps=50 sleep_ms=10")).id
-        self.assertIn("succeeded", self.dccast("ssh://anna@casthouse:2222/7200", "wait", job))
-        self.assertEqual(self.calls(), ["-T -W 127.0.0.1:7200 -p 2222 -- anna@casthouse"])
+        self.assertIn("succeeded", self.dccast("ssh://anna@casthouse:2222/run/user/7/dccastd.sock",
+                                               "wait", job))
         self.dccast("ssh://casthouse", "info")
-        self.assertEqual(self.calls()[1:], ["-T -W 127.0.0.1:7117 -- casthouse"])
+        self.assertEqual([words for words, _ in self.calls()],
+                         ["/run/user/7/dccastd.sock -p 2222 -- anna@casthouse",
+                          "/run/dccast/dccastd.sock -- casthouse"])
+
+    def test_a_connection_that_breaks_is_made_again(self):
+        job = self.client.submit(fake_case("steps=400 sleep_ms=10")).id
+        watch = self.start_dccast("ssh://casthouse", "wait", job)
+        until(lambda: os.path.exists(self.notes) and self.calls(), 10)
+        self.client.until_step(job, 20)
+        os.kill(int(self.calls()[0][1]), signal.SIGKILL)
+        until(lambda: len(self.calls()) == 2, 20)
+        self.assertIn("succeeded", watch.communicate(timeout=60)[0])
+
+    def test_no_ssh_outlives_a_client_that_was_killed(self):
+        job = self.client.submit(fake_case("steps=100000 sleep_ms=10")).id
+        watch = self.start_dccast("ssh://casthouse", "wait", job)
+        until(lambda: os.path.exists(self.notes) and self.calls(), 10)
+        process = int(self.calls()[0][1])
+        watch.kill()
+        watch.communicate(timeout=10)
+        until(lambda: start_ticks(process) == 0, 10)
+        self.client.cancel(job)
 
     def test_what_ssh_says_is_shown(self):
         self.assertIn("Could not resolve", self.dccast("ssh://nowhere", "info", code=4))
@@ -90,9 +128,14 @@ class StandIn(SshTest):
 
     def test_no_option_gets_through_as_a_host(self):
         for server in ("ssh://-oProxyCommand=id", "ssh://a@-oProxyCommand=id", "ssh://", "ssh://a b",
-                       "ssh://host:port", "ssh://host;id"):
+                       "ssh://host:port", "ssh://host;id", "ssh://host/a:/b", "ssh://host/" + "x" * 107):
             self.assertIn("write ssh://", self.dccast(server, "info", code=2))
         self.assertFalse(os.path.exists(self.notes))
+
+    def test_a_port_of_earlier_versions_is_answered_with_the_remedy(self):
+        said = self.dccast("ssh://casthouse/7117", "info", code=2)
+        for text in ("PATH", "Unix socket", "/run/dccast/dccastd.sock"):
+            self.assertIn(text, said)
 
 
 class RealSsh(SshTest):
@@ -134,8 +177,8 @@ class RealSsh(SshTest):
         with socket.socket() as probe:
             return probe.connect_ex(("127.0.0.1", self.ssh_port)) == 0
 
-    def server(self, port):
-        return f"ssh://{getpass.getuser()}@127.0.0.1:{self.ssh_port}/{port}"
+    def server(self, path):
+        return f"ssh://{getpass.getuser()}@127.0.0.1:{self.ssh_port}{path}"
 
     def path(self, name):
         return os.path.join(self.folder, name)
@@ -145,44 +188,43 @@ class RealSsh(SshTest):
         self.sshd.wait(10)
 
     def test_the_owner_is_the_user_of_the_other_machine(self):
-        server = self.server(self.port)
+        server = self.server(self.socket)
         job = self.client.submit(fake_case("steps=50 sleep_ms=10")).id
         self.assertIn("succeeded", self.dccast(server, "wait", job))
         self.assertIn(getpass.getuser(), self.dccast(server, "whoami"))
         self.assertEqual(self.client.job(job).state, job_pb2.SUCCEEDED)
 
     def test_doctor(self):
-        sound = self.dccast(self.server(self.port), "doctor")
-        self.assertIn(f"ok      ssh reaches 127.0.0.1:{self.port} on the other machine\n", sound)
+        sound = self.dccast(self.server(self.socket), "doctor")
+        self.assertIn(f"ok      ssh reaches {self.socket} on the other machine\n", sound)
         self.assertIn(f"ok      you are {getpass.getuser()}, ", sound)
-
-        with socket.socket() as closed:
-            closed.bind(("127.0.0.1", 0))
-            port = closed.getsockname()[1]
-            self.doctor(self.server(port), [f"nothing takes connections at 127.0.0.1:{port}", "Connection refused"],
-                        ["start dccastd there"])
-        self.doctor(self.server(self.ssh_port), ["does not speak gRPC"], ["port of dccastd"])
+        missing = self.path("missing")
+        self.doctor(self.server(missing), [f"makes no connection to {missing} there", "open failed"],
+                    ["start dccastd there", "ssh://HOST/PATH"])
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(self.path("other"))
+            listener.listen()
+            threading.Thread(target=greet_and_close, args=(listener,), daemon=True).start()
+            self.doctor(self.server(self.path("other")), ["does not speak gRPC"], ["ssh://HOST/PATH"])
         self.ssh_with("host")
-        self.doctor(self.server(self.port), ["ssh ended with exit code 255: ", "Permission denied"], [" alone"])
+        self.doctor(self.server(self.socket), ["ssh ended with exit code 255: ", "Permission denied"], [" alone"])
         self.ssh_with("user")
         self.end_sshd()
-        self.doctor(self.server(self.port), ["exit code 255: ", "Connection refused"],
+        self.doctor(self.server(self.socket), ["exit code 255: ", "Connection refused"],
                     [f"ssh -p {self.ssh_port} "])
 
     def test_doctor_where_forwarding_is_forbidden(self):
-        elsewhere = "PermitOpen=127.0.0.1:" + str(self.ssh_port)
-        for forbidden in ("AllowTcpForwarding=no", elsewhere):
-            self.end_sshd()
-            self.start_sshd("-o", forbidden)
-            self.doctor(self.server(self.port), ["forbids forwarding", "administratively prohibited"],
-                        ["AllowTcpForwarding", "over TLS"])
+        self.end_sshd()
+        self.start_sshd("-o", "AllowStreamLocalForwarding=no")
+        self.doctor(self.server(self.socket), ["makes no connection", "open failed"],
+                    ["AllowStreamLocalForwarding", "over TLS"])
 
-    def test_doctor_at_the_port_of_others(self):
-        self.daemon.terminate()
-        self.daemon.settings["listen_tls"] = "127.0.0.1:0"
-        self.daemon.start()
-        port = self.daemon.tls_address.rsplit(":", 1)[1]
-        self.doctor(self.server(port), ["without an answer"], ["not that of listen_tls"])
+
+def greet_and_close(listener):
+    peer = listener.accept()[0]
+    with peer:
+        peer.sendall(b"220 some other program\r\n")
+        peer.recv(1000)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,13 @@
 """What the service tests share: a daemon of their own in a fresh folder, and a client for it.
 
-Everything is started on a free loopback port and stopped by its process id.
+Everything is started at a Unix socket of its own and stopped by its process id.
 """
 import contextlib
 import hashlib
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -33,7 +34,7 @@ class Daemon:
         self.options = options
         self.before_exec = before_exec  # called in its process, e.g. to limit it
         self.port_file = os.path.join(folder, "port")
-        self.settings = {"listen": "127.0.0.1:0", "port_file": self.port_file,
+        self.settings = {"listen": socket_in(folder), "port_file": self.port_file,
                          "data_directory": os.path.join(folder, "data"),
                          "worker_program": os.path.join(BIN, worker), "workers": 2, **settings}
         self.process = None
@@ -122,6 +123,25 @@ class Daemon:
             except OSError:
                 pass  # it ended while we looked
         return found
+
+
+def socket_in(folder):
+    """Where a daemon of this folder listens. A path of a socket has at most 107 bytes."""
+    path = os.path.join(folder, "socket")
+    if len(path) > 107:
+        path = os.path.join(tempfile.mkdtemp(prefix="dccast-", dir="/tmp"), "socket")
+    return "unix:" + path
+
+
+def connected(address, timeout=5, source=None):
+    """A socket without gRPC. @param source  address of ours, of TCP"""
+    if address.startswith("unix:"):
+        peer = socket.socket(socket.AF_UNIX)
+        peer.settimeout(timeout)
+        peer.connect(address.removeprefix("unix:"))
+        return peer
+    host, port = address.rsplit(":", 1)
+    return socket.create_connection((host, int(port)), timeout, source)
 
 
 def processes():

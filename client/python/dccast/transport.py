@@ -4,6 +4,7 @@ from __future__ import annotations
 import os
 import pathlib
 import socket
+import stat
 import threading
 import time
 import tomllib
@@ -16,7 +17,7 @@ import grpc
 from dccast import errors
 from dccast.v1 import service_pb2, service_pb2_grpc
 
-PORT = 7117
+PORT = 7118
 SERVICE_SOCKET = "/run/dccast/dccastd.sock"
 ATTEMPTS = 4  # of a call that may be repeated
 FIRST_PAUSE_S = 0.2  # doubled after every attempt
@@ -42,8 +43,7 @@ class Endpoint:
 
     @property
     def is_local(self) -> bool:
-        host = self.address.rpartition(":")[0].strip("[]")
-        return self.address.startswith("unix:") or host in ("localhost", "::1") or host.startswith("127.")
+        return self.address.startswith("unix:")
 
 
 def settings_folder() -> pathlib.Path:
@@ -84,7 +84,7 @@ def with_port(server: str) -> str:
 
     >>> from dccast import transport
     >>> transport.with_port("caster.example")
-    'caster.example:7117'
+    'caster.example:7118'
     """
     if server.startswith("unix:"):
         return server
@@ -105,20 +105,30 @@ def _listens(path: str) -> bool:
     return True
 
 
+def _belongs_to_this_user(folder: str) -> bool:
+    """Anyone may make a folder in /tmp, and could serve there in place of this user's daemon."""
+    try:
+        status = os.lstat(folder)
+    except OSError:
+        return False
+    return stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid() and not status.st_mode & 0o022
+
+
 def _local_server() -> str:
-    """The socket of this user's daemon, else of this machine's, where one listens; else loopback."""
+    """The socket of this user's daemon, else of this machine's, where one listens; else the place
+    of this user's."""
     own = os.environ.get("XDG_RUNTIME_DIR", "")
-    sockets = [f"{own}/dccastd.sock"] if own.startswith("/") else []
-    for path in [*sockets, SERVICE_SOCKET]:
-        if _listens(path):
-            return f"unix:{path}"
-    return "127.0.0.1"
+    folders = [own] if own.startswith("/") else []
+    if os.name == "posix" and _belongs_to_this_user(folder := f"/tmp/dccast-{os.geteuid()}"):
+        folders.append(folder)
+    sockets = [*(f"{folder}/dccastd.sock" for folder in folders), SERVICE_SOCKET]
+    return "unix:" + next(filter(_listens, sockets), sockets[0])
 
 
 def endpoint(server: str | None) -> Endpoint:
     """The server that is meant: the argument, else $DCCAST_SERVER, else `server` of the settings file,
-    else the first login, else this machine (its socket where a daemon listens there, else loopback). One that `dccast login` has stored is found by its name or
-    address."""
+    else the first login, else the socket of this machine. One that `dccast login` has stored is found
+    by its name or address."""
     folder = settings_folder()
     settings = pathlib.Path(os.environ.get("DCCAST_CONFIG") or folder / "client.toml")
     named = server or os.environ.get("DCCAST_SERVER") or _read(settings).get("server", "")
@@ -129,7 +139,8 @@ def endpoint(server: str | None) -> Endpoint:
     found = Endpoint(with_port(named or _local_server()))
     if not found.is_local:
         raise errors.DccastError("UNAUTHENTICATED", f"there is no login for {found.address}",
-                                 remedy="dccast login, with the line that the administrator gives")
+                                 remedy="dccast login, with the line that the administrator gives; "
+                                        "local users give no address: dccastd serves them at a Unix socket")
     return found
 
 

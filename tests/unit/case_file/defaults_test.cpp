@@ -54,7 +54,7 @@ TEST(Defaults, OfTheDaemonPassItsChecks) {
   apply_defaults(config);
   EXPECT_TRUE(check_ranges(config).empty());
   EXPECT_DOUBLE_EQ(config.maximum_attachment_bytes(), 64e6);
-  EXPECT_EQ(config.listen(), "127.0.0.1:7117");
+  EXPECT_EQ(config.log_level(), "info");
 }
 
 TEST(Defaults, DoNotHideWhatTheAlloyCardSays) {
