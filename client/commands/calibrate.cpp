@@ -1,15 +1,13 @@
 #include <fstream>
 #include <iostream>
-#include <regex>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
 #include "client/model/measured_csv.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/data_study.hpp"
-#include "client/text/data_study_text.hpp"
+#include "client/session/studies.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
 
@@ -125,20 +123,23 @@ std::string joined(const std::vector<CastingStudies>& castings) {
 }
 
 /// Runs at the calibrated values and along the ridge, until they agree with the surface.
-v1::StudyResult checked(Connection& connection, std::vector<CastingStudies> castings,
-                        const std::string& come_back) {
-  v1::StudyResult result = evaluate_calibration(connection, castings);
-  const v1::SweepPlan plan = result.study().sweep();
-  for (int round = 1; round <= most_rounds && result.has_calibration(); ++round) {
+v1::StudyJudgement checked(Connection& connection, std::vector<CastingStudies> castings,
+                           const std::string& come_back) {
+  v1::StudyJudgement answer = judge_calibration(connection, castings);
+  const v1::SweepPlan plan = answer.study().sweep();
+  for (int round = 1; round <= most_rounds && answer.result().has_calibration(); ++round) {
     std::cerr << "runs at the calibrated values and along the ridge, round " << round << " of "
               << most_rounds << " at most\n";
-    const auto added = add_checks(connection, result.calibration(), plan, castings);
-    for (const std::string& id : added) follow_with_progress(connection, id, come_back);
+    const auto added = add_checks(connection, answer.result().calibration(), plan, castings);
     if (added.empty()) break;  // none of them counts: they failed
-    result = evaluate_calibration(connection, castings);
-    if (std::ranges::all_of(result.calibration().curves(), is_confirmed)) break;
+
+    for (const std::string& id : added) follow_with_progress(connection, id, come_back);
+    answer = judge_calibration(connection, castings);
+    if (std::ranges::all_of(answer.result().calibration().curves(),
+                            &v1::Calibration::Curve::is_confirmed))
+      break;
   }
-  return result;
+  return answer;
 }
 
 void write_case(Connection& connection, const CalibrateOptions& options,
@@ -153,45 +154,11 @@ void write_case(Connection& connection, const CalibrateOptions& options,
   write_output(options.output, calibrated_case(connection, request, result));
 }
 
-/// The unit of a key's numbers in SI: that of the schema; "1" of a factor.
-std::string unit_of_key(const std::string& key) {
-  if (key.ends_with(".scale")) return "1";
-  if (key.ends_with(".shift")) return "s";
-  // The reference has lists without their numbers: "cooling.zone[].from".
-  static const std::regex number(R"(\[\d+\])");
-  const std::string path = std::regex_replace(key, number, "[]");
-  const std::string offset = ".offset";
-  const std::string plain =
-      path.ends_with(offset) ? path.substr(0, path.size() - offset.size()) : path;
-  for (const case_file::KeyReference& known : case_file::reference(*v1::Case::descriptor()))
-    if (known.path == plain || known.path + "[]" == plain)
-      return plain != path && known.unit == "degC" ? "K" : known.unit;
-  return {};
-}
-
-/// The result with the name and the unit of each key beside its numbers, which are in SI.
-Json named_json(const v1::StudyResult& result) {
-  Json json = to_json(result);
-  if (!result.has_calibration()) return json;
-  Json keys = Json::array();
-  for (int i = 0; i < result.calibration().keys_size(); ++i) {
-    const std::string& name = result.study().sweep().axes(i).key();
-    Json key = to_json(result.calibration().keys(i));
-    key["key"] = name;
-    key["unit"] = unit_of_key(name);
-    keys.push_back(std::move(key));
-  }
-  json["calibration"]["keys"] = std::move(keys);
-  return json;
-}
-
-void print(Connection& connection, const CalibrateOptions& options, const v1::StudyResult& result) {
-  if (!options.plot.empty()) write_output(options.plot, render::calibration_page(result));
-  if (options.json)
-    print_line(named_json(result));
-  else if (options.plot != "-" && options.output != "-")
-    std::cout << render::calibration_text(result);
-  if (!options.output.empty() && result.has_calibration()) write_case(connection, options, result);
+void print(Connection& connection, const CalibrateOptions& options,
+           const v1::StudyJudgement& answer) {
+  print_answer(options, answer, options.output);
+  if (!options.output.empty() && answer.result().has_calibration())
+    write_case(connection, options, answer.result());
 }
 
 void require_sense(const CalibrateOptions& options) {
@@ -215,14 +182,14 @@ ExitCode run(const CalibrateOptions& options, Program& program) {
     return ExitCode::done;
   }
   if (options.no_wait) {
-    print(connection, options, evaluate_calibration(connection, castings));
+    print(connection, options, judge_calibration(connection, castings));
     return ExitCode::done;
   }
   for (const CastingStudies& casting : castings)
     follow_with_progress(connection, casting.front(), come_back);
-  const v1::StudyResult result = checked(connection, castings, come_back);
-  print(connection, options, result);
-  return result.has_calibration() ? ExitCode::done : ExitCode::solve_failed;
+  const v1::StudyJudgement answer = checked(connection, castings, come_back);
+  print(connection, options, answer);
+  return answer.result().has_calibration() ? ExitCode::done : ExitCode::solve_failed;
 }
 
 constexpr const char* examples =

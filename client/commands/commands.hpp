@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/cli/common_options.hpp"
 #include "client/cli/options.hpp"
 #include "client/model/json.hpp"
 #include "client/session/connection.hpp"
@@ -52,6 +53,11 @@ Add add_login, add_logout, add_whoami, add_doctor, add_info, add_completion;
 
 /// Writes JSON to standard output, on one line.
 void print_line(const Json& json);
+
+/// Writes the answer of a study as its command was asked to: as a page, as JSON or as text.
+/// @param other_output  of the command, "-" where standard output is taken by it
+void print_answer(const StudyOptions& options, const v1::StudyJudgement& answer,
+                  const std::string& other_output = {});
 
 /// Follows a job as `watch` does and reports how it ended; results on stdout unless
 /// `messages_only`.

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <iostream>
@@ -11,7 +13,6 @@
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
-#include "client/text/study_text.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/values/digests.hpp"
 
@@ -151,71 +152,41 @@ void name_jobs(Connection& connection, const std::string& id, NamedLevels& level
   }
 }
 
-/// Waits until every job of the study has ended. Throws Interrupted with the command that
-/// continues.
-Study finished_study(Connection& connection, const std::string& id, NamedLevels& levels) {
+/// Waits until every job of the study has ended. Throws CommandFailed, also for a study of another
+/// kind, and Interrupted with the command that continues.
+v1::StudyJudgement judged_after_its_end(Connection& connection, const std::string& id,
+                                        NamedLevels& levels) {
   try {
     name_jobs(connection, id, levels);
     print_paused_jobs(connection, id);
     follow_study(
         connection, id, [](const v1::Study&) {}, std::cerr);
-    return read_study(connection, id);
   } catch (const Interrupted&) {
     throw Interrupted("the jobs go on. Come back: dccast convergence --study " + id);
   }
+
+  v1::StudyJudgement answer = judge_study(connection, {.id = id});
+  if (!answer.study().has_refinement())
+    throw invalid("study " + id + " compares no meshes; dccast studies " + id +
+                  " shows what it is");
+  return answer;
 }
 
 /// Reports missing levels and the reason. @return whether every level succeeded
-bool report_losses(const Study& study) {
+bool report_losses(const v1::StudyResult& result) {
   bool whole = true;
-  for (const v1::Job& job : study.others)
-    std::cerr << "job " << job.id() << " is left out: another job stands for its level\n";
-  for (const StudyLevel& level : study.levels) {
-    if (level.job.has_validity_loss())
-      std::cerr << "dccast: refinement " << level.refinement << " (job " << level.job.id()
-                << ") is " << render::validity_text(level.job.validity_loss()) << '\n';
-    if (level.succeeded()) continue;
+  for (const v1::StudyRun& run : result.runs()) {
+    const std::string level =
+        fmt::format("dccast: refinement {} (job {}) is ", run.refinement(), run.job());
+    if (run.beyond_validity()) std::cerr << level << render::beyond_validity << '\n';
+    if (run.state() == v1::SUCCEEDED) continue;
+
     whole = false;
-    std::cerr << "dccast: refinement " << level.refinement << " (job " << level.job.id() << ") is "
-              << render::state_text(level.job.state());
-    if (level.job.has_failure()) std::cerr << ": " << render::failure_text(level.job.failure());
+    std::cerr << level << render::state_text(run.state());
+    if (run.has_failure()) std::cerr << ": " << render::failure_text(run.failure());
     std::cerr << '\n';
   }
   return whole;
-}
-
-Json monitor_json(const Study& study, const MonitorStudy& monitor) {
-  const CurveLimit& limit = monitor.limit;
-  const std::size_t worst = monitor.least_certain();
-  return {{"name", monitor.name},
-          {"curl_m", monitor.end_curl_m},
-          {"order", limit.order ? Json(*limit.order) : Json(nullptr)},
-          {"limit_m", limit.value_m.back()},
-          {"uncertainty_m", limit.uncertainty_m.back()},
-          {"largest_uncertainty_m", limit.uncertainty_m[worst]},
-          {"largest_uncertainty_time_s", study.time_s[worst]},
-          {"history", {{"limit_m", limit.value_m}, {"uncertainty_m", limit.uncertainty_m}}}};
-}
-
-Json level_json(const StudyLevel& level) {
-  const v1::Job& job = level.job;
-  return {{"refinement", level.refinement},
-          {"job", job.id()},
-          {"state", v1::JobState_Name(job.state())},
-          {"nodes", job.last_step().nodes()},
-          {"solver_s", job.last_step().solver_s()},
-          {"validity_loss", job.has_validity_loss() ? to_json(job.validity_loss()) : Json()}};
-}
-
-Json study_json(const Study& study) {
-  const auto beyond = [&](double instant_s) { return !study.valid_at(instant_s); };
-  const auto monitor = [&](const MonitorStudy& one) { return monitor_json(study, one); };
-  return {{"study", study.id},
-          {"levels", json_list(study.levels, level_json)},
-          {"time_s", study.time_s},
-          {"cast_length_m", study.cast_length_m},
-          {"beyond_validity", json_list(study.time_s, beyond)},
-          {"monitors", json_list(study.monitors, monitor)}};
 }
 
 ExitCode run(const Options& options, Program& program) {
@@ -234,12 +205,11 @@ ExitCode run(const Options& options, Program& program) {
     if (!submit(options, id, connection)) return ExitCode::invalid;
   }
   if (!options.as_it_is && !options.study.empty()) repair(connection, id);
-  const Study study = finished_study(connection, id, levels);
-  if (options.json)
-    print_line(study_json(study));
-  else
-    std::cout << "study " << study.id << '\n' << render::study_table(study);
-  return report_losses(study) ? ExitCode::done : ExitCode::solve_failed;
+  const v1::StudyJudgement answer = judged_after_its_end(connection, id, levels);
+  StudyOptions shown;
+  shown.json = options.json;
+  print_answer(shown, answer);
+  return report_losses(answer.result()) ? ExitCode::done : ExitCode::solve_failed;
 }
 
 constexpr const char* examples =
@@ -250,7 +220,7 @@ constexpr const char* examples =
     "  dccast convergence --study ID --as-it-is          only show it\n"
     "  dccast convergence --study ID --levels 4 my.toml  add what is missing, here a finer level\n"
     "\n"
-    "Rows below the levels: observed order of the whole history, the limit at the end and its\n"
+    "Below the levels: observed order of the whole history, the limit at the end and its\n"
     "uncertainty, and where in the history that is largest. A level that was cancelled, or lost "
     "to\n"
     "its worker or a full disk, is submitted again by --study; one that failed by its own case is\n"

@@ -25,7 +25,7 @@ struct CurlOptions {
 struct JobCurl {
   v1::Job job;
   CurlHistory history;
-  Study study;  ///< empty if the job belongs to none
+  v1::StudyResult study;  ///< without limits if the job belongs to no refinement study
   /// What mesh and time steps of its quality leave uncertain, relative; empty: not measured.
   std::optional<double> relative_error{};
 };
@@ -38,16 +38,14 @@ struct Error {
 
 Error error_of(const JobCurl& curl, const CurlHistory::Series& series) {
   const auto& [job, history, study, relative] = curl;
-  const MonitorStudy* found = study.monitor(series.name);
-  if (found == nullptr) {
-    Error error;
-    if (relative)
-      for (const double value : series.curl_m)
-        error.uncertainty_m.push_back(*relative * std::abs(value));
-    return error;
-  }
-  return {values::at_instants(history.time_s, study.time_s, found->limit.value_m),
-          values::at_instants(history.time_s, study.time_s, found->limit.uncertainty_m)};
+  if (auto limit = limit_at(history.time_s, study, series.name))
+    return {std::move(limit->value_m), std::move(limit->uncertainty_m)};
+
+  Error error;
+  if (relative)
+    for (const double value : series.curl_m)
+      error.uncertainty_m.push_back(*relative * std::abs(value));
+  return error;
 }
 
 /// Columns of the CSV after time and cast length, by name.
@@ -67,7 +65,9 @@ std::vector<std::pair<std::string, std::vector<double>>> columns_of(const JobCur
 void print_csv(const JobCurl& curl) {
   const auto& [job, history, study, relative] = curl;
   const auto columns = columns_of(curl);
-  const bool has_limits = !study.monitors.empty();
+  const bool has_limits = !study.limits().empty();
+  const double valid_until_s =
+      study.has_valid_until_s() ? study.valid_until_s() : std::numeric_limits<double>::infinity();
   std::cout << "time_s,cast_length_m";
   for (const auto& [name, values] : columns) std::cout << ',' << render::csv_text(name);
   std::cout << ",beyond_validity" << (has_limits ? ",limit_beyond_validity\n" : "\n");
@@ -77,7 +77,7 @@ void print_csv(const JobCurl& curl) {
     for (const auto& [name, values] : columns)
       std::cout << ',' << case_file::number_text(values[i]);
     std::cout << ',' << history.beyond[i];
-    if (has_limits) std::cout << ',' << !study.valid_at(history.time_s[i]);
+    if (has_limits) std::cout << ',' << (history.time_s[i] >= valid_until_s);
     std::cout << '\n';
   }
 }
@@ -103,7 +103,7 @@ void print_json(const JobCurl& curl) {
             {"beyond_validity", history.beyond},
             {"validity_loss", job.has_validity_loss() ? to_json(job.validity_loss()) : Json()},
             {"findings", json_list(job.findings(), to_json)}};
-  if (study.valid_until_s) json["limit_valid_until_s"] = *study.valid_until_s;
+  if (study.has_valid_until_s()) json["limit_valid_until_s"] = study.valid_until_s();
   json["monitors"] = json_list(history.monitors, [&](const CurlHistory::Series& series) {
     return monitor_json(curl, series);
   });
@@ -141,7 +141,7 @@ JobCurl curl_of_job(const std::string& id, bool with_study, Connection& connecti
   const auto result = query_result(connection, id);
   curl.history = curl_history(curl.job, result);
   curl.relative_error = discretisation_error(result.case_(), 1.0);
-  if (with_study) curl.study = study_around(connection, curl.job);
+  if (with_study) curl.study = judge_study_of(connection, curl.job).result();
   return curl;
 }
 

@@ -1,17 +1,12 @@
-#include <unistd.h>
-
 #include <iostream>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/plan_requests.hpp"
 #include "client/session/studies.hpp"
-#include "client/text/judgement_text.hpp"
 #include "client/text/plant_units.hpp"
-#include "client/text/study_text.hpp"
 #include "proto/case_file/override.hpp"
 
 namespace dccast::client::commands {
@@ -33,48 +28,22 @@ v1::MouldPlan plan_of(const MouldOptions& options) {
   return plan;
 }
 
-Json run_json(const MouldDesign& design, const MouldRun& run) {
-  Json json{{"job", run.job}, {"state", v1::JobState_Name(run.state)}};
-  if (!run.reason.empty()) json["trouble"] = run.reason;
-  if (!run.cast) return json;
-  const v1::Curve& opening = run.cast->section.half_thickness_m();
-  const frames::SteadyFace& face = run.cast->face;
-  json["break_point_m"] = std::vector<double>(opening.at().begin(), opening.at().end());
-  json["half_opening_m"] = std::vector<double>(opening.value().begin(), opening.value().end());
-  json["height_m"] = face.height_m;
-  json["change_around_m"] = face.change_m;
-  json["x_m"] = face.x_m;
-  json["half_thickness_at_20_c_m"] = face.cold_m;
-  json["residual_m"] = face.residual_m(design.wanted_m);
-  return json;
-}
-
-void print_json(const MouldDesign& design) {
-  print_line({{"study", to_json(design.result.study())},
-              {"wanted_half_thickness_m", design.wanted_m},
-              {"found", design.result.has_mould() ? to_json(design.found()) : Json()},
-              {"steady", design.steady()},
-              {"runs", json_list(design.runs,
-                                 [&](const MouldRun& run) { return run_json(design, run); })}});
-}
-
 /// A search that has not ended has not failed. A face that is not steady yet is no prediction.
-ExitCode exit_code_of(const MouldDesign& design) {
-  if (design.result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
-  return design.found().within_tolerance() && design.steady() ? ExitCode::done
-                                                              : ExitCode::solve_failed;
+ExitCode exit_code_of(const v1::StudyResult& result) {
+  if (result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
+  return result.mould().within_tolerance() && result.mould().is_steady() ? ExitCode::done
+                                                                         : ExitCode::solve_failed;
 }
 
 ExitCode wait_and_print(Connection& connection, const MouldOptions& options,
                         const std::string& id) {
   if (!options.no_wait) follow_with_progress(connection, id, "dccast design-mould --study " + id);
-  const MouldDesign design = read_mould_design(connection, id);
-  if (!options.plot.empty()) write_output(options.plot, render::mould_page(design));
-  if (options.json)
-    print_json(design);
-  else if (options.plot != "-")
-    std::cout << render::mould_text(design);
-  return exit_code_of(design);
+  const v1::StudyJudgement answer = judge_study(connection, {.id = id});
+  if (!answer.study().has_mould())
+    throw invalid("study " + id + " designs no mould; dccast studies show " + id +
+                  " shows what it is");
+  print_answer(options, answer);
+  return exit_code_of(answer.result());
 }
 
 ExitCode run(const MouldOptions& options, Program& program) {
@@ -125,19 +94,14 @@ void write_chosen(const RecipeOptions& options, const v1::RecipeFound& found) {
 }
 
 ExitCode print(Connection& connection, const RecipeOptions& options, const std::string& id) {
-  const v1::StudyResult result = evaluate_study(connection, id);
-  if (!result.study().has_recipe())
+  const v1::StudyJudgement answer = judge_study(connection, {.id = id});
+  if (!answer.study().has_recipe())
     throw invalid("study " + id + " designs no recipe; dccast studies show " + id +
                   " shows what it is");
-  if (!options.output.empty()) write_chosen(options, result.recipe());
-  const v1::StudyJudgement judgement = judge_study(connection, id);
-  if (!options.plot.empty()) write_output(options.plot, render::judgement_page(judgement));
-  if (options.json)
-    print_line(to_json(result));
-  else if (options.plot != "-" && options.output != "-")
-    std::cout << render::study_judgement_text(judgement, render::terminal_of(STDOUT_FILENO));
-  const bool open = result.study().state() == v1::STUDY_RUNNING;
-  return open || result.recipe().chosen() >= 0 ? ExitCode::done : ExitCode::solve_failed;
+  if (!options.output.empty()) write_chosen(options, answer.result().recipe());
+  print_answer(options, answer, options.output);
+  const bool open = answer.study().state() == v1::STUDY_RUNNING;
+  return open || answer.result().recipe().chosen() >= 0 ? ExitCode::done : ExitCode::solve_failed;
 }
 
 /// Follows a study of this command's own, which ends with it.

@@ -1,10 +1,15 @@
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <iostream>
 
 #include "client/commands/commands.hpp"
+#include "client/html/pages.hpp"
+#include "client/model/judgement_json.hpp"
 #include "client/session/servers.hpp"
+#include "client/text/judgement_text.hpp"
 #include "client/text/table.hpp"
 #include "proto/values/local_socket.hpp"
 
@@ -87,6 +92,17 @@ void add_completion(cli::CommandLine& line, Program&) {
 
 void print_line(const Json& json) {
   std::cout << json.dump() << '\n';
+}
+
+void print_answer(const StudyOptions& options, const v1::StudyJudgement& answer,
+                  const std::string& other_output) {
+  if (!options.plot.empty()) write_output(options.plot, render::judgement_page(answer));
+
+  if (options.json)
+    print_line(study_json(answer));
+  else if (options.plot != "-" && other_output != "-")
+    std::cout << render::study_judgement_text(answer, render::terminal_of(STDOUT_FILENO));
+  std::cout << std::flush;
 }
 
 namespace {

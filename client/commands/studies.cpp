@@ -5,7 +5,6 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
 #include "client/session/download.hpp"
 #include "client/session/plan_requests.hpp"
@@ -150,28 +149,20 @@ std::optional<v1::Study> create(Connection& connection, const SweepOptions& opti
       [&](v1::CreateStudyRequest& request) { *request.mutable_sweep() = sweep.plan; });
 }
 
-void print(const SweepOptions& options, const v1::StudyResult& result) {
-  if (!options.csv.empty()) write_output(options.csv, render::sweep_csv(result));
-  if (!options.plot.empty()) write_output(options.plot, render::sweep_page(result));
-  if (options.json)
-    print_line(to_json(result));
-  else if (options.csv != "-" && options.plot != "-")
-    std::cout << "study " << result.study().id() << '\n' << render::sweep_table(result);
-  std::cout << std::flush;
-}
-
 ExitCode wait_and_print(Connection& connection, const SweepOptions& options,
                         const std::string& id) {
   if (!options.no_wait) follow_with_progress(connection, id, "dccast sweep --study " + id);
-  const v1::StudyResult result = evaluate_study(connection, id, options.json);
-  print(options, result);
+  const v1::StudyJudgement answer = judge_study(connection, {.id = id, .curves = options.json});
+  if (!options.csv.empty()) write_output(options.csv, render::sweep_csv(answer.result()));
+  print_answer(options, answer, options.csv);
+
   if (!options.output.empty()) {
     const Download table = download_study(connection, id, options.output, std::cerr);
     std::cerr << "wrote " << options.output << " (" << table.bytes
               << " bytes, checksum verified)\n";
   }
-  if (options.no_wait && result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
-  return exit_code_of(result.study().state());
+  if (options.no_wait && answer.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
+  return exit_code_of(answer.study().state());
 }
 
 ExitCode run(const SweepOptions& options, Program& program) {

@@ -1,15 +1,9 @@
-#include <unistd.h>
-
 #include <iostream>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/pages.hpp"
-#include "client/model/judgement_json.hpp"
-#include "client/model/study.hpp"
 #include "client/session/data_study.hpp"
 #include "client/session/studies.hpp"
-#include "client/text/judgement_text.hpp"
 #include "proto/case_file/uncertainty.hpp"
 
 namespace dccast::client::commands {
@@ -30,41 +24,11 @@ void take_band(const std::string& band, std::vector<std::string>& changes) {
   changes.push_back("plausibility.greatest_curl=" + range->high);
 }
 
-/// Beside the judgement the figures of every run, and of the monitor at every instant.
-Json uncertainty_json(Connection& connection, const DataOptions& options,
-                      const v1::StudyJudgement& answer) {
-  v1::EvaluateStudyRequest request;
-  request.set_id(answer.study().id());
-  const v1::StudyResult runs = connection.call(&Stub::EvaluateStudy, request);
-  if (const int monitor = monitor_of(runs, options.point); monitor >= 0)
-    request.set_spread(runs.monitors(monitor));
-  Json json = to_json(connection.call(&Stub::EvaluateStudy, request));
-  json["judgement"] = judgement_json(answer.judgement());
-  return json;
-}
-
-Json sensitivity_json(Connection&, const DataOptions&, const v1::StudyJudgement& answer) {
-  Json json = judgement_json(answer.judgement());
-  json["study"] = to_json(answer.study());
-  return json;
-}
-
 /// What distinguishes the two commands.
 struct Kind {
   std::string name;
   void (*lay_out)(Connection&, const DataPlan&, v1::CreateStudyRequest&);
-  Json (*json)(Connection&, const DataOptions&, const v1::StudyJudgement&);
 };
-
-void print(Connection& connection, const DataOptions& options, const Kind& kind,
-           const std::string& id) {
-  const v1::StudyJudgement answer = judge_study(connection, id, options.point);
-  if (!options.plot.empty()) write_output(options.plot, render::judgement_page(answer));
-  if (options.json)
-    print_line(kind.json(connection, options, answer));
-  else if (options.plot != "-")
-    std::cout << render::study_judgement_text(answer, render::terminal_of(STDOUT_FILENO));
-}
 
 ExitCode run(DataOptions options, const Kind& kind, Program& program) {
   if (options.base.file.empty() == options.study.empty())
@@ -91,16 +55,16 @@ ExitCode run(DataOptions options, const Kind& kind, Program& program) {
   }
 
   if (!options.no_wait) follow_with_progress(connection, id, come_back + id);
-  print(connection, options, kind, id);
+  print_answer(options, judge_study(connection, {.id = id, .monitor = options.point}));
   return ExitCode::done;
 }
 
 ExitCode run_uncertainty(const DataOptions& options, Program& program) {
-  return run(options, {"uncertainty", lay_out_uncertainty, uncertainty_json}, program);
+  return run(options, {"uncertainty", lay_out_uncertainty}, program);
 }
 
 ExitCode run_sensitivity(const DataOptions& options, Program& program) {
-  return run(options, {"sensitivity", lay_out_sensitivity, sensitivity_json}, program);
+  return run(options, {"sensitivity", lay_out_sensitivity}, program);
 }
 
 void add_common(const cli::Command& command, DataOptions& options, const char* plot) {

@@ -26,7 +26,8 @@ std::vector<double> millimetres(std::vector<double> metres) {
 /// [m].
 std::optional<double> uncertainty(const ReportedRun& run, const CurlHistory::Series& series) {
   const double curl = series.curl_m.back();
-  if (const auto error = curl_error(run.study, series.name, run.history.time_s.back(), curl))
+  if (const auto error =
+          curl_error(run.study.result(), series.name, run.history.time_s.back(), curl))
     return error->this_run_m;
   return discretisation_error(run.result.case_(), curl);
 }
@@ -63,8 +64,8 @@ std::string curl_chart(const ReportedRun& run, bool against_length) {
   const auto share = discretisation_error(run.result.case_(), 1.0);
   for (const auto& series : run.history.monitors) {
     ChartLine line{series.name, x, millimetres(series.curl_m),
-                   curl_band(run.study, series.name, against_length)};
-    if (run.study.monitors.empty() && share) line.band = band_around(line, *share);
+                   curl_band(run.study.result(), series.name, against_length)};
+    if (run.study.result().limits().empty() && share) line.band = band_around(line, *share);
     chart.lines.push_back(std::move(line));
   }
   if (const auto first = run.history.first_beyond()) {
@@ -87,7 +88,8 @@ std::string curl_tile(const ReportedRun& run, const CurlHistory::Series& series)
   std::string note;
   if (const auto half_band = uncertainty(run, series))
     note = "<em>± " + mm(*half_band, 2) + " mm</em>";
-  if (const auto error = curl_error(run.study, series.name, run.history.time_s.back(), curl))
+  if (const auto error =
+          curl_error(run.study.result(), series.name, run.history.time_s.back(), curl))
     note += (error->extrapolated ? "limit " : "finest ") + mm(error->limit_m, 2) + " ± " +
             mm(error->uncertainty_m, 2);
   const std::string mark = last_step_mark(run.history);
@@ -197,7 +199,8 @@ std::string headline(const ReportedRun& run) {
 std::string curl_figure(const ReportedRun& run, bool against_length) {
   if (run.history.monitors.empty()) return {};
   const std::string of_the_band =
-      !run.study.monitors.empty() ? " Dashed: the limit of finer meshes; shaded: its uncertainty."
+      !run.study.result().limits().empty()
+          ? " Dashed: the limit of finer meshes; shaded: its uncertainty."
       : discretisation_error(run.result.case_(), 1.0)
           ? " Shaded: what mesh and time steps leave uncertain."
           : "";

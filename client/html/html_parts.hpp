@@ -23,12 +23,6 @@ inline std::string figure(const std::string& heading, const std::string& picture
   return card(heading, "<figure>" + picture + "<figcaption>" + caption + "</figcaption></figure>");
 }
 
-/// A card without a heading: a picture with what it shows below.
-inline std::string named_picture(const std::string& picture, const std::string& name) {
-  return "<section class='card'><figure>" + picture + "<figcaption><strong>" + html_escaped(name) +
-         "</strong></figcaption></figure></section>";
-}
-
 /// A row of a table of facts: name, value, remark.
 inline std::string row(const std::string& name, const std::string& value,
                        const std::string& note = {}) {
@@ -46,21 +40,6 @@ inline std::string cells(const std::vector<std::string>& texts, const std::strin
 inline std::string figures_table(const std::string& head, const std::string& body) {
   return "<div class='scroll'><table class='figures'><thead>" + head + "</thead><tbody>" + body +
          "</tbody></table></div>";
-}
-
-/// @param headings, rows  texts
-inline std::string table_of(const std::vector<std::string>& headings,
-                            const std::vector<std::vector<std::string>>& rows) {
-  std::string body;
-  for (const auto& texts : rows) body += element("tr", cells(texts));
-  return figures_table(element("tr", cells(headings, "th")), body);
-}
-
-/// What was found, in large letters. @param sentences  texts
-inline std::string answer(const std::vector<std::string>& sentences) {
-  std::string html;
-  for (const std::string& sentence : sentences) html += html_escaped(sentence) + " ";
-  return element("p class='answer'", html);
 }
 
 /// A whole page that needs no other file. @param title  HTML

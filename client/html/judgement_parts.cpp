@@ -67,6 +67,7 @@ Chart chart_of(const v1::Chart& chart) {
   for (const v1::Chart::Line& line : chart.lines()) {
     ChartLine& drawn = shown.lines.emplace_back();
     drawn.name = line.name();
+    drawn.dots = line.is_dotted();
     drawn.x = scaled(line.x(), x_factor);
     drawn.y = scaled(line.y(), y_factor);
     if (!line.low().empty())
@@ -147,8 +148,13 @@ std::string svg_file(const Chart& chart) {
 }
 
 std::string judgement_page(const v1::StudyJudgement& study) {
-  return study_page(study.study(), "Study", study.judgement().heading(),
-                    sentences_part(study.judgement()) + judgement_parts(study.judgement()));
+  const std::string title = html_escaped(study.study().title());
+  const v1::Judgement& judgement = study.judgement();
+  return whole_page(
+      title,
+      element("p class='kicker'", fmt::format("Study {}", html_escaped(study.study().id()))) +
+          element("h1", title) + element("p class='note'", html_escaped(judgement.heading())),
+      sentences_part(judgement) + judgement_parts(judgement));
 }
 
 std::string comparison_page(const v1::Comparison& comparison) {

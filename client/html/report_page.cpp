@@ -307,7 +307,7 @@ std::string details(const ReportedRun& run) {
 /// What is known of the discretisation: of the study, else of the quality that the case follows.
 std::string discretisation_part(const ReportedRun& run) {
   if (run.history.monitors.empty()) return {};
-  if (run.study.monitors.empty() && discretisation_error(run.result.case_(), 1.0))
+  if (run.study.result().limits().empty() && discretisation_error(run.result.case_(), 1.0))
     return "<p class='note'>The ± beside a curl is the band of the case's quality "
            "(docs/error-bars.md). <code>dccast convergence CASE</code> shows it for this case.</p>";
   return study_part(run.study, run.job);
@@ -350,7 +350,7 @@ FrameSeries frames_for_slider(Connection& connection, const std::string& id,
 }  // namespace
 
 std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result,
-                        const Study& study, const FrameSeries& series) {
+                        const v1::StudyJudgement& study, const FrameSeries& series) {
   const ReportedRun run{job, result, study, curl_history(job, result)};
   const std::string title = html_escaped(job.title().empty() ? "Casting " + job.id() : job.title());
   return whole_page(title, page_header(job, title),
@@ -360,7 +360,7 @@ std::string report_page(const v1::Job& job, const v1::QueryResultResponse& resul
 std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes,
                       grpc::Status& frame_status) {
   const v1::QueryResultResponse result = result_of(connection, job.id(), notes, frame_status);
-  return report_page(job, result, study_around(connection, job),
+  return report_page(job, result, judge_study_of(connection, job),
                      frames_for_slider(connection, job.id(), result));
 }
 

@@ -5,8 +5,8 @@
 
 #include "client/html/svg_chart.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/study.hpp"
 #include "client/session/queries.hpp"
+#include "dccast/v1/judgement.pb.h"
 #include "dccast/v1/service.pb.h"
 
 /// The parts of report_page().
@@ -16,7 +16,7 @@ namespace dccast::client::render {
 struct ReportedRun {
   const v1::Job& job;
   const v1::QueryResultResponse& result;
-  const Study& study;
+  const v1::StudyJudgement& study;  ///< of the refinement study it belongs to, or empty
   CurlHistory history;
 };
 
@@ -60,15 +60,15 @@ struct CurlError {
 };
 
 /// @return empty if the study has no result for this monitor at this time
-std::optional<CurlError> curl_error(const Study& study, const std::string& monitor, double time_s,
-                                    double curl_m);
+std::optional<CurlError> curl_error(const v1::StudyResult& study, const std::string& monitor,
+                                    double time_s, double curl_m);
 
 /// Limit and interval of a monitor [mm] against time [s] or cast length [mm], thinned to the
 /// resolution of a chart. Thinning may widen the interval but never narrows it.
-ChartBand curl_band(const Study& study, const std::string& monitor, bool against_length);
+ChartBand curl_band(const v1::StudyResult& study, const std::string& monitor, bool against_length);
 
 /// The card "How much of it is discretisation", or a line with the command that computes it where
 /// no error is known.
-std::string study_part(const Study& study, const v1::Job& job);
+std::string study_part(const v1::StudyJudgement& study, const v1::Job& job);
 
 }  // namespace dccast::client::render

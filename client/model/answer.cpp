@@ -6,6 +6,7 @@
 
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
+#include "proto/values/interpolation.hpp"
 
 namespace dccast::client {
 namespace {
@@ -95,6 +96,21 @@ std::optional<double> discretisation_error(const v1::Case& complete, double curl
   const auto relative = case_file::relative_discretisation_error(complete);
   if (!relative) return std::nullopt;
   return *relative * std::abs(curl_m);
+}
+
+std::optional<CurlLimit> limit_at(const std::vector<double>& instants_s,
+                                  const v1::StudyResult& study, const std::string& monitor) {
+  const auto found = std::ranges::find(
+      study.limits(), monitor,
+      [](const v1::StudyResult::Limit& limit) { return limit.curve().monitor(); });
+  if (found == study.limits().end()) return std::nullopt;
+
+  const v1::CurlCurve& curve = found->curve();
+  const auto at = [&](const google::protobuf::RepeatedField<double>& figures) {
+    return values::at_instants(instants_s, {curve.time_s().begin(), curve.time_s().end()},
+                               {figures.begin(), figures.end()});
+  };
+  return CurlLimit{at(curve.curl_m()), at(curve.uncertainty_m()), found->has_order()};
 }
 
 std::vector<v1::CaseChange> changes_of(const std::vector<std::string>& texts) {

@@ -7,6 +7,7 @@
 
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/service.pb.h"
+#include "dccast/v1/study.pb.h"
 
 namespace dccast::client {
 
@@ -70,6 +71,16 @@ struct Answer {
 /// @param complete  case with all its defaults
 /// @param curl_m    computed curl [m]
 std::optional<double> discretisation_error(const v1::Case& complete, double curl_m);
+
+/// What a curl tends to as cells and time steps go to zero, by a refinement study.
+struct CurlLimit {
+  std::vector<double> value_m;        ///< (instant) [m]; NaN outside the time of the study
+  std::vector<double> uncertainty_m;  ///< (instant) half width of the interval around it [m]
+  bool extrapolated = false;          ///< else the value is that of the finest run
+};
+/// @return empty if the study has no limit of this monitor
+std::optional<CurlLimit> limit_at(const std::vector<double>& instants_s,
+                                  const v1::StudyResult& study, const std::string& monitor);
 
 /// The changes given by the user as KEY=VALUE, in order.
 std::vector<v1::CaseChange> changes_of(const std::vector<std::string>& texts);

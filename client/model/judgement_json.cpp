@@ -58,4 +58,10 @@ Json judgement_json(const v1::Judgement& judgement) {
   return json;
 }
 
+Json study_json(const v1::StudyJudgement& answer) {
+  Json json = to_json(answer.result());
+  json["judgement"] = judgement_json(answer.judgement());
+  return json;
+}
+
 }  // namespace dccast::client

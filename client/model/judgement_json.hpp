@@ -10,4 +10,7 @@ namespace dccast::client {
 /// are in SI. A figure that is not known is left out.
 Json judgement_json(const v1::Judgement& judgement);
 
+/// The figures of a study, as EvaluateStudy has them, and beside them its judgement.
+Json study_json(const v1::StudyJudgement& answer);
+
 }  // namespace dccast::client

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include "client/model/study.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/failure.hpp"
 #include "proto/case_file/case_file.hpp"
@@ -13,6 +12,9 @@
 #include "proto/values/digests.hpp"
 
 namespace dccast::client {
+
+using case_file::leading_number, case_file::range_of, case_file::rounded;
+
 namespace {
 
 v1::ValidateCaseResponse validated(Connection& connection, const v1::CreateStudyRequest& request) {
@@ -85,9 +87,6 @@ void add_free(const std::string& text, const std::vector<case_file::UncertainKey
     throw invalid("--free " + text + ": is no range; permitted: " + case_file::range_forms);
   add_axis(sweep, text.substr(0, equals) + ends->suffix, ends->low, ends->high);
 }
-
-// Root mean squares of a few runs scatter; a surface that is off by more than this does not hold.
-constexpr double confirmed_ratio = 2.0;
 
 std::string sources_of(const v1::Calibration& calibration) {
   std::set<std::string> sources;
@@ -221,17 +220,14 @@ void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
   }
 }
 
-v1::StudyResult evaluate_calibration(Connection& connection,
+v1::StudyJudgement judge_calibration(Connection& connection,
                                      const std::vector<CastingStudies>& castings) {
-  v1::EvaluateStudyRequest request;
+  v1::JudgeStudyRequest request;
   request.set_id(castings.front().front());
+  request.set_with_result(true);
   for (const CastingStudies& casting : castings)
     *request.add_castings()->mutable_studies() = {casting.begin(), casting.end()};
-  v1::StudyResult result = connection.call(&Stub::EvaluateStudy, request);
-  if (!result.has_calibration() && result.calibration_fault().empty())
-    throw CommandFailed(ExitCode::unreachable,
-                        "this dccastd is older than the command: update the server");
-  return result;
+  return connection.call(&Stub::JudgeStudy, request);
 }
 
 std::vector<std::string> add_checks(Connection& connection, const v1::Calibration& calibration,
@@ -257,12 +253,6 @@ std::vector<std::string> add_checks(Connection& connection, const v1::Calibratio
     added.push_back(study.id());
   }
   return added;
-}
-
-bool is_confirmed(const v1::Calibration::Curve& curve) {
-  return curve.has_check_error() &&
-         curve.check_error() <=
-             std::max(confirmed_ratio * curve.checked_error(), curve.noise().median());
 }
 
 std::string calibrated_case(Connection& connection, const v1::CreateStudyRequest& request,

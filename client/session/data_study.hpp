@@ -55,9 +55,9 @@ using case_file::datum_of;
 /// The studies of one casting: a Latin hypercube with measurements, then further runs.
 using CastingStudies = std::vector<std::string>;
 
-/// The calibration of some castings by what was measured of them. Throws CommandFailed, also where
-/// too few runs have ended.
-v1::StudyResult evaluate_calibration(Connection& connection,
+/// What the server concludes from the measurements of some castings, with the figures. Where too
+/// few runs have ended, the result has no calibration. Throws CommandFailed.
+v1::StudyJudgement judge_calibration(Connection& connection,
                                      const std::vector<CastingStudies>& castings);
 
 /// Begins the runs that check a calibration, in every casting, and adds their studies. The same
@@ -65,10 +65,6 @@ v1::StudyResult evaluate_calibration(Connection& connection,
 std::vector<std::string> add_checks(Connection& connection, const v1::Calibration& calibration,
                                     const v1::SweepPlan& plan,
                                     std::vector<CastingStudies>& castings);
-
-/// Whether the last further runs are about as far off the surface as its error, or by less than a
-/// reading is uncertain.
-bool is_confirmed(const v1::Calibration::Curve& curve);
 
 /// A case file with the calibrated values, their ranges in [uncertainty] and where they are from.
 /// Throws CommandFailed. @param request  has the case as in its file, with its changes

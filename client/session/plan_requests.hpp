@@ -7,7 +7,6 @@
 
 #include "client/session/connection.hpp"
 #include "dccast/v1/study.pb.h"
-#include "proto/frames/contraction.hpp"
 
 /// Plans of studies: sweeps, the design of a mould, and of a recipe.
 namespace dccast::client {
@@ -35,37 +34,6 @@ SweepFile read_sweep_file(const std::string& file);
 /// An axis from "KEY=a,b,c". Commas inside brackets and quotes do not separate values. Throws
 /// CommandFailed.
 v1::SweepPlan::Axis axis_of(std::string_view text);
-
-/// The mould of one run and the resulting cold slab.
-struct CastMould {
-  v1::Section section;
-  frames::SteadyFace face;
-};
-
-/// One run of a mould design.
-struct MouldRun {
-  std::string job;  ///< empty until it is queued
-  v1::JobState state = v1::JOB_STATE_UNSPECIFIED;
-  std::optional<CastMould> cast;  ///< set if the run succeeded
-  std::string reason;             ///< why the run failed or its results cannot be read
-};
-
-/// A study that searches for the opening of a mould, with the results of its runs.
-struct MouldDesign {
-  v1::StudyResult result;
-  double wanted_m = 0.0;  ///< wanted half-thickness of the cold slab [m]
-  std::vector<MouldRun> runs;
-
-  const v1::StudyResult::MouldFound& found() const { return result.mould(); }
-  /// Whether the face of the best run has stopped changing along the slab, within the tolerance: a
-  /// face that has not may contract further.
-  bool steady() const;
-  /// The run with the opening that was found; null if there is none yet.
-  const MouldRun* best() const;
-};
-
-/// Throws CommandFailed, also for a study of another kind.
-MouldDesign read_mould_design(Connection& connection, const std::string& study);
 
 /// What the user chose, with the limits of a plant. Texts are as in a case file.
 struct RecipeChoice {

@@ -144,18 +144,18 @@ std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id
   return jobs;
 }
 
-v1::StudyResult evaluate_study(Connection& connection, const std::string& id, bool curves) {
+v1::StudyResult evaluate_study(Connection& connection, const std::string& id) {
   v1::EvaluateStudyRequest request;
   request.set_id(id);
-  request.set_curves(curves);
   return connection.call(&Stub::EvaluateStudy, request);
 }
 
-v1::StudyJudgement judge_study(Connection& connection, const std::string& id,
-                               const std::string& monitor) {
+v1::StudyJudgement judge_study(Connection& connection, const StudyQuestion& question) {
   v1::JudgeStudyRequest request;
-  request.set_id(id);
-  request.set_monitor(monitor);
+  request.set_id(question.id);
+  request.set_monitor(question.monitor);
+  request.set_with_result(true);
+  request.set_with_curves(question.curves);
   return connection.call(&Stub::JudgeStudy, request);
 }
 
@@ -169,20 +169,13 @@ v1::StudyResult find_study(Connection& connection, const std::string& id) {
   return result;
 }
 
-Study read_study(Connection& connection, const std::string& id) {
-  const v1::StudyResult result = evaluate_study(connection, id);
-  if (!result.study().has_refinement())
-    throw invalid("study " + id + " compares no meshes; dccast studies " + id +
-                  " shows what it is");
-  return study_of(result, jobs_of_study(connection, id));
-}
-
-Study study_around(Connection& connection, const v1::Job& job) {
+v1::StudyJudgement judge_study_of(Connection& connection, const v1::Job& job) {
   if (job.study().empty()) return {};
+
   // Jobs may have a study id in common that no study of the server has.
   const v1::StudyResult result = find_study(connection, job.study());
   if (!result.study().has_refinement()) return {};
-  return study_of(result, jobs_of_study(connection, job.study()));
+  return judge_study(connection, {.id = job.study()});
 }
 
 }  // namespace dccast::client

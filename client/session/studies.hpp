@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "client/model/study.hpp"
 #include "client/session/connection.hpp"
 #include "client/session/jobs.hpp"
 #include "dccast/v1/study.pb.h"
@@ -51,20 +50,21 @@ ExitCode exit_code_of(v1::StudyState state);
 std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id);
 
 /// Results of a study so far. Throws CommandFailed.
-v1::StudyResult evaluate_study(Connection& connection, const std::string& id, bool curves = false);
+v1::StudyResult evaluate_study(Connection& connection, const std::string& id);
 
-/// What the server concludes from a study so far. Throws CommandFailed.
-/// @param monitor  whose curl is judged; empty: that with the largest curl
-v1::StudyJudgement judge_study(Connection& connection, const std::string& id,
-                               const std::string& monitor = {});
+/// What the server concludes from a study so far, with the figures. Throws CommandFailed.
+struct StudyQuestion {
+  std::string id{};
+  std::string monitor{};  ///< whose curl is judged; empty: that with the largest curl
+  bool curves = false;    ///< with the curl of every run against time
+};
+v1::StudyJudgement judge_study(Connection& connection, const StudyQuestion& question);
 
 /// As evaluate_study(); an empty result where the server has no such study.
 v1::StudyResult find_study(Connection& connection, const std::string& id);
 
-/// A refinement study with its jobs. Throws CommandFailed, also for a study of another kind.
-Study read_study(Connection& connection, const std::string& id);
-
-/// The refinement study to which a job belongs; an empty one if it belongs to none.
-Study study_around(Connection& connection, const v1::Job& job);
+/// What the server concludes from the refinement study to which a job belongs; an empty answer if
+/// it belongs to none.
+v1::StudyJudgement judge_study_of(Connection& connection, const v1::Job& job);
 
 }  // namespace dccast::client

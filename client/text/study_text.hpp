@@ -4,9 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "client/model/study.hpp"
-#include "client/session/plan_requests.hpp"
-#include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 #include "dccast/v1/study.pb.h"
 
@@ -40,44 +37,8 @@ private:
   int shown_tenth_ = -1;
 };
 
-/// A study as a text table: one row per level with the curl at the end; then observed order, limit
-/// and uncertainty at the end, and the largest uncertainty of the whole history with its time.
-std::string study_table(const Study& study);
-
-/// The note below a table whose figures are marked with "!"; empty if all levels are valid.
-std::string validity_note(const Study& study);
-
-/// Monitors of the levels that succeeded.
-std::vector<std::string> monitor_names(const Study& study);
-
-/// The cells of that table, for other kinds of tables: refinement, nodes, solver seconds and state,
-/// then one cell per monitor. limit_rows() is empty while there is no result.
-Rows level_rows(const Study& study);
-Rows limit_rows(const Study& study);
-
-/// A sweep as a text table: one row per run with its values, the final curl of every monitor and
-/// its outcome.
-std::string sweep_table(const v1::StudyResult& result);
-
-/// The same as CSV, in metres; missing numbers are empty.
+/// The runs of a sweep as CSV, with their values, curls in metres and outcome; missing numbers are
+/// empty.
 std::string sweep_csv(const v1::StudyResult& result);
-
-/// Outcome of a run: "failed: solve failed", "succeeded, beyond validity".
-std::string run_text(const v1::StudyRun& run);
-
-/// State, break points, half-openings and deviation from flatness of each run.
-std::string mould_runs_table(const MouldDesign& design);
-
-/// The opening that was found: break points and half-openings. Empty if there is none yet.
-std::string mould_opening_table(const MouldDesign& design);
-
-/// The resulting cold slab along the wide face.
-std::string mould_profile_table(const MouldDesign& design);
-
-/// Summary in plain words, with caveats.
-std::string mould_sentence(const MouldDesign& design);
-
-/// All of this as terminal output.
-std::string mould_text(const MouldDesign& design);
 
 }  // namespace dccast::client::render

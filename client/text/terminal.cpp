@@ -84,13 +84,6 @@ std::string wrapped(const std::string& text, int columns, int first, int indent)
   return lines;
 }
 
-std::string paragraphs(const std::vector<std::string>& sentences) {
-  constexpr int columns = 100;
-  std::string text;
-  for (const std::string& sentence : sentences) text += wrapped(sentence, columns) + "\n";
-  return text;
-}
-
 std::string bold(const std::string& text, const Terminal& terminal) {
   return terminal.colour ? "\033[1m" + text + "\033[0m" : text;
 }

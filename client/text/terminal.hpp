@@ -32,9 +32,6 @@ std::string cut_to(const std::string& text, int columns);
 /// @param indent  blanks before each further line
 std::string wrapped(const std::string& text, int columns, int first = 0, int indent = 0);
 
-/// Sentences for the screen, each on lines of its own.
-std::string paragraphs(const std::vector<std::string>& sentences);
-
 /// The text in bold, if the terminal shows colour.
 std::string bold(const std::string& text, const Terminal& terminal);
 

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <regex>
 
 #include <fmt/core.h>
 
+#include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
 
 namespace dccast::case_file {
@@ -74,8 +76,35 @@ std::string range_of(const v1::SweepPlan::Axis& axis) {
   return fmt::format("{}..{}", low, high);
 }
 
+std::string unit_of_change(const std::string& axis_key) {
+  if (axis_key.ends_with(".scale")) return "1";
+  if (axis_key.ends_with(".shift")) return "s";
+
+  // The reference has lists without their numbers: "cooling.zone[].from".
+  static const std::regex number(R"(\[\d+\])");
+  const std::string path = std::regex_replace(datum_of(axis_key), number, "[]");
+  const bool is_difference = axis_key.ends_with(".offset");
+  for (const KeyReference& known : reference(*v1::Case::descriptor()))
+    if (known.path == path || known.path + "[]" == path)
+      return is_difference && known.unit == "degC" ? "K" : known.unit;
+  return {};
+}
+
 double leading_number(const std::string& text) {
   return std::strtod(text.c_str(), nullptr);
+}
+
+std::string rounded(const std::string& text) {
+  constexpr double digits = 4.0;
+  const double number = leading_number(text);
+  if (!(std::abs(number) > 0.0) || !std::isfinite(number)) return text;
+
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(number))) + 1.0 - digits);
+  const auto blank = std::min(text.find(' '), text.size());
+  // Divided by a power of ten where it is below 1, so that 0.93 is not 0.93000000000000005.
+  const double steps = std::round(number / unit);
+  const double value = unit < 1.0 ? steps / std::round(1.0 / unit) : steps * std::round(unit);
+  return number_text(value) + text.substr(blank);
 }
 
 int monitor_of(const v1::StudyResult& result, const std::string& name) {

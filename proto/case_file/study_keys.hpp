@@ -28,8 +28,15 @@ std::string datum_of(const std::string& axis_key);
 /// "± 10 %", "± 3 K", "20..30 degC", "0.5..2 times" of an axis with two ends; else empty.
 std::string range_of(const v1::SweepPlan::Axis& axis);
 
+/// The unit of an axis's numbers in SI: "1" of a factor, "s" of a shift in time; empty where the
+/// key has no unit or is no number.
+std::string unit_of_change(const std::string& axis_key);
+
 /// The number that a text begins with; 0 if it begins with none.
 double leading_number(const std::string& text);
+
+/// A number with its unit in four digits: "231.5 degC". @param text  as in a case file
+std::string rounded(const std::string& text);
 
 /// Index of the monitor with this name; with an empty name that with the largest curl at the end.
 /// @return -1 where there is none

@@ -57,89 +57,6 @@ std::string loss_text(const v1::StudyResult& result) {
   });
 }
 
-/// Every run with its values and its curls at the end.
-void add_runs(const v1::StudyResult& result, v1::Judgement& judgement) {
-  const bool refined = result.study().has_refinement();
-  const bool has_errors =
-      std::ranges::any_of(result.runs(), &v1::StudyRun::has_relative_curl_error);
-  v1::Table& table = add_table(judgement, "runs", "");
-  *table.add_columns() = number_column("run", "run", "", 1.0);
-  if (refined) *table.add_columns() = number_column("refinement", "refinement", "", 1.0);
-  for (const auto& axis : result.study().sweep().axes())
-    *table.add_columns() = text_column(axis.key(), axis.key());
-  for (const std::string& monitor : result.monitors()) {
-    *table.add_columns() = number_column(monitor, monitor, "m", 1e-6);
-    table.mutable_columns()->rbegin()->set_has_error(has_errors);
-  }
-  *table.add_columns() = text_column("outcome", "outcome");
-  *table.add_columns() = number_column("findings", "findings", "", 1.0);
-  *table.add_columns() = number_column("solver", "solver", "s", 0.1);
-  *table.add_columns() = text_column("job", "");
-
-  for (int i = 0; i < result.runs_size(); ++i) {
-    const v1::StudyRun& run = result.runs(i);
-    v1::Table::Row& row = *table.add_rows();
-    *row.add_cells() = number_cell(i + 1);
-    if (refined) *row.add_cells() = number_cell(run.refinement());
-    for (const auto& value : run.values()) *row.add_cells() = text_cell(value);
-    for (int monitor = 0; monitor < result.monitors_size(); ++monitor) {
-      v1::Cell& cell = *row.add_cells();
-      if (monitor >= run.end_curl_m_size()) continue;
-      const double curl_m = run.end_curl_m(monitor);
-      cell = number_cell(curl_m, run.has_relative_curl_error()
-                                     ? std::optional(run.relative_curl_error() * std::abs(curl_m))
-                                     : std::nullopt);
-    }
-    *row.add_cells() = code_cell(outcome_code(run));
-    *row.add_cells() = number_cell(static_cast<double>(std::ranges::count_if(
-        run.findings(), [](const auto& f) { return f.severity() > v1::Finding::NOTE; })));
-    *row.add_cells() = number_cell(run.solver_s());
-    *row.add_cells() = text_cell(run.job());
-  }
-}
-
-/// What the curls of a refinement study tend to at the end, and where they are least certain.
-void add_limits(const v1::StudyResult& result, v1::Judgement& judgement) {
-  if (result.limits().empty()) return;
-  v1::Table& table = add_table(judgement, "limits", "limits of the curls at the end");
-  *table.add_columns() = text_column("monitor", "monitor");
-  *table.add_columns() = number_column("order", "order", "", 0.01);
-  *table.add_columns() = number_column("limit", "limit", "m", 1e-6);
-  *table.add_columns() = number_column("largest_error", "largest error", "m", 1e-6);
-  *table.add_columns() = number_column("at", "at", "s", 0.01);
-  table.mutable_columns(2)->set_has_error(true);
-  if (result.has_valid_until_s())
-    table.set_note(fmt::format("from {:.2f} s on the model of at least one level is not valid",
-                               result.valid_until_s()));
-
-  for (const v1::StudyResult::Limit& limit : result.limits()) {
-    const v1::CurlCurve& curve = limit.curve();
-    const int last = curve.curl_m_size() - 1;
-    if (last < 0) continue;
-    int worst = 0;
-    for (int i = 1; i <= last; ++i)
-      if (!(curve.uncertainty_m(i) <= curve.uncertainty_m(worst)) &&
-          std::isfinite(curve.uncertainty_m(i)))
-        worst = i;
-    add_row(table, {text_cell(curve.monitor()),
-                    limit.has_order() ? number_cell(limit.order()) : code_cell("none"),
-                    number_cell(curve.curl_m(last), curve.uncertainty_m(last)),
-                    number_cell(curve.uncertainty_m(worst)), number_cell(curve.time_s(worst))});
-
-    v1::Chart& chart = add_chart(judgement, "limit", "limit of the curl of " + curve.monitor(),
-                                 {"time", "s", "curl", "m"});
-    v1::Chart::Line& line = *chart.add_lines();
-    line.set_name("limit");
-    *line.mutable_x() = curve.time_s();
-    *line.mutable_y() = curve.curl_m();
-    for (int i = 0; i <= last; ++i) {
-      line.add_low(curve.curl_m(i) - curve.uncertainty_m(i));
-      line.add_high(curve.curl_m(i) + curve.uncertainty_m(i));
-    }
-    if (result.has_valid_until_s()) chart.set_beyond_x(result.valid_until_s());
-  }
-}
-
 }  // namespace
 
 double shown_curl_m(double curl_m) {
@@ -190,6 +107,84 @@ void add_lost_runs(const v1::StudyResult& result, JudgementPart::Place place,
   }
 }
 
+namespace {
+
+/// What mesh and time steps leave uncertain of a curl of a run; empty: not known.
+std::optional<double> mesh_error_m(const v1::StudyRun& run, double curl_m) {
+  if (!run.has_relative_curl_error()) return std::nullopt;
+  return run.relative_curl_error() * std::abs(curl_m);
+}
+
+/// Smallest difference worth showing of the curls of a monitor [m]: the smallest of their errors is
+/// shown with two digits, and no curl finer than a hundredth of a millimetre. Levels of a
+/// refinement differ by less.
+double shown_end_curl_m(const v1::StudyResult& result, int monitor) {
+  constexpr double finest_m = 1e-5;
+  constexpr double coarsest_m = 1e-3;
+  if (result.study().has_refinement()) return 1e-6;
+
+  double least_m = 0.0;
+  for (const v1::StudyRun& run : result.runs()) {
+    if (monitor >= run.end_curl_m_size()) continue;
+    const double error_m = mesh_error_m(run, run.end_curl_m(monitor)).value_or(0.0);
+    if (error_m > 0.0 && (least_m == 0.0 || error_m < least_m)) least_m = error_m;
+  }
+  if (least_m == 0.0) return finest_m;
+  return std::clamp(std::pow(10.0, std::floor(std::log10(least_m)) - 1.0), finest_m, coarsest_m);
+}
+
+void add_run_columns(const v1::StudyResult& result, v1::Table& table) {
+  const bool has_errors =
+      std::ranges::any_of(result.runs(), &v1::StudyRun::has_relative_curl_error);
+  *table.add_columns() = number_column("run", "run", "", 1.0);
+  if (result.study().has_refinement()) {
+    *table.add_columns() = number_column("refinement", "refinement", "", 1.0);
+    *table.add_columns() = number_column("nodes", "nodes", "", 1.0);
+  }
+  for (const auto& axis : result.study().sweep().axes())
+    *table.add_columns() = text_column(axis.key(), axis.key());
+  for (int monitor = 0; monitor < result.monitors_size(); ++monitor) {
+    const std::string& name = result.monitors(monitor);
+    *table.add_columns() = number_column(name, name, "m", shown_end_curl_m(result, monitor));
+    table.mutable_columns()->rbegin()->set_has_error(has_errors);
+  }
+  *table.add_columns() = number_column("findings", "findings", "", 1.0);
+  *table.add_columns() = number_column("solver", "solver", "s", 0.1);
+  *table.add_columns() = text_column("outcome", "outcome");
+  *table.add_columns() = text_column("job", "");
+}
+
+}  // namespace
+
+void add_runs(const v1::StudyResult& result, v1::Judgement& judgement) {
+  v1::Table& table = add_table(judgement, "runs", "");
+  add_run_columns(result, table);
+
+  for (const v1::StudyRun& run : result.runs()) {
+    v1::Table::Row& row = *table.add_rows();
+    *row.add_cells() = number_cell(table.rows_size());
+    if (result.study().has_refinement()) {
+      *row.add_cells() = number_cell(run.refinement());
+      *row.add_cells() = number_cell(static_cast<double>(run.nodes()));
+    }
+    for (const auto& value : run.values()) *row.add_cells() = text_cell(value);
+    for (int monitor = 0; monitor < result.monitors_size(); ++monitor) {
+      v1::Cell& cell = *row.add_cells();
+      if (monitor >= run.end_curl_m_size()) continue;
+      const double curl_m = run.end_curl_m(monitor);
+      cell = number_cell(curl_m, mesh_error_m(run, curl_m));
+    }
+
+    const auto findings = std::ranges::count_if(run.findings(), [](const v1::Finding& finding) {
+      return finding.severity() > v1::Finding::NOTE;
+    });
+    *row.add_cells() = number_cell(static_cast<double>(findings));
+    *row.add_cells() = number_cell(run.solver_s());
+    *row.add_cells() = code_cell(outcome_code(run));
+    *row.add_cells() = text_cell(run.job());
+  }
+}
+
 const v1::StudyRun* first_valid_run(const v1::StudyResult& result) {
   const auto found = std::ranges::find_if(result.runs(), is_valid);
   return found == result.runs().end() ? nullptr : &*found;
@@ -205,13 +200,18 @@ v1::Judgement judge_study(const StudyToJudge& study) {
   const auto purpose = result.study().sweep().purpose();
   if (result.study().has_recipe()) {
     judge_recipe(result, judgement);
+  } else if (result.study().has_mould()) {
+    judge_mould(result, judgement);
   } else if (purpose == v1::SweepPlan::UNCERTAINTY) {
     judge_uncertainty(study, judgement);
   } else if (purpose == v1::SweepPlan::SENSITIVITY) {
     judge_sensitivity(study, judgement);
+  } else if (result.has_calibration() || !result.calibration_fault().empty()) {
+    judge_calibration(result, judgement);
+  } else if (result.study().has_refinement()) {
+    judge_refinement(result, judgement);
   } else {
-    add_runs(result, judgement);
-    add_limits(result, judgement);
+    judge_sweep(result, judgement);
   }
   return judgement;
 }

@@ -23,8 +23,9 @@ using case_file::monitor_of;
 /// The first valid run; of a sensitivity study that is the case itself. Null: there is none.
 const v1::StudyRun* first_valid_run(const v1::StudyResult& result);
 
-/// The answer of a study so far. Uncertainty, sensitivity and recipes have sentences; of other
-/// kinds the runs are listed with their curls, and of a refinement study the limits.
+/// The answer of a study so far: sentences, and the tables and charts that they rest on. A sweep
+/// without a purpose has charts and the table of its runs alone; so has a calibration that was not
+/// evaluated.
 v1::Judgement judge_study(const StudyToJudge& study);
 
 }  // namespace dccast::judging

@@ -27,8 +27,15 @@ std::string outcome_code(const v1::StudyRun& run);
 void add_lost_runs(const v1::StudyResult& result, v1::JudgementPart::Place place,
                    v1::Judgement& judgement);
 
+/// Every run with its values, its curls at the end and its outcome.
+void add_runs(const v1::StudyResult& result, v1::Judgement& judgement);
+
+void judge_refinement(const v1::StudyResult& result, v1::Judgement& judgement);
+void judge_sweep(const v1::StudyResult& result, v1::Judgement& judgement);
 void judge_uncertainty(const StudyToJudge& study, v1::Judgement& judgement);
 void judge_sensitivity(const StudyToJudge& study, v1::Judgement& judgement);
+void judge_calibration(const v1::StudyResult& result, v1::Judgement& judgement);
+void judge_mould(const v1::StudyResult& result, v1::Judgement& judgement);
 void judge_recipe(const v1::StudyResult& result, v1::Judgement& judgement);
 
 }  // namespace dccast::judging

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "proto/case_file/quality.hpp"
 #include "server/jobs/folder/job_folder.hpp"
@@ -46,17 +47,29 @@ void examine(Context& context, const Call& call, const v1::CreateStudyRequest& r
   }
 }
 
+/// A request may name studies beside the one that it is about.
+/// @throws Refusal  the caller may not read the study, or it is no study id
+void check_may_read_study(Context& context, const Call& call, const std::string& id) {
+  check_study_id(id);
+  const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
+  if (const auto status = context.gate.permit_touch(call.caller, reading, id); !status.ok())
+    throw Refusal{status};
+}
+
+void check_may_read_castings(
+    Context& context, const Call& call,
+    const google::protobuf::RepeatedPtrField<v1::CalibratedCasting>& castings) {
+  for (const v1::CalibratedCasting& casting : castings)
+    for (const std::string& study : casting.studies()) check_may_read_study(context, call, study);
+}
+
 /// Completes a request for further runs of a study with the case of that study, which the caller
 /// must be permitted to read. @return  the files that the case names
 jobs::Attachments complete(Context& context, const Call& call, v1::CreateStudyRequest& request) {
   const std::string before = request.sweep().further_of();
   if (before.empty()) return uploaded_files(context, call, request.attachments());
 
-  check_study_id(before);
-  const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
-  if (const auto status = context.gate.permit_touch(call.caller, reading, before); !status.ok())
-    throw Refusal{status};
-
+  check_may_read_study(context, call, before);
   auto attachments = context.studies.complete(request);
   if (!attachments) refuse_unknown_study(before);
   return std::move(*attachments);
@@ -93,10 +106,45 @@ int judged_monitor(const v1::StudyResult& result, const std::string& name) {
          fmt::join(result.monitors(), ", "));
 }
 
+/// A calibration with all further runs of its owner, oldest first.
+v1::CalibratedCasting casting_of(Context& context, const v1::Study& calibration) {
+  const std::string& id = calibration.id();
+  std::vector<std::string> further;
+  studies::StudyStore::Page page{.owner = calibration.owner()};
+  for (bool found = false; !found;) {
+    const auto newest_first = context.studies.list(page);
+    if (newest_first.empty()) break;
+    for (const v1::Study& study : newest_first) {
+      // All further studies are newer than what they belong to.
+      found = found || study.id() == id;
+      if (study.sweep().further_of() == id) further.push_back(study.id());
+    }
+    page.before_ms = jobs::milliseconds(newest_first.back().create_time());
+    page.before_id = newest_first.back().id();
+  }
+
+  v1::CalibratedCasting casting;
+  casting.add_studies(id);
+  casting.mutable_studies()->Add(further.rbegin(), further.rend());
+  return casting;
+}
+
+/// Whether the study alone says with which castings it is to be calibrated.
+bool is_ended_calibration(const v1::Study& study) {
+  return study.sweep().purpose() == v1::SweepPlan::CALIBRATION &&
+         study.sweep().further_of().empty() && study.state() != v1::STUDY_RUNNING;
+}
+
 void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudgement& response) {
   v1::EvaluateStudyRequest evaluation;
   evaluation.set_id(request.id());
+  evaluation.set_curves(request.with_curves());
+  *evaluation.mutable_castings() = request.castings();
   judging::StudyToJudge study{of_study(request.id(), context.studies.evaluate(evaluation))};
+  if (request.castings().empty() && is_ended_calibration(study.result.study())) {
+    *evaluation.add_castings() = casting_of(context, study.result.study());
+    study.result = of_study(request.id(), context.studies.evaluate(evaluation));
+  }
 
   const auto purpose = study.result.study().sweep().purpose();
   if (purpose == v1::SweepPlan::UNCERTAINTY || purpose == v1::SweepPlan::SENSITIVITY)
@@ -112,7 +160,8 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
     study.difference_error = difference_error(context, study.result);
 
   *response.mutable_judgement() = judging::judge_study(study);
-  *response.mutable_study() = std::move(*study.result.mutable_study());
+  *response.mutable_study() = study.result.study();
+  if (request.with_result()) *response.mutable_result() = std::move(study.result);
 }
 
 /// Sends the study whenever it differs from what was sent last.
@@ -226,7 +275,8 @@ Unary* SimulationService::DeleteStudy(Wire* wire, const v1::DeleteStudyRequest* 
 
 Unary* SimulationService::EvaluateStudy(Wire* wire, const v1::EvaluateStudyRequest* request,
                                         v1::StudyResult* response) {
-  return answer(wire, *request, lanes_.histories, [=, this](const Call&) {
+  return answer(wire, *request, lanes_.histories, [=, this](const Call& call) {
+    check_may_read_castings(context_, call, request->castings());
     *response = of_study(request->id(), context_.studies.evaluate(*request));
   });
 }
@@ -239,8 +289,10 @@ Unary* SimulationService::PredictStudy(Wire* wire, const v1::PredictStudyRequest
 
 Unary* SimulationService::JudgeStudy(Wire* wire, const v1::JudgeStudyRequest* request,
                                      v1::StudyJudgement* response) {
-  return answer(wire, *request, lanes_.histories,
-                [=, this](const Call&) { judge(context_, *request, *response); });
+  return answer(wire, *request, lanes_.histories, [=, this](const Call& call) {
+    check_may_read_castings(context_, call, request->castings());
+    judge(context_, *request, *response);
+  });
 }
 
 SimulationService::Stream<v1::Study>* SimulationService::WatchStudy(

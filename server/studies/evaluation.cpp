@@ -68,7 +68,23 @@ void describe_job(const v1::Job& job, v1::StudyRun& run) {
   *run.mutable_findings() = job.findings();
   if (job.has_failure()) *run.mutable_failure() = job.failure();
   run.set_solver_s(job.last_step().solver_s());
+  run.set_nodes(job.last_step().nodes());
   run.set_beyond_validity(job.has_validity_loss());
+}
+
+/// @param wanted_m  half-thickness of the cold slab
+void describe_face(const RunFace& cast, double wanted_m, v1::MouldFace& face) {
+  const v1::Curve& opening = cast.section.half_thickness_m();
+  *face.mutable_break_point_m() = opening.at();
+  *face.mutable_half_opening_m() = opening.value();
+
+  const frames::SteadyFace& steady = cast.steady;
+  face.set_height_m(steady.height_m);
+  face.set_change_m(steady.change_m);
+  face.mutable_x_m()->Assign(steady.x_m.begin(), steady.x_m.end());
+  face.mutable_half_mould_m()->Assign(steady.mould_m.begin(), steady.mould_m.end());
+  face.mutable_half_thickness_m()->Assign(steady.cold_m.begin(), steady.cold_m.end());
+  face.set_residual_m(steady.residual_m(wanted_m));
 }
 
 void describe_without_job(const RunRecord& record, v1::StudyRun& run) {
@@ -267,6 +283,9 @@ std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest&
 
   for (EvaluatedRun& evaluated : runs) {
     v1::StudyRun& run = *result.add_runs() = std::move(evaluated.run);
+    if (evaluated.face)
+      describe_face(*evaluated.face, result.mould().wanted_half_thickness_m(), *run.mutable_face());
+    run.set_face_fault(evaluated.face_fault);
     if (curves)
       for (v1::CurlCurve& curve : evaluated.history.curves) *run.add_curves() = std::move(curve);
   }

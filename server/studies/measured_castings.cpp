@@ -10,6 +10,7 @@
 
 #include "core/statistics/calibration.hpp"
 #include "core/statistics/sampling.hpp"
+#include "proto/case_file/study_keys.hpp"
 #include "server/studies/curl_surface.hpp"
 #include "server/studies/predictions.hpp"
 
@@ -22,6 +23,8 @@ constexpr std::uint64_t seed = 20;
 constexpr double half_of_band = 1.645;  // standard deviations: a band covers 9 of 10
 constexpr double least_curl_m = 1e-3;   // scales: what is less is not looked for
 constexpr double least_temperature_k = 10.0;
+// Root mean squares of a few runs scatter; a surface that is off by more than this does not hold.
+constexpr double confirmed_ratio = 2.0;
 
 /// A measured curve, ready to calibrate with.
 struct Channel {
@@ -216,6 +219,8 @@ void add_check(const Channel& channel, const Eigen::MatrixXd& places, int last,
       surface.means(places.bottomRows(last)).leftCols(surface.readings()) - truth;
   curve.set_check_error(off.norm() / std::sqrt(static_cast<double>(off.size())));
   curve.set_checked_error(surface.error_at_readings());
+  curve.set_is_confirmed(curve.check_error() <=
+                         std::max(confirmed_ratio * curve.checked_error(), curve.noise().median()));
 }
 
 /// Adds for each calibrated key its quantiles, its best value and its correlations.
@@ -224,7 +229,8 @@ void add_keys(const v1::CreateStudyRequest& request, const Eigen::MatrixXd& inpu
   const Eigen::MatrixXd correlation = statistics::correlations(inputs);
   for (int j = 0; j < inputs.cols(); ++j) {
     v1::Calibration::Key& key = *calibration.add_keys();
-
+    key.set_key(request.sweep().axes(j).key());
+    key.set_unit(case_file::unit_of_change(key.key()));
     const auto share = share_of(inputs.col(j));
     key.set_low(share.low());
     key.set_median(share.median());

@@ -152,6 +152,8 @@ public:
 
     found.set_residual_m(residual(best));
     found.set_within_tolerance(found.residual_m() <= target_.tolerance);
+    found.set_wanted_half_thickness_m(target_.wanted);
+    found.set_is_steady(best->steady.change_m <= target_.tolerance);
   }
 
 private:

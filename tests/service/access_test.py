@@ -98,11 +98,11 @@ class StudiesOfOthers(AccessTest):
     """A study holds jobs of its owner alone."""
     ID = "0f2b9a4e-0000-4000-8000-00000000000a"
 
-    def study_of(self, stub, case="steps=3"):
+    def study_of(self, stub, case="steps=3", request_id=ID):
         plan = study_pb2.SweepPlan(design=study_pb2.SweepPlan.GRID)
         plan.axes.add(key="time.end", values=["100 s", "101 s"])
         return stub.CreateStudy(study_pb2.CreateStudyRequest(
-            request_id=self.ID, case=fake(case), sweep=plan), timeout=20)
+            request_id=request_id, case=fake(case), sweep=plan), timeout=20)
 
     def submit_into(self, stub, words):
         return stub.SubmitJob(service_pb2.SubmitJobRequest(case=fake(words), study=self.ID),
@@ -133,6 +133,19 @@ class StudiesOfOthers(AccessTest):
         self.assertIn("another user", refused.exception.details())
         self.study_of(anna)
         self.submit_into(anna, "steps=4")
+
+    def test_castings_of_others_are_not_read_by_way_of_an_own_study(self):
+        self.start(read="own")
+        anna, bert = (self.remote(self.token_of(name)) for name in ("anna", "bert"))
+        self.study_of(anna)
+        own = self.study_of(bert, request_id="of-bert").id
+        foreign = [study_pb2.CalibratedCasting(studies=[own]),
+                   study_pb2.CalibratedCasting(studies=[self.ID])]
+        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.EvaluateStudy,
+                     study_pb2.EvaluateStudyRequest(id=own, castings=foreign))
+        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.JudgeStudy,
+                     judgement_pb2.JudgeStudyRequest(id=own, castings=foreign))
+        bert.JudgeStudy(judgement_pb2.JudgeStudyRequest(id=own, castings=foreign[:1]), timeout=10)
 
     def test_a_job_that_was_there_before_is_no_part_of_the_study(self):
         self.start()

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import unittest
 
+from dccast.v1 import judgement_pb2
 from data_study import DataStudyCase
 from support import BIN, SANITIZED, main, until
 
@@ -51,6 +52,12 @@ class Calibration(DataStudyCase):
         self.assertLess(curve["off_after"], curve["off_before"])
         self.assertIn("check_error", curve)  # true runs have checked it
         self.assertGreater(answer["calibration"]["runs"][0], 16)
+        # Asked for by its id alone, the server finds the further runs too.
+        judged = self.client.stub.JudgeStudy(
+            judgement_pb2.JudgeStudyRequest(id=answer["study"]["id"]), timeout=60).judgement
+        self.assertEqual(answer["judgement"]["sentences"], list(judged.sentences))
+        self.assertEqual(keys[0]["key"], "schedule.casting_temperature.offset")
+        self.assertEqual(keys[0]["unit"], "K")
         with open(page, encoding="utf-8") as file:
             self.assertIn("data after, 5 to 95 %", file.read())
 

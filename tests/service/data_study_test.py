@@ -62,9 +62,9 @@ class DataStudy(DataStudyCase):
     def test_sensitivity_from_case_to_page(self):
         path = self.case_file()
         answer = json.loads(self.dccast("sensitivity", path, *self.only(), "--json"))
-        self.assertEqual(len(answer["effects"]), len(DATA))
-
-        by_key = {effect["key"]: effect for effect in answer["effects"]}
+        effects = answer["judgement"]["effects"]
+        self.assertEqual(len(effects), len(DATA))
+        by_key = {effect["key"]: effect for effect in effects}
         hot = by_key["cooling.bottom_block.temperature"]
         self.assertNotEqual(hot["low_m"], hot["high_m"])
 

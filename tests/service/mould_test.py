@@ -141,10 +141,10 @@ class Mould(StudyTest):
         self.assertIn("flat within", shown.stdout)
 
         as_json = json.loads(self.dccast("design-mould", "--study", study.id, "--json").stdout)
-        self.assertTrue(as_json["found"]["within_tolerance"])
-        self.assertEqual(as_json["wanted_half_thickness_m"], WANTED)
-
-        residuals = [run["residual_m"] for run in as_json["runs"]]
+        self.assertTrue(as_json["mould"]["within_tolerance"])
+        self.assertTrue(as_json["mould"]["is_steady"])
+        self.assertEqual(as_json["mould"]["wanted_half_thickness_m"], WANTED)
+        residuals = [run["face"]["residual_m"] for run in as_json["runs"]]
         self.assertEqual(min(residuals), residuals[-1])
         self.assertAlmostEqual(residuals[0], 0.07 * WANTED, places=9)
 

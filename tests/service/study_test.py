@@ -65,9 +65,15 @@ class RefinementStudy(ServiceTest):
         return ended
 
     def study(self, *words, code=0):
-        """`dccast convergence --json`: what it found, and what it said."""
+        """`dccast convergence --json`: what it found, and its messages."""
         ended = self.dccast("convergence", "--json", *words, code=code)
         return json.loads(ended.stdout), ended.stderr
+
+    @staticmethod
+    def limit(found, monitor):
+        """The curve of the limit of a monitor."""
+        return next(limit["curve"] for limit in found["limits"]
+                    if limit["curve"]["monitor"] == monitor)
 
     def case_file(self, more=()):
         path = os.path.join(self.folder, "case.toml")
@@ -112,65 +118,70 @@ class RefinementStudy(ServiceTest):
     def test_the_figures_are_those_of_the_jobs(self):
         found, said = self.study(self.case_file())
         self.assertRegex(said, r"3 runs, roughly \d+.* of computing\n")
-
-        levels = found["levels"]
+        levels = found["runs"]
         self.assertEqual([level["refinement"] for level in levels], [1, 2, 4])
-        self.assertEqual({job.id for job in self.jobs_of(found["study"])},
+        nodes = [level["nodes"] for level in levels]
+        self.assertEqual(nodes, sorted(set(nodes)))
+        self.assertEqual({job.id for job in self.jobs_of(found["study"]["id"])},
                          {level["job"] for level in levels})
-        self.assertEqual([m["name"] for m in found["monitors"]], ["corner", "mid", "centre"])
+        self.assertEqual(found["monitors"], ["corner", "mid", "centre"])
+        for place, (monitor, limit) in enumerate(zip(found["monitors"], found["limits"])):
+            curve = limit["curve"]
+            self.assertEqual(curve["monitor"], monitor)
+            curves = [self.curve(level["job"], monitor) for level in levels]
+            self.assertEqual([level["end_curl_m"][place] for level in levels],
+                             [values[-1] for _, values in curves])
+            self.assertEqual(curve["time_s"], curves[0][0])
+            order, expected, uncertainty = extrapolated(curve["time_s"], curves)
+            self.assertAlmostEqual(limit.get("order") or 0, order or 0, delta=1e-9)
+            self.assert_close(curve["curl_m"], expected)
+            self.assert_close(curve["uncertainty_m"], uncertainty)
 
-        for monitor in found["monitors"]:
-            curves = [self.curve(level["job"], monitor["name"]) for level in levels]
-            self.assertEqual(monitor["curl_m"], [values[-1] for _, values in curves])
-            self.assertEqual(found["time_s"], curves[0][0])
-            order, limit, uncertainty = extrapolated(found["time_s"], curves)
-            self.assertAlmostEqual(monitor["order"] or 0, order or 0, delta=1e-9)
-            self.assert_close(monitor["history"]["limit_m"], limit)
-            self.assert_close(monitor["history"]["uncertainty_m"], uncertainty)
-            self.assertEqual(monitor["limit_m"], monitor["history"]["limit_m"][-1])
-            self.assertEqual(monitor["uncertainty_m"], monitor["history"]["uncertainty_m"][-1])
+            row = found["judgement"]["limits"][place]
+            self.assertEqual(row["limit_m"], curve["curl_m"][-1])
+            self.assertEqual(row["limit_error_m"], curve["uncertainty_m"][-1])
             worst = max(range(len(uncertainty)), key=lambda i: uncertainty[i])
-            self.assertAlmostEqual(monitor["largest_uncertainty_m"], uncertainty[worst], delta=1e-12)
-            self.assertAlmostEqual(monitor["largest_uncertainty_time_s"], found["time_s"][worst],
-                                   delta=1e-9)
-        corner = found["monitors"][0]
-        self.assertGreater(corner["uncertainty_m"], 1e-6)  # of a mesh as coarse as this
-        self.assertIsNotNone(corner["order"])
-        self.check_results_file(levels, found)
+            self.assertAlmostEqual(row["largest_error_m"], uncertainty[worst], delta=1e-12)
+            self.assertAlmostEqual(row["at_s"], curve["time_s"][worst], delta=1e-9)
+        corner = found["limits"][0]
+        self.assertGreater(corner["curve"]["uncertainty_m"][-1], 1e-6)  # of a mesh as coarse as this
+        self.assertIn("order", corner)
+        self.check_results_file(found)
         self.check_report(found)
         self.check_curl(levels[1]["job"], found)
 
-    def check_results_file(self, levels, found):
-        for k, level in enumerate(levels):
+    def check_results_file(self, found):
+        for level in found["runs"]:
             path = os.path.join(self.folder, "results.h5")
             self.dccast("fetch", level["job"], "--force", "-o", path)
             with h5py.File(path) as file:
                 self.assertEqual(file["monitors/displacement_m"][-1, 0, 1],
-                                 found["monitors"][0]["curl_m"][k])
+                                 level["end_curl_m"][0])
             os.remove(path)
 
     def check_report(self, found):
-        base, corner = found["levels"][0]["job"], found["monitors"][0]
-        page = self.dccast("report", base, "-o", "-").stdout
-        limit, half = 1e3 * corner["limit_m"], 1e3 * corner["uncertainty_m"]
-        error = abs(1e3 * corner["curl_m"][0] - limit) + half
-        self.assertIn(f"<strong>{1e3 * corner['curl_m'][0]:.2f}</strong> mm<small>"
+        corner = self.limit(found, "corner")
+        ends = [1e3 * level["end_curl_m"][0] for level in found["runs"]]
+        page = self.dccast("report", found["runs"][0]["job"], "-o", "-").stdout
+        limit, half = 1e3 * corner["curl_m"][-1], 1e3 * corner["uncertainty_m"][-1]
+        error = abs(ends[0] - limit) + half
+        self.assertIn(f"<strong>{ends[0]:.2f}</strong> mm<small>"
                       f"<em>± {error:.2f} mm</em>limit {limit:.2f} ± {half:.2f}</small>", page)
         self.assertIn("How much of it is discretisation", page)
-        for figure in (limit, half, 1e3 * corner["curl_m"][2]):
-            self.assertIn(f"<td>{figure:.3f}</td>", page)
+        self.assertIn(f"<td>{limit:.3f} ± {half:.3f}</td>", page)
+        self.assertIn(f"<td>{ends[2]:.3f}</td>", page)
         self.assertEqual(page.count("class='band'"), 6)  # three monitors in two charts
         self.assertNotIn("is not known", page)
 
     def check_curl(self, job_id, found):
         """`dccast curl` has the limit at the job's own steps."""
         curl = json.loads(self.dccast("curl", "--json", job_id).stdout)
-        corner, history = curl["monitors"][0], found["monitors"][0]["history"]
+        corner, limit = curl["monitors"][0], self.limit(found, "corner")
         self.assertEqual(len(corner["limit_m"]), len(curl["time_s"]))
-        for name in ("limit_m", "uncertainty_m"):
-            self.assertAlmostEqual(corner[name][-1], history[name][-1], delta=1e-12)
-            self.assertAlmostEqual(corner[name][-2], at(curl["time_s"][-2], found["time_s"],
-                                                        history[name]), delta=1e-12)
+        for name, of_limit in (("limit_m", "curl_m"), ("uncertainty_m", "uncertainty_m")):
+            self.assertAlmostEqual(corner[name][-1], limit[of_limit][-1], delta=1e-12)
+            self.assertAlmostEqual(corner[name][-2], at(curl["time_s"][-2], limit["time_s"],
+                                                        limit[of_limit]), delta=1e-12)
 
     def test_a_study_whose_client_was_killed_is_taken_up_again(self):
         client, study = self.begin_study(self.case_file())
@@ -182,15 +193,14 @@ class RefinementStudy(ServiceTest):
         self.assertEqual(self.client.job(finest.id).state, job_pb2.RUNNING)
 
         found, _ = self.study("--study", study)
-        self.assertEqual([level["state"] for level in found["levels"]], ["SUCCEEDED"] * 3)
-        self.assertIsNotNone(found["monitors"][0]["order"])
-
+        self.assertEqual([level["state"] for level in found["runs"]], ["SUCCEEDED"] * 3)
+        self.assertIn("order", found["limits"][0])
         again, _ = self.study("--study", study)  # a study that has ended says the same
         self.assertEqual(again, found)
 
         table = self.dccast("convergence", "--study", study).stdout
-        self.assertIn(f"study {study}\n", table)
-        self.assertIn(f"{1e3 * found['monitors'][0]['limit_m']:.3f}", table)
+        self.assertIn(f"study {study}: ", table)
+        self.assertIn(f"{1e3 * self.limit(found, 'corner')['curl_m'][-1]:.3f}", table)
 
     def test_levels_that_are_missing_are_added_and_no_other(self):
         path = self.case_file()
@@ -200,8 +210,8 @@ class RefinementStudy(ServiceTest):
         client.wait()
         there = {job.id for job in self.jobs_of(study)}
         found, _ = self.study("--study", study, path)
-        self.assertEqual([level["refinement"] for level in found["levels"]], [1, 2, 4])
-        self.assertLessEqual(there, {level["job"] for level in found["levels"]})
+        self.assertEqual([level["refinement"] for level in found["runs"]], [1, 2, 4])
+        self.assertLessEqual(there, {level["job"] for level in found["runs"]})
         self.assertEqual(len(self.jobs_of(study)), 3)
 
         other = self.case_file(((r'^half_width = "0.28 m"', 'half_width = "0.29 m"'),
@@ -223,27 +233,28 @@ class RefinementStudy(ServiceTest):
 
         found, said = self.study("--study", study, "--as-it-is", code=3)
         self.assertIn("signal 9", said)
-        self.assertEqual([level["state"] for level in found["levels"]],
+        self.assertEqual([level["state"] for level in found["runs"]],
                          ["SUCCEEDED", "SUCCEEDED", "FAILED"])
-        corner = found["monitors"][0]
-        curves = [self.curve(level["job"], "corner") for level in found["levels"][:2]]
-        self.assertIsNone(corner["order"])
-        self.assertEqual(corner["curl_m"], [values[-1] for _, values in curves])
-        self.assertEqual(corner["limit_m"], curves[1][1][-1])
+        corner = self.limit(found, "corner")
+        curves = [self.curve(level["job"], "corner") for level in found["runs"][:2]]
+        self.assertNotIn("order", found["limits"][0])
+        self.assertEqual([level["end_curl_m"][0] for level in found["runs"][:2]],
+                         [values[-1] for _, values in curves])
+        self.assertEqual(corner["curl_m"][-1], curves[1][1][-1])
         largest = max(abs(at(t, *curves[1]) - value) for t, value in zip(*curves[0]))
-        self.assertAlmostEqual(corner["uncertainty_m"], 1.25 * largest, delta=1e-12)
-        base = found["levels"][0]["job"]
+        self.assertAlmostEqual(corner["uncertainty_m"][-1], 1.25 * largest, delta=1e-12)
+        base = found["runs"][0]["job"]
         self.assertIn("Refinement 4 is left out",
                       self.dccast("report", base, "-o", "-").stdout)
 
         # Deleted, it is no longer a level; submitted again, it is a new one.
         self.dccast("delete", finest.id)
         shorter, _ = self.study("--study", study)
-        self.assertEqual(len(shorter["levels"]), 2)
+        self.assertEqual(len(shorter["runs"]), 2)
         whole, _ = self.study("--study", study, path)
-        self.assertEqual([level["state"] for level in whole["levels"]], ["SUCCEEDED"] * 3)
-        self.assertEqual(whole["levels"][0]["job"], base)
-        self.assertNotEqual(whole["levels"][2]["job"], finest.id)
+        self.assertEqual([level["state"] for level in whole["runs"]], ["SUCCEEDED"] * 3)
+        self.assertEqual(whole["runs"][0]["job"], base)
+        self.assertNotEqual(whole["runs"][2]["job"], finest.id)
 
     def test_a_level_beyond_the_limits_is_refused_before_anything_is_submitted(self):
         # 272 nodes at refinement 2, 990 at 4.
@@ -256,7 +267,7 @@ class RefinementStudy(ServiceTest):
         listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
         self.assertEqual(len(listed.jobs), 0)
         found, _ = self.study("--levels", "2", path)
-        self.assertEqual(len(found["levels"]), 2)
+        self.assertEqual(len(found["runs"]), 2)
 
     def test_what_cannot_be_studied_is_refused(self):
         unknown = "0f2b9a4e-0000-4000-8000-000000000000"
@@ -301,15 +312,14 @@ class Repair(ServiceTest):
         self.assertEqual(lost.request_id, f"{study}/4")
 
         shown, _ = self.study("--study", study, "--as-it-is", code=3)
-        self.assertEqual([level["state"] for level in shown["levels"]],
+        self.assertEqual([level["state"] for level in shown["runs"]],
                          ["SUCCEEDED", "SUCCEEDED", "CANCELLED"])
 
         found, said = self.study("--study", study)
-        self.assertEqual([level["state"] for level in found["levels"]], ["SUCCEEDED"] * 3)
-        self.assertEqual([level["job"] for level in found["levels"][:2]],
-                         [level["job"] for level in shown["levels"][:2]])
-
-        again = self.client.job(found["levels"][2]["job"])
+        self.assertEqual([level["state"] for level in found["runs"]], ["SUCCEEDED"] * 3)
+        self.assertEqual([level["job"] for level in found["runs"][:2]],
+                         [level["job"] for level in shown["runs"][:2]])
+        again = self.client.job(found["runs"][2]["job"])
         self.assertEqual(again.request_id, f"{study}/4/2")
         self.assertIn(f"refinement 4: job {again.id} replaces job {lost.id}, which is cancelled",
                       said)
@@ -327,15 +337,15 @@ class Repair(ServiceTest):
         path = self.titled("steps=20 sleep_ms=20")
         for _ in range(2):
             found, _ = self.study("--study", study, path)
-            self.assertEqual([level["state"] for level in found["levels"]], ["SUCCEEDED"] * 3)
-            self.assertNotEqual(found["levels"][2]["job"], lost.id)
+            self.assertEqual([level["state"] for level in found["runs"]], ["SUCCEEDED"] * 3)
+            self.assertNotEqual(found["runs"][2]["job"], lost.id)
         self.assertEqual(len(self.jobs_of(study)), 4)
 
     def test_a_level_that_failed_by_its_own_case_is_left_as_it_is(self):
         client, study = self.begin_study(self.titled("steps=20 fail_at=5"))
         self.assertEqual(client.wait(timeout=60), 3)
         found, _ = self.study("--study", study, code=3)
-        self.assertEqual([level["state"] for level in found["levels"]], ["FAILED"] * 3)
+        self.assertEqual([level["state"] for level in found["runs"]], ["FAILED"] * 3)
         self.assertEqual(len(self.jobs_of(study)), 3)
 
 

@@ -305,7 +305,7 @@ class Command(StudyTest):
         ended = self.dccast("sweep", self.case_file("steps=3"), "--grid",
                             "schedule.casting_speed=40 mm/min,60 mm/min", "--grid", "mesh.rows=10,20",
                             "--csv", "out.csv", "--plot", "out.html")
-        study = re.match(r"study (\S+)", ended.stdout)[1]
+        study = re.match(r"study ([0-9a-f-]+)", ended.stdout)[1]
         self.assertIn("4 of 4 runs", ended.stderr)
         self.assertEqual(len(re.findall(r"^ *\d+  .*succeeded$", ended.stdout, re.M)), 4)
 
@@ -316,7 +316,8 @@ class Command(StudyTest):
 
         with open(os.path.join(self.folder, "out.html"), encoding="utf-8") as file:
             page = file.read()
-        self.assertIn("<svg", page)
+        # The curl against each key, and against both.
+        self.assertEqual(page.count("<svg"), 3)
         self.assertNotIn("nan", page)
 
         result = json.loads(self.dccast("sweep", "--study", study, "--json").stdout)
@@ -334,7 +335,7 @@ class Command(StudyTest):
         ended = self.dccast("sweep", path, "--grid",
                             "schedule.casting_speed=40 mm/min,60 mm/min", "--grid", "mesh.rows=10,20",
                             "--output", "out.h5")
-        study = re.match(r"study (\S+)", ended.stdout)[1]
+        study = re.match(r"study ([0-9a-f-]+)", ended.stdout)[1]
         runs = self.evaluate(study, curves=True).runs
         with h5py.File(os.path.join(self.folder, "out.h5")) as table:
             self.assertEqual(table.attrs["study"], study)

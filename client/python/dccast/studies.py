@@ -90,8 +90,8 @@ class Study:
         return answer
 
     def judgement(self, monitor: str = "") -> Judgement:
-        """What the server concludes so far: of `dccast uncertainty`, `sensitivity` and `design-recipe` their
-        sentences and tables, of a refinement its limits, of other studies the runs.
+        """What the server concludes so far: the sentences and tables that the command of such a study
+        prints. A calibration is judged once it has ended.
 
         @param monitor  whose curl; without one that with the largest curl
         """

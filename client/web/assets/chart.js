@@ -31,7 +31,7 @@ const path = points => {
 };
 
 /**
- * @param lines   [{name, x, y, error (relative) or low and high, dashed, colour (0 to 5)}]
+ * @param lines   [{name, x, y, error (relative) or low and high, dashed, dots (a dot for each point, no line), colour (0 to 5)}]
  * @param options {title, xLabel, yLabel, wanted: [low, high] as y, unit of y}
  */
 export function chart(lines, {title, xLabel, yLabel, wanted = [], unit = 'mm'}) {
@@ -61,7 +61,9 @@ export function chart(lines, {title, xLabel, yLabel, wanted = [], unit = 'mm'}) 
       parts.push(h('path', {class: `band ${colour(line, i)}`, d: `${path([...upper, ...lower])}z`}));
     }
   });
-  lines.forEach((line, i) => parts.push(h('path', {class: `line ${colour(line, i)}${line.dashed ? ' dashed' : ''}`, d: path(line.x.map((x, k) => [px(x), py(line.y[k])]))})));
+  lines.forEach((line, i) => parts.push(line.dots
+    ? h('g', {class: `dot ${colour(line, i)}`}, line.x.map((x, k) => (Number.isFinite(line.y[k]) ? h('circle', {cx: px(x), cy: py(line.y[k]), r: 3}) : null)))
+    : h('path', {class: `line ${colour(line, i)}${line.dashed ? ' dashed' : ''}`, d: path(line.x.map((x, k) => [px(x), py(line.y[k])]))})));
   const summary = lines.map(line => `${line.name} ends at ${fixed(line.y.at(-1), 1)} ${unit}`).join(', ');
   const cursor = h('line', {class: 'cursor', y1: top, y2: height - bottom, x1: -9, x2: -9});
   const svg = h('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': `${title}: ${summary}`}, parts, cursor);

@@ -46,7 +46,7 @@ function axisLabel({quantity, unit}) {
 
 export function picture({heading, x, y, lines, region}) {
   const scaled = (values, factor) => values.map(v => (v === null ? NaN : factor * v)), fx = plant(x.unit)[1], fy = plant(y.unit)[1];
-  const drawn = lines.map((line, i) => ({name: line.name, x: scaled(line.x, fx), y: scaled(line.y, fy), colour: i,
+  const drawn = lines.map((line, i) => ({name: line.name, x: scaled(line.x, fx), y: scaled(line.y, fy), colour: i, dots: line.is_dotted,
     ...(line.low.length ? {low: scaled(line.low, fy), high: scaled(line.high, fy)} : {})}));
   return chart(drawn, {title: `${capital(heading)}${region ? `; shaded: ${region.name}` : ''}`, xLabel: axisLabel(x), yLabel: axisLabel(y), unit: plant(y.unit)[0],
     wanted: region ? [fy * region.low, fy * region.high] : []});

@@ -173,6 +173,15 @@ TEST(JudgementJson, MembersAreNamedByColumnAndUnit) {
   EXPECT_EQ(json["curls"][1]["curl_upper_error_m"], 0.0039);
 }
 
+TEST(JudgementJson, OfAStudyStandsBesideItsFigures) {
+  v1::StudyJudgement answer;
+  answer.mutable_judgement()->add_sentences("It is so.");
+  answer.mutable_result()->add_monitors("corner");
+  const ReadJson json = ReadJson::parse(study_json(answer).dump());
+  EXPECT_EQ(json["monitors"][0], "corner");
+  EXPECT_EQ(json["judgement"]["sentences"][0], "It is so.");
+}
+
 TEST(JudgementChart, IsDrawnInThePlantsUnits) {
   v1::Chart chart;
   chart.mutable_x()->set_quantity("cast length");
@@ -182,10 +191,12 @@ TEST(JudgementChart, IsDrawnInThePlantsUnits) {
   auto& line = *chart.add_lines();
   line.add_x(0.1);
   line.add_y(0.02);
+  line.set_is_dotted(true);
   const Chart drawn = chart_of(chart);
   EXPECT_EQ(drawn.x_label, "cast length, mm");
   EXPECT_EQ(drawn.lines.at(0).x.at(0), 100.0);
   EXPECT_EQ(drawn.lines.at(0).y.at(0), 20.0);
+  EXPECT_TRUE(drawn.lines.at(0).dots) << "readings are dots";
 }
 
 }  // namespace

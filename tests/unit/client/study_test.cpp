@@ -1,13 +1,11 @@
-#include "client/model/study.hpp"
-
-#include <optional>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "client/html/pages.hpp"
 #include "client/html/report_parts.hpp"
-#include "client/text/study_text.hpp"
+#include "server/judging/judged_study.hpp"
 
 namespace dccast::client {
 namespace {
@@ -16,17 +14,30 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-/// What EvaluateStudy and ListJobs say of a study.
-struct Answer {
+/// A study of the server with its jobs.
+struct Refinement {
   v1::StudyResult result;
   std::vector<v1::Job> jobs;
 
-  Study study() const { return study_of(result, jobs); }
+  v1::StudyJudgement judgement() const {
+    v1::StudyJudgement answer;
+    *answer.mutable_study() = result.study();
+    *answer.mutable_judgement() = judging::judge_study({result});
+    *answer.mutable_result() = result;
+    return answer;
+  }
+  /// The report of the run of a level.
+  std::string report(std::size_t level) const {
+    v1::QueryResultResponse run;
+    *run.add_steps() = jobs[level].last_step();
+    return render::report_page(jobs[level], run, judgement());
+  }
 };
 
 /// Adds a run to 4 s whose corner ends at this curl; its centre stays.
-void add_run(Answer& answer, int refinement, double corner_m, v1::JobState state = v1::SUCCEEDED) {
-  v1::Job& job = answer.jobs.emplace_back();
+void add_run(Refinement& study, int refinement, double corner_m,
+             v1::JobState state = v1::SUCCEEDED) {
+  v1::Job& job = study.jobs.emplace_back();
   job.set_id("job-" + std::to_string(refinement));
   job.set_study("0f2b9a4e-0000-4000-8000-000000000000");
   job.set_state(state);
@@ -40,8 +51,8 @@ void add_run(Answer& answer, int refinement, double corner_m, v1::JobState state
     monitor.add_displacement_m(0.0);
     monitor.add_displacement_m(curl);
   }
-  if (state == v1::FAILED) job.mutable_failure()->set_message("did not converge");
-  v1::StudyRun& run = *answer.result.add_runs();
+  v1::StudyRun& run = *study.result.add_runs();
+  if (state == v1::FAILED) run.mutable_failure()->set_message("did not converge");
   run.set_refinement(refinement);
   run.set_job(job.id());
   run.set_state(state);
@@ -49,20 +60,20 @@ void add_run(Answer& answer, int refinement, double corner_m, v1::JobState state
   run.add_end_curl_m(0.0);
 }
 
-Answer empty_answer() {
-  Answer answer;
-  answer.result.mutable_study()->set_id("0f2b9a4e-0000-4000-8000-000000000000");
-  answer.result.mutable_study()->mutable_refinement()->set_levels(3);
-  answer.result.add_monitors("corner");
-  answer.result.add_monitors("centre");
-  return answer;
+Refinement empty_study() {
+  Refinement study;
+  study.result.mutable_study()->set_id("0f2b9a4e-0000-4000-8000-000000000000");
+  study.result.mutable_study()->mutable_refinement()->set_levels(3);
+  study.result.add_monitors("corner");
+  study.result.add_monitors("centre");
+  return study;
 }
 
 /// A limit that rises evenly to these figures at 4 s.
-void add_limit(Answer& answer, double corner_m, double uncertainty_m,
+void add_limit(Refinement& study, double corner_m, double uncertainty_m,
                std::optional<double> order = {}) {
   for (const auto& [name, part] : {std::pair("corner", 1.0), std::pair("centre", 0.0)}) {
-    auto& limit = *answer.result.add_limits();
+    auto& limit = *study.result.add_limits();
     limit.mutable_curve()->set_monitor(name);
     for (int i = 1; i <= 4; ++i) {
       limit.mutable_curve()->add_time_s(i);
@@ -75,105 +86,55 @@ void add_limit(Answer& answer, double corner_m, double uncertainty_m,
 }
 
 /// Corner at the end: 4.0, 4.4, 4.6 mm; so the limit is 4.8 +- 0.25 mm.
-Study clean_study() {
-  Answer answer = empty_answer();
-  add_run(answer, 1, 4.0e-3);
-  add_run(answer, 2, 4.4e-3);
-  add_run(answer, 4, 4.6e-3);
-  add_limit(answer, 4.8e-3, 0.25e-3, 1.0);
-  return answer.study();
+Refinement clean_study() {
+  Refinement study = empty_study();
+  add_run(study, 1, 4.0e-3);
+  add_run(study, 2, 4.4e-3);
+  add_run(study, 4, 4.6e-3);
+  add_limit(study, 4.8e-3, 0.25e-3, 1.0);
+  return study;
 }
 
 /// The finest run failed.
-Study study_with_a_loss() {
-  Answer answer = empty_answer();
-  add_run(answer, 1, 4.0e-3);
-  add_run(answer, 2, 4.4e-3);
-  add_run(answer, 4, 7.0e-3, v1::FAILED);
-  add_limit(answer, 4.4e-3, 1.25 * 0.4e-3);
-  return answer.study();
-}
-
-TEST(Study, ArrangesLevelsAndLimits) {
-  const Study study = clean_study();
-  ASSERT_EQ(study.levels.size(), 3u);
-  EXPECT_EQ(study.levels[0].refinement, 1);
-  EXPECT_EQ(study.levels[2].job.id(), "job-4");
-  EXPECT_THAT(study.time_s, ElementsAre(1, 2, 3, 4));
-  const MonitorStudy& corner = *study.monitor("corner");
-  EXPECT_THAT(corner.end_curl_m, ElementsAre(4.0e-3, 4.4e-3, 4.6e-3));
-  EXPECT_EQ(*corner.limit.order, 1.0);
-  EXPECT_NEAR(corner.limit.value_m[1], 2.4e-3, 1e-12);
-  EXPECT_EQ(corner.least_certain(), 3u);
-  EXPECT_FALSE(study.monitor("centre")->limit.order);
-  EXPECT_EQ(study.monitor("elsewhere"), nullptr);
-}
-
-TEST(Study, WhatFailedDoesNotSpoilTheRest) {
-  const Study study = study_with_a_loss();
-  EXPECT_EQ(study.levels.size(), 3u);
-  EXPECT_EQ(study.succeeded().size(), 2u);
-  EXPECT_THAT(study.monitor("corner")->end_curl_m, ElementsAre(4.0e-3, 4.4e-3));
-  const std::string table = render::study_table(study);
-  EXPECT_THAT(table, testing::ContainsRegex("failed  +-  +-\n"));
-  EXPECT_THAT(table, HasSubstr("4.400"));
-}
-
-TEST(Study, OneRunSaysNothing) {
-  Answer answer = empty_answer();
-  add_run(answer, 1, 4.0e-3);
-  add_run(answer, 2, 4.4e-3, v1::RUNNING);
-  EXPECT_TRUE(answer.study().monitors.empty());
-  EXPECT_THAT(render::study_table(answer.study()), Not(HasSubstr("limit")));
-}
-
-TEST(Study, JobsThatStandForNoLevelAreNamedApart) {
-  Answer answer = empty_answer();
-  add_run(answer, 1, 4.0e-3);
-  v1::Job replaced;
-  replaced.set_id("replaced");
-  answer.jobs.push_back(replaced);
-  v1::StudyRun& waiting = *answer.result.add_runs();
-  waiting.set_refinement(2);
-  waiting.set_state(v1::QUEUED);
-  const Study study = answer.study();
-
-  ASSERT_EQ(study.others.size(), 1u);
-  EXPECT_EQ(study.others[0].id(), "replaced");
-  ASSERT_EQ(study.levels.size(), 2u);
-  EXPECT_EQ(study.levels[1].job.state(), v1::QUEUED);
+Refinement study_with_a_loss() {
+  Refinement study = empty_study();
+  add_run(study, 1, 4.0e-3);
+  add_run(study, 2, 4.4e-3);
+  add_run(study, 4, 7.0e-3, v1::FAILED);
+  add_limit(study, 4.4e-3, 1.25 * 0.4e-3);
+  return study;
 }
 
 TEST(StudyPart, TheErrorOfARunReachesBeyondTheIntervalOfTheLimit) {
-  const auto error = render::curl_error(clean_study(), "corner", 4.0, 4.0e-3);
+  const auto error = render::curl_error(clean_study().result, "corner", 4.0, 4.0e-3);
   ASSERT_TRUE(error);
   EXPECT_NEAR(error->limit_m, 4.8e-3, 1e-12);
   EXPECT_NEAR(error->this_run_m, 0.8e-3 + 0.25e-3, 1e-12);
   EXPECT_TRUE(error->extrapolated);
-  EXPECT_FALSE(render::curl_error(clean_study(), "corner", 9.0, 4.0e-3));
-  EXPECT_FALSE(render::curl_error(clean_study(), "elsewhere", 4.0, 4.0e-3));
-  EXPECT_FALSE(render::curl_error(Study{}, "corner", 4.0, 4.0e-3));
+  EXPECT_FALSE(render::curl_error(clean_study().result, "corner", 9.0, 4.0e-3));
+  EXPECT_FALSE(render::curl_error(clean_study().result, "elsewhere", 4.0, 4.0e-3));
+  EXPECT_FALSE(render::curl_error({}, "corner", 4.0, 4.0e-3));
 }
 
 TEST(StudyPart, TheBandIsTheIntervalOfTheLimit) {
-  const render::ChartBand band = render::curl_band(clean_study(), "corner", false);
+  const render::ChartBand band = render::curl_band(clean_study().result, "corner", false);
   EXPECT_THAT(band.x, ElementsAre(1, 2, 3, 4));
   EXPECT_NEAR(band.low[3], 4.55, 1e-9);
   EXPECT_NEAR(band.middle[3], 4.8, 1e-9);
   EXPECT_NEAR(band.high[3], 5.05, 1e-9);
-  EXPECT_NEAR(render::curl_band(clean_study(), "corner", true).x[2], 3.0,
+  EXPECT_NEAR(render::curl_band(clean_study().result, "corner", true).x[2], 3.0,
               1e-9);  // mm of cast length
 }
 
 TEST(StudyPart, AThinnedBandStillHoldsEveryInterval) {
-  Study study;
-  MonitorStudy monitor{"corner", {}, {}};
+  v1::StudyResult study;
+  v1::CurlCurve& curve = *study.add_limits()->mutable_curve();
+  curve.set_monitor("corner");
   for (int i = 0; i < 1000; ++i) {
-    study.time_s.push_back(i);
-    monitor.limit.value_m.push_back(0.0);
-    monitor.limit.uncertainty_m.push_back(i == 503 ? 7e-3 : 1e-3);
+    curve.add_time_s(i);
+    curve.add_curl_m(0.0);
+    curve.add_uncertainty_m(i == 503 ? 7e-3 : 1e-3);
   }
-  study.monitors.push_back(monitor);
   const render::ChartBand band = render::curl_band(study, "corner", false);
 
   EXPECT_LE(band.x.size(), 80u);
@@ -183,48 +144,43 @@ TEST(StudyPart, AThinnedBandStillHoldsEveryInterval) {
   EXPECT_NEAR(*std::min_element(band.low.begin(), band.low.end()), -7.0, 1e-9);
 }
 
-v1::QueryResultResponse result_of(const StudyLevel& level) {
-  v1::QueryResultResponse result;
-  *result.add_steps() = level.job.last_step();
-  return result;
-}
-
-TEST(StudyPart, TheReportOfARunOfAStudyHasItsErrorItsBandAndTheTable) {
-  const Study study = clean_study();
-  const std::string page =
-      render::report_page(study.levels[0].job, result_of(study.levels[0]), study);
+TEST(StudyPart, TheReportOfARunOfAStudyHasItsErrorItsBandAndTheTables) {
+  const std::string page = clean_study().report(0);
   for (const char* const part :
        {"<strong>4.00</strong> mm", "± 1.05 mm", "limit 4.80 ± 0.25</small>", "class='band'",
-        "How much of it is discretisation", "1, this run", "<td>4.600</td>", "<td>1.00</td>",
-        "<td>4.800</td>", "<td>0.250</td>"})
+        "How much of it is discretisation", "This run has refinement 1.", "<td>4.600</td>",
+        "<td>1.00</td>", "<td>4.800 ± 0.250</td>",
+        "The curl of the corner at the end tends to 4.800 ± 0.250 mm, with order 1.00."})
     EXPECT_THAT(page, HasSubstr(part));
   EXPECT_THAT(page, Not(HasSubstr("is not known")));
   EXPECT_THAT(page, Not(HasSubstr("has not been measured")));
-
-  const std::string alone =
-      render::report_page(study.levels[0].job, result_of(study.levels[0]), {});
-  EXPECT_THAT(alone, HasSubstr("has not been measured: <code>dccast convergence"));
   EXPECT_THAT(page, Not(HasSubstr("nan")));
+
+  v1::QueryResultResponse run;
+  *run.add_steps() = clean_study().jobs[0].last_step();
+  EXPECT_THAT(render::report_page(clean_study().jobs[0], run),
+              HasSubstr("has not been measured: <code>dccast convergence"));
 }
 
 TEST(StudyPart, TheReportNamesALevelThatFailed) {
-  const Study study = study_with_a_loss();
-  const std::string page =
-      render::report_page(study.levels[0].job, result_of(study.levels[0]), study);
-  EXPECT_THAT(page, HasSubstr("Refinement 4 is left out: job job-4 is failed"));
+  const std::string page = study_with_a_loss().report(0);
+  EXPECT_THAT(page, HasSubstr("Refinement 4 is left out: "));
   EXPECT_THAT(page, HasSubstr("did not converge"));
   EXPECT_THAT(page, HasSubstr("finest 4.40 ± 0.50</small>"));
 }
 
-TEST(StudyPart, TheReportOfAnyOtherRunSaysWhichCommandTellsIt) {
-  Answer answer = empty_answer();
-  add_run(answer, 1, 4.0e-3);
-  add_run(answer, 2, 4.4e-3, v1::RUNNING);
-  const Study unfinished = answer.study();
-  const StudyLevel& alone = unfinished.levels[0];
-  EXPECT_THAT(render::report_page(alone.job, result_of(alone), unfinished),
-              HasSubstr("dccast convergence --study " + alone.job.study()));
-  const std::string page = render::report_page(alone.job, result_of(alone));
+TEST(StudyPart, TheReportOfAnyOtherRunNamesTheCommandThatComputesTheError) {
+  Refinement study = empty_study();
+  add_run(study, 1, 4.0e-3);
+  add_run(study, 2, 4.4e-3, v1::RUNNING);
+  EXPECT_THAT(study.report(0),
+              HasSubstr("of the runs of its study 1 succeeded, two are needed. <code>dccast "
+                        "convergence --study " +
+                        study.jobs[0].study()));
+
+  v1::QueryResultResponse run;
+  *run.add_steps() = study.jobs[0].last_step();
+  const std::string page = render::report_page(study.jobs[0], run);
   EXPECT_THAT(page, HasSubstr("<code>dccast convergence CASE</code>"));
   EXPECT_THAT(page, Not(HasSubstr("class='band'")));
   EXPECT_THAT(page, Not(HasSubstr("How much of it")));

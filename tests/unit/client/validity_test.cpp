@@ -147,47 +147,6 @@ TEST_F(Validity, ARunThatIsValidHasNoMarkAnywhere) {
   EXPECT_THAT(page, Not(HasSubstr("class='beyond'")));
 }
 
-/// Two levels that succeeded with 5 mm at 5 s; the second one was lost at 4 s.
-Study lost_study() {
-  v1::StudyResult result;
-  std::vector<v1::Job> jobs(2);
-  result.add_monitors("corner");
-  for (int i = 0; i < 2; ++i) {
-    v1::Job& job = jobs[static_cast<std::size_t>(i)];
-    job.set_id("job-" + std::to_string(i));
-    job.set_state(v1::SUCCEEDED);
-    if (i == 1) *job.mutable_validity_loss() = slide();
-    v1::StudyRun& run = *result.add_runs();
-    run.set_job(job.id());
-    run.set_state(job.state());
-    run.add_end_curl_m(5e-3);
-  }
-  v1::CurlCurve& curve = *result.add_limits()->mutable_curve();
-  curve.set_monitor("corner");
-  for (int t = 1; t <= 5; ++t) {
-    curve.add_time_s(t);
-    curve.add_curl_m(1e-3 * t);
-    curve.add_uncertainty_m(0.0);
-  }
-  result.set_valid_until_s(4.0);
-  return study_of(result, jobs);
-}
-
-TEST(ValidityOfAStudy, IsThatOfItsLevels) {
-  const Study lost = lost_study();
-  EXPECT_TRUE(lost.valid_at(3.9));
-  EXPECT_FALSE(lost.valid_at(4.0));
-  EXPECT_FALSE(lost.levels[0].ends_beyond_validity());
-  const std::string table = render::study_table(lost);
-  EXPECT_THAT(table, HasSubstr("succeeded, beyond validity"));
-  EXPECT_THAT(table, HasSubstr("5.000 !\n"));
-  EXPECT_THAT(table, HasSubstr("! beyond validity: from 4.00 s on"));
-  Study valid = lost;
-  valid.valid_until_s.reset();
-  for (StudyLevel& level : valid.levels) level.job.clear_validity_loss();
-  EXPECT_THAT(render::study_table(valid), Not(HasSubstr("!")));
-}
-
 TEST(FailureText, HasKindPlaceAndFurtherCauses) {
   v1::Failure failure;
   failure.set_kind(v1::Failure::SHELL_MELTED_THROUGH);

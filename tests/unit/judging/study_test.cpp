@@ -6,6 +6,7 @@
 
 #include "proto/case_file/study_keys.hpp"
 #include "server/judging/judged_study.hpp"
+#include "tests/support/judged_table.hpp"
 #include "tests/support/study_result.hpp"
 
 namespace dccast::judging {
@@ -17,7 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-using support::add_axis, support::add_run;
+using support::add_axis, support::add_run, support::table_of;
 
 v1::StudyResult sensitivity() {
   v1::StudyResult result;
@@ -42,13 +43,6 @@ v1::StudyResult sensitivity() {
   lost.set_end_curl_m(0, std::numeric_limits<double>::quiet_NaN());
   add_run(result, 3, 1, 38.0);
   return result;
-}
-
-/// The table of a judgement with this key; empty where there is none.
-v1::Table table_of(const v1::Judgement& judgement, const std::string& key) {
-  for (const v1::JudgementPart& part : judgement.parts())
-    if (part.table().key() == key) return part.table();
-  return {};
 }
 
 /// Texts and codes of a row; numbers in tenths of a thousandth.
@@ -207,7 +201,8 @@ TEST(Runs, AreListedWithTheErrorOfMeshAndStepsWhereItIsKnown) {
   EXPECT_TRUE(runs.columns(2).has_error());
   EXPECT_NEAR(runs.rows(0).cells(2).upper_error(), 2e-3, 1e-12);
   EXPECT_FALSE(runs.rows(1).cells(2).has_upper_error());
-  EXPECT_EQ(runs.rows(1).cells(3).code(), "succeeded");
+  EXPECT_DOUBLE_EQ(runs.columns(2).resolution(), 1e-4) << "an error of 2 mm has two digits";
+  EXPECT_EQ(runs.rows(1).cells(5).code(), "succeeded");
   result.mutable_runs(0)->clear_relative_curl_error();
   EXPECT_FALSE(table_of(judged(result, std::nullopt), "runs").columns(2).has_error());
 }
@@ -232,7 +227,86 @@ TEST(Refinement, LimitsHaveTheirErrorAndWhereItIsLargest) {
   EXPECT_DOUBLE_EQ(limits.rows(0).cells(2).upper_error(), 1e-3);
   EXPECT_DOUBLE_EQ(limits.rows(0).cells(3).value(), 3e-3);
   EXPECT_DOUBLE_EQ(limits.rows(0).cells(4).value(), 10.0);
-  EXPECT_THAT(limits.note(), HasSubstr("from 15.00 s on"));
+  EXPECT_THAT(limits.note(), HasSubstr("beyond validity: from 15.00 s on"));
+}
+
+TEST(Refinement, StatesLimitsAndLevelsThatAreLeftOut) {
+  v1::StudyResult result;
+  result.mutable_study()->mutable_refinement();
+  EXPECT_THAT(judged(result, std::nullopt).sentences(),
+              ElementsAre("No limit yet: two levels that succeeded are needed."));
+
+  for (const char* monitor : {"corner", "centre"}) {
+    v1::StudyResult::Limit& limit = *result.add_limits();
+    limit.mutable_curve()->set_monitor(monitor);
+    limit.mutable_curve()->add_time_s(4.0);
+    limit.mutable_curve()->add_curl_m(4.8e-3);
+    limit.mutable_curve()->add_uncertainty_m(0.25e-3);
+  }
+  result.mutable_limits(0)->set_order(1.0);
+  v1::StudyRun& lost = *result.add_runs();
+  lost.set_refinement(4);
+  lost.set_state(v1::FAILED);
+  lost.mutable_failure()->set_kind(v1::Failure::SOLVE_FAILED);
+  lost.mutable_failure()->set_message("did not converge");
+  EXPECT_THAT(
+      judged(result, std::nullopt).sentences(),
+      ElementsAre("The curl of the corner at the end tends to 4.800 ± 0.250 mm, with order 1.00.",
+                  "The curl of the centre at the end is 4.800 ± 0.250 mm by the finest level: it "
+                  "does not converge with an order.",
+                  "Refinement 4 is left out: solve failed: did not converge."));
+}
+
+/// The charts of a judgement.
+std::vector<v1::Chart> charts_of(const v1::Judgement& judgement) {
+  std::vector<v1::Chart> charts;
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.has_chart()) charts.push_back(part.chart());
+  return charts;
+}
+
+/// Runs at every speed with every number of rows.
+v1::StudyResult grid(int rows) {
+  v1::StudyResult result;
+  result.add_monitors("corner");
+  add_axis(result, "schedule.casting_speed", "0.001 m/s", "0.002 m/s");
+  add_axis(result, "mesh.rows", "1", std::to_string(rows));
+  for (int row = 1; row <= rows; ++row)
+    for (const double speed : {0.002, 0.001}) {
+      v1::StudyRun& run = *result.add_runs();
+      run.set_state(v1::SUCCEEDED);
+      run.add_values(std::to_string(speed) + " m/s");
+      run.add_values(std::to_string(row));
+      run.add_numbers(speed);
+      run.add_numbers(row);
+      run.add_end_curl_m(speed * row);
+    }
+  return result;
+}
+
+TEST(Sweep, HasTheCurlAgainstEachKeyWithALineForEachValueOfTheOthers) {
+  const auto charts = charts_of(judged(grid(2), std::nullopt));
+  ASSERT_EQ(charts.size(), 3u);
+  EXPECT_EQ(charts[0].heading(), "curl of the corner at the end against schedule.casting_speed");
+  EXPECT_EQ(charts[0].x().unit(), "m/s");
+  ASSERT_EQ(charts[0].lines_size(), 2);
+  EXPECT_EQ(charts[0].lines(1).name(), "2");
+  EXPECT_THAT(charts[0].lines(1).x(), ElementsAre(0.001, 0.002));
+  EXPECT_THAT(charts[0].lines(1).y(), ElementsAre(0.002, 0.004));
+}
+
+TEST(Sweep, HasDotsWhereLinesWouldBeTooMany) {
+  const auto charts = charts_of(judged(grid(7), std::nullopt));
+  ASSERT_EQ(charts.size(), 3u);
+  ASSERT_EQ(charts[0].lines_size(), 1);
+  EXPECT_TRUE(charts[0].lines(0).is_dotted());
+  EXPECT_EQ(charts[0].lines(0).x_size(), 14);
+
+  // Against two keys, the curl is the colour: a line for each class of it.
+  ASSERT_EQ(charts[2].lines_size(), 5);
+  EXPECT_EQ(charts[2].y().quantity(), "mesh.rows");
+  EXPECT_EQ(charts[2].lines(4).name(), "10.0 to 14.0 mm");
+  EXPECT_TRUE(charts[2].lines(4).is_dotted());
 }
 
 }  // namespace
