@@ -3,7 +3,9 @@
 import {get, getBytes} from './api.js';
 import {chart} from './chart.js';
 import {fixed, h, replace} from './dom.js';
-import {cut, fieldsOf, fieldValues, locate, readFrame, shown, spreadFromBottom, temperature, valueAtPlace} from './frame_data.js';
+import {
+  cut, fieldsOf, fieldValues, locate, readFrame, shown, spreadFromBottom, temperature, valueAtPlace
+} from './frame_data.js';
 import {colourBar, fit, numberText, Painter, viewOf, viewOfCut, views} from './frame_view.js';
 import {canvasOfSvg, fileName, saveCsv, savePng} from './save.js';
 

@@ -56,7 +56,8 @@ export const viewOfCut =
 // ---- WebGL
 
 const vertex =
-  `attribute vec3 place, moved; attribute float value; uniform mat4 view; uniform float scale; uniform vec4 keep;
+  `attribute vec3 place, moved; attribute float value;
+uniform mat4 view; uniform float scale; uniform vec4 keep;
 varying float t; varying vec3 p; varying float side;
 void main() {
   p = place + scale * moved; t = value; side = keep.w - dot(keep.xyz, place);

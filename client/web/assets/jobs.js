@@ -102,16 +102,19 @@ export function jobsPage(element, signal) {
     told(answers.filter(a => a.reason).map(a => a.reason.message).join('; '));
   }
 
+  const canPause = job => ['RUNNING', 'QUEUED'].includes(job.state);
+  const canCancel = job => !ended.has(job.state);
   const openComparison = () => { location.hash = `#/compare/${[...chosen].join('/')}`; };
   const acts = [
     {text: 'Compare', least: 2, able: () => true, act: openComparison},
-    {text: 'Pause', able: job => ['RUNNING', 'QUEUED'].includes(job.state), act: able => each('PauseJob', able)},
+    {text: 'Pause', able: canPause, act: able => each('PauseJob', able)},
     {text: 'Resume', able: job => job.state === 'PAUSED', act: able => each('ResumeJob', able)},
-    {text: 'Cancel', able: job => !ended.has(job.state), act: able => cancelJobs(chosenJobs(able), {done: told})},
+    {text: 'Cancel', able: canCancel, act: able => cancelJobs(chosenJobs(able), {done: told})},
   ];
   for (const act of acts) {
     const kind = act.act === openComparison ? null : 'submitter';  // which a viewer does not see
-    act.button = h('button', {type: 'button', class: kind, disabled: true, onclick: () => act.act(act.able)}, act.text);
+    const onclick = () => act.act(act.able);
+    act.button = h('button', {type: 'button', class: kind, disabled: true, onclick}, act.text);
   }
 
   function drawActs() {

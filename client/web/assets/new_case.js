@@ -134,7 +134,8 @@ export function newCasePage(element, signal) {
           },
           'File ', file),
         h('p', {class: 'soft'},
-          'The server checks it. A case that names further files, such as a mesh, is sent with dccast submit.'))),
+          'The server checks it. A case that names further files, such as a mesh, is sent with ',
+          'dccast submit.'))),
     found);
   get('/alloys/')
     .then(names => {

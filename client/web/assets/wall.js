@@ -1,7 +1,9 @@
 // One line for a screen on the wall: what runs now, large enough to be read across the hall.
 import {call, get, repeat} from './api.js';
 import {chart, curlLines, wantedBand} from './chart.js';
-import {byGravity, curlText, findingList, h, replace, severityText, stateText, worst} from './dom.js';
+import {
+  byGravity, curlText, findingList, h, replace, severityText, stateText, worst
+} from './dom.js';
 import {lastCurl} from './jobs.js';
 
 /** The gravest finding, with its remedy where it names one, in one line. */
