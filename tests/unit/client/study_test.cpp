@@ -16,7 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-/// What EvaluateStudy and ListJobs say of a study.
+/// Answers of EvaluateStudy and ListJobs for a study.
 struct Answer {
   v1::StudyResult result;
   std::vector<v1::Job> jobs;
