@@ -12,9 +12,9 @@ namespace {
 /// Tolerance of coordinates: a point this far outside of the mesh is still found in it [m].
 constexpr double round_off = 1e-9;
 
-void lies_outside(CaseFindings& found, const std::string& field, double at,
+void lies_outside(CaseFindings& found, const std::string& field, double coordinate,
                   const std::string& permitted, const std::string& remedy = "move the monitor") {
-  found.fault(field, with_unit(at, "m"), "lies outside the slab", permitted, remedy);
+  found.fault(field, with_unit(coordinate, "m"), "lies outside the slab", permitted, remedy);
 }
 
 void above(CaseFindings& found, const std::string& field, double height) {

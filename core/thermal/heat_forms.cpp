@@ -153,8 +153,8 @@ private:
   /// Calls use(nodes) for every element that has a node numbered `first` or higher.
   template <class Use>
   void for_each_element_from(std::size_t first, std::size_t end, const Use& use) const {
-    for (std::size_t at = 0; at < end; at += Element::nodes) {
-      const int* node = mesh_.element_node.data() + at;
+    for (std::size_t position = 0; position < end; position += Element::nodes) {
+      const int* node = mesh_.element_node.data() + position;
       if (std::size_t(*std::max_element(node, node + Element::nodes)) >= first) use(node);
     }
   }

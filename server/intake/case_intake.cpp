@@ -173,8 +173,9 @@ CaseIntake::CaseIntake(jobs::WarmWorkers& workers, std::filesystem::path alloy_d
   for (const std::string& name : case_file::alloy_names(alloy_directory_)) {
     const auto card = case_file::alloy_card(name, alloy_directory_);
     if (!card.ok())
-      throw std::runtime_error("alloy card " + name + ": " + card.faults.front().field() + ": " +
-                               card.faults.front().message());
+      throw std::runtime_error(fmt::format("alloy card {}: {}: {}", name,
+                                           card.faults.front().field(),
+                                           card.faults.front().message()));
     alloys_.push_back(card.alloy);
   }
 }

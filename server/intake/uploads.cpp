@@ -128,15 +128,15 @@ std::unique_ptr<Uploads::Upload> Uploads::begin(const std::string& user,
 
 /// Counts an upload against the limits, because each holds a chunk in memory.
 void Uploads::count_upload(const std::string& user) {
-  const int all = std::accumulate(under_way_.begin(), under_way_.end(), 0,
-                                  [](int sum, const auto& entry) { return sum + entry.second; });
+  const int of_all = std::accumulate(under_way_.begin(), under_way_.end(), 0,
+                                     [](int sum, const auto& entry) { return sum + entry.second; });
 
   int& of_user = under_way_[user];
-  if (of_user >= limits_.at_once_of_user || all >= limits_.at_once)
+  if (of_user >= limits_.at_once_of_user || of_all >= limits_.at_once)
     throw TooManyUploads(
         fmt::format("{} uploads of {} and {} in all are under way; at most {} and {} are taken at "
                     "once: try again in a moment",
-                    of_user, user, all, limits_.at_once_of_user, limits_.at_once));
+                    of_user, user, of_all, limits_.at_once_of_user, limits_.at_once));
   ++of_user;
 }
 

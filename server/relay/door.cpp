@@ -181,13 +181,13 @@ bool Door::end_a_silent_one(const std::string& host) {
 /// them loses its oldest.
 void Door::bound_handshakes() {
   std::map<std::string, std::size_t> of_host;
-  std::size_t all = 0;
+  std::size_t handshakes = 0;
   for (const auto& connection : connections_) {
     if (!connection->in_handshake()) continue;
     ++of_host[connection->peer().host];
-    ++all;
+    ++handshakes;
   }
-  if (all < most_in_handshake) return;
+  if (handshakes < most_in_handshake) return;
 
   const auto most =
       std::ranges::max_element(of_host, {}, [](const auto& entry) { return entry.second; });

@@ -1,4 +1,6 @@
 // Calls about jobs. Their results are in results.cpp.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -27,8 +29,7 @@ void check_time_limit(double seconds, double most) {
   const bool within = seconds > 0.0 && std::isfinite(seconds) && (most == 0.0 || seconds <= most);
   if (within || seconds == 0.0) return;
   refuse("time_limit_s must be positive{}",
-         most > 0.0 ? " and at most maximum_time = " + std::to_string(std::lround(most)) + " s"
-                    : std::string());
+         most > 0.0 ? fmt::format(" and at most maximum_time = {} s", std::lround(most)) : "");
 }
 
 /// The address becomes an argument of a command: no blank, and nothing that looks like an option.

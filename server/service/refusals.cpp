@@ -220,11 +220,12 @@ void check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels)
   if (labels.size() > most_labels)
     refuse("there are {} labels; a job has at most {}", labels.size(), most_labels);
   for (const std::string& label : labels) {
-    const std::string given = "the label \"" + values::escaped(values::shortened(label)) + "\" ";
+    const std::string given =
+        fmt::format("the label \"{}\"", values::escaped(values::shortened(label)));
     if (label.empty() || label.size() > longest_label)
-      refuse("{}is not one line of 1 to {} bytes", given, longest_label);
+      refuse("{} is not one line of 1 to {} bytes", given, longest_label);
     if (const auto character = values::unprintable(label))
-      refuse("{}contains {}; leave that character out", given, *character);
+      refuse("{} contains {}; leave that character out", given, *character);
   }
 }
 

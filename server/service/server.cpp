@@ -1,5 +1,6 @@
 #include "server/service/server.hpp"
 
+#include <fmt/format.h>
 #include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
@@ -67,11 +68,11 @@ using grpc::experimental::InterceptionHookPoints;
 
 grpc::Status readable_status(const std::string& method) {
   if (method_at(method) != nullptr)
-    return {
-        grpc::INVALID_ARGUMENT,
-        "the request of " + method +
-            " cannot be read as the message that service.proto names; use a client made from it"};
-  return {grpc::UNIMPLEMENTED, "dccastd has no call " + method};
+    return {grpc::INVALID_ARGUMENT,
+            fmt::format("the request of {} cannot be read as the message that service.proto names; "
+                        "use a client made from it",
+                        method)};
+  return {grpc::UNIMPLEMENTED, fmt::format("dccastd has no call {}", method)};
 }
 
 /// Lives as long as its call.
@@ -149,7 +150,8 @@ PublicServer::PublicServer(Context& context, const relay::Listener& local,
                 tls->files);
 
   server_ = builder.BuildAndStart();
-  if (!server_) throw std::runtime_error("gRPC cannot serve on " + local.address());
+  if (!server_)
+    throw std::runtime_error(fmt::format("gRPC cannot serve on {}", local.address()));
   relay_->start();
   server_->GetHealthCheckService()->SetServingStatus(alive, true);
   health_ = std::jthread([this](const std::stop_token& stop) { report_health(stop); });

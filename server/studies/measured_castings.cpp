@@ -2,6 +2,8 @@
 // statistics::calibrate() takes, and back to keys, bands and places of further runs.
 #include "server/studies/measured_castings.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -81,9 +83,9 @@ void keep_valid(MeasuredCasting& casting, std::size_t inputs) {
   std::erase_if(casting.runs, [](const EvaluatedRun& run) { return !run.counts(); });
   const std::size_t fewest = CurlSurface::fewest_runs(inputs);
   if (casting.runs.size() - casting.last < fewest)
-    throw CannotPredict("a calibration over " + std::to_string(inputs) + " keys needs " +
-                        std::to_string(fewest) + " valid runs that succeeded, and " +
-                        std::to_string(casting.runs.size()) + " have");
+    throw CannotPredict(
+        fmt::format("a calibration over {} keys needs {} valid runs that succeeded, and {} have",
+                    inputs, fewest, casting.runs.size()));
 }
 
 /// The unit of noise and misfit: root mean square of curls, or of temperatures about their mean.

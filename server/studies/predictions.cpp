@@ -204,7 +204,7 @@ void step_back() {
 /// predicting.
 struct SweptKeys {
   v1::Case base;  ///< with defaults
-  std::vector<SweptKey> all;
+  std::vector<SweptKey> keys;
 };
 
 std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) {
@@ -215,7 +215,7 @@ std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) 
   case_file::apply_quality(keys.base);
   case_file::apply_defaults(keys.base);
   for (const auto& axis : study.request.sweep().axes())
-    keys.all.push_back(swept_key(study.request.case_(), axis));
+    keys.keys.push_back(swept_key(study.request.case_(), axis));
   return kept = std::make_shared<const SweptKeys>(std::move(keys));
 }
 
@@ -246,7 +246,7 @@ Predictions::Surface Predictions::surface_of(const SweepState& sweep, const std:
 
   const auto begin = Clock::now();
   const auto surface = std::make_shared<const SweepSurface>(
-      sweep_surface(sweep.study.request.case_(), keys_of(sweep.study)->all, kind, sweep.runs()));
+      sweep_surface(sweep.study.request.case_(), keys_of(sweep.study)->keys, kind, sweep.runs()));
   const auto now = Clock::now();
   log::debug("study {}: response surface of {} runs in {} ms", sweep.study.id, sweep.succeeded,
              std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
@@ -278,8 +278,9 @@ void Predictions::make_room() {
 v1::Spread Predictions::spread(const SweepState& sweep, const std::string& monitor) {
   const v1::CreateStudyRequest& request = sweep.study.request;
   if (request.sweep().design() != v1::SweepPlan::LATIN_HYPERCUBE)
-    throw CannotPredict("study " + sweep.study.id +
-                        " is no Latin hypercube: its runs do not stand for what its keys may be");
+    throw CannotPredict(fmt::format(
+        "study {} is no Latin hypercube: its runs do not stand for what its keys may be",
+        sweep.study.id));
 
   // A limit that is not given does not bind.
   const v1::Plausibility& limits = request.case_().plausibility();
@@ -290,7 +291,8 @@ v1::Spread Predictions::spread(const SweepState& sweep, const std::string& monit
 
   v1::Spread spread = surface_of(sweep, "")->surface.spread(monitor, band);
   if (spread.time_s().empty())
-    throw CannotPredict("\"" + monitor + "\" is no monitor of this study that all runs report");
+    throw CannotPredict(
+        fmt::format("\"{}\" is no monitor of this study that all runs report", monitor));
   return spread;
 }
 
@@ -307,7 +309,7 @@ v1::Prediction Predictions::predict(const SweepState& sweep,
                         "makes runs to predict from");
 
   const auto keys = keys_of(sweep.study);
-  const Place place = place_of(keys->base, keys->all, request);
+  const Place place = place_of(keys->base, keys->keys, request);
   const auto found = surface_of(sweep, place.kind);
 
   v1::Prediction prediction;
@@ -333,7 +335,7 @@ void Predictions::prepare(const SweepState& sweep) {
   const auto keys = keys_of(sweep.study);
   std::set<std::string> kinds;
   for (const EvaluatedRun& run : sweep.runs())
-    if (run.counts() && kinds.size() < most_prepared) kinds.insert(kind_of(keys->all, run));
+    if (run.counts() && kinds.size() < most_prepared) kinds.insert(kind_of(keys->keys, run));
   for (const std::string& kind : kinds) {
     try {
       surface_of(sweep, kind);

@@ -40,11 +40,10 @@ v1::StudyState state_of(const RunCounts& counts) {
 
 std::string message_of(const RunCounts& counts, v1::StudyState state) {
   if (counts.all() == 0) return "all jobs of the study were deleted";
-  const auto some = [&counts](v1::JobState run) {
-    return std::to_string(counts.of(run)) + " of " + std::to_string(counts.all()) + " runs ";
-  };
-  if (state == v1::STUDY_FAILED) return some(v1::FAILED) + "failed";
-  if (state == v1::STUDY_CANCELLED) return some(v1::CANCELLED) + "were cancelled";
+  if (state == v1::STUDY_FAILED)
+    return fmt::format("{} of {} runs failed", counts.of(v1::FAILED), counts.all());
+  if (state == v1::STUDY_CANCELLED)
+    return fmt::format("{} of {} runs were cancelled", counts.of(v1::CANCELLED), counts.all());
   return {};
 }
 
@@ -142,8 +141,10 @@ v1::Study Studies::create(const v1::CreateStudyRequest& request,
     }
 
   if (const std::string reason = scheduler_.held(); !reason.empty())
-    throw jobs::StorageHeld("the queue is held and takes no study now: " + reason +
-                            "; it goes on by itself once that has passed: try again then");
+    throw jobs::StorageHeld(
+        fmt::format("the queue is held and takes no study now: {}; it goes on by itself once that "
+                    "has passed: try again then",
+                    reason));
 
   return create_new(request, attachments, owner, sha256);
 }
@@ -256,8 +257,8 @@ v1::Study Studies::view(const StudyRecord& record) {
 
   // The number of a recipe's runs is known before its later rounds are planned.
   const bool grows = record.request.has_recipe() && study.state() == v1::STUDY_RUNNING;
-  const int all = grows ? plan_of(record)->most_runs() : counts.all();
-  study.set_progress(all == 0 ? 1.0 : std::min(1.0, done / all));
+  const int runs = grows ? plan_of(record)->most_runs() : counts.all();
+  study.set_progress(runs == 0 ? 1.0 : std::min(1.0, done / runs));
 
   if (study.state() != v1::STUDY_RUNNING)
     *study.mutable_end_time() = jobs::timestamp(std::max(record.changed_ms, counts.last_end_ms));

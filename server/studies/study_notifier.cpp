@@ -36,15 +36,15 @@ void StudyNotifier::wake_all() {
   wake_.notify_all();
 }
 
-std::vector<std::shared_ptr<StudyWatcher>> StudyNotifier::due(bool all) {
+std::vector<std::shared_ptr<StudyWatcher>> StudyNotifier::due(bool every_study) {
   std::vector<std::shared_ptr<StudyWatcher>> found;
   const std::set<std::string> changed = std::exchange(changed_studies_, {});
-  for (auto at = watchers_.begin(); at != watchers_.end();) {
-    std::erase_if(at->second, [](const auto& watcher) { return watcher.expired(); });
-    if (all || changed.contains(at->first))
-      for (const auto& watcher : at->second)
+  for (auto entry = watchers_.begin(); entry != watchers_.end();) {
+    std::erase_if(entry->second, [](const auto& watcher) { return watcher.expired(); });
+    if (every_study || changed.contains(entry->first))
+      for (const auto& watcher : entry->second)
         if (auto alive = watcher.lock()) found.push_back(std::move(alive));
-    at = at->second.empty() ? watchers_.erase(at) : std::next(at);
+    entry = entry->second.empty() ? watchers_.erase(entry) : std::next(entry);
   }
   return found;
 }

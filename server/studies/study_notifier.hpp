@@ -34,7 +34,7 @@ public:
 private:
   void run(const std::stop_token& stop);
   /// Watchers to call now. Drops those that no longer exist.
-  std::vector<std::shared_ptr<StudyWatcher>> due(bool all);
+  std::vector<std::shared_ptr<StudyWatcher>> due(bool every_study);
 
   std::mutex mutex_;
   std::condition_variable_any wake_;

@@ -67,7 +67,7 @@ class Calibration(DataStudyCase):
         self.assertIn('"cooling.bottom_block.contact_coefficient" = ', text)
 
         self.dccast("validate", output)
-        # What was written computes what was measured, better than the case did.
+        # The written case reproduces the measurement better than the original one.
         ends = [json.loads(self.dccast("query", case, "--set", "quality=draft", "--json"))
                 ["monitors"][0]["end_curl_m"] for case in (path, output)]
         self.assertLess(abs(ends[1] - curve["measured"]["curl_m"][-1]),

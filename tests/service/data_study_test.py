@@ -74,7 +74,7 @@ class DataStudy(DataStudyCase):
         self.assertIn("error of a difference has not been measured", screen)  # of a mesh of its own
         with open(page, encoding="utf-8") as file:
             self.assertIn("Change of the curl of the corner", file.read())
-        # Nothing lies between runs that move one key each.
+        # Runs that change one key each permit no interpolation.
         with self.assertRaises(grpc.RpcError) as refused:
             self.client.stub.PredictStudy(study_pb2.PredictStudyRequest(id=answer["study"]["id"]),
                                           timeout=30)

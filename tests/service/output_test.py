@@ -145,7 +145,7 @@ class Output(Commands):
         command = subprocess.run([os.path.join(BIN, "dccast"), "schema"], stdout=writing, timeout=60,
                                  stderr=subprocess.PIPE, check=False, restore_signals=True)
         os.close(writing)
-        # As other programs of a pipeline: the signal ends it, and the shell shows 141.
+        # Like other programs of a pipeline: the signal ends it, and the shell shows 141.
         self.assertEqual(command.returncode, -13, command.stderr)
 
     def test_a_watch_ends_when_its_output_has_no_place(self):

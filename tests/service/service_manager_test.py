@@ -76,7 +76,7 @@ class Reports(ServiceManagerTest):
 
 class SocketInAFolder(ServiceManagerTest):
     address = "/tmp/dccast-test-%d" % os.getpid()
-    # Of another process: no sign of life is expected of this one.
+    # The variable belongs to another process: no heartbeat is expected of this one.
     environment = {"WATCHDOG_USEC": "400000", "WATCHDOG_PID": "1"}
 
     def setUp(self):

@@ -11,7 +11,7 @@ import time
 from support import until
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "scontrol")
-# Whatever is started ends with the test, also when that is killed.
+# Every started process ends with the test, even if the test is killed.
 TIED = ("setpriv", "--pdeathsig", "KILL")
 SBIN = os.environ.get("PATH", "") + os.pathsep + "/usr/sbin"
 

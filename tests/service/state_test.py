@@ -171,7 +171,7 @@ class Folders(StateTest):
             store.execute("PRAGMA foreign_keys = ON")
             store.execute("DELETE FROM job")
         store.close()
-        # As if it had been submitted and never acknowledged: its log ends after the first event.
+        # Make it look submitted and never acknowledged: its log ends after the first event.
         folder = os.path.join(self.data, "jobs", job.id)
         os.remove(os.path.join(folder, "accepted"))
         with open(os.path.join(folder, "events.log"), "r+b") as log:

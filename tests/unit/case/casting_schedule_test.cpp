@@ -20,7 +20,8 @@ TEST(CastingSchedule, LengthIsTheExactIntegralOfTheSpeed) {
   EXPECT_EQ(schedule.cast_length(0.0, -10.0, 9.0), 0.0);
   EXPECT_NEAR(schedule.cast_length(0.0, -1.0, 3.0), 2e-3, 1e-17) << "nothing before time zero";
 
-  // However the time is cut: 5 s at 1 mm/s, 10 s at a mean of 1.5, 5 s at 2.
+  // The result does not depend on the division of time: 5 s at 1 mm/s, 10 s at a mean of 1.5, 5 s
+  // at 2.
   for (double dt : {20.0, 7.0, 1.0, 0.3}) {
     double length = 0.0;
     for (double t = 0.0; t < 20.0 - 1e-12; t += dt) {
@@ -72,7 +73,7 @@ TEST(CastingSchedule, StepsEndWhereSomethingChanges) {
   EXPECT_GE(shortest, 0.25 / 3.0);
 }
 
-/// However the steps change on the way, one ends at each.
+/// A step ends at each event, even if the steps change on the way.
 TEST(CastingSchedule, StepsEndWhereFramesAreStored) {
   Case c = small_casting();
   c.output.frame_interval = 0.7;

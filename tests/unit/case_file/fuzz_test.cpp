@@ -38,7 +38,7 @@ void mutate(std::string& text, std::mt19937& random) {
   }
 }
 
-/// What holds whatever a file is: faults are short, and a file without one is a sound case.
+/// Invariants for any file: faults are short, and a file without a fault is a sound case.
 void expect_a_sound_answer(const std::string& text) {
   v1::Case message;
   const ReadOutcome outcome = read_text(text, "mutated.toml", message);

@@ -46,7 +46,7 @@ TEST(Quality, BetterQualitiesHaveSmallerCellsAndSteps) {
   }
 }
 
-/// As large as start-3d.
+/// A case as large as start-3d.
 v1::Case quarter_slab(v1::Quality quality) {
   v1::Case c = casting(quality);
   c.mutable_section()->set_kind(v1::Section::QUARTER_SLAB);
@@ -178,7 +178,7 @@ TEST(Quality, EventsOutsideTheRunLeaveNoTrace) {
   EXPECT_TRUE(check_ranges(complete(c)).empty());
 }
 
-/// Whatever the sizes of a case, right or not: no endless mesh, and every case gets steps.
+/// For any sizes of a case, right or wrong, the mesh is finite and the case has steps.
 TEST(Quality, StaysInRangeForAnySection) {
   for (const auto kind :
        {v1::Section::PLANE_STRAIN, v1::Section::AXISYMMETRIC, v1::Section::QUARTER_SLAB})

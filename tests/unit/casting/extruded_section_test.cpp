@@ -127,7 +127,7 @@ TEST_P(Extruded, GivesWhatTheSectionGives) {
   EXPECT_GT(std::abs(two.back().monitor_displacement[0][0]), 1e-5) << "it has moved";
 }
 
-/// What a case cannot do without must have a name in the file.
+/// Patches that a case needs must have a name in the file.
 TEST(ImportedSolid, NeedsBothPlanesOfSymmetryAndASide) {
   const TemporaryFolder folder;
   Case c = small_casting(mesh::ElementKind::q1);

@@ -126,7 +126,7 @@ TEST_P(NoStateOutsideTheCheckpoint, OfARunWhoseStepsWereCut) {
 INSTANTIATE_TEST_SUITE_P(Elements, NoStateOutsideTheCheckpoint,
                          ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1));
 
-/// How the mechanics of a section are factorised at its start.
+/// Kind of factorisation for the mechanics of a section at its start.
 linalg::DirectSolver::Method method_of(const mesh::SectionSpec& section) {
   const mesh::SlabMesh2D slab(section);
   const mesh::Mesh<2>& mesh = slab.mesh();

@@ -27,7 +27,7 @@ TEST(Completion, EveryShellKnowsCommandsAndOptions) {
   EXPECT_EQ(dccast({"completion", "tcsh"}, "127.0.0.1:1").code, 2);
 }
 
-/// What bash itself makes of a command line with the cursor at its end.
+/// Completions that bash offers for a command line with the cursor at its end.
 std::string completed(const std::string& words) {
   const auto folder = std::filesystem::path(testing::TempDir());
   std::ofstream(folder / "completion.bash") << script_for("bash");

@@ -4,7 +4,7 @@
 
 namespace dccast::client {
 
-/// What a script reads from the output of a command.
+/// Values that a script reads from the output of a command.
 using ReadJson = nlohmann::ordered_json;
 
 }  // namespace dccast::client

@@ -130,7 +130,7 @@ TEST_F(EventLogTest, ACursorBeginsAnywhere) {
   EXPECT_EQ(log.read(next)->step().step(), 201);
 }
 
-// Whatever length the file was left with, the whole events before are kept and numbers go on.
+// A file cut at any length keeps its whole events, and numbering continues.
 TEST_F(EventLogTest, ATornTailIsCutOffWhereverItWasTorn) {
   std::uintmax_t before = 0;
   {

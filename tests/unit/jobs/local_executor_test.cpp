@@ -13,7 +13,7 @@
 namespace dccast::jobs {
 namespace {
 
-/// What the executor reports of the ends of workers.
+/// Ends of workers as the executor reports them.
 struct Ends {
   std::mutex mutex;
   std::condition_variable changed;

@@ -106,7 +106,7 @@ private:
   std::vector<std::jthread> enders_;
 };
 
-/// What a worker does in the folder of its job.
+/// Actions of a worker in the folder of its job.
 class FakeWorker {
 public:
   explicit FakeWorker(WorkerLaunch launch)

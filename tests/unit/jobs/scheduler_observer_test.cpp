@@ -49,7 +49,7 @@ TEST_F(SchedulerObserver, IsCalledForEveryStateAndTheEndOfAJob) {
   EXPECT_THAT(reported.states(), ElementsAre(v1::RUNNING, v1::SUCCEEDED, v1::SUCCEEDED));
 }
 
-// What follows from the rows of jobs is looked for when it is called.
+// Consequences of the rows of jobs are searched for when it is called.
 TEST_F(SchedulerObserver, IsCalledOnceTheStoreHasTakenTheState) {
   Daemon daemon(folder_.path());
   Reported reported(daemon.scheduler);

@@ -113,7 +113,8 @@ TEST_F(SchedulerTest, ShuttingDownEndsAWorkerThatIsBeingStarted) {
   EXPECT_EQ(daemon.executor.stops(), 1);
 }
 
-// However the process ended after that: killed while the daemon stood still, say.
+// The process may have ended in any way after that, for example killed while the daemon stood
+// still.
 TEST_F(SchedulerTest, ARunThatHasEndedIsNoDeath) {
   Daemon daemon(folder_.path());
   daemon.scheduler.start();

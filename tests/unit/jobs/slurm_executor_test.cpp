@@ -57,7 +57,7 @@ protected:
     storage::write_file(file, "#!/bin/sh\ncd " + folder_.path().string() + "\n" + body + "\n");
     fs::permissions(file, fs::perms::owner_all);
   }
-  /// What squeue prints from now on.
+  /// Later output of squeue.
   void shows(const std::string& lines) { storage::replace_file(folder_ / "queue", lines); }
   void shows_start(const std::string& state, const std::string& reason = "None", int attempt = 1) {
     shows("other|RUNNING|None|0|\ndccast-foreign.1|RUNNING|None|0|\ndccast-a-job." +
@@ -288,7 +288,7 @@ TEST_F(SlurmExecutorTest, WhatGoesFirstDoesNotQueue) {
   EXPECT_EQ(near_.started, "a-job");
 }
 
-// Where locks do not hold between machines, the start decides.
+// If locks do not hold between machines, the start decides.
 TEST(WorkerOrder, OfTwoWorkersInAFolderTheEarlierEnds) {
   const TemporaryFolder folder;
   const StartRank first{1, 0}, again{1, 1}, second{2, 0};

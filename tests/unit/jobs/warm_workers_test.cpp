@@ -226,7 +226,7 @@ TEST_F(WarmWorkersTest, OneThatIsTakenIsReplaced) {
   while (!taken->exit()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
-/// What it has read for an answer may have taken it over.
+/// Reading for an answer may have changed it.
 TEST_F(WarmWorkersTest, OneThatHasAnsweredGetsNoJob) {
   WarmWorkers workers(program_, {.kept = 1});
   const pid_t process = ask(workers, "first").first;

@@ -100,7 +100,7 @@ TEST(DirectSolver, DoesNotDissectByOneEdge) {
       << "two edges in one place";
 }
 
-/// As a slab grows out of the band and a checkpoint goes back into it.
+/// A slab grows out of the band, and a checkpoint returns to it.
 TEST(DirectSolver, ChangesBetweenBandAndDissection) {
   DirectSolver solver;
   for (const auto& [columns, rows] : {std::pair(12, 10), std::pair(150, 170), std::pair(12, 10)}) {

@@ -137,7 +137,7 @@ protected:
     factor.analyze(slab.brick.pattern, Geometry::solid);
     ASSERT_TRUE(factor.factorize(slab.values));
   }
-  /// What a factorisation with the present supports gives.
+  /// Solution by a factorisation with the present supports.
   std::vector<double> factorized() {
     slab.values = slab.free_values;
     support::decouple(slab.brick.pattern, slab.held, slab.values);

@@ -1,4 +1,4 @@
-// What a team of threads computes has the bits of what one computes.
+// A team of threads computes the same bits as one thread.
 
 #include <gtest/gtest.h>
 

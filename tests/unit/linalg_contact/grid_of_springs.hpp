@@ -8,7 +8,7 @@
 namespace dccast::linalg::testing {
 
 /// Springs between the neighbours of an n x n grid, of two unknowns a node, coupled at each node.
-/// Nothing holds it to the ground: it is singular until something is held.
+/// The matrix is singular until something is held.
 struct Grid {
   explicit Grid(int n) : side(n) {
     std::vector<int> pair;

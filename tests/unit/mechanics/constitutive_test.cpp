@@ -22,7 +22,7 @@ Problem one_point(double exponent, double kappa) {
   return problem;
 }
 
-/// What the law gives at one point, alone in its block.
+/// Answer of the law at one point that is alone in its block.
 PointResponse<2> respond(const Problem& problem, const Tensor& trial) {
   std::vector<double> strain(4 * elements_in_block), numbers(6 * elements_in_block);
   const TensorBlock<2> strains(strain.data(), elements_in_block);

@@ -52,7 +52,7 @@ using Families =
                      fem::AxisymmetricP1, fem::AxisymmetricQ1, fem::AxisymmetricBending>;
 TYPED_TEST_SUITE(EquilibriumOf, Families);
 
-/// Of bodies that may rotate in their plane.
+/// Tests of bodies that may rotate in their plane.
 template <class Element>
 class PlaneEquilibriumOf : public EquilibriumOf<Element> {};
 using PlaneFamilies =

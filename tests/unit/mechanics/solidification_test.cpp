@@ -14,7 +14,7 @@ using ::testing::Each;
 double molten(double, double) {
   return 680.0;
 }
-// So little below the coherency temperature that the thermal strain since is negligible.
+// The temperature is so little below coherency that the thermal strain since then is negligible.
 constexpr double just_solid = 649.0 - 1e-10;
 
 template <class Element>

@@ -72,7 +72,7 @@ protected:
 using Families = ::testing::Types<fem::P1Tetrahedron, fem::Q1Hexahedron, fem::BendingHexahedron>;
 TYPED_TEST_SUITE(SolidAlgorithmsOn, Families);
 
-/// What a converged step leaves behind for its checks is what evaluating its end afresh gives.
+/// A converged step leaves for its checks what a new evaluation of its end gives.
 TYPED_TEST(SolidAlgorithmsOn, NewtonLeavesTheEvaluationOfItsEnd) {
   typename TestFixture::Block body;
   body.problem.dt = 0.05;

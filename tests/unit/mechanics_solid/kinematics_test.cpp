@@ -183,7 +183,7 @@ TEST(Cantilever, BendsAsTheElasticaDoes) {
   EXPECT_NEAR(bar.end(0), -0.0564, 5e-4);
 }
 
-/// Where the load grows, the rotation comes a step late: the error falls with the step.
+/// Under a growing load the rotation lags by one step: the error falls with the step.
 TEST(Cantilever, IsAStepLateAndNoMore) {
   const double force = bending_stiffness() / (Bar::length * Bar::length);
   const auto end_after = [&](int steps) {

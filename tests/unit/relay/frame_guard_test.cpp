@@ -51,7 +51,7 @@ struct FrameGuardTest : testing::Test {
     return std::string(guard.take(bytes, now, forwarded));
   }
 
-  /// How many of these pass, at this instant.
+  /// Number of these calls that pass at this instant.
   int number_taken(const std::string& bytes, int most) {
     int taken = 0;
     while (taken < most && send(bytes).empty()) ++taken;
@@ -102,7 +102,7 @@ TEST_F(FrameGuardTest, FramesAreFollowedWhereverTheBytesAreCut) {
   EXPECT_EQ(taken, 2000);
 }
 
-/// What gRPC sees of the headers of a call that carries this connection's number.
+/// Headers of a call as gRPC sees them, with the number of this connection.
 std::string with_connection(std::uint32_t stream, const std::string& headers_without_end) {
   std::string field("\0\x11", 2);
   field.append("dccast-connection").append("\x02").append("42");

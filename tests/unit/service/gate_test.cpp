@@ -13,7 +13,7 @@ namespace {
 
 class GateTest : public ::testing::Test {
 protected:
-  /// How many lines the audit log has after so many calls that end like this.
+  /// Number of lines in the audit log after these calls with this outcome.
   std::ptrdiff_t lines_after(int calls, const access::Caller& caller, grpc::StatusCode code,
                              const google::protobuf::Descriptor& request) {
     for (int i = 0; i < calls; ++i)
@@ -35,7 +35,7 @@ protected:
 constexpr int many = 5000;
 constexpr std::ptrdiff_t most = 200;  // ten a second for ten seconds at once, and what comes after
 
-/// Who has proved nothing may call Enrol as often as a connection takes.
+/// Unauthenticated clients may call Enrol as often as a connection permits.
 TEST_F(GateTest, RefusedCallsDoNotFillTheAuditLog) {
   for (const auto code : {grpc::RESOURCE_EXHAUSTED, grpc::UNAUTHENTICATED, grpc::INVALID_ARGUMENT,
                           grpc::FAILED_PRECONDITION})

@@ -101,7 +101,7 @@ TEST_F(IndexTest, ARowThatHoldsAnotherJobIsMadeAgain) {
   EXPECT_EQ(check(folder_, {}, said), 0) << said.str();
 }
 
-// What was requested of a running job stood in the store alone before version 7.
+// Before version 7, requests to a running job were stored in the store only.
 TEST_F(IndexTest, ARequestInAStoreOfAnEarlierVersionGoesIntoTheFolder) {
   const std::string id = add_job();
   store_.reset();

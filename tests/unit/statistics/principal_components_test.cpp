@@ -21,7 +21,8 @@ Eigen::MatrixXd histories(const Eigen::MatrixXd& x) {
   return figures;
 }
 
-/// As many inputs as a case has uncertain figures, and no more runs than a study of drafts has.
+/// The number of inputs is that of a case's uncertain figures, the number of runs that of a study
+/// of drafts.
 TEST(PrincipalComponents, FindTheInputsThatMatterAmongMany) {
   constexpr int inputs = 30;
   const Eigen::MatrixXd seen = hypercube(64, inputs, 1), unseen = hypercube(100, inputs, 2);

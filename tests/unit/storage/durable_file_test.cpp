@@ -59,7 +59,7 @@ TEST(File, NamesItselfWhenItIsNotThere) {
   }
 }
 
-/// What opening this file says; empty where it is opened.
+/// Message of a failure to open this file; empty if it opens.
 std::string refusal_of(const fs::path& path, int flags) {
   try {
     const File opened(path, flags);

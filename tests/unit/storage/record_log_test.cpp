@@ -47,7 +47,7 @@ TEST(RecordLog, StaysAsItWasWhenAWriteFails) {
   EXPECT_EQ(read_file(folder / "log"), "onethree");
 }
 
-// What a sync could not write the kernel may have dropped: a log that went on would have a hole.
+// The kernel may have dropped what a sync could not write: a log that continued would have a hole.
 TEST(RecordLog, TakesNothingMoreAfterAFailedSync) {
   const TemporaryFolder folder;
   RecordLog log(opened(folder / "log"));

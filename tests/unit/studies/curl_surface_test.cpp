@@ -72,7 +72,7 @@ TEST(CurlSurface, PredictsCurvesItHasNotSeenWithinWhatItSays) {
     const double off = corner.curl_m(last) - curl(place, 100.0);
     square += off * off / 50.0;
   }
-  // What it says of itself is what it is: within a factor of three.
+  // The error that it reports is the true one, within a factor of three.
   EXPECT_LT(std::sqrt(square), 3.0 * surface.cross_validated_error_m());
   EXPECT_GT(inside, 0.9 * asked);
 }

@@ -44,7 +44,7 @@ v1::CreateStudyRequest hypercube() {
   return request;
 }
 
-/// What a surface of 20 runs cannot follow [m].
+/// Error that a surface of 20 runs cannot avoid [m].
 double rough(double a, double b, double t) {
   return 0.5e-3 * (1.0 - std::exp(-0.05 * t)) *
          (std::sin(11.0 * a + 7.0 * b) + std::cos(17.0 * a - 13.0 * b + 0.05 * t));

@@ -30,7 +30,7 @@ TEST(Spread, HasTheQuantilesAndSharesOfALinearFunction) {
   EXPECT_NEAR(spread.median_m(0), 24e-3, 0.1e-3);
   EXPECT_NEAR(spread.median_m(1), 28e-3, 0.1e-3);
 
-  // Of 6 x + 2 y: the 5 % quantile q has q^2 / (2 6 2) = 0.05.
+  // The 5 % quantile q of 6 x + 2 y has q^2 / (2 6 2) = 0.05.
   const double low = std::sqrt(0.05 * 24.0);
   EXPECT_NEAR(spread.low_m(0), (20.0 + low) * 1e-3, 0.1e-3);
   EXPECT_NEAR(spread.high_m(1), (20.0 + 2.0 * (8.0 - low)) * 1e-3, 0.1e-3);

@@ -10,7 +10,7 @@
 namespace dccast::studies {
 namespace {
 
-/// As dccastd wrote it before core and server shared their framing.
+/// Format of dccastd before core and server shared their framing.
 const std::string earlier = from_hex(
     "44434341 53545344 01000000 00000000 30000000 71532f48 0a243064 36633361"
     "35322d38 6635652d 34633162 2d396634 652d3261 37623163 33643565 36662204"
@@ -48,7 +48,7 @@ TEST(StudyFile, FilesInsideARequestOfAnEarlierVersionMoveIntoTheFolder) {
   EXPECT_EQ(files[0].sha256, values::sha256("abc"));
   EXPECT_EQ(files[0].bytes, 3);
 
-  // What has neither row nor file goes; what has one stays.
+  // A folder with neither row nor file is removed; one with either stays.
   remove_orphaned_attachments(folder.path(), {record.id});
   EXPECT_TRUE(std::filesystem::exists(files[0].path));
   remove_orphaned_attachments(folder.path(), {});

@@ -61,7 +61,7 @@ TEST(SweepPlan, AGridHasEveryValueWithEveryOther) {
   EXPECT_THAT(run.numbers(), ElementsAre(testing::DoubleEq(40e-3 / 60.0), 20.0));
 }
 
-/// What mesh and steps leave uncertain is known at the built-in meshes of the qualities.
+/// The error of mesh and steps is known at the built-in meshes of the qualities.
 TEST(SweepPlan, EveryRunHasTheErrorOfItsOwnMeshAndSteps) {
   const auto errors = [](const v1::CreateStudyRequest& request) {
     std::vector<double> all;

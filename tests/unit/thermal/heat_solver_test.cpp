@@ -17,7 +17,7 @@ using testing::casting_cooling;
 using testing::casting_section;
 using testing::pure_metal;
 
-/// What a casting with hold and growth showed.
+/// Outcome of a casting with hold and growth.
 struct Casting {
   HeatField field;
   double worst_balance = 0.0;

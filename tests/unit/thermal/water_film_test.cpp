@@ -46,7 +46,7 @@ TEST(WaterFilm, WarmsByTheHeatThatItTakes) {
   EXPECT_DOUBLE_EQ(places.back().film.flow, 3e-3) << "nothing evaporates below 80 °C";
 }
 
-/// What all pieces may take together in the step is what the water can take.
+/// In a step, all pieces together may take as much heat as the water can.
 TEST(WaterFilm, NeverOffersMoreThanItsCapacity) {
   for (const double flow : {1e-5, 1e-4, 1e-3}) {
     Water w = water();
