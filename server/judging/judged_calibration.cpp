@@ -233,11 +233,11 @@ void add_curves(const Calibration& calibration, const Quantity& quantity,
                 fmt::format("how the model follows the {} that were measured", quantity.names));
   *table.add_columns() = text_column("measured", "measured");
   *table.add_columns() = text_column("source", "in");
-  *table.add_columns() = text_column("readings", "readings used");
+  *table.add_columns() = text_column("readings", "readings");
   const auto add_figure = [&](const char* key, const char* heading, double resolution) {
     *table.add_columns() = number_column(key, heading, quantity.unit, resolution);
   };
-  add_figure("off_before", "off before", quantity.resolution);
+  add_figure("off_before", "before", quantity.resolution);
   add_figure("off_after", "after", quantity.resolution);
   for (const char* share : {"noise", "misfit"}) {
     add_figure(share, share, 0.1 * quantity.resolution);
@@ -245,7 +245,8 @@ void add_curves(const Calibration& calibration, const Quantity& quantity,
   }
   add_figure("surface_error", "surface", 0.1 * quantity.resolution);
   table.set_note(
-      "Root mean squares and standard deviations; ± to 5 and 95 % (docs/calibration.md).");
+      "Before and after: root mean square of what the readings are off the curve; the others are "
+      "standard deviations, ± to 5 and 95 % (docs/calibration.md).");
 
   for (const Calibration::Curve& curve : calibration.curves()) {
     if (!is_of(curve)) continue;

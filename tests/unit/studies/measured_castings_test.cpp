@@ -178,6 +178,8 @@ TEST(CalibrationOf, ChecksTheSurfaceByTheLastRuns) {
   const auto good = calibration_of({right}).curves(0), bad = calibration_of({wrong}).curves(0);
   EXPECT_LT(good.check_error(), 2.0 * good.checked_error() + 1e-5);
   EXPECT_GT(bad.check_error(), 2.5e-3);
+  EXPECT_TRUE(good.is_confirmed());
+  EXPECT_FALSE(bad.is_confirmed());
   EXPECT_GT(bad.surface_error(), good.surface_error());  // they are part of it now
 }
 

@@ -111,6 +111,8 @@ TEST(MouldPlan, EndsWithinTheToleranceAndTellsTheBestRun) {
   plan->evaluate(runs, result);
   EXPECT_TRUE(result.mould().within_tolerance());
   EXPECT_LE(result.mould().residual_m(), 0.5e-3);
+  EXPECT_DOUBLE_EQ(result.mould().wanted_half_thickness_m(), wanted);
+  EXPECT_TRUE(result.mould().is_steady());
   EXPECT_EQ(result.mould().x_m_size(), 4);
   EXPECT_EQ(result.mould().half_opening_m_size(), 4);
   EXPECT_EQ(result.mould().profile_m_size(), 12);
