@@ -138,7 +138,7 @@ void Gate::end_lapsed(std::int64_t now) {
     open = lasting_;
   }
 
-  // Without the lock: a stream that ends takes it in leave().
+  // Without the lock: ending a stream calls gRPC.
   for (const Lasting& call : open) {
     const std::string why = authority_.lapse(call.caller, now);
     if (why.empty()) continue;

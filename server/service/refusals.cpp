@@ -110,7 +110,7 @@ grpc::Status refuse_for_worker(const jobs::WorkerDidNotAnswer& error) {
     case Why::killed:
       return {grpc::UNAVAILABLE, fmt::format("{}; try again", what)};
 
-    // A retry alone does not help: the case is too much for the settings or the machine.
+    // The case may be too much for the settings or the machine.
     case Why::too_slow:
       return {grpc::RESOURCE_EXHAUSTED,
               fmt::format("{} (check_timeout in the settings of dccastd); try again, or make mesh "
