@@ -143,7 +143,7 @@ std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recip
   apply_changes(changed, changes);
   const double end = time_of_cast_length(changed, cast_length_at_end(complete));
   if (std::isfinite(end))
-    changes.push_back(change_of("time.end", quantity_text(0.1 * std::round(10.0 * end), "s")));
+    changes.push_back(change_of("time.end", quantity_text(std::round(10.0 * end) / 10.0, "s")));
   return changes;
 }
 

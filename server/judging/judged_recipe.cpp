@@ -23,11 +23,11 @@ struct Number {
 
 constexpr std::array numbers{
     Number{"speed_start", "speed_run", "speed", "m/s", 0.1 / 60e3},
-    Number{"speed_ramp", nullptr, "ramp", "s", 0.1},
+    Number{"speed_ramp", nullptr, "ramp", "s", 1.0},
     Number{"filling", nullptr, "fill", "s", 0.1},
     Number{"hold", nullptr, "hold", "s", 0.1},
-    Number{"water_start", "water_run", "water", "m2/s", 0.1 / 60e3},
-    Number{"water_ramp", nullptr, "ramp", "s", 0.1},
+    Number{"water_start", "water_run", "water", "m2/s", 1.0 / 60e3},
+    Number{"water_ramp", nullptr, "ramp", "s", 1.0},
 };
 
 bool is_in(const v1::RecipePlan& plan, const char* name) {

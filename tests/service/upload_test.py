@@ -166,6 +166,7 @@ class Viewer(ServiceTest):
 
     def test_a_viewer_is_refused_before_the_first_chunk(self):
         """As nobody, as root is an admin."""
+        os.chmod(self.folder, 0o755)
         code = ("import os, sys; os.setuid(65534); import grpc; from support import Client\n"
                 "client = Client(sys.argv[1])\n"
                 "try: client.upload('slab.msh', b'x' * 1000000)\n"

@@ -123,7 +123,7 @@ TEST_F(Commands, ExitCodesTellWhatWentWrong) {
   EXPECT_EQ(run({"no-such-command"}).code, 2);
   EXPECT_EQ(run({}).code, 2);
   EXPECT_EQ(run({"new", "no-such-case"}).code, 5);
-  const Result away = dccast({"info"}, "127.0.0.1:1");
+  const Result away = dccast({"info"}, "unix:/tmp/dccast-no-such-socket");
   EXPECT_EQ(away.code, 4);
   EXPECT_THAT(away.err, HasSubstr("is dccastd running"));
 }

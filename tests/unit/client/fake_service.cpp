@@ -1,20 +1,35 @@
 #include "fake_service.hpp"
 
-#include <algorithm>
+#include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+
+#include <fmt/format.h>
 #include <grpcpp/server_builder.h>
 
 #include "server/judging/judged_comparison.hpp"
 
 namespace dccast::client {
 
-FakeService::FakeService() {
-  int port = 0;
+namespace {
+
+/// Local clients call Unix sockets only. The name is short: a path has at most 107 bytes.
+std::string free_socket() {
+  static std::atomic<int> count = 0;
+  const auto path = std::filesystem::temp_directory_path() /
+                    fmt::format("dccast-fake-{}-{}", ::getpid(), ++count);
+  return fmt::format("unix:{}", path.string());
+}
+
+}  // namespace
+
+FakeService::FakeService() : address_(free_socket()) {
   grpc::ServerBuilder builder;
-  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+  builder.AddListeningPort(address_, grpc::InsecureServerCredentials());
   builder.RegisterService(this);
   server_ = builder.BuildAndStart();
-  address_ = "127.0.0.1:" + std::to_string(port);
 }
 
 FakeService::~FakeService() {
