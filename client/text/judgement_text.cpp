@@ -117,7 +117,8 @@ bool has_room(const std::vector<ShownColumn>& columns, int page_columns) {
   constexpr int between = 2;
   int total = 0;
   for (const ShownColumn& column : columns) {
-    total += width_of(column.cells, column.heading) + between;
+    const std::string unit = column.unit.empty() ? "" : " " + column.unit;
+    total += width_of(column.cells, column.heading + unit) + between;
     if (column.has_error) total += width_of(column.errors, "± mm") + between;
   }
   return total + bars <= page_columns;
