@@ -19,16 +19,21 @@ CASE_TITLE = "steps=1"
 USER = 61000 + os.getpid() % 4000  # that no one has
 
 
+def forget_places(test):
+    """Takes out of the environment, for this test, what says where sockets and servers are."""
+    environment = unittest.mock.patch.dict(os.environ)
+    environment.start()
+    test.addCleanup(environment.stop)
+    for name in ("XDG_RUNTIME_DIR", "RUNTIME_DIRECTORY", "DCCAST_SERVER", "DCCAST_CONFIG"):
+        os.environ.pop(name, None)
+
+
 class LocalSocket(ServiceTest):
     """A daemon whose settings name no address."""
     settings = {"listen": ""}
 
     def setUp(self):
-        environment = unittest.mock.patch.dict(os.environ)
-        environment.start()
-        self.addCleanup(environment.stop)
-        for name in ("XDG_RUNTIME_DIR", "RUNTIME_DIRECTORY", "DCCAST_SERVER", "DCCAST_CONFIG"):
-            os.environ.pop(name, None)
+        forget_places(self)
         runtime = tempfile.mkdtemp(prefix="dccast-", dir="/tmp")
         self.addCleanup(shutil.rmtree, runtime)
         os.environ["XDG_RUNTIME_DIR"] = runtime
@@ -140,11 +145,7 @@ class WithoutRuntimeDirectory(ServiceTest):
         os.setuid(USER)
 
     def setUp(self):
-        environment = unittest.mock.patch.dict(os.environ)
-        environment.start()
-        self.addCleanup(environment.stop)
-        for name in ("XDG_RUNTIME_DIR", "RUNTIME_DIRECTORY", "DCCAST_SERVER", "DCCAST_CONFIG"):
-            os.environ.pop(name, None)
+        forget_places(self)
         self.place = f"/tmp/dccast-{USER}"
         shutil.rmtree(self.place, ignore_errors=True)
         self.addCleanup(shutil.rmtree, self.place, ignore_errors=True)
