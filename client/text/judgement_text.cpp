@@ -111,15 +111,19 @@ void fit_page(std::vector<ShownColumn>& columns, int page_columns) {
   }
 }
 
+std::string with_unit(const std::string& heading, const std::string& unit) {
+  return unit.empty() ? heading : fmt::format("{} {}", heading, unit);
+}
+
 /// Whether bars fit beside the columns.
 bool has_room(const std::vector<ShownColumn>& columns, int page_columns) {
   constexpr int bars = 17;
   constexpr int between = 2;
   int total = 0;
   for (const ShownColumn& column : columns) {
-    const std::string unit = column.unit.empty() ? "" : " " + column.unit;
-    total += width_of(column.cells, column.heading + unit) + between;
-    if (column.has_error) total += width_of(column.errors, "± mm") + between;
+    total += width_of(column.cells, with_unit(column.heading, column.unit)) + between;
+    if (column.has_error)
+      total += width_of(column.errors, with_unit("\u00b1", column.unit)) + between;
   }
   return total + bars <= page_columns;
 }
@@ -270,9 +274,8 @@ std::string table_text(const v1::Table& table, const TextStyle& style) {
   Rows rows(static_cast<std::size_t>(table.rows_size()));
   const auto add = [&](const std::string& heading, const std::string& unit, bool is_number,
                        const std::vector<std::string>& cells) {
-    headings.push_back(fmt::format("{}{}{}{}", is_number ? ">" : "",
-                                   style.capitals ? in_capitals(heading) : heading,
-                                   unit.empty() ? "" : " ", unit));
+    headings.push_back((is_number ? ">" : "") +
+                       with_unit(style.capitals ? in_capitals(heading) : heading, unit));
     for (std::size_t row = 0; row < rows.size(); ++row) rows[row].push_back(cells[row]);
   };
   for (const ShownColumn& column : columns) {
