@@ -140,12 +140,11 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
   evaluation.set_id(request.id());
   evaluation.set_curves(request.with_curves());
   *evaluation.mutable_castings() = request.castings();
-  judging::StudyToJudge study{of_study(request.id(), context.studies.evaluate(evaluation))};
-  if (request.castings().empty() && is_ended_calibration(study.result.study())) {
-    *evaluation.add_castings() = casting_of(context, study.result.study());
-    study.result = of_study(request.id(), context.studies.evaluate(evaluation));
-  }
+  const v1::Study asked = of_study(request.id(), context.studies.find(request.id()));
+  if (request.castings().empty() && is_ended_calibration(asked))
+    *evaluation.add_castings() = casting_of(context, asked);
 
+  judging::StudyToJudge study{of_study(request.id(), context.studies.evaluate(evaluation))};
   const auto purpose = study.result.study().sweep().purpose();
   if (purpose == v1::SweepPlan::UNCERTAINTY || purpose == v1::SweepPlan::SENSITIVITY)
     study.monitor = judged_monitor(study.result, request.monitor());
