@@ -744,10 +744,17 @@ class RealPages(InBrowser):
         os.makedirs(folder)
 
         def saved(ending):
-            files = lambda: [file for file in os.listdir(folder) if file.endswith(ending)]
-            until(files, 20)
-            with open(os.path.join(folder, files()[0]), "rb") as file:
-                return file.read()
+            # Chromium reserves a file's name by an empty file before it moves the content there.
+            until(lambda: not any(name.endswith(".crdownload") for name in os.listdir(folder))
+                  and content(ending), 20)
+            return content(ending)
+
+        def content(ending):
+            for name in os.listdir(folder):
+                if name.endswith(ending):
+                    with open(os.path.join(folder, name), "rb") as file:
+                        return file.read()
+            return b""
         return saved
 
     def test_a_study_with_too_few_runs_says_so_without_an_error(self):
