@@ -184,4 +184,18 @@ decltype(auto) with_solid_element(mesh::ElementKind element, Use&& use) {
   throw std::logic_error("with_solid_element: element kind without a type");
 }
 
+/// Calls `use.operator()<Element>()` with the linear element of cells with a number of nodes, which
+/// interpolates coordinates, temperatures and displacements in every family.
+template <int Dim, class Use>
+decltype(auto) with_linear_element(int nodes, Use&& use) {
+  if constexpr (Dim == 2) {
+    if (nodes == P1Triangle::nodes) return use.template operator()<P1Triangle>();
+    if (nodes == Q1Quadrilateral::nodes) return use.template operator()<Q1Quadrilateral>();
+  } else {
+    if (nodes == P1Tetrahedron::nodes) return use.template operator()<P1Tetrahedron>();
+    if (nodes == Q1Hexahedron::nodes) return use.template operator()<Q1Hexahedron>();
+  }
+  throw std::logic_error("with_linear_element: no element has this number of nodes");
+}
+
 }  // namespace dccast::fem

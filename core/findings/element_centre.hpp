@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 
+#include "core/fem/element.hpp"
 #include "core/fem/jacobian.hpp"
 #include "core/mesh/mesh.hpp"
 
@@ -58,17 +59,12 @@ ElementCentre<Dim> centre_of_element(const mesh::Mesh<Dim>& mesh, int e,
 /// An element at its centre.
 /// @param temperature  (node) [°C]
 /// @param round        the section is axisymmetric
-inline ElementCentre<2> centre_of(const mesh::Mesh2D& mesh, int e,
-                                  std::span<const double> temperature, bool round) {
-  return mesh.nodes_per_element == 3
-             ? centre_of_element<fem::P1Triangle>(mesh, e, temperature, round)
-             : centre_of_element<fem::Q1Quadrilateral>(mesh, e, temperature, round);
-}
-inline ElementCentre<3> centre_of(const mesh::Mesh3D& mesh, int e,
-                                  std::span<const double> temperature, bool round) {
-  return mesh.nodes_per_element == 4
-             ? centre_of_element<fem::P1Tetrahedron>(mesh, e, temperature, round)
-             : centre_of_element<fem::Q1Hexahedron>(mesh, e, temperature, round);
+template <int Dim>
+ElementCentre<Dim> centre_of(const mesh::Mesh<Dim>& mesh, int e,
+                             std::span<const double> temperature, bool round) {
+  return fem::with_linear_element<Dim>(mesh.nodes_per_element, [&]<class Element>() {
+    return centre_of_element<Element>(mesh, e, temperature, round);
+  });
 }
 
 }  // namespace dccast::casting

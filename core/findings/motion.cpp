@@ -46,9 +46,6 @@ double fast_atan2(double y, double x) {
   return t * (1.0 - square * (1.0 / 3.0 - square * (0.2 - square * (1.0 / 7.0 - square / 9.0))));
 }
 
-constexpr std::array<std::array<double, 3>, 4> tetrahedron_gradient{
-    {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-
 /// Angle of the rotation from one turn to another [rad], 0 to pi.
 double angle_between(const Turn<2>& from, const Turn<2>& to) {
   const double difference = std::abs(to[0] - from[0]);
@@ -114,13 +111,12 @@ Turn<2> element_turn(const mesh::Mesh2D& mesh, int element, std::span<const doub
 }
 
 Turn<3> element_turn(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement) {
-  if (mesh.nodes_per_element == 4)
+  return fem::with_linear_element<3>(mesh.nodes_per_element, [&]<class Element>() {
+    // At the centre of a brick; of a tetrahedron the gradient is the same everywhere.
+    static const auto gradient = Element::shape_gradient({0.0, 0.0, 0.0});
     return quaternion_of(
-        polar_rotation(deformation_gradient(mesh, element, displacement, tetrahedron_gradient)));
-
-  static const auto centre_gradient = fem::Q1Hexahedron::shape_gradient({0.0, 0.0, 0.0});
-  return quaternion_of(
-      polar_rotation(deformation_gradient(mesh, element, displacement, centre_gradient)));
+        polar_rotation(deformation_gradient(mesh, element, displacement, gradient)));
+  });
 }
 
 template <int Dim>

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/mesh/cell_shape.hpp"
+
 namespace dccast::casting {
 
 namespace {
@@ -111,19 +113,6 @@ std::array<double, Dim> crossing(const double* cold, const double* hot, double s
 
 }  // namespace
 
-std::span<const std::pair<int, int>> element_edges(int dimension, int nodes_per_element) {
-  using Edge = std::pair<int, int>;
-  static constexpr Edge triangle[] = {{0, 1}, {1, 2}, {2, 0}};
-  static constexpr Edge quadrilateral[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
-  static constexpr Edge tetrahedron[] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-  static constexpr Edge hexahedron[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
-                                        {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
-  if (nodes_per_element == 3) return triangle;
-  if (nodes_per_element == 8) return hexahedron;
-  if (dimension == 2) return quadrilateral;
-  return tetrahedron;
-}
-
 /// Dijkstra's algorithm: edges of liquid elements have length zero.
 template <int Dim>
 std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<Dim>& mesh,
@@ -182,7 +171,7 @@ Located<Dim> bottom_shell(const mesh::Mesh<Dim>& mesh, std::span<const double> t
     lowest.place[Dim - 1] = 0.0;
   };
 
-  const auto edges = element_edges(Dim, mesh.nodes_per_element);
+  const auto& edges = mesh::cell_shape(Dim, mesh.nodes_per_element).edges;
   for (int e = 0; e < mesh.elements(); ++e) {
     if (lowest_height(mesh, e) >= lowest.value) continue;  // skips most elements
     for (const auto& [i, j] : edges) {

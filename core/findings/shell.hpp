@@ -25,10 +25,6 @@ struct Located {
   operator PlacedFigure() const { return {value, {place.begin(), place.end()}}; }
 };
 
-/// The edges of an element as pairs of its corners: triangle, quadrilateral, tetrahedron or
-/// hexahedron.
-std::span<const std::pair<int, int>> element_edges(int dimension, int nodes_per_element);
-
 /// Smallest thickness of the shell between the bottom block and the melt: the length [m] of the
 /// shortest path through it, and where that path begins at the bottom.
 ///

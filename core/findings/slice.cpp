@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/findings/shell.hpp"
+#include "core/mesh/cell_shape.hpp"
 
 namespace dccast::casting {
 
@@ -70,7 +71,7 @@ public:
   /// Calls use(points) with the points where the edges of an element meet the cut.
   template <class Use>
   void for_each_element(Use&& use) const {
-    const auto edges = element_edges(Dim, mesh_.nodes_per_element);
+    const auto& edges = mesh::cell_shape(Dim, mesh_.nodes_per_element).edges;
     std::vector<CutPoint<Dim>> points;
     for (int e = 0; e < mesh_.elements(); ++e) {
       const int* node = mesh_.nodes_of(e);

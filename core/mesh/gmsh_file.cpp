@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/mesh/cell_shape.hpp"
+
 namespace dccast::mesh::gmsh {
 
 namespace {
@@ -241,6 +243,18 @@ int read_format(Scanner& scan) {
 }
 
 }  // namespace
+
+int nodes_of(int shape) {
+  if (shape == point) return 1;
+  const CellShape* known = find_gmsh_shape(shape);
+  return known == nullptr ? 0 : known->nodes;
+}
+
+int dimension_of(int shape) {
+  if (shape == point) return 0;
+  const CellShape* known = find_gmsh_shape(shape);
+  return known == nullptr ? -1 : known->dimension;
+}
 
 File parse(std::string_view text) {
   Scanner scan(text);

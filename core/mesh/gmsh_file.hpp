@@ -19,32 +19,17 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-/// Gmsh's numbers for the shapes of elements.
-enum Shape : int {
-  line = 1,
-  triangle = 2,
-  quadrilateral = 3,
-  tetrahedron = 4,
-  hexahedron = 5,
-  point = 15
-};
+/// Gmsh's number of an element that is a point.
+inline constexpr int point = 15;
 
-/// Number of nodes of a linear element; 0 for an unsupported shape.
-constexpr int nodes_of(int shape) {
-  constexpr std::array nodes{0, 2, 3, 4, 4, 8};
-  if (shape == point) return 1;
-  return shape < line || shape > hexahedron ? 0 : nodes[std::size_t(shape)];
-}
-/// Dimension of a linear element; -1 for an unsupported shape.
-constexpr int dimension_of(int shape) {
-  constexpr std::array dimensions{-1, 1, 2, 2, 3, 3};
-  if (shape == point) return 0;
-  return shape < line || shape > hexahedron ? -1 : dimensions[std::size_t(shape)];
-}
+/// Number of nodes of a linear element; 0 for an unsupported shape. @param shape  Gmsh's number
+int nodes_of(int shape);
+/// Dimension of a linear element; -1 for an unsupported shape. @param shape  Gmsh's number
+int dimension_of(int shape);
 
 /// An element of a file.
 struct Element {
-  int shape = 0;
+  int shape = 0;               ///< Gmsh's number
   std::vector<int> groups;     ///< tags of its physical groups
   std::array<long, 8> node{};  ///< tags
 };

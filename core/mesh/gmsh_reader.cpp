@@ -14,35 +14,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/mesh/cell_shape.hpp"
 #include "core/mesh/gmsh_file.hpp"
 
 namespace dccast::mesh {
 
 namespace {
-
-constexpr const char* shape_name[] = {"",           "lines",    "triangles", "quadrilaterals",
-                                      "tetrahedra", "hexahedra"};
-
-/// Gmsh's number of the shape that a kind of element requires.
-int required_shape(int dimension, ElementKind kind) {
-  if (dimension == 2) return kind == ElementKind::p1 ? gmsh::triangle : gmsh::quadrilateral;
-  return kind == ElementKind::p1 ? gmsh::tetrahedron : gmsh::hexahedron;
-}
-
-using FacetCorners = std::vector<std::vector<int>>;
-
-/// Corners of the facets of a shape, in the order in which the domain lies to the left of an edge
-/// and the normal of a face points outwards.
-const FacetCorners& facet_corners(int shape) {
-  static const FacetCorners triangle{{0, 1}, {1, 2}, {2, 0}};
-  static const FacetCorners quadrilateral{{0, 1}, {1, 2}, {2, 3}, {3, 0}};
-  static const FacetCorners tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-  static const FacetCorners hexahedron{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                       {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-  if (shape == gmsh::triangle) return triangle;
-  if (shape == gmsh::quadrilateral) return quadrilateral;
-  return shape == gmsh::tetrahedron ? tetrahedron : hexahedron;
-}
 
 /// Mean of the outward normals of facets, weighted by area [1].
 std::array<double, 3> mean_normal(const Mesh<3>& mesh, const std::vector<Facet<3>>& facets) {
@@ -73,7 +50,7 @@ public:
   GmshImport(const gmsh::File& file, const std::string& name, ElementKind kind, Faults& faults)
       : file_(file),
         name_(name),
-        shape_(required_shape(Dim, kind)),
+        shape_(cell_shape(Dim, kind)),
         faults_(faults),
         faults_before_(faults.list().size()) {}
 
@@ -140,26 +117,26 @@ private:
     std::set<int> found;
     for (const gmsh::Element& element : file_.elements)
       if (gmsh::dimension_of(element.shape) >= Dim) found.insert(element.shape);
-    if (found.size() == 1 && *found.begin() == shape_) return;
+    if (found.size() == 1 && *found.begin() == shape_.gmsh) return;
 
     // Other elements than the wanted ones, or none: say what was found.
     std::vector<const char*> names;
-    for (const int shape : found) names.push_back(shape_name[shape]);
+    for (const int shape : found) names.push_back(find_gmsh_shape(shape)->plural);
     add_fault(
         names.empty() ? "has no elements" : fmt::format("has {}", fmt::join(names, " and ")),
-        fmt::format("only {} with this mesh.element", shape_name[shape_]),
+        fmt::format("only {} with this mesh.element", shape_.plural),
         Dim == 2
             ? "mesh.element = \"p1\" for triangles, \"q1_bending\" or \"q1\" for quadrilaterals"
             : "");
   }
 
   void add_elements() {
-    mesh_.nodes_per_element = gmsh::nodes_of(shape_);
+    mesh_.nodes_per_element = shape_.nodes;
     std::vector<char> used(file_.node.size(), 0);
     std::vector<int> nodes;
 
     for (const gmsh::Element& element : file_.elements) {
-      if (element.shape != shape_) continue;
+      if (element.shape != shape_.gmsh) continue;
       if (!look_up(element, nodes) || !orient(nodes)) return;
       for (const int n : nodes) used[static_cast<std::size_t>(n)] = 1;
       mesh_.element_node.insert(mesh_.element_node.end(), nodes.begin(), nodes.end());
@@ -171,6 +148,9 @@ private:
           fmt::format("has {} nodes that belong to no element", orphans), "none",
           "save only the nodes of physical groups (Mesh.SaveAll = 0), without construction points");
   }
+
+  /// Whether the elements are triangles or tetrahedra.
+  bool is_simplex() const { return shape_.nodes == Dim + 1; }
 
   /// Twice the signed area, or six times the signed volume, at the corner of an element.
   double corner_measure(int corner, int a, int b, int c) const {
@@ -191,10 +171,8 @@ private:
   /// Smallest and largest measure over the corners: both have the same sign in a valid element.
   std::pair<double, double> measures(const std::vector<int>& n) const {
     std::vector<double> values;
-    if (shape_ == gmsh::triangle) {
-      values = {corner_measure(n[0], n[1], n[2], 0)};
-    } else if (shape_ == gmsh::tetrahedron) {
-      values = {corner_measure(n[0], n[1], n[2], n[3])};
+    if (is_simplex()) {
+      values = {corner_measure(n[0], n[1], n[2], Dim == 2 ? 0 : n[3])};
     } else {
       const std::size_t layers = Dim == 2 ? 1 : 2;
       for (std::size_t layer = 0; layer < layers; ++layer) {
@@ -229,8 +207,7 @@ private:
   }
 
   void reverse(std::vector<int>& nodes) const {
-    if (shape_ == gmsh::triangle || shape_ == gmsh::tetrahedron)
-      return std::swap(nodes[1], nodes[2]);
+    if (is_simplex()) return std::swap(nodes[1], nodes[2]);
     for (std::size_t layer = 0; layer < nodes.size() / 4; ++layer)
       std::swap(nodes[4 * layer + 1], nodes[4 * layer + 3]);
   }
@@ -247,9 +224,8 @@ private:
 
   /// Counts the elements at every facet: the boundary has one.
   void find_boundary() {
-    const FacetCorners& facets = facet_corners(shape_);
     for (int e = 0; e < mesh_.elements(); ++e) {
-      for (const auto& corners : facets) {
+      for (const auto& corners : shape_.facets) {
         Facet<Dim> facet;
         facet.nodes = static_cast<int>(corners.size());
         facet.element = e;
@@ -366,7 +342,7 @@ private:
 
   const gmsh::File& file_;
   const std::string& name_;
-  int shape_;  ///< required shape of the elements
+  const CellShape& shape_;  ///< required of the elements
   Faults& faults_;
   std::size_t faults_before_;
   Mesh<Dim> mesh_;

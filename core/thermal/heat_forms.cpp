@@ -305,18 +305,19 @@ void HeatForms::follow_merging(const mesh::MergedRows& merged, std::vector<doubl
 // For conduction the bending elements are plain bilinear and trilinear ones.
 
 std::unique_ptr<HeatForms> make_heat_forms(const mesh::Mesh<2>& mesh, mesh::SectionKind kind) {
-  const bool round = kind == mesh::SectionKind::axisymmetric;
-  if (mesh.nodes_per_element == 3) {
-    if (round) return std::make_unique<HeatFormsOf<fem::AxisymmetricP1>>(mesh);
-    return std::make_unique<HeatFormsOf<fem::P1Triangle>>(mesh);
-  }
-  if (round) return std::make_unique<HeatFormsOf<fem::AxisymmetricQ1>>(mesh);
-  return std::make_unique<HeatFormsOf<fem::Q1Quadrilateral>>(mesh);
+  using Forms = std::unique_ptr<HeatForms>;
+  return fem::with_linear_element<2>(mesh.nodes_per_element, [&]<class Element>() -> Forms {
+    if (kind == mesh::SectionKind::axisymmetric)
+      return std::make_unique<HeatFormsOf<fem::Axisymmetric<Element>>>(mesh);
+    return std::make_unique<HeatFormsOf<Element>>(mesh);
+  });
 }
 
 std::unique_ptr<HeatForms> make_heat_forms(const mesh::Mesh<3>& mesh, mesh::SectionKind) {
-  if (mesh.nodes_per_element == 4) return std::make_unique<HeatFormsOf<fem::P1Tetrahedron>>(mesh);
-  return std::make_unique<HeatFormsOf<fem::Q1Hexahedron>>(mesh);
+  using Forms = std::unique_ptr<HeatForms>;
+  return fem::with_linear_element<3>(mesh.nodes_per_element, [&]<class Element>() -> Forms {
+    return std::make_unique<HeatFormsOf<Element>>(mesh);
+  });
 }
 
 }  // namespace dccast::thermal
