@@ -3,9 +3,9 @@
 
 #include <cmath>
 #include <iostream>
+#include <span>
 
 #include "client/commands/commands.hpp"
-#include "client/model/field_probe.hpp"
 #include "client/session/jobs.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/quantity.hpp"
@@ -15,20 +15,13 @@ namespace {
 
 struct ProbeOptions {
   std::string id, at, to, time;
+  std::vector<std::string> fields;
   int points = 21;
   bool csv = false;
   bool json = false;
 };
 
 constexpr const char* axes = "xyz";
-
-/// A point at an instant, with what the metal has there; nothing where there is none.
-struct Sample {
-  double time_s = 0.0, cast_length_m = 0.0;
-  std::vector<double> point;
-  double along_m = 0.0;  ///< from the begin of the line
-  std::optional<PointValues> values{};
-};
 
 /// Reads "660 mm, 285 mm, 50 mm" or "660,285,50 mm": a unit holds for the numbers before it.
 /// Throws CommandFailed, naming the option.
@@ -59,76 +52,74 @@ std::vector<double> read_point(const std::string& text, const char* option) {
   return point;
 }
 
-/// @param number  of the stored frame from 1; 0 is the last one
-v1::QueryResultResponse read_frame(Connection& connection, const std::string& id, int number) {
-  v1::QueryResultRequest request;
-  request.set_id(id);
-  request.set_frame(true);
-  request.set_page_size(1);
-  request.set_frame_number(number);
-  v1::QueryResultResponse response = connection.call(&Stub::QueryResult, request);
-  if (!response.has_frame())
-    throw CommandFailed(ExitCode::wrong_state,
-                        fmt::format("job {} has no stored frame yet: wait until it has ended", id));
-  return response;
+using Point = std::vector<double>;  ///< (coordinate) [m]
+
+/// Points from one to another, both included.
+/// @param count  at least 2
+std::vector<Point> points_on_line(const Point& from, const Point& to, int count) {
+  if (from.size() != to.size())
+    throw invalid("--at and --to: both ends of the line need the same number of coordinates");
+
+  std::vector<Point> points;
+  for (int i = 0; i < count; ++i) {
+    const double share = double(i) / (count - 1);
+    Point& point = points.emplace_back(from.size());
+    for (std::size_t axis = 0; axis < from.size(); ++axis)
+      point[axis] = (1.0 - share) * from[axis] + share * to[axis];
+  }
+  return points;
 }
 
-void require_dimension(const std::vector<double>& point, const v1::Frame& frame) {
-  if (point.size() == std::size_t(frame.dimension())) return;
-  throw invalid(frame.dimension() == 2
-                    ? "the job is a section: give two coordinates, x from its middle, y above the "
-                      "block"
-                    : "the job is a slab: give three coordinates, x and y from its middle, z above "
-                      "the block");
-}
-
-Sample sample_of(const v1::Frame& frame, const std::vector<double>& point, double along_m) {
-  return {frame.time_s(), frame.cast_length_m(), point, along_m, values_at(frame, point)};
-}
-
-std::vector<Sample> over_time(Connection& connection, const std::string& id,
-                              const std::vector<double>& point) {
-  const v1::QueryResultResponse last = read_frame(connection, id, 0);
-  require_dimension(point, last.frame());
-
-  std::vector<Sample> samples;
-  for (int number = 1; number < last.frame_time_s_size(); ++number)
-    samples.push_back(sample_of(read_frame(connection, id, number).frame(), point, 0.0));
-  samples.push_back(sample_of(last.frame(), point, 0.0));
-  return samples;
-}
-
-/// The stored frame that is nearest to a time; the last one without a time.
-v1::Frame frame_at(Connection& connection, const std::string& id, const std::string& time) {
-  const v1::QueryResultResponse last = read_frame(connection, id, 0);
-  if (time.empty()) return last.frame();
-  const auto wanted = case_file::parse_quantity(time, "s").value;
-  if (!wanted)
-    throw invalid("--time \"" + time + "\": a time with its unit is expected, e.g. 60 s");
-
-  int nearest = 0;
-  for (int i = 1; i < last.frame_time_s_size(); ++i)
-    if (std::abs(last.frame_time_s(i) - *wanted) < std::abs(last.frame_time_s(nearest) - *wanted))
-      nearest = i;
-  return read_frame(connection, id, nearest + 1).frame();
-}
-
-std::vector<Sample> along_line(Connection& connection, const ProbeOptions& options,
-                               const std::string& id) {
-  const std::vector<double> from = read_point(options.at, "--at"),
-                            to = read_point(options.to, "--to");
-  const v1::Frame frame = frame_at(connection, id, options.time);
-  require_dimension(from, frame);
-  require_dimension(to, frame);
-
-  double length_m = 0.0;
+double distance(const Point& from, const Point& to) {
+  double squared = 0.0;
   for (std::size_t axis = 0; axis < from.size(); ++axis)
-    length_m = std::hypot(length_m, to[axis] - from[axis]);
-  std::vector<Sample> samples;
-  for (const auto& point : points_on_line(from, to, options.points))
-    samples.push_back(
-        sample_of(frame, point, length_m * double(samples.size()) / (options.points - 1)));
-  return samples;
+    squared += (to[axis] - from[axis]) * (to[axis] - from[axis]);
+  return std::sqrt(squared);
+}
+
+/// What the server found, with the points that were asked for.
+struct Probe {
+  std::vector<Point> points;
+  bool line = false;  ///< at one instant; else one point over time
+  v1::ProbeResultResponse found;
+};
+
+Probe ask(Connection& connection, const std::string& id, const ProbeOptions& options) {
+  Probe probe;
+  const Point from = read_point(options.at, "--at");
+  probe.line = !options.to.empty();
+  if (probe.line)
+    probe.points = points_on_line(from, read_point(options.to, "--to"), options.points);
+  else
+    probe.points.push_back(from);
+
+  v1::ProbeResultRequest request;
+  request.set_id(id);
+  for (const Point& point : probe.points)
+    request.add_points()->mutable_coordinate_m()->Add(point.begin(), point.end());
+  for (const std::string& field : options.fields) request.add_fields(field);
+
+  if (!options.time.empty()) {
+    const auto time = case_file::parse_quantity(options.time, "s").value;
+    if (!time)
+      throw invalid(fmt::format("--time \"{}\": a time with its unit is expected, e.g. 60 s",
+                                options.time));
+    request.set_time_s(*time);
+  } else if (probe.line) {
+    request.set_last(true);
+  }
+
+  probe.found = connection.call(&Stub::ProbeResult, request);
+  return probe;
+}
+
+/// Calls use(instant, number of the point, its values by field) for each point of each instant.
+template <class Use>
+void for_each_sample(const Probe& probe, const Use& use) {
+  const int fields = probe.found.fields_size();
+  for (const auto& instant : probe.found.instants())
+    for (std::size_t p = 0; p < probe.points.size(); ++p)
+      use(instant, p, std::span(instant.values().data() + int(p) * fields, std::size_t(fields)));
 }
 
 std::string place_text(const std::vector<double>& point) {
@@ -138,95 +129,101 @@ std::string place_text(const std::vector<double>& point) {
   return text;
 }
 
-std::string table_text(const std::vector<Sample>& samples, bool line) {
+/// A value as people read it; "-" where there is no metal.
+std::string shown(const v1::FrameField& field, double value) {
+  if (std::isnan(value)) return "-";
+  if (field.unit() == "degC") return render::fixed(value, 1);
+  if (field.unit() == "m") return render::mm(value, 2);
+  return fmt::format("{:.4g}", value);
+}
+
+std::string heading(const v1::FrameField& field, int number) {
+  if (number == 0) return ">temperature °C";
+  if (field.unit() != "m") return fmt::format(">{}", field.name());
+  if (field.name().starts_with("displacement_")) return fmt::format(">moved {} mm", axes[number - 1]);
+  return fmt::format(">{} mm", field.name().substr(0, field.name().size() - 2));  // without "_m"
+}
+
+std::string table_text(const Probe& probe) {
   std::vector<std::string> headings;
-  if (line)
+  if (probe.line) {
     headings = {">along mm"};
-  else
-    headings = {">time s", ">cast mm"};
-  const std::size_t coordinates = samples.front().point.size();
-  if (line)
-    for (std::size_t i = 0; i < coordinates; ++i)
+    for (std::size_t i = 0; i < probe.points.front().size(); ++i)
       headings.push_back(fmt::format(">{} mm", axes[i]));
-  headings.push_back(">temperature °C");
-  for (std::size_t i = 0; i < coordinates; ++i)
-    headings.push_back(fmt::format(">moved {} mm", axes[i]));
+  } else {
+    headings = {">time s", ">cast mm"};
+  }
+  for (int i = 0; i < probe.found.fields_size(); ++i)
+    headings.push_back(heading(probe.found.fields(i), i));
 
   render::Table table(headings);
-  for (const Sample& sample : samples) {
+  for_each_sample(probe, [&](const auto& instant, std::size_t p, std::span<const double> values) {
+    const Point& point = probe.points[p];
     std::vector<std::string> row;
-    if (line) {
-      row.push_back(render::mm(sample.along_m));
-      for (const double coordinate : sample.point) row.push_back(render::mm(coordinate));
+    if (probe.line) {
+      row.push_back(render::mm(distance(probe.points.front(), point)));
+      for (const double coordinate : point) row.push_back(render::mm(coordinate));
     } else {
-      row = {render::fixed(sample.time_s, 2), render::mm(sample.cast_length_m)};
+      row = {render::fixed(instant.time_s(), 2), render::mm(instant.cast_length_m())};
     }
-    row.push_back(sample.values ? render::fixed(sample.values->temperature_c, 1) : "-");
-    for (std::size_t i = 0; i < coordinates; ++i)
-      row.push_back(sample.values && !sample.values->displacement_m.empty()
-                        ? render::mm(sample.values->displacement_m[i], 2)
-                        : "-");
+    for (std::size_t i = 0; i < values.size(); ++i)
+      row.push_back(shown(probe.found.fields(int(i)), values[i]));
     table.add(std::move(row));
-  }
+  });
   return table.text();
 }
 
-Json numbers_json(const std::vector<double>& numbers) {
-  Json list = Json::array();
-  for (const double number : numbers) list.push_back(number);
-  return list;
+Json samples_json(const Probe& probe) {
+  Json samples = Json::array();
+  for_each_sample(probe, [&](const auto& instant, std::size_t p, std::span<const double> values) {
+    Json sample{{"time_s", instant.time_s()},
+                {"cast_length_m", instant.cast_length_m()},
+                {"at_m", Json(probe.points[p])}};
+    for (std::size_t i = 0; i < values.size(); ++i)
+      sample[probe.found.fields(int(i)).name()] =
+          std::isnan(values[i]) ? Json() : Json(values[i]);
+    samples.push_back(std::move(sample));
+  });
+  return samples;
 }
 
-Json sample_json(const Sample& sample) {
-  return {{"time_s", sample.time_s},
-          {"cast_length_m", sample.cast_length_m},
-          {"at_m", numbers_json(sample.point)},
-          {"temperature_c", sample.values ? Json(sample.values->temperature_c) : Json()},
-          {"displacement_m",
-           sample.values ? numbers_json(sample.values->displacement_m) : Json::array()}};
-}
-
-std::string csv_text(const std::vector<Sample>& samples) {
-  const std::size_t coordinates = samples.front().point.size();
+std::string csv_text(const Probe& probe) {
   std::string text = "time_s,cast_length_m";
-  for (std::size_t i = 0; i < coordinates; ++i) text += fmt::format(",{}_m", axes[i]);
-  text += ",temperature_c";
-  for (std::size_t i = 0; i < coordinates; ++i) text += fmt::format(",displacement_{}_m", axes[i]);
+  for (std::size_t i = 0; i < probe.points.front().size(); ++i)
+    text += fmt::format(",{}_m", axes[i]);
+  for (const v1::FrameField& field : probe.found.fields()) text += "," + field.name();
   text += "\n";
 
-  for (const Sample& sample : samples) {
-    text += fmt::format("{:.9g},{:.9g}", sample.time_s, sample.cast_length_m);
-    for (const double coordinate : sample.point) text += fmt::format(",{:.9g}", coordinate);
-    text += sample.values ? fmt::format(",{:.9g}", sample.values->temperature_c) : ",";
-    for (std::size_t i = 0; i < coordinates; ++i)
-      text += sample.values && !sample.values->displacement_m.empty()
-                  ? fmt::format(",{:.9g}", sample.values->displacement_m[i])
-                  : ",";
+  for_each_sample(probe, [&](const auto& instant, std::size_t p, std::span<const double> values) {
+    text += fmt::format("{:.9g},{:.9g}", instant.time_s(), instant.cast_length_m());
+    for (const double coordinate : probe.points[p]) text += fmt::format(",{:.9g}", coordinate);
+    for (const double value : values)
+      text += std::isnan(value) ? "," : fmt::format(",{:.9g}", value);
     text += "\n";
-  }
+  });
   return text;
 }
 
 ExitCode run(const ProbeOptions& options, Program& program) {
-  const bool line = !options.to.empty();
-  if (!line && !options.time.empty()) throw invalid("--time goes with a line: give --to too");
-  const std::vector<double> point = read_point(options.at, "--at");
+  if (options.to.empty() && !options.time.empty())
+    throw invalid("--time goes with a line: give --to too");
+
   Connection connection = program.connect();
   const std::string id = resolve_job(connection, options.id);
-  const std::vector<Sample> samples =
-      line ? along_line(connection, options, id) : over_time(connection, id, point);
+  const Probe probe = ask(connection, id, options);
 
   if (options.json) {
-    print_line({{"job", id}, {"samples", json_list(samples, sample_json)}});
+    print_line({{"job", id}, {"samples", samples_json(probe)}});
   } else if (options.csv) {
-    std::cout << csv_text(samples);
+    std::cout << csv_text(probe);
   } else {
-    std::cout << table_text(samples, line);
-    std::cerr << (line ? fmt::format("at {} s, cast length {} mm, ",
-                                     render::fixed(samples.front().time_s, 2),
-                                     render::mm(samples.front().cast_length_m))
-                       : "at " + place_text(point) + ", ")
-              << "in the undeformed slab; - where there is no metal\n";
+    std::cout << table_text(probe);
+    const auto& first = probe.found.instants(0);
+    const std::string place =
+        probe.line ? fmt::format("at {} s, cast length {} mm", render::fixed(first.time_s(), 2),
+                                 render::mm(first.cast_length_m()))
+                   : fmt::format("at {}", place_text(probe.points.front()));
+    std::cerr << place << ", in the undeformed slab; - where there is no metal\n";
   }
   return ExitCode::done;
 }
@@ -236,7 +233,7 @@ ExitCode run(const ProbeOptions& options, Program& program) {
 void add_probe(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<ProbeOptions>(
       line, program, run, "probe",
-      "Temperature and displacement at a point over time, or along a line, from the stored frames",
+      "Temperature, displacement and further fields at a point over time, or along a line",
       "dccast probe JOB --at 660,0,50mm\n"
       "  dccast probe JOB --at 0,0,50mm --to 660,0,50mm --time \"60 s\" --csv > line.csv");
   command.option("JOB", options.id, job_help, cli::required);
@@ -247,6 +244,8 @@ void add_probe(cli::CommandLine& line, Program& program) {
   command.option("--to", options.to, "End of a line that begins there", {.placeholder = "POINT"});
   command.option("--time", options.time, "Of a line: the nearest stored frame; default: the last",
                  {.placeholder = "TIME"});
+  command.repeatable("--field", options.fields, "A further field of the frames, e.g. von_mises_pa",
+                     {.placeholder = "NAME"});
   command.number("--points", options.points, 2, 10000, "Of a line: number of points");
   command.json(options.json);
   command.flag("--csv", options.csv, "As CSV in SI units and degrees Celsius",

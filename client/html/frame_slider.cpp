@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 #include <openssl/evp.h>
 
-#include "client/html/frame_slider_script.hpp"
+#include "client/html/html_parts.hpp"
 #include "client/model/json.hpp"
 
 namespace dccast::client::render {
@@ -218,7 +218,7 @@ std::string drawn_frames(const FrameSeries& series, const CurlHistory& history,
              "aria-label='Stored frame'><p><output></output> <small>{1} {2} stored "
              "frames</small></p></div><script type='application/json' class='frames'>",
              seen.size() - 1, all ? "all" : fmt::format("{} of", seen.size()), series.stored) +
-         series_json(seen, history, pictures, *range).dump() + "</script><script>" + frame_script +
+         series_json(seen, history, pictures, *range).dump() + "</script><script>" + page_asset("frame_slider.js") +
          "</script>";
 }
 

@@ -42,6 +42,16 @@ inline std::string figures_table(const std::string& head, const std::string& bod
          "</tbody></table></div>";
 }
 
+/// A style sheet or script of the pages, embedded at build time (cmake/embed_texts.cmake) from
+/// client/html/assets.
+struct PageAsset {
+  std::string name;  ///< "report.css"
+  std::string text;
+};
+const std::vector<PageAsset>& page_assets();
+/// The text of an asset. @throws std::logic_error  there is none of this name
+const std::string& page_asset(const std::string& name);
+
 /// A whole page that needs no other file. @param title  HTML
 std::string whole_page(const std::string& title, const std::string& header,
                        const std::string& body);

@@ -299,6 +299,20 @@ v1::QueryResultResponse CaseIntake::read_frame(const std::filesystem::path& job_
   return std::move(*workers_.ask(request, waiting).mutable_stored());
 }
 
+v1::ProbeResultResponse CaseIntake::probe(const std::filesystem::path& job_folder,
+                                          const v1::Artifact* results,
+                                          const v1::ProbeResultRequest& request,
+                                          const jobs::CallLimits& waiting) const {
+  if (results) digests_->require_sound(job_folder, *results);
+
+  v1::WorkerRequest order;
+  v1::ProbeFrames& asked = *order.mutable_probe_frames();
+  asked.set_directory(job_folder);
+  asked.set_running(results == nullptr);
+  *asked.mutable_request() = request;
+  return std::move(*workers_.ask(order, waiting).mutable_probed());
+}
+
 std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments) {
   std::string text;
   const auto status = google::protobuf::util::MessageToJsonString(submitted, &text);

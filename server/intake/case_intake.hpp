@@ -73,6 +73,15 @@ public:
                                        const FrameChoice& choice,
                                        const jobs::CallLimits& waiting) const;
 
+  /// Fields of a job's frames at points.
+  /// @param results  artifact of the job; null: its run has not ended, and its journal is read
+  /// @return         without a dimension where there is no frame, without instants where a point does
+  ///                 not have as many coordinates as the mesh
+  /// @throws jobs::WorkerDidNotAnswer, jobs::UnsoundResult
+  v1::ProbeResultResponse probe(const std::filesystem::path& job_folder,
+                                const v1::Artifact* results, const v1::ProbeResultRequest& request,
+                                const jobs::CallLimits& waiting) const;
+
   const std::vector<v1::Alloy>& alloys() const { return alloys_; }
   const Ceilings& ceilings() const { return ceilings_; }
 

@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -114,6 +115,39 @@ void check_size(const v1::QueryResultResponse& response) {
   refuse(grpc::RESOURCE_EXHAUSTED, "{}",
          frame > rest ? "the frame has " + megabytes(frame) + held + ", which has it too"
                       : "case and first step have " + megabytes(rest) + held);
+}
+
+void check_points(const v1::ProbeResultRequest& request) {
+  constexpr int most_points = 10'000;
+  if (request.points_size() < 1 || request.points_size() > most_points)
+    refuse("{} points are given; 1 to {} are permitted", request.points_size(), most_points);
+
+  for (const auto& point : request.points())
+    if (!std::ranges::all_of(point.coordinate_m(), [](double c) { return std::isfinite(c); }))
+      refuse("a coordinate of a point is not a finite number of metres");
+}
+
+/// Refuses a probe whose points or fields do not suit the job.
+void check_probed(const v1::Job& job, const v1::ProbeResultRequest& request,
+                  const v1::ProbeResultResponse& found) {
+  if (found.dimension() == 0) refuse_state(job, "it has no frame yet");
+  for (const auto& point : request.points())
+    if (point.coordinate_m_size() != found.dimension())
+      refuse("a point has {} coordinates; job {} is a {}", point.coordinate_m_size(), job.id(),
+             found.dimension() == 2
+                 ? "section: give two, x from its middle, y above the block"
+                 : "slab: give three, x and y from its middle, z above the block");
+
+  for (const v1::FrameField& field : found.fields())
+    if (field.unit().empty())
+      refuse(grpc::NOT_FOUND, "the frames have no field \"{}\"; QueryResult with a frame names them",
+             field.name());
+
+  if (found.ByteSizeLong() > answer_bytes)
+    refuse(grpc::RESOURCE_EXHAUSTED,
+           "the values of {} points at {} instants exceed an answer of 4 MiB; ask for fewer points, "
+           "or for one instant",
+           request.points_size(), found.instants_size());
 }
 
 /// A file that is being sent to a client.
@@ -253,6 +287,19 @@ SimulationService::Unary* SimulationService::QueryResult(Wire* wire,
     if (request->page_token().empty()) add_case_and_frame(context_, call, *request, job, *response);
     add_steps(context_, *request, *response);
     check_size(*response);
+  });
+}
+
+SimulationService::Unary* SimulationService::ProbeResult(Wire* wire,
+                                                         const v1::ProbeResultRequest* request,
+                                                         v1::ProbeResultResponse* response) {
+  return answer(wire, *request, lanes_.checks, [=, this](const Call& call) {
+    check_points(*request);
+    const v1::Job job = find_job(context_, request->id());
+    *response = context_.intake.probe(context_.jobs_directory / job.id(),
+                                      artifact_of(job, "results.h5"), *request,
+                                      waiting_time(call, context_.settings.check_timeout_s()));
+    check_probed(job, *request, *response);
   });
 }
 

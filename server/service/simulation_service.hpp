@@ -52,6 +52,7 @@ public:
 
   // results.cpp
   Unary* QueryResult(Wire*, const v1::QueryResultRequest*, v1::QueryResultResponse*) override;
+  Unary* ProbeResult(Wire*, const v1::ProbeResultRequest*, v1::ProbeResultResponse*) override;
   Stream<v1::FetchResultResponse>* FetchResult(Wire*, const v1::FetchResultRequest*) override;
   Stream<v1::FetchResultResponse>* FetchStudy(Wire*, const v1::FetchStudyRequest*) override;
 

@@ -24,8 +24,6 @@
 #include "core/casting/simulation.hpp"
 #include "core/casting/stored_run.hpp"
 #include "core/findings/judge.hpp"
-#include "core/results/journal.hpp"
-#include "core/results/result_reader.hpp"
 #include "core/results/study_table.hpp"
 #include "core/storage/storage_error.hpp"
 #include "server/jobs/executors/precedence.hpp"
@@ -36,6 +34,7 @@
 #include "server/worker/run.hpp"
 #include "server/worker/run_facts.hpp"
 #include "server/worker/sandbox.hpp"
+#include "server/worker/stored_frames.hpp"
 
 namespace dccast::worker {
 
@@ -239,53 +238,40 @@ v1::ValidateCaseResponse check_case(const v1::CheckCase& asked) {
   return verdict;
 }
 
-/// What a run has stored so far, of its frames the one with this number, from 1 on; 0: the last.
-struct StoredFrames {
-  results::RunHeader header;
-  std::vector<double> times;  ///< [s] of all frames
-  std::optional<results::Frame> frame{};
-};
+v1::QueryResultResponse read_frame(const v1::ReadFrame& asked) {
+  const StoredFrames stored(asked.directory(), asked.running());
+  v1::QueryResultResponse found;
+  found.mutable_frame_time_s()->Add(stored.times().begin(), stored.times().end());
 
-StoredFrames frames_of_result(const std::filesystem::path& path, std::size_t number) {
-  const results::ResultReader reader(path);
-  StoredFrames found{.header = reader.header(), .times = reader.frame_times()};
-  const std::size_t asked = number == 0 ? found.times.size() : number;
-  if (asked >= 1 && asked <= found.times.size()) found.frame = reader.frame(asked - 1);
-  return found;
-}
+  const std::size_t count = stored.times().size();
+  const std::size_t number = asked.number() == 0 ? count : std::size_t(asked.number());
+  if (number < 1 || number > count) return found;
 
-/// A run appends to its journal meanwhile: a record that is not complete yet ends what is read.
-StoredFrames frames_of_journal(const std::filesystem::path& path, std::size_t number) {
-  StoredFrames found;
-  if (!std::filesystem::exists(path)) return found;
-
-  results::visit_journal(path, [&](const results::Record& record) {
-    if (record.kind == results::RecordKind::header)
-      found.header = results::read_header(record.content);
-    if (record.kind != results::RecordKind::frame) return true;
-
-    found.times.push_back(record.content.reals("instant").at(0));
-    if (number == 0 || number == found.times.size())
-      found.frame = results::read_frame(record.content);
-    return true;
+  stored.visit(number - 1, 1, [&](const results::Frame& frame) {
+    *found.mutable_frame() = asked.field().empty() ? translate::to_proto(frame, stored.header())
+                                                   : translate::field_to_proto(frame, asked.field());
   });
   return found;
 }
 
-v1::QueryResultResponse read_frame(const v1::ReadFrame& asked) {
-  const std::filesystem::path folder = asked.directory();
-  const auto number = static_cast<std::size_t>(asked.number());
-  const StoredFrames stored = asked.running()
-                                  ? frames_of_journal(folder / casting::journal_name, number)
-                                  : frames_of_result(folder / "results.h5", number);
+v1::ProbeResultResponse probe_frames(const v1::ProbeFrames& asked) {
+  const StoredFrames stored(asked.directory(), asked.running());
+  const v1::ProbeResultRequest& request = asked.request();
+  v1::ProbeResultResponse found;
+  if (stored.times().empty()) return found;
 
-  v1::QueryResultResponse found;
-  found.mutable_frame_time_s()->Add(stored.times.begin(), stored.times.end());
-  if (!stored.frame) return found;
+  found.set_dimension(stored.header().dimension);
+  for (const auto& point : request.points())
+    if (point.coordinate_m_size() != found.dimension()) return found;
 
-  *found.mutable_frame() = asked.field().empty()
-                               ? translate::to_proto(*stored.frame, stored.header)
-                               : translate::field_to_proto(*stored.frame, asked.field());
+  std::size_t first = 0, count = stored.times().size();
+  if (request.instant_case() != v1::ProbeResultRequest::INSTANT_NOT_SET) {
+    first = request.last() ? count - 1 : stored.nearest(request.time_s());
+    count = 1;
+  }
+  stored.visit(first, count, [&](const results::Frame& frame) {
+    translate::add_probed(frame, request, found);
+  });
   return found;
 }
 
@@ -297,6 +283,9 @@ void fill(v1::WorkerAnswer& answer, const v1::WorkerRequest& request) {
       return;
     case v1::WorkerRequest::kReadFrame:
       *answer.mutable_stored() = read_frame(request.read_frame());
+      return;
+    case v1::WorkerRequest::kProbeFrames:
+      *answer.mutable_probed() = probe_frames(request.probe_frames());
       return;
     case v1::WorkerRequest::kWriteTable:
       return results::write_study_table(request.write_table().path(),

@@ -315,6 +315,20 @@ class Steering(PackageTest):
                                    rtol=1e-9)
         self.assertIn("temperature_c", self.command("probe", job.id, "--at", "280,0 mm", "--csv"))
 
+        # Inside the metal a stress is known once something is solid, and the command has the same.
+        stress = job.probe((0.27, 0.005), fields=["von_mises_pa"])["von_mises_pa"]
+        self.assertGreater(stress[-1], 0.0)
+        lines = self.command("probe", job.id, "--at", "270,5 mm", "--field", "von_mises_pa", "--csv")
+        self.assertAlmostEqual(float(lines.splitlines()[-1].split(",")[-1]) / stress[-1], 1.0, places=7)
+
+    def test_a_probe_that_does_not_suit_the_job_is_refused(self):
+        job = self.ended()
+        for arguments, part in (({"at_m": (0.1, 0.1, 0.1)}, "a point has 3 coordinates"),
+                                ({"at_m": (0.1, float("nan"))}, "not a finite number"),
+                                ({"at_m": (0.1, 0.1), "fields": ["colour"]}, 'no field "colour"')):
+            with self.assertRaisesRegex(dccast.errors.DccastError, part):
+                job.probe(**arguments)
+
     def test_two_jobs_are_watched_in_one_loop(self):
         async def last_state(job):
             return [event.state async for event in job.watch() if event.state][-1]

@@ -9,43 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from dccast import errors
-from dccast.runs import Floats, Table
+from dccast.runs import Floats
 from dccast.text import span
 from dccast.transport import Transport
 from dccast.v1 import service_pb2
 
 CELLS = {(2, 3): "triangle", (2, 4): "quad", (3, 4): "tetra", (3, 8): "hexahedron"}
-
-
-#: Corners of the reference square and cube, in the order of VTK.
-CORNERS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1],
-                    [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=np.float64)
-MARGIN = 1e-6  # of the reference cell: points on a face belong to it
-
-
-def _shape_at(corners: Floats, point: Floats) -> Floats | None:
-    """The shape functions of a cell at a point; None outside of it."""
-    nodes, dimension = corners.shape
-    if nodes == dimension + 1:  # triangle, tetrahedron
-        parts = np.linalg.solve((corners[1:] - corners[0]).T, point - corners[0])
-        shape: Floats = np.concatenate([[1.0 - parts.sum()], parts])
-        return shape if shape.min() >= -MARGIN else None
-
-    reference = CORNERS[:nodes, :dimension]
-    at = np.zeros(dimension)
-    for _ in range(20):
-        factors = 0.5 * (1.0 + reference * at)  # (node, coordinate)
-        shape = factors.prod(axis=1)
-        slopes = np.stack([0.5 * reference[:, i] * np.delete(factors, i, axis=1).prod(axis=1)
-                           for i in range(dimension)], axis=1)
-        step = np.linalg.solve(corners.T @ slopes, point - shape @ corners)
-        at += step
-        if np.abs(step).max() < 1e-10:
-            if np.abs(at).max() > 1.0 + MARGIN:
-                return None
-            final: Floats = (0.5 * (1.0 + reference * at)).prod(axis=1)
-            return final
-    return None
 
 
 class Frame:
@@ -86,51 +55,6 @@ class Frame:
         """(cell, its nodes), in the order of VTK."""
         return np.array(self.message.element_node, dtype=np.int64).reshape(
             -1, self.message.nodes_per_element)
-
-    def probe(self, points_m: Any) -> Table:
-        """The fields at points of the undeformed slab, as the elements interpolate them.
-
-        @param points_m  (point, coordinate), three coordinates or, of a section, two
-        @return          one row a point: x_m, y_m, z_m, temperature_c, displacement_x_m, _y_m, _z_m; NaN
-                         where there is no metal
-        """
-        points = np.zeros((len(points_m), 3))
-        given = np.asarray(points_m, dtype=np.float64)
-        if given.ndim != 2 or given.shape[1] not in (self.message.dimension, 3):
-            raise ValueError(f"points of {self.message.dimension} coordinates in m are expected")
-        points[:, :given.shape[1]] = given
-        names = ["x_m", "y_m", "z_m", "temperature_c", "displacement_x_m", "displacement_y_m",
-                 "displacement_z_m"]
-        table: Table = np.full(len(points), np.nan, dtype=[(name, "f8") for name in names])
-        fields = np.column_stack([self.temperature_c, self.displacement_m])
-        for row, point in zip(table, points):
-            row["x_m"], row["y_m"], row["z_m"] = point
-            found = self._element_at(point)
-            if found is not None:
-                nodes, shape = found
-                for name, value in zip(names[3:], shape @ fields[nodes]):
-                    row[name] = value
-        return table
-
-    @functools.cached_property
-    def _boxes(self) -> tuple[Floats, Floats]:
-        """Lowest and highest coordinates of each cell, (cell, dimension)."""
-        corners = self.points_m[self.cells][:, :, :self.message.dimension]
-        low, high = corners.min(axis=1), corners.max(axis=1)
-        slack = 1e-6 * (high - low)
-        return low - slack, high + slack
-
-    def _element_at(self, point: Floats) -> tuple[Any, Floats] | None:
-        """The nodes of the cell that holds a point, and its shape functions there."""
-        dimension = self.message.dimension
-        low, high = self._boxes
-        inside = np.all((low <= point[:dimension]) & (point[:dimension] <= high), axis=1)
-        for cell in np.flatnonzero(inside):
-            nodes = self.cells[cell]
-            shape = _shape_at(self.points_m[nodes][:, :dimension], point[:dimension])
-            if shape is not None:
-                return nodes, shape
-        return None
 
     def to_meshio(self) -> Any:
         """As a meshio.Mesh, which writes VTU for ParaView: frame.to_meshio().write("end.vtu")."""

@@ -176,36 +176,45 @@ class Job(Run):
         return Frames(self._transport, self.id)
 
     def probe(self, at_m: Sequence[float], to_m: Sequence[float] | None = None, points: int = 21,
-              time_s: float | None = None) -> Table:
-        """Temperature and displacement at a point over time, or along a line at one instant, from the
-        stored frames; as `dccast probe`.
+              time_s: float | None = None, fields: Sequence[str] = ()) -> Table:
+        """The fields at a point over time, or along a line at one instant, from the stored frames; as
+        `dccast probe`.
 
         @param at_m    the point in the undeformed slab, or the begin of the line: x and y from the middle,
                        z above the block; of a section x and y
         @param to_m    the end of the line
         @param time_s  of a line: the nearest stored frame; None: the last one
-        @return        time_s, cast_length_m and the columns of Frame.probe; NaN where there is no metal
+        @param fields  further fields of the frames, e.g. "von_mises_pa"
+        @return        columns time_s, cast_length_m, x_m, y_m (z_m), temperature_c, displacement_x_m,
+                       displacement_y_m (displacement_z_m), then the further fields; NaN where there is no metal
 
         >>> job = dccast.connect().submit("start-2d-thickness", quality="draft", time__end="20 s").wait()
         >>> bool(job.probe((0.0, 0.05))["temperature_c"][-1] > job.probe((0.28, 0.05))["temperature_c"][-1])
         True
         """
-        if to_m is None:
-            frames, places = list(self.frames), np.array([at_m], dtype=np.float64)
-        else:
-            times = np.array(self.frames.times_s)
-            nearest = len(times) - 1 if time_s is None else int(np.abs(times - time_s).argmin())
-            frames = [self.frames[nearest]]
+        places = np.array([at_m], dtype=np.float64)
+        if to_m is not None:
             share = np.linspace(0.0, 1.0, points)[:, None]
-            places = (1.0 - share) * np.array(at_m) + share * np.array(to_m)
-        found = [(frame, frame.probe(places)) for frame in frames]
-        count = sum(len(rows) for _, rows in found)
-        columns = [("time_s", "f8"), ("cast_length_m", "f8"), *found[0][1].dtype.descr]
-        table: Table = np.zeros(count, dtype=columns)
-        table["time_s"] = np.repeat([frame.time_s for frame, _ in found], len(places))
-        table["cast_length_m"] = np.repeat([frame.cast_length_m for frame, _ in found], len(places))
-        for name in found[0][1].dtype.names or ():
-            table[name] = np.concatenate([rows[name] for _, rows in found])
+            places = (1.0 - share) * places + share * np.array([to_m])
+
+        request = service_pb2.ProbeResultRequest(id=self.id, fields=fields)
+        for place in places:
+            request.points.add(coordinate_m=place)
+        if to_m is not None and time_s is None:
+            request.last = True
+        elif time_s is not None:
+            request.time_s = time_s
+        found = self._transport.call("ProbeResult", request)
+
+        coordinates = ["x_m", "y_m", "z_m"][:places.shape[1]]
+        names = ["time_s", "cast_length_m", *coordinates, *(field.name for field in found.fields)]
+        table: Table = np.zeros(len(found.instants) * len(places), dtype=[(name, "f8") for name in names])
+        for i, instant in enumerate(found.instants):
+            rows = table[i * len(places):(i + 1) * len(places)]
+            rows["time_s"], rows["cast_length_m"] = instant.time_s, instant.cast_length_m
+            values = np.reshape(instant.values, (len(places), -1))
+            for name, column in zip(names[2:], np.hstack([places, values]).T):
+                rows[name] = column
         return table
 
     def fetch(self, path: str | os.PathLike[str], artifact: str = "results.h5") -> pathlib.Path:

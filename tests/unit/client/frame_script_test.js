@@ -1,8 +1,7 @@
-// Runs the script that draws frames against a page of stubs. Argument: client/html/frame_slider_script.hpp.
+// Runs the script that draws frames against a page of stubs. Argument: client/html/assets/frame_slider.js.
 'use strict';
 const assert = require('assert'), fs = require('fs');
-const header = fs.readFileSync(process.argv[2], 'utf8');
-const script = header.slice(header.indexOf('R"js(') + 5, header.indexOf(')js"'));
+const script = fs.readFileSync(process.argv[2], 'utf8');
 
 const numbers = list => Buffer.from(Uint16Array.from(list).buffer).toString('base64');
 const most = 65535;

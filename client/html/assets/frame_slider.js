@@ -1,10 +1,5 @@
-#pragma once
-
-namespace dccast::client::render {
-
-/// Draws a frame into the pictures before it, the last one to begin with, then the one chosen by the
-/// slider: colour bands cut out of triangles, fronts, outlines. Reads the JSON of frame_slider.cpp.
-inline constexpr const char* frame_script = R"js(
+// Draws a frame into the pictures before it, the last one to begin with, then the one chosen by the
+// slider: colour bands cut out of triangles, fronts, outlines. Reads the JSON of frame_slider.cpp.
 addEventListener('DOMContentLoaded', () => {  // the caption stands below this script
 const box = document.querySelector('.slider'), data = JSON.parse(document.querySelector('.frames').textContent);
 const range = box.querySelector('input'), output = box.querySelector('output');
@@ -108,6 +103,3 @@ addEventListener('afterprint', () => show(+range.value));
 box.hidden = last === 0;
 show(+range.value);  // a browser may keep the place of the slider over a reload
 });
-)js";
-
-}  // namespace dccast::client::render
