@@ -64,6 +64,7 @@ inline ElementCentre<2> centre_of(const mesh::Mesh2D& mesh, int e,
              ? centre_of_element<fem::P1Triangle>(mesh, e, temperature, round)
              : centre_of_element<fem::Q1Quadrilateral>(mesh, e, temperature, round);
 }
+/// The centre of an element of a solid; `round` has no meaning there.
 inline ElementCentre<3> centre_of(const mesh::Mesh3D& mesh, int e,
                                   std::span<const double> temperature, bool round) {
   return mesh.nodes_per_element == 4

@@ -44,6 +44,7 @@ constexpr int dimension_of(int shape) {
 
 /// An element of a file.
 struct Element {
+  /// Number of the shape, as Gmsh counts its kinds of elements.
   int shape = 0;
   std::vector<int> groups;     ///< tags of its physical groups
   std::array<long, 8> node{};  ///< tags
