@@ -9,6 +9,7 @@ namespace dccast::client {
 
 /// Fields of a frame at one point of the metal.
 struct PointValues {
+  /// Interpolated at the point.
   double temperature_c = 0.0;
   std::vector<double> displacement_m;  ///< (coordinate) [m]; empty if the frame has none
 };
