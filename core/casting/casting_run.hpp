@@ -29,9 +29,9 @@ public:
   virtual ~StepObserver() = default;
   /// An accepted step. @return what the run does next
   virtual Order on_step(const results::StepReport& report) = 0;
-  /// The reports of the steps from 1 to this one of an earlier part of this run, exact, from which its results
-  /// are made; fewer if some are lost. Called before on_resumed().
-  virtual std::vector<results::StepReport> reported_steps(std::int64_t) { return {}; }
+  /// Reports of steps 1 to `step` of an earlier part of this run, exact, for the result file; fewer
+  /// if some are lost. Called before on_resumed().
+  virtual std::vector<results::StepReport> reported_steps(std::int64_t /*step*/) { return {}; }
   /// Waits until all that was reported is on the disk: a checkpoint follows. Called from another
   /// thread. @throws std::system_error
   virtual void sync_reports() {}
