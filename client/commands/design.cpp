@@ -28,7 +28,7 @@ v1::MouldPlan plan_of(const MouldOptions& options) {
   return plan;
 }
 
-/// A search that has not ended has not failed. A face that is not steady yet is no prediction.
+/// A search that is still running has not failed. A face that is not steady is not a result yet.
 ExitCode exit_code_of(const v1::StudyResult& result) {
   if (result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
   return result.mould().within_tolerance() && result.mould().is_steady() ? ExitCode::done
@@ -81,7 +81,7 @@ struct RecipeOptions : StudyOptions {
   std::string output;
 };
 
-/// The case as its file has it, with what the chosen recipe changes.
+/// The case of the file with the changes of the chosen recipe.
 void write_chosen(const RecipeOptions& options, const v1::RecipeFound& found) {
   if (found.chosen() < 0) {
     std::cerr << options.output << " is not written: no recipe is confirmed\n";
@@ -104,7 +104,7 @@ ExitCode print(Connection& connection, const RecipeOptions& options, const std::
   return open || answer.result().recipe().chosen() >= 0 ? ExitCode::done : ExitCode::solve_failed;
 }
 
-/// Follows a study of this command's own, which ends with it.
+/// Follows a study that this command started and cancels at an interruption.
 void follow_own(Connection& connection, const std::string& id) {
   try {
     follow_with_progress(connection, id, {});

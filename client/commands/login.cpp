@@ -14,7 +14,7 @@ struct LoginOptions {
   bool first = false;
 };
 
-/// The line from the arguments or standard input; a separate address takes the place of its own.
+/// The line from the arguments or standard input. A separate address replaces that of the line.
 EnrolmentLine line_of(const std::vector<std::string>& words) {
   std::string text, address;
   for (const std::string& word : words)

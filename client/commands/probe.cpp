@@ -22,7 +22,7 @@ struct ProbeOptions {
 
 constexpr const char* axes = "xyz";
 
-/// A point at an instant, with what the metal has there; nothing where there is none.
+/// A point at an instant, with the values of the metal there; empty where there is no metal.
 struct Sample {
   double time_s = 0.0, cast_length_m = 0.0;
   std::vector<double> point;
@@ -59,7 +59,7 @@ std::vector<double> read_point(const std::string& text, const char* option) {
   return point;
 }
 
-/// @param number  of the stored frame from 1; 0 is the last one
+/// @param number  of the stored frame, from 1; 0 for the last one
 v1::QueryResultResponse read_frame(Connection& connection, const std::string& id, int number) {
   v1::QueryResultRequest request;
   request.set_id(id);
@@ -98,7 +98,7 @@ std::vector<Sample> over_time(Connection& connection, const std::string& id,
   return samples;
 }
 
-/// The stored frame that is nearest to a time; the last one without a time.
+/// The stored frame nearest to a time; without a time the last one.
 v1::Frame frame_at(Connection& connection, const std::string& id, const std::string& time) {
   const v1::QueryResultResponse last = read_frame(connection, id, 0);
   if (time.empty()) return last.frame();

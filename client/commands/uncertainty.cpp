@@ -15,7 +15,7 @@ struct DataOptions : StudyOptions {
   std::string point, band;
 };
 
-/// "35..45 mm" as the limits that a case has for it.
+/// Converts "35..45 mm" to the curl limits of the case.
 void take_band(const std::string& band, std::vector<std::string>& changes) {
   if (band.empty()) return;
   const auto range = case_file::parse_range(band);
@@ -24,7 +24,7 @@ void take_band(const std::string& band, std::vector<std::string>& changes) {
   changes.push_back("plausibility.greatest_curl=" + range->high);
 }
 
-/// What distinguishes the two commands.
+/// Differences between the two commands.
 struct Kind {
   std::string name;
   void (*lay_out)(Connection&, const DataPlan&, v1::CreateStudyRequest&);
