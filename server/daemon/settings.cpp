@@ -153,8 +153,8 @@ void add(const std::vector<v1::Fault>& faults, const std::string& where, std::st
     text += where + ": " + case_file::describe(fault, {}) + "\n";
 }
 
-/// One "key=value" as a line of TOML. On a command line quotes are a nuisance: what is no TOML
-/// value by itself is taken as text.
+/// One "key=value" as a line of TOML. A value that is not TOML is taken as text, because quotes are
+/// inconvenient on a command line.
 void override_key(const std::string& override_text, v1::DaemonConfig& config, std::string& faults) {
   const std::string where = "--set " + override_text;
   const auto equals = override_text.find('=');

@@ -167,7 +167,7 @@ void Uploads::make_room(const std::string& user, const v1::Attachment& announced
                     fmt::format("maximum_uploads = {} together", megabytes(limits_.all)), remedy);
 }
 
-/// Removes the file that was used longest ago, unless a call is reading it.
+/// Removes the least recently used file, unless a call is reading it.
 /// @param user  owner of the file; null: any user
 /// @return      false if there is no such file
 bool Uploads::remove_oldest_used(const std::string* user) {

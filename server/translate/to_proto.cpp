@@ -201,8 +201,8 @@ struct ScalarField {
   std::vector<double> values;
 };
 
-/// The fields that are worth a picture: those with one component, and the largest principal stress.
-/// Temperature comes with every frame; the solid fraction stands for the liquid one.
+/// Fields worth a picture: those with one component, and the largest principal stress. Every frame
+/// has the temperature; the solid fraction replaces the liquid fraction.
 std::vector<ScalarField> scalar_fields(const results::Frame& frame) {
   std::vector<ScalarField> fields;
   for (const results::FrameArray& array : results::frame_arrays()) {

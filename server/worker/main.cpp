@@ -239,7 +239,7 @@ v1::ValidateCaseResponse check_case(const v1::CheckCase& asked) {
   return verdict;
 }
 
-/// What a run has stored so far, of its frames the one with this number, from 1 on; 0: the last.
+/// Stored results of a run, with the frame of this number, from 1; 0: the last one.
 struct StoredFrames {
   results::RunHeader header;
   std::vector<double> times;  ///< [s] of all frames
