@@ -57,7 +57,6 @@ void check_section(CaseFindings& found) {
 }
 
 // Conditions on the plan of a quarter slab and on the block below it.
-// Conditions on the plan of a quarter slab and on the block below it.
 
 namespace {
 
