@@ -81,7 +81,7 @@ std::vector<v1::MeasuredCurve> read_curves(const MeasuredCase& casting, const v1
 
 /// Creates the study of every casting. @return empty if a case has faults, which have been printed
 std::vector<CastingStudies> create(Connection& connection, const CalibrateOptions& options) {
-  if (options.measured.empty()) throw invalid("give what was measured, as --measured curl.csv");
+  if (options.measured.empty()) throw invalid("give the measurements, e.g. --measured curl.csv");
   const Noise noise = noise_of(options.noise);
   const auto cases = cases_of(options);
   std::vector<std::vector<v1::MeasuredCurve>> curves;  // all are read before any run is queued
@@ -166,7 +166,7 @@ void require_sense(const CalibrateOptions& options) {
   if (options.base.file.empty() && options.study.empty())
     throw invalid("give a case FILE to begin, or --study ID to take a calibration up again");
   if (!options.output.empty() && options.base.file.empty())
-    throw invalid("-o needs the case FILE too, whose values it changes");
+    throw invalid("-o needs the case FILE, whose values it changes");
   for (const std::string& file : {options.plot, options.output}) require_free(file, options.force);
 }
 

@@ -346,8 +346,7 @@ void add_new(cli::CommandLine& line, Program& program) {
 void add_validate(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<ValidateOptions>(
       line, program, run, "validate",
-      "Check a case file: list everything that is wrong with it, and findings on whether a plant "
-      "could cast it",
+      "Check a case file: list all faults, and findings on whether a plant could cast it",
       "dccast validate my.toml\n  dccast validate --set mesh.rows=30 my.toml");
   command.option("FILE", options.file, "Case file; - for standard input", cli::required);
   add_set_option(command, options.set);
@@ -358,7 +357,7 @@ void add_validate(cli::CommandLine& line, Program& program) {
                  "Also write this SVG file: mould, water line, block, and the ramps");
   add_force_flag(command, options.force);
   command.flag("--strict", options.strict,
-               "Exit code 2 for findings beyond notes too (docs/findings.md)");
+               "Exit code 2 also for findings beyond notes (docs/findings.md)");
   command.json(options.json);
 }
 

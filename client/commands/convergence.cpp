@@ -241,7 +241,7 @@ void add_convergence(cli::CommandLine& line, Program& program) {
                  "Take this study up again: submit levels that were lost again, wait for what has "
                  "not ended, print the table; with FILE also submit the levels that are missing");
   command.flag("--as-it-is", options.as_it_is,
-               "With --study and without FILE: submit nothing, levels that were lost stay so");
+               "With --study and without FILE: submit nothing; lost levels stay lost");
   command.number("--levels", options.levels, 2, 5,
                  "Runs, each with half the cell and step of the one before; an order needs three");
   command.json(options.json, "As JSON, in metres and seconds, with the histories");

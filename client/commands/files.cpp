@@ -59,7 +59,7 @@ fs::path target_of(const std::string& output) {
   const fs::path given = output;
   if (fs::is_directory(given, error)) return given / "results.h5";
   if (fs::exists(given, error) && !fs::is_regular_file(given, error))
-    refuse("this is no file, and results would take its place");
+    refuse("not a regular file; results would overwrite it");
   if (given.extension() == ".xdmf")
     refuse("the .xdmf is written beside it; give the name of the HDF5 file");
   return given;

@@ -260,7 +260,7 @@ void add_list(cli::CommandLine& line, Program& program) {
 void add_wait(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<WaitOptions>(
       line, program, run, "wait",
-      "Wait until jobs have ended, say how; exit code 3 if one has not succeeded",
+      "Wait until jobs have ended and print how; exit code 3 if one has not succeeded",
       "dccast wait last\n  dccast submit casts/*.toml | xargs dccast wait\n"
       "  dccast wait --notify 'mail -s \"$DCCAST_TITLE: $DCCAST_STATE\" anna </dev/null' JOB");
   command.option("JOB", options.ids, job_help, cli::required);
@@ -275,7 +275,7 @@ void add_wait(cli::CommandLine& line, Program& program) {
 void add_delete(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<DeleteOptions>(
       line, program, run, "delete",
-      "Remove ended jobs and their files; waits for one that is being cancelled",
+      "Delete ended jobs and their files; waits for a job that is being cancelled",
       "dccast delete JOB\n  dccast delete --cancel JOB JOB");
   command.option("JOB", options.ids, job_help, cli::required);
   command.flag("--cancel", options.cancel, "Cancel jobs that have not ended first");
@@ -286,7 +286,7 @@ void add_label(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<LabelOptions>();
   const cli::Command command = add_job_command<v1::UpdateJobRequest>(
       line, program,
-      {"label", "Change the labels of a job of yours: key=value takes the place of that key",
+      {"label", "Change the labels of one of your jobs: key=value replaces the label with that key",
        "dccast label JOB line=3 checked\n  dccast label JOB --remove line"},
       &Stub::UpdateJob, std::make_shared<v1::UpdateJobRequest>(), marks_of,
       [options](v1::UpdateJobRequest& request) {

@@ -263,7 +263,7 @@ void add_studies(cli::CommandLine& line, Program& program) {
   add_action(command, program, options, "cancel", "Cancel what has not ended", cancel)
       .option("--reason", options.reason, "Kept with the jobs");
   add_action(command, program, options, "resume",
-             "Queue again what was cancelled, or lost to its worker or a full disk", resume)
+             "Queue runs again that were cancelled, or lost to their worker or a full disk", resume)
       .flag("--failed", options.failed, "Also runs that failed by their own case");
   add_action(command, program, options, "delete", "Remove an ended study and its jobs", remove);
 }

@@ -231,7 +231,8 @@ void add_submit(cli::CommandLine& line, Program& program) {
                  {.fault = [](const std::string& text) {
                    return case_file::parse_quantity(text, "s").message;
                  }});
-  command.option("--mail", options.mail, "Address that the hook of the server is given at the end",
+  command.option("--mail", options.mail,
+                 "Address passed to the server's hook at the end of the job",
                  {.placeholder = "ADDRESS"});
   command.option("--notify", options.notify,
                  "Wait for the jobs, and run this for each as wait --notify does",
@@ -242,7 +243,7 @@ void add_submit(cli::CommandLine& line, Program& program) {
       "is made",
       {.fault = [](const std::string& text) { return values::too_long("the request id", text); }});
   command.json(options.json,
-               "Each job as JSON on a line, with --watch followed by one event a line");
+               "Print each job as a line of JSON, with --watch followed by a line for each event");
 }
 
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
@@ -266,12 +267,12 @@ void add_watch(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<WatchOptions>(
       line, program, run, "watch",
       "Follow a job to its end: every event so far, then as they happen. A dropped connection is "
-      "taken up again; leaving with Ctrl-C does not touch the job",
+      "restored; Ctrl-C does not affect the job",
       "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
   command.option("JOB", options.id, job_help, cli::required);
   command.option("--from", options.from, "Sequence number of the first event", {.positive = true});
   command.flag("--strict", options.strict,
-               "Exit code 3 for a job with findings beyond notes too (docs/findings.md)");
+               "Exit code 3 also for a job with findings beyond notes (docs/findings.md)");
   command.json(options.json, "One JSON object per event and line");
 }
 

@@ -118,9 +118,10 @@ ExitCode run(const TopOptions& options, Program& program) {
 void add_top(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<TopOptions>(
       line, program, run, "top",
-      "Running jobs, the queue by owner and the workers, redrawn; q or Ctrl-C leaves",
+      "Live view of running jobs, the queue by owner and the workers; q or Ctrl-C quits",
       "dccast top\n  dccast top --once");
-  command.flag("--once", options.once, "Print the page once; so does output that is no terminal");
+  command.flag("--once", options.once,
+               "Print the page once, as is done when output is not a terminal");
   command.number("-n,--interval", options.interval_s, 1, 3600, "Seconds between two pages");
 }
 

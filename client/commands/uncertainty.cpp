@@ -87,7 +87,7 @@ void add_uncertainty(cli::CommandLine& line, Program& program) {
       "  dccast uncertainty my.toml --runs 100 --only alloy.coherency_solid_fraction\n"
       "  dccast uncertainty --study ID --no-wait      what there is so far\n"
       "\n"
-      "Ranges stand in [uncertainty] of case and alloy card (docs/uncertainty.md). The runs are\n"
+      "Ranges are given in [uncertainty] of case and alloy card (docs/uncertainty.md). Runs are\n"
       "drafts unless --set quality=... chooses another, and wait behind all other jobs.");
   command.number("--runs", options.plan.runs, 8, 10000, "Runs of the Latin hypercube");
   command.option("--seed", options.plan.seed, "Its seed", cli::shown);

@@ -235,8 +235,8 @@ void Uploads::Upload::finish() {
         fmt::format("{} bytes came, and size_bytes is {}", written_, announced_bytes_));
   if (const std::string sha256 = digest_.finish(); sha256 != sha256_)
     throw UploadBroken(
-        fmt::format("what came has the SHA-256 {}, not {}; was the file changed "
-                    "meanwhile? Upload it again",
+        fmt::format("the received file has the SHA-256 {}, not {}; it may have changed "
+                    "meanwhile: upload it again",
                     sha256, sha256_));
   uploads_.keep({user_, sha256_}, staged_);
 }
