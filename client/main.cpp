@@ -7,8 +7,7 @@
 #include "client/text/terminal_guard.hpp"
 
 int main(int argc, char** argv) {
-  // gRPC writes messages for its developers to standard error; the commands report errors
-  // themselves.
+  // gRPC writes developer messages to standard error; the commands report errors themselves.
   ::setenv("GRPC_VERBOSITY", "NONE", 0);
   const dccast::client::render::TerminalGuard output(std::cout, STDOUT_FILENO);
   const dccast::client::render::TerminalGuard messages(std::cerr, STDERR_FILENO);

@@ -57,7 +57,7 @@ double metres_of(const std::string& text, const char* option) {
 
 void require_free(const std::filesystem::path& file, bool force) {
   std::error_code error;
-  // Devices and pipes may always be written to.
+  // Devices and pipes can always be overwritten.
   if (force || file.empty() || file == "-" || !std::filesystem::is_regular_file(file, error))
     return;
   throw invalid(file.string() + " exists already; give another -o, or --force to overwrite it");

@@ -22,16 +22,19 @@ void add_force_flag(const cli::Command& command, bool& force);
 
 /// Options of every command that creates or continues a study.
 struct StudyOptions {
+  /// The case from which a new study is made; its file is empty where --study is given.
   StudyCase base;
   std::string study;  ///< study to continue
   std::string plot;   ///< path of an HTML page; "-" is standard output
   bool no_wait = false;
+  /// As --force, --json.
   bool force = false;
   bool json = false;
 };
 
 /// Help texts that differ between commands.
 struct StudyOptionTexts {
+  /// Help texts of --study, --plot and --json, which differ between the kinds of study.
   const char* study;
   const char* plot;
   const char* json;

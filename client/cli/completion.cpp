@@ -22,12 +22,12 @@ bool takes_file(const cli::CommandSummary& command) {
   return takes(command, {"FILE", "CASE", "RUN"});
 }
 
-/// Of a help text, which may go on with a long list of choices.
+/// First sentence of a help text, without a long list of choices.
 std::string first_sentence(const std::string& text) {
   return text.substr(0, text.find_first_of(".;:"));
 }
 
-/// In single quotes of a shell.
+/// Quotes a text for a shell with single quotes.
 std::string single_quoted(const std::string& text) {
   std::string quoted = "'";
   for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
@@ -41,7 +41,7 @@ std::string option_names(const cli::CommandSummary& command) {
   return names;
 }
 
-// The command is the first word that is no option; `dccast list` is asked for the ids.
+// The command is the first word that is no option. `dccast list` gives the ids.
 std::string bash_script(const Commands& commands) {
   std::string names, cases;
   for (const cli::CommandSummary& command : commands) {
@@ -116,7 +116,7 @@ std::string zsh_script(const Commands& commands) {
          "fi\n";
 }
 
-/// @param line  the beginning of everything about its command
+/// @param line  beginning of each line about the command
 std::string fish_option(std::string line, const cli::OptionSummary& option) {
   for (const std::string& name : option.names)
     line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);

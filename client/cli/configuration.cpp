@@ -19,7 +19,7 @@ std::string variable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-/// What goes wrong with a settings file, and where.
+/// A fault in a settings file, with its place.
 [[noreturn]] void refuse(const fs::path& file, const toml::source_position& at,
                          const std::string& what) {
   throw invalid(file.string() + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
@@ -42,7 +42,7 @@ toml::table parsed(const fs::path& file) {
   }
 }
 
-/// As on the command line; of a list its words with commas between them.
+/// A value as on the command line; elements of a list are joined by commas.
 std::string text_of(const toml::node& node) {
   if (node.is_string()) return *node.value<std::string>();
   std::ostringstream text;
@@ -54,7 +54,7 @@ std::string text_of(const toml::node& node) {
   return text.str();
 }
 
-/// Long options without their dashes.
+/// Names of the long options without their dashes.
 std::vector<std::string> option_names(const cli::CommandSummary& command) {
   std::vector<std::string> names;
   for (const cli::OptionSummary& option : command.options)

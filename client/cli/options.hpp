@@ -54,11 +54,15 @@ using Value =
 /// values must live until the action has run.
 class Command {
 public:
+  /// What a command does once its options have been read.
   using Action = std::function<ExitCode()>;
 
   /// @param chosen  is set to the action of the command that is given
   Command(CLI::App& app, Action& chosen) : app_(&app), chosen_(&chosen) {}
 
+  /// Adds an option or, without dashes in `names`, a positional argument.
+  /// @param names  as CLI11 takes them: "-o,--output"
+  /// @param value  receives the value
   void option(const std::string& names, Value value, const std::string& help,
               const Rules& rules = {}) const;
   /// A list; each value has the name of the option before it.
@@ -69,6 +73,7 @@ public:
               const std::string& help) const {
     option(names, value, help, {.show_default = true, .between = {{lowest, highest}}});
   }
+  /// Adds a flag, which takes no value.
   void flag(const std::string& names, bool& value, const std::string& help,
             const Rules& rules = {}) const;
   /// An option that takes one of the given texts, in any case.
@@ -85,6 +90,7 @@ public:
   void action(Action action) const;
 
 private:
+  /// The command's part of CLI11, owned by CommandLine.
   CLI::App* app_;
   Action* chosen_;
 };
@@ -93,9 +99,11 @@ private:
 struct OptionSummary {
   std::vector<std::string> names;  ///< "-w", "--watch"
   std::string help;
+  /// Whether a value must follow the option.
   bool takes_value = false;
 };
 
+/// A command as completion and manual pages list it.
 struct CommandSummary {
   std::string name, help;
   std::vector<OptionSummary> options;  ///< without the positional arguments
@@ -105,8 +113,10 @@ struct CommandSummary {
 /// The whole command line: commands, and the action of the one that was chosen.
 class CommandLine {
 public:
+  /// @param footer  printed below the list of commands
   CommandLine(const std::string& name, const std::string& description, const std::string& version,
               const std::string& footer);
+  /// CLI11's types are complete in the source only.
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;
 
@@ -117,6 +127,7 @@ public:
   void global_option(const std::string& name, std::string& value, const std::string& help,
                      const std::string& variable);
 
+  /// All commands in the order of their help.
   std::vector<CommandSummary> commands() const;
   /// Sets the default of an option from a text as on the command line. @return what is wrong with
   /// the text; empty: nothing

@@ -22,7 +22,7 @@ struct CalibrateOptions : StudyOptions {
   std::string output;
 };
 
-/// A case file with the files of what was measured of it.
+/// A case file and the files with its measurements.
 struct MeasuredCase {
   std::string file;
   std::vector<std::string> measured;
@@ -39,7 +39,8 @@ std::vector<MeasuredCase> cases_of(const CalibrateOptions& options) {
   return cases;
 }
 
-/// Standard deviations that are given: "0.5 mm" of curls, "3 K" of temperatures; 0: none is.
+/// Standard deviations given by the user: "0.5 mm" for curls, "3 K" for temperatures; 0 if not
+/// given.
 struct Noise {
   double curl_m = 0.0, temperature_k = 0.0;
 };
@@ -57,7 +58,7 @@ Noise noise_of(const std::vector<std::string>& texts) {
   return noise;
 }
 
-/// The curves of one casting. Throws CommandFailed with all that is wrong with its files.
+/// The measured curves of one casting. Throws CommandFailed with all faults of its files.
 std::vector<v1::MeasuredCurve> read_curves(const MeasuredCase& casting, const v1::Case& description,
                                            const Noise& noise) {
   std::vector<std::string> monitors;
@@ -78,9 +79,9 @@ std::vector<v1::MeasuredCurve> read_curves(const MeasuredCase& casting, const v1
   return curves;
 }
 
-/// Creates the study of every casting. @return empty: a case has faults, which have been printed
+/// Creates the study of every casting. @return empty if a case has faults, which have been printed
 std::vector<CastingStudies> create(Connection& connection, const CalibrateOptions& options) {
-  if (options.measured.empty()) throw invalid("give what was measured, as --measured curl.csv");
+  if (options.measured.empty()) throw invalid("give the measurements, e.g. --measured curl.csv");
   const Noise noise = noise_of(options.noise);
   const auto cases = cases_of(options);
   std::vector<std::vector<v1::MeasuredCurve>> curves;  // all are read before any run is queued
@@ -122,7 +123,7 @@ std::string joined(const std::vector<CastingStudies>& castings) {
   return ids;
 }
 
-/// Runs at the calibrated values and along the ridge, until they agree with the surface.
+/// Computes runs at the calibrated values and along the ridge until they agree with the surface.
 v1::StudyJudgement checked(Connection& connection, std::vector<CastingStudies> castings,
                            const std::string& come_back) {
   v1::StudyJudgement answer = judge_calibration(connection, castings);
@@ -165,7 +166,7 @@ void require_sense(const CalibrateOptions& options) {
   if (options.base.file.empty() && options.study.empty())
     throw invalid("give a case FILE to begin, or --study ID to take a calibration up again");
   if (!options.output.empty() && options.base.file.empty())
-    throw invalid("-o needs the case FILE too, whose values it changes");
+    throw invalid("-o needs the case FILE, whose values it changes");
   for (const std::string& file : {options.plot, options.output}) require_free(file, options.force);
 }
 

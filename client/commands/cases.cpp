@@ -43,8 +43,8 @@ const std::string& text_of(const std::string& name) {
                                                "there are:" + known);
 }
 
-/// The answer on the terminal; an empty line is the one in brackets. Throws CommandFailed at the
-/// end of the input.
+/// Reads an answer from the terminal; an empty line chooses the one in brackets. Throws
+/// CommandFailed at the end of the input.
 std::string asked(const std::string& question, const std::string& usual) {
   std::cerr << question << " [" << usual << "]: " << std::flush;
   std::string answer;
@@ -53,8 +53,8 @@ std::string asked(const std::string& question, const std::string& usual) {
   return answer.empty() ? usual : answer;
 }
 
-/// Asks until the answer fits those before it.
-/// @param answer  the part of the recipe that the question is about
+/// Repeats a question until the answer fits the earlier ones. @param answer  part of the recipe to
+/// which the question belongs
 void ask_for(std::string& answer, const SlabRecipe& recipe, const std::string& question,
              const std::string& usual) {
   while (true) {
@@ -65,7 +65,7 @@ void ask_for(std::string& answer, const SlabRecipe& recipe, const std::string& q
   }
 }
 
-/// Asks for what the options would give. An answer at fault is asked for again, no other.
+/// Asks for everything that the options could give. Only a wrong answer is asked for again.
 void ask(NewOptions& options) {
   std::string alloys;
   for (const std::string& name : case_file::alloy_names()) alloys += " " + name;
@@ -80,7 +80,7 @@ void ask(NewOptions& options) {
   if (options.output.empty()) options.output = asked("File to write, - for the screen", "my.toml");
 }
 
-/// The text of the recipe's case; what it is goes to standard error.
+/// Text of the recipe's case; a summary goes to standard error.
 std::string slab_text(const SlabRecipe& recipe) {
   const NewCase made = new_case(recipe);
   std::string faults;
@@ -149,7 +149,7 @@ std::string verdict_of(const CaseUnderCheck& checked) {
   return text;
 }
 
-/// The case with the defaults that the server would fill in.
+/// The case with the defaults that the server would add.
 v1::Case complete_case(const CaseUnderCheck& checked) {
   v1::Case complete = checked.description;
   case_file::apply_defaults(complete);
@@ -288,7 +288,7 @@ std::vector<v1::Alloy> alloys_of(const AlloysOptions& options, Program& program)
   if (options.local) return shipped_alloys();
   Connection connection = program.connect();
   v1::ListAlloysResponse response;
-  // Once: the shipped cards are available without the server.
+  // Added once: the shipped cards are available without a server.
   const grpc::Status status =
       connection.try_once(&Stub::ListAlloys, v1::ListAlloysRequest(), response);
   if (status.ok()) return {response.alloys().begin(), response.alloys().end()};
@@ -346,8 +346,7 @@ void add_new(cli::CommandLine& line, Program& program) {
 void add_validate(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<ValidateOptions>(
       line, program, run, "validate",
-      "Check a case file: list everything that is wrong with it, and findings on whether a plant "
-      "could cast it",
+      "Check a case file: list all faults, and findings on whether a plant could cast it",
       "dccast validate my.toml\n  dccast validate --set mesh.rows=30 my.toml");
   command.option("FILE", options.file, "Case file; - for standard input", cli::required);
   add_set_option(command, options.set);
@@ -358,7 +357,7 @@ void add_validate(cli::CommandLine& line, Program& program) {
                  "Also write this SVG file: mould, water line, block, and the ramps");
   add_force_flag(command, options.force);
   command.flag("--strict", options.strict,
-               "Exit code 2 for findings beyond notes too (docs/findings.md)");
+               "Exit code 2 also for findings beyond notes (docs/findings.md)");
   command.json(options.json);
 }
 

@@ -24,6 +24,8 @@ struct Program {
   mutable std::shared_ptr<SshTunnel> tunnel{};  ///< of a server that is meant by ssh://
   /// To the server that is meant: one of a login, else of this machine. Throws CommandFailed.
   Endpoint endpoint() const;
+  /// Connects to the server that options, environment, settings and logins choose. Throws
+  /// CommandFailed.
   Connection connect() const { return Connection(endpoint(), interruption); }
 };
 
@@ -42,6 +44,8 @@ std::pair<cli::Command, Options&> declare(cli::CommandLine& line, Program& progr
 
 /// Declares one command: its options and its action.
 using Add = void(cli::CommandLine&, Program&);
+/// Each adds one command with its options: cases; runs; jobs and what is known of them; results;
+/// studies; servers and this program.
 Add add_new, add_validate, add_schema, add_alloys;
 Add add_submit, add_watch, add_query, add_compare;
 Add add_list, add_show, add_wait, add_cancel, add_pause, add_resume, add_delete;

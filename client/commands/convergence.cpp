@@ -35,7 +35,7 @@ std::string way_back(const Options& options, const std::string& study) {
   return command;
 }
 
-/// Reports why the server rejects a study of this case.
+/// Prints why the server rejects a study of this case.
 void print_refusal(const CaseUnderCheck& checked, const v1::ValidateCaseResponse& verdict) {
   const int refinement = verdict.refinement();
   const auto& mesh = checked.description.mesh();
@@ -66,7 +66,7 @@ grpc::Status create(const Options& options, const std::string& study, const Case
   }
 }
 
-/// Reports the estimated cost of all levels before any of them starts.
+/// Prints the estimated cost of all levels before the first one starts.
 void print_effort(CaseUnderCheck level, const Options& options, Connection& connection) {
   if (!level.estimate || !case_file::reason_against_dividing(level.description).empty()) return;
   double solver_s = level.estimate->solver_s();
@@ -82,7 +82,7 @@ void print_effort(CaseUnderCheck level, const Options& options, Connection& conn
             << " of computing\n";
 }
 
-/// Creates the study, or adds its missing levels. @return whether the server has it
+/// Creates the study or adds its missing levels. @return whether the server has it
 bool submit(const Options& options, const std::string& study, Connection& connection) {
   CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
   check_with_server(checked, connection);
@@ -102,7 +102,7 @@ bool submit(const Options& options, const std::string& study, Connection& connec
   return true;
 }
 
-/// Lets the server queue lost levels again.
+/// Queues lost levels again.
 void repair(Connection& connection, const std::string& study) {
   v1::ResumeStudyRequest request;
   request.set_id(study);
@@ -113,7 +113,7 @@ void repair(Connection& connection, const std::string& study) {
   check(status, connection.server());
 }
 
-/// Levels by their refinement, as they were named last.
+/// Levels by their refinement, as reported last.
 using NamedLevels = std::map<int, v1::StudyRun>;
 
 /// Prints the job of each level as soon as it has one.
@@ -137,7 +137,7 @@ void print_paused_jobs(Connection& connection, const std::string& id) {
                 << '\n';
 }
 
-/// Prints the jobs of all levels; the server queues them shortly, unless its disk is full.
+/// Prints the jobs of all levels. The server queues them shortly, unless its disk is full.
 void name_jobs(Connection& connection, const std::string& id, NamedLevels& levels) {
   constexpr std::chrono::milliseconds pause{50};
   constexpr int most_attempts = 100;
@@ -172,7 +172,7 @@ v1::StudyJudgement judged_after_its_end(Connection& connection, const std::strin
   return answer;
 }
 
-/// Reports missing levels and the reason. @return whether every level succeeded
+/// Prints missing levels with the reason. @return whether every level succeeded
 bool report_losses(const v1::StudyResult& result) {
   bool whole = true;
   for (const v1::StudyRun& run : result.runs()) {
@@ -241,7 +241,7 @@ void add_convergence(cli::CommandLine& line, Program& program) {
                  "Take this study up again: submit levels that were lost again, wait for what has "
                  "not ended, print the table; with FILE also submit the levels that are missing");
   command.flag("--as-it-is", options.as_it_is,
-               "With --study and without FILE: submit nothing, levels that were lost stay so");
+               "With --study and without FILE: submit nothing; lost levels stay lost");
   command.number("--levels", options.levels, 2, 5,
                  "Runs, each with half the cell and step of the one before; an order needs three");
   command.json(options.json, "As JSON, in metres and seconds, with the histories");

@@ -26,12 +26,12 @@ struct JobCurl {
   v1::Job job;
   CurlHistory history;
   v1::StudyResult study;  ///< without limits if the job belongs to no refinement study
-  /// What mesh and time steps of its quality leave uncertain, relative; empty: not measured.
+  /// Relative error of mesh and time steps for the quality of the job; empty if not measured.
   std::optional<double> relative_error{};
 };
 
-/// What mesh and time steps leave uncertain of a monitor at the steps of the job: by the job's
-/// study, which has a limit too, or else by its quality. Empty columns where neither is known.
+/// Error of mesh and time steps at the steps of the job, from its study, which also has a limit, or
+/// else from its quality. Columns are empty where neither is known.
 struct Error {
   std::vector<double> limit_m, uncertainty_m;
 };
@@ -83,7 +83,7 @@ void print_csv(const JobCurl& curl) {
 }
 
 Json monitor_json(const JobCurl& curl, const CurlHistory::Series& series) {
-  // One number a time in a section, [x, y] in a quarter slab.
+  // One number for each time in a section, [x, y] in a quarter slab.
   const auto horizontal = [](const auto& u) { return u.size() == 1 ? Json(u[0]) : Json(u); };
   Json json{{"name", series.name},
             {"curl_m", series.curl_m},
@@ -167,10 +167,10 @@ struct ContractionOptions {
   bool json = false;
 };
 
-/// A row to be shown, after its name.
+/// A row of the table, with its name.
 using NamedRow = std::pair<std::string, const FaceRow*>;
 
-/// Butt, middle and head, each row once; or the requested rows.
+/// Butt, middle and head, each row once, or the rows that were requested.
 std::vector<NamedRow> chosen_rows(const Contraction& contraction,
                                   const ContractionOptions& options) {
   std::vector<NamedRow> rows;

@@ -19,7 +19,8 @@ struct DashboardOptions {
   bool open = false;
 };
 
-/// All who open a dashboard that others can reach act by its login, which therefore may only look.
+/// All users of a dashboard that is open to other machines share its login, so that login may only
+/// read.
 void require_viewer(Program& program) {
   Connection connection = program.connect();
   const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
@@ -47,7 +48,7 @@ web::Listening listening_of(const DashboardOptions& options, Program& program) {
           .key = options.key};
 }
 
-/// Shows a file in the user's browser, which outlives this program.
+/// Opens a file in the user's browser, which outlives this program.
 void open_in_browser(const std::string& path) {
   const pid_t child = ::fork();
   if (child != 0) return;

@@ -28,7 +28,7 @@ v1::MouldPlan plan_of(const MouldOptions& options) {
   return plan;
 }
 
-/// A search that has not ended has not failed. A face that is not steady yet is no prediction.
+/// A search that is still running has not failed. A face that is not steady is not a result yet.
 ExitCode exit_code_of(const v1::StudyResult& result) {
   if (result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
   return result.mould().within_tolerance() && result.mould().is_steady() ? ExitCode::done
@@ -81,7 +81,7 @@ struct RecipeOptions : StudyOptions {
   std::string output;
 };
 
-/// The case as its file has it, with what the chosen recipe changes.
+/// The case of the file with the changes of the chosen recipe.
 void write_chosen(const RecipeOptions& options, const v1::RecipeFound& found) {
   if (found.chosen() < 0) {
     std::cerr << options.output << " is not written: no recipe is confirmed\n";
@@ -104,13 +104,13 @@ ExitCode print(Connection& connection, const RecipeOptions& options, const std::
   return open || answer.result().recipe().chosen() >= 0 ? ExitCode::done : ExitCode::solve_failed;
 }
 
-/// Follows a study of this command's own, which ends with it.
+/// Follows a study that this command started and cancels at an interruption.
 void follow_own(Connection& connection, const std::string& id) {
   try {
     follow_with_progress(connection, id, {});
   } catch (const Interrupted&) {
     cancel_after_interruption(connection, id);
-    throw Interrupted("study " + id + " is cancelled; the same command goes on with it");
+    throw Interrupted("study " + id + " is cancelled; repeat the command to resume it");
   }
 }
 
@@ -122,7 +122,7 @@ ExitCode begin(const RecipeOptions& options, Connection& connection) {
   const v1::Study study = taken_up(connection, *created);
   std::cerr << "study " << study.id() << ", " << study.recipe().numbers_size() << " numbers and "
             << study.recipe().data_size()
-            << " data; Ctrl-C cancels it, the same command goes on with it\n";
+            << " data; Ctrl-C cancels it, the same command resumes it\n";
   if (options.no_wait) {
     std::cout << study.id() << std::endl;
     return ExitCode::done;
@@ -135,7 +135,7 @@ ExitCode run(const RecipeOptions& options, Program& program) {
   if (options.base.file.empty() == options.study.empty())
     throw invalid("give a CASE to begin or to go on, or --study ID to show one");
   if (!options.output.empty() && options.base.file.empty())
-    throw invalid("-o writes the CASE with its recipe: give it too");
+    throw invalid("-o writes the CASE with the recipe: give CASE, too");
   for (const std::string& file : {options.plot, options.output}) require_free(file, options.force);
   Connection connection = program.connect();
   if (options.study.empty()) return begin(options, connection);
@@ -195,7 +195,8 @@ void add_design_recipe(cli::CommandLine& line, Program& program) {
   command.option("--filling", choice.filling, "Limits of the filling", cli::shown);
   command.option("--ramp", choice.ramp, "Limits of the time of a ramp", cli::shown);
   command.number("--within", choice.within_percent, 1, 90,
-                 "Levels of speed and water are within this of those of the case, in percent");
+                 "Largest difference of the levels of speed and water from those of the case, "
+                 "in percent");
   command.option("--point", choice.point, "Monitor; absent: that with the largest curl");
   command.number("--drafts", choice.drafts, 12, 5000, "Drafts over recipe and data");
   command.number("--castings", choice.castings, 2, 200,

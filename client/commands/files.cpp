@@ -48,7 +48,7 @@ void point_sidecar_at(const fs::path& sidecar, const fs::path& results) {
   write_file(sidecar, text);
 }
 
-/// Where the results go: a file, or results.h5 in a folder.
+/// Destination of the results: a file, or results.h5 in a folder.
 fs::path target_of(const std::string& output) {
   const auto refuse = [&](const std::string& why) {
     throw invalid("-o \"" + output + "\": " + why);
@@ -59,14 +59,14 @@ fs::path target_of(const std::string& output) {
   const fs::path given = output;
   if (fs::is_directory(given, error)) return given / "results.h5";
   if (fs::exists(given, error) && !fs::is_regular_file(given, error))
-    refuse("this is no file, and results would take its place");
+    refuse("not a regular file; results would overwrite it");
   if (given.extension() == ".xdmf")
     refuse("the .xdmf is written beside it; give the name of the HDF5 file");
   return given;
 }
 
-/// What jobs of earlier versions do not have: the last frame for programs that read no time series,
-/// and what the run had of its machine.
+/// Files that jobs of earlier versions lack: the last frame for programs that read no time series,
+/// and the record of the machine.
 void fetch_of_newer_jobs(Connection& connection, const std::string& id, const fs::path& file) {
   const auto beside = [&](const char* ending) {
     return file.parent_path() / (file.stem().string() + ending);
@@ -105,7 +105,7 @@ ExitCode run(const FetchOptions& options, Program& program) {
   return ExitCode::done;
 }
 
-/// A folder of its own, removed with what is in it.
+/// Temporary folder, removed with its content.
 class TemporaryFolder {
 public:
   TemporaryFolder() {
@@ -122,7 +122,7 @@ public:
   fs::path path;
 };
 
-/// A program of the PATH; empty if there is none of these names.
+/// The first of these programs in PATH; empty if none exists.
 fs::path program_named(const std::vector<std::string>& names) {
   const char* const path = std::getenv("PATH");
   for (const std::string& name : names) {
@@ -134,7 +134,7 @@ fs::path program_named(const std::vector<std::string>& names) {
   return {};
 }
 
-/// Runs a program in silence and ends it, with what it started, after the longest time.
+/// Runs a program without output; kills it with its children at the time limit.
 void run_silently(std::vector<std::string> words) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -170,8 +170,8 @@ bool is_pdf(const fs::path& file) {
   return stream.read(begin.data(), 4) && begin == "%PDF";
 }
 
-/// Prints an HTML page to a PDF file by Chromium, without a window.
-/// Throws CommandFailed: there is no Chromium, or it wrote no PDF within a minute.
+/// Prints an HTML page to a PDF file by Chromium, without a window. Throws CommandFailed if there
+/// is no Chromium, or if it writes no PDF within a minute.
 void print_pdf(const std::string& page, const fs::path& file) {
   const fs::path browser = program_named({"chromium", "chromium-browser", "google-chrome"});
   if (browser.empty())
@@ -213,8 +213,8 @@ ExitCode run(const ReportOptions& options, Program& program) {
   const v1::Job job = connection.call(&Stub::GetJob, resolve_job(connection, options.id));
   grpc::Status frame_status;
   const std::string page = render::report_of(connection, job, std::cerr, frame_status);
-  // The histories are those of the event log and sound; a results file that was changed or lost
-  // after the run ends as `fetch` of it does.
+  // The histories come from the event log and are sound. A results file that was changed or lost
+  // after the run ends with the exit code of `fetch`.
   const bool results_lost = frame_status.error_code() == grpc::StatusCode::DATA_LOSS;
   const ExitCode outcome =
       results_lost ? failure_of(frame_status, connection.server()).code() : ExitCode::done;

@@ -42,7 +42,7 @@ v1::ListJobsRequest request_of(Connection& connection, const ListOptions& option
   return request;
 }
 
-/// Why jobs are held, each reason once.
+/// Reasons for which jobs are held, without repetition.
 void print_holds(const std::vector<v1::Job>& jobs) {
   std::set<std::string> reasons;
   for (const v1::Job& job : jobs)
@@ -92,7 +92,8 @@ v1::Job ended_job(Connection& connection, const std::string& id) {
   return connection.call(&Stub::GetJob, id);
 }
 
-/// Runs a command of the user for a job that has ended; what the job is stands in its environment.
+/// Runs the user's command for a job that has ended, with the facts about the job in its
+/// environment.
 void notify(const std::string& command, const v1::Job& job) {
   ::setenv("DCCAST_JOB", job.id().c_str(), 1);
   ::setenv("DCCAST_TITLE", job.title().c_str(), 1);
@@ -117,7 +118,7 @@ struct DeleteOptions {
   bool json = false;
 };
 
-/// A job that is being cancelled is deleted once its worker has ended.
+/// A job that is being cancelled can be deleted only after its worker has ended.
 void delete_job(Connection& connection, const std::string& id) {
   constexpr std::chrono::milliseconds pause{200};
   constexpr std::chrono::seconds longest{120};  // a worker that does not end is killed before
@@ -146,7 +147,7 @@ ExitCode run(const DeleteOptions& options, Program& program) {
   return ExitCode::done;
 }
 
-/// Help texts of a command about one job.
+/// Help texts of a command on one job.
 struct JobCommand {
   const char* name;
   const char* description;
@@ -155,8 +156,8 @@ struct JobCommand {
   v1::JobState aim = v1::JOB_STATE_UNSPECIFIED;  ///< that a running job reaches a little later
 };
 
-/// The job once it has the state that was asked for, or has ended. A worker that computes looks for
-/// requests in every step; after the longest wait the job is returned as it is.
+/// Waits until the job has the requested state or has ended. A worker checks for requests after
+/// every step; after the longest wait the job is returned in its present state.
 v1::Job reached(Connection& connection, v1::Job job, v1::JobState aim) {
   constexpr std::chrono::milliseconds pause{100};
   constexpr std::chrono::seconds longest{30};
@@ -173,7 +174,7 @@ v1::Job reached(Connection& connection, v1::Job job, v1::JobState aim) {
   return job;
 }
 
-/// "0f2b9a4e-... paused", one line: the output of commands that change a job.
+/// "0f2b9a4e-... paused": output of commands that change a job.
 std::string new_state(const v1::Job& job) {
   return job.id() + " " + render::state_text(job.state()) + "\n";
 }
@@ -205,7 +206,7 @@ cli::Command add_job_command(cli::CommandLine& line, Program& program, const Job
   return command;
 }
 
-/// "0f2b9a4e-... line=3 (pinned)", one line: the output of commands that mark a job.
+/// "0f2b9a4e-... line=3 (pinned)": output of commands that mark a job.
 std::string marks_of(const v1::Job& job) {
   std::string text = job.id();
   for (const std::string& label : job.labels()) text += " " + label;
@@ -259,7 +260,7 @@ void add_list(cli::CommandLine& line, Program& program) {
 void add_wait(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<WaitOptions>(
       line, program, run, "wait",
-      "Wait until jobs have ended, say how; exit code 3 if one has not succeeded",
+      "Wait until jobs have ended and print how; exit code 3 if one has not succeeded",
       "dccast wait last\n  dccast submit casts/*.toml | xargs dccast wait\n"
       "  dccast wait --notify 'mail -s \"$DCCAST_TITLE: $DCCAST_STATE\" anna </dev/null' JOB");
   command.option("JOB", options.ids, job_help, cli::required);
@@ -274,7 +275,7 @@ void add_wait(cli::CommandLine& line, Program& program) {
 void add_delete(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<DeleteOptions>(
       line, program, run, "delete",
-      "Remove ended jobs and their files; waits for one that is being cancelled",
+      "Delete ended jobs and their files; waits for a job that is being cancelled",
       "dccast delete JOB\n  dccast delete --cancel JOB JOB");
   command.option("JOB", options.ids, job_help, cli::required);
   command.flag("--cancel", options.cancel, "Cancel jobs that have not ended first");
@@ -285,7 +286,7 @@ void add_label(cli::CommandLine& line, Program& program) {
   const auto options = std::make_shared<LabelOptions>();
   const cli::Command command = add_job_command<v1::UpdateJobRequest>(
       line, program,
-      {"label", "Change the labels of a job of yours: key=value takes the place of that key",
+      {"label", "Change the labels of one of your jobs: key=value replaces the label with that key",
        "dccast label JOB line=3 checked\n  dccast label JOB --remove line"},
       &Stub::UpdateJob, std::make_shared<v1::UpdateJobRequest>(), marks_of,
       [options](v1::UpdateJobRequest& request) {

@@ -14,7 +14,7 @@ struct LoginOptions {
   bool first = false;
 };
 
-/// The line from the arguments or standard input; a separate address takes the place of its own.
+/// The line from the arguments or standard input. A separate address replaces that of the line.
 EnrolmentLine line_of(const std::vector<std::string>& words) {
   std::string text, address;
   for (const std::string& word : words)
@@ -118,10 +118,10 @@ void add_login(cli::CommandLine& line, Program& program) {
       "dccast login casthouse:7118/sha256:.../dccast-enrol-...\n"
       "  dccast login --name north < line.txt");
   command.option("LINE", options.words,
-                 "The line, before it another address if need be; without it standard input",
+                 "The line, optionally after another address; read from standard input if absent",
                  {.count = {{0, 2}}});
   command.option("--name", options.name, "Name for --server; else that of the host");
-  command.flag("--default", options.first, "Make it the server of commands without --server");
+  command.flag("--default", options.first, "Make this the default server");
 }
 
 void add_logout(cli::CommandLine& line, Program& program) {

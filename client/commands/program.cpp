@@ -20,7 +20,7 @@ struct InfoOptions {
   bool json = false;
 };
 
-/// Limits of this daemon; empty for a daemon that does not report them.
+/// Limits of the daemon; empty if the daemon does not report them.
 std::string ceilings_text(const v1::GetServerInfoResponse& info) {
   constexpr double bytes_of_a_megabyte = 1e6;
   if (info.maximum_nodes() <= 0) return {};
@@ -81,7 +81,7 @@ void add_info(cli::CommandLine& line, Program& program) {
 void add_completion(cli::CommandLine& line, Program&) {
   const auto shell = std::make_shared<std::string>();
   const cli::Command command = line.command(
-      "completion", "Print a script for shell completion of dccast", completion_examples);
+      "completion", "Print a script for shell completion", completion_examples);
   command.option("SHELL", *shell, "bash, zsh or fish",
                  {.required = true, .one_of = {"bash", "zsh", "fish"}});
   command.action([shell, &line] {
@@ -107,7 +107,7 @@ void print_answer(const StudyOptions& options, const v1::StudyJudgement& answer,
 
 namespace {
 
-/// In the order of the help text.
+/// Commands in the order of the help text.
 constexpr std::initializer_list<Add*> all_commands{
     add_new,          add_validate,      add_query,
     add_submit,       add_watch,         add_wait,
@@ -148,7 +148,8 @@ const char* const guide =
     "COMMAND\n"
     "--help` shows the options of a command with an example.";
 
-/// Why standard output cannot be written: errno has been overwritten by then, so it is tried again.
+/// Reason why standard output cannot be written. errno is already overwritten, so the write is
+/// tried again.
 std::string reason_against_output() {
   std::clearerr(stdout);
   if (std::fputc('\n', stdout) != EOF && std::fflush(stdout) == 0) return {};
@@ -161,7 +162,7 @@ int run_command_line(const std::vector<std::string>& arguments, commands::Progra
   cli::CommandLine line("dccast", "Simulate the start of direct-chill casting on a dccastd server",
                         DCCAST_VERSION, guide);
   for (commands::Add* const add : commands::all_commands) add(line, program);
-  // Output that could not be written is no success, whichever command wrote it.
+  // A command whose output could not be written fails.
   std::cout.exceptions(std::ios::badbit);
   try {
     apply_configuration(program.configuration, line, program.server);

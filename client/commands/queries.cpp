@@ -35,7 +35,7 @@ ExitCode refuse(const CaseUnderCheck& checked, bool json) {
   return ExitCode::invalid;
 }
 
-/// The curve as it is computed, on a terminal; the answer as a whole is printed at its end.
+/// Draws the curve on a terminal while it is computed; the complete answer is printed at the end.
 std::optional<Answer> ask(Connection& connection, CaseUnderCheck& checked,
                           const QueryOptions& options) {
   const render::Terminal terminal = render::terminal_of(STDOUT_FILENO);
@@ -103,12 +103,12 @@ struct NamedRun {
   std::vector<v1::CaseChange> changes;
 };
 
-/// Of the others the answer is there, in the job.
+/// Other runs are jobs whose results are already stored.
 bool has_to_be_computed(const NamedRun& run) {
   return is_case_file(run.text) || !run.changes.empty();
 }
 
-/// A name that is not a file is taken as a job.
+/// A name that is not a file is a job.
 CaseUnderCheck case_of(Connection& connection, const NamedRun& run) {
   if (is_case_file(run.text)) return read_case(run.text, run.changes);
   return read_case_of_job(connection, resolve_job(connection, run.text), run.changes);
@@ -154,7 +154,7 @@ std::vector<NamedRun> runs_of(const CompareOptions& options) {
   return runs;
 }
 
-/// The case files at another quality: draft, or engineering where they are draft themselves.
+/// The same case files at another quality: draft, or engineering for drafts.
 std::vector<NamedRun> companions_of(const std::vector<NamedRun>& files,
                                     const std::vector<Answer>& answers) {
   std::vector<NamedRun> companions;
@@ -168,7 +168,7 @@ std::vector<NamedRun> companions_of(const std::vector<NamedRun>& files,
   return companions;
 }
 
-/// Computes what has to be computed, and lets the server compare.
+/// Computes the missing runs, then has the server compare all.
 v1::Comparison compare(Connection& connection, const std::vector<NamedRun>& runs, bool paired) {
   std::vector<NamedRun> files;
   std::ranges::copy_if(runs, std::back_inserter(files), has_to_be_computed);
@@ -184,7 +184,8 @@ v1::Comparison compare(Connection& connection, const std::vector<NamedRun>& runs
       *request.add_companions() = compared_run(answer);
   v1::Comparison comparison = connection.call(&Stub::CompareRuns, request);
 
-  // Answers of one key are one to the server: titles and the texts of changes are the client's.
+  // The server identifies answers by a key. Titles and texts of changes are known to the client
+  // only.
   next = answers.begin();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (!has_to_be_computed(runs[i])) continue;
@@ -237,7 +238,7 @@ Json comparison_json(const v1::Comparison& comparison) {
   return json;
 }
 
-/// The one chart of curls as an SVG file.
+/// The chart of curls as an SVG file.
 std::string comparison_svg(const v1::Judgement& judgement) {
   std::vector<const v1::Chart*> curls;
   for (const v1::JudgementPart& part : judgement.parts())

@@ -116,7 +116,7 @@ struct SweepOptions : StudyOptions {  // its file may be a sweep file
   std::string csv, output;
 };
 
-/// The plan that the command line names.
+/// The plan given on the command line.
 v1::SweepPlan plan_of(const SweepOptions& options) {
   v1::SweepPlan plan;
   const auto& axes = options.list.empty() ? options.grid : options.list;
@@ -209,7 +209,7 @@ void print(const v1::Prediction& prediction) {
   for (const v1::CurlCurve& curve : prediction.curves()) {
     const int last = curve.time_s_size() - 1;
     if (last < 0 || !std::isfinite(curve.curl_m(last))) continue;
-    // The larger of the two errors says how many digits the curl has.
+    // The larger of the two errors determines the number of digits of the curl.
     const double curl_m = curve.curl_m(last), surface_m = curve.uncertainty_m(last);
     const double mesh_m = has_error ? prediction.relative_curl_error() * std::abs(curl_m) : 0.0;
     const int decimals = render::mm_decimals(curl_m, std::max(surface_m, mesh_m));
@@ -263,7 +263,7 @@ void add_studies(cli::CommandLine& line, Program& program) {
   add_action(command, program, options, "cancel", "Cancel what has not ended", cancel)
       .option("--reason", options.reason, "Kept with the jobs");
   add_action(command, program, options, "resume",
-             "Queue again what was cancelled, or lost to its worker or a full disk", resume)
+             "Queue runs again that were cancelled, or lost to their worker or a full disk", resume)
       .flag("--failed", options.failed, "Also runs that failed by their own case");
   add_action(command, program, options, "delete", "Remove an ended study and its jobs", remove);
 }

@@ -46,8 +46,8 @@ void require_source(const SubmitOptions& options) {
                   " are given");
 }
 
-/// Checks all cases: if one has faults, none is submitted.
-/// @return  empty if one has faults, which have then been printed
+/// Checks all cases; if one has faults, none is submitted. @return empty if one has faults, which
+/// have been printed
 std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& options,
                                                           Connection& connection) {
   std::vector<CaseUnderCheck> cases;
@@ -69,7 +69,7 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& o
   return cases;
 }
 
-/// @param number  of the case, from 1: several of one request id have its name and their number
+/// @param number  of the case, from 1; jobs of several cases get the request id with their number
 v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const SubmitOptions& options,
                                 Connection& connection, std::size_t number) {
   v1::SubmitJobRequest request = submission_of(checked, connection);
@@ -87,7 +87,7 @@ v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const SubmitOptio
   return request;
 }
 
-/// @return  empty if the server has found further faults, which have then been printed
+/// @return empty if the server has found further faults, which have been printed
 std::optional<v1::Job> submit(CaseUnderCheck& checked, const SubmitOptions& options,
                               Connection& connection, std::size_t number) {
   const v1::SubmitJobRequest request = request_of(checked, options, connection, number);
@@ -172,7 +172,7 @@ v1::JobEvent::StateChange watch_for_scripts(Connection& connection, const std::s
       std::cerr);
 }
 
-/// @param run_s  that the whole run is expected to take [s]; 0: not known
+/// @param run_s  expected duration of the whole run [s]; 0 if unknown
 v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::string& id,
                                            std::int64_t from, bool messages_only, double run_s) {
   render::Progress progress(messages_only ? std::cerr : std::cout,
@@ -185,7 +185,7 @@ v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::st
   return end;
 }
 
-/// The job as it is now, or an empty one: errors are left to the watch.
+/// The present job, or an empty one: the watch reports errors.
 v1::Job job_now(Connection& connection, const std::string& id) {
   v1::GetJobRequest request;
   request.set_id(id);
@@ -198,7 +198,7 @@ v1::Job job_now(Connection& connection, const std::string& id) {
   return job;
 }
 
-/// What the whole run takes, as far as the server can say [s]; 0: not known.
+/// Expected duration of the whole run by the server's estimate [s]; 0 if unknown.
 double expected_run_s(const v1::Job& job) {
   if (!job.has_ends_in_s()) return job.estimated_s();
   return job.ends_in_s() - job.starts_in_s() + job.last_step().solver_s();
@@ -231,7 +231,8 @@ void add_submit(cli::CommandLine& line, Program& program) {
                  {.fault = [](const std::string& text) {
                    return case_file::parse_quantity(text, "s").message;
                  }});
-  command.option("--mail", options.mail, "Address that the hook of the server is given at the end",
+  command.option("--mail", options.mail,
+                 "Address passed to the server's hook at the end of the job",
                  {.placeholder = "ADDRESS"});
   command.option("--notify", options.notify,
                  "Wait for the jobs, and run this for each as wait --notify does",
@@ -242,7 +243,7 @@ void add_submit(cli::CommandLine& line, Program& program) {
       "is made",
       {.fault = [](const std::string& text) { return values::too_long("the request id", text); }});
   command.json(options.json,
-               "Each job as JSON on a line, with --watch followed by one event a line");
+               "Print each job as a line of JSON, with --watch followed by a line for each event");
 }
 
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
@@ -256,7 +257,7 @@ ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t f
     std::cerr << "dccast: job " << id << ": " << render::failure_text(end.failure()) << '\n';
   const ExitCode code = exit_code_of(end.state());
   if (!strict || code != ExitCode::done) return code;
-  // Those of the whole job: a watch may start after some of them.
+  // Counts all findings of the job: a watch may start after some of them.
   if (!render::more_than_notes(connection.call(&Stub::GetJob, id).findings())) return code;
   std::cerr << "dccast: job " << id << " has findings beyond notes (--strict)\n";
   return ExitCode::solve_failed;
@@ -266,12 +267,12 @@ void add_watch(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<WatchOptions>(
       line, program, run, "watch",
       "Follow a job to its end: every event so far, then as they happen. A dropped connection is "
-      "taken up again; leaving with Ctrl-C does not touch the job",
+      "restored; Ctrl-C does not affect the job",
       "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
   command.option("JOB", options.id, job_help, cli::required);
   command.option("--from", options.from, "Sequence number of the first event", {.positive = true});
   command.flag("--strict", options.strict,
-               "Exit code 3 for a job with findings beyond notes too (docs/findings.md)");
+               "Exit code 3 also for a job with findings beyond notes (docs/findings.md)");
   command.json(options.json, "One JSON object per event and line");
 }
 

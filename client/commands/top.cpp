@@ -21,7 +21,7 @@ struct TopOptions {
   int interval_s = 1;
 };
 
-/// The terminal with a page of its own, without cursor and echo; as it was once this has gone.
+/// Switches to the alternate screen, without cursor and echo; the destructor restores the terminal.
 class FullScreen {
 public:
   FullScreen() : keys_(::isatty(STDIN_FILENO) == 1 && ::tcgetattr(STDIN_FILENO, &before_) == 0) {
@@ -46,7 +46,7 @@ public:
   bool reads_keys() const { return keys_; }
 
 private:
-  /// Not by std::cout, which throws where the terminal has gone.
+  /// Does not use std::cout, which throws if the terminal has gone.
   static void write(const std::string& text) {
     [[maybe_unused]] const auto written = ::write(STDOUT_FILENO, text.data(), text.size());
   }
@@ -73,7 +73,7 @@ std::string page_now(Connection& connection, int columns, int lines) {
   return render::top_page(view, columns, lines, std::time(nullptr));
 }
 
-/// @return whether one wants to leave
+/// @return whether the user quits
 bool wait_for_key(Connection& connection, bool keys, int seconds) {
   constexpr int tick_ms = 100;
   for (int waited = 0; waited < 1000 * seconds; waited += tick_ms) {
@@ -118,9 +118,10 @@ ExitCode run(const TopOptions& options, Program& program) {
 void add_top(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<TopOptions>(
       line, program, run, "top",
-      "Running jobs, the queue by owner and the workers, redrawn; q or Ctrl-C leaves",
+      "Live view of running jobs, the queue by owner and the workers; q or Ctrl-C quits",
       "dccast top\n  dccast top --once");
-  command.flag("--once", options.once, "Print the page once; so does output that is no terminal");
+  command.flag("--once", options.once,
+               "Print the page once, as is done when output is not a terminal");
   command.number("-n,--interval", options.interval_s, 1, 3600, "Seconds between two pages");
 }
 

@@ -15,7 +15,7 @@ struct DataOptions : StudyOptions {
   std::string point, band;
 };
 
-/// "35..45 mm" as the limits that a case has for it.
+/// Converts "35..45 mm" to the curl limits of the case.
 void take_band(const std::string& band, std::vector<std::string>& changes) {
   if (band.empty()) return;
   const auto range = case_file::parse_range(band);
@@ -24,7 +24,7 @@ void take_band(const std::string& band, std::vector<std::string>& changes) {
   changes.push_back("plausibility.greatest_curl=" + range->high);
 }
 
-/// What distinguishes the two commands.
+/// Differences between the two commands.
 struct Kind {
   std::string name;
   void (*lay_out)(Connection&, const DataPlan&, v1::CreateStudyRequest&);
@@ -87,7 +87,7 @@ void add_uncertainty(cli::CommandLine& line, Program& program) {
       "  dccast uncertainty my.toml --runs 100 --only alloy.coherency_solid_fraction\n"
       "  dccast uncertainty --study ID --no-wait      what there is so far\n"
       "\n"
-      "Ranges stand in [uncertainty] of case and alloy card (docs/uncertainty.md). The runs are\n"
+      "Ranges are given in [uncertainty] of case and alloy card (docs/uncertainty.md). Runs are\n"
       "drafts unless --set quality=... chooses another, and wait behind all other jobs.");
   command.number("--runs", options.plan.runs, 8, 10000, "Runs of the Latin hypercube");
   command.option("--seed", options.plan.seed, "Its seed", cli::shown);

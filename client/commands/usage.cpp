@@ -1,4 +1,4 @@
-// What jobs have cost, and what is kept of them beside their results.
+// Processor time and disk space of jobs, and the files kept besides their results.
 #include <iostream>
 #include <map>
 
@@ -61,7 +61,7 @@ ExitCode run(const UsageOptions& options, Program& program) {
   return ExitCode::done;
 }
 
-/// A command that prints a file of a job as it is.
+/// Adds a command that prints a file of a job unchanged.
 void add_file_command(cli::CommandLine& line, Program& program, const char* name,
                       const char* description, const char* example, const char* file) {
   const auto id = std::make_shared<std::string>();

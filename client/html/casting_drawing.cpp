@@ -11,13 +11,13 @@
 namespace dccast::client::render {
 namespace {
 
-// Of the view box [px]; the section is to scale, with the metal level at y = 0.
+// Sizes in the view box [px]; the section is to scale, with the metal level at y = 0.
 constexpr double width = 1040, height = 560, head = 60;
 constexpr double axis_x = 30, wall_x = 380, label_x = 422;  // symmetry plane, mould wall, names
 constexpr double level_y = head + 90, lowest_y = height - 50;
 constexpr double wall = 26;  // thickness of the mould as drawn [px]
 
-/// Sizes of the start, below the metal level [m].
+/// Depths at the start, below the metal level [m].
 struct Start {
   double half;   ///< from the symmetry plane to the mould
   double water;  ///< water line, foot of the mould
@@ -59,13 +59,13 @@ std::string text_at(double x, double y, const std::string& text, const std::stri
                      html_escaped(text));
 }
 
-/// A name beside the mould, and where it points to.
+/// A label beside the mould and the point that it refers to.
 struct Label {
   double y;
   std::string text;
 };
 
-/// From top to bottom, none over another.
+/// Places the labels from top to bottom without overlap.
 std::string labels(std::vector<Label> all) {
   constexpr double row = 17;
   std::ranges::stable_sort(all, {}, &Label::y);
@@ -119,7 +119,7 @@ std::string section_part(const v1::Case& c) {
          section_labels(c, start);
 }
 
-/// A table of the schedule over the start. @param from_s  when it begins to act
+/// Draws a table of the schedule over the start. @param from_s  time at which it takes effect
 std::string ramp_chart(const std::string& name, const std::string& unit, const v1::Curve& table,
                        double factor, double from_s, double end_s) {
   const bool by_length = table.abscissa() == v1::CAST_LENGTH;
@@ -143,7 +143,7 @@ std::string casting_drawing(const v1::Case& c) {
   std::string svg = box(0, 0, width, height, "fill:var(--card)") +
                     text_at(20, 26, c.title(), " style='font-size:17px;font-weight:650'") +
                     text_at(20, 46, casting_summary(c)) + section_part(c);
-  // A chart of its own size inside the drawing.
+  // A chart with its own size inside the drawing.
   const auto add_chart = [&](const std::string& name, const std::string& unit,
                              const v1::Curve& table, double factor, double from_s, double y) {
     if (table.value().empty()) return;

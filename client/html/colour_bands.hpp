@@ -12,6 +12,7 @@ struct Point {
   double y = 0.0;  ///< [m], in a drawing [view box unit]
 };
 
+/// Two ends of a line.
 using Segment = std::array<Point, 2>;
 
 /// Contour line at the value `level` [unit of `value`] of a field that is linear in each triangle,
@@ -23,6 +24,7 @@ std::vector<Segment> isotherm(const std::vector<Point>& node, const std::vector<
 /// A range of values [any unit] divided into bands of one colour each, from cold blue over violet
 /// to hot yellow, with uniform steps of lightness, readable on white and on black.
 struct ColourBands {
+  /// Lower end of the first band [unit of the field].
   double low = 0.0;
   double high = 1.0;  ///< above low
   int count = 28;
@@ -32,6 +34,7 @@ struct ColourBands {
   std::string colour(int band) const;
 };
 
+/// The part of a triangle that lies in one band.
 struct BandPiece {
   int band;
   std::vector<Point> outline;  ///< a convex polygon

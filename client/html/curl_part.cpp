@@ -22,8 +22,7 @@ std::vector<double> millimetres(std::vector<double> metres) {
   return metres;
 }
 
-/// Half the band around the curl of this run at the end: of its study, else that of its quality
-/// [m].
+/// Half the band around the final curl of this run, by its study or else its quality [m].
 std::optional<double> uncertainty(const ReportedRun& run, const CurlHistory::Series& series) {
   const double curl = series.curl_m.back();
   if (const auto error =
@@ -32,7 +31,7 @@ std::optional<double> uncertainty(const ReportedRun& run, const CurlHistory::Ser
   return discretisation_error(run.result.case_(), curl);
 }
 
-/// The plant's band [mm]; an edge that is not given is infinite.
+/// The plant's range [mm]; a missing end is infinite.
 std::optional<Chart::Wanted> plant_band(const v1::Case& input) {
   const v1::Plausibility& limits = input.plausibility();
   if (!limits.has_least_curl_m() && !limits.has_greatest_curl_m()) return std::nullopt;
@@ -44,7 +43,8 @@ std::optional<Chart::Wanted> plant_band(const v1::Case& input) {
   return Chart::Wanted{low, high, name + " mm"};
 }
 
-/// "inside the plant's band, 35 to 45 mm", and whether the error permits this conclusion.
+/// "inside the plant's band, 35 to 45 mm", with a note if the error does not permit this
+/// conclusion.
 std::string against_band(const Chart::Wanted& band, double curl_mm, double error_mm) {
   const auto where = [&](double value) {
     return value < band.low ? "below " : value > band.high ? "above " : "inside ";
@@ -82,7 +82,7 @@ std::string tile(const std::string& name, const std::string& value, const std::s
                      html_escaped(name), value, unit, note.empty() ? "" : element("small", note));
 }
 
-/// The curl at the end, with its error where a study or the quality gives it.
+/// The final curl, with its error where a study or the quality gives it.
 std::string curl_tile(const ReportedRun& run, const CurlHistory::Series& series) {
   const double curl = series.curl_m.back();
   std::string note;
@@ -123,7 +123,7 @@ std::string curl_sentence(const ReportedRun& run) {
 
 namespace {
 
-/// The last step at which a curl is below this share of its end.
+/// The last step at which a curl is below this share of its final value.
 std::size_t last_below(const std::vector<double>& curl, double share) {
   std::size_t last = 0;
   for (std::size_t i = 0; i < curl.size(); ++i)
@@ -222,7 +222,7 @@ namespace {
 using Step = v1::StepReport;
 using FigureOf = double (Step::*)() const;
 
-/// A text for a section and one for a quarter slab.
+/// Texts for a section and for a quarter slab.
 struct Wording {
   const char *section, *quarter;
 
@@ -231,7 +231,7 @@ struct Wording {
       : section(of_section), quarter(of_quarter) {}
 };
 
-/// A line of a chart: its name, null where it has none, its figure and the factor to its unit.
+/// A line of a chart: name (null if it has none), figure, and factor to its unit.
 struct Course {
   Wording name;
   double factor;
@@ -327,7 +327,7 @@ ChartLine line_of(const v1::QueryResultResponse& result, const char* name, const
   return line;
 }
 
-/// The monitors' temperatures; a step that does not report one breaks its line.
+/// Temperatures of the monitors; a step without a value interrupts the line.
 std::vector<ChartLine> monitor_lines(const v1::QueryResultResponse& result) {
   std::vector<ChartLine> lines;
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -341,7 +341,7 @@ std::vector<ChartLine> monitor_lines(const v1::QueryResultResponse& result) {
   return lines;
 }
 
-/// Heat since the start [MJ], from flows [kW] that hold for the step that ends at each time.
+/// Heat since the start [MJ], integrated from the flows [kW] of the steps.
 void sum_up(ChartLine& flow, double first_step) {
   double sum = 0.0, before = flow.x.front() - first_step;
   for (std::size_t i = 0; i < flow.x.size(); ++i) {
@@ -351,7 +351,7 @@ void sum_up(ChartLine& flow, double first_step) {
   }
 }
 
-/// Empty if none of its figures was ever other than zero.
+/// Empty if all its figures are zero.
 std::string history_figure(const v1::QueryResultResponse& result, const HistoryChart& chart) {
   const bool is_quarter = result.case_().section().kind() == v1::Section::QUARTER_SLAB;
   const auto wording = [&](const Wording& of) { return is_quarter ? of.quarter : of.section; };

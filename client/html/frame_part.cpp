@@ -16,7 +16,7 @@ std::string frame_mark(const v1::Frame& frame, const CurlHistory& history) {
   return valid ? "" : "<strong>Beyond validity.</strong> ";
 }
 
-/// The same where the slider may show another frame.
+/// The same for a slider, which may show another frame.
 std::string moving_mark(const v1::Frame& frame, const CurlHistory& history) {
   return "<span class='beyond-now'>" + frame_mark(frame, history) + "</span>";
 }
@@ -40,7 +40,7 @@ std::string section_figure(const v1::Frame& frame, const CurlHistory& history,
                                 fixed(frame.solidus_c(), 0), fixed(frame.liquidus_c(), 0)));
 }
 
-/// Position, gap and pressure of the bottom nodes that fit each other.
+/// Position, gap and pressure of the bottom nodes, if their sizes agree.
 std::string contact_figures(const v1::Frame& frame, const CurlHistory& history) {
   ChartLine gap{"gap", {}, {}}, pressure{"pressure", {}, {}};
   for (int i = 0; i < frame.bottom_node_size(); ++i) {

@@ -12,7 +12,7 @@
 namespace dccast::client::render {
 namespace {
 
-/// What a drawing has to show [m].
+/// Bounds of a drawing [m].
 struct Extent {
   double x0, y0, x1, y1;
 
@@ -64,7 +64,7 @@ FramePictures section_picture(const v1::Frame& frame, const ColourBands& bands) 
 }
 
 constexpr double slab_width = 460, slab_height = 330, slab_margin = 12, bar_width = 62;
-// Faces that turn away from a side by more than 45 degrees are not on it.
+// Omits faces that are turned away from a side by more than 45 degrees.
 constexpr double on_side = 0.7;
 
 /// Parallel projection towards a viewer.
@@ -101,7 +101,7 @@ struct Canvas {
   }
 };
 
-/// The names of the sides that are seen, in the middle of each.
+/// Writes the names of the visible sides in the middle of each.
 std::string side_names(const std::vector<SurfaceFace>& surface, const std::vector<Vector3>& place,
                        const Projection& project, const Canvas& canvas) {
   std::string svg = "<g class='sides'>";
@@ -123,7 +123,7 @@ std::string side_names(const std::vector<SurfaceFace>& surface, const std::vecto
   return svg + "</g>";
 }
 
-/// Where a canvas puts what a projection gives.
+/// Maps projected coordinates to those of the canvas.
 PictureView view_of(const Projection& project, const Canvas& canvas) {
   const Point origin = canvas({0.0, 0.0});
   const double scale = canvas.scale();

@@ -17,7 +17,7 @@ namespace {
 using Numbers = std::vector<std::uint16_t>;
 constexpr int most_numbers = 65535;
 
-/// The numbers byte by byte, the lower one first, as this machine has them too.
+/// Bytes of the numbers, the lower one first (the order of this machine).
 std::string base64(const Numbers& numbers) {
   const std::size_t bytes = 2 * numbers.size();
   std::string text((bytes + 2) / 3 * 4, '=');
@@ -35,7 +35,7 @@ struct Steps {
   }
 };
 
-/// A frame with what of it is seen.
+/// A frame reduced to its visible part.
 struct SeenFrame {
   const v1::Frame* frame;
   FrameSkin skin;
@@ -56,7 +56,7 @@ std::vector<SeenFrame> seen_frames(const FrameSeries& series, double scale) {
   return seen;
 }
 
-/// Of all coordinates of all frames, deformed or not: one step for all keeps angles.
+/// Common quantisation of all coordinates of all frames, deformed or not, which preserves angles.
 Steps steps_of_places(const std::vector<SeenFrame>& seen) {
   Steps steps{0.0, 1e-9};
   const auto take = [&steps](const auto& values) {
@@ -74,7 +74,7 @@ Steps steps_of_places(const std::vector<SeenFrame>& seen) {
 
 using Faces = std::vector<std::vector<int>>;
 
-/// Node numbers in a row; two numbers each, the lower half first, where they are `wide`.
+/// Node numbers in sequence; if `wide`, as two numbers each, the lower half first.
 template <class Groups>
 std::string indices(const Groups& groups, bool wide) {
   Numbers numbers;
@@ -86,7 +86,7 @@ std::string indices(const Groups& groups, bool wide) {
   return base64(numbers);
 }
 
-/// Faces of the last frame that a frame with fewer nodes may have too.
+/// Faces of the last frame that a frame with fewer nodes can share.
 std::set<std::vector<int>> inherited(const Faces& last, int nodes) {
   std::set<std::vector<int>> faces;
   for (const auto& face : last)
@@ -94,8 +94,8 @@ std::set<std::vector<int>> inherited(const Faces& last, int nodes) {
   return faces;
 }
 
-/// Adds the faces of a frame: those of the last frame that fit into it and some more, where the
-/// mesh has only grown since; else all of its own.
+/// Adds the faces of a frame: shared faces of the last frame and the additional ones if the mesh
+/// has only grown since, otherwise all faces of the frame.
 void add_faces(const SeenFrame& seen, const Faces& last, bool wide, Json& json) {
   const auto common = inherited(last, seen.frame->temperature_c_size());
   Faces own;
@@ -117,7 +117,7 @@ std::set<int> nodes_of(const Groups& groups) {
   return nodes;
 }
 
-/// Place and temperature of every node that is seen, by its number.
+/// Place and temperature of every visible node, by its number.
 Numbers moving_numbers(const SeenFrame& seen, const Steps& place, const Steps& temperature) {
   Numbers numbers;
   const int dimension = seen.frame->dimension();
@@ -129,7 +129,7 @@ Numbers moving_numbers(const SeenFrame& seen, const Steps& place, const Steps& t
   return numbers;
 }
 
-/// Where the nodes of the outline were at first.
+/// Undeformed places of the nodes of the outline.
 Numbers still_numbers(const SeenFrame& seen, const Steps& place) {
   Numbers numbers;
   const int dimension = seen.frame->dimension();

@@ -12,7 +12,7 @@ namespace {
 
 using Local = std::vector<std::vector<int>>;
 
-/// Corners of the faces of an element, in order around each.
+/// Corners of the faces of an element, in cyclic order.
 const Local& faces_of(int nodes_per_element) {
   static const Local tetrahedron{{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {0, 2, 3}};
   static const Local hexahedron{{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4},
@@ -37,7 +37,7 @@ Vector3 middle(const std::vector<int>& nodes, const std::vector<Vector3>& place)
   return sum;
 }
 
-/// Away from the middle of the element, however its nodes are numbered.
+/// Outward normal: away from the middle of the element, independent of the node numbering.
 Vector3 outward_normal(const std::vector<int>& face, const std::vector<int>& element,
                        const std::vector<Vector3>& place) {
   Vector3 normal = unit(across(face, place));
@@ -55,7 +55,7 @@ double length_at(const google::protobuf::RepeatedField<double>& values, int node
   return std::sqrt(squares);
 }
 
-/// Largest displacement of the bottom, or of all nodes where no bottom is named.
+/// Largest displacement of the bottom, or of all nodes if there are no bottom nodes.
 double displacement_to_show(const v1::Frame& frame, double largest) {
   const int dimension = frame.dimension();
   double shown = 0.0;
@@ -67,7 +67,7 @@ double displacement_to_show(const v1::Frame& frame, double largest) {
 
 using Column = std::array<std::int64_t, 2>;
 
-/// The vertical line of a node, by its place in plan.
+/// Identifies the vertical line of a node by its place in plan.
 Column column_of(const v1::Frame& frame, int node) {
   constexpr double same_m = 1e-7;
   const int dimension = frame.dimension();

@@ -8,10 +8,12 @@
 
 namespace dccast::client::render {
 
+/// A point or a direction [m], or a unit vector [1].
 using Vector3 = std::array<double, 3>;
 
 /// Scalar product [product of the units].
 double dot(const Vector3& a, const Vector3& b);
+/// Products of vectors; unit() keeps the direction and sets the length to 1.
 Vector3 cross(const Vector3& a, const Vector3& b);
 Vector3 unit(const Vector3& a);
 

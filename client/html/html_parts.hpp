@@ -13,6 +13,7 @@ inline std::string element(const std::string& tag, const std::string& content) {
   return "<" + tag + ">" + content + "</" + tag.substr(0, tag.find(' ')) + ">";
 }
 
+/// A box with a heading. @param content  HTML, not escaped
 inline std::string card(const std::string& heading, const std::string& content) {
   return "<section class='card'><h2>" + heading + "</h2>" + content + "</section>";
 }

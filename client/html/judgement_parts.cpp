@@ -34,7 +34,7 @@ std::string with_error(const std::string& value, const std::string& error) {
   return value + (error.starts_with('-') ? ", " : " ± ") + error;
 }
 
-/// @param both  bars go both ways from zero; else zero is at the left
+/// @param both  bars extend to both sides of zero; otherwise zero is at the left
 std::string bar_svg(const Bar& bar, bool both) {
   constexpr double width = 120.0;
   const double zero = both ? 0.5 * width : 0.0;

@@ -14,6 +14,7 @@ Chart chart_of(const v1::Chart& chart);
 /// A chart as a separate SVG file that includes the colours of the page.
 std::string svg_file(const Chart& chart);
 
+/// A table of a judgement as HTML, with its heading and units.
 std::string table_part(const v1::Table& table);
 
 /// The sentences as they open a page.

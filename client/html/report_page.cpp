@@ -24,7 +24,7 @@ bool is_quarter(const v1::Case& input) {
   return input.section().kind() == v1::Section::QUARTER_SLAB;
 }
 
-/// The effect of factor and shift on a table, in words; empty if they have none.
+/// Describes factor and shift of a table; empty if they have no effect.
 std::string changes(const v1::Curve& factor, double shift_s) {
   std::string text;
   if (factor.value_size() > 1 || (factor.value_size() == 1 && factor.value(0) != 1.0))
@@ -97,8 +97,8 @@ std::string recipe_table(const v1::Case& input) {
   return element("table", rows);
 }
 
-/// A table of the schedule as the run had it: with its factor and shift, against time.
-/// @param acts  whether it does at a time [s]; zero where not
+/// A table of the schedule with factor and shift, against time. @param acts  whether it takes
+/// effect at a time [s]; the value is zero where it does not
 template <class Acts>
 ChartLine course_of(const v1::QueryResultResponse& result, const std::string& name,
                     const v1::Curve& table, const v1::Curve& factor, double shift_s, double unit,
@@ -116,7 +116,7 @@ ChartLine course_of(const v1::QueryResultResponse& result, const std::string& na
 
 ChartLine speed_line(const v1::QueryResultResponse& result) {
   const v1::Schedule& recipe = result.case_().schedule();
-  // The block does not move during the hold, whatever the table.
+  // The block does not move during the hold, independent of the table.
   return course_of(result, "casting speed", recipe.casting_speed_m_per_s(),
                    recipe.casting_speed_factor(), recipe.casting_speed_shift_s(), mm_per_min,
                    [](double time_s) { return time_s > 0.0; });
@@ -175,7 +175,7 @@ std::string checks_table(const v1::QueryResultResponse& result, const CurlHistor
       largest = std::max(largest, std::abs((step.*figure_of)()));
     return row(name, scientific(largest), note);
   };
-  // Of the two fields of each figure a step has only one.
+  // A step has one of the two fields of each figure.
   const double reaction = last.bottom_reaction_n_per_m() + last.bottom_reaction_n();
   const double weight = last.weight_n_per_m() + last.weight_n();
   const double heat = last.wall_heat_flux_w_per_m() + last.wall_heat_flux_w();
@@ -289,7 +289,7 @@ std::string page_header(const v1::Job& job, const std::string& title) {
       html_escaped(job.id().substr(0, 8)), state_text(job.state()), findings_mark(job), title);
 }
 
-/// The part for the plant, on one sheet of paper.
+/// The part for the plant, printed on one sheet.
 std::string first_sheet(const ReportedRun& run, const FrameSeries& series) {
   return "<div class='first'>" + failure_banner(run.job) + validity_banner(run.job, run.history) +
          curl_sentence(run) + cause_sentence(run) + findings_part(run.job.findings()) +
@@ -304,7 +304,7 @@ std::string details(const ReportedRun& run) {
          bottom_part(run.result, run.history) + "</div></div>";
 }
 
-/// What is known of the discretisation: of the study, else of the quality that the case follows.
+/// Known discretisation error, from the study or else from the quality of the case.
 std::string discretisation_part(const ReportedRun& run) {
   if (run.history.monitors.empty()) return {};
   if (run.study.result().limits().empty() && discretisation_error(run.result.case_(), 1.0))
@@ -313,16 +313,15 @@ std::string discretisation_part(const ReportedRun& run) {
   return study_part(run.study, run.job);
 }
 
-/// The evidence behind the figures: the error, the checks of the run, its progress, its
-/// assumptions, and the whole case.
+/// The evidence: error, checks of the run, progress, assumptions and the whole case.
 std::string evidence(const ReportedRun& run) {
   return "<div class='evidence'>" + discretisation_part(run) + "<div class='cards'>" +
          checks_table(run.result, run.history) + run_table(run.job, run.result) +
          inputs_table(run.result) + "</div></div>";
 }
 
-/// The result with the last frame; without it if there is none, if it is too large for a response,
-/// or if the stored results cannot be read.
+/// The result with the last frame; without the frame if there is none, if it exceeds a response, or
+/// if the stored results cannot be read.
 v1::QueryResultResponse result_of(Connection& connection, const std::string& id,
                                   std::ostream& notes, grpc::Status& status) {
   v1::QueryResultResponse result;
@@ -333,14 +332,14 @@ v1::QueryResultResponse result_of(Connection& connection, const std::string& id,
   return query_result(connection, id);
 }
 
-/// As many frames as keep the page small enough to be passed on: half a megabyte.
+/// As many frames as keep the page below half a megabyte, so that it can be mailed.
 FrameSeries frames_for_slider(Connection& connection, const std::string& id,
                               const v1::QueryResultResponse& result) {
   constexpr int most_frames = 25;
   constexpr double most_bytes = 500e3;
   if (!result.has_frame()) return {};
-  // The slab grows: a frame has half the last one's nodes on average, and of a quarter slab it is
-  // the surface that counts. Eleven characters a node.
+  // The slab grows, so a frame has half the nodes of the last one on average; for a quarter slab
+  // the surface counts. A node takes eleven characters.
   const double nodes = result.frame().temperature_c_size();
   const double seen = result.frame().dimension() == 3 ? 6.0 * std::pow(nodes, 2.0 / 3.0) : nodes;
   const int fitting = static_cast<int>(most_bytes / (0.5 * 11.0 * seen + 1.0));

@@ -14,6 +14,7 @@ namespace dccast::client::render {
 
 /// The run that a report is about.
 struct ReportedRun {
+  /// The job of the report, and its history with case and last frame.
   const v1::Job& job;
   const v1::QueryResultResponse& result;
   const v1::StudyJudgement& study;  ///< of the refinement study it belongs to, or empty

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double drawing_width = 520, left = 58, top = 26, bottom = 46, right = 74;
 
-/// The bottom of a frame: triangles in plan with their gap.
+/// Bottom of a frame: triangles in plan with their gap.
 struct Bottom {
   std::vector<Point> place;    ///< by node [m]
   std::vector<double> gap_mm;  ///< by node; only that of bottom nodes counts
@@ -52,7 +52,7 @@ Bottom bottom_of(const v1::Frame& frame) {
   return found;
 }
 
-/// Metres in plan to the view box.
+/// Maps metres in plan to the view box.
 struct Plan {
   double scale, height;
   Point operator()(const Point& p) const {
@@ -81,7 +81,7 @@ std::string fill(const Bottom& found, const Plan& plan, const ColourBands& bands
   return svg;
 }
 
-/// Lines of equal gap at the round figures of the colour bar.
+/// Lines of equal gap at the round values of the colour bar.
 std::string lines(const Bottom& found, const Plan& plan, const ColourBands& bands) {
   std::string svg;
   for (const double level : round_ticks(bands.low, bands.high, 5)) {
@@ -95,7 +95,7 @@ std::string lines(const Bottom& found, const Plan& plan, const ColourBands& band
   return svg;
 }
 
-/// Dots on the nodes that press on the block, their area as the pressure.
+/// Dots at the nodes that press on the block, with an area proportional to the pressure.
 std::string contacts(const v1::Frame& frame, const Bottom& found, const Plan& plan, int& count) {
   double greatest = 0.0;
   for (const double pressure : frame.bottom_pressure_pa()) greatest = std::max(greatest, pressure);
@@ -163,14 +163,14 @@ GapMap draw_gap_map(const v1::Frame& frame) {
 
 namespace {
 
-/// A place on the wide face.
+/// A point of the wide face.
 struct Station {
   double x, mould, displacement;  ///< [m]
 };
 
 using Triangles = std::vector<std::array<int, 3>>;
 
-/// The faces that look along y, as triangles; the opening of a mould turns them by little.
+/// Triangles of the faces whose normal is along y; the facets of a mould opening deviate little.
 Triangles wide_face(const v1::Frame& frame) {
   Triangles triangles;
   for (const SurfaceFace& face : facing(surface_of(frame), {0.0, 1.0, 0.0}, 0.7))
@@ -178,7 +178,7 @@ Triangles wide_face(const v1::Frame& frame) {
   return triangles;
 }
 
-/// Where the edge between two nodes passes the height.
+/// Point at which the edge between two nodes crosses the height.
 Station crossing(const v1::Frame& frame, int a, int b, double height) {
   const auto of = [&](int node, int c) { return frame.node_m(3 * node + c); };
   const double part = (height - of(a, 2)) / (of(b, 2) - of(a, 2));
@@ -187,7 +187,7 @@ Station crossing(const v1::Frame& frame, int a, int b, double height) {
           between(frame.displacement_m(3 * a + 1), frame.displacement_m(3 * b + 1))};
 }
 
-/// The wide face at a height, by x; nodes at this height count as below it.
+/// The wide face at a height, by x. Nodes at exactly this height count as below it.
 PullIn profile_at(const v1::Frame& frame, const Triangles& face, double height, std::string name) {
   std::vector<Station> stations;
   const auto below = [&](int node) { return frame.node_m(3 * node + 2) <= height; };
@@ -207,7 +207,7 @@ PullIn profile_at(const v1::Frame& frame, const Triangles& face, double height, 
   return profile;
 }
 
-/// Lowest height of the wide face, and its greatest height below all metal that is not yet solid.
+/// Lowest height of the wide face, and the greatest height below which all metal is solid.
 std::pair<double, double> solid_range(const v1::Frame& frame, const Triangles& face) {
   double low = std::numeric_limits<double>::infinity(), high = -low, soft = low;
   for (const auto& t : face)

@@ -26,6 +26,7 @@ struct PullIn {
   std::vector<double> mould_m;           ///< half the opening of the mould there [m]
   std::vector<double> half_thickness_m;  ///< of the slab there [m]
 
+  /// Half opening of the mould minus half thickness, positive where the slab has pulled in.
   double pull_in_m(std::size_t i) const { return mould_m[i] - half_thickness_m[i]; }
   double percent(std::size_t i) const { return 100.0 * pull_in_m(i) / mould_m[i]; }
 };

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int band_instants = 80;  // of a chart about 560 wide
 
-/// One point of the band: the last of instants [from, to), with the interval of all of them.
+/// A point of the band: the last of the instants [from, to), with the interval of all of them.
 void add_point(ChartBand& band, const v1::CurlCurve& curve, int from, int to, double x) {
   const double middle = curve.curl_m(to - 1);
   if (!std::isfinite(middle)) return;
@@ -50,7 +50,7 @@ std::string no_error_known(const v1::StudyResult& result, const v1::Job& job) {
       begin, succeeded, html_escaped(job.study()));
 }
 
-/// Which of the levels the report is about.
+/// The level that the report is about.
 std::string level_note(const v1::StudyResult& result, const v1::Job& job) {
   const auto level = std::ranges::find(result.runs(), job.id(), &v1::StudyRun::job);
   if (level == result.runs().end()) return {};
@@ -93,7 +93,7 @@ ChartBand curl_band(const v1::StudyResult& study, const std::string& monitor, bo
 std::string study_part(const v1::StudyJudgement& study, const v1::Job& job) {
   if (study.result().limits().empty()) return no_error_known(study.result(), job);
 
-  // The charts of the report have the limits already.
+  // The charts of the report already show the limits.
   std::string html;
   for (const std::string& sentence : study.judgement().sentences())
     html += element("p", html_escaped(sentence));

@@ -13,7 +13,7 @@
 namespace dccast::client::render {
 namespace {
 
-// Of the view box; the page scales it.
+// Sizes in the view box; the page scales it.
 constexpr double width = 640, height = 320, left = 62, right = 16, top = 30, bottom = 46;
 constexpr double legend_row = 17;
 
@@ -43,7 +43,8 @@ Axis axis_over(const std::vector<double>& values, bool with_zero, int count) {
   }
   std::vector<double> ticks = round_ticks(low, high, count);
   if (with_zero && low < high && ticks.size() > 2) {
-    // A little below zero, such as the edge of a band, must not cost a whole step of the axis.
+    // A value slightly below zero, such as the edge of a band, must not add a whole step to the
+    // axis.
     const double from = std::max(ticks.front(), low - 0.03 * (high - low));
     std::erase_if(ticks, [&](double tick) { return tick < from; });
     return {ticks, from, ticks.back()};
@@ -142,7 +143,7 @@ std::string band_of(const ChartLine& line, std::size_t number, const Plot& plot)
       html_escaped(line.name));
 }
 
-/// Behind everything else, with its name at the top of the region.
+/// Drawn behind everything else, with the name at the top of the region.
 std::string region_beyond(const Chart& chart, const Plot& plot) {
   if (!chart.beyond_from) return {};
   const double from = std::clamp(plot.x(*chart.beyond_from), left, width - right);
@@ -151,7 +152,7 @@ std::string region_beyond(const Chart& chart, const Plot& plot) {
                   chart.beyond_name);
 }
 
-/// Dashed edges where the region has them, and its name under the upper one.
+/// Dashed edges of the region, with the name under the upper one.
 std::string region_wanted(const Chart& chart, const Plot& plot) {
   if (!chart.wanted) return {};
   const bool below = std::isfinite(chart.wanted->low), above = std::isfinite(chart.wanted->high);

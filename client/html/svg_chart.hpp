@@ -10,6 +10,7 @@ namespace dccast::client::render {
 ///
 /// Units: x, y, their limits and ticks in the units named in the axis labels of the chart.
 struct ChartBand {
+  /// Abscissa and lower end of a band.
   std::vector<double> x;
   std::vector<double> middle;  ///< as long as x, all finite
   std::vector<double> low;
@@ -18,6 +19,7 @@ struct ChartBand {
 
 /// One line of a chart.
 struct ChartLine {
+  /// A curve with its name for the legend.
   std::string name;
   std::vector<double> x;
   std::vector<double> y;  ///< as long as x; points that are not finite break the line
@@ -28,6 +30,7 @@ struct ChartLine {
 /// A band around a line that grows with its values. @param share  half of it, relative to a value
 ChartBand band_around(const ChartLine& line, double share);
 
+/// A chart with its axes; numbers are in the units of the axes' titles.
 struct Chart {
   std::string title;    ///< read out by screen readers
   std::string x_label;  ///< with its unit
@@ -39,6 +42,7 @@ struct Chart {
   /// A named horizontal region of desired values. A NaN or infinite limit reaches to the end of the
   /// axis.
   struct Wanted {
+    /// A range that the plant wants, drawn as a band over the whole width.
     double low;
     double high;
     std::string name;
@@ -58,6 +62,7 @@ std::string html_escaped(const std::string& text);
 
 /// Elements of a drawing, in units of the view box. @param attributes  "class='tick'"
 std::string svg_text(const std::string& attributes, double x, double y, const std::string& text);
+/// A rectangle. @param attributes  SVG, such as a class
 std::string svg_box(const std::string& attributes, double x, double y, double wide, double high);
 
 /// The name of a vertical axis, read upwards along the left edge about `middle`.

@@ -13,6 +13,7 @@ namespace dccast::client {
 
 /// Curl of every monitor against time and cast length. Curl is the vertical displacement.
 struct CurlHistory {
+  /// The curl of one monitor over the steps.
   struct Series {
     std::string name;
     std::vector<double> curl_m;  ///< [m] one per time; NaN where the monitor is not reported
@@ -23,6 +24,7 @@ struct CurlHistory {
   };
   std::vector<std::int64_t> step;  ///< number of the accepted step, ascending; 0 if unknown
   std::vector<double> time_s;
+  /// (step) cast length [m].
   std::vector<double> cast_length_m;
   std::vector<bool> beyond;  ///< the model was no longer valid at this time
   std::vector<Series> monitors;
@@ -56,6 +58,7 @@ struct Answer {
   bool from_store = false;  ///< no solver ran
   v1::Case description;     ///< complete
   std::vector<v1::CaseChange> changes;
+  /// Curves, findings and end of a run, as far as it has come.
   CurlHistory history;
   std::vector<v1::Finding> findings;
   std::optional<v1::ValidityLoss> validity_loss;

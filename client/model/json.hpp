@@ -20,6 +20,7 @@ namespace dccast::client {
 /// writes it stays out of the headers, which half of the client includes.
 class Json {
 public:
+  /// Elements, and members with their names.
   using Array = std::vector<Json>;
   using Object = std::vector<std::pair<std::string, Json>>;
 
@@ -41,6 +42,7 @@ public:
   /// An object if every element is a pair of a text and a value, else an array.
   Json(std::initializer_list<Json> elements);
 
+  /// An empty array or object, to which members are added.
   static Json array() { return Json(Array{}); }
   static Json object();
 

@@ -10,6 +10,7 @@ namespace dccast::client {
 
 /// What a file of measurements holds.
 struct MeasuredFile {
+  /// One for each column after the first.
   std::vector<v1::MeasuredCurve> curves;
   std::vector<std::string> faults;  ///< "curl.csv:3:2: ..." with what is permitted; empty: none
 };

@@ -20,12 +20,12 @@ constexpr double per_minute = 60.0;            // [s/min]
 constexpr double litres_per_min_per_m = 60e3;  // [(l/(min m))/(m2/s)]
 constexpr double m3_per_hour = 3600.0;         // [(m3/h)/(m3/s)]
 
-/// Without trailing zeros, "0.285".
+/// A number without trailing zeros, "0.285".
 std::string short_number(double value, int digits = 4) {
   return fmt::format("{:.{}g}", value, digits);
 }
 
-/// Two values; the same twice where one was given.
+/// Both ends of a range; equal if one value was given.
 struct Range {
   double first = 0.0, last = 0.0;
 
@@ -48,7 +48,7 @@ std::pair<std::string, std::string> parts(const std::string& text, const std::st
   return {std::move(first), std::move(last)};
 }
 
-/// In this unit; empty if the text is no such quantity.
+/// Value in this unit; empty if the text is not such a quantity.
 std::optional<Range> range_of(const std::string& text, const std::string& separator,
                               const std::string& unit) {
   const auto [first, last] = parts(text, separator);
@@ -58,7 +58,7 @@ std::optional<Range> range_of(const std::string& text, const std::string& separa
   return Range{*begin, *end};
 }
 
-/// A recipe in SI.
+/// A recipe in SI units.
 struct Slab {
   Range size;  ///< width and thickness [m]
   std::string alloy;
@@ -125,7 +125,7 @@ public:
     for (std::string line; std::getline(stream, line);) lines_.push_back(line);
   }
 
-  /// The value of a key as the file has it, quotes included.
+  /// Value of a key as written in the file, quotes included.
   std::string value(const std::string& key) const {
     for (const std::string& line : lines_)
       if (line.starts_with(key + " = ")) {
@@ -136,7 +136,7 @@ public:
     return {};
   }
 
-  /// In every line `key = from`; an empty `from` is any value.
+  /// Replaces `key = from` in every line; an empty `from` matches any value.
   void replace(const std::string& key, const std::string& from, const std::string& to,
                const std::string& comment = {}) {
     for (std::string& line : lines_)
@@ -144,7 +144,7 @@ public:
         line = key + " = " + to + (comment.empty() ? "" : " # " + comment);
   }
 
-  /// The comment at the top.
+  /// The comment at the top of the file.
   void replace_head(const std::string& head) {
     const auto end =
         std::ranges::find_if(lines_, [](const auto& line) { return !line.starts_with('#'); });
@@ -162,8 +162,8 @@ private:
   std::vector<std::string> lines_;
 };
 
-/// The table of a shipped case with other values: the first until the ramp begins, the last from
-/// its end.
+/// A table of a shipped case with other values: the first until the ramp begins, the last from its
+/// end.
 std::string ramp_of(std::string table, const Range& range, double factor, const std::string& unit) {
   constexpr int digits = 6;  // the sum over the perimeter is the one given
   const auto quoted = [&](double value) {

@@ -16,6 +16,7 @@ struct SlabRecipe {
 
 /// A case file made of the shipped case that is nearest.
 struct NewCase {
+  /// TOML, with comments that name the origin of each figure.
   std::string text;
   std::string summary;              ///< slab, perimeter, and water in all and per metre
   std::vector<std::string> faults;  ///< of the recipe; then there is no text

@@ -58,12 +58,12 @@ std::optional<v1::ValidateCaseResponse> ask(Connection& connection, const CaseUn
   }
 }
 
-/// A file that could not be parsed leaves nothing to be checked.
+/// A file that could not be parsed cannot be checked further.
 bool cannot_be_judged(const std::vector<v1::Fault>& faults) {
   return faults.size() == 1 && faults.front().field().empty();
 }
 
-/// With the changes made, where the file could be parsed.
+/// The case with its changes, if the file could be parsed.
 void apply(const std::vector<v1::CaseChange>& changes, CaseUnderCheck& checked) {
   checked.changes = changes;
   // Changes cannot be applied to a file that could not be parsed.

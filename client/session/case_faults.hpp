@@ -17,10 +17,12 @@ namespace dccast::client {
 
 /// A case file as read, with all known faults.
 struct CaseUnderCheck {
+  /// The case as read, and what the reader has found.
   v1::Case description;
   case_file::ReadOutcome read;
   /// Local faults and those of the server, in the order of the file
   std::vector<v1::Fault> faults;
+  /// Faults that do not prevent a run, and expected size and time, from the server's check.
   std::vector<v1::Fault> warnings;
   std::optional<v1::ValidateCaseResponse::Estimate> estimate;
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< only without faults

@@ -111,10 +111,11 @@ void interrupt_by_signals(std::shared_ptr<Interruption> interruption) {
     interruption->come();
     const timespec grace{1, 0};
     sigtimedwait(&signals, nullptr, &grace);
-    // Computing, or waiting for a pipe that no one reads. FILE.part stays and can be continued.
+    // The main thread is computing, or blocked on a pipe that no one reads. FILE.part remains and
+    // can be continued.
     static constexpr char message[] = "\ndccast: interrupted; a job that was submitted goes on\n";
     if (const int code = interruption->exit_code(); code >= 0) ::_exit(code);
-    // The pipe that no one reads may be standard error itself: a write to it would never return.
+    // Standard error itself may be the blocked pipe: a write to it would never return.
     pollfd error_output{STDERR_FILENO, POLLOUT, 0};
     if (::poll(&error_output, 1, 0) > 0) [[maybe_unused]]
       const auto written = ::write(STDERR_FILENO, message, sizeof message - 1);

@@ -18,6 +18,7 @@ namespace dccast::client {
 /// The command was interrupted; the message states what happened to its work.
 class Interrupted : public CommandFailed {
 public:
+  /// @param rest  what happened to the work, for the message
   explicit Interrupted(const std::string& rest)
       : CommandFailed(ExitCode::interrupted, "interrupted" + (rest.empty() ? "" : "; " + rest)) {}
 };
@@ -28,6 +29,7 @@ class Interruption {
 public:
   /// Cancels the current call and every later one.
   void come();
+  /// Whether the command is to end.
   bool came() const;
   /// Sleeps for `time`. Throws Interrupted.
   void sleep(std::chrono::milliseconds time);
@@ -39,6 +41,7 @@ public:
   /// During its lifetime an interruption cancels this call. Only one may exist at a time.
   class Call {
   public:
+    /// @param context  of a call that is about to begin
     Call(Interruption& interruption, grpc::ClientContext& context);
     Call(const Call&) = delete;
     ~Call();
@@ -48,6 +51,7 @@ public:
   };
 
 private:
+  /// Guards all members but the exit code.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool came_ = false;
@@ -60,6 +64,7 @@ private:
 /// signal, is terminated.
 void interrupt_by_signals(std::shared_ptr<Interruption> interruption);
 
+/// The service as an interface, so that tests can replace it.
 using Stub = v1::SimulationService::StubInterface;
 /// A unary call of the service: &Stub::GetJob.
 template <typename Request, typename Response>
@@ -67,6 +72,7 @@ using Method = grpc::Status (Stub::*)(grpc::ClientContext*, const Request&, Resp
 
 /// Number of attempts of a repeatable call, and the pauses between them.
 struct CallPolicy {
+  /// Attempts in all, the first one included.
   int attempts = 4;
   std::chrono::milliseconds first_pause{200};  ///< doubled after every attempt
 };
@@ -91,6 +97,7 @@ struct Endpoint {
 /// http_proxy and similar variables are ignored.
 class Connection {
 public:
+  /// Does not connect yet. Throws CommandFailed for a certificate that cannot be used.
   explicit Connection(Endpoint endpoint, std::shared_ptr<Interruption> interruption =
                                              std::make_shared<Interruption>());
   /// To the same server, by the same login, for another thread or after an interruption.
@@ -160,11 +167,14 @@ public:
   /// What a call depends on and the server may have lost, which it then answers with ABORTED.
   void set_restore(std::function<void(Connection&)> restore) { restore_ = std::move(restore); }
 
+  /// For tests, which cannot wait.
   void set_policy(const CallPolicy& policy) { policy_ = policy; }
 
 private:
+  /// Writes to standard error that a call is repeated, and why.
   void announce_retry(const grpc::Status& status, int attempts_made) const;
 
+  /// Deadline of one attempt at a unary call.
   static constexpr std::chrono::seconds deadline{60};
   Endpoint endpoint_;
   std::unique_ptr<Stub> stub_;

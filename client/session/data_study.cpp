@@ -32,7 +32,7 @@ v1::ValidateCaseResponse validated(Connection& connection, const v1::CreateStudy
   throw invalid(text);
 }
 
-/// At draft quality, unless the changes of the request choose another.
+/// Sets draft quality, unless the changes of the request choose another.
 std::vector<case_file::UncertainKey> complete(Connection& connection,
                                               v1::CreateStudyRequest& request) {
   const bool chosen = std::ranges::any_of(
@@ -71,7 +71,7 @@ v1::SweepPlan& hypercube(const DataPlan& plan, v1::SweepPlan::Purpose purpose,
   return sweep;
 }
 
-/// An axis from KEY=RANGE, or from KEY with the range that the case has for it.
+/// An axis from KEY=RANGE, or from KEY with its range in the case.
 void add_free(const std::string& text, const std::vector<case_file::UncertainKey>& known,
               v1::SweepPlan& sweep) {
   const auto equals = text.find('=');
@@ -96,7 +96,7 @@ std::string sources_of(const v1::Calibration& calibration) {
   return text;
 }
 
-/// A calibrated key as it is written: value and ends of its range, which hold the value.
+/// A calibrated key as text: value and ends of its range, which contain the value.
 struct Written {
   std::string low, best, high;
 };
@@ -108,7 +108,7 @@ Written written(const v1::Calibration::Key& key) {
   return short_one.low == short_one.high ? exact : short_one;
 }
 
-/// The range about the new value, as in [uncertainty].
+/// The range relative to the new value, as in [uncertainty].
 std::string range_after(const std::string& axis_key, const Written& key) {
   const double low = leading_number(key.low), best = leading_number(key.best),
                high = leading_number(key.high);
@@ -131,7 +131,7 @@ std::string table_of(const std::string& key) {
   return key.ends_with(']') ? key.substr(0, key.rfind('[')) : key;
 }
 
-/// Changes what the file gives; what it leaves to card and defaults is written out.
+/// Applies a change to what the file gives; values of card and defaults are written out.
 void apply(const v1::CaseChange& change, v1::Case& complete, v1::Case& description) {
   const auto refuse = [&](const std::vector<v1::Fault>& faults) {
     if (!faults.empty())

@@ -14,6 +14,7 @@ namespace dccast::client {
 
 /// What the user chose of a plan.
 struct DataPlan {
+  /// Runs of the Latin hypercube; the same seed gives the same arrangement.
   int runs = 64;
   std::uint64_t seed = 0;
   std::vector<std::string> only;  ///< keys of data; empty: all

@@ -24,11 +24,11 @@ std::int64_t size_of(const fs::path& file) {
   return error ? 0 : static_cast<std::int64_t>(size);
 }
 
-/// A stream of chunks and its name for messages.
+/// A stream of chunks, with its name for messages.
 struct Source {
   using Reader = std::unique_ptr<grpc::ClientReaderInterface<v1::FetchResultResponse>>;
   std::string name;
-  /// @param sha256  of the chunks had so far; empty where there are none
+  /// @param sha256  of the chunks received so far; empty if there are none
   std::function<Reader(grpc::ClientContext&, std::int64_t offset, const std::string& sha256)> open;
 };
 
@@ -73,7 +73,7 @@ private:
   int descriptor_;
 };
 
-/// Appends to the part file the data that are missing in it.
+/// Appends the missing data to the part file.
 Attempt append_rest(Connection& connection, const Source& source, const std::string& sha256,
                     const fs::path& part) {
   PartFile file(part);
@@ -107,7 +107,7 @@ Interrupted interrupted_at(const fs::path& part) {
                                       " bytes; the same command goes on behind them");
 }
 
-/// Whether the data received so far belong to another file than the present one.
+/// Whether the data received so far belong to a different file from the present one.
 bool of_another(const Attempt& attempt) {
   const auto code = attempt.status.error_code();
   return code == grpc::StatusCode::OUT_OF_RANGE || code == grpc::StatusCode::ABORTED;

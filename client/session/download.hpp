@@ -9,6 +9,7 @@
 
 namespace dccast::client {
 
+/// A file that was fetched.
 struct Download {
   std::int64_t bytes = 0;
   std::int64_t resumed_at = 0;  ///< number of bytes present from an earlier attempt

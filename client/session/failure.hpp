@@ -22,8 +22,10 @@ enum class ExitCode {
 /// A command failed: message for the user and exit code.
 class CommandFailed : public std::runtime_error {
 public:
+  /// @param message  one sentence, with the remedy where there is one
   CommandFailed(ExitCode code, const std::string& message)
       : std::runtime_error(message), code_(code) {}
+  /// Exit code of the program.
   ExitCode code() const { return code_; }
 
 private:
@@ -37,6 +39,7 @@ inline CommandFailed invalid(const std::string& message) {
 
 /// What hinders a connection: one sentence, and one remedy. Empty: nothing was found.
 struct Diagnosis {
+  /// Each one sentence; empty where nothing is wrong.
   std::string cause, remedy;
   bool sound() const { return cause.empty(); }
 };

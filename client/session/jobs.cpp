@@ -23,7 +23,7 @@ std::string last_job(Connection& connection) {
   v1::ListJobsRequest request;
   request.set_owner(user_name(connection));
   const std::string owner = request.owner();
-  // Pages, because a study's runs may be newer.
+  // Reads pages, because runs of a study may be newer.
   for (int looked_at = 0; looked_at < most_looked_at;) {
     const auto found = connection.call(&Stub::ListJobs, request);
     for (const v1::Job& job : found.jobs())
@@ -57,7 +57,7 @@ std::string job_that_begins(Connection& connection, const std::string& prefix) {
   return found.jobs(0).id();
 }
 
-/// All pages from the first on. A page adds steps; the case and the frame come with the first.
+/// Reads all pages. Each page adds steps; case and frame come with the first.
 grpc::Status read_pages(Connection& connection, v1::QueryResultRequest request,
                         v1::QueryResultResponse& result) {
   result.Clear();
@@ -73,7 +73,7 @@ grpc::Status read_pages(Connection& connection, v1::QueryResultRequest request,
   }
 }
 
-/// One stream: reads until it ends. `next` is the sequence number that is due.
+/// Reads one stream until it ends. `next` is the sequence number that is due.
 struct Stream {
   std::optional<v1::JobEvent::StateChange> terminal;
   grpc::Status status;
@@ -103,7 +103,7 @@ Stream read_stream(Connection& connection, const std::string& id, std::int64_t& 
     if (event.has_state_change() && event.state_change().terminal())
       stream.terminal = event.state_change();
   }
-  // A stream that came to its own end keeps its status: cancelling it would hide a NOT_FOUND.
+  // A stream that has ended by itself keeps its status: cancelling it would hide a NOT_FOUND.
   if (stream.terminal) context.TryCancel();
   stream.status = reader->Finish();
   return stream;

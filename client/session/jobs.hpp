@@ -20,6 +20,7 @@ bool can_begin_an_id(const std::string& text);
 /// The user whose newest job or study `last` is: whom the server takes us for; where it is of an
 /// earlier version, the local user.
 std::string user_name(Connection& connection);
+/// resolve_job() for each text, in their order.
 std::vector<std::string> resolve_jobs(Connection& connection,
                                       const std::vector<std::string>& texts);
 
@@ -35,6 +36,7 @@ inline constexpr const char* job_help = "Job id, the beginning of one, or last";
 
 /// A list of jobs, and whether the server has more.
 struct JobListing {
+  /// Newest first, and whether the server has older ones.
   std::vector<v1::Job> jobs;
   bool more = false;
 };
@@ -62,6 +64,7 @@ grpc::Status submit_with_retries(Connection& connection, const v1::SubmitJobRequ
 struct RetryPolicy {
   int attempts = 12;  ///< consecutive attempts without an event before giving up
   std::chrono::milliseconds first_pause{200};
+  /// Pauses double up to this one.
   std::chrono::milliseconds longest_pause{5000};
 };
 

@@ -39,7 +39,7 @@ std::optional<toml::table> parsed(const std::string& file) {
   }
 }
 
-/// The value as a case file would have it.
+/// A value as written in a case file.
 std::string written(const toml::node& node) {
   if (const auto text = node.value_exact<std::string>()) return *text;
   std::ostringstream stream;
@@ -71,7 +71,7 @@ struct Ends {
   throw invalid(option + " " + text + ": " + why);
 }
 
-/// @param whole  text of the option that the quantity is a part of; empty: the quantity itself
+/// @param whole  text of the option that contains the quantity; empty: the quantity itself
 double quantity_of(const std::string& option, const std::string& text, const std::string& unit,
                    const std::string& whole = {}) {
   const case_file::Quantity quantity = case_file::parse_quantity(text, unit);
@@ -88,8 +88,7 @@ Ends ends_of(const std::string& option, const std::string& text, const std::stri
   return ends;
 }
 
-/// One number of a recipe, the option that limits it, and the shares of its value in the case that
-/// are permitted.
+/// A number of a recipe, the option that limits it, and its permitted range relative to the case.
 struct Limited {
   RecipeNumber number;
   const char* option;
@@ -121,7 +120,7 @@ void add_numbers(const v1::Case& draft, const RecipeChoice& choice, v1::RecipePl
                          const char* unit) -> Limited {
     return {number, option, text, unit, 1.0 - within, 1.0 + within};
   };
-  // A ramp along the slab is a length, which no limit of a time holds for.
+  // A ramp against cast length is not limited by a time.
   const auto ramp = [&](RecipeNumber number, const v1::Curve& curve) -> Limited {
     if (case_file::ramps_by_length(curve)) return {number, "--ramp", "0..10 m", "m", 0.5, 2.0};
     return {number, "--ramp", choice.ramp, "s", 0.5, 2.0};
@@ -141,7 +140,7 @@ void add_numbers(const v1::Case& draft, const RecipeChoice& choice, v1::RecipePl
   for (const Limited& number : numbers) add_number(number, recipe[number.number], plan);
 }
 
-/// All data with a range but those that the recipe itself sets.
+/// All data with a range, except those that the recipe sets.
 void add_data(const std::vector<case_file::UncertainKey>& keys, v1::RecipePlan& plan) {
   const std::set<std::string> of_recipe{"schedule.casting_speed", "schedule.water_flow",
                                         "schedule.hold", "schedule.filling", "time.end"};

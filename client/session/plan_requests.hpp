@@ -40,10 +40,12 @@ struct RecipeChoice {
   std::string band;   ///< empty: plausibility.least_curl and greatest_curl of the case
   std::string point;  ///< empty: the monitor with the largest curl
   std::string speed = "20..120 mm/min", speed_rate = "60 mm/min2";
+  /// Limits of the plant, as options give them.
   std::string water = "30..400 l/min/m", water_rate = "200 l/min2/m";
   std::string hold = "10..300 s", filling = "5..200 s", ramp = "10..600 s";
   int within_percent = 30;  ///< levels of speed and water about those of the case
   int drafts = 128, castings = 12, candidates = 4;
+  /// The same seed gives the same Latin hypercubes.
   std::uint64_t seed = 0;
 };
 

@@ -86,7 +86,7 @@ std::string names_of(X509* certificate) {
   return names.empty() ? "none" : names;
 }
 
-/// The first thing that is wrong with the server's certificate for this host and CA.
+/// The first fault of the server's certificate for this host and CA.
 Diagnosis judge_certificate(SSL* session, const values::HostAndPort& to) {
   const long verdict = SSL_get_verify_result(session);
   X509* shown = SSL_get0_peer_certificate(session);
@@ -121,7 +121,7 @@ Diagnosis judge_certificate(SSL* session, const values::HostAndPort& to) {
   }
 }
 
-/// Why there was no handshake: what the server speaks instead.
+/// Reason for a missing handshake: the protocol that the server uses instead.
 Diagnosis no_handshake(const values::HostAndPort& to, const std::string& address,
                        const ProbeOptions& options) {
   Socket second(to, options.timeout);
@@ -169,7 +169,7 @@ Diagnosis secure(const Socket& socket, const values::HostAndPort& to, const Endp
   return {};
 }
 
-/// With a call: token, version, role.
+/// Makes a call: token, version, role.
 Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
                std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
   Connection connection(endpoint, std::move(interruption));
@@ -203,7 +203,7 @@ Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
   return {};
 }
 
-/// Of a socket of this machine it is the file that says why it cannot be used.
+/// For a local socket, the file shows why it cannot be used.
 Diagnosis at_unix_socket(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_socket(path, error))
@@ -215,7 +215,7 @@ Diagnosis at_unix_socket(const std::string& path) {
   return {};
 }
 
-/// What a socket finds out elsewhere one ssh does here.
+/// One ssh process replaces the checks that a socket makes otherwise.
 Diagnosis through_ssh(const std::string& server, const ProbeOptions& options,
                       std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
   SshTunnel tunnel(server);

@@ -19,7 +19,7 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Of one code the last finding holds.
+/// The last finding of a code holds.
 void take(const v1::Finding& finding, std::vector<v1::Finding>& findings) {
   const auto known = std::ranges::find(findings, finding.code(), &v1::Finding::code);
   if (known == findings.end())
@@ -54,7 +54,7 @@ constexpr std::chrono::milliseconds look{20};  // interval between checks for an
 
 using OnWait = std::function<void(const v1::QueryButtCurlResponse::Waiting&)>;
 
-/// One query in a thread, with an interruption of its own.
+/// One query in a thread with its own interruption.
 class Question {
 public:
   Question(const Connection& command, CaseUnderCheck& checked, const QueryMode& mode,

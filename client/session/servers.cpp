@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* sha256_begins = "sha256:";
 
-/// The keys of a server in the file, in their order, with what they are of it.
+/// The keys of a server in the file, in their order, with the members that they set.
 std::array<std::pair<const char*, std::string*>, 7> texts_of(StoredServer& server) {
   Endpoint& to = server.endpoint;
   return {{{"name", &server.name},
@@ -91,7 +91,7 @@ void StoredServers::remove(const std::string& name) {
   write();
 }
 
-/// A new file in place of the old one, never readable by others.
+/// Replaces the file by a new one that others can never read.
 void StoredServers::write() const {
   if (file_.empty()) throw invalid("there is no folder for the login: set HOME or XDG_CONFIG_HOME");
   toml::array servers;
@@ -152,7 +152,7 @@ StoredServer log_in(const EnrolmentLine& line, const std::string& name,
                     std::shared_ptr<Interruption> interruption) {
   StoredServer server{name, {.address = line.address}, ""};
   server.endpoint.ca = certificate_with_fingerprint(line.address, line.fingerprint, {});
-  // Not repeated: a secret that was used is worth nothing.
+  // Not repeated: the secret is valid once.
   Connection connection(server.endpoint, interruption);
   v1::EnrolRequest request;
   request.set_secret(line.secret);

@@ -15,6 +15,7 @@ namespace dccast::client {
 struct StoredServer {
   std::string name;  ///< unique, as in --server NAME
   Endpoint endpoint;
+  /// Name that the server gave at login.
   std::string user;
 };
 
@@ -31,9 +32,11 @@ public:
   const StoredServer* find(const std::string& text) const;
   /// Adds a server, or replaces the one with its name; as the first if it is to be the default.
   void store(const StoredServer& server, bool first);
+  /// Forgets a server and rewrites the file.
   void remove(const std::string& name);
 
 private:
+  /// Replaces the file as a whole. Throws CommandFailed.
   void write() const;
 
   std::filesystem::path file_;
@@ -46,6 +49,7 @@ Endpoint endpoint_of(const std::string& server);
 
 /// The line that `dccastd user add` prints: "HOST:PORT/sha256:FINGERPRINT/SECRET".
 struct EnrolmentLine {
+  /// HOST:PORT; 64 hexadecimal digits of SHA-256; good for one login.
   std::string address, fingerprint, secret;
 };
 /// Throws CommandFailed for any other text.
@@ -59,8 +63,10 @@ StoredServer log_in(const EnrolmentLine& line, const std::string& name,
 /// "2026-11-20 14:03Z".
 std::string utc_text(std::int64_t unix_s);
 
+/// Name of a role, as `dccastd user` takes it.
 std::string role_text(v1::Role role);
 
+/// What diagnose() tries, and for how long.
 struct ProbeOptions {
   std::chrono::milliseconds timeout{5000};  ///< of each step on the wire
   std::string role{};                       ///< that the user is to have; empty: any

@@ -20,7 +20,7 @@ namespace {
 using Bio = values::Owned<BIO, BIO_free>;
 using Certificate = values::Owned<X509, X509_free>;
 
-/// Connects without waiting longer than the limit. @return 0 or the error of the system
+/// Connects within the time limit. @return 0 or the system's error
 int connect_within(int descriptor, const addrinfo& to, std::chrono::milliseconds timeout) {
   const int flags = ::fcntl(descriptor, F_GETFL);
   ::fcntl(descriptor, F_SETFL, flags | O_NONBLOCK);

@@ -39,7 +39,7 @@ struct Target {
 };
 
 Target read_target(const std::string& server) {
-  // No name begins with a dash: ssh would take it for an option.
+  // A name that begins with a dash would be an option of ssh.
   static const std::regex form(
       R"(ssh://((?:[A-Za-z0-9_.][\w.-]*@)?[A-Za-z0-9_.][\w.-]*)(?::(\d{1,5}))?(/[\w./@+-]*)?)");
   static const std::regex port(R"(/\d{1,5})");  // earlier versions were reached at one
@@ -72,8 +72,8 @@ sockaddr_un address_at(const std::filesystem::path& path) {
   return address;
 }
 
-/// Starts a program that ends when this thread does. It reads and writes nothing but its messages.
-/// @return its process; negative: there can be none
+/// Starts a program that ends with this thread. It reads nothing and writes only its messages.
+/// @return its process; negative on failure
 pid_t spawn_tied(const std::vector<std::string>& command, int errors) {
   std::vector<char*> words;
   for (const std::string& word : command) words.push_back(const_cast<char*>(word.data()));
@@ -95,8 +95,7 @@ pid_t spawn_tied(const std::vector<std::string>& command, int errors) {
   ::_exit(cannot_be_started);
 }
 
-/// The last line of what ssh wrote, or the one before it by which the other machine refuses the
-/// socket.
+/// The last line that ssh wrote, or the line before it that states why the socket was refused.
 std::string reason_in(const std::filesystem::path& messages) {
   std::ifstream stream(messages);
   std::string line, reason;
@@ -115,8 +114,8 @@ Diagnosis without_login(int exit_code, const std::string& reason, const std::str
           fmt::format("mend that first, with {} alone", login)};
 }
 
-/// Why nothing came back over an ssh that has logged in. sshd says "open failed" alike where it
-/// forbids forwarding and where it finds no socket.
+/// Diagnosis of an ssh that has logged in but returns nothing. sshd reports "open failed" both
+/// where it forbids forwarding and where it finds no socket.
 Diagnosis without_answer(const std::string& reason, const std::string& path) {
   if (reason.find("open failed") != std::string::npos)
     return {
@@ -141,7 +140,7 @@ SshTunnel::SshTunnel(const std::string& server) : errors_(STDERR_FILENO) {
   leaving_ = ::eventfd(0, EFD_CLOEXEC);
   if (leaving_ < 0) fail("eventfd");
 
-  // A connection that ssh shares with others would keep this forwarding beyond our end.
+  // A connection that ssh shares with others would keep this forwarding after our end.
   command_ = {"ssh",
               "-N",
               "-T",
@@ -224,7 +223,7 @@ void SshTunnel::run() {
     ::waitpid(process, &status, 0);
     if (is_leaving) return;
 
-    // The first has to log in; a later one may be without a network for a while.
+    // The first process has to log in; later ones may lack a network for a while.
     if (!has_logged_in_) return note_end(status);
     constexpr int pause_ms = 1000;
     if (::poll(&awaited[1], 1, pause_ms) > 0) return;

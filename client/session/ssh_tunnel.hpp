@@ -26,6 +26,7 @@ public:
   /// @throws CommandFailed  another text, or there is no place for the socket
   explicit SshTunnel(const std::string& server);
   SshTunnel(const SshTunnel&) = delete;
+  /// Ends ssh and removes its folder.
   ~SshTunnel();
 
   /// Starts ssh, and returns once it has logged in.
@@ -46,13 +47,19 @@ public:
 
 private:
   using Clock = std::chrono::steady_clock;
+  /// Outcome of ssh's login: it makes the socket once it has logged in.
   enum class Login { made, failed, timed_out };
 
+  /// Starts ssh in a thread that waits for its end.
   void start();
   /// Of the thread that owns the ssh processes.
   void run();
+  /// Keeps why ssh has ended. @param wait_status  as of waitpid()
   void note_end(int wait_status);
+  /// Waits until the forwarded socket exists or ssh has ended.
   Login wait_for_login(Clock::time_point end);
+  /// Sends a greeting through the tunnel. @return the first bytes of the answer; empty if there are
+  /// none
   std::string greet(const std::string& greeting, Clock::time_point end) const;
 
   std::string login_;  ///< "ssh -p 2222 anna@casthouse", as a person would type it

@@ -13,14 +13,14 @@
 namespace dccast::client {
 namespace {
 
-/// What is wrong with a plan or one of its cases, a line each.
+/// Faults of a plan or of one of its cases, one for each line.
 void print_refusal(const v1::ValidateCaseResponse& verdict, const CaseUnderCheck& checked) {
   const std::string run = verdict.run().empty() ? "" : verdict.run() + ": ";
   for (const v1::Fault& fault : verdict.faults())
     std::cerr << run << describe(fault, checked.read.source) << '\n';
 }
 
-/// One stream: reads until it ends.
+/// Reads one stream until it ends.
 struct Stream {
   std::optional<v1::Study> last;
   grpc::Status status;
@@ -62,7 +62,7 @@ std::optional<v1::Study> create_study(
   const grpc::Status status = connection.try_call(&Stub::CreateStudy, request, study);
   const v1::ValidateCaseResponse verdict = verdict_of(status);
   if (!verdict.faults().empty()) {
-    // The values at fault are those of the plan, not those of the case.
+    // The faulty values belong to the plan, not to the case.
     if (!base.plan_origin.empty())
       for (const auto& axis : request.sweep().axes())
         checked.read.source.set(axis.key(), {}, base.plan_origin + " " + axis.key());
@@ -172,7 +172,7 @@ v1::StudyResult find_study(Connection& connection, const std::string& id) {
 v1::StudyJudgement judge_study_of(Connection& connection, const v1::Job& job) {
   if (job.study().empty()) return {};
 
-  // Jobs may have a study id in common that no study of the server has.
+  // Jobs can share a study id that no study of the server has.
   const v1::StudyResult result = find_study(connection, job.study());
   if (!result.study().has_refinement()) return {};
   return judge_study(connection, {.id = job.study()});

@@ -14,6 +14,7 @@ namespace dccast::client {
 
 /// The case of a study as given on the command line.
 struct StudyCase {
+  /// Path of a case file; "-" is standard input.
   std::string file;
   std::vector<std::string> set;  ///< KEY=VALUE
   std::vector<std::string> labels;
@@ -52,12 +53,13 @@ std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id
 /// Results of a study so far. Throws CommandFailed.
 v1::StudyResult evaluate_study(Connection& connection, const std::string& id);
 
-/// What the server concludes from a study so far, with the figures. Throws CommandFailed.
+/// A question about the results of a study.
 struct StudyQuestion {
   std::string id{};
   std::string monitor{};  ///< whose curl is judged; empty: that with the largest curl
   bool curves = false;    ///< with the curl of every run against time
 };
+/// What the server concludes from a study so far, with the figures. Throws CommandFailed.
 v1::StudyJudgement judge_study(Connection& connection, const StudyQuestion& question);
 
 /// As evaluate_study(); an empty result where the server has no such study.

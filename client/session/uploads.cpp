@@ -11,14 +11,15 @@ using Request = v1::UploadAttachmentRequest;
 
 constexpr std::size_t chunk_bytes = 256'000;  // service.proto
 
-/// Waits until the server takes the content, or has answered.
+/// Waits until the server accepts the content, or has answered.
 void wait_for_server(grpc::ClientWriterInterface<Request>& writer) {
-  // The interface of gRPC's stubs lacks this call; without it, what the server has would be sent.
+  // gRPC's stub interface lacks this call; without it, content would be sent that the server
+  // already has.
   if (auto* stream = dynamic_cast<grpc::ClientWriter<Request>*>(&writer))
     stream->WaitForInitialMetadata();
 }
 
-/// One attempt at uploading a file. @return its status
+/// One attempt to upload a file. @return its status
 grpc::Status upload(Connection& connection, const case_file::AttachedFile& file) {
   std::ifstream stream(file.path, std::ios::binary);
   if (!stream) throw invalid("cannot read " + file.path.string());

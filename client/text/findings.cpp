@@ -38,7 +38,7 @@ void append(std::string& list, const std::string& text, const char* separator) {
   if (!text.empty()) list += (list.empty() ? "" : separator) + text;
 }
 
-/// The worst exceedance; empty if it is the first one.
+/// The worst exceedance; empty if it equals the first one.
 std::string worst_text(const v1::Finding& finding) {
   const auto& worst = finding.worst();
   if (!finding.has_worst() ||
@@ -50,7 +50,7 @@ std::string worst_text(const v1::Finding& finding) {
   return text;
 }
 
-/// Value, limit, place, worst exceedance and key, as far as they are known.
+/// Value, limit, place, worst exceedance and key, where known.
 std::string particulars(const v1::Finding& finding) {
   std::string text;
   if (finding.has_value()) text = figure_text(finding.value(), finding.unit());

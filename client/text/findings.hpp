@@ -6,6 +6,7 @@
 
 namespace dccast::client::render {
 
+/// Findings as messages have them.
 using Findings = google::protobuf::RepeatedPtrField<v1::Finding>;
 
 /// "danger: bleed_out_at_exit at 15.00 s: The surface leaves the mould at ... [1.2 mm, limit 5 mm;

@@ -27,7 +27,7 @@ std::string lower_words(std::string text) {
   return text;
 }
 
-/// Time, step and place of a failure, on a line of its own; empty for one of no particular time.
+/// Time, step and place of a failure, on a line of its own; empty without a time.
 std::string where_and_when(const v1::Failure& failure) {
   const std::string place = place_text(failure.place_m());
   const bool timed = failure.kind() == v1::Failure::SOLVE_FAILED || failure.time_step_s() > 0.0 ||
@@ -40,7 +40,7 @@ std::string where_and_when(const v1::Failure& failure) {
   return text;
 }
 
-/// The end of the residual history.
+/// The last entries of the residual history.
 std::string residuals_text(const v1::Failure& failure) {
   constexpr int shown = 8;
   const int count = failure.residual_history_size();
@@ -52,7 +52,7 @@ std::string residuals_text(const v1::Failure& failure) {
 
 enum class Shown { always, if_any, on_request };  // if_any: where a job has something in it
 
-/// "4 min 10 s"; "a moment" where a worker is about to be free.
+/// "4 min 10 s"; "a moment" if a worker is about to become free.
 std::string start_text(double starts_in_s) {
   return starts_in_s < 1.0 ? "a moment" : duration_text(starts_in_s);
 }

@@ -42,6 +42,7 @@ std::string job_table(const std::vector<v1::Job>& jobs, std::vector<std::string>
 
 /// What `dccast top` shows at one moment.
 struct TopView {
+  /// Address of the server, and its report of itself and of its jobs.
   std::string server;
   v1::GetServerInfoResponse about{};
   std::vector<v1::Job> running{};

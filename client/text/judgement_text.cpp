@@ -24,7 +24,7 @@ constexpr int widest_name = 40;  ///< of the first column of a table that is too
 // ANSI foreground colours of the lines of a chart, in their order.
 constexpr std::array line_colours{34, 33, 32, 35, 36, 31};
 
-/// Decimals that show differences of the resolution and no smaller ones.
+/// Decimals that resolve the given resolution and no smaller differences.
 int decimals_of(const Column& column, double factor) {
   if (column.resolution() <= 0.0) return 0;
   constexpr double round_off = 1e-9;
@@ -68,7 +68,7 @@ std::string error_text(const Column& column, const v1::Cell& cell) {
   return fmt::format("-{} +{}", rounded_text(factor * cell.lower_error(), decimals), upper);
 }
 
-/// A text in a column of a table; the end of a longer one is left out.
+/// A text in a column of a table; a longer one is cut.
 std::string cut(const std::string& text, int width) {
   std::string shown = text;
   for (std::size_t limit = text.size(); limit > 0 && display_width(shown) > width;)
@@ -82,8 +82,8 @@ int width_of(const std::vector<std::string>& texts, const std::string& heading) 
   return width;
 }
 
-/// Cuts texts where a table is wider than the page: the first column to 40, the others to equal
-/// shares of what the numbers leave.
+/// Cuts the texts of a table that is wider than the page: the first column to 40 characters, the
+/// others to equal shares of the rest.
 void fit_page(std::vector<ShownColumn>& columns, int page_columns) {
   constexpr int narrowest = 8;
   constexpr int between = 2;
@@ -115,7 +115,7 @@ std::string with_unit(const std::string& heading, const std::string& unit) {
   return unit.empty() ? heading : fmt::format("{} {}", heading, unit);
 }
 
-/// Whether bars fit beside the columns.
+/// Whether the bars fit beside the columns.
 bool has_room(const std::vector<ShownColumn>& columns, int page_columns) {
   constexpr int bars = 17;
   constexpr int between = 2;
@@ -133,7 +133,7 @@ std::string in_capitals(std::string text) {
   return text;
 }
 
-/// In the unit of the numbers.
+/// Scales a value to the unit of the numbers.
 Bar bar_of(const v1::Table& table, const v1::Table::Row& row) {
   Bar bar;
   for (int i = 0; i < row.cells_size(); ++i) {
@@ -147,8 +147,8 @@ Bar bar_of(const v1::Table& table, const v1::Table::Row& row) {
   return bar;
 }
 
-/// "====|    ": to the left what lowers a figure, to the right what raises it. A range on one side
-/// of zero does not touch the axis.
+/// "====|    ": decreases to the left, increases to the right. A range on one side of zero does not
+/// touch the axis.
 std::string bar_text(const Bar& bar) {
   constexpr long half = 7;
   const long first = std::lround(half * bar.low), last = std::lround(half * bar.high);

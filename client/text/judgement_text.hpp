@@ -14,9 +14,11 @@ std::string shown_value(const std::string& value);
 
 /// A column of a table as it is shown.
 struct ShownColumn {
+  /// Title of the column with its unit.
   std::string heading;
   std::string unit;  ///< of the plant; empty where the cells have theirs
   bool is_number = false;
+  /// Whether a column with ± follows.
   bool has_error = false;
   std::vector<std::string> cells;   ///< (row)
   std::vector<std::string> errors;  ///< (row) "1.4", one-sided "-0.0 +3.9"; empty without has_error
@@ -30,12 +32,14 @@ std::string axis_label(const v1::Chart::Axis& axis);
 /// What the numbers of a row that are worth bars span, with zero unless they are a range; relative
 /// to the largest one of the table, -1 to 1.
 struct Bar {
+  /// Ends of the values that bars are drawn for [unit of the column].
   double low = 0.0;
   double high = 0.0;
 };
 /// (row) Empty where the table has no such numbers.
 std::vector<Bar> bars_of(const v1::Table& table);
 
+/// How tables are printed.
 struct TextStyle {
   bool capitals = false;  ///< headings of columns in capitals
   bool headings = true;   ///< a line above each table that names it

@@ -72,7 +72,7 @@ std::string curve_in_words(const v1::Curve& curve, double factor, const std::str
 
 std::string readable_toml(const v1::Case& input) {
   const std::string text = case_file::to_toml(input);
-  // Only values, not numbers in a title: speeds, water, and numbers with too many digits.
+  // Converts values only, not numbers in a title: speeds, water, and numbers with too many digits.
   static const std::regex value(
       R"re(((?:= |\[|, )"?)([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)( m2?/s")?(?=[ ",\]\n]))re");
   std::string readable;
@@ -93,13 +93,13 @@ bool has_values(const v1::Curve& curve) {
   return curve.value_size() > 0 && curve.value_size() == curve.at_size();
 }
 
-/// "45 -> 55 mm/min", of a table its first and last value.
+/// "45 -> 55 mm/min": first and last value of a table.
 std::string range_text(double first, double last, const std::string& unit) {
   const std::string begin = plant_number(first), end = plant_number(last);
   return (begin == end ? begin : begin + " -> " + end) + " " + unit;
 }
 
-/// From the first point of a table of the casting speed to its last one [m].
+/// Cast length from the first to the last point of a speed table [m].
 double travel(const v1::Curve& speed) {
   double length = 0.0;
   for (int i = 1; i < speed.at_size(); ++i)
@@ -126,8 +126,7 @@ std::string size_text(const v1::Case& c) {
   return "slab " + width + " x " + plant_mm(2.0 * thickness.value(0));
 }
 
-/// Water of the whole perimeter at the first or last point of its tables [m3/s]; 0 for a section,
-/// which has none.
+/// Water of the whole perimeter at the first or last point of its tables [m3/s]; 0 for a section.
 double total_water(const v1::Case& c, bool last) {
   const auto value = [last](const v1::Curve& curve) {
     return last ? *std::prev(curve.value().end()) : curve.value(0);

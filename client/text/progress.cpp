@@ -22,7 +22,7 @@ std::string signed_mm(double metres) {
   return std::isfinite(metres) ? (metres >= 0.0 ? "+" : "") + mm(metres, 2) + " mm" : "- mm";
 }
 
-/// ", beyond validity from 166 s on"; nothing for a run that is valid.
+/// ", beyond validity from 166 s on"; empty for a valid run.
 std::string beyond_note(const CurlHistory& history) {
   const auto first = history.first_beyond();
   if (!first) return {};
@@ -30,7 +30,7 @@ std::string beyond_note(const CurlHistory& history) {
          " s on";
 }
 
-/// "eta 3 s"; empty where it is unknown and at the end.
+/// "eta 3 s"; empty if unknown and at the end.
 std::string eta_text(const Pace& pace) {
   const std::optional<double> left_s = pace.left_s();
   if (!left_s) return {};
@@ -72,7 +72,7 @@ std::optional<double> Pace::left_s() const {
 
   const double done = begin_ ? last_.progress() - begin_->progress() : 0.0;
   if (done >= enough * (done + left)) return (last_.solver_s() - begin_->solver_s()) * left / done;
-  // A run that has taken longer than expected has no time left that could be named.
+  // No remaining time can be given for a run that takes longer than expected.
   const double left_s = expected_s - last_.solver_s();
   return left_s > 0.0 ? std::optional(left_s) : std::nullopt;
 }
@@ -108,7 +108,7 @@ void Progress::show(const v1::JobEvent& event) {
   std::string curve;
   if (const auto* series = history_.largest())
     curve = braille_curve(series->curl_m, curve_columns, 1).front();
-  // The most important data come first: the end of the line is cut off in a narrow window.
+  // The most important figures come first, because a narrow window cuts off the end of the line.
   renew(fmt::format("{:3.0f} % {}{}{} {}", 100.0 * event.step().progress(), eta,
                     eta.empty() ? "" : " ", curve, step_facts(event.step())),
         event.step().progress() >= 1.0);
@@ -143,7 +143,7 @@ void Progress::finish() {
 
 namespace {
 
-/// Adds what an event has of its own. @return its name
+/// Adds the members that belong to an event. @return its name
 const char* add_particulars(const v1::JobEvent& event, Json& line) {
   switch (event.what_case()) {
     case v1::JobEvent::kStep:
@@ -184,7 +184,7 @@ Json WatchOutput::line(const v1::JobEvent& event) {
   if (event.has_step()) {
     step_ = event.step();
     stepped_ = true;
-    // A watch that begins in the middle of a run has not seen it start.
+    // A watch that begins during a run has not received its start.
     if (state_ == v1::JOB_STATE_UNSPECIFIED) state_ = v1::RUNNING;
   }
   const auto of_step = [&](auto value) { return stepped_ ? Json(value) : Json(); };

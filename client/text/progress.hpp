@@ -17,6 +17,7 @@ namespace dccast::client::render {
 struct Pace {
   double expected_s = 0.0;  ///< of the whole run; 0: not known
 
+  /// Counts a step for the estimate of the remaining time.
   void add(const v1::StepReport& step);
   /// Begins anew, after a resumption.
   void forget() { begin_.reset(); }
@@ -32,6 +33,7 @@ private:
 /// event.
 class Progress {
 public:
+  /// @param stream  standard error, so that results stay alone on standard output
   Progress(std::ostream& stream, Terminal terminal) : stream_(stream), terminal_(terminal) {}
   Progress(const Progress&) = delete;
   /// Ends the updated line, so that the next message starts on a new one.
@@ -39,17 +41,22 @@ public:
     if (stream_.good()) end_line();
   }
 
+  /// Shows an event; the line of progress stays the last one.
   void show(const v1::JobEvent& event);
   /// What the whole run is expected to take [s]: for the time left while it has no pace of its own.
   void expect(double run_s) { pace_.expected_s = run_s; }
   /// Ends the updated line and draws the curl of the run, if there is one.
   void finish();
 
+  /// Curves of the steps shown so far.
   const CurlHistory& history() const { return history_; }
 
 private:
+  /// Writes a line above the line of progress.
   void line(const std::string& text);
+  /// Ends the line of progress, if there is one.
   void end_line();
+  /// Writes the line of progress anew, at most 20 times a second unless forced.
   void renew(const std::string& text, bool force);
 
   std::ostream& stream_;
@@ -72,6 +79,7 @@ std::string duration_text(double seconds);
 /// numbers are null. Events that are not steps repeat those of the last step.
 class WatchOutput {
 public:
+  /// An event as one line of JSON.
   Json line(const v1::JobEvent& event);
 
 private:

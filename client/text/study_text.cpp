@@ -20,7 +20,7 @@
 namespace dccast::client::render {
 namespace {
 
-/// ", about 3 min left" at the pace so far; empty before there is one and after the end.
+/// ", about 3 min left" by the pace so far; empty without a pace and after the end.
 std::string left_text(const v1::Study& study) {
   constexpr double least_progress = 0.02;
   if (study.state() != v1::STUDY_RUNNING || study.progress() < least_progress) return {};
@@ -107,8 +107,7 @@ void StudyProgress::show(const v1::Study& study) {
 
 namespace {
 
-/// "_m_per_s": the unit in which the numbers of a key are; "_factor" and "_si" have none of their
-/// own.
+/// "_m_per_s": suffix for the unit of a key's numbers; "_factor" and "_si" where they have none.
 std::string si_suffix(const std::string& key) {
   if (key.ends_with(".scale")) return "_factor";
   const auto* const field = case_file::field_at(v1::Case(), key);
@@ -130,7 +129,7 @@ std::string csv_head(const v1::StudyResult& result) {
   return head + ",solver_s,beyond_validity,findings,failure\n";
 }
 
-/// What mesh and time steps leave uncertain of a curl of the run; NaN: not known.
+/// Error of mesh and time steps of a run's curl; NaN if unknown.
 double mesh_error_m(const v1::StudyRun& run, double curl_m) {
   return run.has_relative_curl_error() ? run.relative_curl_error() * std::abs(curl_m)
                                        : std::numeric_limits<double>::quiet_NaN();

@@ -25,9 +25,12 @@ std::string study_sheet(const v1::Study& study);
 /// tenth of the runs.
 class StudyProgress {
 public:
+  /// @param stream  standard error
   StudyProgress(std::ostream& stream, Terminal terminal) : stream_(stream), terminal_(terminal) {}
   StudyProgress(const StudyProgress&) = delete;
+  /// Ends the line of progress.
   ~StudyProgress();
+  /// Shows the progress: on a terminal in one renewed line, else a line at every tenth.
   void show(const v1::Study& study);
 
 private:

@@ -54,7 +54,7 @@ std::string csv_text(const std::string& text) {
 std::string fixed(double value, int decimals) {
   if (!std::isfinite(value)) return "-";
   const double step = std::pow(10.0, -decimals);
-  // Zero has no sign, also where it was rounded.
+  // Zero has no sign, also after rounding.
   return fmt::format("{:.{}f}", std::abs(value) < 0.5 * step ? 0.0 : value, std::max(decimals, 0));
 }
 
@@ -65,7 +65,7 @@ int decimals_for(double value, const std::optional<double>& error) {
 
   const int digits = known ? 2 : 3;
   const int decimals = digits - 1 - static_cast<int>(std::floor(std::log10(leading)));
-  // 0.996 rounds to 1.0, which has one decimal less.
+  // 0.996 is rounded to 1.0, which has one decimal less.
   const bool carries =
       std::round(leading * std::pow(10.0, decimals)) >= std::pow(10.0, digits) - 0.5;
   return carries ? decimals - 1 : decimals;

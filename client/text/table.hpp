@@ -14,7 +14,9 @@ class Table {
 public:
   /// A heading that begins with '>' makes a column that is set to the right (numbers).
   explicit Table(std::vector<std::string> headings, Rows rows = {});
+  /// Adds a row; its cells are UTF-8, counted by characters.
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  /// The table with columns as wide as their widest cell.
   std::string text() const;
 
 private:

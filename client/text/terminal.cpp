@@ -103,7 +103,7 @@ unsigned dot(int column, int row) {
   return bits[column][row];
 }
 
-/// Value of a line at x; not a number outside of it.
+/// Value of a line at x; NaN outside its range.
 double value_at(const BrailleLine& line, double x) {
   if (line.x.empty() || x < line.x.front() || x > line.x.back()) return NAN;
   const auto right =
@@ -113,8 +113,8 @@ double value_at(const BrailleLine& line, double x) {
   return line.y[right - 1] + share * (line.y[right] - line.y[right - 1]);
 }
 
-/// Whether a line is drawn in a column of dots: the first is whole, the others are broken, each in
-/// its own rhythm, so that they can be told apart without colour.
+/// Whether a line is drawn in a column of dots. The first line is solid, the others are dashed with
+/// different patterns, so that they can be distinguished without colour.
 bool pen_is_down(std::size_t line, int column) {
   struct Rhythm {
     int period, drawn;
@@ -124,8 +124,8 @@ bool pen_is_down(std::size_t line, int column) {
   return column % rhythm.period < rhythm.drawn;
 }
 
-/// Draws lines between the limits of a chart, and joins steep pieces, so that a jump is a line and
-/// not two dots. Nothing is drawn where a line has no finite value.
+/// Draws lines within the limits of a chart. Steep pieces are joined, so that a jump is a line and
+/// not two dots. Non-finite values are not drawn.
 void draw(const std::vector<BrailleLine>& lines, double begin, double end, int columns, int rows,
           BrailleChart& chart) {
   const double span = std::max(chart.high - chart.low, 1e-12);
@@ -143,7 +143,7 @@ void draw(const std::vector<BrailleLine>& lines, double begin, double end, int c
       }
       const int level =
           dots - 1 - static_cast<int>(std::lround((y - chart.low) / span * (dots - 1)));
-      // From beside the dot before, which is not drawn twice.
+      // Begins beside the previous dot, which is not drawn twice.
       const int from = previous < 0 ? level : previous + (level > previous) - (level < previous);
       previous = level;
       if (!pen_is_down(i, x)) continue;

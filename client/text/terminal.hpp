@@ -46,12 +46,14 @@ struct BrailleLine {
   std::vector<double> x, y;  ///< [any unit] of equal length; x ascending
 };
 
+/// A character of 2 by 4 dots, and its colour.
 struct BrailleCell {
   std::string text;  ///< one character
   /// The last line that runs through the cell; empty if none does
   std::optional<std::size_t> line;
 };
 
+/// A chart of such characters.
 struct BrailleChart {
   std::vector<std::vector<BrailleCell>> cells;  ///< by row, the uppermost first
   double low = 0.0, high = 0.0;                 ///< y at the lower and the upper edge [unit of y]

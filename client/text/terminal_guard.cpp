@@ -11,12 +11,12 @@
 namespace dccast::client::render {
 namespace {
 
-// Bold, the colours of lines, and their end. They change how a text looks and hide none of it.
+// Bold, the colours of lines, and their end. They change the appearance of a text and hide nothing.
 constexpr std::array<std::string_view, 8> permitted{"\033[0m",  "\033[1m",  "\033[31m", "\033[32m",
                                                     "\033[33m", "\033[34m", "\033[35m", "\033[36m"};
 constexpr std::string_view line_end = "\r\n";
 
-/// Length of the permitted sequence that the text begins with; 0: it begins with none.
+/// Length of the permitted sequence at the beginning of the text; 0 if there is none.
 std::size_t permitted_length(std::string_view text) {
   if (text.starts_with(line_end)) return line_end.size();
   const auto found = std::ranges::find_if(
@@ -24,7 +24,8 @@ std::size_t permitted_length(std::string_view text) {
   return found == permitted.end() ? 0 : found->size();
 }
 
-/// Bytes at the end of the text that begin a character of UTF-8, or a line end, and do not end it.
+/// Number of bytes at the end of the text that begin, but do not complete, a UTF-8 character or a
+/// line end.
 std::size_t begun_length(std::string_view text) {
   if (text.ends_with('\r')) return 1;
   constexpr std::size_t longest = 4;
@@ -100,7 +101,7 @@ int TerminalGuard::sync() {
 }
 
 std::ostream& operator<<(std::ostream& stream, Control control) {
-  // Behind what has been written so far: neither the stream nor its guard keeps a whole text back.
+  // Appends to what has been written so far: neither stream nor guard buffers a whole text.
   if (auto* const guard = dynamic_cast<TerminalGuard*>(stream.rdbuf()))
     guard->write_control(control.sequence);
   else

@@ -25,11 +25,13 @@ public:
   void write_control(std::string_view sequence);
 
 protected:
+  /// Overrides of std::streambuf, which write by for_terminal().
   std::streamsize xsputn(const char* text, std::streamsize size) override;
   int_type overflow(int_type character) override;
   int sync() override;
 
 private:
+  /// Writes guarded text. @return false if the stream cannot be written
   bool write(std::string_view text);
 
   std::ostream& stream_;
@@ -40,6 +42,7 @@ private:
 
 /// A sequence of this program that acts on the terminal, such as that which begins its line anew.
 struct Control {
+  /// A sequence that the program itself sends to the terminal.
   std::string_view sequence;
 };
 inline constexpr Control begin_of_line{"\r"};

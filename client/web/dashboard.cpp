@@ -33,7 +33,7 @@
 namespace dccast::client::web {
 namespace {
 
-// ---- Calls of the service, as they are: the body is the request in JSON, the reply the response.
+// ---- Calls of the service: the body is the request in JSON, the reply the response.
 
 using Call = std::function<std::string(Connection&, const std::string& body)>;
 
@@ -47,8 +47,8 @@ Call unary(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Re
   };
 }
 
-/// The same of a call that is often refused for the state of a job or study, such as too few runs:
-/// a page shows the reason in place of the answer, {"refused": reason}.
+/// Like the above, for calls that are often refused because of the state of a job or study, such as
+/// too few runs: the page shows the reason instead of the answer, {"refused": reason}.
 Call unless_refused(Call call) {
   return [call = std::move(call)](Connection& connection, const std::string& body) {
     try {
@@ -60,7 +60,7 @@ Call unless_refused(Call call) {
   };
 }
 
-/// What pages may call. Whatever else the service can do is not done from a page.
+/// Calls allowed from the dashboard; all others are rejected.
 const std::map<std::string, Call>& calls() {
   static const std::map<std::string, Call> all{
       {"GetServerInfo", unary(&Stub::GetServerInfo)},
@@ -79,7 +79,7 @@ const std::map<std::string, Call>& calls() {
   return all;
 }
 
-// ---- What the client makes of results.
+// ---- Results evaluated by the client.
 
 Json history_json(const CurlHistory& history) {
   Json json{{"time_s", history.time_s}, {"cast_length_m", history.cast_length_m}};
@@ -89,7 +89,7 @@ Json history_json(const CurlHistory& history) {
   return json;
 }
 
-/// The band of curl that the case accepts [m]; null where it has no such limit.
+/// The range of curl that the case accepts [m]; a missing limit is null.
 Json wanted_json(const v1::Case& description) {
   const auto& limits = description.plausibility();
   return {{"least_m", limits.has_least_curl_m() ? Json(limits.least_curl_m()) : Json()},
@@ -102,7 +102,7 @@ v1::Job job_of(Connection& connection, const std::string& id) {
   return connection.call(&Stub::GetJob, request);
 }
 
-/// A job with its curl, the error of its mesh and steps, and the times of its stored frames.
+/// A job with its curl, the error of mesh and steps, and the times of its stored frames.
 Json job_json(Connection& connection, const std::string& id) {
   const v1::Job job = job_of(connection, id);
   const v1::QueryResultResponse result = query_result(connection, job.id());
@@ -114,7 +114,7 @@ Json job_json(Connection& connection, const std::string& id) {
           {"case", case_file::to_toml(result.case_())}};
 }
 
-/// The largest curl of a job at some instants, for a small picture in a list.
+/// The largest curl of a job at some instants, for a thumbnail in a list.
 Json sketch_json(Connection& connection, const std::string& id) {
   constexpr std::size_t points = 60;
   const v1::Job job = job_of(connection, id);
@@ -206,8 +206,8 @@ std::string float_bytes(const google::protobuf::RepeatedField<float>& values) {
           static_cast<std::size_t>(values.size()) * sizeof(float)};
 }
 
-/// The times of all stored frames and the fields that the last one has. A job without frames is no
-/// fault: then `reason` says why there is none.
+/// The times of all stored frames and the fields of the last one. A job without frames is no fault:
+/// then `reason` states why there are none.
 Json frames_json(Connection& connection, const std::string& id) {
   Json json{{"times", Json::array()}, {"fields", Json::array()}, {"reason", ""}};
   try {
@@ -240,10 +240,10 @@ Reply comparison(Connection& connection, const std::vector<std::string>& ids) {
           .stands_alone = true};
 }
 
-// ---- What-if: a case with changes, computed at once.
+// ---- What-if: a changed case, computed at once.
 
-/// The cases that a what-if can begin with: files that were named when the dashboard was started,
-/// cases that a page has given, and the shipped ones. A page sees names without folders.
+/// Cases available for a what-if: files named when the dashboard was started, cases uploaded by a
+/// page, and the shipped ones. Pages get names without folders.
 class Bases {
 public:
   explicit Bases(const std::vector<std::string>& files) {
@@ -267,8 +267,8 @@ public:
     return names;
   }
 
-  /// Keeps a case that a page has given, until many others have come.
-  /// @return the name under which it is found
+  /// Keeps an uploaded case until many others have been uploaded. @return the name by which it is
+  /// found
   std::string keep(const std::string& name, const std::string& text) {
     constexpr std::size_t most_given = 20;
     const std::lock_guard lock(mutex_);
@@ -279,7 +279,7 @@ public:
     return own;
   }
 
-  /// Throws CommandFailed: no such case, or faults in it or in the changes.
+  /// Throws CommandFailed for an unknown case, or for faults in it or in the changes.
   CaseUnderCheck read(const Request& request) const {
     const auto changes = changes_of(request.values("set"));
     CaseUnderCheck checked = read(request.value("case"), changes);
@@ -296,7 +296,7 @@ public:
 
 private:
   CaseUnderCheck read(const std::string& name, const std::vector<v1::CaseChange>& changes) const {
-    // Only files that were named when the dashboard was started: a page reads no others.
+    // Only files named when the dashboard was started: a page can read no others.
     if (const auto file = files_.find(name); file != files_.end())
       return read_case(file->second, changes);
     {
@@ -314,7 +314,7 @@ private:
   std::deque<std::pair<std::string, std::string>> given_;  ///< name and text, the newest first
 };
 
-/// What is said of a case text: what it casts, a drawing, its faults; then the case is not kept.
+/// Evaluates a case text: summary, drawing and faults. The case is not kept.
 Json case_json(const CaseUnderCheck& checked) {
   std::ostringstream faults;
   if (!checked.faults.empty()) print_faults(checked, faults);
@@ -328,7 +328,7 @@ Json case_json(const CaseUnderCheck& checked) {
   return json;
 }
 
-/// A case that a page has uploaded. It is kept where it has no fault of its own or by the server.
+/// An uploaded case. It is kept if neither client nor server finds a fault.
 Json uploaded(Connection& connection, Bases& bases, const Request& request) {
   constexpr std::size_t longest_name = 100;
   const std::string name = request.name.substr(0, longest_name);
@@ -340,7 +340,7 @@ Json uploaded(Connection& connection, Bases& bases, const Request& request) {
   return json;
 }
 
-/// The case of a slab by a few figures, as `dccast new --slab` makes it.
+/// The case of a slab from a few figures, as `dccast new --slab` makes it.
 Json slab_json(const Request& request) {
   const NewCase made = new_case({.slab = request.value("slab"),
                                  .alloy = request.value("alloy"),
@@ -369,7 +369,7 @@ Json answer_json(const Answer& answer) {
   return json;
 }
 
-/// Sends the steps since the last message, some ten times a second; then the whole answer.
+/// Sends the new steps some ten times a second, then the complete answer.
 void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
   constexpr std::chrono::milliseconds pause{100};
   auto last = std::chrono::steady_clock::now();
@@ -393,7 +393,7 @@ void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
   if (answer) send(Json{{"answer", answer_json(*answer)}}.dump());
 }
 
-/// Queues the case as a job.
+/// Submits the case as a job.
 v1::Job kept(Connection& connection, CaseUnderCheck checked) {
   v1::SubmitJobRequest request = submission_of(checked, connection);
   request.set_request_id(values::random_uuid());
@@ -405,7 +405,7 @@ v1::Job kept(Connection& connection, CaseUnderCheck checked) {
   return job;
 }
 
-/// The case with its changes as a file.
+/// The changed case as a file.
 Reply case_text(const CaseUnderCheck& checked) {
   return {.body = case_file::to_toml(checked.description), .type = "text/plain; charset=utf-8"};
 }
@@ -423,7 +423,7 @@ void add_pages(WebServer& server) {
                 asset.text);
 }
 
-/// A handler with a connection of its own for each request, which ends with it.
+/// A handler with its own connection for each request; the connection ends with the request.
 template <class Handler>
 WebServer::Handler connected(const Connect& connect, Handler handler) {
   return [=](const Request& request) {

@@ -16,6 +16,7 @@ struct Asset {
   std::string text;
 };
 
+/// All files of the dashboard.
 const std::vector<Asset>& assets();
 
 /// Connects to the server of the jobs. What waits for it ends when the interruption comes.

@@ -23,7 +23,7 @@ bool equal(const std::string& a, const std::string& b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
-/// The value of a cookie; empty: there is none.
+/// The value of a cookie; empty if there is none.
 std::string cookie_of(const std::string& cookies, const std::string& name) {
   const std::string all = "; " + cookies, begin = "; " + name + "=";
   const auto at = all.find(begin);

@@ -26,27 +26,35 @@ public:
 
   /// What a request brings; empty where it has none of it.
   struct Visit {
+    /// Values of the headers Host, Origin and Cookie, and of the key in the address.
     std::string host, origin, cookies, key;
     bool changes = false;  ///< its method is other than GET
     bool is_first_page = false;
   };
+  /// Whether a request is let in, and what its reply must carry.
   struct Decision {
     bool admitted = false;
     std::string refusal{};  ///< why not; empty with `cookie`
     std::string cookie{};   ///< for Set-Cookie: the key was good
   };
+  /// Judges a request. A key is used up by its first visit.
   Decision decide(const Visit& visit);
 
 private:
+  /// Whether the key is good; it is not afterwards.
   bool take_key(const std::string& key);
+  /// Origin of the pages, as browsers send it.
   std::string origin() const;
+  /// Differs by port, so that two dashboards on one machine do not share a session.
   std::string cookie_name() const;
 
   const std::string host_;
   const std::string port_;  // ":7300"
   const X509* const certificate_;
+  /// Value of the session's cookie: random, never stored.
   const std::string session_;
   std::mutex mutex_;
+  /// Keys that have not been used.
   std::set<std::string> keys_;
 };
 

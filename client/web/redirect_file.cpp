@@ -16,7 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Emptied when the user logs out, and in memory, where the system has it.
+/// The user's runtime directory, which is in memory and emptied at logout; else that of temporary
+/// files.
 fs::path private_folder() {
   const char* const runtime = std::getenv("XDG_RUNTIME_DIR");
   const bool is_usable = runtime != nullptr && ::access(runtime, W_OK | X_OK) == 0;

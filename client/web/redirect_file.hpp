@@ -12,6 +12,7 @@ public:
   /// Writes it to $XDG_RUNTIME_DIR, else to the folder for temporary files.
   /// @throws CommandFailed  it cannot be written
   explicit RedirectFile(const std::string& address);
+  /// Removes page and folder.
   ~RedirectFile() { remove(); }
   RedirectFile(const RedirectFile&) = delete;
 

@@ -17,7 +17,7 @@
 namespace dccast::client::web {
 namespace {
 
-/// A page sends calls of the service and changes of a case.
+/// Largest body: pages send calls of the service and changes of a case.
 constexpr http::Limits limits{.body_bytes = 1 << 20};
 
 std::string fault(const std::string& text) {
@@ -32,9 +32,9 @@ constexpr const char* alone_policy =
     "sandbox allow-scripts allow-modals; default-src 'none'; script-src 'unsafe-inline'; style-src "
     "'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// A browser sends a strict cookie only from a page of this origin: not with the redirection that
-/// sets it, where another page, such as a file, led to it. This page, for all, goes on to the
-/// first; its script takes along the fragment, which names the page that is to be shown.
+/// A browser sends a strict cookie only from a page of this origin, not with the redirection that
+/// sets it if another page, such as a file, led there. This page therefore forwards to the first
+/// page; its script keeps the fragment, which names the page to show.
 constexpr const char* threshold_path = "/entered";
 constexpr const char* threshold_page =
     "<!DOCTYPE html>\n<meta charset=\"utf-8\">\n<title>dccast</title>\n"
@@ -104,8 +104,8 @@ http::Reply answer_of(const WebServer::Handler& handler, const Request& request)
           .headers = {{policy, reply.stands_alone ? alone_policy : own_policy}}};
 }
 
-/// Server-sent events of a source that runs in a thread of its own, on their way to the browser.
-/// The thread ends with this object.
+/// Server-sent events of a source that runs in its own thread, on their way to the browser. The
+/// thread ends with this object.
 class EventStream {
 public:
   explicit EventStream(Source source)
@@ -117,11 +117,9 @@ public:
   }
   EventStream(const EventStream&) = delete;
 
-  /// What is to be written next: all events that wait, or a comment after a while without any.
-  /// @return empty at the end
+  /// Next bytes to write: all waiting events, or a comment after a pause. @return empty at the end
   std::string take() {
-    // At this interval a comment shows whether the browser is still there, and a server that stops
-    // is noticed.
+    // Interval of the comments, by which a lost browser and a stopping server are noticed.
     constexpr std::chrono::milliseconds pulse{500};
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, pulse, [&] { return ended_ || !waiting_.empty(); });
@@ -134,7 +132,8 @@ public:
   }
 
 private:
-  /// Waits while the browser has many to take. Throws Interrupted once it has gone.
+  /// Waits while too many events are queued for the browser. Throws Interrupted when the browser
+  /// has gone.
   void put(std::string text) {
     constexpr std::size_t most_waiting = 1000;  // events that a slow browser has not taken
     std::unique_lock lock(mutex_);
@@ -246,7 +245,7 @@ private:
             {"Set-Cookie", decision.cookie}, {"Location", threshold_path}, {policy, own_policy}}};
   }
 
-  /// A file has a path of its own; "/report/7" is answered by "/report/" for the name "7".
+  /// Each file has its own path; "/report/7" is answered by "/report/" for the name "7".
   http::Reply answer(const http::Request& request) const {
     const auto name_at = request.path.rfind('/') + 1;
     auto found = answers_.find(request.method + " " + request.path);

@@ -19,13 +19,16 @@ using Source = std::function<void(std::shared_ptr<Interruption> gone, const Send
 struct Request {
   std::string name;  ///< last part of the path, decoded
   std::multimap<std::string, std::string> query;
+  /// Content of the request, at most as long as the server permits.
   std::string body;
 
   /// The first value of a query key; empty if there is none.
   std::string value(const std::string& key) const;
+  /// All values of a query key, in their order.
   std::vector<std::string> values(const std::string& key) const;
 };
 
+/// Answer to a request.
 struct Reply {
   std::string body;
   std::string type = "application/json";
@@ -49,6 +52,7 @@ public:
   /// Throws CommandFailed: the address is taken or not of this machine, or the certificate cannot
   /// be used for it.
   explicit WebServer(const Listening& listening);
+  /// Ends the threads that serve.
   ~WebServer();
   WebServer(const WebServer&) = delete;
 
@@ -56,10 +60,12 @@ public:
   void file(const std::string& path, const std::string& type, const std::string& text);
   /// Answers GET (or POST) of `path`/NAME. What the handler throws becomes a reply with its text.
   using Handler = std::function<Reply(const Request&)>;
+  /// Registers what answers a path. Handlers run in threads of the server, several at a time.
   void get(const std::string& path, Handler handler);
   void post(const std::string& path, Handler handler);
   /// Answers with server-sent events.
   using SourceOf = std::function<Source(const Request&)>;
+  /// A stream of events for a path, sent until the browser leaves.
   void events(const std::string& path, SourceOf source);
 
   /// An address that opens the dashboard once.

@@ -47,6 +47,7 @@ public:
   const std::vector<Fault>& faults() const { return faults_.list(); }
 
 private:
+  /// All faults that were found, never empty.
   Faults faults_;
 };
 

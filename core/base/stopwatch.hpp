@@ -11,6 +11,7 @@ class Stopwatch {
 public:
   /// @param seconds  [s] the sum that grows; must outlive the watch
   explicit Stopwatch(double& seconds) : seconds_(&seconds) {}
+  /// Adds the time since construction.
   ~Stopwatch() {
     *seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
@@ -18,6 +19,7 @@ public:
   Stopwatch& operator=(const Stopwatch&) = delete;
 
 private:
+  /// Sum to which the time is added [s].
   double* seconds_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

@@ -24,6 +24,7 @@ public:
   /// @param members  number of threads including the caller, at least 1; fewer are used if the
   ///                 system cannot create as many
   explicit Team(int members = 1);
+  /// Ends the threads.
   ~Team();
   Team(const Team&) = delete;
   Team& operator=(const Team&) = delete;
@@ -39,6 +40,7 @@ public:
   public:
     /// @param team  must outlive this object; null: work alone
     explicit Lent(Team* team);
+    /// Gives the team back that was lent before.
     ~Lent();
     Lent(const Lent&) = delete;
     Lent& operator=(const Lent&) = delete;
@@ -62,10 +64,13 @@ private:
 
   /// A callable of any type, by its address.
   struct Task {
+    /// Function that does a member's share of the work; types are erased, so that no memory is
+    /// needed.
     void (*call)(const void* work, int member, int members);
     const void* work;
     Start start;
   };
+  /// Refers to `work`, which must live until run() returns.
   template <class Work>
   static Task make_task(const Work& work, Start start) {
     const auto call = [](const void* erased, int member, int members) {
@@ -76,13 +81,21 @@ private:
 
   /// Team lent to the calling thread; null without one.
   static Team* current();
+  /// Does the work with all members that are there, and returns when all are done.
   void run(const Task& task);
+  /// Does the work of all members in the calling thread.
   void run_alone(const Task& task);
+  /// Wakes the other members. @return number of participants
   int begin(const Task& task);
+  /// Does one member's share and keeps the first exception.
   void run_as(int member, int members);
+  /// The loop of a member: spins for a while, then sleeps until there is work.
   void serve();
+  /// Joins the present call. @return the number of the member; 0 if it is too late
   int join();
+  /// Works alone for the next 1, 3, 7, ... calls if a member made the caller wait.
   void back_off_if(bool was_kept_waiting);
+  /// Rethrows the exception of the lowest member, so that it does not depend on chance.
   void throw_first();
 
   std::vector<std::thread> thread_;         ///< the members except the caller

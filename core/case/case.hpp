@@ -20,6 +20,7 @@
 
 namespace dccast::casting {
 
+/// Table `schedule`: what the plant sets over the casting.
 struct Schedule {
   double hold = 0.0;                        ///< [s]
   double filling = 0.0;                     ///< [s] in which the initial depth is poured
@@ -33,6 +34,7 @@ struct Schedule {
   double water_flow_shift = 0.0;            ///< [s] delay of the water-flow tables against time
 };
 
+/// Table `thermal`: the heat solver, or temperatures from a file.
 struct ThermalOptions {
   std::optional<double> initial_temperature;  ///< [°C]; absent: the casting temperature
   double tolerance = 0.0;  ///< [1] residual relative to the heat exchanged in a step
@@ -40,12 +42,14 @@ struct ThermalOptions {
   std::filesystem::path file;  ///< prescribed temperatures; empty: use the heat solver
 };
 
+/// Table `mechanics`.
 struct MechanicsCase {
   bool enabled = false;
   double start = 0.0;  ///< [s] time at which the mechanics starts
   mechanics::Options options;
 };
 
+/// Table `coupling`: how heat and mechanics act on each other within a step.
 struct Coupling {
   bool gap_feedback = false;
   int iterations = 1;
@@ -53,6 +57,7 @@ struct Coupling {
       false;  ///< cooling zones act on the deformed side instead of the undeformed one
 };
 
+/// Table `time`.
 struct TimeControl {
   double end = 0.0;           ///< [s]
   Curve step;                 ///< [s] against time
@@ -78,16 +83,19 @@ std::array<double, std::size_t(Dim)> point_of(const Monitor& monitor) {
     return {monitor.x, monitor.y, monitor.z.value_or(0.0)};
 }
 
+/// Table `output`.
 struct OutputOptions {
   double frame_interval = 0.0;  ///< [s]
   bool stresses = false;
 };
 
+/// Table `checkpoint`: whichever comes first.
 struct CheckpointPolicy {
   int every_steps = 0;         ///< 0: not by number of steps
   double every_seconds = 0.0;  ///< [s] wall time; 0: not by time
 };
 
+/// What a run does when a limit of validity is exceeded.
 enum class WhenLost {
   stop,   ///< the run fails
   go_on,  ///< the run continues; every later step is marked
@@ -115,11 +123,13 @@ struct Plausibility {
   std::optional<double> greatest_curl;  ///< [m] upper end of the plant's range; absent: none
 };
 
+/// Table `limits`: ceilings on the size of a run.
 struct Limits {
   std::int64_t maximum_nodes = 0;
   std::int64_t maximum_steps = 0;
 };
 
+/// One casting. Members have the names of the tables of a case.
 struct Case {
   std::string title;
   mesh::SectionSpec section;

@@ -13,6 +13,7 @@ namespace dccast::casting {
 struct Estimate {
   std::int64_t nodes = 0;  ///< at the end
   std::int64_t elements = 0;
+  /// Steps, nodes, time and memory that the run is expected to take.
   std::int64_t steps = 0;
   double solver_seconds = 0.0;  ///< [s] rough estimate for one core
   double memory_bytes = 0.0;    ///< [bytes]
@@ -22,6 +23,7 @@ struct Estimate {
 /// temperatures, monitors inside the slab, readable and matching files, limits. Opens the mesh and
 /// temperature files. A fault of the case never raises an exception.
 struct CheckedCase {
+  /// What prevents a run, and what a user should know before it.
   Faults faults;
   Faults warnings;
   Estimate estimate;  ///< only without faults

@@ -11,6 +11,7 @@ namespace dccast::casting {
 
 /// A sequence of steps without an event in between.
 struct Leap {
+  /// Number of steps.
   std::int64_t steps = 1;
   double to = 0.0;  ///< [s] time at its end
 };
@@ -20,6 +21,7 @@ struct Leap {
 /// Units: in all functions time [s] and (cast) length [m].
 class CastingSchedule {
 public:
+  /// @param casting_case  checked; its tables are copied
   explicit CastingSchedule(const Case& casting_case);
 
   /// Start of the simulation: minus the hold [s].
@@ -67,7 +69,9 @@ private:
   /// Time of the next sudden change [s], and of the next sudden change or frame [s]; infinite after
   /// the end.
   double next_change(double time) const;
+  /// Next time at which something changes at once, such as a valve or the end of the hold [s].
   double next_event(double time) const;
+  /// Skips all frames up to the next change if the step is constant; absent otherwise.
   std::optional<Leap> leap_over_frames(double time) const;
 
   Schedule schedule_;
@@ -87,6 +91,7 @@ struct Course {
   double depth = 0.0;        ///< [m] of the metal at the end
 };
 
+/// The course of a case from its first to its last step.
 Course course_of(const Case& casting_case);
 
 /// The values that a table takes during the course: at both ends of the range and at the points in

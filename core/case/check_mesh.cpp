@@ -71,7 +71,7 @@ void check_size(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
     return;
   }
 
-  // The depth is the level of the metal: any value can be meant, so it only gives a warning.
+  // The depth is the level of the metal, for which any value can be meant: only a warning.
   const double expected = found.casting.section.initial_depth;
   if (found.sound({"section.initial_depth"}) &&
       std::abs(depth - expected) > size_tolerance * expected) {
@@ -168,7 +168,7 @@ void check_mesh(CaseFindings& found) {
   if (found.sound({"limits.maximum_nodes"}) && mesh->nodes() > c.limits.maximum_nodes)
     too_many_nodes(found, mesh->nodes());
 
-  // The size of a misplaced mesh means nothing.
+  // The size of a mesh in the wrong place is meaningless.
   bool misplaced = false;
   if constexpr (Dim == 2)
     misplaced =

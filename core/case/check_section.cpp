@@ -57,7 +57,6 @@ void check_section(CaseFindings& found) {
 }
 
 // Conditions on the plan of a quarter slab and on the block below it.
-// Conditions on the plan of a quarter slab and on the block below it.
 
 namespace {
 
@@ -258,7 +257,7 @@ void check_block_profile(CaseFindings& found) {
                     "cooling.bottom_block.profile_x", "cooling.bottom_block.profile_y"}))
     return;
 
-  // Somewhere the slab must rest on the block, or no depth is measured from a contact.
+  // The slab must rest on the block somewhere, since depths are measured from the contact.
   const double along_x = least_depth(block.profile_x, s.half_width);
   const double along_y = found.solid() ? least_depth(block.profile_y, s.half_thickness(0.0)) : 0.0;
   if (along_x + along_y <= round_off) return;

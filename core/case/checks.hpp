@@ -30,6 +30,7 @@ public:
   void fault(Rest&&... rest) {
     faults.add(std::forward<Rest>(rest)...);
   }
+  /// Adds a warning, see Faults::add().
   template <class... Rest>
   void warning(Rest&&... rest) {
     warnings_.add(std::forward<Rest>(rest)...);
@@ -46,6 +47,7 @@ public:
   /// All findings, with warnings for the checks that were skipped.
   CheckedCase answer();
 
+  /// The case under check, and what was found so far.
   const Case& casting;
   Faults faults;
   Estimate estimate;
@@ -83,25 +85,35 @@ inline const Keys plan_keys = {"section.half_width",  "section.half_thickness", 
 
 // Each check adds its faults. Later checks use the results of earlier ones.
 
+/// Ranges of the card: path of solidification, tables, coherency.
 void check_alloy(CaseFindings& found);
+/// Zones must not overlap on one face, and must lie on the side.
 void check_zones(CaseFindings& found);
 /// Factors and shifts of the schedule, pulses of the water, faces with water of their own.
 void check_levers(CaseFindings& found);
 /// Abscissae of tables must increase.
 void check_tables(CaseFindings& found);
+/// Size of the section against its mesh.
 void check_section(CaseFindings& found);
 /// The plan of a quarter slab, and keys that apply to quarter slabs only.
 void check_quarter_slab(CaseFindings& found);
 /// A block that is not flat must touch the slab somewhere.
 void check_block_profile(CaseFindings& found);
+/// End and steps against the times of the schedule.
 void check_time(CaseFindings& found);
+/// Algorithm, supports and start of the mechanics.
 void check_mechanics(CaseFindings& found);
 /// Number of steps and the final metal level.
 void check_course(CaseFindings& found);
+/// Nodes of the built-in mesh at the end against `limits`.
 void check_built_in_size(CaseFindings& found);
+/// An imported mesh: readable, in metres, with the patches that the case needs.
 void check_imported_mesh(CaseFindings& found);
+/// Prescribed temperatures: readable, and as many as the mesh has nodes.
 void check_temperature_file(CaseFindings& found);
+/// Monitors must lie in the slab, with names of their own.
 void check_monitors(CaseFindings& found);
+/// Limits of the findings among each other.
 void check_plausibility(CaseFindings& found);
 /// Warns of a case whose results would show nothing of interest.
 void advise(CaseFindings& found);

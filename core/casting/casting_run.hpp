@@ -27,10 +27,11 @@ enum class Order {
 class StepObserver {
 public:
   virtual ~StepObserver() = default;
+  /// An accepted step. @return what the run does next
   virtual Order on_step(const results::StepReport& report) = 0;
-  /// The reports of the steps from 1 to this one of an earlier part of this run, exact, from which its results
-  /// are made; fewer if some are lost. Called before on_resumed().
-  virtual std::vector<results::StepReport> reported_steps(std::int64_t) { return {}; }
+  /// Reports of steps 1 to `step` of an earlier part of this run, exact, for the result file; fewer
+  /// if some are lost. Called before on_resumed().
+  virtual std::vector<results::StepReport> reported_steps(std::int64_t /*step*/) { return {}; }
   /// Waits until all that was reported is on the disk: a checkpoint follows. Called from another
   /// thread. @throws std::system_error
   virtual void sync_reports() {}
@@ -43,6 +44,7 @@ public:
   /// before its report. One comes again at the end of the run if its worst exceedance has grown
   /// since; all come again after a resumption. The last one of a code holds.
   virtual void on_finding(const results::Finding&) {}
+  /// A note for people, one line without an end of line.
   virtual void on_message(std::string_view text) = 0;
 };
 
@@ -51,6 +53,7 @@ class CastingRun {
 public:
   virtual ~CastingRun() = default;
 
+  /// Whether the run has reached the end of its case.
   virtual bool finished() const = 0;
   /// Advances by one accepted step, reducing the time step as often as necessary.
   /// @throws SolveFailed  not converged at the smallest time step
@@ -65,6 +68,7 @@ public:
   /// Records a failure of the last step. Failures are part of the state, so a resumed run keeps
   /// them.
   virtual void fail(RunFailure failure) = 0;
+  /// Failures so far that did not end the run, and the one that did.
   virtual const RunFailures& failures() const = 0;
   /// The time from which the model is no longer valid; empty while it is valid.
   virtual const std::optional<results::ValidityLoss>& validity_lost() const = 0;

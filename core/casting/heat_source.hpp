@@ -61,6 +61,8 @@ public:
     return solver_ ? solver_->follow_merging(field, merged) : 0.0;
   }
 
+  /// One step of the solver, or the prescribed temperatures at its end. @param field  unchanged if
+  /// the step did not converge
   thermal::HeatStepOutcome step(thermal::HeatField& field, const thermal::HeatStepInput& input) {
     if (solver_) return solver_->step(field, input);
     take_temperature(field, input.time);

@@ -29,6 +29,7 @@ public:
   double level_at(const CastingSchedule& schedule, double time, double length) const;
 
 private:
+  /// Whether the case lets the built-in mesh grow.
   bool grows_;
   double initial_level_ = 0.0;  ///< [m]
   double first_level_ = 0.0;    ///< [m] with which filling begins
@@ -54,6 +55,7 @@ RunMesh<Dim>::RunMesh(const Case& c) : grows_(c.section.growth) {
 
 template <int Dim>
 double RunMesh<Dim>::level_at(const CastingSchedule& schedule, double time, double length) const {
+  // The mould is filled up to its first level at once, then evenly; what is cast comes on top.
   if (!grows()) return initial_level_;
   return std::max(first_level_, initial_level_ * schedule.filled_share(time)) + length;
 }

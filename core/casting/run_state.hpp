@@ -33,6 +33,7 @@ struct RunState {
   RunFailures failures;             ///< those so far that did not end the run
   std::vector<double> row_heights;  ///< of the built-in mesh [m]; empty for an imported one
   thermal::HeatField heat;
+  /// The fields of heat and mechanics, and what the findings remember.
   mechanics::SlabState<Dim> slab;
   FindingsState findings;
 };
@@ -48,6 +49,7 @@ RunState<Dim> state_of(const results::Sections& sections);
 /// The run against which a state read from a checkpoint is checked.
 template <int Dim>
 struct RunShape {
+  /// Case, schedule and mesh of the run that is to continue.
   const Case& casting_case;
   const CastingSchedule& schedule;
   const RunMesh<Dim>& mesh;

@@ -21,7 +21,8 @@ namespace dccast::casting {
 
 namespace {
 
-// Enough to tell the shell at the mould exit to a few millimetres (docs/findings.md has the runs).
+// Resolution that gives the shell at the mould exit to a few millimetres (docs/findings.md has the
+// runs).
 constexpr int columns = 14;
 constexpr int rows = 10;
 constexpr int growth_rows = 20;
@@ -287,8 +288,8 @@ private:
     return {RunEnd::cancelled, {}};
   }
 
-  /// The files are kept: the run continues from them once the disk can be written again. Called
-  /// where the error is caught; one of memory is no disk's, and goes on.
+  /// Keeps the files: the run continues from them once the disk can be written again. Called where
+  /// the error is caught. An error of memory has nothing to do with the disk and is passed on.
   RunOutcome with_storage_failure(const std::system_error& error) {
     if (storage::is_memory_fault(error.code())) throw;
     run_->fail({FailureKind::storage, error.what(), run_->time(), 0.0, {}, {}});

@@ -24,6 +24,7 @@ inline constexpr const char* journal_name = "journal.bin";
 /// Directory for the files of a run: `checkpoint.bin`, `journal.bin` and `results.h5.part` while it
 /// runs, then `results.h5` and `results.xdmf`, which appear complete or not at all.
 struct RunDirectory {
+  /// Folder, which must exist.
   std::filesystem::path path;
   bool resume = false;  ///< continue from the checkpoint if there is a readable one
   OtherVersion other_version = OtherVersion::begin_anew;

@@ -25,6 +25,7 @@ namespace dccast::casting {
 /// Initial state of a step that iterates between heat and mechanics.
 template <int Dim>
 struct StepStart {
+  /// Fields at the beginning of the step, to which every iteration returns.
   thermal::HeatField heat;
   mechanics::SlabState<Dim> slab;
 };
@@ -71,12 +72,15 @@ public:
 private:
   /// Processor time of the calling thread and of the team so far [s].
   double processor_seconds() const;
+  /// Restores state and mesh after an attempt that did not converge.
   void go_back_to(const RunState<Dim>& state);
   /// @param dt  time step [s]
   Attempt attempt(double dt);
   /// Grows the mesh to a metal level [m] with metal of a temperature [°C]. @return whether it grew
   bool grow(double level, double temperature, std::optional<thermal::MetalEntry>& entry);
+  /// Merges the rows that are deep enough below the metal level.
   MergeOutcome merge_rows();
+  /// Solves the heat of a step. @return false if it did not converge
   [[nodiscard]] bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
   /// @param temperature_n  (node) at the start of the step, on the grown mesh [°C]
   [[nodiscard]] bool step_mechanics(Attempt& tried, std::span<const double> temperature_n);
@@ -86,21 +90,26 @@ private:
   double metal_level() const;              ///< [m]
   /// [m] The level from which mould and water lines are counted, also while the mould is filled.
   double mould_level() const;
+  /// Interpolates displacement and temperature at the monitors.
   MonitorReadings read_monitors() const;
   /// Figures of the accepted step. @param monitors  at its end
   StepFigures measure(const Attempt& accepted, const MonitorReadings& monitors);
+  /// Raises the findings of a step and checks the limits of validity.
   void judge(const StepFigures& step);
   /// Decides nothing. @param failed_attempts  before the accepted one
   results::StepReport report(const Attempt& accepted, int failed_attempts, const StepFigures& step,
                              MonitorReadings monitors) const;
+  /// Elements of the rows that the next growth can change.
   int growing_elements() const;
 
+  /// Description, and objects that follow from it and do not change the results.
   Case case_;
   Team team_;
   CastingSchedule schedule_;
   StepControl control_;
   RunMesh<Dim> mesh_;
   HeatSource heat_;
+  /// Mesh and solvers, whose state is in state_ alone.
   mechanics::SlabMechanics<Dim> mechanics_;
   /// Heat and forces of a step are per this length: 1 m in plane strain, of a billet [m/rad], of a
   /// quarter slab 1 (the totals) [1].

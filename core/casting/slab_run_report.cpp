@@ -1,4 +1,4 @@
-// What a run reports of a step, and its frames.
+// Report of a step, and frames of a run.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -14,6 +14,7 @@ public:
 
   /// Step to try [s]. @param wanted  step the case asks for [s]
   double choose(double wanted) const { return wanted < limit_ ? wanted : limit_; }
+  /// After a step that converged, larger steps are permitted again, by a factor of 2.
   void accepted() {
     constexpr double recovery = 2.0;
     if (limit_ < unlimited) limit_ *= recovery;
@@ -51,6 +52,7 @@ struct [[nodiscard]] Attempt {
   MergeOutcome merge;
   double superheat = 0.0;  ///< [J/m], [J/rad], [J] of the metal that entered
   thermal::HeatStepOutcome heat;
+  /// Outcome of the last solution; empty if the heat did not converge.
   mechanics::StepOutcome mechanics;
   bool converged() const { return diverged == Diverged::none; }
 };

@@ -23,6 +23,7 @@ struct CheckpointOrigin {
 /// A checkpoint of this solver and this case, or the reason why there is none. Whether its state
 /// fits the run is checked by CastingRun::restore().
 struct [[nodiscard]] StoredRun {
+  /// Sections of the checkpoint; absent if there is none that can be used.
   std::optional<results::Sections> content;
   std::string reason;                ///< why there is no content; empty if there is
   bool other_version = false;        ///< the reason: another version of the solver wrote it

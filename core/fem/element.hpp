@@ -17,13 +17,16 @@ namespace dccast::fem {
 
 /// Linear triangle, one point: the paper's element (section 4.1).
 struct P1Triangle {
+  /// One point at the centroid integrates the constant strain exactly.
   static constexpr int dimension = 2, nodes = 3, points = 1;
   static constexpr std::array<std::array<double, 2>, 1> point{{{1.0 / 3.0, 1.0 / 3.0}}};
   static constexpr std::array<double, 1> weight{0.5};
 
+  /// Values of the shape functions at a reference point, by node; they sum to 1.
   static std::array<double, 3> shape(const std::array<double, 2>& p) {
     return {1.0 - p[0] - p[1], p[0], p[1]};
   }
+  /// Derivatives of the shape functions by the reference coordinates, by node; here constant.
   static std::array<std::array<double, 2>, 3> shape_gradient(const std::array<double, 2>&) {
     return {{{-1.0, -1.0}, {1.0, 0.0}, {0.0, 1.0}}};
   }
@@ -31,13 +34,16 @@ struct P1Triangle {
 
 /// Linear tetrahedron, one point: the paper's element in three dimensions.
 struct P1Tetrahedron {
+  /// One point at the centroid integrates the constant strain exactly.
   static constexpr int dimension = 3, nodes = 4, points = 1;
   static constexpr std::array<std::array<double, 3>, 1> point{{{0.25, 0.25, 0.25}}};
   static constexpr std::array<double, 1> weight{1.0 / 6.0};
 
+  /// Barycentric coordinates of a reference point, by node.
   static std::array<double, 4> shape(const std::array<double, 3>& p) {
     return {1.0 - p[0] - p[1] - p[2], p[0], p[1], p[2]};
   }
+  /// Derivatives of the shape functions by the reference coordinates, by node; here constant.
   static std::array<std::array<double, 3>, 4> shape_gradient(const std::array<double, 3>&) {
     return {{{-1.0, -1.0, -1.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
   }
@@ -61,8 +67,10 @@ inline constexpr std::array<std::array<double, 3>, 8> corner{{{-1, -1, -1},
 /// the dilatation over the element (B-bar; Hughes 1980) they do not lock.
 template <int Dim>
 struct Q1 {
+  /// Two Gauss points in each direction, exact for polynomials of degree three.
   static constexpr int dimension = Dim, nodes = 1 << Dim, points = 1 << Dim;
 
+  /// The points have the signs of the nodes and stand in their order.
   static constexpr std::array<std::array<double, Dim>, points> gauss_points() {
     std::array<std::array<double, Dim>, points> p{};
     for (std::size_t i = 0; i < points; ++i) {
@@ -78,6 +86,7 @@ struct Q1 {
   static constexpr std::array<std::array<double, Dim>, points> point = gauss_points();
   static constexpr std::array<double, points> weight = unit_weights();
 
+  /// Products of linear functions, 1 at their own node: N_i = prod_d (1 + x_i,d p_d) / 2.
   static std::array<double, nodes> shape(const std::array<double, Dim>& p) {
     std::array<double, nodes> n{};
     for (std::size_t i = 0; i < nodes; ++i) {
@@ -86,6 +95,7 @@ struct Q1 {
     }
     return n;
   }
+  /// Derivatives of the shape functions by the reference coordinates, by node.
   static std::array<std::array<double, Dim>, nodes> shape_gradient(
       const std::array<double, Dim>& p) {
     std::array<std::array<double, Dim>, nodes> g{};
@@ -126,6 +136,7 @@ struct BendingHexahedron : Q1Hexahedron {};
 template <class Plane>
 struct Axisymmetric : Plane {};
 
+/// The elements of a billet's section.
 using AxisymmetricP1 = Axisymmetric<P1Triangle>;
 using AxisymmetricQ1 = Axisymmetric<Q1Quadrilateral>;
 using AxisymmetricBending = Axisymmetric<BendingQuadrilateral>;

@@ -21,6 +21,7 @@ template <class Element, class Number, bool = is_axisymmetric<Element>>
 struct HoopGradient {};
 template <class Element, class Number>
 struct HoopGradient<Element, Number, true> {
+  /// (node) N_i / r [1/m].
   std::array<Number, Element::nodes> hoop;
 };
 
@@ -36,6 +37,7 @@ struct PointStrain<Element, Number, true> {
   /// its volume mean [1].
   std::array<Number, 2> lever;
 };
+/// The hexahedron has a lever for each pair of axis and product of axes.
 template <class Number>
 struct PointStrain<BendingHexahedron, Number, true> {
   std::array<Number, SolidBending::levers> lever;  ///< @see SolidBending::lever [1]
@@ -61,6 +63,7 @@ struct BendingModes<Element, Number, true> {
 };
 template <class Number>
 struct BendingModes<BendingHexahedron, Number, true> {
+  /// Warps and modes by which the amplitudes follow from nodal displacements.
   SolidBendingModes<Number> bending;
 };
 /// For an axisymmetric element with bending modes: the mean of the hoop gradient, separate from the
@@ -76,6 +79,7 @@ struct MeanHoop<Element, Number, true> {
 /// numbers only.
 template <class Element, class Number = double>
 struct ElementCell : BendingModes<Element, Number>, MeanHoop<Element, Number> {
+  /// An integration point.
   struct Point : HoopGradient<Element, Number>, PointStrain<Element, Number> {
     /// Quadrature weight times Jacobian, positive [m^Dim], axisymmetric: times r [m3/rad]
     Number weight;
@@ -83,6 +87,7 @@ struct ElementCell : BendingModes<Element, Number>, MeanHoop<Element, Number> {
   using Gradients =
       std::array<std::array<Number, Element::dimension>, Element::nodes>;  ///< [1/m] by node
 
+  /// (integration point)
   std::array<Point, Element::points> point;
   /// Volume mean of the derivative of the dilatation by the nodal displacements, for the B-bar
   /// dilatation [1/m]: the gradient, plus the hoop gradient in the radial direction if
@@ -99,6 +104,7 @@ class ElementGeometry {
 public:
   static constexpr int dimension = Element::dimension, nodes = Element::nodes,
                        points = Element::points;
+  /// Kinds of an element's data, as plain numbers.
   using Cell = ElementCell<Element>;
   using Point = typename Cell::Point;
   using Gradients = typename Cell::Gradients;
@@ -152,12 +158,16 @@ public:
   }
 
 private:
+  /// Doubles of a cell, and of a cache line.
   static constexpr std::size_t numbers = sizeof(Cell) / sizeof(double), line_size = 8;
+  /// Storage of whole cache lines, so that groups can be loaded with aligned access.
   struct alignas(64) Line {
     double number[line_size];  ///< members of cells, each in its unit
   };
 
+  /// Elements of a group: the lanes of the widest register of this processor.
   static std::size_t lanes() { return std::size_t(register_lanes()); }
+  /// Index of the first number of an element; its further numbers follow at a distance of lanes().
   static std::size_t first_number(std::size_t e) {
     return e / lanes() * lanes() * numbers + e % lanes();
   }
@@ -165,12 +175,14 @@ private:
   const double* lane(std::size_t e) const {
     return reinterpret_cast<const double*>(line_.data()) + first_number(e);
   }
+  /// Writes the numbers of an element into its lane of its group.
   void store(std::size_t e, const Cell& cell) {
     const auto number = std::bit_cast<std::array<double, numbers>>(cell);
     double* to = reinterpret_cast<double*>(line_.data()) + first_number(e);
     for (std::size_t k = 0; k < numbers; ++k) to[k * lanes()] = number[k];
   }
 
+  /// Computes gradients, weights and volume of an element from the coordinates of its nodes.
   static void compute(const mesh::Mesh<dimension>& mesh, int e, Cell& cell) {
     const int* node = mesh.nodes_of(e);
     cell.volume = 0.0;
@@ -215,6 +227,7 @@ private:
     if constexpr (has_bending_modes<Element>) add_bending_modes(mesh, node, cell);
   }
 
+  /// Bending modes of a hexahedron from the coordinates of its corners; see SolidBending.
   static void add_bending_modes(const mesh::Mesh<3>& mesh, const int* node, Cell& cell) {
     std::array<Eigen::Vector3d, 8> corner;
     for (std::size_t i = 0; i < 8; ++i) {

@@ -27,6 +27,7 @@ inline FacetShares<2> facet_shares(const mesh::Mesh<2>& mesh, const mesh::Facet<
 }
 
 namespace detail {
+/// Coordinates of a corner of a facet [m].
 inline Eigen::Vector3d corner_point(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet,
                                     std::size_t i) {
   return Eigen::Map<const Eigen::Vector3d>(mesh.point(facet.node[i]));
@@ -136,9 +137,12 @@ public:
   }
 
 private:
+  /// Level at the reference coordinate xi, linear along the edge.
   double level_at(double xi) const { return level_[0] + xi * (level_[1] - level_[0]); }
+  /// Radius at the reference coordinate xi [m]; 1 unless axisymmetric.
   double radius_at(double xi) const { return radius_[0] + xi * (radius_[1] - radius_[0]); }
 
+  /// Integrates the part of the edge between two reference coordinates.
   EdgePiece piece(double begin, double end) const {
     const double half = 0.5 * (end - begin), middle = 0.5 * (begin + end);
     const double offset = half / std::sqrt(3.0);
@@ -193,9 +197,11 @@ public:
 private:
   /// A corner of a polygon in reference coordinates.
   struct Corner {
+    /// The reference coordinates of the cell; a cut lies between its corners.
     std::array<double, 2> reference;
     double level;
   };
+  /// The corners of a convex polygon, in order.
   using Polygon = std::vector<Corner>;
 
   /// The piece between two levels, which may be infinite.
@@ -217,6 +223,7 @@ private:
     return sum;
   }
 
+  /// Corner of the whole face. @param i  number of its node
   Corner reference_corner(std::size_t i) const {
     if (nodes_ == 3) return {{i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}, level_[i]};
     return {{detail::corner[i][0], detail::corner[i][1]}, level_[i]};
@@ -246,6 +253,7 @@ private:
     double weight;                ///< [1] they sum to 1
     std::array<double, 3> share;  ///< barycentric coordinates [1]
   };
+  /// The points of Radon's rule, from sqrt(15).
   static std::array<Radon, 7> radon() {
     const double root = std::sqrt(15.0);
     std::array<Radon, 7> points;
@@ -264,6 +272,9 @@ private:
     return points;
   }
 
+  /// Adds the integrals over a triangle in reference coordinates.
+  /// @param triangle  corners with their levels
+  /// @param sum       weights, weighted levels and area of the piece so far
   void add_triangle(const std::array<Corner, 3>& triangle, FacePiece& sum) const {
     static const std::array<Radon, 7> points = radon();
     const auto& [a, b, c] = triangle;
@@ -312,7 +323,9 @@ private:
     }
   }
 
+  /// Three or four.
   int nodes_;
+  /// (node) level by which the face is cut.
   std::array<double, 4> level_;
   std::array<Eigen::Vector3d, 4> corner_;  ///< [m]
 };

@@ -11,6 +11,7 @@ namespace dccast::fem {
 
 /// A point inside an element, with the values of its shape functions.
 struct Place {
+  /// Number of the element; -1 if the point lies outside the mesh.
   int element = -1;
   std::array<double, 8> shape{};  ///< (node of the element) [1]
 };

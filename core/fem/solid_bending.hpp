@@ -22,6 +22,7 @@ namespace dccast::fem {
 /// @tparam Number  double, or Lanes for the modes of several elements
 template <class Number>
 struct SolidBendingModes {
+  /// Nodes of the cell; hourglass warps st, rt, rs, rst; bending modes; linear levers.
   static constexpr std::size_t nodes = 8, warps = 4, modes = 12, levers = 6;
 
   /// Weights of the nodes in q0 to q3 [1].
@@ -52,6 +53,7 @@ struct SolidBendingModes {
 
 /// The modes of a cell. @see SolidBendingModes
 struct SolidBending : SolidBendingModes<double> {
+  /// Leaves all members without a value.
   SolidBending() = default;
   /// @param corner  (node) coordinates [m]
   explicit SolidBending(const std::array<Eigen::Vector3d, nodes>& corner) {
@@ -70,6 +72,7 @@ struct SolidBending : SolidBendingModes<double> {
   }
 
 private:
+  /// (node, direction) derivatives of the shape functions [1/m].
   using Gradients = std::array<std::array<double, 3>, nodes>;
 
   /// Weights gamma_i of the nodes in q = sum of gamma_i u_i, orthogonal to all uniform gradients
@@ -128,7 +131,9 @@ private:
     m.share = {components(axis / axis.squaredNorm()), {}};
   }
 
+  /// Components of a vector as an array.
   static std::array<double, 3> components(const Eigen::Vector3d& v) { return {v(0), v(1), v(2)}; }
+  /// Components of a symmetric matrix.
   static SymmetricTensor<3> tensor(const Eigen::Matrix3d& t) {
     return {{t(0, 0), t(1, 1), t(2, 2), t(0, 1), t(1, 2), t(0, 2)}};
   }

@@ -171,7 +171,7 @@ void StepMeter<Dim>::measure_closed_shell(const StepView<Dim>& view, StepFigures
   if (history.shell_stood) f.closed_shell = std::move(shell);
 }
 
-/// Mush shears as melt does, without jamming the butt: its rotation counts from coalescence on.
+/// Mush shears as melt does, without jamming the butt: its rotation counts only below coalescence.
 template <int Dim>
 std::vector<char> StepMeter<Dim>::grown_together(const StepView<Dim>& view) const {
   std::vector<char> solid = view.slab.solid;
@@ -192,7 +192,7 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
   f.bottom_reaction = checks.bottom_reaction / view.face_length;
   f.complementarity_error = checks.complementarity_error;
 
-  // Largest motions of the solid, for the limits of small strains.
+  // Largest motions of the solid, compared with the limits of small strains.
   f.rotation = largest_rotation(view.mesh, grown_together(view), view.slab.displacement,
                                 view.growing, history.when_liquid);
   f.slip = largest_slip(view.mesh, view.slab.solid, view.slab.displacement, view.temperature,
@@ -215,7 +215,7 @@ void StepMeter<Dim>::measure_frozen_metal(const StepView<Dim>& view, StepFigures
                  .growing = view.growing},
                 history.passages);
 
-  // Sums over all metal cost time: they are renewed at intervals, and at the end.
+  // Sums over all metal take time: they are updated at intervals and at the end.
   const double before = view.time - view.time_step;
   if (view.last || std::floor(view.time / between_sums) > std::floor(before / between_sums)) {
     history.tears = tears_.indices(view.mesh, history.passages);

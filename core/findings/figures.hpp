@@ -109,18 +109,26 @@ public:
   /// Measures a step. @param history  of the previous steps; updated
   StepFigures measure(const StepView<Dim>& view, FigureHistory& history) const;
 
+  /// The indices of hot tears, for frames.
   const HotTears<Dim>& tears() const { return tears_; }
 
 private:
+  /// Shell and surface temperature at the water line and above it.
   void measure_water_line(const StepView<Dim>& view, StepFigures& figures) const;
+  /// Gap of the butt and how much of the bottom is in contact.
   void measure_gap(const StepView<Dim>& view, StepFigures& figures) const;
+  /// Where metal freezes, and how much has passed the window of hot tears.
   void measure_frozen_metal(const StepView<Dim>& view, StepFigures& figures,
                             FigureHistory& history) const;
+  /// Depth below the metal level at which the side is frozen.
   void measure_meniscus(const StepView<Dim>& view, StepFigures& figures) const;
+  /// Shell over the bottom block.
   void measure_bottom(const StepView<Dim>& view, StepFigures& figures) const;
   std::vector<char> grown_together(const StepView<Dim>& view) const;  ///< (element)
+  /// Rotation, slip, pressure of the liquid and strain of the mush.
   void measure_mechanics(const StepView<Dim>& view, StepFigures& figures,
                          FigureHistory& history) const;
+  /// The shell since it has closed, and how much it has grown thinner again.
   void measure_closed_shell(const StepView<Dim>& view, StepFigures& figures,
                             FigureHistory& history) const;
 

@@ -15,7 +15,7 @@ namespace {
 using results::Exceedance;
 using results::Sections;
 
-/// A value that may be absent as no number or one.
+/// A value that may be absent, as an array of no or one number.
 Sections::Reals as_reals(const std::optional<double>& value) {
   return value ? Sections::Reals{*value} : Sections::Reals{};
 }

@@ -79,10 +79,14 @@ public:
 
   /// @param passages  (element)
   TearIndices indices(const mesh::Mesh<Dim>& mesh, const std::vector<MushPassage>& passages) const;
+  /// Largest indices, with their places. @param passages  (element)
   TearMap map(const std::vector<MushPassage>& passages) const;
 
 private:
+  /// Follows one element through the window in a step.
   void pass(const Step& step, int e, MushPassage& passage) const;
+  /// Strain rate of an element across the columns of crystals [1/s].
+  /// @param temperature  mean of the element at the end of the step [°C]
   double strain_rate(const Step& step, int e, double temperature) const;
 
   material::MechanicalProperties properties_;

@@ -26,6 +26,7 @@ using Turn = std::array<double, Dim == 2 ? 1 : 4>;
 /// centre in 3D.
 /// @param displacement  (node, Dim) [m]
 Turn<2> element_turn(const mesh::Mesh2D& mesh, int element, std::span<const double> displacement);
+/// The same in 3D, with the gradient at the centre of the cell.
 Turn<3> element_turn(const mesh::Mesh3D& mesh, int element, std::span<const double> displacement);
 
 /// The largest angle by which a solid element has turned since it solidified [rad], and its place.
@@ -61,6 +62,7 @@ void merge_turns(const mesh::MergedRows& merged, std::vector<double>& when_liqui
 PlacedFigure largest_slip(const mesh::Mesh2D& mesh, std::span<const char> solid,
                           std::span<const double> displacement, std::span<const double> temperature,
                           const material::MechanicalProperties& properties, double solid_below);
+/// The same in 3D: the larger of the slips along x and along y.
 PlacedFigure largest_slip(const mesh::Mesh3D& mesh, std::span<const char> solid,
                           std::span<const double> displacement, std::span<const double> temperature,
                           const material::MechanicalProperties& properties, double solid_below);

@@ -33,6 +33,7 @@ enum class Limit { upper, lower };
 /// A rule that judges the figures of a step. A code may have several rows that share its meaning
 /// and differ in their key: the first one that is exceeded raises it.
 struct StepRule {
+  /// Name of the finding in results and on the command line.
   const char* code;
   Severity severity;
   /// The failure that follows: at once if it ends_run(), else at the end of the run. A failure that
@@ -56,6 +57,7 @@ struct CaseRule {
 /// The rules in the order in which findings of the same step are raised: causes before their
 /// effects. The first row that ends the run names the loss of validity.
 std::span<const StepRule> step_rules();
+/// All rules of a case, in the order in which they are judged.
 std::span<const CaseRule> case_rules();
 
 inline constexpr double in_mm = 1e3;  ///< [mm/m] for messages

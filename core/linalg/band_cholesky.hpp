@@ -18,7 +18,9 @@ struct BandShape {
 
   /// @param place  (unknown) its position in the order of elimination
   BandShape(const SparsityPattern& pattern, std::span<const int> place);
+  /// An empty shape.
   BandShape() = default;
+  /// Number of rows of tiles.
   int rows() const { return static_cast<int>(first.size()); }
 };
 
@@ -44,6 +46,7 @@ public:
 
   /// Symbolic analysis. @param place  (unknown) its position in the order of elimination
   void analyze(const SparsityPattern& pattern, std::span<const int> place);
+  /// The same with the shape of this order, where the caller has already computed it.
   void analyze(const SparsityPattern& pattern, std::span<const int> place, BandShape shape);
 
   /// @param values  (entry of the pattern)
@@ -55,6 +58,7 @@ public:
   /// Share of the rows that a factorisation repeats if only entries of this unknown change [1].
   double share_to_repeat(int unknown) const;
 
+  /// Structure of the present factor, for the choice of a method and for tests.
   const BandShape& shape() const { return shape_; }
   /// Numbers in the factor [1].
   double factor_entries() const { return 64.0 * static_cast<double>(tiles()); }
@@ -64,12 +68,19 @@ public:
   double share_computed() const { return share_computed_; }
 
 private:
+  /// Tiles of the factor.
   std::size_t tiles() const { return shape_.start.empty() ? 0 : shape_.start.back(); }
+  /// First row of tiles whose entries differ in any bit from those of the present factor.
   int first_changed_row(std::span<const double> values) const;
+  /// Copies the entries of the rows from `from` on into the tiles, and zeroes the fill.
   void copy_matrix(std::span<const double> values, int from);
+  /// Whether a solution has to read the factor from memory: it exceeds cache_bytes.
   bool streams() const;
+  /// Whether a factorisation is large enough to pay for the synchronisation of a team.
   bool is_worth_sharing() const;
+  /// Factorises from a row of tiles on. @return false if the matrix is not positive definite
   [[nodiscard]] bool factorize_from(int row);
+  /// The view of the factor that the kernels take.
   TileBand band();
 
   const TileKernels* kernels_;
@@ -80,7 +91,9 @@ private:
   std::vector<double> values_;      ///< (entry of the pattern) matrix of the present factor
   bool whole_ = false;              ///< the factor is complete and belongs to `values_`
   TileStorage tile_;
+  /// (row of tiles) reciprocals of the diagonal of the factor.
   std::vector<TileRow> inverse_;
+  /// (row of tiles) right-hand side, then solution.
   std::vector<TileRow> right_;
   std::vector<Tile> sums_;  ///< @see TileBand
   double share_computed_ = 1.0;

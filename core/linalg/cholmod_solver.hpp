@@ -20,6 +20,7 @@ enum class Geometry { plane, solid };
 /// Units: those of the caller, as everywhere in this room (sparsity_pattern.hpp).
 class CholmodSolver {
 public:
+  /// Sets up CHOLMOD's workspace. A solver owns its factor: it can be moved but not copied.
   CholmodSolver();
   ~CholmodSolver();
   CholmodSolver(CholmodSolver&&) noexcept;
@@ -40,6 +41,7 @@ public:
   std::size_t memory_bytes() const;
 
 private:
+  /// The structures of CHOLMOD, whose headers stay in the source.
   struct Storage;
   std::unique_ptr<Storage> storage_;
 };

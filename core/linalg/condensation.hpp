@@ -41,6 +41,7 @@ public:
   ///         solve, or the matrix of the free unknowns is not positive definite
   [[nodiscard]] bool change(std::span<const char> held);
 
+  /// Unknowns whose state differs from that in the factor.
   std::size_t changes() const { return changed_.size(); }
 
   /// x = K^-1 b on the free unknowns; zero on the held ones, where `b` is not read.
@@ -50,17 +51,23 @@ public:
 private:
   /// An unknown that is held now but free in the factor, or the other way round.
   struct Changed {
+    /// Number of the unknown, and whether the factor held it.
     int unknown = -1;
     bool released = false;
     std::vector<double> column;  ///< column of K_fR or E_H; entries in R: column of K_RR
     std::vector<double> solved;  ///< K_ff^-1 times the column on f, zero elsewhere
   };
 
+  /// Whether the unknowns differ from the factor in at most most_changes_ places.
   bool few_differ(std::span<const char> held) const;
+  /// Computes the column of an unknown and solves for it: the one solve that a change costs.
   Changed condense(int unknown, bool released);
   /// Product of a changed unknown's column with a vector that is zero outside f.
   double along(const Changed& changed, std::span<const double> on_free) const;
+  /// LDL' of the small matrix, without pivoting: it is quasi-definite (Vanderbei 1995), with
+  /// negative pivots for newly held unknowns. @return false if a pivot has the wrong sign
   [[nodiscard]] bool factorize_small();
+  /// Solves with the small factor. @param z  right-hand side, then solution
   void solve_small(std::vector<double>& z) const;
 
   std::size_t most_changes_;

@@ -31,6 +31,7 @@ class ConjugateGradients {
 public:
   /// Approximate solution of K z = r. @param z  not the same storage as `r`
   using Preconditioner = std::function<void(std::span<const double> r, std::span<double> z)>;
+  /// When the iteration ends.
   struct Limits {
     double tolerance = 1e-10;  ///< [1] for CgOutcome::residual
     int iterations = 25;
@@ -44,7 +45,9 @@ public:
                   std::span<const double> b, std::span<double> x, const Limits& limits);
 
 private:
+  /// Starts from x = 0, where the residual is `b` on the free unknowns.
   void start(std::span<const double> b, std::span<const char> held);
+  /// Sets the components of held unknowns to zero.
   void mask(std::span<const char> held, std::vector<double>& v) const;
 
   std::vector<double> solution_, residual_, preconditioned_, direction_, product_;

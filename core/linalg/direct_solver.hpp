@@ -37,9 +37,11 @@ public:
     return uses_band() ? band_.share_to_repeat(unknown) : 1.0;
   }
 
+  /// The factorisation in use, chosen by analyze().
   enum class Method { band, dissection, cholmod };
   Method method() const { return method_; }
   bool uses_band() const { return method_ == Method::band; }
+  /// Numbers of calls since this object was made, for the figures of a step.
   long factorizations() const { return factorizations_; }
   long solves() const { return solves_; }
   /// Numbers in the factor [1], after analyze().

@@ -52,23 +52,36 @@ private:
     std::vector<int> children;
   };
 
+  /// Numbers the pivots of all fronts and reserves their panels.
   void place_fronts(const DissectionTree& tree);
+  /// Reserves the updates of the fronts on two stacks, one for even and one for odd depths.
   void place_updates(const DissectionTree& tree);
+  /// Finds the rows of the boundary of each front.
   void place_boundaries(const DissectionTree& tree);
+  /// Finds the rows of a child's boundary in its parent.
   void place_in_parent(const DissectionTree& tree, std::size_t child, std::size_t parent);
+  /// Finds for each entry of the pattern its front and its index in the panel.
   void place_entries(const SparsityPattern& pattern, const DissectionTree& tree);
+  /// The view of a front that the kernels take.
   Front make_front(const Part& part);
+  /// Copies the entries of the matrix that belong to a front into its panel.
   void copy_matrix(std::span<const double> values, std::size_t number, const Front& front);
+  /// Adds the update of a child to panel and update of its parent (extend-add).
   void add_child(const Part& child, const Front& parent);
+  /// add_child() for a fixed number of unknowns per node, so that inner loops are unrolled.
   template <int PerNode>
   void add_columns(const Part& child, const Front& parent);
+  /// Nodes on the boundary of a front.
   std::size_t boundary_nodes(std::size_t part) const {
     return part_[part + 1].first_node - part_[part].first_node;
   }
+  /// Copies the solution on the boundary of a front from the rows of other pivots.
   void gather(std::size_t part);
+  /// Adds what a front contributes to the right-hand side of its boundary.
   void scatter(std::size_t part);
 
   const TileKernels* kernels_;
+  /// Unknowns per node: 1 for heat, 2 for a section, 3 for a solid.
   int per_node_ = 1;
   std::vector<Part> part_;      ///< in the order of elimination, with an end marker
   std::vector<int> position_;   ///< (unknown) its position among the rows of all pivots
@@ -79,6 +92,7 @@ private:
   TileStorage panel_;
   std::array<TileStorage, 2> update_;  ///< of the fronts of even and of odd depth: two stacks
   std::vector<TileRow> inverse_, right_, rest_;
+  /// Workspace of backward_front(), zero between calls.
   std::vector<Tile> sums_;
   struct RowOffsets {
     std::vector<int> child, panel, update;

@@ -30,7 +30,10 @@ public:
     bool one_line = false;
   };
 
+  /// An empty layout.
   LineLayout() = default;
+  /// Finds the pairs of lines that share a cell. The stride is the number of rows, rounded up to
+  /// sixteen numbers.
   explicit LineLayout(const mesh::Extrusion& extruded)
       : lines_(extruded.lines),
         rows_(extruded.rows()),
@@ -55,10 +58,12 @@ public:
     }
   }
 
+  /// Numbers of vertical lines, of nodes on each, of numbers along a line, and of coupled pairs.
   int lines() const { return lines_; }
   int rows() const { return rows_; }
   std::size_t stride() const { return stride_; }
   std::size_t pairs() const { return pair_line_.size(); }
+  /// Index of the first pair of a line, as the one with the higher number.
   std::size_t first_pair(int line) const { return pair_start_[std::size_t(line)]; }
   /// Line with the lower number of a pair.
   int low_line(std::size_t pair) const { return pair_line_[pair]; }
@@ -141,7 +146,9 @@ public:
   std::size_t memory_bytes() const;
 
 private:
+  /// Numbers before and after a vector, so that a loop may read beyond its ends.
   static constexpr std::size_t guard = 16;
+  /// Numbers of a block of one node.
   static constexpr int square = PerNode * PerNode;
   /// Factor at a node: inverse pivot, and the block below it times the inverse pivot below.
   struct Step {
@@ -149,7 +156,9 @@ private:
     float below[square];
   };
 
+  /// Block factorisation of one line. @return false if it is not positive definite
   [[nodiscard]] bool factorize_line(int line);
+  /// Solves the equations of one line, forward and backward.
   void solve_line(int line, const float* b, float* x) const;
 
   const LineLayout<PerNode>* layout_ = nullptr;

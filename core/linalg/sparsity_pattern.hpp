@@ -15,6 +15,7 @@ namespace dccast::linalg {
 /// Units: in this room matrix entries, right-hand sides and solutions have the units of the caller.
 class SparsityPattern {
 public:
+  /// The pattern of an empty matrix.
   SparsityPattern() = default;
   /// @param unknowns          size of the matrix
   /// @param element_unknown   (element, per_element) unknowns coupled by each element; negative
@@ -26,12 +27,15 @@ public:
   /// @param element_unknown  of all elements, the old ones first
   void extend(int unknowns, std::span<const int> element_unknown);
 
+  /// Size of the matrix, and entries of its lower triangle.
   int unknowns() const { return static_cast<int>(column_start_.size()) - 1; }
   std::size_t entries() const { return row_.size(); }
   /// 3 or 2 where the unknowns 3 n, 3 n + 1, 3 n + 2 (or 2 n, 2 n + 1) have the same neighbours for
   /// every n, as the displacements of a node have; else 1.
   int unknowns_per_node() const { return unknowns_per_node_; }
+  /// (unknown + 1) index of the first entry of each column, which is its diagonal.
   const std::vector<int>& column_start() const { return column_start_; }
+  /// (entry) row, ascending within a column.
   const std::vector<int>& row() const { return row_; }
   /// First columns of the parts of a matrix-vector product, and the end of the last part. Two even
   /// parts never write to the same row, nor do two odd ones, so that all even parts can run
@@ -48,9 +52,13 @@ public:
   }
 
 private:
+  /// Whether all columns from `first` on come in groups of unknowns with the same neighbours.
   bool is_made_of_nodes(int unknowns_per_node, int first) const;
+  /// Sets the number of unknowns per node: 3, 2 or 1.
   void find_unknowns_per_node(int first);
+  /// Divides the columns for the product; see parts().
   void find_parts();
+  /// Whether no two even parts, and no two odd ones, write to the same row.
   bool is_divided_by(const std::vector<int>& part) const;
 
   int per_element_ = 0;
@@ -91,8 +99,10 @@ public:
     for_each_pair(pattern, [&](int a, int b) { add(a, b); });
   }
 
+  /// Numbers of nodes, and of unknowns of each.
   int nodes() const { return nodes_; }
   int unknowns_per_node() const { return per_node_; }
+  /// Neighbours of a node in ascending order, without the node itself.
   std::span<const int> neighbours(int node) const {
     const std::size_t first = std::size_t(start_[std::size_t(node)]);
     return {neighbour_.data() + first, std::size_t(start_[std::size_t(node) + 1]) - first};

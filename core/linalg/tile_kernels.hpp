@@ -37,12 +37,14 @@ struct TileBand {
   Tile* sums = nullptr;
   int sum_columns = 0;
 
+  /// Tile of a row and a column inside the envelope.
   Tile* at(int row, int column) const { return tile + start[row] + (column - first[row]); }
 };
 
 /// The rows or columns of a band that one member of a team computes, in round-robin order. A member
 /// does the same arithmetic as a single thread, and waits when it needs the rows of others.
 struct BandShare {
+  /// Number of this member, and size of the team.
   int member = 0, members = 1;
   /// Completed rows: the last one for a factorisation and for the forward substitution, the number
   /// from the end for the backward substitution. Null for a single thread.
@@ -52,6 +54,7 @@ struct BandShare {
   /// `members` apart.
   int first_from(int row) const { return row + (member + members - row % members) % members; }
   int last_up_to(int row) const { return row - (row + members - member) % members; }
+  /// Whether this member computes a row.
   bool owns(int row) const { return row % members == member; }
 };
 
@@ -70,6 +73,7 @@ struct Front {
     const std::size_t i = std::size_t(row), k = std::size_t(pivots);
     return i < k ? i * (i + 1) / 2 : k * (k + 1) / 2 + (i - k) * k;
   }
+  /// First tile of a row of the panel, and of the update.
   Tile* row(int i) const { return panel + row_start(i, pivots); }
   Tile* update_row(int i) const { return update + std::size_t(i) * std::size_t(i + 1) / 2; }
 };
@@ -77,6 +81,7 @@ struct Front {
 /// The numerical work of BandCholesky and DissectionCholesky, compiled for several instruction
 /// sets. For the sources of this room only.
 struct TileKernels {
+  /// Name of the instruction set, as in DCCAST_INSTRUCTIONS.
   const char* name;
   /// Work per unknown below which a band factorisation is faster than CHOLMOD's: the mean square of
   /// the height of its columns [1]. Measured, see docs/developers/factorisation.md.
@@ -110,6 +115,7 @@ struct TileKernelList {
   const TileKernels* kernel[3];
   int count;
 };
+/// For tests: every kernel must give the same solution to round-off.
 TileKernelList runnable_tile_kernels();
 
 /// A factor larger than this is no longer in the cache when a solve needs it [byte]. Measured, see
@@ -126,11 +132,14 @@ public:
   /// @throws std::bad_alloc
   void reserve(std::size_t tiles);
 
+  /// The tiles; valid until the next reserve().
   Tile* get() const { return tile_.get(); }
   Tile& operator[](std::size_t i) const { return tile_[i]; }
+  /// Memory that is reserved [byte].
   std::size_t bytes() const { return capacity_ * sizeof(Tile); }
 
 private:
+  /// Frees what reserve() has obtained.
   struct Free {
     void operator()(Tile* tiles) const;
   };

@@ -19,6 +19,7 @@ struct Register {
   typedef double type __attribute__((vector_size(8 * Lanes), may_alias));
 };
 
+/// Rows of a column that fill one register.
 template <int Lanes>
 DCCAST_INLINE auto& rows_at(double* column) {
   return *reinterpret_cast<typename Register<Lanes>::type*>(column);

@@ -48,13 +48,21 @@ private:
     double upper = 0.0;  ///< [1] weight of the coarse row above
   };
 
+  /// Chooses the coarse rows, about `group` times the smallest height of a row apart.
   void choose_rows(const mesh::Extrusion& extruded, double group);
+  /// Adds the blocks of a node with its neighbours to the lines and to the coarse matrix.
   void assemble_node(int line, int row, const SparsityPattern& pattern,
                      std::span<const double> values, std::span<const char> held);
+  /// Adds a block of the fine matrix to those of the coarse rows between which its rows lie
+  /// (Galerkin: R A R').
   void add_coarse(const Place& place, const double* block);
+  /// Adds a block times a weight at one place of the coarse matrix.
   void add_to_coarse(const Place& place, double share, const double* block);
+  /// Factorises the coarse matrix. @return false if it is not positive definite
   [[nodiscard]] bool factorize_coarse();
+  /// Coarse residual: that of the fine grid times the weights of interpolation, transposed.
   void restrict_residual();
+  /// Adds the coarse correction, interpolated linearly between coarse rows.
   void interpolate_correction();
 
   LineLayout<PerNode> layout_, coarse_layout_;

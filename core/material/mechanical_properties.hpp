@@ -34,6 +34,7 @@ struct YieldLimit {
 /// The laws of the mush are explained in docs/mush.md.
 class MechanicalProperties {
 public:
+  /// @param card  checked; the tables of the mush are computed from it
   explicit MechanicalProperties(const AlloyCard& card);
 
   /// Bulk modulus lambda + 2 mu / 3 [Pa].
@@ -78,8 +79,11 @@ public:
   double coalescence() const { return coalescence_; }                 ///< [°C]
 
 private:
+  /// Thermal stretch of the solid alone at a temperature, without the mush [1].
   double solid_stretch(double temperature) const;
+  /// Loss of volume since coalescence that the contraction of the solid does not explain [1].
   double unfed_shrinkage(double temperature) const;
+  /// Tabulates the stretch of the mush over the solidification range.
   void tabulate_mush();
 
   AlloyCard card_;

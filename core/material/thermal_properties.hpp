@@ -163,15 +163,25 @@ private:
 
   enum class End { none, lowest, highest };
 
+  /// A pure metal or eutectic: liquidus and solidus coincide.
   bool isothermal() const { return liquidus_ == solidus_; }
+  /// Divides the temperatures at the points of all tables, so that each segment is smooth.
   void build_segments(const AlloyCard& card);
+  /// The segment between two temperatures [°C].
   Segment segment_between(const AlloyCard& card, double left, double right, End end) const;
+  /// Appends a segment and sums up the enthalpy up to its end.
   void append(Segment segment);
+  /// Appends the latent heat that is released at one temperature [°C].
   void append_isothermal_change(const AlloyCard& card, double temperature);
+  /// Shifts enthalpy and Kirchhoff variable so that both vanish at 0 °C.
   void fix_origin();
+  /// The segment that holds a value; the first or last one outside the table.
   const Segment& segment_at_temperature(double temperature) const;
   const Segment& segment_at_enthalpy(double enthalpy) const;
+  /// Starting value of invert() [K]: the cubic through both ends of the segment with its slopes
+  /// there, from which two of Newton's steps reach the root to rounding.
   static double first_guess(const Segment& segment, double wanted, double whole);
+  /// Distance from the anchor of a segment at which it has an enthalpy [K], by Newton's method.
   static double invert(const Segment& segment, double enthalpy, double enthalpy_at_end);
 
   double solidus_;                  ///< [°C]

@@ -42,6 +42,8 @@ public:
 private:
   /// What limits the stress of the elements of a block.
   struct Yielding {
+    /// Without a yield limit the object stays empty, and operator bool is false.
+    /// @param points_of_element  number of integration points of each element
     Yielding(const StepProblem<Dim>& problem, ElementBlock block, std::size_t points_of_element) {
       if (problem.yield.empty()) return;
       limit = of_block(block, problem.yield);
@@ -66,6 +68,13 @@ private:
     std::size_t points = 0, elements = 0;
   };
 
+  /// Response of the elements that share a register, at one point. With s_trial = 2 mu e the radial
+  /// return scales the trial stress, s = (|s| / |s_trial|) s_trial, and the tangent follows from
+  /// d|s| / d|s_trial|.
+  /// @param trial    trial strain deviator e [1]
+  /// @param shear    mu [Pa]
+  /// @param kappa    [Pa^-(q-1)/s], zero without creep
+  /// @param element  first of the elements, within the block
   template <int Count>
   PointResponse<Dim, Lanes<Count>> respond(const SymmetricTensor<Dim, Lanes<Count>>& trial,
                                            const Lanes<Count>& shear, const Lanes<Count>& kappa,
@@ -76,13 +85,16 @@ private:
     for (Numbers& component : s.value) component *= 2.0 * shear;
     const Numbers norm = root<Count>(s.squared_norm());
     const Numbers creep = 2.0 * problem_->dt * shear * kappa;
+    // |s| from creep alone: |s| + 2 mu dt kappa |s|^(q-1) = |s_trial|.
     auto map = material::return_maps<Count>(norm, creep, problem_->exponent);
+    // Cold metal yields where creep would leave a larger stress.
     if (yielding) {
       map = material::limit_by_yield<Count>(map, norm, load<Count>(&yielding.limit[element]),
                                             load<Count>(&yielding.hardening[element]),
                                             yielding.template strains<Count>(element, point),
                                             equivalent_of_norm / (2.0 * shear));
     }
+    // d s / d e = 2 mu~ I + softening s (x) s, with mu~ = mu |s| / |s_trial|.
     const Numbers one = Numbers{} + 1.0, ratio = norm > 0.0 ? map.norm / norm : one;
     for (Numbers& component : s.value) component *= ratio;
     const Numbers square = map.norm * map.norm;
@@ -93,6 +105,7 @@ private:
   const StepProblem<Dim>* problem_;
 };
 
+/// The law of a problem, which must outlive it.
 template <int Dim>
 ReturnMapLaw<Dim> return_map_law(const StepProblem<Dim>& problem) {
   return ReturnMapLaw<Dim>(problem);
@@ -156,6 +169,8 @@ ViscoplasticIncrement<Dim> viscoplastic_increment(const StepProblem<Dim>& proble
   constexpr double round_off = 1e-9;  // [1]
   const double norm = deviator.norm();
   if (!problem.yield.empty() && norm > 0.0 && norm >= (1.0 - round_off) * problem.yield[e]) {
+    // The viscoplastic strain is the trial strain less the elastic one; what exceeds the creep
+    // strain is plastic and has the direction of s.
     auto trial = problem.forms->strain(e, point, u);
     trial.add(-1.0, problem.inelastic[i]);
     const double whole = trial.deviator().norm() - norm / (2.0 * problem.shear[e]);
@@ -164,6 +179,7 @@ ViscoplasticIncrement<Dim> viscoplastic_increment(const StepProblem<Dim>& proble
   }
   increment.equivalent = equivalent_of_norm * increment.strain.norm();
 
+  // The dilatation of creeping mush is what the mean stress has relaxed, over the bulk modulus.
   if (!problem.volumetric_kappa.empty() && problem.volumetric_kappa[e] > 0.0) {
     const double inelastic = problem.inelastic[i].trace() + 3.0 * problem.thermal[e];
     const double trial =

@@ -55,10 +55,14 @@ public:
   static constexpr double tight = 1e-12;
 
 private:
+  /// change() in 3D, where the old factor becomes a preconditioner.
   [[nodiscard]] bool change_solid(std::span<const char> fixed);
   /// @param tolerance  [1] relative residual
   [[nodiscard]] bool solve_free(std::span<const char> fixed, double tolerance);
+  /// Zeroes rows and columns of the unknowns in `fixed` [not zero: held] and factorises.
+  /// @return false if the matrix is not positive definite
   [[nodiscard]] bool hold_and_factorize(std::span<const char> fixed);
+  /// Whether all unknowns that differ from those held in the factor are eliminated last.
   bool changes_only_last_rows(std::span<const char> fixed) const;
   // `stiffness` [force/m], `step_of_fixed` [m].
   void lift(std::span<const double> stiffness, std::span<const double> step_of_fixed);

@@ -14,16 +14,24 @@ namespace dccast::mechanics {
 /// @tparam Number  double, or Lanes for several elements at once
 template <class Element, class Number>
 struct ElementFormsBase {
+  /// Numbers of nodes, integration points, coordinates and nodal displacements of an element.
   static constexpr std::size_t nodes = Element::nodes, points = Element::points,
                                dim = Element::dimension, unknowns = nodes * dim;
   using Cell = fem::ElementCell<Element, Number>;
   using Tensor = SymmetricTensor<Element::dimension, Number>;
+  /// (node, direction) displacements [m], or forces [N/m] in 2D, [N/rad] if axisymmetric, [N] in
+  /// 3D.
   using Vectors = std::array<std::array<Number, dim>, nodes>;
+  /// (point) strains [1] or stresses [Pa].
   using Tensors = std::array<Tensor, points>;
   using Responses = std::array<PointResponse<Element::dimension, Number>, points>;
+  /// (point) mean normal stresses [Pa].
   using Pressures = std::array<Number, points>;
   using Matrix = std::array<Number, unknowns * unknowns>;  ///< its lower triangle, row by row
 
+  /// Mean of div v over the element [1]: sum of the products of mean gradient and displacement.
+  /// @param mean  (node, direction) mean gradients of the shape functions [1/m]
+  /// @param v     displacements [m]
   static Number mean_dilatation(const typename Cell::Gradients& mean, const Vectors& v) {
     Number sum{};
     for (std::size_t i = 0; i < nodes; ++i) {
@@ -78,6 +86,7 @@ struct ElementForms : ElementFormsBase<Element, Number> {
       const Tensor& s = deviator[q];
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t a = 0; a < dim; ++a) {
+          // The volume uses the mean gradient (B-bar), the deviator the gradient at the point.
           Number f = pressure[q] * c.mean_gradient[i][a];
           for (std::size_t b = 0; b < dim; ++b) f += s.at(a, b) * point.gradient[i][b];
           if constexpr (axisymmetric) {
@@ -109,6 +118,7 @@ struct ElementForms : ElementFormsBase<Element, Number> {
         for (std::size_t i = 0; i < nodes; ++i)
           along[i][0] += r.deviator[hoop] * c.point[q].hoop[i];
       }
+      // K = 2 mu~ (sym grad)^T (sym grad), less its trace, plus bulk and softening: lower triangle.
       const auto& dilates = dilatation_gradient(c.point[q]);
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
@@ -172,12 +182,16 @@ struct ElementForms<Element, Number, true> : ElementFormsBase<Element, Number> {
       typename Base::Responses, typename Base::Tensor, typename Base::Tensors,
       typename Base::Vectors;
   static constexpr bool axisymmetric = fem::is_axisymmetric<Element>;
+  /// Two axes of the section, each with a bending mode; the hoop strain varies likewise.
   static constexpr std::size_t modes = axisymmetric ? 4 : 2;
 
+  /// Strain at a point [1]. @param q  point
   static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
     return strain_deviators(c, v)[q].add_identity(Base::mean_dilatation(c, v) / 3.0);
   }
 
+  /// Strain deviators [1] at every point: that of the mean, and each mode with the lever of its
+  /// point.
   static Tensors strain_deviators(const Cell& c, const Vectors& v) {
     Tensor mean;
     Number amplitude[modes] = {};
@@ -202,6 +216,8 @@ struct ElementForms<Element, Number, true> : ElementFormsBase<Element, Number> {
     return deviators;
   }
 
+  /// Nodal forces of stress deviators and mean normal stresses [Pa]: the stress integrated over the
+  /// element works on the mean strain, its moments work on the modes.
   static Vectors forces(const Cell& c, const Tensors& deviator, const Pressures& pressure) {
     Tensor sum;  // of the stress deviator over the volume [N/m]
     Number pressures{}, bending[modes] = {};
@@ -227,6 +243,8 @@ struct ElementForms<Element, Number, true> : ElementFormsBase<Element, Number> {
     return force;
   }
 
+  /// Stiffness from the responses at the points and the bulk modulus [Pa], lower triangle row by
+  /// row.
   static Matrix stiffness(const Cell& c, const Responses& response, const Number& bulk_modulus) {
     Matrix k{};
     const auto mean = mean_deviators_of_unit_displacements(c);
@@ -255,9 +273,11 @@ struct ElementForms<Element, Number, true> : ElementFormsBase<Element, Number> {
   }
 
 private:
+  /// Double contraction a : b of tensors with the components xx, yy, zz, xy.
   static Number contract(const Tensor& a, const Tensor& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * a[3] * b[3];
   }
+  /// Distance of a point from the middle of the element, across the axis of a mode.
   static const Number& lever(const Cell& c, std::size_t q, std::size_t mode) {
     return c.point[q].lever[Cell::lever_of(mode)];
   }
@@ -269,6 +289,7 @@ private:
     return g;
   }
 
+  /// (unknown) deviators of the mean strain for a unit displacement [1/m].
   static std::array<Tensor, unknowns> mean_deviators_of_unit_displacements(const Cell& c) {
     std::array<Tensor, unknowns> strain;
     for (std::size_t i = 0; i < nodes; ++i) {

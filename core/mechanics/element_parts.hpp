@@ -18,6 +18,7 @@ struct ElementBlock {
   std::size_t first = 0, end = 0;
   std::size_t elements() const { return end - first; }
 };
+/// Elements of a block; a multiple of the widest register.
 inline constexpr std::size_t elements_in_block = 64;
 static_assert(elements_in_block % std::size_t(most_lanes) == 0);
 
@@ -41,6 +42,7 @@ public:
   std::size_t points() const { return places_ / elements_in_block; }  ///< of an element
   /// (place) [unit of the tensors]
   double* component(std::size_t c) const { return numbers_ + c * places_; }
+  /// Copies the tensor at a place. For code outside the inner loops.
   Tensor at(std::size_t place) const {
     Tensor t;
     for (std::size_t c = 0; c < Tensor::components; ++c) t[c] = component(c)[place];
@@ -58,6 +60,7 @@ public:
     }
     return t;
   }
+  /// Writes the tensors of the elements that share a register.
   template <int Count>
   void store(std::size_t place, const SymmetricTensor<Dim, Lanes<Count>>& t) const {
     for (std::size_t c = 0; c < Tensor::components; ++c) {
@@ -95,6 +98,7 @@ struct ResponseBlock {
         shear(first + SymmetricTensor<Dim>::components * places),
         softening(shear + places) {}
 
+  /// Response at one place. For laws that are called point by point.
   PointResponse<Dim> at(std::size_t place) const {
     return {deviator.at(place), shear[place], softening[place]};
   }
@@ -109,6 +113,7 @@ struct ResponseBlock {
     return {deviator.template load<Count>(place), dccast::load<Count>(shear + place),
             dccast::load<Count>(softening + place)};
   }
+  /// Writes the responses of the elements that share a register.
   template <int Count>
   void store(std::size_t place, const PointResponse<Dim, Lanes<Count>>& r) const {
     deviator.template store<Count>(place, r.deviator);
@@ -151,6 +156,7 @@ public:
   }
 
 private:
+  /// Finds the parts of a mesh. @return false if it must stay in one part
   template <int Dim>
   bool divide(const mesh::Mesh<Dim>& mesh) const;
 

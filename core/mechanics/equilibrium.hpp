@@ -57,6 +57,8 @@ class Equilibrium {
 public:
   using Tensor = SymmetricTensor<Dim>;
 
+  /// Lays out the blocks and takes the stress-free strains from the problem, which must not change
+  /// while this object is used.
   explicit Equilibrium(const StepProblem<Dim>& problem)
       : problem_(&problem),
         points_(problem.forms->points()),
@@ -77,6 +79,7 @@ public:
   template <class Law>
   double residual(std::span<const double> u, std::span<double> out, Law&& law) {
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = -problem_->external_force[i];
+    // Sums are kept by part and added in order, so that the result does not depend on the threads.
     std::vector<double> squares_of(parts().parts(), 0.0);
     const auto add_part = [&](std::size_t part, std::size_t first, std::size_t end) {
       squares_of[part] = add_blocks(first, end, u, out, law);
@@ -133,18 +136,26 @@ private:
 
   /// Work arrays of a block in residual().
   struct Passing {
+    /// @param places  elements_in_block times the points of an element
     explicit Passing(std::size_t places)
         : deviator(places * Tensor::components), pressure(places) {}
+    /// The trial strain deviators as a law takes them.
     TensorBlock<Dim> trial() { return {deviator.data(), pressure.size()}; }
+    /// (component, place) trial strain deviators [1].
     std::vector<double> deviator;
+    /// (place) mean normal stresses [Pa].
     std::vector<double> pressure;
+    /// (element of the block) mean dilatations [1].
     std::array<double, elements_in_block> dilatation{};
   };
+  /// Whether a law takes a whole block; otherwise it is called point by point.
   template <class Law>
   static constexpr bool by_block =
       std::is_invocable_v<Law, ElementBlock, TensorBlock<Dim>, ResponseBlock<Dim>>;
 
+  /// Parts of the problem, or all elements as one part.
   const ElementParts& parts() const { return problem_->parts ? *problem_->parts : whole_; }
+  /// Calls use(block) for every block, in parts that the team divides.
   template <class Use>
   void for_each_block(const Use& use) const {
     parts().for_each([&](std::size_t, std::size_t first, std::size_t end) {
@@ -167,10 +178,12 @@ private:
     }
     return squares;
   }
+  /// The block that an element belongs to. The last one may be partly filled.
   ElementBlock block_of(std::size_t element) const {
     const std::size_t first = element / elements_in_block * elements_in_block;
     return {first, std::min(first + elements_in_block, problem_->forms->elements())};
   }
+  /// Where the responses of a block are kept between residual() and tangent().
   ResponseBlock<Dim> response_of(ElementBlock block) {
     const std::size_t number = block.first / elements_in_block;
     return {&response_[number * places_ * ResponseBlock<Dim>::numbers], places_};
@@ -182,6 +195,7 @@ private:
     return &inelastic_[number * places_ * (Tensor::components + 1)];
   }
 
+  /// Copies the inelastic strains of a block from the problem, in the order of its places.
   void take_inelastic(ElementBlock block) {
     const TensorBlock<Dim> deviator(inelastic_of(block), places_);
     double* dilatation = deviator.component(Tensor::components);
@@ -197,6 +211,8 @@ private:
 
   /// Computes trial deviators and pressures at the points of a block from its strains.
   void subtract_inelastic(ElementBlock block, Passing& passing) {
+    // trial = deviator of the strain less that of the stress-free strain; p = bulk (tr - tr_0) +
+    // prestress
     std::vector<double>& trial = passing.deviator;
     const double* inelastic = inelastic_of(block);
     for (std::size_t i = 0; i < trial.size(); ++i) trial[i] -= inelastic[i];
@@ -228,6 +244,7 @@ private:
     }
   }
 
+  /// Fills in the responses of a block, from trial strain deviators [1].
   template <class Law>
   void respond(ElementBlock block, TensorBlock<Dim> trial, Law&& law) {
     const ResponseBlock<Dim> response = response_of(block);

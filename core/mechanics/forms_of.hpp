@@ -29,6 +29,7 @@ class FormsOf final : public MechanicsForms<Element::dimension> {
 public:
   using typename Base::Mesh, typename Base::Tensor;
 
+  /// @copydoc MechanicsForms::update. A mesh with another number of elements loses its frames.
   void update(const Mesh& mesh, std::size_t first = 0) override {
     mesh_ = &mesh;
     if (mesh.elements() != geometry_.elements()) frames_ = {};
@@ -38,6 +39,9 @@ public:
   void set_frames(std::span<const NodalFrame<dimension>> frames) override {
     frames_.set(*mesh_, frames);
   }
+  /// The mean gradient of an element at `u` determines its rotation; see rotation_of().
+  /// @param u      by unknown [m]
+  /// @param solid  (element) not zero: the axes follow the rotation
   void set_rotations(std::span<const double> u, std::span<const char> solid) override {
     rotations_.clear();
     if constexpr (fem::is_axisymmetric<Element>) {
@@ -51,6 +55,7 @@ public:
   }
   std::size_t elements() const override { return std::size_t(geometry_.elements()); }
   std::size_t points() const override { return of_element; }
+  /// Gradients and weights of the elements.
   const fem::ElementGeometry<Element>& geometry() const { return geometry_; }
 
   void strains(ElementBlock block, std::span<const double> u, TensorBlock<dimension> deviator,
@@ -114,6 +119,7 @@ public:
 
   double volume(std::size_t e) const override { return geometry_.volume(static_cast<int>(e)); }
 
+  /// Sum over the elements of |p grad N|^2 V^2, the squares of the forces of a mean stress p.
   double squared_forces(std::span<const double> stress) const override {
     double sum = 0.0;
     with_lanes([&]<int Count>() {
@@ -138,6 +144,7 @@ public:
     with_lanes([&]<int Count>() {
       for (std::size_t e = 0; e < specific_weight.size(); e += Count) {
         const auto& cells = geometry_.template group<Count>(e);
+        // Each node carries the weight of its share of the element's volume.
         const auto share = node_volumes<Count>(cells);
         for (std::size_t of = e; of < std::min(e + Count, specific_weight.size()); ++of) {
           whole += specific_weight[of] * cells.volume[of - e];
@@ -174,6 +181,7 @@ private:
     if (rotations_.has_rotation(e)) rotations_.into_element(e, *mesh_, v);
     return v;
   }
+  /// Mean over the element of grad u, in the coordinate axes [1].
   typename Rotations::Matrix mean_displacement_gradient(std::size_t e,
                                                         std::span<const double> u) const {
     const auto gradient = geometry_.mean_gradient(static_cast<int>(e));
@@ -214,6 +222,9 @@ private:
     return v;
   }
 
+  /// Adds the forces of a group to the nodes, lane by lane in the order of the elements.
+  /// @param f        (node, direction) forces in the elements' axes
+  /// @param squares  sum to which the squares of all components are added
   template <int Count>
   void scatter(std::size_t first, std::size_t end, const typename FormsOfSeveral<Count>::Vectors& f,
                std::span<double> force, double& squares) const {
@@ -230,6 +241,7 @@ private:
       squares += square[e - first];
     }
   }
+  /// Adds the forces of an element, after turning them to the coordinate axes and to nodal frames.
   void add_force(std::size_t e, Vectors& f, std::span<double> force) const {
     const int* node = nodes_of(e);
     if (rotations_.has_rotation(e)) rotations_.out_of_element(e, f);
@@ -239,6 +251,7 @@ private:
     }
   }
 
+  /// Adds the matrices of a group, lane by lane in the order of the elements.
   template <int Count>
   void add_matrices(std::size_t first, std::size_t end,
                     const typename FormsOfSeveral<Count>::Matrix& k,
@@ -253,6 +266,7 @@ private:
       add_matrix(e, of_one, pattern, values);
     }
   }
+  /// Adds the matrix of an element, given by its lower triangle, at its places in the pattern.
   void add_matrix(std::size_t e, Matrix& k, const linalg::SparsityPattern& pattern,
                   std::span<double> values) const {
     if (rotations_.has_rotation(e)) rotations_.template out_of_element<nodes>(e, k);

@@ -22,6 +22,7 @@ public:
   using Frame = NodalFrame<Dim>;
   using Vector = typename Frame::Vector;
 
+  /// Replaces all frames. @param frames  at most one for a node
   void set(const mesh::Mesh<Dim>& mesh, std::span<const Frame> frames) {
     frame_.assign(frames.begin(), frames.end());
     of_node_.clear();
@@ -43,12 +44,15 @@ public:
     return !has_frame_.empty() && has_frame_[element] != 0;
   }
 
+  /// Transforms nodal vectors of an element from frames to coordinate axes; others stay.
+  /// @param node  (Nodes) numbers of its nodes
   template <std::size_t Nodes>
   void to_coordinates(const int* node, std::array<Vector, Nodes>& v) const {
     for (std::size_t i = 0; i < Nodes; ++i) {
       if (const Frame* frame = frame_of(node[i])) v[i] = frame->to_coordinates(v[i]);
     }
   }
+  /// The inverse of to_coordinates().
   template <std::size_t Nodes>
   void to_frames(const int* node, std::array<Vector, Nodes>& v) const {
     for (std::size_t i = 0; i < Nodes; ++i) {
@@ -61,6 +65,7 @@ public:
   void to_frames(const int* node, std::array<double, Nodes * Dim * Nodes * Dim>& k) const {
     constexpr std::size_t n = Nodes * Dim;
     for (std::size_t r = 0; r < n; ++r) {
+      // A matrix is transformed from both sides: T^T K T, row by row and column by column.
       for (std::size_t s = r + 1; s < n; ++s) k[r * n + s] = k[s * n + r];
     }
     const auto turn = [&](std::size_t first, std::size_t stride, const Frame& frame) {
@@ -88,8 +93,10 @@ public:
   }
 
 private:
+  /// Index of a node without a frame.
   static constexpr int none = -1;
 
+  /// Frame of a node, or null.
   const Frame* frame_of(int node) const {
     if (of_node_.empty() || of_node_[std::size_t(node)] == none) return nullptr;
     return &frame_[std::size_t(of_node_[std::size_t(node)])];
@@ -116,6 +123,7 @@ public:
   /// No element has turned. @param elements  of the mesh
   void reset(std::size_t elements) { rotation_.assign(elements, identity()); }
   void set(std::size_t element, const Matrix& rotation) { rotation_[element] = rotation; }
+  /// Whether the axes of an element have turned. The identity counts as no rotation.
   bool has_rotation(std::size_t element) const {
     return !rotation_.empty() && rotation_[element] != identity();
   }

@@ -87,6 +87,8 @@ protected:
     };
   }
 
+  /// The law with the present multiplier at a point: s = 2 mu~ (e - dt q).
+  /// @param trial  e, strain deviator less the inelastic strain [1]
   PointResponse<Dim> response(std::size_t e, std::size_t point, const Tensor& trial) const {
     PointResponse<Dim> r;
     r.shear = softened_shear(e, point);
@@ -129,6 +131,7 @@ protected:
     };
     settled_ = settled_ && small(now - before, now) && small(now - mapped, mapped);
   }
+  /// The test for every component of a tensor.
   void test_increment(const Tensor& before, const Tensor& now, const Tensor& mapped) {
     for (std::size_t i = 0; i < Tensor::components; ++i) {
       test_increment(before[i], now[i], mapped[i]);
@@ -215,12 +218,14 @@ protected:
     return factorize(fixed, step_of_fixed);
   }
 
+  /// Adds the computed direction to the displacement.
   void advance() {
     for (std::size_t i = 0; i < unknowns_.displacement.size(); ++i) {
       unknowns_.displacement[i] += work_.direction[i];
     }
   }
 
+  /// Keeps the stress deviators of the last residual for the next step.
   void store_deviator() { unknowns_.deviator = equilibrium_.deviators(); }
 
   const Problem& problem_;

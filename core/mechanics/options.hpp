@@ -4,7 +4,11 @@
 
 namespace dccast::mechanics {
 
+/// Algorithm of a mechanical step. newton is ours; the others are those of the paper, sections 4.2
+/// to 4.4.
 enum class Algorithm { newton, vnbm, sbm, nbm };
+/// Model of the liquid metal: a soft solid with the metallostatic pressure as prestress, the
+/// paper's weak solid (section 2.2), or a liquid that is treated as solid metal.
 enum class Liquid { prestressed, weak, solid };
 /// How the mould supports a side that is not yet solid: exactly along its normal, or by springs
 /// (paper, remark 3).
@@ -38,12 +42,14 @@ struct Options {
   double liquid_epsilon = 0.0;  ///< [1]
   double liquid_delta = 0.0;    ///< [1]
   double liquid_beta = 0.0;     ///< [1]
+  /// Side supported by the mould where it is not solid yet.
   bool confinement = false;
   Confinement confinement_by = Confinement::exact;
   double confinement_stiffness = 0.0;  ///< [Pa/m] of the springs
   /// A side released by the mould may lean against the mould wall but not pass through it.
   bool mould_wall = false;
   double mould_length = 0.0;  ///< [m] mould length below the metal level, for `mould_wall`
+  /// Unilateral contact with the bottom block; without it the bottom is held.
   bool contact = false;
   double tolerance = 0.0;  ///< [1] residual relative to the acting forces
   /// Absent: default of the algorithm, see iteration_limit()

@@ -145,8 +145,11 @@ public:
 private:
   using Tensor = SymmetricTensor<Dim>;
 
+  /// Lays out matrix and parts for the present mesh, which has other elements than before.
   void new_pattern();
+  /// Chooses between factorisation and two grids by the number of unknowns.
   void choose_solver();
+  /// Finds the boundaries and sets their frames.
   void find_supports();
   /// @param displacement  by unknown [m]
   void set_rotations(std::span<const double> displacement, std::span<const char> solid);
@@ -159,22 +162,35 @@ private:
     double temperature = 0.0;  ///< [°C] from which its thermal strain counts
     double share = 1.0;        ///< [1] of the step that is left after its solidification, not zero
   };
+  /// Time and temperature at which an element solidifies within the step, by linear interpolation
+  /// of the temperature in time.
   Birth birth_of(int e, const SlabStepInput& input) const;
+  /// Scales moduli and hardening of an element by the share of the step that is left after its
+  /// solidification; its stress begins at minus the pressure of the melt.
   void set_newborn(const Birth& birth);
+  /// Stores the reference strain of an element that solidified in the converged step.
+  /// @param u  displacement at the end of the step, by unknown [m]
   void complete_newborn(State& state, const Birth& birth, std::span<const double> u) const;
 
+  /// Marks elements as solid or liquid by their mean temperature against coherency.
   void set_phases(State& state, const SlabStepInput& input);
+  /// Makes an element liquid: strains, hardening and stress are zero.
   void forget_history(State& state, std::size_t e) const;
   double melt_pressure(int e, double metal_level) const;  ///< [Pa] at the centre; metal_level [m]
   void set_materials(const State& state, const SlabStepInput& input);
   void set_solid(int e, double at, double metal_level);  ///< at [°C], metal_level [m]
   /// @param temperature  (node) [°C]
   void set_weight(const State& state, std::span<const double> temperature);
+  /// Initial values and the complete problem of the step.
   StepUnknowns<Dim> begin(State& state, const SlabStepInput& input);
+  /// Evaluates the step problem itself at the computed displacement. @return scales of its residual
   ForceScales evaluate_end(StepUnknowns<Dim>& unknowns);
+  /// Accepts a converged step: stores strains, stresses and contact in the state.
   void finish(State& state, StepUnknowns<Dim>& unknowns, const StepOutcome& outcome,
               const SlabStepInput& input);
+  /// Sets weight, residual and complementarity error of the checks.
   void check_balance(const StepUnknowns<Dim>& unknowns, const ForceScales& forces);
+  /// Stores contact set and reactions of the bottom.
   void store_supports(State& state, StepUnknowns<Dim>& unknowns);
   void check_front(const State& state, double metal_level);  ///< metal_level [m]
 

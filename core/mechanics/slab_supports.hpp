@@ -24,8 +24,10 @@ public:
 
   /// Finds the boundaries of a mesh. @pre the mesh is set in `forms`
   void find(const Mesh& mesh, const MechanicsForms<Dim>& forms);
+  /// Local frames of side nodes whose normal is oblique to the coordinate axes.
   const std::vector<NodalFrame<Dim>>& frames() const { return frames_; }
 
+  /// Nodes of the lower boundary, in ascending order of their numbers.
   const std::vector<int>& bottom_nodes() const { return bottom_nodes_; }
   /// (bottom node) tributary area [m^(Dim-1)], axisymmetric: [m2/rad].
   const std::vector<double>& bottom_area() const { return bottom_area_; }
@@ -68,6 +70,7 @@ private:
     double outward;  ///< [1] +1 if a positive increment moves the node towards the mould, else -1
     double area;     ///< tributary area on the side [m^(Dim-1)], axisymmetric: [m2/rad]
   };
+  /// A node of the side, with one direction for each of its normals.
   struct SideNode {
     int node;
     double height;  ///< in the undeformed slab [m]
@@ -77,7 +80,9 @@ private:
   class HeldDirections;
   static constexpr int up = Dim - 1;
 
+  /// Finds the nodes of the bottom, with their areas.
   void find_bottom(const Mesh& mesh, const MechanicsForms<Dim>& forms);
+  /// Finds the nodes of the sides and symmetry planes, and the directions that they hold.
   void find_walls(const Mesh& mesh, const MechanicsForms<Dim>& forms);
   /// @param height  [m] in the undeformed slab
   void add_node(int node, double height, const Normals& normals);

@@ -19,13 +19,16 @@ struct ElementForms<fem::BendingHexahedron, Number, true>
       typename Base::Responses, typename Base::Tensor, typename Base::Tensors,
       typename Base::Vectors;
   using Bending = fem::SolidBending;
+  /// Warps have three components each; the mean has the six of a symmetric tensor.
   static constexpr std::size_t warps = Bending::warps, modes = Bending::modes,
                                levers = Bending::levers, means = 6, generalised = means + modes;
 
+  /// Strain at a point [1]. @param q  point
   static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
     return strain_deviators(c, v)[q].add_identity(Base::mean_dilatation(c, v) / 3.0);
   }
 
+  /// Strain deviators [1] at every point: that of the mean, and each lever with its linear strain.
   static Tensors strain_deviators(const Cell& c, const Vectors& v) {
     const Tensor mean = mean_strain(c, v).deviator();
     const auto linear = strains_of_levers(c, v);
@@ -37,6 +40,7 @@ struct ElementForms<fem::BendingHexahedron, Number, true>
     return deviators;
   }
 
+  /// Nodal forces [N] of stress deviators and mean normal stresses [Pa].
   static Vectors forces(const Cell& c, const Tensors& deviator, const Pressures& pressure) {
     Tensor sum;  // of the stress over the volume [N m], its deviator
     std::array<Tensor, levers> moment{};
@@ -63,6 +67,8 @@ struct ElementForms<fem::BendingHexahedron, Number, true>
     return force;
   }
 
+  /// Stiffness [N/m] from the responses at the points and the bulk modulus [Pa], lower triangle. It
+  /// is B^T D B with D by generalised strain and B the strains of unit displacements.
   static Matrix stiffness(const Cell& c, const Responses& response, const Number& bulk_modulus) {
     Moduli d = moduli(c, response, bulk_modulus);
     modes_to_warps(c, d);
@@ -84,13 +90,16 @@ struct ElementForms<fem::BendingHexahedron, Number, true>
 private:
   /// By generalised strain.
   using Generalised = std::array<Number, generalised>;
+  /// D by generalised strain, symmetric [N m].
   using Moduli = std::array<Generalised, generalised>;
   /// A tensor whose shear is scaled so that products of tensors are products of vectors.
   using Scaled = std::array<Number, 6>;
+  /// (warp, direction) of a displacement [m] or a force [N].
   using OfWarps = std::array<std::array<Number, 3>, warps>;
   /// The two directions of the shears xy, yz, xz.
   static constexpr std::size_t pair[3][2] = {{0, 1}, {1, 2}, {0, 2}};
 
+  /// Components of a tensor with shear times sqrt(2), so that dot() gives the double contraction.
   static Scaled scaled(const Tensor& t) {
     constexpr double root = 1.41421356237309504880;  // two shear components in a product
     return {t[0], t[1], t[2], root * t[3], root * t[4], root * t[5]};
@@ -101,6 +110,7 @@ private:
     return sum;
   }
 
+  /// Mean of the strain over the element [1]. @param v  displacements [m]
   static Tensor mean_strain(const Cell& c, const Vectors& v) {
     Tensor mean;
     for (std::size_t i = 0; i < nodes; ++i) {
@@ -135,6 +145,8 @@ private:
     return linear;
   }
 
+  /// Forces that work on the warps [N], from the moments of the stress.
+  /// @param moment  (lever) stress deviator times lever, integrated over the element
   static OfWarps forces_of_warps(const Cell& c, const std::array<Tensor, levers>& moment) {
     OfWarps force{};
     for (std::size_t m = 0; m < modes; ++m) {
@@ -213,6 +225,7 @@ private:
       for (std::size_t m = 0; m < generalised; ++m) d[m][n] = column[m];
     }
   }
+  /// Transforms one side, from amplitudes of modes to components of warps.
   static Generalised to_warps(const Cell& c, const Generalised& of_modes) {
     Generalised of_warps{};
     for (std::size_t n = 0; n < means; ++n) of_warps[n] = of_modes[n];

@@ -32,9 +32,13 @@ struct ForceScales {
 
 /// Outcome of one step. Non-convergence is a result that drives the step control, not an exception.
 struct [[nodiscard]] StepOutcome {
+  /// False: the problem was not solved within the permitted iterations, or the matrix was singular.
   bool converged = false;
+  /// Iterations of the algorithm, each with at least one residual.
   int iterations = 0;
+  /// Iterations in which contact pairs opened or closed.
   int contact_changes = 0;
+  /// Factorisations and solutions of the direct solver.
   int factorizations = 0;
   int solves = 0;
   int gradient_iterations = 0;  ///< of conjugate gradients, each with one preconditioner solve
@@ -49,6 +53,7 @@ struct [[nodiscard]] StepOutcome {
 /// Objects kept between steps: the analysis of the factorisation and the work arrays, sized once
 /// per mesh. [force] is [N/m] in 2D, [N/rad] if axisymmetric, [N] in 3D.
 struct Workspace {
+  /// Method and factor, chosen for the pattern of the mesh.
   linalg::DirectSolver solver;
   std::vector<double> stiffness;         ///< [force/m]
   std::vector<double> unheld_stiffness;  ///< [force/m] before any unknown was held

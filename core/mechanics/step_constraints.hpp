@@ -17,6 +17,7 @@ namespace dccast::mechanics {
 /// of the paper's section 4.3.1 with eps_c -> 0 is this iteration (Lemma 5).
 class ActiveSet {
 public:
+  /// Violations below these count as none.
   struct Tolerance {
     double gap;    ///< [m] penetration that counts as zero
     double force;  ///< [N/m] tensile force that counts as zero; scaled to the weight, not to
@@ -45,7 +46,9 @@ public:
              const Tolerance& tolerance, bool one_by_one);
 
 private:
+  /// (pair) not zero: closed.
   std::vector<char> active_;
+  /// Number of pairs, from the first, of which at least one must be closed.
   std::size_t carrying_ = 0;
 };
 
@@ -85,6 +88,7 @@ public:
       if (set_.active(i)) step_[unknown] = problem_->closed_at(i) - u[unknown];
     }
     for (std::size_t i = 0; i < u.size(); ++i) {
+      // Fixed unknowns come last: what the problem holds wins over the contact set.
       if (problem_->fixed[i] != 0) step_[i] = problem_->target[i] - u[i];
     }
     return step_;
@@ -161,12 +165,14 @@ private:
   static constexpr double gap_tolerance = 1e-10;  // [m]
   static constexpr double force_share_of_weight = 1e-6;
 
+  /// Gaps [m] of all pairs, and reactions of the closed ones [N/m in 2D].
   void collect(std::span<const double> u, std::span<const double> residual) {
     for (std::size_t i = 0; i < gap_.size(); ++i) {
       gap_[i] = problem_->normal_gap(i, u);
       reaction_[i] = set_.active(i) ? problem_->along_gap(i, residual) : 0.0;
     }
   }
+  /// Closes the open pairs for which condition(pair) holds. @return number of pairs closed
   template <class Condition>
   int close_where(Condition&& condition) {
     std::vector<char> active = set_.active();
@@ -182,6 +188,7 @@ private:
     }
     return changes;
   }
+  /// Combines the unknowns held by the problem with those of closed pairs.
   void mark() {
     fixed_ = problem_->fixed;
     for (std::size_t i = 0; i < problem_->contact.size(); ++i) {
@@ -192,9 +199,13 @@ private:
   const StepProblem<Dim>* problem_;
   std::vector<char>* active_;
   ActiveSet set_;
+  /// (unknown) not zero: held.
   std::vector<char> fixed_;
+  /// (unknown) step of the held unknowns to their targets [m].
   std::vector<double> step_;
+  /// (pair) normal gaps [m].
   std::vector<double> gap_;
+  /// (pair) reactions [N/m in 2D].
   std::vector<double> reaction_;
   double force_tolerance_;  ///< [N/m in 2D]
 };

@@ -25,6 +25,7 @@ template <int Dim>
 struct StepProblem {
   using Tensor = SymmetricTensor<Dim>;
 
+  /// Strains, forces and stiffness of the mesh; not owned.
   const MechanicsForms<Dim>* forms = nullptr;
   const linalg::SparsityPattern* pattern = nullptr;  ///< unknown = node * Dim + direction
 

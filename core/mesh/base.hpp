@@ -20,6 +20,7 @@ struct CornerArc {
 
   /// A point of the arc [m]. @param direction  [rad] from the normal of the narrow face
   Point point(double direction) const;
+  /// Ends of the arc [m].
   Point on_narrow_face() const { return point(0.0); }
   Point on_wide_face() const { return point(angle); }
 };
@@ -34,10 +35,12 @@ inline constexpr int fewest_corner_cells = 2;
 /// The base of an extruded mesh: a divided line in 2D, a plan of quadrilaterals in 3D.
 template <int Dim>
 struct Base {
+  /// A cell is an interval in 2D, a quadrilateral in 3D.
   static constexpr int nodes_per_cell = Dim == 2 ? 2 : 4;
 
   /// A side of a base cell on which a wall stands.
   struct Piece {
+    /// Number of the base cell.
     int cell = -1;
     /// Side of the cell: in 2D its left (0) or right (1) end; in 3D the side from corner k to
     /// corner k + 1.
@@ -55,6 +58,7 @@ struct Base {
   std::vector<int> cell_node;  ///< (cell, nodes_per_cell), in 3D counterclockwise from above
   std::vector<Wall> walls;
 
+  /// Numbers of nodes and cells of the base.
   int nodes() const { return static_cast<int>(node.size()) / (Dim - 1); }
   int cells() const { return static_cast<int>(cell_node.size()) / nodes_per_cell; }
 };

@@ -26,6 +26,7 @@ std::vector<double> refined(const std::vector<double>& position, int refinement)
 /// order of its base, then the upper ones in the same order.
 template <int Dim>
 struct CellDivision {
+  /// Four corners of a quadrilateral, eight of a hexahedron.
   static constexpr int corners = Dim == 2 ? 4 : 8;
 
   /// A facet of the cell's surface, by corners, and the element of the cell it belongs to.
@@ -56,6 +57,7 @@ struct Extrusion {
   int lines = 0;               ///< nodes per row
   std::vector<int> cell;       ///< (cell of a row, 4) its lines
 
+  /// Rows of nodes; there is one row of cells less.
   int rows() const { return static_cast<int>(height.size()); }
 };
 

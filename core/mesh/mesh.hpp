@@ -15,6 +15,7 @@ namespace dccast::mesh {
 
 /// Role of a part of the boundary.
 enum class PatchKind { symmetry, bottom, side, top };
+/// Number of kinds, and their names in meshes and results.
 inline constexpr std::size_t patch_kinds = 4;
 inline constexpr std::array<const char*, patch_kinds> patch_kind_name{"symmetry", "bottom", "side",
                                                                       "top"};
@@ -27,6 +28,7 @@ inline const char* name_of(PatchKind kind) {
 /// to the left of node[0] -> node[1]; in 3D the nodes turn counterclockwise seen from outside.
 template <int Dim>
 struct Facet {
+  /// Nodes of the facet; the last of four is not used by a triangle.
   std::array<int, Dim == 2 ? 2 : 4> node{};
   int nodes = Dim == 2 ? 2 : 4;
   int element = -1;  ///< to which it belongs
@@ -64,6 +66,7 @@ struct Mesh {
   std::vector<int> element_node;  ///< (element, nodes_per_element), positively oriented
   std::vector<Patch<Dim>> patches;
 
+  /// Numbers of nodes and elements.
   int nodes() const { return static_cast<int>(node.size()) / Dim; }
   int elements() const {
     return nodes_per_element == 0 ? 0 : static_cast<int>(element_node.size()) / nodes_per_element;
@@ -101,6 +104,7 @@ struct Mesh {
   }
 
 private:
+  // One function for constant and changeable meshes; null if there is no patch of the kind.
   template <class Self>
   static auto only(Self& self, PatchKind kind) -> decltype(self.patches.data()) {
     decltype(self.patches.data()) found = nullptr;

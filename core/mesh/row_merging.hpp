@@ -29,6 +29,7 @@ std::vector<int> rows_to_merge(std::span<const double> height, int first,
 struct MergedRows {
   std::vector<double> height;  ///< [m] of the rows of nodes before merging
   std::vector<int> taken_out;  ///< removed rows of nodes, from rows_to_merge()
+  /// Nodes and elements of one row, before and after merging.
   std::size_t nodes_per_row = 0, elements_per_row = 0;
 
   bool empty() const { return taken_out.empty(); }

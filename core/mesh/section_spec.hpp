@@ -8,7 +8,10 @@
 
 namespace dccast::mesh {
 
+/// Plane strain through the thickness of a wide slab, a billet, or a quarter of a slab.
 enum class SectionKind { plane_strain, axisymmetric, quarter_slab };
+/// Linear triangles or tetrahedra, B-bar quadrilaterals or hexahedra, and these with bending modes:
+/// docs/developers/elements.md.
 enum class ElementKind { p1, q1, q1_bending };
 
 /// Number of coordinates of a section.
@@ -35,6 +38,7 @@ struct SectionSpec {
   double corner_radius = 0.0;  ///< [m] quarter slab only; 0 is a square corner
   double initial_depth = 0.0;  ///< [m]
   ElementKind element = ElementKind::p1;
+  /// Cells before refinement.
   int columns = 0;
   int layers = 0;
   int rows = 0;

@@ -29,7 +29,9 @@ public:
   /// @param spec  section and division; `file` must be empty
   explicit SlabMesh(const SectionSpec& spec);
 
+  /// The present mesh. References to it stay valid; its arrays grow.
   const Mesh<Dim>& mesh() const { return mesh_; }
+  /// Numbers of cells, rows and nodes of the extruded base.
   int cells_per_row() const { return base_.cells(); }
   int rows() const { return static_cast<int>(heights_.size()) - 1; }
   int nodes_per_row() const { return base_.nodes(); }
@@ -56,14 +58,22 @@ public:
   void restore(const std::vector<double>& row_heights);
 
 private:
+  /// Makes all nodes and elements from the base and the present heights.
   void build();
+  /// Divides the top row at a height [m] and records the new row of nodes.
   void divide_top_row(double height, std::vector<double>& inserted);
+  /// Sets the coordinates of the nodes of a row from the base and its height.
   void place_row_of_nodes(int row);
+  /// Adds the elements of a row of cells, numbered behind all others.
   void add_row_of_cells(int row);
+  /// Adds the facets of the walls along a row of cells.
   void add_walls(int row);
+  /// Makes the facets of the lowest row.
   void set_bottom();
+  /// Makes the facets of the uppermost row; they change with every growth.
   void set_top();
 
+  /// The plan, and how each of its cells is divided.
   Base<Dim> base_;
   ElementKind kind_;
   double growth_cell_;  ///< [m]

@@ -10,6 +10,7 @@ namespace dccast::results {
 
 /// Result of reading a checkpoint: the content, or the reason why there is none.
 struct [[nodiscard]] CheckpointRead {
+  /// Absent if the file is missing or damaged.
   std::optional<Sections> content;
   /// "", "missing", "truncated", "checksum", "not a checkpoint", or the format it has
   std::string reason;

@@ -20,6 +20,7 @@ struct Frame {
   double cast_length = 0.0;  ///< [m]
   double metal_level = 0.0;  ///< [m] above the bottom block
 
+  /// Coordinates of a node.
   int dimension = 2;
   /// 3 triangle, 4 quadrilateral (2D) or tetrahedron (3D), 8 hexahedron
   int nodes_per_element = 3;
@@ -40,6 +41,7 @@ struct Frame {
   std::vector<double> bottom_gap;         ///< (bottom node) [m], open positive
   std::vector<double> bottom_pressure;    ///< (bottom node) [Pa], never negative
 
+  /// Numbers of nodes and elements.
   std::int64_t nodes() const { return static_cast<std::int64_t>(node.size()) / dimension; }
   std::int64_t elements() const {
     return static_cast<std::int64_t>(element_node.size()) / nodes_per_element;
@@ -57,12 +59,14 @@ constexpr int tensor_components(int dimension) {
 /// An array of results in a frame, empty if the run does not compute it. Journal, writer, reader
 /// and sidecar all use frame_arrays(), the table of these.
 struct FrameArray {
+  /// Where the values of an array belong, and how many a place has.
   enum class On { nodes, elements, bottom };
   enum class Rank { scalar, vector, tensor };
 
   const char* name;     ///< in the journal
   const char* dataset;  ///< in the frame's group
   const char* unit;
+  /// What it is, as the attribute `meaning` in HDF5 has it.
   const char* meaning;
   On on;
   Rank rank;
@@ -70,9 +74,11 @@ struct FrameArray {
 
   /// Number of nodes or elements.
   std::size_t rows(const Frame& frame) const;
+  /// Numbers for one node or element: 1, the dimension, or tensor_components().
   int components(int dimension) const;
 };
 
+/// All arrays, in the order of SCHEMA.md.
 std::span<const FrameArray> frame_arrays();
 
 /// Finds an array of a frame that does not fit its mesh: its size is wrong, or it names a node that
@@ -93,6 +99,7 @@ struct RunHeader {
   double shell = 0.0;         ///< [°C] metal below this temperature counts as shell
   /// [1] half width of the discretisation error, relative to the curl; absent: not known
   std::optional<double> relative_curl_error = std::nullopt;
+  /// Names of the monitors, in the order of the case.
   std::vector<std::string> monitor_name;
   int dimension = 2;  ///< number of coordinates; the last one points upwards
   std::vector<std::vector<double>> monitor_position;  ///< (monitor, dimension) [m]

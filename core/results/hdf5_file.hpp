@@ -17,7 +17,9 @@ namespace dccast::hdf5 {
 /// An HDF5 identifier with the function that closes it.
 class Handle {
 public:
+  /// Function of the library that closes this kind of identifier.
   using Close = herr_t (*)(hid_t);
+  /// A handle without identifier, and one that owns `id`.
   Handle() = default;
   Handle(hid_t id, Close close_function) : id_(id), close_(close_function) {}
   Handle(Handle&& other) noexcept
@@ -39,6 +41,7 @@ private:
   Close close_ = nullptr;
 };
 
+/// Numbers of values by index, the slowest first.
 using Shape = std::vector<hsize_t>;
 
 /// Number of values in an array of this shape.
@@ -53,6 +56,7 @@ public:
   /// Opens a file for reading. @throws storage::StorageError  missing, not HDF5, or damaged
   static File open(const std::filesystem::path& path);
 
+  /// @throws storage::StorageError  it exists, or a group above it does not
   void create_group(const std::string& object);
   /// Writes a dataset.
   /// @param shape          row-major; large arrays are chunked, compressed and get a checksum
@@ -80,6 +84,8 @@ public:
   void write_attribute(const std::string& object, const char* name, std::int64_t value);
   void write_attribute(const std::string& object, const char* name, const std::string& value);
 
+  /// Whether an object exists at a path; shape of a dataset. @throws storage::StorageError of
+  /// shape_of(): it is none
   bool has(const std::string& object) const;
   Shape shape_of(const std::string& object) const;
   /// Reads all values of a dataset.
@@ -87,10 +93,13 @@ public:
   /// @return [unit of the dataset]
   std::vector<double> read_reals(const std::string& object,
                                  std::optional<std::size_t> count = {}) const;
+  /// As read_reals(), for integers and texts; texts are UTF-8. @throws storage::StorageError
   std::vector<std::int64_t> read_integers(const std::string& object,
                                           std::optional<std::size_t> count = {}) const;
   std::vector<std::string> read_texts(const std::string& object,
                                       std::optional<std::size_t> count = {}) const;
+  /// Attributes of an object; a missing one is a StorageError unless has_attribute() says so
+  /// before.
   bool has_attribute(const std::string& object, const char* name) const;
   /// @return [unit in the name of the attribute]
   double real_attribute(const std::string& object, const char* name) const;
@@ -112,11 +121,15 @@ private:
                      const void* value);
   void put_attribute(const Handle& target, const std::string& object, const char* name,
                      const char* text);
+  /// @throws storage::StorageError  there is no such object
   Handle open_object(const std::string& object) const;
+  /// @param type   HDF5 type of the value in memory
+  /// @param value  room for one value of this type
   void read_attribute(const std::string& object, const char* name, hid_t type, void* value) const;
   /// Number of values of a dataset, checked against the size of its file.
   /// @param required  see read_reals()
   std::size_t checked_count(const std::string& object, std::optional<std::size_t> required) const;
+  /// Reads a whole dataset into memory whose size has been checked.
   void read_array(const std::string& object, hid_t memory_type, void* values) const;
   /// Passes on the result of a call of the library.
   /// @throws storage::StorageError  `result` is negative; `failure` says what could not be done

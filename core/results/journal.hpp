@@ -38,6 +38,7 @@ private:
 
 /// One whole record of a journal.
 struct Record {
+  /// Kind of the record and its content.
   RecordKind kind{};
   Sections content;
   std::int64_t end = 0;  ///< byte after the record

@@ -30,8 +30,10 @@ public:
   const std::vector<FrameOutline>& frames() const { return frames_; }
 
 private:
+  /// Adds a record of the journal. @throws storage::StorageError
   void add(const Record& record);
 
+  /// Read again for the frames, which are not kept in memory.
   std::filesystem::path journal_;
   std::int64_t journal_end_ = 0;  ///< byte after the last record that was added
   hdf5::File file_;

@@ -34,9 +34,11 @@ class ResultReader {
 public:
   /// @throws storage::StorageError  also for an unknown schema version
   explicit ResultReader(const std::filesystem::path& results);
+  /// A reader owns the open file.
   ResultReader(ResultReader&&) noexcept;
   ~ResultReader();
 
+  /// Data stored once per run. @throws storage::StorageError  the file is damaged
   RunHeader header() const;
   RunSummary summary() const;
   /// All accepted steps. Computing times are not stored, so they are zero.

@@ -16,6 +16,7 @@ namespace dccast::results {
 
 /// The files of a run: the journal during the run and the final results.
 struct RunFiles {
+  /// File to which frames and headers are appended while the run goes on.
   std::filesystem::path journal;
   /// results.h5; while it is being written `.part` is appended to its name.
   std::filesystem::path results;
@@ -56,6 +57,7 @@ public:
   /// Finishes pending work. Of unpublished results only the journal remains.
   ~ResultWriter();
 
+  /// Keeps the report of a step for the history. Reports are written at the end only.
   void append(const StepReport& report);
   /// @param frame  of the last step appended, or of the initial state
   void append(const Frame& frame);
@@ -76,12 +78,15 @@ public:
   void publish(const RunSummary& summary);
 
 private:
+  /// Continues with the records that the journal and the reports still hold.
   ResultWriter(RunFiles files, std::int64_t journal_size, std::int64_t records,
                std::vector<StepReport> history);
+  /// Appends a record and counts it.
   void append_record(RecordKind kind, const Sections& content);
 
   // Called by the background thread.
   void follow();
+  /// Writes the result file beside its final name and publishes it.
   void finish(const RunSummary& summary);
   std::unique_ptr<ResultFileBuilder> take_builder();
 
@@ -96,6 +101,7 @@ private:
 
 /// Result of ResultWriter::resume().
 struct ResumedWriter {
+  /// Absent if the run cannot be continued with these files.
   std::unique_ptr<ResultWriter> writer;
   std::string reason;  ///< why there is no writer
 };

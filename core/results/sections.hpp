@@ -17,6 +17,7 @@ namespace dccast::results {
 /// Units: reals are in SI units and °C.
 class Sections {
 public:
+  /// Kinds of values; a section has one of them.
   using Reals = std::vector<double>;
   using Integers = std::vector<std::int64_t>;
   using Value = std::variant<Reals, Integers, std::string>;
@@ -28,11 +29,13 @@ public:
   bool has(std::string_view name) const { return values_.find(name) != values_.end(); }
   /// @throws std::out_of_range  there is no section with that name and type
   const Reals& reals(std::string_view name) const { return get<Reals>(name); }
+  /// The value of a section. @throws std::out_of_range  it is missing or of another kind
   const Integers& integers(std::string_view name) const { return get<Integers>(name); }
   const std::string& text(std::string_view name) const { return get<std::string>(name); }
   double real(std::string_view name) const { return reals(name).at(0); }
   std::int64_t integer(std::string_view name) const { return integers(name).at(0); }
 
+  /// All sections by name, for writing.
   const std::map<std::string, Value, std::less<>>& all() const { return values_; }
 
 private:

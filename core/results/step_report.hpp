@@ -9,6 +9,7 @@
 
 namespace dccast::results {
 
+/// Note: worth knowing. Warning: a plant would object. Danger: a plant could not cast it.
 enum class Severity { note, warning, danger };
 
 /// A figure beyond its limit.
@@ -65,6 +66,7 @@ struct StepReport {
   double time_step = 0.0;    ///< [s]
   double cast_length = 0.0;  ///< [m] travel of the bottom block
   int iterations = 0;
+  /// Iterations and solver calls of the step, rejected attempts included where the name says so.
   int heat_iterations = 0;
   int contact_changes = 0;
   int factorizations = 0;
@@ -85,6 +87,7 @@ struct StepReport {
   double process_seconds = 0.0;  ///< [s] processor time of all threads of the process so far
   double progress = 0.0;         ///< [1] 0 to 1, share of the simulated time
   std::int64_t nodes = 0;
+  /// Elements of the mesh at the end of the step.
   std::int64_t elements = 0;
   double mould_exit_temperature = 0.0;  ///< [°C] largest surface temperature at the water line
   double complementarity_error = 0.0;   ///< [1] relative to 1 mm and the weight
@@ -151,7 +154,10 @@ struct HistoryField {
   const char* solid_unit = nullptr;   ///< unit for a quarter slab, if different
   const char* former_name = nullptr;  ///< in files of schema versions 1 and 2, if different
 
+  /// Whether the figure is a real number; else it is an integer or a truth value.
   bool real() const { return member.index() == 0; }
+  /// Name and unit of the figure, which depend on the dimension: forces and heat of a section are
+  /// per metre.
   std::string name_in(int dimension) const;
   const char* unit_in(int dimension) const {
     return dimension == 3 && solid_unit != nullptr ? solid_unit : unit;

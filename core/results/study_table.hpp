@@ -9,6 +9,7 @@ namespace dccast::results {
 
 /// Results of all runs of a study. Matrices are flat with the last index fastest.
 struct StudyTable {
+  /// Version that made the table.
   std::string program_version;
   std::string study;  ///< UUID
   std::string title;
@@ -38,6 +39,7 @@ struct StudyTable {
   std::vector<std::string> finding_code, finding_severity;
   std::vector<double> finding_time;  ///< (finding) [s]; NaN if it follows from the case alone
 
+  /// Number of runs, with and without a job.
   std::size_t runs() const { return job.size(); }
 };
 

@@ -20,6 +20,7 @@ struct ShownField {
 struct FrameOutline {
   double time = 0.0;  ///< [s]
   int dimension = 2;
+  /// Size of the mesh of a frame, by which XDMF finds its arrays in the HDF5 file.
   int nodes_per_element = 3;
   std::int64_t nodes = 0;
   std::int64_t elements = 0;

@@ -27,7 +27,9 @@ public:
   void wait();
 
 private:
+  /// The thread: executes tasks until the end, keeps the first exception.
   void run();
+  /// Passes on the failure of a task to the caller of post() or wait(), once.
   void rethrow_background_error();
 
   std::mutex mutex_;

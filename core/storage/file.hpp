@@ -17,6 +17,7 @@ namespace dccast::storage {
 class FileDescriptor {
 public:
   FileDescriptor() = default;
+  /// Takes over an open descriptor; -1 for none.
   explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
   FileDescriptor(FileDescriptor&& other) noexcept
       : descriptor_(std::exchange(other.descriptor_, -1)) {}
@@ -24,9 +25,11 @@ public:
     std::swap(descriptor_, other.descriptor_);
     return *this;
   }
+  /// Closes the descriptor. Errors of close are not seen here: sync() before.
   ~FileDescriptor() {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
+  /// The descriptor, -1 if there is none; it stays owned.
   int get() const { return descriptor_; }
   explicit operator bool() const { return descriptor_ >= 0; }
 
@@ -48,6 +51,7 @@ enum class Links {
 /// file position. All calls throw StorageError, which names the file.
 class File {
 public:
+  /// No file.
   File() = default;
   /// Opening never waits for another process. Anything but a regular file is refused: a named pipe,
   /// a device, a folder, and a symbolic link unless `links` permits it. With O_DIRECTORY in `flags`
@@ -81,6 +85,7 @@ struct SyncTotals {
   std::uint64_t count = 0;
   double seconds = 0.0;
 };
+/// Totals since the start of the process.
 SyncTotals sync_totals();
 
 /// As kind_of_entry() names it.
@@ -112,6 +117,7 @@ public:
   std::string_view at(std::int64_t offset, std::int64_t length);
 
 private:
+  /// Reads around `offset`, so that bytes_ holds the wanted range.
   void fill(std::int64_t offset, std::int64_t length);
 
   const File& file_;
@@ -131,6 +137,7 @@ void create_durably(const std::filesystem::path& path, std::string_view content)
 
 /// A finished file and its final name, in the same folder.
 struct Publication {
+  /// Name under which the content is complete and synced, and the name that readers know.
   std::filesystem::path finished;
   std::filesystem::path final_path;
 };

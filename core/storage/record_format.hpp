@@ -17,6 +17,7 @@ std::uint32_t crc32c(const void* bytes, std::size_t size, std::uint32_t so_far =
 
 /// One complete record of a file.
 struct Record {
+  /// Content of the record, a view of the bytes it was read from.
   std::string_view payload;
   std::uint8_t kind = 0;  ///< 0 if the format has none
   std::int64_t size = 0;  ///< [bytes] including its head

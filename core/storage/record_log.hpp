@@ -34,6 +34,8 @@ public:
   bool in_doubt() const;
 
 private:
+  /// Writes a range of the file again. After a failed sync the kernel marks pages as clean: only a
+  /// new write makes the next sync write them.
   void write_again(std::int64_t begin, std::int64_t end) const;
 
   File file_;

@@ -77,6 +77,7 @@ public:
   }
 
 private:
+  /// Solves the tridiagonal system of a column. @param right  right-hand side, then solution
   void solve(std::vector<double>& right) const {
     const double conductance = body_.conductivity / cell_;
     for (std::size_t i = 1; i < points; ++i) right[i] -= lower_[i] * right[i - 1];

@@ -11,6 +11,7 @@ namespace dccast::thermal {
 
 /// Face of a slab. The only side of a 2D section counts as wide.
 enum class Face { wide, narrow };
+/// Wide and narrow face of a slab; sections have the first alone.
 inline constexpr std::size_t faces = 2;
 
 /// A cooling zone of the side: a band at a fixed distance below the metal level.
@@ -44,6 +45,7 @@ struct Wetting {
 
 /// Jet and falling film below the water line.
 struct Water {
+  /// Whether there is water at all; without it the side below the mould is dry.
   bool enabled = false;
   double from = 0.0;                ///< [m] below the metal level
   double start = 0.0;               ///< [s]
@@ -71,6 +73,7 @@ struct BlockBody {
   double cooling_coefficient = 0.0;  ///< [W/(m2 K)] of its lower side, to the water
 };
 
+/// The bottom block and what lies between it and the butt; table `cooling.bottom_block` of a case.
 struct BottomBlock {
   /// [W/(m2 K)] against the time since the first metal: the shell shrinks away from the block after
   /// a certain time of contact, whenever the block starts.
@@ -94,6 +97,7 @@ enum class Top { pouring, held, insulated };
 
 /// How heat leaves the slab; table `cooling` of a case.
 struct CoolingSpec {
+  /// Zones of the side, each with its face; the first that covers a place applies.
   std::vector<SideZone> zones;
   Water water;
   std::optional<Water> narrow_water;  ///< on the narrow face; absent: as on the wide face
@@ -103,6 +107,7 @@ struct CoolingSpec {
   Top top = Top::pouring;
   double level_coefficient = 0.0;  ///< [W/(m2 K)] from the level to the surroundings, if pouring
 
+  /// Water of a face: its own where the case has one, else that of the wide face.
   const Water& water_of(Face face) const {
     return face == Face::narrow && narrow_water ? *narrow_water : water;
   }

@@ -13,6 +13,7 @@ namespace dccast::thermal {
 /// the shape functions there.
 template <class Element>
 struct ElementConduction {
+  /// Coordinates and nodes of an element.
   static constexpr std::size_t dim = Element::dimension, nodes = Element::nodes;
   std::array<double, nodes> volume;  ///< [m^dim], axisymmetric [m3/rad]
   /// (corner, node) [1/m]
@@ -34,6 +35,7 @@ double radius_at(const mesh::Mesh<Element::dimension>& mesh, const int* node, co
 template <class Element>
 std::array<double, Element::nodes> corner_volumes(const mesh::Mesh<Element::dimension>& mesh,
                                                   const int* node) {
+  /// Derivatives of the coordinates by the reference coordinates [m].
   using Jacobian = fem::Jacobian<Element::dimension>;
   constexpr std::size_t nodes = Element::nodes;
   std::array<double, nodes> volume{};

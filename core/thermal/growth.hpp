@@ -17,6 +17,7 @@ struct MetalEntry {
 
 /// Nodal data of a mesh of rows that has grown (mesh::SlabMesh::grow_to).
 struct GrownRows {
+  /// Nodes of one row of the built-in mesh.
   std::size_t nodes_per_row;
   std::span<const double> volume_before;  ///< (old node) [m^Dim], axisymmetric: [m3/rad]
   /// (old node) with the old top row stretched to the new level [m^Dim], [m3/rad]; the same as

@@ -53,6 +53,7 @@ struct LawAt {
 /// The cooling laws of the side at one time.
 class SideLaws {
 public:
+  /// @param cooling  must outlive this object
   SideLaws(const CoolingSpec& cooling, const SideInstant& instant);
   /// Distances below the metal level at which a law may change or has a kink [m], ascending.
   const std::vector<double>& edges() const { return edges_; }
@@ -83,6 +84,7 @@ public:
   /// else only the coordinates. Must be called before any other function.
   /// @return true if the pattern is new
   virtual bool update() = 0;
+  /// Size of the mesh; unknowns of the heat are its nodes.
   virtual int nodes() const = 0;
 
   const linalg::SparsityPattern& pattern() const { return pattern_; }
@@ -103,6 +105,7 @@ public:
 
   /// Input of the direct solver's ordering.
   virtual linalg::Geometry geometry() const = 0;
+  /// Nodes along two edges, from which an elimination may start.
   virtual std::array<std::vector<int>, 2> fronts() const = 0;
   /// The lines and rows of nodes of an extruded mesh of hexahedra; empty for other meshes.
   virtual std::optional<mesh::Extrusion> extrusion() const = 0;

@@ -28,8 +28,10 @@ struct HeatBalance {
   double error = 0.0;  ///< [1]
 };
 
+/// Outcome of one step. Non-convergence is a result that drives the step control.
 struct [[nodiscard]] HeatStepOutcome {
   bool converged = false;
+  /// Newton iterations, and calls of the direct solver.
   int iterations = 0;
   int factorizations = 0;
   int solves = 0;
@@ -97,8 +99,11 @@ public:
   const HeatForms& forms() const { return *forms_; }
 
 private:
+  /// Computes the conduction of elements that are new.
   void take_elements();
+  /// Chooses between conjugate gradients with vertical lines and a factorisation.
   void choose_solver();
+  /// Sets up a step: start values, cooling laws, held nodes.
   void prepare(const HeatField& field, const HeatStepInput& input);
   /// @param enthalpy  (node) [J/m3]
   void evaluate(const std::vector<double>& enthalpy, const HeatStepInput& input);
@@ -107,11 +112,16 @@ private:
   [[nodiscard]] bool factorize(Slope kind, double time_step);  ///< time_step [s]
   [[nodiscard]] bool factorize_newton(double time_step);       ///< time_step [s]
   [[nodiscard]] bool solve_by_lines();
+  /// Solves for the Newton direction. @return false if the matrix is not positive definite
   bool newton_direction();
   double relative_residual(double time_step) const;                ///< [1]; time_step [s]
   bool line_search(const HeatStepInput& input, double reference);  ///< reference residual [1]
+  /// A step with D at its upper bound everywhere: a contraction, slow but always convergent.
+  /// @return false if the matrix is not positive definite
   bool bounded_step(const HeatStepInput& input);
+  /// Newton's iterations from the state of prepare(). @return whether the tolerance is reached
   bool iterate(const HeatStepInput& input, HeatStepOutcome& outcome);
+  /// Heat balance of the accepted step.
   HeatBalance balance(const HeatStepInput& input) const;
 
   material::ThermalProperties properties_;

@@ -68,6 +68,7 @@ struct FaceWater {
 /// at the beginning of the step; the flux follows the nodal states of each iterate.
 class SurfaceCooling {
 public:
+  /// @param cooling  the tables of the case; the body of the block is set up from them
   explicit SurfaceCooling(CoolingSpec cooling);
 
   /// Adapts the arrays to a mesh. @param nodes  number of nodes
@@ -94,21 +95,35 @@ public:
   const std::array<FaceWater, faces>& water() const { return water_; }
 
 private:
+  /// Whether the valve of a face is open in the middle of the step.
   bool water_runs(Face face, const HeatStepInput& input) const;
+  /// Orders the shares of the side by face and column, from above, as the water runs.
   void find_columns(const HeatForms& forms);
+  /// Lets the water run down every column of every face. @param side_height  [m] of the undeformed
+  /// side
   void lay_water(const HeatForms& forms, const material::ThermalProperties& properties,
                  const HeatField& field, const HeatStepInput& input, double side_height);
+  /// Lets the water run down one column. @param shares  its places from above
+  /// @param width  [m] of the face that it covers
   void lay_column(std::span<const std::size_t> shares, double width,
                   const material::ThermalProperties& properties, const HeatField& field,
                   const HeatStepInput& input);
+  /// Sets gap, contact and water of each bottom node.
   void lay_bottom(const HeatForms& forms, const HeatField& field, const HeatStepInput& input);
+  /// Whether water runs over a part of the butt that has left the mould, from where it reaches the
+  /// gap.
   bool water_at_butt(const HeatStepInput& input) const;
+  /// Flux of a share by its law [W/m2] and its derivative by the temperature.
   SurfaceFlux side_flux(std::size_t share, const SurfaceState& surface,
                         const HeatStepInput& input) const;
+  /// Adds the fluxes of all shares of the side to the nodes.
   void add_side(std::span<const material::ThermalState> state, const HeatStepInput& input);
+  /// Adds a flux at the nodes of a patch. @param flux_at  (node, temperature) -> SurfaceFlux
+  /// @return total [W/m]
   template <class FluxAt>
   double add_patch(const std::vector<int>& nodes, const std::vector<double>& weight,
                    std::span<const material::ThermalState> state, const FluxAt& flux_at);
+  /// Stores which places are wetted at the end of the step.
   void store_wetted(std::span<const material::ThermalState> state, const HeatStepInput& input,
                     HeatField& field) const;
   /// @param weight  [m], axisymmetric [m2/rad], in 3D [m2]

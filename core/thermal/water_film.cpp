@@ -88,7 +88,7 @@ FilmEnd march_film(const Water& water, const Film& supply, double width, double 
         .critical_heat_flux = critical_heat_flux(water, film, depth),
         .film_coefficient = film_coefficient(w, film, depth)};
 
-    // A piece takes no more heat than boils the whole stream away.
+    // A piece takes at most the heat that boils away the whole stream.
     const double wanted = water_flux(water, here, {hot, 0.0}, piece.at).flux;
     const double taken = std::min(wanted * piece.area, stream.capacity());
     stream.take(taken);
@@ -97,12 +97,12 @@ FilmEnd march_film(const Water& water, const Film& supply, double width, double 
     area += piece.area;
     place.push_back(here);
 
-    // Only a vapour film without a break, below the jet, lets the stream lose touch.
+    // The stream leaves the face only at an unbroken vapour film below the jet.
     if (depth >= w.jet_length)
       vapour = here.wetted < hardly_wetted ? vapour + piece.area / width : 0.0;
   }
 
-  // Iterations may move heat between pieces: each may take a part of what the stream has left.
+  // Iterations may move heat between pieces: each may take only a part of the remaining stream.
   const double spare = area > 0.0 ? stream.capacity() / area : 0.0;
   for (std::size_t i = 0; i < place.size(); ++i) place[i].largest_flux = flux[i] + spare;
   return end;

@@ -17,6 +17,7 @@ struct WetPiece {
 
 /// Why the film of a column does not reach the bottom of the slab, if it does not.
 struct FilmEnd {
+  /// Why the film ended above this place: too little water is left, or steam has thrown it off.
   bool boiled_away = false;
   bool thrown_off = false;
 };

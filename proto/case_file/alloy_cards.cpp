@@ -40,7 +40,7 @@ AlloyCard named_card(const std::string& name, AlloyCard card, ReadOutcome read) 
   card.alloy.set_card(name);
   card.faults = read.ok() ? uncertainty_faults(card.alloy) : std::move(read.faults);
   for (v1::Fault& fault : card.faults) {
-    // The sentence has value, range and remedy already.
+    // The message already has value, range and remedy.
     v1::Fault of_case;
     of_case.set_field("alloy.card");
     of_case.set_value(quoted(name));
@@ -50,7 +50,7 @@ AlloyCard named_card(const std::string& name, AlloyCard card, ReadOutcome read) 
   return card;
 }
 
-/// Clears the curves of a message that another gives: merging would append their points.
+/// Clears the curves that another message gives: merging would append their points.
 void clear_curves_given_in(const google::protobuf::Message& given,
                            google::protobuf::Message& message) {
   for (const FieldDescriptor* const field : fields_of(*given.GetDescriptor()))

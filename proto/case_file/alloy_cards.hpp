@@ -15,6 +15,7 @@ struct AlloyCard {
   v1::Alloy alloy;                ///< as in its file, without defaults
   std::vector<v1::Fault> faults;  ///< faults of the file; a missing card is one fault
 
+  /// Whether the card can be used.
   bool ok() const { return faults.empty(); }
 };
 

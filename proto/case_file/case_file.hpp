@@ -30,6 +30,7 @@ inline constexpr std::size_t maximum_file_bytes = 4 * 1024 * 1024;
 struct AttachedFile {
   std::string name;  ///< that the case gives it
   std::filesystem::path path{};
+  /// SHA-256 of a file that the case names, by which the server finds it.
   std::string sha256{};
   std::int64_t bytes = 0;
 };
@@ -42,6 +43,7 @@ struct ReadOutcome {
   std::vector<std::string> files;         ///< names of these files, if the text was read elsewhere
   SourceMap source;
 
+  /// Whether the text was read without a fault.
   bool ok() const { return faults.empty(); }
 };
 
@@ -88,6 +90,7 @@ struct KeyReference {
   std::string permitted;  ///< range or choices, as text
   std::string against;    ///< for curves: "time, cast length"
   std::string default_text;
+  /// Comment of the field in case.proto.
   std::string doc;
   bool curve = false;  ///< a table of pairs may be given instead of one value
   bool required = false;

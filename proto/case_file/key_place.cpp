@@ -40,7 +40,7 @@ Place find_place(const Message& root, std::string_view path) {
     if (is_curve(*field) && i + 2 == segments.size())
       return {message, recipe_field(*field, segments[i + 1].key), std::nullopt};
 
-    // On to the table that the segment names.
+    // Continues with the table that the segment names.
     if (!is_table(*field)) return {};
     if (!field->is_repeated()) {
       message = &reflection.GetMessage(*message, field);

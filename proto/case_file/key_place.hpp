@@ -13,6 +13,7 @@ namespace dccast::case_file {
 
 /// One part of a path: a key, and the index if it is an element of a list.
 struct Segment {
+  /// Path of a key, and the index of a point where it names one.
   std::string key;
   std::optional<std::size_t> element;
 };

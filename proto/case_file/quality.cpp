@@ -300,7 +300,7 @@ bool is_same_casting(const v1::Case& a, const v1::Case& b) {
     c.clear_limits();
     c.clear_quality();
 
-    // Of the mesh only the keys that are not its division.
+    // Keeps only those keys of the mesh that do not divide it.
     c.mutable_mesh()->Clear();
     c.mutable_mesh()->set_element(complete.mesh().element());
     c.mutable_mesh()->set_growth(complete.mesh().growth());

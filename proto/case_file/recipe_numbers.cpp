@@ -74,7 +74,7 @@ double round_to_digits(double value, int digits) {
 }
 
 std::string format_rounded(double value, const std::string& unit) {
-  // Rounded twice: by the scale, then by the digits that a double can be read back with.
+  // Rounded twice: to the scale, then to the digits from which a double can be read back.
   return quantity_text(std::stod(number_text(round_to_digits(value, 4))), unit);
 }
 

@@ -24,6 +24,7 @@ enum RecipeNumber {
   recipe_size
 };
 
+/// Names of the numbers in requests and results.
 inline constexpr std::array<const char*, recipe_size> recipe_names{
     "speed_start", "speed_run",   "speed_ramp", "filling",
     "hold",        "water_start", "water_run",  "water_ramp"};

@@ -71,6 +71,7 @@ v1::Curve curve_of(const Message& message, const FieldDescriptor& field);
 
 /// Unit of an abscissa in UDUNITS-2 syntax, and its name in texts ("cast length").
 std::string abscissa_unit(v1::Abscissa abscissa);
+/// The quantity that a table stands against, such as "cast length".
 std::string abscissa_name(v1::Abscissa abscissa);
 /// The abscissae that a table may have.
 std::vector<v1::Abscissa> abscissae_of(const FieldDescriptor& field);

@@ -7,6 +7,7 @@
 /// Case files and alloy cards that are built into the programs, so that they work from anywhere.
 namespace dccast::shipped {
 
+/// A text that was embedded at build time.
 struct ShippedText {
   std::string name;  ///< file name without `.toml`, e.g. "start-2d-thickness"
   std::string text;  ///< the whole file
@@ -24,6 +25,7 @@ inline const ShippedText* find(const std::vector<ShippedText>& texts, const std:
   return found == texts.end() ? nullptr : &*found;
 }
 
+/// Names of the texts, in their order.
 inline std::vector<std::string> names_of(const std::vector<ShippedText>& texts) {
   std::vector<std::string> names;
   for (const ShippedText& text : texts) names.push_back(text.name);

@@ -5,7 +5,7 @@
 namespace dccast::case_file {
 namespace {
 
-/// The path of the table that contains a key: "monitor[1].x" -> "monitor[1]" -> "monitor" -> "".
+/// Path of the table that contains a key: "monitor[1].x" -> "monitor[1]" -> "monitor" -> "".
 std::string parent_path(const std::string& path) {
   const auto end = path.find_last_of(".[");
   return end == std::string::npos ? std::string() : path.substr(0, end);

@@ -9,6 +9,7 @@ namespace dccast::case_file {
 
 /// Position in a file; 1 is the first line and column, 0 means unknown.
 struct Position {
+  /// Counted from 1; 0 if the place is not known.
   int line = 0;
   int column = 0;
 };
@@ -39,14 +40,17 @@ public:
   /// The file, or the change that gave the key.
   std::string origin_of(const std::string& path) const;
 
+  /// Name of the file for messages.
   const std::string& file() const { return file_; }
 
 private:
+  /// Where a key was written, and in which file.
   struct Place {
     Position position;
     std::string origin;  ///< empty: the file
   };
 
+  /// Place of a path, or of the nearest one above it.
   Place find_place(std::string path) const;
 
   std::string file_;

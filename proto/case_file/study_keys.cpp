@@ -69,7 +69,7 @@ std::string range_of(const v1::SweepPlan::Axis& axis) {
   const bool by_difference = axis.key().ends_with(".offset") || axis.key().ends_with(".shift");
   if (by_difference && std::abs(from + to) < margin) return "± " + high;
 
-  // A unit that both ends have is written once.
+  // A unit common to both ends is written once.
   const auto unit = high.find(' ');
   if (unit != std::string::npos && low.ends_with(high.substr(unit)))
     return fmt::format("{}..{}", low.substr(0, low.size() - (high.size() - unit)), high);
@@ -101,7 +101,7 @@ std::string rounded(const std::string& text) {
 
   const double unit = std::pow(10.0, std::floor(std::log10(std::abs(number))) + 1.0 - digits);
   const auto blank = std::min(text.find(' '), text.size());
-  // Divided by a power of ten where it is below 1, so that 0.93 is not 0.93000000000000005.
+  // Divided by a power of ten if it is below 1, so that 0.93 is not written as 0.93000000000000005.
   const double steps = std::round(number / unit);
   const double value = unit < 1.0 ? steps / std::round(1.0 / unit) : steps * std::round(unit);
   return number_text(value) + text.substr(blank);

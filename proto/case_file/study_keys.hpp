@@ -13,10 +13,12 @@ namespace dccast::case_file {
 /// A lever of a plant with the range in which sensitivity moves it: a tenth, or what a plant
 /// changes between two castings.
 struct Lever {
+  /// Key of the lever, and how far `sensitivity` moves it.
   const char* key;
   const char* range;
   bool (*is_there)(const v1::Case&) = nullptr;  ///< in this case; null: in every one
 };
+/// All levers of a plant, in the order of docs/uncertainty.md.
 std::span<const Lever> levers();
 
 /// Whether the axis of a plan is a lever of the plant rather than a datum.

@@ -11,6 +11,7 @@ namespace dccast::case_file {
 
 /// The reason why a text cannot be a case file, and its position.
 struct TextFault {
+  /// Where the text is at fault, what is wrong, and what to write instead.
   Position position;
   std::string message;
   std::string remedy;

@@ -29,11 +29,13 @@ struct Walk {
 
 /// A value of the file and the field that it is read into.
 struct Entry {
+  /// The walk, and the node of the file beside the field it is read into.
   Walk& walk;
   const toml::node& node;
   const FieldDescriptor& field;
   std::string path;
 
+  /// Adds a fault at this node. @param permitted  range or choices; empty: none to name
   void refuse(std::string message, std::string permitted = {}, std::string remedy = {}) const {
     walk.refuse(node, path, std::move(message), std::move(permitted), std::move(remedy));
   }

@@ -18,6 +18,7 @@ struct Range {
   std::string low, high;  ///< of KEY + suffix, as in a case file
 };
 
+/// Forms of a range, for messages.
 inline constexpr const char* range_forms =
     "\"± 10 %\", \"± 5 K\", \"200..300 degC\" or \"0.5..2 times\"";
 
@@ -32,6 +33,7 @@ struct UncertainKey {
   std::string origin;  ///< "case", "card", "default"
   Range ends;
 
+  /// Key of the change that moves the datum, such as "alloy.specific_heat.scale".
   std::string change() const { return key + ends.suffix; }
 };
 

@@ -71,8 +71,7 @@ private:
     return row;
   }
 
-  /// Whether a line leads all the way from the middle plane to the face; in a mesh from a file it
-  /// may not.
+  /// Whether a line extends from the middle plane to the face; in a mesh from a file it may not.
   static bool crosses(const FacePoint& point, const Line& line) {
     constexpr double tolerance_m = 1e-6;
     return line.size() > 1 && std::abs(line.front().first) < tolerance_m &&

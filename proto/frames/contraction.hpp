@@ -27,6 +27,7 @@ struct FacePoint {
   /// contracts freely from its present temperature. NaN if part of the line is not solid yet.
   double cold_m = 0.0;
 
+  /// Positive where the slab is narrower than its mould.
   double pull_in_m() const { return mould_m - now_m; }
   double cold_pull_in_m() const { return mould_m - cold_m; }
 };
@@ -44,6 +45,7 @@ struct FaceRow {
 
 /// Contraction of the wide face of a quarter slab.
 struct Contraction {
+  /// Time of the evaluated frame, and cast length then.
   double time_s = 0.0;
   double cast_length_m = 0.0;
   std::vector<FaceRow> rows;  ///< from below

@@ -25,10 +25,10 @@ using asio::ip::tcp;
 using beast::error_code;
 using WireRequest = beast::http::request<beast::http::string_body>;
 
-/// A buffer for a request as it arrives; its body is moved on from here.
+/// Buffer for the request that is arriving; its body is moved out of it.
 constexpr std::size_t buffer_bytes = 64 * 1024;
-/// A peer whose request is refused may still be sending it: it reads the reply only where the rest
-/// is taken from it for a while.
+/// A peer whose request is refused may still be sending: it reads the reply only if the rest is
+/// received for a while.
 constexpr std::chrono::milliseconds linger{1000};
 
 Request translated(WireRequest& from) {
@@ -64,7 +64,7 @@ Reply answer(const Service& service, WireRequest& request) {
   }
 }
 
-/// The reply to a request that cannot be read; nothing where the peer is gone or too slow.
+/// The reply to a request that cannot be read; empty if the peer has gone or is too slow.
 std::optional<Reply> refusal(const error_code& why, const Limits& limits) {
   using beast::http::error;
 
@@ -116,8 +116,8 @@ private:
 
   beast::tcp_stream& socket() { return beast::get_lowest_layer(stream_); }
 
-  /// Starts one operation and waits for its end, at most as long as the socket permits.
-  /// @param start  called with what the operation is to call at its end
+  /// Starts one operation and waits for its end, within the time limit of the socket. @param start
+  /// receives the handler that the operation calls at its end
   template <class Start>
   error_code wait(const Start& start) {
     error_code result;
@@ -166,7 +166,7 @@ private:
     beast::http::response_serializer<beast::http::string_body> serializer(message);
     serializer.split(header_only);
     while (!(header_only ? serializer.is_header_done() : serializer.is_done())) {
-      // A long reply may take long, as long as the peer goes on taking it.
+      // A long reply may take long, as long as the peer keeps reading.
       socket().expires_after(service_.limits.time);
       if (wait([&](auto done) { beast::http::async_write_some(stream_, serializer, done); }))
         return false;
@@ -234,7 +234,7 @@ void Connection::begin(tcp::socket socket, std::function<void()> ended) {
     try {
       run(std::move(socket));
     } catch (const std::exception&) {
-      // Of memory or a descriptor that is not to be had: this connection ends.
+      // Memory or a descriptor is missing: this connection ends.
     }
     open_ = nullptr;
     ended();

@@ -15,6 +15,7 @@ namespace dccast::http {
 
 /// What all connections of a server share.
 struct Service {
+  /// Bounds on requests, names by which this server is called, and what answers.
   Limits limits;
   IsOwnHost is_own_host;
   Handler handler;
@@ -26,6 +27,7 @@ struct Service {
 /// so that every wait has an end and can be ended from another thread.
 class Connection {
 public:
+  /// @param service  outlives the connection
   explicit Connection(const Service& service) : service_(service) {}
   Connection(const Connection&) = delete;
 
@@ -41,6 +43,7 @@ public:
   bool waits_for_peer() const { return waits_for_peer_; }
 
 private:
+  /// Serves requests of one client until it leaves or exceeds a bound.
   void run(boost::asio::ip::tcp::socket socket);
 
   const Service& service_;

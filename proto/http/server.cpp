@@ -20,7 +20,7 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-/// Programs that are started later must not inherit it; Asio opens sockets without this.
+/// Child programs must not inherit the descriptor; Asio opens sockets without this flag.
 template <class Socket>
 void keep_to_this_process(Socket& socket) {
   ::fcntl(socket.native_handle(), F_SETFD, FD_CLOEXEC);
@@ -39,7 +39,7 @@ std::optional<asio::ssl::context> tls_context(const Server::Listening& listening
   return context;
 }
 
-/// Listens on the first address of the name that this machine has free.
+/// Listens on the first address of the name that is free on this machine.
 tcp::acceptor listening_acceptor(asio::io_context& context, const Server::Listening& listening) {
   error_code error;
   const auto found = tcp::resolver(context).resolve(
@@ -110,7 +110,7 @@ private:
     acceptor_.async_accept(next_->context(), [this](const error_code& error, tcp::socket socket) {
       if (service_.stopping) return;
       if (error) {
-        // No descriptors are left, most likely: some may be given back soon.
+        // Most likely no descriptors are left; some may be released soon.
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
       } else {
         take(std::move(socket));
@@ -119,7 +119,7 @@ private:
     });
   }
 
-  /// Serves the peer if there is room for it or can be made.
+  /// Serves the peer if there is room for it.
   void take(tcp::socket socket) {
     keep_to_this_process(socket);
     std::unique_lock lock(mutex_);
@@ -134,8 +134,8 @@ private:
     });
   }
 
-  /// A peer that sends nothing must not shut others out: the oldest of those that are waited for
-  /// gives way. @return whether there is room
+  /// Silent peers must not shut others out: the oldest connection that waits for its peer is
+  /// closed. @return whether there is room
   bool make_room(std::unique_lock<std::mutex>& lock) {
     constexpr std::chrono::seconds longest{1};
     const auto has_room = [&] { return open_count() < service_.limits.connections; };

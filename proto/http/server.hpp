@@ -39,6 +39,7 @@ using IsOwnHost = std::function<bool(const std::string& host)>;
 /// has waited longest for its peer makes room for a new one.
 class Server {
 public:
+  /// Where the server listens.
   struct Listening {
     std::string host;                  ///< name or address of this machine
     int port = 0;                      ///< 0: any free one
@@ -51,6 +52,7 @@ public:
   ~Server();
   Server(const Server&) = delete;
 
+  /// Port in use, also where a free one was asked for.
   int port() const;
   const X509* certificate() const;  ///< null for HTTP
 

@@ -14,6 +14,7 @@ struct Target {
   std::string path;                               ///< as sent: "/compare/"
   std::multimap<std::string, std::string> query;  ///< decoded, "+" as a space
 };
+/// Splits path and query of a request and decodes both.
 Target parse_target(std::string_view target);
 
 }  // namespace dccast::http

@@ -10,6 +10,7 @@ struct HostAndPort {
   std::string port;  ///< may be empty
 };
 
+/// Splits at the last colon; an IPv6 address stands in brackets.
 inline HostAndPort host_and_port(const std::string& address) {
   const auto colon = address.rfind(':');
   const bool has_port = colon != std::string::npos && address.find(']', colon) == std::string::npos;

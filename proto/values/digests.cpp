@@ -18,7 +18,7 @@ namespace dccast::values {
 
 namespace {
 
-/// Of a hexadecimal number.
+/// Value of a hexadecimal digit.
 bool is_lower_case_digit(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
 }
@@ -57,7 +57,7 @@ std::string hexadecimal(std::span<const unsigned char> bytes) {
 
 std::string random_hexadecimal(std::size_t bytes) {
   std::vector<unsigned char> random(bytes);
-  // Up to 256 bytes are delivered at once and without interruption, getrandom(2).
+  // getrandom(2) delivers up to 256 bytes at once, without interruption.
   if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
     throw std::system_error(errno, std::generic_category(), "getrandom");
   return hexadecimal(random);

@@ -19,8 +19,10 @@ std::string random_hexadecimal(std::size_t bytes);
 /// The SHA-256 of bytes that are added piece by piece.
 class Sha256 {
 public:
+  /// OpenSSL's context is complete in the source only.
   Sha256();
   ~Sha256();
+  /// Adds bytes; the order of calls counts, not how the bytes are cut.
   void add(std::string_view bytes);
   /// The digest in lower-case hexadecimal; nothing may be added afterwards.
   std::string finish();

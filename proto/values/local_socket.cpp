@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* socket_name = "dccastd.sock";
 
-/// A socket in the directory that a variable of the environment names.
+/// A socket in the directory named by an environment variable.
 std::optional<std::string> socket_in(const char* variable) {
   const char* value = std::getenv(variable);
   if (value == nullptr || *value != '/') return std::nullopt;
@@ -32,7 +32,7 @@ std::string folder_of_user() {
   return fmt::format("/tmp/dccast-{}", ::geteuid());
 }
 
-/// Anyone may make a folder in /tmp, and could serve there in place of this user's daemon.
+/// Anyone may create a folder in /tmp and serve there in place of this user's daemon.
 bool belongs_to_this_user(const std::string& folder) {
   struct stat status;
   constexpr mode_t writable_by_others = S_IWGRP | S_IWOTH;

@@ -7,6 +7,7 @@ namespace dccast::values {
 /// Frees an object of a C library with the library's own function.
 template <auto Free>
 struct Freed {
+  /// Frees a thing by the library's function.
   template <typename Thing>
   void operator()(Thing* thing) const {
     Free(thing);

@@ -54,7 +54,7 @@ bool is_printable(const Character& c, Lines lines) {
   return !control && !layout;
 }
 
-/// The name of a character for a message, e.g. "U+001B (ESC)".
+/// Name of a character for a message, e.g. "U+001B (ESC)".
 std::string describe(const Character& c) {
   if (!c.is_utf8) return fmt::format("the byte 0x{:02X}, which is no UTF-8,", c.code);
   static constexpr std::array names{

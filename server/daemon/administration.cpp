@@ -191,7 +191,7 @@ void run_pki(const AdministrationCommand& command, const v1::DaemonConfig& confi
                     config.certificate()));
   if (verb == "init") pki.init();
   if (verb != "init" && verb != "show" && !pki.exists())
-    throw Refused("there is no CA yet; dccastd pki init makes it");
+    throw Refused("there is no CA yet; create it with dccastd pki init");
 
   if (verb == "init" || verb == "renew") {
     auto names = server_names(config);

@@ -175,13 +175,13 @@ v1::WorkerAnswer identify_worker(jobs::WarmWorkers& workers) {
   }
 }
 
-/// Where the users of this machine call: "unix:PATH".
+/// Address for the users of this machine: "unix:PATH".
 std::string local_address(const v1::DaemonConfig& config) {
   return config.listen().empty() ? values::unix_scheme + values::make_place_of_socket()
                                  : config.listen();
 }
 
-/// Listens over TLS if the settings say so.
+/// Listens over TLS if the settings give an address.
 class TlsListener {
 public:
   explicit TlsListener(const v1::DaemonConfig& config) : config_(config) {
@@ -296,7 +296,7 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
   studies.recover();
 }
 
-/// Decides who may call.
+/// Decides about access.
 struct AccessSide {
   AccessSide(const v1::DaemonConfig& config, JobSide& jobs);
 
@@ -319,7 +319,7 @@ AccessSide::AccessSide(const v1::DaemonConfig& config, JobSide& jobs)
            {.job = [&jobs](const std::string& id) { return owner(jobs.scheduler.find(id)); },
             .study = [&jobs](const std::string& id) { return owner(jobs.studies.find(id)); }}) {}
 
-/// What the calls of the service work with.
+/// Objects that the calls of the service use.
 service::Context make_context(const v1::DaemonConfig& config, JobSide& jobs, service::Gate& gate) {
   const bool by_slurm = config.executor() == v1::SLURM;
   return {.settings = config,
@@ -363,7 +363,7 @@ void log_start(const v1::DaemonConfig& config, const std::string& local, const s
   if (!context.worker_sandbox.empty()) log::info("workers: {}", context.worker_sandbox);
 }
 
-/// What becomes of running workers when the daemon ends.
+/// Treatment of running workers when the daemon ends.
 enum class WorkersAtEnd { stop, stay };
 
 void stop_serving(service::PublicServer& server, service::Context& context, JobSide& jobs,
@@ -377,7 +377,7 @@ void stop_serving(service::PublicServer& server, service::Context& context, JobS
     jobs.scheduler.shut_down();
   }
 
-  // Watchers are told that the daemon ends, and from which event to watch again.
+  // Informs watchers that the daemon ends, and after which event to continue.
   context.leaving = true;
   jobs.studies.notifier().wake_all();
   jobs.logs.wake_all();
@@ -393,8 +393,8 @@ std::string queue_status(jobs::Scheduler& scheduler, std::chrono::milliseconds l
   return held.empty() ? status : fmt::format("{}; the queue is held: {}", status, held);
 }
 
-/// Workers in Slurm stay: they do not depend on a daemon, and a machine that is released is hard to
-/// get again. Workers that have no patience without a daemon end with it.
+/// Workers in Slurm stay: they do not depend on a daemon, and a released machine is hard to get
+/// again. Workers with --worker-patience 0 end with the daemon.
 WorkersAtEnd decide_on_workers(int signal, const v1::DaemonConfig& config,
                                const WorkerPolicy& workers) {
   if (config.executor() == v1::SLURM) return WorkersAtEnd::stay;

@@ -113,13 +113,13 @@ void add_jobs(Exposition& to, const MetricSources& from) {
   for (const auto& [state, by_owner] : jobs)
     by_owner.write(to, {{"state", v1::JobState_Name(state)}});
   to.begin("dccast_jobs_disk_bytes", "gauge",
-           "What jobs hold on the disk, by owner; of one that has not ended its case alone.");
+           "Disk space of jobs by owner; of a job that has not ended its case alone.");
   bytes.write(to);
   to.gauge("dccast_queue_oldest_wait_seconds", "Age of the oldest job in the queue; 0: none waits.",
            oldest);
 
   const std::string held = from.context.scheduler.held();
-  to.begin("dccast_queue_held", "gauge", "1 while no job starts for a fault of the server.");
+  to.begin("dccast_queue_held", "gauge", "1 while no job starts because of a fault of the server.");
   to.sample(held.empty() ? 0 : 1, {{"reason", held}});
   to.gauge("dccast_jobs_running", "Jobs whose workers run.", from.context.scheduler.running());
   to.gauge("dccast_workers", "Jobs that may run at once.", from.context.workers);
@@ -184,7 +184,7 @@ void add_processes(Exposition& to) {
   const auto processes = jobs::child_processes();
 
   to.begin("dccast_worker_processes", "gauge",
-           "Workers that this daemon has started, by what they are at.");
+           "Workers that this daemon has started, by their work.");
   for (const auto& [name, total] : processes) to.sample(total.number, {{"name", name}});
 
   to.begin("dccast_worker_resident_memory_bytes", "gauge", "Their memory.");

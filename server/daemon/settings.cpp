@@ -36,7 +36,7 @@ void add_worker_policy(CLI::App& app, WorkerPolicy& policy) {
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
   app.add_flag("--leave-workers", policy.left_running,
-               "SIGTERM and SIGINT leave running jobs to their workers, as a crash does");
+               "At SIGTERM and SIGINT, leave running jobs to their workers, as a crash does");
 }
 
 /// @param verb  of Command::administrate
@@ -76,7 +76,7 @@ void add_user_commands(CLI::App& app, CommandLine& line) {
   named("add", "Add a user, and print the line to hand over")
       .add_option("--role", asked.role, "viewer, submitter or admin")
       ->capture_default_str();
-  named("rotate", "Revoke what a user has, and print a new line");
+  named("rotate", "Revoke a user's credentials, and print a new line");
   named("remove", "Remove a user; their jobs stay");
   named("disable", "Answer no call of a user");
   named("enable", "Undo disable");
@@ -94,11 +94,11 @@ void add_pki_commands(CLI::App& app, CommandLine& line) {
     CLI::App& added = add_verb(group, line, verb, what);
     added.add_option("--name", asked.names, "A further name or address of this server")
         ->allow_extra_args(false);
-    added.add_option("--days", asked.days, "How long the certificate lasts; as a rule 90");
+    added.add_option("--days", asked.days, "Validity of the certificate in days, usually 90");
   };
 
-  with_names("init", "Make them; serve does so by itself at first need");
-  with_names("renew", "A new certificate of the same CA, taken up without a restart");
+  with_names("init", "Create them; serve does so when first needed");
+  with_names("renew", "Make a new certificate of the same CA, used without a restart");
 
   CLI::App& issue = add_verb(group, line, "issue", "A client certificate in place of a token");
   issue.add_option("NAME", asked.name, "A user")->required();
@@ -113,7 +113,7 @@ void add_audit_command(CLI::App& app, CommandLine& line) {
   CLI::App& audit = add_command(app, line, "audit", "Who did what, one line of JSON an event",
                                 Command::administrate, "audit");
   audit.add_option("--user", asked.filter.user, "Only of this user");
-  audit.add_option("--job", asked.filter.job, "Only of this job; the beginning of an id will do");
+  audit.add_option("--job", asked.filter.job, "Only of this job; the beginning of an id is enough");
   audit.add_option("--call", asked.filter.call, "Only this call, e.g. SubmitJob");
   audit.add_option("--since", asked.filter.since, "From this time on, e.g. 2026-11-23T08");
 }
@@ -127,17 +127,17 @@ void add_commands(CLI::App& app, CommandLine& line) {
 
   CLI::App& check = add_command(
       app, line, "check", "Inspect the data directory while no dccastd uses it", Command::check);
-  check.add_flag("--repair", line.repair, "Put right what can be, and say what was done");
+  check.add_flag("--repair", line.repair, "Repair what can be repaired, and print what was done");
   check.add_flag("--deep", line.deep, "Also hold all results against their SHA-256");
   check.add_option("--adopt", line.adopt, "Take a job back out of quarantine; may be repeated")
       ->type_name("ID")
       ->allow_extra_args(false);
 
-  add_command(app, line, "backup", "Copy the data directory; its dccastd may go on working",
+  add_command(app, line, "backup", "Copy the data directory; its dccastd may keep running",
               Command::backup)
       .add_option("--to", line.directory, "A new or empty directory")
       ->required();
-  add_command(app, line, "restore", "Make the data directory from a backup, and check it",
+  add_command(app, line, "restore", "Restore the data directory from a backup, and check it",
               Command::restore)
       .add_option("--from", line.directory, "What dccastd backup wrote")
       ->required();
@@ -153,8 +153,8 @@ void add(const std::vector<v1::Fault>& faults, const std::string& where, std::st
     text += where + ": " + case_file::describe(fault, {}) + "\n";
 }
 
-/// One "key=value" as a line of TOML. On a command line quotes are a nuisance: what is no TOML
-/// value by itself is taken as text.
+/// One "key=value" as a line of TOML. A value that is not TOML is taken as text, because quotes are
+/// inconvenient on a command line.
 void override_key(const std::string& override_text, v1::DaemonConfig& config, std::string& faults) {
   const std::string where = "--set " + override_text;
   const auto equals = override_text.find('=');

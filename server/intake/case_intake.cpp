@@ -335,7 +335,7 @@ std::string answer_key(v1::Case complete, const jobs::Attachments& attachments) 
 
 namespace {
 
-/// As a case file has it.
+/// A value as written in a case file.
 const char* name_of_quality(v1::Quality quality) {
   switch (quality) {
     case v1::DRAFT:

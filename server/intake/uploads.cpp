@@ -167,7 +167,7 @@ void Uploads::make_room(const std::string& user, const v1::Attachment& announced
                     fmt::format("maximum_uploads = {} together", megabytes(limits_.all)), remedy);
 }
 
-/// Removes the file that was used longest ago, unless a call is reading it.
+/// Removes the least recently used file, unless a call is reading it.
 /// @param user  owner of the file; null: any user
 /// @return      false if there is no such file
 bool Uploads::remove_oldest_used(const std::string* user) {
@@ -235,8 +235,8 @@ void Uploads::Upload::finish() {
         fmt::format("{} bytes came, and size_bytes is {}", written_, announced_bytes_));
   if (const std::string sha256 = digest_.finish(); sha256 != sha256_)
     throw UploadBroken(
-        fmt::format("what came has the SHA-256 {}, not {}; was the file changed "
-                    "meanwhile? Upload it again",
+        fmt::format("the received file has the SHA-256 {}, not {}; it may have changed "
+                    "meanwhile: upload it again",
                     sha256, sha256_));
   uploads_.keep({user_, sha256_}, staged_);
 }

@@ -40,12 +40,14 @@ public:
     return value;
   }
 
+  /// Drops a value, for instance because what it was made from has changed.
   void forget(const std::string& name) {
     const std::lock_guard lock(mutex_);
     if (const auto found = entries_.find(name); found != entries_.end()) drop(found);
   }
 
 private:
+  /// A value, its size, and its place in the order of use.
   struct Entry {
     std::shared_ptr<Value> value;
     std::size_t size = 0;

@@ -29,6 +29,7 @@ public:
 
   /// Repeat until the outcome is `moved`; `bytes` is not set.
   virtual Transfer handshake() = 0;
+  /// Reads what there is. @param room  size of the buffer [bytes]
   virtual Transfer read(char* buffer, std::size_t room) = 0;
   /// May write only a part. The rest must be written before anything else.
   virtual Transfer write(std::string_view bytes) = 0;

@@ -25,9 +25,11 @@ class Connection;
 class ConnectionOwner {
 public:
   virtual ~ConnectionOwner() = default;
+  /// Table in which a connection enters its peer for the calls.
   virtual PeerTable& peers() = 0;
   /// Passes one end of a socket pair to gRPC. @param socket  ownership passes with it
   virtual void serve(int socket) = 0;
+  /// Bounds on the memory of unfinished requests.
   virtual const MemoryBounds& memory() const = 0;
   /// Reports that unfinished requests of a connection hold this much more memory [bytes].
   virtual void on_growth(std::size_t bytes) = 0;
@@ -46,6 +48,7 @@ public:
   /// @param tls     null for a connection without TLS
   Connection(boost::asio::io_context& loop, ConnectionOwner& owner, int socket, Peer peer,
              SSL_CTX* tls);
+  /// Closes the sockets that are still open.
   ~Connection();
 
   /// @param when  earliest time of the handshake
@@ -68,21 +71,32 @@ private:
 
   /// One side of the connection.
   struct Side {
+    /// Non-blocking descriptor, watched by the loop.
     Socket socket;
+    /// The bytes of this side, encrypted or not.
     std::unique_ptr<ByteStream> stream;
     std::string unsent{};  ///< bytes that this side has not accepted yet
   };
 
+  /// Sets the time limit of the handshake and begins it.
   void start();
+  /// Continues the handshake of TLS until it is done or has failed.
   void shake_hands();
+  /// Makes the socket pair, hands one end to gRPC, and begins to relay.
   void open();
+  /// Reads from the client, checks the frames, and sends them to gRPC.
   void carry_requests();
+  /// Reads from gRPC and sends to the client.
   void carry_answers();
   /// @return whether everything was sent; otherwise `retry` runs later, or the connection has ended
   bool send(Side& to, std::string_view bytes, Step retry);
+  /// Sends what is left of an earlier send(). @return as send()
   bool send_rest(Side& to, Step retry);
+  /// Waits until the socket can be read or written as the transfer needs, then takes the next step.
   void wait(Side& side, const Transfer& transfer, Step next);
+  /// Lets other connections have their turn before the next step.
   void yield(Step next);
+  /// Ends the connection unless it has ended before.
   void end_after(std::chrono::seconds time);
 
   boost::asio::io_context& loop_;

@@ -28,10 +28,14 @@ public:
 
   /// Reloads TLS files that have changed.
   void refresh_certificates();
+  /// Open connections, the oldest first.
   const std::vector<std::shared_ptr<Connection>>& connections() const { return connections_; }
 
+  /// Accepts clients when they come, until stop_accepting().
   void wait_for_client();
+  /// Closes the listener for this door; open connections stay.
   void stop_accepting();
+  /// Ends all connections, as at the end of the daemon.
   void end_all();
   /// @return whether the connection belonged to this door
   bool remove(const Connection& connection, bool hostile);
@@ -39,13 +43,22 @@ public:
 private:
   using Condition = std::function<bool(const Connection&)>;
 
+  /// Ends the connections for which a condition holds.
   void end_those(const Condition& condition);
+  /// Makes the next connection of a hostile client wait, longer each time.
   void delay_next(const Peer& peer);
+  /// When a connection may begin its handshake: at once, or after the delay of its origin.
   Connection::Clock::time_point first_turn(const Peer& peer) const;
+  /// Takes all waiting clients from the listener.
   void accept();
+  /// Adds a connection, or closes its socket if there is no room. @param socket  ownership passes
+  /// with it
   void admit(int socket, Peer peer);
+  /// Whether a connection from `host` fits, after a silent one was ended if necessary.
   bool make_room(const std::string& host);
+  /// Ends the oldest connection without a request. @return false if there is none
   bool end_a_silent_one(const std::string& host);
+  /// Keeps the number of handshakes under way within its bound.
   void bound_handshakes();
 
   boost::asio::io_context& loop_;
@@ -53,10 +66,12 @@ private:
   const Bounds bounds_;
   const std::unique_ptr<TlsContext> tls_;
   boost::asio::posix::stream_descriptor socket_;
+  /// Pause after an accept that failed, as when descriptors are used up.
   boost::asio::steady_timer pause_;
   std::vector<std::shared_ptr<Connection>> connections_;  ///< oldest first
   /// Earliest begin of the next connection, by origin of a hostile client.
   std::map<std::string, Connection::Clock::time_point> not_before_;
+  /// Whether the log already states that all connections are in use.
   bool full_ = false;
 };
 

@@ -90,7 +90,7 @@ std::string_view FrameGuard::judge(const Frame& frame, Clock::time_point now) {
       header_block_ = 0;
       if (!begun_.take(now)) return "it begins calls without end";
       if (!acknowledged_ && ++begun_before_acknowledgement_ > most_begun_before_acknowledgement)
-        return "it begins calls and does not acknowledge how many it may";
+        return "it begins calls without acknowledging the bound on them";
       return take_headers(frame);
 
     case Frame::continuation:
@@ -133,7 +133,7 @@ std::string_view FrameGuard::take_headers(const Frame& frame) {
 }
 
 std::string_view FrameGuard::take_body(const Frame& frame) {
-  if (frame.stream > last_begun_) return "it sends the request of a call that it has not begun";
+  if (frame.stream > last_begun_) return "it sends the request of a call that was not begun";
   if (frame.flags & Frame::end_stream) {
     forget(frame.stream);
   } else if (unfinished_.contains(frame.stream)) {

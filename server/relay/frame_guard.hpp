@@ -38,30 +38,41 @@ public:
   std::size_t unfinished_bytes() const { return unfinished_bytes_; }
 
 private:
+  /// Judges the head of a frame. @return reason to end the connection; empty if there is none
   std::string_view judge(const Frame& frame, Clock::time_point now);
+  /// The same for frames with headers: new calls and continuations.
   std::string_view take_headers(const Frame& frame);
+  /// The same for a part of a request: what it adds to the memory that gRPC holds.
   std::string_view take_body(const Frame& frame);
+  /// Writes a frame's head for gRPC; headers are not marked as complete if one is still to be
+  /// added.
   void forward_head(Frame frame, std::string& forwarded);
+  /// Adds a continuation with the header that names the connection, and ends the headers with it.
   void forward_connection_header(std::string& forwarded);
   /// Memory that gRPC holds for one unfinished request [bytes].
   struct Unfinished {
     std::size_t content = 0;
     std::size_t around = 0;  ///< for headers and frames
   };
+  /// Memory of one request, as far as gRPC reads ahead [bytes].
   std::size_t held(const Unfinished& request) const;
+  /// Adds to the memory of a call.
   void keep(std::uint32_t stream, const Unfinished& more);
+  /// Takes a call that has ended from the sum.
   void forget(std::uint32_t stream);
 
   // Rates per second and bursts. A client that reads the first event of each job resets some
   // hundred calls a second; a window update stands for some 16 kB of an answer, a ping for seconds.
   access::Allowance resets_{1000.0, 2000.0}, begun_{2000.0, 10000.0}, updates_{20000.0, 40000.0},
       others_{200.0, 1000.0};
+  /// Calls begun before the client acknowledged the bound on them.
   int begun_before_acknowledgement_ = 0;
   bool acknowledged_ = false;  ///< the settings, which bound the calls of a connection
   FrameCutter requests_, answers_;
   const std::string connection_field_;  ///< the connection header as HPACK writes it
   /// Call whose headers end with the current frame and lack the connection header.
   std::optional<std::uint32_t> needs_connection_;
+  /// Bytes of the headers that are being sent, over all their frames.
   std::size_t header_block_ = 0;
   std::uint32_t last_begun_ = 0;  ///< largest stream number so far; numbers only grow
   const std::size_t most_of_call_;

@@ -10,6 +10,7 @@ namespace dccast::relay {
 
 /// Bounds on the memory of unfinished requests [bytes].
 struct MemoryBounds {
+  /// Of all connections together.
   std::size_t all = 0;
   std::size_t of_user = 0;       ///< one user
   std::size_t of_strangers = 0;  ///< all unauthenticated clients
@@ -23,6 +24,7 @@ struct MemoryBounds {
 struct HeldMemory {
   std::string user{};  ///< empty if unauthenticated
   std::string machine;
+  /// Memory of its unfinished requests.
   std::size_t bytes = 0;
 };
 

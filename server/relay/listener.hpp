@@ -18,14 +18,18 @@ public:
   /// @throws std::runtime_error  the address cannot be used
   explicit Listener(const std::string& address);
   Listener(const Listener&) = delete;
+  /// Closes the socket and removes its path.
   ~Listener();
 
   /// Host and port in use, or "unix:" and the path.
   const std::string& address() const { return address_; }
+  /// Descriptor, which stays owned.
   int socket() const { return socket_.get(); }
 
 private:
+  /// Replaces a stale socket; refuses one on which a daemon still listens.
   void listen_at_path(const std::string& path);
+  /// Resolves the address and listens.
   void listen_on_port(const std::string& address);
 
   storage::FileDescriptor socket_;

@@ -30,6 +30,7 @@ class PeerTable {
 public:
   /// @return name of the connection
   std::string add(std::shared_ptr<const Peer> peer);
+  /// Forgets a connection that has ended; calls that name it are refused from then on.
   void remove(const std::string& connection);
 
   /// @return null if no open connection has this name
@@ -41,6 +42,7 @@ public:
   std::string user_of(const std::string& connection) const;
 
 private:
+  /// Peer and user of a connection; the user is empty until it is known.
   struct Entry {
     std::shared_ptr<const Peer> peer;
     std::string user;

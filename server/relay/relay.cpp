@@ -130,7 +130,7 @@ private:
 
       const auto beyond = beyond_bounds(held, memory_);
       if (!beyond) return;
-      connections[*beyond]->end("requests that are not finished hold too much memory");
+      connections[*beyond]->end("unfinished requests hold too much memory");
     }
   }
 

@@ -14,6 +14,7 @@ namespace dccast::relay {
 
 /// Bounds on the open connections of a listener.
 struct Bounds {
+  /// Of all machines together.
   std::size_t connections = 1;
   std::size_t per_peer = SIZE_MAX;  ///< connections of one machine
 };
@@ -28,6 +29,7 @@ public:
   /// @param peers  outlives this object
   /// @param serve  passes a socket to gRPC, which closes it
   Relay(PeerTable& peers, std::function<void(int)> serve, const MemoryBounds& memory);
+  /// Ends all connections and the thread.
   ~Relay();
 
   /// Adds a listener, whose connections are accepted after start(). New certificates apply to new
@@ -36,6 +38,7 @@ public:
   /// @param tls       empty: without TLS
   /// @throws std::runtime_error  the files of TLS cannot be used
   void add(const Listener& listener, const Bounds& bounds, std::optional<TlsFiles> tls);
+  /// Starts the thread, which accepts and relays.
   void start();
 
   /// Stops accepting. gRPC receives no further socket once this has returned.

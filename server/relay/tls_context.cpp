@@ -98,7 +98,7 @@ void TlsContext::refresh() {
   try {
     context_ = load();
     loaded_ = now;
-    log::info("the certificate {} was renewed and holds for new connections", files_.certificate);
+    log::info("certificate {} was renewed and is used for new connections", files_.certificate);
   } catch (const std::runtime_error& error) {
     if (now != refused_) log::warn("the certificate was not renewed: {}", error.what());
     refused_ = now;

@@ -30,17 +30,22 @@ public:
 
 private:
   using Context = std::unique_ptr<SSL_CTX, decltype(&::SSL_CTX_free)>;
+  /// Properties that change when a file is replaced.
   struct Version {
     std::uint64_t inode = 0;
     std::int64_t modified_ns = 0, size = -1;
     bool operator==(const Version&) const = default;
   };
   using Versions = std::array<Version, 3>;
+  /// A file that is missing has size -1.
   static Version version_of(const std::string& file);
+  /// Versions of the three files at present.
   Versions versions() const;
+  /// Reads the files. @throws std::runtime_error  they cannot be used, or do not match
   Context load() const;
 
   const TlsFiles files_;
+  /// Versions in use, and those that were refused last, so that the log says so once.
   Versions loaded_, refused_{};
   Context context_;
 };

@@ -22,6 +22,7 @@ namespace dccast::service {
 
 /// Caller, deadline and cancellation of an admitted call.
 struct Call {
+  /// Who calls, until when the answer is wanted, and whether it still is.
   access::Caller caller;
   std::chrono::system_clock::time_point deadline = std::chrono::system_clock::time_point::max();
   std::function<bool()> cancelled = [] { return false; };
@@ -51,13 +52,18 @@ public:
   void record(const Call& call, const grpc::Status& status) const;
   /// Records a call that was not admitted, in the gate's figures only.
   void count(const grpc::Status& status) const;
+  /// Gate by which the call was judged.
   Gate& gate() const { return *gate_; }
 
 private:
+  /// Judges a caller over TLS: proof of identity, role and call rate.
   void judge();
+  /// Writes a refusal into the audit log and the figures.
   void record_refusal(const grpc::Status& status) const;
 
+  /// Never null; a pointer so that an origin can be moved.
   Gate* gate_;
+  /// Role that the method needs, and whether it touches a job or study.
   const access::CallRule* rule_;
   std::string id_;  ///< of the job or study named in the request
   Shown shown_;

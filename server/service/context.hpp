@@ -26,6 +26,7 @@ struct QueryAnswer {
   std::string complete_case;          ///< v1::Case
   std::vector<std::string> messages;  ///< QueryButtCurlResponse, all after `accepted`
 
+  /// Memory of the answer, for the bound on all answers [bytes].
   std::size_t bytes() const {
     std::size_t size = complete_case.capacity();
     for (const std::string& message : messages) size += sizeof message + message.capacity();
@@ -36,19 +37,23 @@ struct QueryAnswer {
 /// Everything that calls use; owned by the daemon.
 struct Context {
   const v1::DaemonConfig& settings;  ///< as resolved by daemon::resolved()
+  /// Jobs: queue, event logs and index.
   jobs::Scheduler& scheduler;
   jobs::EventLogs& logs;
   jobs::JobStore& store;
   studies::Studies& studies;
+  /// Checks of cases, and files that cases name.
   const intake::CaseIntake& intake;
   intake::Uploads& uploads;
   Gate& gate;
+  /// Processes that answer checks and queries, and which runs stop for others.
   jobs::WarmWorkers& warm_workers;
   jobs::Precedence& precedence;
   std::string solver;                     ///< identity of the workers' solver; empty if unknown
   std::string worker_sandbox;             ///< description of the workers' sandbox
   std::filesystem::path query_directory;  ///< parent of the folders of query runs
   std::filesystem::path jobs_directory;
+  /// Of dccastd, as `dccastd --version` prints it.
   std::string version;
   int workers = 1;  ///< jobs that run concurrently
   jobs::StepIndexes step_indexes{};

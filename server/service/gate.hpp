@@ -25,6 +25,7 @@ namespace dccast::service {
 
 /// Counts of calls since the daemon started. The duration of a stream ends when it is open.
 struct CallFigures {
+  /// Upper bounds of the histogram's buckets [s].
   static constexpr std::array<double, 6> bounds_s{0.001, 0.01, 0.1, 1.0, 10.0, 60.0};
   std::map<std::pair<std::string, std::string>, jobs::Histogram> seconds;  ///< by method and code
   std::map<std::string, std::uint64_t> refused;                            ///< by the limit
@@ -33,7 +34,9 @@ struct CallFigures {
 /// A stream, which ends when its caller loses access.
 class LastingCall {
 public:
+  /// A stream may end while the gate still refers to it: the gate keeps weak references.
   virtual ~LastingCall() = default;
+  /// Access was lost: the stream ends with `status`. Called from the gate's thread.
   virtual void lapse(const grpc::Status& status) = 0;
 };
 
@@ -50,6 +53,7 @@ std::string user_name(unsigned id);
 /// several threads.
 class LocalUsers {
 public:
+  /// May block at the first call for a user.
   std::string name_of(unsigned id);
 
 private:
@@ -64,14 +68,18 @@ using OwnerOf = std::function<std::optional<std::string>(const std::string& id)>
 /// log. Every call passes it. Safe to use from several threads.
 class Gate {
 public:
+  /// Bounds on calls and streams.
   struct Limits {
     double calls_per_s = 1000.0;  ///< of one user
     std::size_t streams = 2000, streams_per_user = 1000;
   };
+  /// How the gate finds the owner of what a call touches.
   struct Owners {
     OwnerOf job, study;
   };
 
+  /// @param authority  users and roles
+  /// @param audit  log of refusals and changes; both outlive this object
   Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits, Owners owners);
 
   /// Determines the caller; may block to look up the name of a local user.
@@ -86,14 +94,18 @@ public:
   /// Counts a stream, and ends the stream when its caller loses access. leave() removes it from the
   /// count. @throws Refusal  a limit is reached
   void enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream);
+  /// Takes a stream from the count.
   void leave(const access::Caller& caller) { streams_.leave(caller.name); }
 
+  /// Completes an event with caller, call and outcome and appends it to the audit log.
+  /// @param peer  address of the client
   void record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,
               const std::string& peer, const grpc::Status& status);
 
   /// Counts a call that is answered. @param method  as in service.proto
   void count(const std::string& method, const grpc::Status& status,
              std::chrono::duration<double> taken);
+  /// A copy of the figures so far.
   CallFigures figures();
   std::size_t open_streams() { return streams_.open(); }
 
@@ -102,11 +114,14 @@ public:
   relay::PeerTable& peers() { return peers_; }
 
 private:
+  /// An open stream and whose access it depends on.
   struct Lasting {
     access::Caller caller;
     std::weak_ptr<LastingCall> stream;
   };
+  /// The thread: checks regularly whether a token or certificate has ended.
   void watch_for_lapses(const std::stop_token& stop);
+  /// Ends the streams of callers without access. @param now  [s since 1970]
   void end_lapsed(std::int64_t now);
 
   access::Authority& authority_;

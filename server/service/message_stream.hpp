@@ -31,8 +31,11 @@ class MessageStream : public grpc::ServerWriteReactor<Message>,
                       public LastingCall,
                       public std::enable_shared_from_this<MessageStream<Message>> {
 public:
+  /// @param lane  where the stream is opened, and looked at if looks_in_lane()
+  /// @param origin  caller and gate of the call
   MessageStream(WorkPool& lane, CallOrigin origin) : lane_(lane), origin_(std::move(origin)) {}
 
+  /// Posts the opening. A stream that is refused, or for which too much waits, ends at once.
   void begin() {
     self_ = this->shared_from_this();
     if (!origin_.refusal().ok()) return end(origin_.refusal());
@@ -47,6 +50,7 @@ public:
     go_on_with([this] { woken_ = true; });
   }
 
+  /// gRPC has sent a message, or found that it cannot.
   void OnWriteDone(bool ok) final {
     go_on_with([&] {
       writing_ = false;
@@ -55,10 +59,12 @@ public:
     });
   }
 
+  /// The client has cancelled the call, or its deadline has passed.
   void OnCancel() final {
     go_on_with([this] { cancelled_ = true; });
   }
 
+  /// Last call of gRPC: the stream may be destroyed once no one else holds it.
   void OnDone() final {
     if (entered_) origin_.gate().leave(call_.caller);
     self_.reset();
@@ -75,6 +81,7 @@ public:
 protected:
   /// Prepares the stream. An exception of open() or next() ends the stream, see guarded().
   virtual void open(const Call& call) = 0;
+  /// The next action, after every wake() and every completed write. May throw a Refusal.
   virtual NextMessage<Message> next() = 0;
   /// Whether next() may block on the store and so must run in the lane.
   virtual bool looks_in_lane() const { return false; }
@@ -99,6 +106,7 @@ protected:
   }
 
 private:
+  /// Admits the call, counts the stream and opens it.
   void open_in_lane() {
     // Before admit(), which would throw: a peer may cancel ten thousand calls a second.
     if (cancelled()) return end(grpc::Status::CANCELLED);
@@ -120,6 +128,7 @@ private:
     if (!opens_in_stages()) finish_opening(status);
   }
 
+  /// Changes the flags under the mutex, then looks whether there is something to send.
   template <class Change>
   void go_on_with(Change change) {
     {
@@ -129,11 +138,13 @@ private:
     look();
   }
 
+  /// Whether the stream is to end without further messages.
   bool cancelled() {
     const std::lock_guard lock(mutex_);
     return cancelled_ || lapsed_;
   }
 
+  /// Finishes the call once; later calls have no effect.
   void end(const grpc::Status& status) {
     {
       const std::lock_guard lock(mutex_);
@@ -156,6 +167,7 @@ private:
       end(too_many_waiting());
   }
 
+  /// next(), with an exception or a lost access turned into the end of the stream.
   NextMessage<Message> guarded_next() {
     {
       const std::lock_guard lock(mutex_);
@@ -167,6 +179,7 @@ private:
     return status.ok() ? std::move(found) : NextMessage<Message>{.end = status};
   }
 
+  /// Starts the write that next() asks for. One message at a time is with gRPC.
   void send_next() {
     NextMessage<Message> found = guarded_next();
     {
@@ -185,6 +198,7 @@ private:
   CallOrigin origin_;
   Call call_;             ///< valid once admitted
   bool entered_ = false;  ///< counted by the gate
+  /// Keeps the stream alive until OnDone().
   std::shared_ptr<MessageStream> self_;
   std::mutex mutex_;  ///< guards all members below
   Message message_;

@@ -14,6 +14,7 @@ namespace dccast::service {
 
 /// Queries of the same urgency that must finish or start before a query can run.
 struct QueryWait {
+  /// Queries that are being computed.
   int running = 0;
   int ahead = 0;            ///< waiting before it
   double expected_s = 0.0;  ///< until it begins, from the estimates of these queries [s]
@@ -23,6 +24,7 @@ struct QueryWait {
 /// urgency. Safe to use from several threads.
 class QueryTurns {
 public:
+  /// Called with the present wait of a query.
   using OnWait = std::function<void(const QueryWait& wait)>;
 
   /// @param at_once  runs at once, of each urgency
@@ -40,10 +42,12 @@ public:
 private:
   using Clock = std::chrono::steady_clock;
 
+  /// A query that is being computed, with its estimated solving time [s].
   struct Running {
     double estimated_s;
     Clock::time_point begin;
   };
+  /// Queries of one urgency, with the threads that run them.
   struct Lane {
     Lane(int threads, const WaitingBound& bound) : pool(threads, bound) {}
 
@@ -52,6 +56,7 @@ private:
     WorkPool pool;  ///< last: its destructor runs waiting work, which uses the lists
   };
 
+  /// What a query that is posted now would wait for.
   QueryWait wait_in(const Lane& lane) const;
 
   const int at_once_;

@@ -45,6 +45,7 @@ grpc::Status guarded(const std::function<void()>& handler);
 /// RESOURCE_EXHAUSTED: the lane of the call is full.
 grpc::Status too_many_waiting();
 
+/// Ids are UUIDs, so that a path made of one stays in its folder. @throws Refusal  INVALID_ARGUMENT
 void check_job_id(const std::string& id);
 void check_study_id(const std::string& id);
 /// Checks the study named by a job; it may be empty.
@@ -85,6 +86,7 @@ void check_may_queue(Context& context, const Call& call, const std::string& requ
 
 /// @throws Refusal  NOT_FOUND
 v1::Job find_job(Context& context, const std::string& id);
+/// @throws Refusal  NOT_FOUND
 [[noreturn]] void refuse_unknown_study(const std::string& id);
 /// Unwraps what was found for a study. @throws Refusal  NOT_FOUND if that is nothing
 template <class Found>
@@ -100,6 +102,8 @@ Found of_study(const std::string& id, std::optional<Found> found) {
 /// Unwraps the job or study that a request has changed. @throws Refusal  NOT_FOUND;
 /// FAILED_PRECONDITION with this remedy
 v1::Job done(const jobs::Reply& reply, const std::string& id, const std::string& remedy = {});
+/// The study of a reply that is done. @throws Refusal  NOT_FOUND or FAILED_PRECONDITION
+/// @param remedy  what the caller can do instead
 v1::Study done(const studies::StudyReply& reply, const std::string& id,
                const std::string& remedy = {});
 

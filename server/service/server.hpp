@@ -19,6 +19,7 @@ void log_grpc_as_debug();
 
 /// Address for users of other machines.
 struct TlsListening {
+  /// Already listening; accepted from once the server runs.
   const relay::Listener& listener;
   std::size_t connections_per_peer = SIZE_MAX;
   relay::TlsFiles files;
@@ -34,6 +35,7 @@ public:
   /// @param tls    empty: only local users can call
   /// @throws std::runtime_error  gRPC refuses, or the TLS files cannot be used
   PublicServer(Context& context, const relay::Listener& local, std::optional<TlsListening> tls);
+  /// Stops accepting, ends streams, and waits for calls that are under way.
   ~PublicServer();
   /// Sets health to NOT_SERVING, except for "alive".
   void announce_end();
@@ -42,6 +44,7 @@ public:
 
 private:
   SimulationService service_;
+  /// The thread: sets the statuses of the health service.
   void report_health(const std::stop_token& stop);
 
   Context& context_;

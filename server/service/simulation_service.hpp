@@ -19,8 +19,10 @@ namespace dccast::service {
 /// thread waits for a stream, and what waits for the disk or computes does so in a lane.
 class SimulationService final : public v1::SimulationService::CallbackService {
 public:
+  /// @param context  outlives the service
   explicit SimulationService(Context& context);
 
+  /// Short names of gRPC's types for the declarations below.
   using Unary = grpc::ServerUnaryReactor;
   using Wire = grpc::CallbackServerContext;
   template <class Message>
@@ -75,9 +77,11 @@ public:
   Stream<v1::Study>* WatchStudy(Wire*, const v1::WatchStudyRequest*) override;
 
 private:
+  /// The work of a call, run in a lane; throws a Refusal where the call is not answered.
   using Work = std::function<void(const Call&)>;
   /// One part of a call, and the lane in which it runs.
   struct Stage {
+    /// Threads in which a stage runs.
     WorkPool& lane;
     Work work;
   };
@@ -87,10 +91,13 @@ private:
   /// the call with the status that guarded() gives.
   /// @param request  lives as long as the call
   Unary* answer(Wire* wire, const google::protobuf::Message& request, std::vector<Stage> stages);
+  /// Answers a call by one stage in a lane.
   Unary* answer(Wire* wire, const google::protobuf::Message& request, WorkPool& lane, Work work) {
     return answer(wire, request, {{lane, std::move(work)}});
   }
+  /// Runs a stage and posts the next one, or finishes the call.
   void do_stage(std::shared_ptr<UnaryCall> call, std::size_t number);
+  /// What the gate needs to know of a call, taken before its context may vanish.
   CallOrigin origin_of(const Wire* wire, const google::protobuf::Message& request) {
     return {*wire, context_.gate, request};
   }

@@ -13,6 +13,7 @@ namespace dccast::service {
 
 /// Bound on work that was posted and has not begun.
 struct WaitingBound {
+  /// Pieces of work that may wait.
   std::size_t number = SIZE_MAX;
   std::size_t bytes = SIZE_MAX;  ///< a single item may be larger if nothing else waits
 };
@@ -28,11 +29,13 @@ public:
   bool post(std::function<void()> work, std::size_t bytes = 0);
 
 private:
+  /// A piece of work and the memory that it holds while it waits.
   struct Work {
     std::function<void()> work;
     std::size_t bytes = 0;
   };
 
+  /// The loop of a thread: runs work in the order in which it was posted.
   void run(const std::stop_token& stop);
 
   const WaitingBound bound_;

@@ -279,7 +279,7 @@ private:
     if (!fs::exists(folder_.jobs())) return;
     for (const auto& entry : fs::directory_iterator(folder_.jobs()))
       if (entry.path().extension() == ".removed")
-        report_.note(fmt::format("{}: a deletion that was cut short; the next start ends it",
+        report_.note(fmt::format("{}: an interrupted deletion; the next start completes it",
                                  entry.path().string()));
   }
 
@@ -305,7 +305,7 @@ void require_no_worker(const StateFolder& folder) {
   for (const std::string& id : jobs::folder_ids(folder.jobs()))
     if (const auto worker = jobs::find_holder(folder.jobs() / id))
       throw std::runtime_error(fmt::format(
-          "job {} still runs in process {}; start dccastd, which goes on with it, or end "
+          "job {} still runs in process {}; start dccastd, which continues it, or end "
           "that process first",
           id, worker->process));
 }

@@ -54,7 +54,7 @@ private:
     const fs::path removed = folder_.string() + ".removed";
     if (options_.repair && fs::exists(removed)) {
       jobs::undo_removal(removed);
-      report_.repaired(subject_ + "a deletion that was cut short is undone; delete it again");
+      report_.repaired(subject_ + "an interrupted deletion is undone; delete the job again");
     } else if (options_.repair && jobs::release_folder(state_.jobs(), record_.job.id())) {
       report_.repaired(subject_ + "its folder is back out of quarantine");
     } else {

@@ -15,6 +15,7 @@ namespace dccast::studies {
 
 /// Accepted curls [m].
 struct CurlBand {
+  /// Ends of the range over which the runs are spread.
   double least = 0.0, greatest = 0.0;
 };
 
@@ -32,6 +33,7 @@ v1::Spread spread_of(const SampledCurls& sampled, int inputs, const std::optiona
 
 /// The range of one input, in the unit of the schema.
 struct InputRange {
+  /// Ends of the range.
   double low = 0.0;
   double high = 0.0;
 };
@@ -70,8 +72,11 @@ public:
   std::size_t bytes() const { return curls_.bytes() + lengths_.bytes(); }
 
 private:
+  /// A place in the unit cube.
   Eigen::RowVectorXd scaled(const std::vector<double>& place) const;
+  /// The places of all runs, one for each row.
   Eigen::MatrixXd scaled_places(const std::vector<SurfaceRun>& runs) const;
+  /// The curves of all runs, one for each row, by monitor and time.
   Eigen::MatrixXd curl_figures(const std::vector<SurfaceRun>& runs);
 
   std::vector<InputRange> domain_;
@@ -82,7 +87,9 @@ private:
   Eigen::MatrixXd places_;
   statistics::PrincipalComponents curls_;
   statistics::PrincipalComponents lengths_;
+  /// Root mean square error at the end, of the worst monitor, from runs left out one by one [m].
   double error_m_ = 0.0;
+  /// Place with the largest uncertainty of the final curl.
   std::vector<double> next_place_;
 };
 

@@ -85,7 +85,7 @@ std::vector<v1::Fault> case_faults(const v1::Case& base) {
 
   if (base.mesh().has_growth() && !base.mesh().growth())
     faults.push_back(fault_of("mesh.growth", "false",
-                              "is a block of fixed size, in which no casting gets steady", "true",
+                              "is a block of fixed size: no casting becomes steady", "true",
                               "leave mesh.growth out"));
 
   if (base.mechanics().has_enabled() && !base.mechanics().enabled())

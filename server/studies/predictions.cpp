@@ -279,7 +279,7 @@ v1::Spread Predictions::spread(const SweepState& sweep, const std::string& monit
   const v1::CreateStudyRequest& request = sweep.study.request;
   if (request.sweep().design() != v1::SweepPlan::LATIN_HYPERCUBE)
     throw CannotPredict(fmt::format(
-        "study {} is no Latin hypercube: its runs do not stand for what its keys may be",
+        "study {} is not a Latin hypercube: its runs do not cover the ranges of its keys",
         sweep.study.id));
 
   // A limit that is not given does not bind.

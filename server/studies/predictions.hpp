@@ -33,6 +33,7 @@ struct FaultyPlace : std::runtime_error {
 
 /// Current state of a sweep.
 struct SweepState {
+  /// The study and what its runs have given so far.
   const StudyRecord& study;
   int succeeded;                                           ///< number of succeeded runs
   bool running;                                            ///< whether further runs may end
@@ -52,11 +53,13 @@ public:
   v1::Spread spread(const SweepState& sweep, const std::string& monitor);
   /// Builds surfaces in advance: whenever the number of runs has doubled, and when all have ended.
   void prepare(const SweepState& sweep);
+  /// Forgets the surfaces of a study that was removed.
   void forget(const std::string& study);
 
 private:
   using Clock = std::chrono::steady_clock;
   using Surface = std::shared_ptr<const SweepSurface>;
+  /// A surface, with what decides when it is built again and when it is dropped.
   struct Kept {
     Surface surface;
     int succeeded = 0;
@@ -69,10 +72,14 @@ private:
     std::map<std::string, Kept> kept;  ///< by kind
     int prepared = 0;                  ///< succeeded runs when surfaces were last prepared
   };
+  /// The surface of the present runs: kept, or built now.
   Surface surface_of(const SweepState& sweep, const std::string& kind);
+  /// A surface that is kept; null if there is none. @param of_fewer_runs  one of fewer runs will do
   Surface kept_surface(const SweepState& sweep, const std::string& kind,
                        bool of_fewer_runs = false);
+  /// Drops the surfaces that were not used for longest, down to the bound on memory.
   void make_room();
+  /// The keys that a sweep changes, with their ends.
   std::shared_ptr<const SweptKeys> keys_of(const StudyRecord& study);
 
   std::mutex building_;  ///< serialises building; locked before mutex_
@@ -86,6 +93,7 @@ class SurfaceKeeper {
 public:
   /// Builds the surfaces of a study that its runs permit.
   using Ready = std::function<void(const std::string& study)>;
+  /// @param ready  builds the surface of a study; called from the keeper's thread
   explicit SurfaceKeeper(Ready ready);
 
   /// Schedules a study whose runs have changed. Does not wait; several calls may cause one build.
@@ -94,7 +102,9 @@ public:
   void stop();
 
 private:
+  /// The thread: builds the surface of each study that was noted, one after the other.
   void run(const std::stop_token& stop);
+  /// Builds one surface; a failure is logged, as the next request builds it anyway.
   void build(const std::string& study) const;
 
   const Ready ready_;

@@ -21,10 +21,10 @@ using statistics::stack_rows;
 constexpr std::size_t fewest_valid = 12;  // drafts that a surface needs at least
 constexpr int search_samples = 96, score_samples = 512;
 constexpr std::uint64_t score_seed = 20;
-// What risks a fifth of all castings more than the safest recipe is no alternative to it.
+// A recipe that risks a fifth of all castings more than the safest one is no alternative.
 constexpr double more_risk = 0.2;
 
-/// Whether a recipe may be the cause. A run that does not converge is not known to be safe.
+/// Whether the recipe may be the cause. A run that does not converge is not known to be safe.
 bool by_the_recipe(const v1::Failure& failure) {
   return by_the_case_itself(failure) && failure.kind() != v1::Failure::INVALID_CASE;
 }

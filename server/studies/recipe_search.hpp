@@ -16,6 +16,8 @@ namespace dccast::studies {
 /// changes of the case that they stand for.
 class RecipeSpace {
 public:
+  /// @param draft  the case at the quality of draft
+  /// @param plan  numbers with their ranges, data, band
   RecipeSpace(const v1::Case& draft, const v1::RecipePlan& plan);
 
   int numbers() const { return plan_.numbers_size(); }
@@ -24,24 +26,31 @@ public:
   double number(int which, const Eigen::RowVectorXd& design) const {
     return ends_[which].low + design(which) * (ends_[which].high - ends_[which].low);
   }
+  /// A recipe as a point of the unit cube.
   Eigen::RowVectorXd design(const case_file::Recipe& recipe) const;
   /// Nearest design within the limits on the rates of speed and water, and with no filling beyond
   /// the hold: ramps become longer, and if they cannot, the level of the run moves to that of the
   /// start.
   Eigen::RowVectorXd permitted(const Eigen::RowVectorXd& design) const;
+  /// The changes of the case that make it a recipe.
   std::vector<v1::CaseChange> changes(const Eigen::RowVectorXd& design) const;
   /// Time from the first metal to the cast length of the case [s].
   double casting_time_s(const Eigen::RowVectorXd& design) const;
+  /// The changes that give the data of the case the values of a draw.
   std::vector<v1::CaseChange> data_changes(const Eigen::RowVectorXd& data) const;
   const v1::RecipePlan& plan() const { return plan_; }
 
 private:
+  /// A number of the recipe with the ends of its range, in SI units.
   struct Ends {
     case_file::RecipeNumber number;
     double low, high;
   };
+  /// The recipe of a point, with ramps that keep the permitted rates.
   case_file::Recipe recipe(const Eigen::RowVectorXd& design) const;
+  /// Ends of a number; null if the case does without it.
   const Ends* ends_of(case_file::RecipeNumber number) const;
+  /// Lengthens a ramp, or brings its levels nearer, until its rate is permitted.
   void keep_rate(case_file::Recipe& recipe, case_file::RecipeNumber start, double rate) const;
 
   v1::Case draft_;
@@ -77,12 +86,14 @@ public:
 
   /// Front of all designs, least risk first. @param seed  of the search
   std::vector<statistics::ScoredDesign> candidates(std::uint64_t seed) const;
+  /// Risk, curl and time of a recipe, by the surfaces.
   statistics::DesignScore score(const Eigen::RowVectorXd& design) const;
   /// Risk of a design. @param castings  runs at the design of which the surfaces do not know
   statistics::Share risk(const statistics::DesignScore& score,
                          const std::vector<RecipeRun>& castings) const;
   /// Writes measures of the surfaces' accuracy.
   void describe(v1::RecipeFound& found) const;
+  /// Curl at full quality relative to draft, at the case itself [1].
   double scale() const { return scale_; }
 
 private:

@@ -1,4 +1,4 @@
-// The case on finer and finer meshes with shorter and shorter steps, and what its curl tends to.
+// The case on successively refined meshes with shorter steps, and the limit of its curl.
 #include <algorithm>
 #include <optional>
 

@@ -70,7 +70,7 @@ void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
   throw jobs::RequestIdTaken("there is a study " + id + " already; choose a new request_id");
 }
 
-/// The runs of a plan, none of which is a job yet.
+/// The runs of a plan, still without jobs.
 std::vector<RunRecord> runs_to_queue(int count) {
   std::vector<RunRecord> runs(count);
   for (int i = 0; i < count; ++i) runs[i].number = i;
@@ -86,7 +86,7 @@ Studies::Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& sched
       scheduler_(scheduler),
       intake_(intake),
       surface_keeper_([this](const std::string& id) { ready_surface(id); }) {
-  // A job of a study in another state: there may be room for the next run, or a reason for it.
+  // Called when a job of a study changes its state: the next run may be queued, or dropped.
   scheduler_.observe([this](const v1::Job& job) {
     if (job.study().empty()) return;
     note_change(job.study());

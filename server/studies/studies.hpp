@@ -26,6 +26,7 @@
 
 namespace dccast::studies {
 
+/// Settings of the daemon for studies.
 struct StudyOptions {
   std::filesystem::path directory;       ///< of the study files
   std::filesystem::path jobs_directory;  ///< of the jobs' folders
@@ -35,6 +36,7 @@ struct StudyOptions {
 
 /// Outcome of a request about one study.
 struct StudyReply {
+  /// not_found also where the caller may not know that it exists.
   enum class Kind { done, not_found, wrong_state };
   Kind kind = Kind::done;
   v1::Study study{};         ///< current state, unless not_found
@@ -49,8 +51,10 @@ struct StudyReply {
 /// changed nothing.
 class Studies {
 public:
+  /// @param scheduler, intake  outlive this object
   Studies(StudyOptions options, StudyStore& store, jobs::Scheduler& scheduler,
           const intake::CaseIntake& intake);
+  /// Ends feeder and surface keeper; see stop().
   ~Studies();
 
   /// Repairs what the previous daemon left unfinished; call before start().
@@ -69,11 +73,15 @@ public:
   /// Completes a request for further runs of a study with the case of that study.
   /// @return files that the case names; empty if there is no such study
   std::optional<jobs::Attachments> complete(v1::CreateStudyRequest& request) const;
+  /// Current state of a study; empty if there is no such study.
   std::optional<v1::Study> find(const std::string& id);
+  /// Studies of a page, newest first.
   std::vector<v1::Study> list(const StudyStore::Page& page);
+  /// Cancels the runs that have not ended. @param reason  stored in their jobs
   StudyReply cancel(const std::string& id, const std::string& reason);
   /// @param failed  also runs that failed by their own case
   StudyReply resume(const std::string& id, bool failed);
+  /// Removes an ended study with its jobs.
   StudyReply remove(const std::string& id);
   /// Current results of a study; empty if there is no such study.
   std::optional<v1::StudyResult> evaluate(const v1::EvaluateStudyRequest& request);
@@ -81,34 +89,55 @@ public:
   /// @throws OutsideDomain, CannotPredict
   std::optional<v1::Prediction> predict(const v1::PredictStudyRequest& request);
 
+  /// For watchers of studies.
   StudyNotifier& notifier() { return notifier_; }
 
 private:
+  /// The feeder's loop: feeds every study that has runs to queue, then rests.
   void feed(const std::stop_token& stop);
+  /// Queues runs of a study up to its bound. @return whether it has more to queue later
   bool feed_study(const std::string& id);
+  /// Makes the job of one run, or refuses the run where its case is rejected.
   void feed_run(const StudyRecord& study, const RunRecord& run, const PlannedRun& planned);
+  /// Decides about a run that follows from the results of earlier ones, as in a mould design.
   bool feed_grown(const StudyRecord& study, const StudyPlan& plan, const RunRecord& run);
+  /// Marks a run as failed without a job, because its case was rejected.
   void refuse(const StudyRecord& study, RunRecord run, const std::string& why);
   /// Does nothing if the run has been cancelled meanwhile.
   void make_job(const StudyRecord& study, RunRecord run, const std::string& key, jobs::NewJob job);
+  /// Makes the feeder look again soon.
   void wake_feeder();
+  /// Wakes the watchers of a study.
   void note_change(const std::string& id);
+  /// Waits until there is work, at most for this time.
   void rest(const std::stop_token& stop, std::chrono::steady_clock::duration most);
 
+  /// A record as clients see it, with counts of its runs.
   v1::Study view(const StudyRecord& record);
+  /// The plan of a study, kept for the next call.
   std::shared_ptr<const StudyPlan> plan_of(const StudyRecord& record);
+  /// Writes file and row of a new study, then returns it.
   v1::Study create_new(const v1::CreateStudyRequest& request, const jobs::Attachments& attachments,
                        const std::string& owner, const std::string& case_sha256);
+  /// Adds to a study that exists: lost runs, further levels.
+  /// @throws jobs::RequestIdTaken  another case or plan
   v1::Study take_up(StudyRecord record, const v1::CreateStudyRequest& request,
                     const std::string& case_sha256);
+  /// Writes file and row of a study and the rows of its runs.
   void keep(const StudyRecord& record, const std::vector<RunRecord>& runs);
+  /// After a resumption: adds the next run of a study that outlasts failures, up to its bound.
   void grow_again(const StudyRecord& record);
+  /// Marks runs as waiting again.
   void queue_again(const StudyRecord& record, std::vector<RunRecord> runs);
+  /// Deletes jobs, file and row; continues a removal that was interrupted.
   void remove_now(const StudyRecord& study);
   /// Jobs that name the study and belong to its owner; other users' jobs are not part of it.
   std::map<std::string, v1::Job> jobs_of(const StudyRecord& study);
+  /// Curves of a job, from its event log or kept from before.
   RunHistory history_of(const v1::Job& job);
+  /// The steady wide face of a job's last frame; null if there is none.
   std::shared_ptr<const RunFace> face_of(const v1::Job& job);
+  /// Adds the face of a job to a run, where it has one.
   void add_face(const v1::Job& job, EvaluatedRun& run);
   /// What is read for an evaluation.
   struct Depth {
@@ -116,9 +145,11 @@ private:
     bool faces = false;
     int before = INT_MAX;  ///< only runs with a lower number
   };
+  /// Results of the runs of a study, in the order of their numbers.
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
   /// @param record  outlives the result
   SweepState sweep_state(const StudyRecord& record);
+  /// Measurements against the runs of one or more castings.
   v1::Calibration calibration(const v1::EvaluateStudyRequest& request);
   /// Builds the response surface of a sweep from its succeeded runs.
   void ready_surface(const std::string& id);
@@ -137,6 +168,7 @@ private:
   jobs::Recent<const RunHistory> histories_{128'000'000};  ///< by job that has ended; bytes
   jobs::Recent<const RunFace> faces_{4096};                ///< by job that succeeded
   std::mutex feeder_mutex_;
+  /// Wakes the feeder, as does the end of a job.
   std::condition_variable_any feeder_wake_;
   bool feeder_woken_ = true;
   std::map<std::string, int> unanswered_;  ///< checks of a run that crashed a worker

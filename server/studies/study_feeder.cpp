@@ -1,6 +1,6 @@
-// How the runs of studies become jobs: one thread, a few runs of each study at a time, so that a
-// thousand runs neither fill the queue nor hold up what comes after them. What it has done stands
-// in the store; when it is interrupted it does the last run again, which gives the same job.
+// Turns the runs of studies into jobs: one thread, a few runs of each study at a time, so that a
+// thousand runs neither fill the queue nor delay later jobs. The store records the progress; after
+// an interruption the last run is repeated, which gives the same job.
 
 #include <algorithm>
 #include <chrono>
@@ -25,7 +25,7 @@ jobs::NewJob new_job(const StudyRecord& study, const jobs::Attachments& attachme
                      const PlannedRun& planned, const intake::ExaminedCase& examined) {
   jobs::NewJob job = intake::new_job(planned.description, attachments, examined);
   job.study = study.id;
-  // A study must not stand in the way of a question, unless its request sets a priority.
+  // A study must not delay a query, unless its request sets a priority.
   job.priority =
       study.request.priority() == v1::PRIORITY_UNSPECIFIED ? v1::LOW : study.request.priority();
   job.owner = study.owner;
@@ -48,7 +48,7 @@ void Studies::note_change(const std::string& id) {
   surface_keeper_.look_at(id);
 }
 
-/// Waits until it is woken, at most so long.
+/// Waits until it is woken, at most for this time.
 void Studies::rest(const std::stop_token& stop, std::chrono::steady_clock::duration most) {
   std::unique_lock lock(feeder_mutex_);
   feeder_wake_.wait_for(lock, stop, most, [this] { return feeder_woken_; });

@@ -32,7 +32,7 @@ std::string take_part(std::string_view& rest) {
 
 constexpr int frames_of_study = 3;
 
-/// What follows the description of a study in its file, as far as it is sound.
+/// The part of the file after the description of the study, as far as it is sound.
 std::string_view runs_in(std::string_view bytes) {
   if (!bytes.starts_with(header())) return {};
   bytes.remove_prefix(header().size());
@@ -43,7 +43,7 @@ std::string_view runs_in(std::string_view bytes) {
   return bytes.substr(0, bytes.size() - rest.size());
 }
 
-/// The same of a file that may be damaged or empty.
+/// The same for a file that may be damaged or empty.
 std::string_view kept_runs(std::string_view bytes) {
   try {
     return runs_in(bytes);

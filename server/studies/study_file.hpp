@@ -30,6 +30,7 @@ struct RunRecord {
   v1::JobState outcome = v1::JOB_STATE_UNSPECIFIED;  ///< FAILED or CANCELLED: it receives no job
   v1::Failure failure;                               ///< reason of a refusal
 
+  /// Whether the run has no job yet and has not been refused.
   bool to_queue() const { return job.empty() && outcome == v1::JOB_STATE_UNSPECIFIED; }
 };
 

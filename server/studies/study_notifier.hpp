@@ -15,6 +15,7 @@ namespace dccast::studies {
 class StudyWatcher {
 public:
   virtual ~StudyWatcher() = default;
+  /// Called from the notifier's thread after a change.
   virtual void on_changed() = 0;
 };
 
@@ -32,6 +33,7 @@ public:
   void wake_all();
 
 private:
+  /// The thread: wakes the watchers of studies that have changed.
   void run(const std::stop_token& stop);
   /// Watchers to call now. Drops those that no longer exist.
   std::vector<std::shared_ptr<StudyWatcher>> due(bool every_study);

@@ -32,6 +32,7 @@ struct RunHistory {
 
 /// Wide face of a quarter slab where its casting is steady, and the section in which it was cast.
 struct RunFace {
+  /// Section of the case, and the face where its casting is steady.
   v1::Section section;
   frames::SteadyFace steady;
 };
@@ -65,6 +66,7 @@ bool by_the_case_itself(const v1::Failure& failure);
 /// The runs of a study, and the evaluation of their results. One implementation for each kind.
 class StudyPlan {
 public:
+  /// Plans are made once for a study and then only read.
   virtual ~StudyPlan() = default;
   /// Number of runs that are planned in advance.
   virtual int runs() const = 0;
@@ -110,6 +112,7 @@ std::unique_ptr<StudyPlan> study_plan(const v1::CreateStudyRequest& request);
 
 // The kinds of plans. A new kind is a file with these two functions, and a line in study_plan.cpp.
 
+/// Faults and plan of each kind of study. A plan needs a request without faults.
 std::vector<v1::Fault> refinement_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> refinement_plan(const v1::CreateStudyRequest& request);
 

@@ -20,6 +20,7 @@ struct RunCounts {
   int waiting = 0;                       ///< queued runs that have a job
   std::int64_t last_end_ms = 0;          ///< last end of a job, since 1970
 
+  /// Runs in a state; all; those that have ended.
   int of(v1::JobState state) const;
   int all() const;
   int ended() const;
@@ -30,6 +31,7 @@ struct RunCounts {
 /// cannot be read or written. A change survives a crash of the machine once its call has returned.
 class StudyStore {
 public:
+  /// Opens or makes the tables. @throws std::exception  the file cannot be opened
   explicit StudyStore(const std::filesystem::path& path);
 
   /// Adds a study and its runs. @return false if its id or request_id is taken
@@ -38,13 +40,17 @@ public:
   void extend(const StudyRecord& record, const std::vector<RunRecord>& more);
   /// Marks a study whose removal has begun; from then on only removing() returns it.
   void begin_removal(const std::string& id);
+  /// Deletes the rows of a study and of its runs.
   void erase(const std::string& id);
 
+  /// A row; empty if there is none.
   std::optional<StudyRecord> find(const std::string& id);
   std::optional<StudyRecord> find_request(const std::string& request_id);
+  /// For recovery: all studies, and those whose removal has begun.
   std::vector<std::string> ids();
   std::vector<StudyRecord> removing();
 
+  /// A page of studies, newest first.
   struct Page {
     std::int64_t before_ms =
         INT64_MAX;  ///< only studies created before, or then and with a lesser id
@@ -55,10 +61,12 @@ public:
   /// Newest first.
   std::vector<StudyRecord> list(const Page& page);
 
+  /// Counts and rows of the runs of a study.
   RunCounts counts(const std::string& id);
   std::vector<RunRecord> runs(const std::string& id);
   /// Studies with runs that wait to be queued, oldest first.
   std::vector<std::string> to_feed();
+  /// The first run without a job that waits to be queued.
   std::optional<RunRecord> next_to_queue(const std::string& id);
 
   /// Gives a run its job. @param followed  also adds the next run of a growing plan, to wait

@@ -36,7 +36,7 @@ bool has_ranges(const v1::SweepPlan& sweep) {
   return sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE || sweep.design() == v1::SweepPlan::ENDS;
 }
 
-/// "40 mm/min" as its number and what follows it.
+/// "40 mm/min" as its number and the rest.
 struct Written {
   double number = 0.0;
   std::string unit;
@@ -257,7 +257,7 @@ RunValues hypercube_values(const v1::CreateStudyRequest& request) {
   return runs;
 }
 
-/// The case itself, then each axis alone at its two ends; what is empty is as in the case.
+/// The case itself, then each axis alone at its two ends; an empty value is that of the case.
 RunValues end_values(const v1::SweepPlan& sweep) {
   const std::vector<std::string> itself(sweep.axes_size());
   RunValues runs{itself};
@@ -339,7 +339,7 @@ double number_of(const v1::Case& base, const std::string& key, const std::string
   v1::Case changed = base;
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   if (!case_file::apply_changes(changed, {case_file::change_of(key, value)}).empty()) return none;
-  // What is swept is the factor, also that of "0.8 until 100 mm", or what is added.
+  // The swept quantity is the factor, also that of "0.8 until 100 mm", or the offset.
   if (key.ends_with(".scale") || key.ends_with(".offset"))
     if (const auto change = written(value))
       return change->unit.starts_with("%") ? 0.01 * change->number : change->number;

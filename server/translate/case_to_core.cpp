@@ -81,7 +81,7 @@ std::optional<material::ColdStrength> cold_strength(const v1::Alloy& from) {
       .hardening = hardening.value_size() == 0 ? Curve(0.0) : to_core(hardening)};
 }
 
-/// The window ends where the grains have grown together: from there on metal is tough.
+/// The window ends at coalescence: below it the metal is tough.
 material::HotTearWindow hot_tears(const v1::Alloy& from) {
   constexpr double usual_end = 0.98, latest_end = 0.99;  // [1]
   double end = usual_end;

@@ -44,8 +44,8 @@ constexpr std::uint32_t machine = AUDIT_ARCH_AARCH64;
 constexpr std::uint32_t machine = 0;  // of no process: every call is permitted
 #endif
 
-// Sockets, and what makes them without these calls (io_uring); other programs and processes, and
-// what they have; memory that belongs to no process, which no limit of a process counts.
+// Refused calls: sockets and their substitutes (io_uring); other programs and processes and their
+// resources; memory that belongs to no process, which no limit of a process counts.
 constexpr std::array refused_calls{SYS_socket,
                                    SYS_socketpair,
                                    SYS_connect,
@@ -85,7 +85,7 @@ constexpr std::array signal_calls{SYS_kill, SYS_tgkill};
 // The same, where 0 is the caller.
 constexpr std::array own_process_calls{SYS_prlimit64, SYS_sched_setaffinity, SYS_sched_setscheduler,
                                        SYS_sched_setparam, SYS_sched_setattr};
-// Sanitizers look for leaks and name functions by these.
+// Sanitizers use these calls to find leaks and to name functions.
 constexpr std::array sanitizer_calls{SYS_ptrace, SYS_execve, SYS_socketpair};
 
 // Have the kernel send another process a signal, any one of them; a lease makes another process

@@ -88,7 +88,7 @@ class Recipe(DataStudyCase):
         study = re.search(r"study ([0-9a-f-]{36})", running.stderr.readline())[1]
         until(lambda: self.study(study).succeeded >= 2, 60)
         running.send_signal(signal.SIGINT)
-        self.assertIn("is cancelled; the same command goes on", running.communicate(timeout=30)[1])
+        self.assertIn("is cancelled; repeat the command to resume it", running.communicate(timeout=30)[1])
         self.assertEqual(running.returncode, 130)
         until(lambda: self.study(study).state == study_pb2.STUDY_CANCELLED, 30)
         answer = json.loads(self.design(path, "--json"))

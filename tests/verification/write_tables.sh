@@ -43,7 +43,9 @@ Shear stress of T1 at epsilon = 1e-3, the paper's figures 9 to 11
 ![delta 2, beta 1](developers/t1-shear-delta2-beta1.svg)
 TEXT
 for number in 4 5 6; do show table "$number" "${full[@]}"; done
-for number in 7 8; do show table "$number"; done
+echo
+echo "Table 7 has the rows of SBM and NBM of table 8."
+show table 8
 show table 11 --limit "${TABLE_11_LIMIT:-1800}"
 echo
 echo "## Element families under refinement"

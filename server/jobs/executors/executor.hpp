@@ -50,6 +50,7 @@ public:
     /// with an empty `why`.
     std::function<void(const std::string& job_id, int attempt, const std::string& why)> stopped;
   };
+  /// Executors are used through this interface alone.
   virtual ~Executor() = default;
   /// To be called before the first start.
   virtual void set_calls(Calls calls) = 0;

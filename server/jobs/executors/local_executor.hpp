@@ -35,8 +35,11 @@ public:
   ~LocalExecutor() override { end_thread(); }
 
   void set_calls(Calls calls) override { calls_ = std::move(calls); }
+  /// Workers that may run at once.
   int capacity() const override { return capacity_; }
+  /// Starts a worker; how it went is reported by the calls.
   void start(const WorkerLaunch& launch) override;
+  /// Requests a stop at a checkpoint, or kills at once.
   void stop(const std::string& job_id, int attempt) override;
   void kill(const std::string& job_id, int attempt) override;
   /// Adopts the worker that claims the folder of the job, if it belongs to this attempt and uses
@@ -52,13 +55,21 @@ private:
     Precedence::Registration registration{};  ///< none once it was requested to end
   };
 
+  /// Ends the thread; workers are killed or left, see let_workers_run().
   void end_thread();
+  /// The thread: carries out orders and collects workers that have ended.
   void run();
+  /// Has the thread carry out an order.
   void post(std::function<void()> order);
+  /// Hands a job to a warm worker.
   void hand_over(const WorkerLaunch& launch);
+  /// Watches a worker until it ends.
   void supervise(const WorkerLaunch& launch, std::unique_ptr<WorkerProcess> process);
+  /// Stops a worker's process, or lets it continue. @param stopped_for  empty: continue
   void set_stopped(const Key& key, const std::optional<MoreUrgentRun>& stopped_for);
+  /// Waits for an order or for the end of a worker.
   void wait_for_event();
+  /// Reports the workers that have ended.
   void collect();
 
   WarmWorkers& warm_;

@@ -50,6 +50,7 @@ public:
   using OnChange = std::function<void(const std::optional<MoreUrgentRun>& stopped_for)>;
 
 private:
+  /// A run, with its urgency and the function that is called when it is stopped.
   struct Entry {
     Urgency urgency;
     double estimated_s;
@@ -65,6 +66,7 @@ public:
   class Registration {
   public:
     Registration() = default;
+    /// Leaves when destroyed, so that no stopped run is forgotten.
     Registration(Precedence& precedence, Entries::iterator entry)
         : precedence_(&precedence), entry_(entry) {}
     Registration(Registration&& other) noexcept
@@ -75,6 +77,7 @@ public:
       return *this;
     }
     ~Registration() { leave(); }
+    /// Ends the registration; less urgent runs may continue.
     void leave();
 
   private:
@@ -87,7 +90,9 @@ public:
   [[nodiscard]] Registration enter(Urgency urgency, double estimated_s, OnChange on_change);
 
 private:
+  /// Takes out an entry and continues what it had stopped.
   void remove(Entries::iterator entry);
+  /// Decides anew which runs are stopped.
   void stop_or_continue_all();
 
   std::mutex mutex_;

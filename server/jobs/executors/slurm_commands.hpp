@@ -19,9 +19,11 @@ struct SlurmError : std::runtime_error {
 /// Identity of a worker's start, from which its job name in Slurm is made. The numbers of Slurm
 /// jobs are no key: a number that is lost in a crash of slurmctld is given to the next job.
 struct SlurmName {
+  /// Job and attempt, which name the job in Slurm.
   std::string job_id;
   int attempt = 0;
 };
+/// As Slurm shows it: "dccast-ID.ATTEMPT".
 std::string to_string(const SlurmName& name);
 
 /// State of one start in Slurm.
@@ -38,6 +40,7 @@ struct SlurmJob {
 };
 using SlurmJobs = std::multimap<std::string, SlurmJob>;  ///< by job id
 
+/// Settings of the daemon for Slurm.
 struct SlurmOptions {
   std::filesystem::path jobs_directory;         ///< the same path on all nodes
   std::filesystem::path worker_program;         ///< the same path on all nodes
@@ -59,8 +62,11 @@ struct SlurmOptions {
 /// Reads the text format, because fields of the JSON format have changed their type between
 /// versions.
 SlurmJobs slurm_jobs();
+/// Submits with sbatch. @throws std::runtime_error  Slurm's reason
+/// @param cores  processors for the job
 void slurm_submit(const SlurmName& name, const std::filesystem::path& folder, int cores,
                   const SlurmOptions& options);
+/// Cancels all jobs of this name with scancel.
 void slurm_cancel(const SlurmName& name);
 /// Sends SIGTERM to the worker, which stops at a checkpoint.
 void slurm_terminate(const SlurmName& name);

@@ -70,22 +70,36 @@ private:
   };
   using Key = std::pair<std::string, int>;
 
+  /// Has the thread carry out an order.
   void post(std::function<void()> order);
+  /// Begins to follow a start. @param submitted  by an earlier daemon
   void supervise(const WorkerLaunch& launch, bool submitted);
+  /// Notes a request for an attempt, which the thread passes on to Slurm.
   void request(const std::string& job_id, int attempt, bool Start::*flag);
+  /// Ends the thread; jobs stay in Slurm.
   void end_thread();
+  /// The thread: carries out orders and polls Slurm.
   void run();
+  /// Compares all starts with what squeue shows.
   void poll();
   /// Updates a start. @param jobs  null: Slurm gives no answer, for the reason `fault_`
   /// @return its end, once it has ended
   std::optional<End> follow(Start& start, const SlurmJobs* jobs);
+  /// Submits a start that Slurm does not show. @return its end, if it cannot be submitted
   std::optional<End> submit(Start& start, const SlurmJobs& jobs);
+  /// Follows a start that Slurm shows as waiting or running.
   std::optional<End> follow_listed(Start& start, const SlurmJob& job);
+  /// Follows one that Slurm shows as ended, until its folder shows the end too.
   std::optional<End> follow_ended(Start& start, const SlurmJob& job);
+  /// Decides about one that Slurm no longer shows.
   std::optional<End> follow_absent(Start& start);
+  /// Reports why a job waits, when the reason has changed.
   void report_waiting(Start& start, const std::string& why);
+  /// Cancels jobs of this daemon in Slurm that it does not follow.
   void cancel_strays(const SlurmJobs& jobs);
+  /// Whether the folder has not changed for so long that no worker can be at work.
   bool is_silent(const Start& start) const;
+  /// Whether the folder shows that the run has ended.
   bool shows_end(const Start& start) const;
 
   Executor& local_;

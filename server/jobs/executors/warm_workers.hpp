@@ -13,6 +13,7 @@
 
 namespace dccast::jobs {
 
+/// Bounds on processes, memory and answers.
 struct WarmWorkerLimits {
   std::filesystem::path scratch{};  ///< directory in which requests may write; empty: none
   int kept = 1;                     ///< number of idle and busy workers that are kept
@@ -28,6 +29,7 @@ struct WarmWorkerLimits {
 /// the death of the parent (PR_SET_PDEATHSIG) is sent at the end of the parent *thread*.
 class WarmWorkers {
 public:
+  /// @param program  path of dccast-worker
   explicit WarmWorkers(std::filesystem::path program, const WarmWorkerLimits& limits = {});
 
   /// Asks a worker. @throws WorkerDidNotAnswer  also if the worker refuses to answer
@@ -40,12 +42,18 @@ public:
 
 private:
   using Idle = std::vector<std::unique_ptr<WorkerProcess>>;
+  /// A worker that has answered may have been taken over by what it read, and gets no job.
   enum class Purpose { answer, job };
 
+  /// Takes an idle worker out; waits for one to be started if none is idle.
   std::unique_ptr<WorkerProcess> lend(Purpose purpose);
+  /// The idle worker to lend; the end if none is idle.
   Idle::iterator choose_idle(Purpose purpose);
+  /// Takes a worker back, unless it has given as many answers as it may.
   void give_back(std::unique_ptr<WorkerProcess> worker);
+  /// Whether the starter should start another worker.
   bool wants_more() const;
+  /// The starter's loop.
   void run(const std::stop_token& stop);
 
   const std::filesystem::path program_;

@@ -50,6 +50,7 @@ struct FolderSigns {
   std::int64_t log_bytes = 0;
   bool operator==(const FolderSigns&) const = default;
 };
+/// Signs of life in a folder; zero where there are none.
 FolderSigns signs_in(const std::filesystem::path& folder);
 
 /// Whether the folder holds the end of an attempt's run, and every result that it names.

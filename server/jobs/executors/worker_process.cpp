@@ -170,7 +170,8 @@ std::optional<WorkerExit> WorkerProcess::exit() {
 void WorkerProcess::wait_until(short events, const CallLimits& limits) const {
   pollfd look{socket_.get(), events, 0};
   for (;;) {
-    // Checked before the poll: a worker that sends events without a pause can be called off, too.
+    // Checked before the poll, so that a worker that sends events without a pause can be cancelled,
+    // too.
     if (limits.called_off())
       throw WorkerDidNotAnswer(Why::called_off, "the caller no longer waits for the answer");
     if (std::chrono::steady_clock::now() > limits.deadline)

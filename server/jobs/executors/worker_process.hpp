@@ -24,6 +24,7 @@ using OnEvent = std::function<void(v1::JobEvent&)>;
 /// A request was not answered.
 class WorkerDidNotAnswer : public std::runtime_error {
 public:
+  /// Why there is no answer.
   enum class Why {
     not_started,  ///< the program cannot be started, or not now
     died,         ///< the worker crashed on the request
@@ -62,6 +63,7 @@ public:
   WorkerProcess(const std::filesystem::path& program, const std::filesystem::path& scratch);
   /// Adopts a worker that an earlier daemon has started. @param handle  see open_process()
   explicit WorkerProcess(storage::FileDescriptor handle) : handle_(std::move(handle)) {}
+  /// A process has one owner.
   WorkerProcess(const WorkerProcess&) = delete;
   /// Kills the process, unless leave() was called or an earlier daemon started it.
   ~WorkerProcess();
@@ -75,6 +77,7 @@ public:
   void hand_over(const v1::SolveCase& job);
   /// Leaves the process running when this object is destroyed.
   void leave() { process_ = 0; }
+  /// Sends a signal; has no effect once the process has ended.
   void signal(int number) const;
   /// Stops the process (SIGSTOP) or continues it; may be called from any thread. Does nothing on a
   /// system without pidfds, because a process id may be reused.
@@ -82,6 +85,7 @@ public:
 
   /// Whether it is idle and still running.
   bool is_idle() const;
+  /// Answers given so far, and memory in use [bytes].
   int answers() const { return answers_; }
   std::int64_t resident_bytes() const;
   /// Its exit; nothing while it runs.
@@ -90,10 +94,16 @@ public:
   int handle() const { return handle_.get(); }
 
 private:
+  /// Waits for an event of the socket. @throws WorkerDidNotAnswer  at the deadline or on
+  /// cancellation
   void wait_until(short events, const CallLimits& limits) const;
+  /// Sends a message with its length before it.
   void send(const google::protobuf::MessageLite& message, const CallLimits& limits);
+  /// Receives one message. @throws WorkerDidNotAnswer
   v1::WorkerAnswer receive(const CallLimits& limits);
+  /// Receives what has arrived into the buffer.
   void receive_more(const CallLimits& limits);
+  /// @throws WorkerDidNotAnswer  with the way in which the process has ended
   [[noreturn]] void report_death();
 
   std::string name_;

@@ -50,11 +50,14 @@ struct NewJob {
 /// Creates the first record of a job: queued, with a new id, created now.
 JobRecord make_record(const NewJob& new_job, const Attachments& attachments);
 
+/// The present time, to the millisecond.
 google::protobuf::Timestamp now();
 /// Milliseconds since 1970, the unit of the store; 0 for an unset time.
 std::int64_t milliseconds(const google::protobuf::Timestamp& time);
+/// @param milliseconds  since 1970
 google::protobuf::Timestamp timestamp(std::int64_t milliseconds);
 
+/// Whether a job in this state has ended for good.
 bool is_terminal(v1::JobState state);
 
 /// Adds a failure. The first one remains the cause; further ones are listed after it.
@@ -64,6 +67,7 @@ void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& messag
 void keep_finding(google::protobuf::RepeatedPtrField<v1::Finding>& findings,
                   const v1::Finding& finding);
 
+/// An event with a note for people.
 v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level);
 
 /// The event of a job that has entered its present state.

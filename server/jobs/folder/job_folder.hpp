@@ -56,6 +56,7 @@ void mark_accepted(const std::filesystem::path& folder);
 /// A request of a caller that has not been carried out yet.
 enum class RequestedAction { none, pause, cancel };
 
+/// A request that the worker finds in its folder.
 struct Request {
   RequestedAction action = RequestedAction::none;
   std::string reason;
@@ -77,6 +78,7 @@ inline constexpr const char* rank_file = "worker.rank";    ///< the same
 void write_request(const std::filesystem::path& folder, const Request& request);
 /// The pending request, if any. Costs one system call if there is none.
 std::optional<Request> read_request(const std::filesystem::path& folder);
+/// Removes the request that was carried out.
 void remove_request(const std::filesystem::path& folder);
 
 /// Stores what may change of a job after its submission: its labels, and whether it is pinned. The
@@ -102,6 +104,7 @@ class CheckFolder {
 public:
   /// @param parent  directory in which the folder is created @throws std::system_error
   CheckFolder(const std::filesystem::path& parent, const Attachments& attachments);
+  /// Removes the folder with its content.
   CheckFolder(const CheckFolder&) = delete;
   ~CheckFolder();
   const std::filesystem::path& path() const { return path_; }

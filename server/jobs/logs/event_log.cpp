@@ -128,7 +128,8 @@ void EventLog::prepare(v1::JobEvent& event) {
   if (!appends()) take_over();
   const std::lock_guard lock(mutex_);
   if (prepared_) return;
-  if (content_.terminal) throw std::logic_error("an event log that has ended takes no more events");
+  if (content_.terminal)
+    throw std::logic_error("an event log that has ended accepts no further events");
 
   // A record that was written, but not scanned for lack of memory, is in the file all the same.
   if (content_.end < log_.end()) take_whole_records(log_.file(), content_);

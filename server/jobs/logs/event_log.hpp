@@ -59,6 +59,7 @@ public:
   /// Appends an event that no reader sees before announce(); the next append() announces it too.
   /// Only one event can be prepared: a second call does nothing. @throws as append()
   void prepare(v1::JobEvent& event);
+  /// Shows watchers what has been appended.
   void announce();
 
   /// Syncs appended events to disk; cheap if there are none. @throws std::system_error
@@ -86,11 +87,17 @@ public:
 
 private:
   const std::filesystem::path& path() const { return log_.file().path(); }
+  /// Whether this process may append: the worker does, while it runs.
   bool appends() const;
+  /// Restores a log whose header or end is damaged.
   void repair();
+  /// Cuts an incomplete record from the end.
   void cut_tail();
+  /// Size of the record at an offset [bytes].
   std::int64_t record_size(std::int64_t offset) const;
+  /// Content of the record at an offset; empty if it is damaged. @param end  offset behind it
   std::optional<std::string> payload_at(std::int64_t offset, std::int64_t end) const;
+  /// Moves a cursor to its sequence number.
   void locate(Cursor& cursor) const;
 
   storage::RecordLog log_;

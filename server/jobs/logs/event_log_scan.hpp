@@ -16,6 +16,7 @@ inline constexpr std::int64_t event_log_header_size = 16;  // [bytes]
 /// Every event fits into a gRPC message of 4 MiB; a longer record is damage.
 inline constexpr std::uint32_t largest_event = 1u << 24;  // [bytes]
 
+/// Bytes at the beginning of every log.
 std::string event_log_header();
 
 /// An unreadable part of an event log, followed by sound records.
@@ -37,6 +38,7 @@ struct EventGap {
 struct EventLogContent {
   /// A record whose position is known, so that readers need not start at the beginning.
   struct Anchor {
+    /// Number of the last sound event, and the offset behind it.
     std::int64_t sequence = 0;
     std::int64_t offset = 0;
   };

@@ -19,6 +19,7 @@ namespace dccast::jobs {
 class Watcher {
 public:
   virtual ~Watcher() = default;
+  /// Called from the notifier's thread; must not block.
   virtual void on_appended() = 0;
 };
 
@@ -50,13 +51,23 @@ private:
     std::weak_ptr<EventLog> log;  ///< guarded by logs_mutex_
   };
 
+  /// The slot of a job, made if there is none.
   std::shared_ptr<Slot> find_slot(const std::string& job_id);
+  /// The log of a job if it is open; null otherwise.
   std::shared_ptr<EventLog> find_open(const std::string& job_id);
+  /// Remembers that watchers of a job are to be woken and its log is to be synced.
   void note_appended(const std::string& job_id);
+  /// Wakes watchers.
   void run_notifier(const std::stop_token& stop);
+  /// Syncs logs, so that no caller waits for the disk.
   void run_syncer(const std::stop_token& stop);
+  /// Follows logs to which a worker of its own appends.
   void run_follower(const std::stop_token& stop);
+  /// Reads on in followed logs.
+  /// @param changed  watches of the files to read; empty: all files
+  /// @param reopen   open each of them once more
   void refresh_followed(const std::set<int>& changed, bool reopen);
+  /// Closes logs that no one has used for a while.
   void drop_expired();
 
   std::filesystem::path jobs_directory_;

@@ -42,6 +42,7 @@ private:
   /// Events from `first` to before `end`, whose steps increase from `first_step`. Steps after
   /// `last_step` were taken back.
   struct Span {
+    /// Sequence numbers of the span, the end not included, and its first and last step.
     std::int64_t first = 0;
     std::int64_t end = 0;
     std::int64_t first_step = 0;
@@ -49,9 +50,13 @@ private:
     bool closed = false;  ///< a step was taken back: later events belong to another span
   };
 
+  /// Reads the events that were appended since the last call.
   void update(const EventLog& log);
+  /// After a resumption: steps from this one on are reported again.
   void take_back_from(std::int64_t step);
+  /// Adds a step to the last span, or begins another.
   void add(std::int64_t sequence, std::int64_t step);
+  /// Spans that hold the steps after a place; empty if the place is unknown.
   std::optional<std::vector<Span>> spans_after(const StepPlace& place) const;
 
   std::mutex mutex_;

@@ -136,7 +136,8 @@ Settlement settle(JobRecord& record, EventLog& log, const std::filesystem::path&
   }
 
   if (!exit)
-    return settle_stopped(record, "dccastd was restarted; goes on from its last checkpoint");
+    return settle_stopped(record,
+                          "dccastd was restarted; the job continues from its last checkpoint");
 
   facts.storage_error = find_storage_error(folder, *exit);
   return settle_lost(record, *exit, facts);

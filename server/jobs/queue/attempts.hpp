@@ -61,6 +61,7 @@ struct WatchdogLimits {
 /// worker was stopped [s].
 double ran_s(const Attempt& attempt, Attempt::Clock::time_point now);
 
+/// Settings of the daemon for attempts.
 struct AttemptOptions {
   std::filesystem::path jobs_directory;
   int worker_restarts = 2;                             ///< restarts of a job whose worker died
@@ -82,15 +83,20 @@ class Attempts {
 public:
   using Clock = Attempt::Clock;
 
+  /// @param executor  starts and stops the workers; outlives this object
   Attempts(AttemptOptions options, Executor& executor);
 
   /// Adds an attempt at a job that is RUNNING now.
   /// @param adopted  the executor has found its worker; otherwise start() starts it
   std::shared_ptr<Attempt> add(JobRecord record, std::shared_ptr<EventLog> log, bool adopted);
+  /// Starts the worker of an attempt that was added.
   void start(Attempt& attempt);
+  /// Forgets an attempt whose outcome is on the disk.
   void erase(const Attempt& attempt) { attempts_.erase(attempt.job_id); }
 
+  /// All attempts, with those that have ended and are not settled yet.
   const std::map<std::string, std::shared_ptr<Attempt>>& by_job() const { return attempts_; }
+  /// Number of attempts for which a condition holds.
   template <typename Condition>
   int count(const Condition& condition) const {
     return static_cast<int>(std::ranges::count_if(
@@ -104,6 +110,7 @@ public:
   int count_queued() const {
     return count([](const Attempt& each) { return !each.goes_first; });
   }
+  /// Number of attempts of one owner that use the capacity of the executor.
   int count_queued(const std::string& owner) const {
     return count(
         [&](const Attempt& each) { return !each.goes_first && each.record.job.owner() == owner; });
@@ -117,20 +124,27 @@ public:
   void expect_stop(Attempt& attempt);
   /// Requests every worker to stop at a checkpoint; the jobs go back into the queue.
   void stop_all();
+  /// Requests one worker to stop at a checkpoint.
   void stop(Attempt& attempt);
 
+  /// Reports of the executor about the worker of an attempt; those about an unknown one are kept
+  /// until recovery has ended.
+  /// @param number  of the attempt
   void worker_not_started(const std::string& job_id, int number, const std::string& why);
   /// @param why  empty: it no longer waits
   void worker_waits(const std::string& job_id, int number, const std::string& why);
   /// @param why  empty: it continues
   void worker_stopped(const std::string& job_id, int number, const std::string& why);
+  /// @param exit  how its process has ended
   void worker_ended(const std::string& job_id, int number, const WorkerExit& exit);
   /// Announces that every worker of an earlier daemon was added. Until then, one may end first.
   void end_recovery();
 
   /// Kills workers that hang or do not stop in time.
   void kill_overdue(Clock::time_point now);
+  /// When kill_overdue() has something to do next.
   Clock::time_point next_deadline() const;
+  /// After the machine slept: silences that it caused do not count.
   void forgive_silences(Clock::time_point now);
 
   /// Collects the input of settle() for an attempt that has ended.
@@ -140,9 +154,13 @@ public:
                              std::int64_t reached_step);
 
 private:
+  /// Folder of its job.
   std::filesystem::path folder(const Attempt& attempt) const;
+  /// What the executor needs to know of a worker.
   WorkerLaunch make_launch(const Attempt& attempt) const;
+  /// The order to the worker: case, limits, heartbeat.
   v1::SolveCase make_order(const Attempt& attempt) const;
+  /// Starts the time limit of a job. @param since  when it got its machine
   void start_timer(Attempt& attempt, Clock::time_point since);
 
   const AttemptOptions options_;
@@ -153,6 +171,7 @@ private:
   std::map<std::string, std::shared_ptr<Attempt>> attempts_;  ///< by job
   /// Consecutive attempts that ended because a write failed, and made no progress.
   struct StorageFailures {
+    /// Since the last attempt that made progress, and the step that one had reached.
     int in_a_row = 0;
     std::int64_t reached_step = 0;
   };

@@ -25,6 +25,7 @@ public:
   /// Notes that a job has ended or was deleted: those that wait for it must be checked.
   void note_change(const std::string& id);
 
+  /// A job that waits, with those that must succeed before it.
   struct Dependent {
     std::string id;
     std::vector<std::string> before;  ///< the jobs that have to succeed first

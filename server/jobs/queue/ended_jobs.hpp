@@ -28,7 +28,9 @@ public:
   void on_transition(const v1::Job& job, v1::JobState from);
 
 private:
+  /// The thread: runs the program for each job in the order in which they ended.
   void run(const std::stop_token& stop);
+  /// Runs it for one job and kills it with its children at the time limit.
   void run_program(const v1::Job& job, const std::stop_token& stop) const;
 
   const std::string program_;
@@ -39,6 +41,7 @@ private:
   std::jthread thread_;
 };
 
+/// Settings of the daemon for old jobs.
 struct RetentionOptions {
   std::filesystem::path jobs_directory;
   std::chrono::seconds time{0};  ///< jobs that ended longer ago are deleted; 0: never
@@ -52,11 +55,15 @@ struct RetentionOptions {
 /// while the queue is held.
 class Retention {
 public:
+  /// @param scheduler  deletes the jobs; outlives this object
   Retention(RetentionOptions options, JobStore& store, Scheduler& scheduler);
 
 private:
+  /// The thread: measures once, then deletes at every interval.
   void run(const std::stop_token& stop);
+  /// Measures the disk space of ended jobs whose rows do not have it yet.
   void measure(const std::stop_token& stop);
+  /// Deletes what is too old, then the oldest until the rest fits.
   void delete_old_jobs();
 
   const RetentionOptions options_;

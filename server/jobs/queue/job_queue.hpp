@@ -21,6 +21,7 @@ namespace dccast::jobs {
 /// time of submission minus the bonus.
 class JobQueue {
 public:
+  /// Half an hour for each level [ms].
   static constexpr std::int64_t priority_bonus_ms = 30 * 60 * 1000;
   /// Charged for a job at its start, until its use is known [s].
   static constexpr double start_charge_s = 60.0;
@@ -31,6 +32,7 @@ public:
 
   /// @param goes_first  starts before all jobs without it
   void push(const v1::Job& job, bool goes_first = false);
+  /// Removes a job that was started or cancelled; others keep their order.
   void erase(const std::string& job_id);
   /// Counts processor seconds for an owner. @param at_ms  when they were used, since 1970
   void charge(const std::string& owner, double seconds, std::int64_t at_ms);
@@ -47,24 +49,31 @@ public:
   int position(const std::string& job_id) const;
 
 private:
+  /// Time of submission minus the bonus [ms], then the id, so that no two are equal.
   using Key = std::pair<std::int64_t, std::string>;
   /// A set that counts the elements before a given one.
   using Order = __gnu_pbds::tree<Key, __gnu_pbds::null_type, std::less<>, __gnu_pbds::rb_tree_tag,
                                  __gnu_pbds::tree_order_statistics_node_update>;
+  /// A queued job with what orders it.
   struct Entry {
     bool goes_first;
     std::string owner;
     std::int64_t key;
     double estimated_s;
   };
+  /// Queued jobs by owner.
   using Orders = std::map<std::string, Order>;
+  /// The order that an entry belongs to, made if it is the owner's first.
   Order& find_order(const Entry& entry);
+  /// Adds an estimate to the mean, or takes it out. @param change  +1 or -1
   void count_estimate(const Entry& entry, int change);
+  /// Use of an owner, in which later use counts more; 0 if there was none.
   double past_use(const std::string& owner) const;
   /// Whether a job of this owner is taken before one of the other.
   bool is_before(const Orders::value_type& left, const Orders::value_type& right) const;
 
   const std::chrono::seconds half_life_;
+  /// Jobs that start before all others.
   Order first_;
   Orders orders_;  ///< by owner; none is empty
   std::map<std::string, Entry> entries_;

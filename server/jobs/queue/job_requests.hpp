@@ -29,6 +29,7 @@ public:
 
   /// Cancels or pauses a job: at once if no worker runs it, else by a request in its folder.
   Reply stop(const std::string& id, const Request& request);
+  /// Puts a paused job back into the queue. wrong_state: it is not paused.
   Reply resume(const std::string& id);
   /// See Scheduler::remove().
   Reply remove(const std::string& id, const std::string& why,
@@ -42,7 +43,9 @@ public:
                     const std::string& cause);
 
 private:
+  /// Asks a worker to stop by a request in the folder of its job.
   Reply stop_worker(std::unique_lock<std::mutex>& lock, Attempt& attempt, const Request& request);
+  /// Deletes row and folder of a job that no worker runs.
   void erase(const JobRecord& record);
 
   QueueState& state_;

@@ -14,13 +14,16 @@ class JobViews {
 public:
   explicit JobViews(const QueueState& state) : state_(state) {}
 
+  /// A job that has no attempt under way, or one that has.
   v1::Job view(JobRecord record);
   v1::Job view(const Attempt& attempt) const;
   /// Adds an ended job to the forecast.
   void learn(const v1::Job& job) { forecast_.learn(job); }
 
 private:
+  /// Adds the expected start and end to a queued job, where they can be predicted.
   void predict(v1::Job& job);
+  /// Remaining run times of the running jobs [s], by the forecast; cached for a moment.
   const std::vector<double>& remaining_s();
 
   const QueueState& state_;

@@ -13,6 +13,7 @@
 
 namespace dccast::jobs {
 
+/// Called with a job after every change.
 using JobObserver = std::function<void(const v1::Job&)>;
 /// Called with a job after its transition from the state `from`.
 using TransitionObserver = std::function<void(const v1::Job& job, v1::JobState from)>;
@@ -39,6 +40,7 @@ public:
   /// that changed the job, and must neither block nor read a job. An empty observer ends the calls;
   /// the last one has returned then.
   void observe(JobObserver observer);
+  /// Passes a job on to the observers.
   void report(const v1::Job& job);
   /// Adds an observer that is called once for every transition, under the same conditions. To be
   /// called before other threads use this object.
@@ -61,7 +63,9 @@ public:
   std::optional<JobRecord> kept(const std::string& id) const;
 
 private:
+  /// Appends the transition to the event log. @throws std::exception  it cannot be written
   void write_event(JobRecord& record, const std::string& cause);
+  /// Brings the row up to date; a failure is kept and retried.
   void write_store(const JobRecord& record, const std::string& cause, v1::JobState from);
 
   JobStore& store_;

@@ -29,15 +29,18 @@ public:
 
   /// Holds the queue; the first reason is kept until the hold is lifted. @return whether it is new
   bool set(const std::string& reason);
+  /// Starts jobs again.
   void lift();
   bool holds() const { return reason_.has_value(); }
   /// Empty if nothing holds the queue.
   std::string reason() const { return reason_.value_or(""); }
   /// Time of the next check.
   Clock::time_point next_check() const { return next_check_; }
+  /// Sets the time of the next check.
   void retry_later();
 
 private:
+  /// Why no job starts; empty while they do.
   std::optional<std::string> reason_;
   Clock::time_point next_check_{};
   Clock::time_point lifted_{};

@@ -23,6 +23,7 @@ public:
   /// Shuts the queue down unless it has ended.
   ~QueueLoop();
 
+  /// Starts the thread.
   void start();
   /// See Scheduler::shut_down().
   void shut_down();
@@ -34,25 +35,38 @@ public:
 private:
   using Clock = std::chrono::steady_clock;
 
+  /// The loop: settles what has ended, starts what fits, waits for the next event.
   void run();
 
   // These expect the mutex of the state to be held.
   bool may_end() const;
+  /// Whether a round would change something.
   bool has_work() const;
+  /// Whether a job may start now: no hold, no shutdown, capacity left.
   bool may_start() const;
+  /// The job to start next; empty if none may.
   std::optional<std::string> next_job() const;
+  /// Takes an attempt out of the books after its outcome has been written.
   void forget_attempt(const Attempt& attempt, const JobRecord& record,
                       const Settlement& settlement);
 
   // These take the mutex themselves, and wait for the disk without it.
   void settle_ended_attempts();
+  /// Writes the outcome of an attempt. Waits for the disk, without the mutex.
   void settle_attempt(const std::shared_ptr<Attempt>& attempt);
+  /// Outcome of an attempt, from its log and its exit.
   Settlement decide(const Attempt& attempt, JobRecord& record, AttemptFacts facts) const;
+  /// Lifts a hold whose reason has gone.
   void resume_after_hold();
+  /// Looks at the jobs whose predecessors have changed.
   void release_dependents();
+  /// Queues a dependent, or cancels it with the reason.
   void release_dependent(const Dependents::Dependent& dependent);
+  /// Starts the next job. @return false if none may start
   bool start_next();
+  /// Writes the start of an attempt. @throws std::exception  it cannot be written
   std::pair<JobRecord, std::shared_ptr<EventLog>> begin_attempt(const std::string& id);
+  /// Puts a job back that could not be started, and holds the queue where storage is the cause.
   void refuse_start(const std::string& id, const std::exception& error);
 
   QueueState& state_;

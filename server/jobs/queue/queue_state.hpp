@@ -20,6 +20,7 @@
 
 namespace dccast::jobs {
 
+/// Settings of the daemon for the scheduler.
 struct SchedulerOptions {
   AttemptOptions attempts;
   int maximum_queued = 10000;                       ///< limit of waiting jobs
@@ -35,6 +36,7 @@ struct SchedulerOptions {
 /// No thread waits for the disk while it holds the mutex. A change of a job locks that job instead
 /// (ExclusiveJob), and readers see its old state until the change is on the disk.
 struct QueueState {
+  /// The store, the logs and the workers outlive this object.
   QueueState(SchedulerOptions scheduler_options, JobStore& job_store, EventLogs& event_logs,
              Executor& of_workers);
 
@@ -42,13 +44,16 @@ struct QueueState {
   void hold(const std::string& reason);
   /// Queues a job, or lets it wait until the jobs before it have succeeded.
   void enqueue(const v1::Job& job, bool goes_first = false);
+  /// Removes a job from the queue and from those that wait for others.
   void dequeue(const std::string& id);
   /// Charges the owner for the processor time of a job, beyond what was charged at its starts.
   void charge(const v1::Job& job, std::int64_t at_ms);
   /// Whether a user may have one more job running. Kept queries do not count.
   bool user_may_start(const std::string& owner) const;
+  /// Jobs that have not been started, with those that wait for others.
   int waiting() const { return static_cast<int>(queue.size()) + dependents.size(); }
 
+  /// Fixed after construction.
   const SchedulerOptions options;
   const std::filesystem::path jobs_directory;
   JobStore& store;
@@ -56,6 +61,7 @@ struct QueueState {
   Executor& executor;
   Ledger ledger;  ///< has a lock of its own
 
+  /// Guards all members below.
   std::mutex mutex;
   std::condition_variable changed;
   Attempts attempts;
@@ -70,6 +76,7 @@ struct QueueState {
 /// between.
 class ExclusiveJob {
 public:
+  /// Waits until no other request changes the job, and keeps others away until destruction.
   ExclusiveJob(QueueState& state, std::unique_lock<std::mutex>& lock, const std::string& id);
   ExclusiveJob(const ExclusiveJob&) = delete;
   ~ExclusiveJob();

@@ -15,10 +15,16 @@ public:
   void run();
 
 private:
+  /// Brings one job of an earlier daemon into a state that this one can continue from.
+  /// @return whether a worker goes on with the job
   bool recover_job(JobRecord& record);
+  /// Finds the worker of a job that was running, or settles the job from its folder.
   bool find_worker_or_settle(JobRecord& record);
+  /// Takes over a worker that still runs. @return false if it cannot be taken over
   bool adopt_worker(const JobRecord& record, v1::JobState state);
+  /// Gives the forecast the last ended jobs.
   void learn_from_ended_jobs();
+  /// Charges the owners for what they have used lately.
   void charge_recent_use();
 
   QueueState& state_;

@@ -27,6 +27,7 @@ namespace dccast::jobs {
 /// StoreError or std::system_error if it cannot write.
 class Scheduler {
 public:
+  /// @param executor  starts the workers; all outlive this object
   Scheduler(SchedulerOptions options, JobStore& store, EventLogs& logs, Executor& executor);
 
   /// Recovers the state of the last daemon: makes store and event logs agree, adopts the workers
@@ -48,9 +49,11 @@ public:
   v1::Job submit(const NewJob& new_job, const Attachments& attachments) {
     return submissions_.submit(new_job, attachments);
   }
+  /// A job as clients see it; empty if there is no such job.
   std::optional<v1::Job> find(const std::string& id);
   /// The event log of a job that exists.
   std::shared_ptr<EventLog> log(const std::string& id);
+  /// A page of jobs, newest first.
   std::vector<v1::Job> list(const JobStore::Page& page);
   /// See Ledger::observe().
   void observe(JobObserver observer) { state_.ledger.observe(std::move(observer)); }
@@ -58,6 +61,7 @@ public:
   void observe_transitions(TransitionObserver observer) {
     state_.ledger.observe_transitions(std::move(observer));
   }
+  /// Cancels a job; see JobRequests::stop(). @param reason  stored as its cause
   Reply cancel(const std::string& id, const std::string& reason) {
     return requests_.stop(id, {RequestedAction::cancel, reason});
   }
@@ -78,6 +82,7 @@ public:
   /// Wakes the thread of the queue. @return whether it began a round in time; false if it hangs,
   /// for example on a disk. Does not return while another thread hangs with the mutex.
   bool is_responsive(std::chrono::milliseconds longest) { return loop_.is_responsive(longest); }
+  /// Numbers of jobs, for status and metrics.
   int queued();
   int running();
   /// Why nothing is started now; empty if nothing holds the queue.

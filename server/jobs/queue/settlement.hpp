@@ -18,6 +18,7 @@ struct Settlement {
 
 /// Input of a settlement: what is known of the attempt.
 struct AttemptFacts {
+  /// Facts that the outcome depends on, besides log and exit.
   bool shutting_down = false;
   int worker_restarts = 2;
   v1::OtherVersion other_version = v1::BEGIN_ANEW;

@@ -10,12 +10,15 @@
 
 namespace dccast::jobs {
 
+/// The queue has as many jobs as a setting permits, of this owner or of all.
 struct QueueFull : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+/// The request id belongs to a job with another case.
 struct RequestIdTaken : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+/// The daemon is ending and takes no jobs.
 struct ShuttingDown : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -33,8 +36,11 @@ public:
   v1::Job submit(const NewJob& new_job, const Attachments& attachments);
 
 private:
+  /// The present state of a job that was submitted before.
   v1::Job current(const v1::Job& job);
+  /// @throws QueueFull  @param bytes  size of case and attachments
   void require_room(std::int64_t bytes);
+  /// Writes folder, row and mark of a new job; empty if another request has won the id meanwhile.
   std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);
 

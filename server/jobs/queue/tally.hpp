@@ -19,8 +19,10 @@ struct Histogram {
   /// @param upper_ends  of the classes, ascending; larger values count in `count` only
   explicit Histogram(std::span<const double> upper_ends)
       : bounds(upper_ends.begin(), upper_ends.end()), counts(upper_ends.size()) {}
+  /// Counts a value in its bucket.
   void add(double value);
 
+  /// Upper bounds of the buckets, ascending; the last bucket has none.
   std::vector<double> bounds;
   std::vector<std::uint64_t> counts;  ///< of each class alone
   std::uint64_t count = 0;            ///< of all
@@ -29,6 +31,7 @@ struct Histogram {
 
 /// Statistics of jobs since the start of the daemon.
 struct TallyFigures {
+  /// Bounds for waiting and run times [s].
   static constexpr std::array<double, 7> bounds_s{1, 10, 60, 600, 3600, 21600, 86400};
   Histogram wait_s{bounds_s};                   ///< from submission to the first start
   Histogram run_s{bounds_s};                    ///< of an ended job, over all its attempts
@@ -44,6 +47,7 @@ class Tally {
 public:
   /// @param job  after its transition from the state `from`
   void count(const v1::Job& job, v1::JobState from);
+  /// A copy of the counts so far.
   TallyFigures figures() const;
 
 private:
@@ -55,6 +59,7 @@ private:
 /// estimates of recent jobs. Not safe to use from several threads.
 class Forecast {
 public:
+  /// Counts a job that has ended.
   void learn(const v1::Job& job);
   /// Wall time of a whole run [s]; 0: not known.
   /// @param estimated_s  of its check; 0: not known

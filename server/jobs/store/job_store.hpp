@@ -22,6 +22,7 @@ enum class Durability { normal, full };
 /// read or written. The virtual functions are those that tests let fail.
 class JobStore {
 public:
+  /// Virtual, so that tests can have a store that fails.
   virtual ~JobStore() = default;
   /// Opens or creates the store. @throws StoreError  also for a file of another version
   explicit JobStore(const std::filesystem::path& path);
@@ -33,9 +34,12 @@ public:
   virtual void update(const JobRecord& record, Durability durability);
   /// Writes labels and whether the job is pinned, durably.
   virtual void update_marks(const v1::Job& job);
+  /// Measured disk space of an ended job [bytes].
   void update_bytes(const std::string& id, std::int64_t bytes);
+  /// Deletes a row; its folder is gone by then.
   void erase(const std::string& id);
 
+  /// Rows by id and by the id of the request; empty if there is none.
   virtual std::optional<JobRecord> find(const std::string& id);
   std::optional<JobRecord> find_request(const std::string& request_id);
   /// The id of the newest job that has succeeded with this key and this solver.
@@ -51,6 +55,7 @@ public:
 
   /// The jobs of an owner in one state.
   struct Group {
+    /// Jobs of an owner in a state, with their disk space [bytes].
     std::string owner;
     v1::JobState state;
     std::int64_t jobs, bytes;
@@ -60,6 +65,7 @@ public:
 
   /// A job that has ended.
   struct Ended {
+    /// An ended job, for its deletion by age or size.
     std::string id;
     std::int64_t ended_ms, bytes;
     bool pinned;
@@ -69,10 +75,12 @@ public:
   std::vector<Ended> ended(Include include);
   /// Tests whether a durable write succeeds.
   void probe();
+  /// Ids of all jobs, for the comparison with the folders.
   std::set<std::string> ids();
   /// Number of jobs in one state.
   int count(v1::JobState state);
 
+  /// Conditions and place of a page.
   struct Page {
     std::int64_t before_ms = INT64_MAX;  ///< only jobs created earlier, or then with a smaller id
     std::string before_id{};
@@ -92,6 +100,7 @@ public:
   /// that is being rebuilt.
   class Bulk {
   public:
+    /// Writes of its lifetime become durable together, at its end.
     explicit Bulk(JobStore& store) : store_(store) { store_.bulk_ = true; }
     Bulk(const Bulk&) = delete;
     ~Bulk();
@@ -106,13 +115,16 @@ public:
   void copy_to(const std::filesystem::path& path);
 
 private:
+  /// One statement that changes rows. Durable ones are on the disk when it returns.
   template <typename... Values>
   void write(Durability durability, std::string_view sql, const Values&... values);
   /// @param take  called with each row
   template <typename Take, typename... Values>
   void read(std::string_view sql, const Take& take, const Values&... values);
+  /// The number in the first row of a query; 0 without a row.
   template <typename... Values>
   std::int64_t number(std::string_view sql, const Values&... values);
+  /// Rows of jobs. @param where_and_order  SQL behind "FROM jobs"
   template <typename... Values>
   std::vector<JobRecord> select(const std::string& where_and_order, const Values&... values);
 

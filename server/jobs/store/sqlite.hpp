@@ -38,11 +38,14 @@ public:
   /// @throws StoreError
   explicit Database(const std::filesystem::path& path);
   Database(const Database&) = delete;
+  /// Closes the database.
   ~Database();
+  /// Runs statements without values. @throws StoreError
   void execute(const char* sql);
   /// Runs a query. @param take  called with each row  @param values  for the question marks
   template <typename Take, typename... Values>
   void read(std::string_view sql, const Take& take, const Values&... values);
+  /// Rows changed by the last statement.
   int changes() const;
   sqlite3* handle() const { return handle_; }
 
@@ -53,6 +56,7 @@ private:
 /// A prepared statement: bind() in the order of the question marks, then step().
 class Statement {
 public:
+  /// Prepares a statement. @throws StoreError  SQL that the database does not accept
   Statement(Database& database, std::string_view sql);
   /// @param values  for the first question marks
   template <typename... Values>
@@ -63,6 +67,7 @@ public:
   Statement(const Statement&) = delete;
   ~Statement();
 
+  /// Binds the next value.
   Statement& bind(std::int64_t value);
   Statement& bind(std::string_view text);
   Statement& bind(const std::vector<std::string>& texts);         ///< for one question mark each
@@ -70,10 +75,12 @@ public:
   /// @return whether there is a row @throws StoreError
   bool step();
 
+  /// Value of a column of the present row.
   std::int64_t integer(int column) const;
   std::string text(int column) const;  ///< text or blob; empty for NULL
 
 private:
+  /// @throws StoreError  the code of SQLite is an error
   void check(int code);
 
   Database& database_;
@@ -94,7 +101,9 @@ public:
     database_.execute("BEGIN IMMEDIATE");
   }
   Transaction(const Transaction&) = delete;
+  /// Rolls back unless commit() was called.
   ~Transaction();
+  /// @throws StoreError  the disk does not take the change
   void commit();
 
 private:
