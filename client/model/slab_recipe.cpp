@@ -219,35 +219,41 @@ NewCase new_case(const SlabRecipe& recipe) {
   NewCase made;
   const Slab slab = read_recipe(recipe, made.faults);
   if (!made.faults.empty()) return made;
+
+  // The shipped case whose alloy is nearest is the text that the recipe changes.
   const shipped::ShippedText& base = nearest_case(slab.alloy);
   CaseText text(base.text);
   const std::string alloy = slab.alloy.empty() ? text.value("card") : "\"" + slab.alloy + "\"";
   const std::string slab_of_card =
       fmt::format("slab {} mm of {}", slab.name(), alloy.substr(1, alloy.size() - 2));
+
   text.replace_head(head_of(recipe, slab, base.name));
   text.replace("title", "", "\"Start of a " + slab_of_card + "\"");
+
   if (!slab.alloy.empty())
     text.replace(
         "card", "", alloy,
         base.name == standard ? "[G]; temperatures of the metal are those of " + base.name : "[G]");
   set_size(slab, text);
+
   const auto set_ramp = [&](const char* key, const Range& range, double factor, const char* unit,
                             const std::string& comment) {
     text.replace(key, "", ramp_of(text.value(key), range, factor, unit),
                  "[G]" + comment + "; when the ramp begins and ends: " + base.name);
   };
   if (slab.speed) set_ramp("casting_speed", *slab.speed, 1e3 * per_minute, "mm/min", "");
+
   const std::string perimeter = short_number(slab.perimeter()) + " m";
   made.summary = slab_of_card + ", perimeter " + perimeter;
   if (slab.flow) {
-    const std::string total =
-        Range{slab.flow->first * slab.perimeter(), slab.flow->last * slab.perimeter()}.text(
-            m3_per_hour) +
-        " m3/h";
+    const Range whole{slab.flow->first * slab.perimeter(), slab.flow->last * slab.perimeter()};
+    const std::string total = whole.text(m3_per_hour) + " m3/h";
     set_ramp("water_flow", *slab.flow, litres_per_min_per_m, "l/min/m",
              " " + total + " over a perimeter of " + perimeter);
-    made.summary += "; water " + total + " = " + slab.flow->text(litres_per_min_per_m) + " l/min/m";
+    made.summary +=
+        fmt::format("; water {} = {} l/min/m", total, slab.flow->text(litres_per_min_per_m));
   }
+
   made.text = text.text();
   return made;
 }

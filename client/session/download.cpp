@@ -3,10 +3,14 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <string_view>
 
@@ -113,51 +117,101 @@ bool of_another(const Attempt& attempt) {
   return code == grpc::StatusCode::OUT_OF_RANGE || code == grpc::StatusCode::ABORTED;
 }
 
+/// A file that is being fetched, beside its final name until it is whole.
+class PartialFile {
+public:
+  PartialFile(fs::path file, std::ostream& messages)
+      : file_(std::move(file)), part_(file_.string() + ".part"), messages_(messages) {
+    result_.resumed_at = size_of(part_);
+    if (result_.resumed_at > 0)
+      messages_ << fmt::format("fetch: going on after the {} bytes in {}", result_.resumed_at,
+                               part_.string())
+                << std::endl;
+  }
+
+  const fs::path& path() const { return part_; }
+
+  /// Removes a part that does not belong to the file which the server has now.
+  void begin_again() {
+    messages_ << fmt::format("fetch: {} is not the beginning of this file; beginning again",
+                             part_.string())
+              << std::endl;
+    fs::remove(part_);
+    result_.resumed_at = 0;
+  }
+
+  /// Takes its final name if size and digest are those of the server's file.
+  std::optional<Download> finish(const Attempt& attempt) {
+    if (attempt.total != size_of(part_) || values::sha256_of_file(part_) != attempt.sha256)
+      return std::nullopt;
+
+    fs::rename(part_, file_);
+    result_.bytes = attempt.total;
+    result_.sha256 = attempt.sha256;
+    return result_;
+  }
+
+private:
+  fs::path file_, part_;
+  std::ostream& messages_;
+  Download result_;
+};
+
+/// Waits after a cut stream, longer each time. Attempts count from the last bytes that arrived.
+class CutStreams {
+public:
+  void received() {
+    failures_ = 0;
+    pause_ = policy_.first_pause;
+  }
+
+  /// @return false: there were as many failures as the policy permits
+  bool may_go_on(Connection& connection, const fs::path& part, std::ostream& messages) {
+    if (++failures_ >= policy_.attempts) return false;
+    messages << fmt::format("fetch: the stream was cut at byte {}, going on (attempt {} of {})",
+                            size_of(part), failures_, policy_.attempts - 1)
+             << std::endl;
+
+    connection.interruption().sleep(pause_);
+    pause_ = std::min(2 * pause_, policy_.longest_pause);
+    return true;
+  }
+
+private:
+  const RetryPolicy policy_{};
+  int failures_ = 0;
+  std::chrono::milliseconds pause_ = policy_.first_pause;
+};
+
 Download download(Connection& connection, const Source& source, const fs::path& file,
                   std::ostream& messages) {
-  const fs::path part = file.string() + ".part";
   constexpr int most_beginnings = 6;
-  const RetryPolicy policy;
-  Download result;
+  PartialFile part(file, messages);
+  CutStreams cuts;
   std::string sha256;
-  result.resumed_at = size_of(part);
-  if (result.resumed_at > 0)
-    messages << "fetch: going on after the " << result.resumed_at << " bytes in " << part.string()
-             << std::endl;
-  int beginnings = 1, failures = 0;
-  auto pause = policy.first_pause;
-  while (beginnings <= most_beginnings) {
-    const Attempt attempt = append_rest(connection, source, sha256, part);
+
+  for (int beginnings = 1; beginnings <= most_beginnings;) {
+    const Attempt attempt = append_rest(connection, source, sha256, part.path());
     if (attempt.total >= 0) sha256 = attempt.sha256;
-    if (!attempt.status.ok() && connection.interruption().came()) throw interrupted_at(part);
-    if (attempt.received) failures = 0, pause = policy.first_pause;
-    if (cut(attempt, part) && ++failures < policy.attempts) {
-      messages << "fetch: the stream was cut at byte " << size_of(part) << ", going on (attempt "
-               << failures << " of " << policy.attempts - 1 << ")" << std::endl;
-      connection.interruption().sleep(pause);
-      pause = std::min(2 * pause, policy.longest_pause);
-      continue;
-    }
+    if (!attempt.status.ok() && connection.interruption().came()) throw interrupted_at(part.path());
+
+    if (attempt.received) cuts.received();
+    if (cut(attempt, part.path()) && cuts.may_go_on(connection, part.path(), messages)) continue;
+
     if (!of_another(attempt)) {
-      if (!attempt.status.ok() && size_of(part) == 0) fs::remove(part);
+      if (!attempt.status.ok() && size_of(part.path()) == 0) fs::remove(part.path());
       check(attempt.status, connection.server());
-      if (attempt.total == size_of(part) && values::sha256_of_file(part) == attempt.sha256) {
-        fs::rename(part, file);
-        result.bytes = attempt.total;
-        result.sha256 = attempt.sha256;
-        return result;
-      }
+      if (const auto whole = part.finish(attempt)) return *whole;
     }
-    messages << "fetch: " << part.string() << " is not the beginning of this file; beginning again"
-             << std::endl;
-    fs::remove(part);
+
+    part.begin_again();
     sha256.clear();
-    result.resumed_at = 0;
     ++beginnings;
   }
-  throw CommandFailed(
-      ExitCode::unreachable,
-      "could not fetch " + source.name + " with the right checksum from " + connection.server());
+
+  throw CommandFailed(ExitCode::unreachable,
+                      fmt::format("could not fetch {} with the right checksum from {}",
+                                  source.name, connection.server()));
 }
 
 }  // namespace

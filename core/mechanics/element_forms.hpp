@@ -108,7 +108,9 @@ struct ElementForms : ElementFormsBase<Element, Number> {
       const Number weight = c.point[q].weight, mu = weight * r.shear;
       const Number bulk = weight * bulk_modulus;
       const Number softening = weight * r.softening;
-      Vectors along{};  // s applied to each gradient
+
+      // The deviator s applied to each gradient: the direction in which the law softens.
+      Vectors along{};
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t a = 0; a < dim; ++a) {
           for (std::size_t b = 0; b < dim; ++b) along[i][a] += r.deviator.at(a, b) * g[i][b];
@@ -118,12 +120,14 @@ struct ElementForms : ElementFormsBase<Element, Number> {
         for (std::size_t i = 0; i < nodes; ++i)
           along[i][0] += r.deviator[hoop] * c.point[q].hoop[i];
       }
+
       // K = 2 mu~ (sym grad)^T (sym grad), less its trace, plus bulk and softening: lower triangle.
       const auto& dilates = dilatation_gradient(c.point[q]);
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
           Number dot{};
           for (std::size_t a = 0; a < dim; ++a) dot += g[i][a] * g[j][a];
+
           for (std::size_t a = 0; a < dim; ++a) {
             Number* row = &k[(i * dim + a) * unknowns + j * dim];
             for (std::size_t b = 0; b < dim; ++b) {
@@ -133,6 +137,7 @@ struct ElementForms : ElementFormsBase<Element, Number> {
             }
             row[a] += mu * dot;
           }
+
           if constexpr (axisymmetric) {
             k[i * dim * unknowns + j * dim] += 2.0 * mu * c.point[q].hoop[i] * c.point[q].hoop[j];
           }

@@ -64,26 +64,32 @@ private:
     StepOutcome& outcome = this->outcome_;
     const int most = iteration_limit(this->options_);
     if (!factorize()) return;
+
     add_contact_forces();
     while (outcome.iterations < most) {
       ++outcome.iterations;
       if (!this->system_.solve(this->problem_.fixed, step_)) return;
       this->advance();
       step_.assign(step_.size(), 0.0);
+
+      // Both multipliers take their value at the new displacement.
       this->settled_ = true;
       this->evaluate(updating_law());
       update_contact_multiplier();
       add_contact_forces();
+
       const double relative = this->relative_residual(this->problem_.fixed);
       outcome.residual_history.push_back(relative);
       outcome.equilibrium_residual = relative;
       if (!std::isfinite(relative)) return;
+
       if (this->options_.parameters.increment_test) {
         if (!this->settled_) continue;
         this->accept_increment(this->problem_.fixed);
         outcome.equilibrium_residual = relative;
         return;
       }
+      // The multiplier's stress is in equilibrium; the stress of the law has to be, too.
       if (relative > this->options_.tolerance) continue;
       outcome.equilibrium_residual = own_residual();
       if (outcome.equilibrium_residual <= this->options_.tolerance &&
@@ -91,6 +97,8 @@ private:
         outcome.converged = true;
         return;
       }
+
+      // Back to the multiplier's stress, which own_residual() has replaced.
       this->evaluate(this->multiplier_law());
       add_contact_forces();
     }
