@@ -67,47 +67,6 @@ void describe(const ScalarField& field, v1::FrameField& to) {
   to.set_on_nodes(field.on_nodes);
 }
 
-}  // namespace
-
-v1::Frame field_to_proto(const results::Frame& frame, const std::string& name) {
-  v1::Frame to;
-  to.set_time_s(frame.time);
-  to.set_cast_length_m(frame.cast_length);
-  for (const ScalarField& field : scalar_fields(frame)) {
-    if (field.name != name) continue;
-    describe(field, *to.mutable_field());
-    to.mutable_field()->mutable_values()->Add(field.values.begin(), field.values.end());
-  }
-  return to;
-}
-
-v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header) {
-  v1::Frame to;
-  to.set_time_s(frame.time);
-  to.set_cast_length_m(frame.cast_length);
-  to.set_dimension(frame.dimension);
-  to.set_nodes_per_element(frame.nodes_per_element);
-
-  fill(frame.node, to.mutable_node_m());
-  fill(frame.element_node, to.mutable_element_node());
-
-  fill(frame.temperature, to.mutable_temperature_c());
-  fill(frame.displacement, to.mutable_displacement_m());
-  fill(frame.bottom_node, to.mutable_bottom_node());
-  fill(frame.bottom_gap, to.mutable_bottom_gap_m());
-  fill(frame.bottom_pressure, to.mutable_bottom_pressure_pa());
-
-  to.set_metal_level_m(frame.metal_level);
-  to.set_liquidus_c(header.liquidus);
-  to.set_solidus_c(header.solidus);
-  to.set_shell_c(header.shell);
-
-  for (const ScalarField& field : scalar_fields(frame)) describe(field, *to.add_fields());
-  return to;
-}
-
-namespace {
-
 /// The columns of a probe that every frame has: temperature and the components of the displacement.
 std::vector<ScalarField> basic_fields(const results::Frame& frame) {
   std::vector<ScalarField> fields{
@@ -167,6 +126,43 @@ void add_values(const results::Frame& frame, const v1::ProbeResultRequest& reque
 }
 
 }  // namespace
+
+v1::Frame field_to_proto(const results::Frame& frame, const std::string& name) {
+  v1::Frame to;
+  to.set_time_s(frame.time);
+  to.set_cast_length_m(frame.cast_length);
+  for (const ScalarField& field : scalar_fields(frame)) {
+    if (field.name != name) continue;
+    describe(field, *to.mutable_field());
+    to.mutable_field()->mutable_values()->Add(field.values.begin(), field.values.end());
+  }
+  return to;
+}
+
+v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header) {
+  v1::Frame to;
+  to.set_time_s(frame.time);
+  to.set_cast_length_m(frame.cast_length);
+  to.set_dimension(frame.dimension);
+  to.set_nodes_per_element(frame.nodes_per_element);
+
+  fill(frame.node, to.mutable_node_m());
+  fill(frame.element_node, to.mutable_element_node());
+
+  fill(frame.temperature, to.mutable_temperature_c());
+  fill(frame.displacement, to.mutable_displacement_m());
+  fill(frame.bottom_node, to.mutable_bottom_node());
+  fill(frame.bottom_gap, to.mutable_bottom_gap_m());
+  fill(frame.bottom_pressure, to.mutable_bottom_pressure_pa());
+
+  to.set_metal_level_m(frame.metal_level);
+  to.set_liquidus_c(header.liquidus);
+  to.set_solidus_c(header.solidus);
+  to.set_shell_c(header.shell);
+
+  for (const ScalarField& field : scalar_fields(frame)) describe(field, *to.add_fields());
+  return to;
+}
 
 void add_probed(const results::Frame& frame, const v1::ProbeResultRequest& request,
                 v1::ProbeResultResponse& response) {
