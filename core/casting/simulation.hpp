@@ -10,11 +10,6 @@
 
 namespace dccast::casting {
 
-/// A forecast of the findings, before the case is run: those of a heat-only run on a coarse mesh
-/// with few steps, which takes milliseconds. A quarter slab is represented by its thickness
-/// section. Empty for an imported mesh or temperatures from a file.
-std::vector<results::Finding> forecast(const Case& casting_case);
-
 /// What to do with a checkpoint written by another version of the solver, see solver_identity().
 enum class OtherVersion { begin_anew, wait, fail };
 

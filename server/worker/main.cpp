@@ -21,6 +21,7 @@
 #include <system_error>
 
 #include "core/case/case_check.hpp"
+#include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/casting/stored_run.hpp"
 #include "core/findings/judge.hpp"

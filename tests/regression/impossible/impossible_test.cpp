@@ -3,6 +3,7 @@
 #include <string>
 #include <tuple>
 
+#include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/findings/judge.hpp"
 #include "tests/regression/whole_run.hpp"

@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/findings/judge.hpp"
 #include "core/results/result_reader.hpp"
