@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 
@@ -81,6 +83,19 @@ void apply(const Rules& rules, CLI::Option& option) {
   for (const std::string& other : rules.excludes) option.excludes(other);
 }
 
+/// Lists commands by the first sentence of their description: the rest is in their own help.
+class FirstSentences : public CLI::Formatter {
+public:
+  std::string make_subcommand(const CLI::App* command) const override {
+    const std::string description = command->get_description();
+    const std::size_t end = description.find(". ");
+    std::stringstream line;
+    CLI::detail::format_help(line, command->get_display_name(true), description.substr(0, end),
+                             get_column_width());
+    return line.str();
+  }
+};
+
 }  // namespace
 
 void Command::option(const std::string& names, Value value, const std::string& help,
@@ -122,6 +137,9 @@ CommandLine::CommandLine(const std::string& name, const std::string& description
   app_->set_version_flag("--version", name + " " + version);
   app_->require_subcommand(1);
   app_->fallthrough();
+  const auto formatter = std::make_shared<FirstSentences>();
+  formatter->column_width(20);
+  app_->formatter(formatter);
   app_->footer(footer);
 }
 
@@ -131,6 +149,8 @@ Command CommandLine::command(const std::string& name, const std::string& descrip
                              const std::string& example) {
   CLI::App* const command = app_->add_subcommand(name, description);
   command->footer("\nExample:\n  " + example);
+  command->formatter(std::make_shared<CLI::Formatter>());
+  command->group(group_);
   return Command(*command, chosen_);
 }
 

@@ -120,7 +120,10 @@ public:
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;
 
-  /// Adds a command with an example below its help text.
+  /// Sets the heading under which the commands that follow are listed.
+  void begin_group(const std::string& heading) { group_ = heading; }
+  /// Adds a command with an example below its help text. The list of all commands has the first
+  /// sentence of the description.
   Command command(const std::string& name, const std::string& description,
                   const std::string& example);
   /// An option of the program that may stand before or after a command, and in the environment.
@@ -141,6 +144,7 @@ public:
 private:
   std::unique_ptr<CLI::App> app_;
   Command::Action chosen_;
+  std::string group_ = "Commands";
 };
 
 }  // namespace dccast::client::cli

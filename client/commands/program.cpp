@@ -107,23 +107,29 @@ void print_answer(const StudyOptions& options, const v1::StudyJudgement& answer,
 
 namespace {
 
+struct Group {
+  const char* heading;
+  std::vector<Add*> commands;
+};
+
 /// Commands in the order of the help text.
-constexpr std::initializer_list<Add*> all_commands{
-    add_new,          add_validate,      add_query,
-    add_submit,       add_watch,         add_wait,
-    add_list,         add_show,          add_curl,
-    add_probe,        add_dashboard,     add_contraction,
-    add_compare,      add_fetch,         add_report,
-    add_convergence,  add_sweep,         add_predict,
-    add_uncertainty,  add_sensitivity,   add_calibrate,
-    add_design_mould, add_design_recipe, add_studies,
-    add_cancel,       add_pause,         add_resume,
-    add_delete,       add_schema,        add_login,
-    add_logout,       add_whoami,        add_doctor,
-    add_alloys,       add_info,          add_completion,
-    add_usage,        add_case,          add_logs,
-    add_label,        add_pin,           add_unpin,
-    add_top};
+const std::vector<Group>& groups() {
+  static const std::vector<Group> all{
+      {"Prepare a case", {add_new, add_validate, add_schema, add_alloys}},
+      {"Ask at once", {add_query, add_compare}},
+      {"Run jobs",
+       {add_submit, add_watch, add_wait, add_list, add_show, add_top, add_cancel, add_pause,
+        add_resume, add_label, add_pin, add_unpin, add_delete}},
+      {"Read results",
+       {add_curl, add_report, add_dashboard, add_probe, add_contraction, add_fetch, add_case,
+        add_logs}},
+      {"Study a case",
+       {add_convergence, add_uncertainty, add_sensitivity, add_calibrate, add_sweep, add_predict,
+        add_design_recipe, add_design_mould, add_studies}},
+      {"Reach a server",
+       {add_login, add_logout, add_whoami, add_doctor, add_info, add_usage, add_completion}}};
+  return all;
+}
 
 }  // namespace
 }  // namespace dccast::client::commands
@@ -161,7 +167,11 @@ std::string reason_against_output() {
 int run_command_line(const std::vector<std::string>& arguments, commands::Program& program) {
   cli::CommandLine line("dccast", "Simulate the start of direct-chill casting on a dccastd server",
                         DCCAST_VERSION, guide);
-  for (commands::Add* const add : commands::all_commands) add(line, program);
+  for (const commands::Group& group : commands::groups()) {
+    line.begin_group(group.heading);
+    for (commands::Add* const add : group.commands) add(line, program);
+  }
+
   // A command whose output could not be written fails.
   std::cout.exceptions(std::ios::badbit);
   try {
