@@ -56,9 +56,11 @@ private:
   void admit(int socket, Peer peer);
   /// Whether a connection from `host` fits, after a silent one was ended if necessary.
   bool make_room(const std::string& host);
-  /// Ends the oldest connection without a request. @return false if there is none
+  /// Ends the oldest connection without a request after its first second. @return false if there is
+  /// none
+  /// @param host  only connections of this host; empty: of any
   bool end_a_silent_one(const std::string& host);
-  /// Keeps the number of handshakes under way within its bound.
+  /// Bounds concurrent handshakes: the host with the most of them loses its oldest.
   void bound_handshakes();
 
   boost::asio::io_context& loop_;
