@@ -49,7 +49,7 @@ private:
   void delay_next(const Peer& peer);
   /// When a connection may begin its handshake: at once, or after the delay of its origin.
   Connection::Clock::time_point first_turn(const Peer& peer) const;
-  /// Takes all waiting clients from the listener.
+  /// Accepts a waiting client, then waits for the next one.
   void accept();
   /// Adds a connection, or closes its socket if there is no room. @param socket  ownership passes
   /// with it
