@@ -80,8 +80,8 @@ void add_info(cli::CommandLine& line, Program& program) {
 
 void add_completion(cli::CommandLine& line, Program&) {
   const auto shell = std::make_shared<std::string>();
-  const cli::Command command = line.command(
-      "completion", "Print a script for shell completion", completion_examples);
+  const cli::Command command =
+      line.command("completion", "Print a script for shell completion", completion_examples);
   command.option("SHELL", *shell, "bash, zsh or fish",
                  {.required = true, .one_of = {"bash", "zsh", "fish"}});
   command.action([shell, &line] {

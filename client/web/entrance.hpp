@@ -45,7 +45,7 @@ private:
   bool take_key(const std::string& key);
   /// Origin of the pages, as browsers send it.
   std::string origin() const;
-  /// Differs by port, so that two dashboards on one machine do not share a session.
+  /// Name of the session's cookie, which contains the port.
   std::string cookie_name() const;
 
   const std::string host_;

@@ -85,7 +85,8 @@ private:
   void run(const Task& task);
   /// Does the work of all members in the calling thread.
   void run_alone(const Task& task);
-  /// Wakes the other members. @return number of participants
+  /// Wakes the other members. @return number of participants; if all start together, of those that
+  /// joined within the polling time
   int begin(const Task& task);
   /// Does one member's share and keeps the first exception.
   void run_as(int member, int members);

@@ -101,7 +101,7 @@ void check_quarter_slab(CaseFindings& found);
 void check_block_profile(CaseFindings& found);
 /// End and steps against the times of the schedule.
 void check_time(CaseFindings& found);
-/// Algorithm, supports and start of the mechanics.
+/// Options of algorithms against their conditions of convergence and validity.
 void check_mechanics(CaseFindings& found);
 /// Number of steps and the final metal level.
 void check_course(CaseFindings& found);

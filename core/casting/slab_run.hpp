@@ -99,7 +99,7 @@ private:
   /// Decides nothing. @param failed_attempts  before the accepted one
   results::StepReport report(const Attempt& accepted, int failed_attempts, const StepFigures& step,
                              MonitorReadings monitors) const;
-  /// Elements of the rows that the next growth can change.
+  /// Number of elements in the row that stretches with the metal level; 0 once it no longer rises.
   int growing_elements() const;
 
   /// Description, and objects that follow from it and do not change the results.

@@ -113,22 +113,22 @@ public:
   const HotTears<Dim>& tears() const { return tears_; }
 
 private:
-  /// Shell and surface temperature at the water line and above it.
+  /// Shell and surface temperature at the water line.
   void measure_water_line(const StepView<Dim>& view, StepFigures& figures) const;
-  /// Gap of the butt and how much of the bottom is in contact.
+  /// Shell and surface temperature between mould contact and water, at a few heights.
   void measure_gap(const StepView<Dim>& view, StepFigures& figures) const;
-  /// Where metal freezes, and how much has passed the window of hot tears.
+  /// Indices of hot tears and volume of the pores, updated at intervals.
   void measure_frozen_metal(const StepView<Dim>& view, StepFigures& figures,
                             FigureHistory& history) const;
   /// Depth below the metal level at which the side is frozen.
   void measure_meniscus(const StepView<Dim>& view, StepFigures& figures) const;
-  /// Shell over the bottom block.
+  /// Shell over the bottom block, and lifts of the butt at centre, corner and highest place.
   void measure_bottom(const StepView<Dim>& view, StepFigures& figures) const;
   std::vector<char> grown_together(const StepView<Dim>& view) const;  ///< (element)
-  /// Rotation, slip, pressure of the liquid and strain of the mush.
+  /// Checks of the mechanics, rotation, slip, pressure of the liquid, and the closed shell.
   void measure_mechanics(const StepView<Dim>& view, StepFigures& figures,
                          FigureHistory& history) const;
-  /// The shell since it has closed, and how much it has grown thinner again.
+  /// Thickness of the shell over the bottom once it has closed.
   void measure_closed_shell(const StepView<Dim>& view, StepFigures& figures,
                             FigureHistory& history) const;
 

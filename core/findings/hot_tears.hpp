@@ -79,14 +79,14 @@ public:
 
   /// @param passages  (element)
   TearIndices indices(const mesh::Mesh<Dim>& mesh, const std::vector<MushPassage>& passages) const;
-  /// Largest indices, with their places. @param passages  (element)
+  /// Both indices by element, for frames. @param passages  (element)
   TearMap map(const std::vector<MushPassage>& passages) const;
 
 private:
   /// Follows one element through the window in a step.
   void pass(const Step& step, int e, MushPassage& passage) const;
-  /// Strain rate of an element across the columns of crystals [1/s].
-  /// @param temperature  mean of the element at the end of the step [°C]
+  /// Equivalent creep rate of an element at the end of a step [1/s], the mean of its points.
+  /// @param temperature  [°C] of the element
   double strain_rate(const Step& step, int e, double temperature) const;
 
   material::MechanicalProperties properties_;

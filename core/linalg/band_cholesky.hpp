@@ -72,7 +72,7 @@ private:
   std::size_t tiles() const { return shape_.start.empty() ? 0 : shape_.start.back(); }
   /// First row of tiles whose entries differ in any bit from those of the present factor.
   int first_changed_row(std::span<const double> values) const;
-  /// Copies the entries of the rows from `from` on into the tiles, and zeroes the fill.
+  /// Copies the entries from a row of tiles on; the diagonal past the last unknown is one.
   void copy_matrix(std::span<const double> values, int from);
   /// Whether a solution has to read the factor from memory: it exceeds cache_bytes.
   bool streams() const;

@@ -60,11 +60,12 @@ private:
   void place_boundaries(const DissectionTree& tree);
   /// Finds the rows of a child's boundary in its parent.
   void place_in_parent(const DissectionTree& tree, std::size_t child, std::size_t parent);
-  /// Finds for each entry of the pattern its front and its index in the panel.
+  /// Assigns each entry of the matrix to the front that is the first to eliminate one of its
+  /// unknowns.
   void place_entries(const SparsityPattern& pattern, const DissectionTree& tree);
   /// The view of a front that the kernels take.
   Front make_front(const Part& part);
-  /// Copies the entries of the matrix that belong to a front into its panel.
+  /// Copies the entries of a front to its panel; the diagonal past its last unknown is one.
   void copy_matrix(std::span<const double> values, std::size_t number, const Front& front);
   /// Adds the update of a child to panel and update of its parent (extend-add).
   void add_child(const Part& child, const Front& parent);
@@ -75,9 +76,9 @@ private:
   std::size_t boundary_nodes(std::size_t part) const {
     return part_[part + 1].first_node - part_[part].first_node;
   }
-  /// Copies the solution on the boundary of a front from the rows of other pivots.
+  /// Copies the solution on the boundary of a front to the work array.
   void gather(std::size_t part);
-  /// Adds what a front contributes to the right-hand side of its boundary.
+  /// Subtracts the products of the pivots of a front from the right-hand side of its boundary.
   void scatter(std::size_t part);
 
   const TileKernels* kernels_;

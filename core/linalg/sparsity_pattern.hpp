@@ -52,7 +52,7 @@ public:
   }
 
 private:
-  /// Whether all columns from `first` on come in groups of unknowns with the same neighbours.
+  /// Whether from column `first` on the unknowns come in whole nodes with the same neighbours.
   bool is_made_of_nodes(int unknowns_per_node, int first) const;
   /// Sets the number of unknowns per node: 3, 2 or 1.
   void find_unknowns_per_node(int first);

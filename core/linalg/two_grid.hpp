@@ -50,11 +50,10 @@ private:
 
   /// Chooses the coarse rows, about `group` times the smallest height of a row apart.
   void choose_rows(const mesh::Extrusion& extruded, double group);
-  /// Adds the blocks of a node with its neighbours to the lines and to the coarse matrix.
+  /// Adds the diagonal block of a node, and the blocks below it in its columns, to both grids.
   void assemble_node(int line, int row, const SparsityPattern& pattern,
                      std::span<const double> values, std::span<const char> held);
-  /// Adds a block of the fine matrix to those of the coarse rows between which its rows lie
-  /// (Galerkin: R A R').
+  /// Adds a block P' A P to all blocks between the coarse rows on either side of its rows.
   void add_coarse(const Place& place, const double* block);
   /// Adds a block times a weight at one place of the coarse matrix.
   void add_to_coarse(const Place& place, double share, const double* block);

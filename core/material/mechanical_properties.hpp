@@ -83,7 +83,7 @@ private:
   double solid_stretch(double temperature) const;
   /// Loss of volume since coalescence that the contraction of the solid does not explain [1].
   double unfed_shrinkage(double temperature) const;
-  /// Tabulates the stretch of the mush over the solidification range.
+  /// Integrates the contraction of the mush, psi dS_solid, from coalescence to coherency.
   void tabulate_mush();
 
   AlloyCard card_;

@@ -169,7 +169,7 @@ private:
   void build_segments(const AlloyCard& card);
   /// The segment between two temperatures [°C].
   Segment segment_between(const AlloyCard& card, double left, double right, End end) const;
-  /// Appends a segment and sums up the enthalpy up to its end.
+  /// Appends a segment that continues enthalpy and Kirchhoff variable from the last one.
   void append(Segment segment);
   /// Appends the latent heat that is released at one temperature [°C].
   void append_isothermal_change(const AlloyCard& card, double temperature);

@@ -156,7 +156,7 @@ public:
   }
 
 private:
-  /// Finds the parts of a mesh. @return false if it must stay in one part
+  /// Whether no two parts of one colour, even or odd, have a node in common.
   template <int Dim>
   bool divide(const mesh::Mesh<Dim>& mesh) const;
 

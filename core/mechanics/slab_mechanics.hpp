@@ -168,13 +168,13 @@ private:
   /// Scales moduli and hardening of an element by the share of the step that is left after its
   /// solidification; its stress begins at minus the pressure of the melt.
   void set_newborn(const Birth& birth);
-  /// Stores the reference strain of an element that solidified in the converged step.
+  /// Sets the reference strain of a new solid from its stress at the end of the step.
   /// @param u  displacement at the end of the step, by unknown [m]
   void complete_newborn(State& state, const Birth& birth, std::span<const double> u) const;
 
   /// Marks elements as solid or liquid by their mean temperature against coherency.
   void set_phases(State& state, const SlabStepInput& input);
-  /// Makes an element liquid: strains, hardening and stress are zero.
+  /// Makes the element stress-free at the strain of the start of the step, without history.
   void forget_history(State& state, std::size_t e) const;
   double melt_pressure(int e, double metal_level) const;  ///< [Pa] at the centre; metal_level [m]
   void set_materials(const State& state, const SlabStepInput& input);
@@ -183,14 +183,14 @@ private:
   void set_weight(const State& state, std::span<const double> temperature);
   /// Initial values and the complete problem of the step.
   StepUnknowns<Dim> begin(State& state, const SlabStepInput& input);
-  /// Evaluates the step problem itself at the computed displacement. @return scales of its residual
+  /// Evaluates the solution of an algorithm that uses another law with the law of the step problem.
   ForceScales evaluate_end(StepUnknowns<Dim>& unknowns);
   /// Accepts a converged step: stores strains, stresses and contact in the state.
   void finish(State& state, StepUnknowns<Dim>& unknowns, const StepOutcome& outcome,
               const SlabStepInput& input);
   /// Sets weight, residual and complementarity error of the checks.
   void check_balance(const StepUnknowns<Dim>& unknowns, const ForceScales& forces);
-  /// Stores contact set and reactions of the bottom.
+  /// Stores contact state and reactions of block and walls.
   void store_supports(State& state, StepUnknowns<Dim>& unknowns);
   void check_front(const State& state, double metal_level);  ///< metal_level [m]
 

@@ -103,27 +103,24 @@ private:
   /// side
   void lay_water(const HeatForms& forms, const material::ThermalProperties& properties,
                  const HeatField& field, const HeatStepInput& input, double side_height);
-  /// Lets the water run down one column. @param shares  its places from above
-  /// @param width  [m] of the face that it covers
+  /// Runs water down the shares of one column. @param width  [m]; axisymmetric [m2/rad / m]
   void lay_column(std::span<const std::size_t> shares, double width,
                   const material::ThermalProperties& properties, const HeatField& field,
                   const HeatStepInput& input);
   /// Sets gap, contact and water of each bottom node.
   void lay_bottom(const HeatForms& forms, const HeatField& field, const HeatStepInput& input);
-  /// Whether water runs over a part of the butt that has left the mould, from where it reaches the
-  /// gap.
+  /// Whether water has met the butt on some face, so that it can run into the gap.
   bool water_at_butt(const HeatStepInput& input) const;
   /// Flux of a share by its law [W/m2] and its derivative by the temperature.
   SurfaceFlux side_flux(std::size_t share, const SurfaceState& surface,
                         const HeatStepInput& input) const;
   /// Adds the fluxes of all shares of the side to the nodes.
   void add_side(std::span<const material::ThermalState> state, const HeatStepInput& input);
-  /// Adds a flux at the nodes of a patch. @param flux_at  (node, temperature) -> SurfaceFlux
-  /// @return total [W/m]
+  /// Adds the fluxes at the nodes of the bottom or of the level. @return their power [W/m]
   template <class FluxAt>
   double add_patch(const std::vector<int>& nodes, const std::vector<double>& weight,
                    std::span<const material::ThermalState> state, const FluxAt& flux_at);
-  /// Stores which places are wetted at the end of the step.
+  /// Stores the wetted share of each side node.
   void store_wetted(std::span<const material::ThermalState> state, const HeatStepInput& input,
                     HeatField& field) const;
   /// @param weight  [m], axisymmetric [m2/rad], in 3D [m2]

@@ -49,16 +49,18 @@ private:
   void delay_next(const Peer& peer);
   /// When a connection may begin its handshake: at once, or after the delay of its origin.
   Connection::Clock::time_point first_turn(const Peer& peer) const;
-  /// Takes all waiting clients from the listener.
+  /// Accepts a waiting client, then waits for the next one.
   void accept();
   /// Adds a connection, or closes its socket if there is no room. @param socket  ownership passes
   /// with it
   void admit(int socket, Peer peer);
   /// Whether a connection from `host` fits, after a silent one was ended if necessary.
   bool make_room(const std::string& host);
-  /// Ends the oldest connection without a request. @return false if there is none
+  /// Ends the oldest connection without a request after its first second. @return false if there is
+  /// none
+  /// @param host  only connections of this host; empty: of any
   bool end_a_silent_one(const std::string& host);
-  /// Keeps the number of handshakes under way within its bound.
+  /// Bounds concurrent handshakes: the host with the most of them loses its oldest.
   void bound_handshakes();
 
   boost::asio::io_context& loop_;

@@ -119,7 +119,7 @@ private:
     access::Caller caller;
     std::weak_ptr<LastingCall> stream;
   };
-  /// The thread: checks regularly whether a token or certificate has ended.
+  /// The thread: ends the streams of users whose access is revoked, within a fraction of a second.
   void watch_for_lapses(const std::stop_token& stop);
   /// Ends the streams of callers without access. @param now  [s since 1970]
   void end_lapsed(std::int64_t now);

@@ -304,10 +304,10 @@ private:
 void require_no_worker(const StateFolder& folder) {
   for (const std::string& id : jobs::folder_ids(folder.jobs()))
     if (const auto worker = jobs::find_holder(folder.jobs() / id))
-      throw std::runtime_error(fmt::format(
-          "job {} still runs in process {}; start dccastd, which continues it, or end "
-          "that process first",
-          id, worker->process));
+      throw std::runtime_error(
+          fmt::format("job {} still runs in process {}; start dccastd, which continues it, or end "
+                      "that process first",
+                      id, worker->process));
 }
 
 }  // namespace

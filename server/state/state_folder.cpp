@@ -153,9 +153,8 @@ void copy_access(const StateFolder& from, const StateFolder& to) {
 
 Manifest read_manifest(const fs::path& backup) {
   if (!fs::exists(backup / manifest_file))
-    throw std::runtime_error(
-        fmt::format("{} has no {}: it is not a backup, or an incomplete one",
-                    backup.string(), manifest_file));
+    throw std::runtime_error(fmt::format("{} has no {}: it is not a backup, or an incomplete one",
+                                         backup.string(), manifest_file));
 
   constexpr std::size_t sha256_length = 64;               // [characters]
   constexpr std::size_t name_column = sha256_length + 2;  // after two spaces

@@ -74,10 +74,11 @@ private:
   };
   /// The surface of the present runs: kept, or built now.
   Surface surface_of(const SweepState& sweep, const std::string& kind);
-  /// A surface that is kept; null if there is none. @param of_fewer_runs  one of fewer runs will do
+  /// @param of_fewer_runs  accepts an outdated surface, too
+  /// @return null if there is none
   Surface kept_surface(const SweepState& sweep, const std::string& kind,
                        bool of_fewer_runs = false);
-  /// Drops the surfaces that were not used for longest, down to the bound on memory.
+  /// Drops the surfaces used longest ago until the rest fit, but never the last one.
   void make_room();
   /// The keys that a sweep changes, with their ends.
   std::shared_ptr<const SweptKeys> keys_of(const StudyRecord& study);

@@ -50,7 +50,9 @@ private:
   case_file::Recipe recipe(const Eigen::RowVectorXd& design) const;
   /// Ends of a number; null if the case does without it.
   const Ends* ends_of(case_file::RecipeNumber number) const;
-  /// Lengthens a ramp, or brings its levels nearer, until its rate is permitted.
+  /// Lengthens a ramp that changes speed or water faster than `rate` [unit/s], or shortens its
+  /// step.
+  /// @param start  number of the value at the start; the next two are those of the run and the ramp
   void keep_rate(case_file::Recipe& recipe, case_file::RecipeNumber start, double rate) const;
 
   v1::Case draft_;

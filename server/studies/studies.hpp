@@ -95,11 +95,13 @@ public:
 private:
   /// The feeder's loop: feeds every study that has runs to queue, then rests.
   void feed(const std::stop_token& stop);
-  /// Queues runs of a study up to its bound. @return whether it has more to queue later
+  /// Queues one run of a study if it has room. @return whether another look may queue more
+  /// @throws std::exception  nothing can be queued now
   bool feed_study(const std::string& id);
   /// Makes the job of one run, or refuses the run where its case is rejected.
   void feed_run(const StudyRecord& study, const RunRecord& run, const PlannedRun& planned);
-  /// Decides about a run that follows from the results of earlier ones, as in a mould design.
+  /// Queues the next run of a growing plan, or drops it if the plan is finished.
+  /// @return false: a run on which it depends has not ended
   bool feed_grown(const StudyRecord& study, const StudyPlan& plan, const RunRecord& run);
   /// Marks a run as failed without a job, because its case was rejected.
   void refuse(const StudyRecord& study, RunRecord run, const std::string& why);
@@ -123,7 +125,7 @@ private:
   /// @throws jobs::RequestIdTaken  another case or plan
   v1::Study take_up(StudyRecord record, const v1::CreateStudyRequest& request,
                     const std::string& case_sha256);
-  /// Writes file and row of a study and the rows of its runs.
+  /// Records runs without a job in the study's file, then in the index.
   void keep(const StudyRecord& record, const std::vector<RunRecord>& runs);
   /// After a resumption: adds the next run of a study that outlasts failures, up to its bound.
   void grow_again(const StudyRecord& record);
@@ -135,7 +137,8 @@ private:
   std::map<std::string, v1::Job> jobs_of(const StudyRecord& study);
   /// Curves of a job, from its event log or kept from before.
   RunHistory history_of(const v1::Job& job);
-  /// The steady wide face of a job's last frame; null if there is none.
+  /// Contour of the wide face of a run, from its last frame; kept after the first call.
+  /// @throws jobs::WorkerDidNotAnswer, jobs::UnsoundResult, frames::NoContraction
   std::shared_ptr<const RunFace> face_of(const v1::Job& job);
   /// Adds the face of a job to a run, where it has one.
   void add_face(const v1::Job& job, EvaluatedRun& run);
@@ -145,11 +148,11 @@ private:
     bool faces = false;
     int before = INT_MAX;  ///< only runs with a lower number
   };
-  /// Results of the runs of a study, in the order of their numbers.
+  /// Runs of a study with the results that `depth` asks for. Runs of deleted jobs are omitted.
   std::vector<EvaluatedRun> evaluated_runs(const StudyRecord& record, const Depth& depth);
   /// @param record  outlives the result
   SweepState sweep_state(const StudyRecord& record);
-  /// Measurements against the runs of one or more castings.
+  /// Calibrates with the runs of all castings. @throws CannotPredict
   v1::Calibration calibration(const v1::EvaluateStudyRequest& request);
   /// Builds the response surface of a sweep from its succeeded runs.
   void ready_surface(const std::string& id);

@@ -15,7 +15,7 @@ namespace dccast::studies {
 class StudyWatcher {
 public:
   virtual ~StudyWatcher() = default;
-  /// Called from the notifier's thread after a change.
+  /// Called from the notifier's thread after a change; progress alone counts once per interval.
   virtual void on_changed() = 0;
 };
 

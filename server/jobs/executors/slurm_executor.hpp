@@ -93,7 +93,7 @@ private:
   std::optional<End> follow_ended(Start& start, const SlurmJob& job);
   /// Decides about one that Slurm no longer shows.
   std::optional<End> follow_absent(Start& start);
-  /// Reports why a job waits, when the reason has changed.
+  /// Reports why a job waits, or that it no longer does.
   void report_waiting(Start& start, const std::string& why);
   /// Cancels jobs of this daemon in Slurm that it does not follow.
   void cancel_strays(const SlurmJobs& jobs);

@@ -47,9 +47,9 @@ private:
 
   /// Takes an idle worker out; waits for one to be started if none is idle.
   std::unique_ptr<WorkerProcess> lend(Purpose purpose);
-  /// The idle worker to lend; the end if none is idle.
+  /// An idle worker: for a job one that has given no answer, for an answer preferably another.
   Idle::iterator choose_idle(Purpose purpose);
-  /// Takes a worker back, unless it has given as many answers as it may.
+  /// Takes a worker back, unless enough are kept; null: it was handed a job or has ended.
   void give_back(std::unique_ptr<WorkerProcess> worker);
   /// Whether the starter should start another worker.
   bool wants_more() const;

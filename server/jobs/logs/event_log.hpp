@@ -91,9 +91,9 @@ private:
   bool appends() const;
   /// Restores a log whose header or end is damaged.
   void repair();
-  /// Cuts an incomplete record from the end.
+  /// Cuts off what follows the last sound record; a whole but damaged record is kept in a file.
   void cut_tail();
-  /// Size of the record at an offset [bytes].
+  /// Size of the record at an offset, with its head [bytes]; 0 if there is no whole head.
   std::int64_t record_size(std::int64_t offset) const;
   /// Content of the record at an offset; empty if it is damaged. @param end  offset behind it
   std::optional<std::string> payload_at(std::int64_t offset, std::int64_t end) const;

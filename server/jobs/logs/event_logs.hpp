@@ -67,7 +67,7 @@ private:
   /// @param changed  watches of the files to read; empty: all files
   /// @param reopen   open each of them once more
   void refresh_followed(const std::set<int>& changed, bool reopen);
-  /// Closes logs that no one has used for a while.
+  /// Drops watchers of ended jobs, which are never notified again.
   void drop_expired();
 
   std::filesystem::path jobs_directory_;

@@ -61,7 +61,7 @@ public:
 private:
   /// The thread: measures once, then deletes at every interval.
   void run(const std::stop_token& stop);
-  /// Measures the disk space of ended jobs whose rows do not have it yet.
+  /// Measures the disk space of ended jobs whose rows hold the size of the case only.
   void measure(const std::stop_token& stop);
   /// Deletes what is too old, then the oldest until the rest fits.
   void delete_old_jobs();

@@ -21,7 +21,7 @@ public:
   void learn(const v1::Job& job) { forecast_.learn(job); }
 
 private:
-  /// Adds the expected start and end to a queued job, where they can be predicted.
+  /// Predicts start and end of a queued job that nothing holds, from the run times of earlier jobs.
   void predict(v1::Job& job);
   /// Remaining run times of the running jobs [s], by the forecast; cached for a moment.
   const std::vector<double>& remaining_s();

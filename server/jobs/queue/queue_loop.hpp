@@ -46,13 +46,14 @@ private:
   bool may_start() const;
   /// The job to start next; empty if none may.
   std::optional<std::string> next_job() const;
-  /// Takes an attempt out of the books after its outcome has been written.
+  /// Removes an attempt whose outcome has been written. @param record  after its settlement
   void forget_attempt(const Attempt& attempt, const JobRecord& record,
                       const Settlement& settlement);
 
   // These take the mutex themselves, and wait for the disk without it.
   void settle_ended_attempts();
-  /// Writes the outcome of an attempt. Waits for the disk, without the mutex.
+  /// Decides and writes the outcome of a job whose worker has ended; holds the queue if it cannot
+  /// be written.
   void settle_attempt(const std::shared_ptr<Attempt>& attempt);
   /// Outcome of an attempt, from its log and its exit.
   Settlement decide(const Attempt& attempt, JobRecord& record, AttemptFacts facts) const;
@@ -60,13 +61,14 @@ private:
   void resume_after_hold();
   /// Looks at the jobs whose predecessors have changed.
   void release_dependents();
-  /// Queues a dependent, or cancels it with the reason.
+  /// Queues a job if all jobs before it have succeeded; cancels it if one of them never will.
   void release_dependent(const Dependents::Dependent& dependent);
-  /// Starts the next job. @return false if none may start
+  /// Starts the next job. @return whether there may be another job to start
   bool start_next();
-  /// Writes the start of an attempt. @throws std::exception  it cannot be written
+  /// Records that a job is running. @return no log if the job does not wait
   std::pair<JobRecord, std::shared_ptr<EventLog>> begin_attempt(const std::string& id);
-  /// Puts a job back that could not be started, and holds the queue where storage is the cause.
+  /// Lets a job that cannot be started wait for the missing resource; it fails only for its own
+  /// files.
   void refuse_start(const std::string& id, const std::exception& error);
 
   QueueState& state_;

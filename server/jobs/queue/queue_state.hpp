@@ -44,7 +44,8 @@ struct QueueState {
   void hold(const std::string& reason);
   /// Queues a job, or lets it wait until the jobs before it have succeeded.
   void enqueue(const v1::Job& job, bool goes_first = false);
-  /// Removes a job from the queue and from those that wait for others.
+  /// Removes a job from the queue and from those that wait; jobs that wait for it are checked
+  /// again.
   void dequeue(const std::string& id);
   /// Charges the owner for the processor time of a job, beyond what was charged at its starts.
   void charge(const v1::Job& job, std::int64_t at_ms);

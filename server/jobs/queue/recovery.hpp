@@ -22,7 +22,7 @@ private:
   bool find_worker_or_settle(JobRecord& record);
   /// Takes over a worker that still runs. @return false if it cannot be taken over
   bool adopt_worker(const JobRecord& record, v1::JobState state);
-  /// Gives the forecast the last ended jobs.
+  /// Adds the jobs that have succeeded to the forecast.
   void learn_from_ended_jobs();
   /// Charges the owners for what they have used lately.
   void charge_recent_use();

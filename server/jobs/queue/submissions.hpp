@@ -38,9 +38,12 @@ public:
 private:
   /// The present state of a job that was submitted before.
   v1::Job current(const v1::Job& job);
-  /// @throws QueueFull  @param bytes  size of case and attachments
+  /// @throws StorageHeld, QueueFull
+  /// @param bytes  size of case and attachments
   void require_room(std::int64_t bytes);
-  /// Writes folder, row and mark of a new job; empty if another request has won the id meanwhile.
+  /// Writes folder, row and mark of a new job.
+  /// @return the job of another submission that has used the same request id meanwhile; empty on
+  ///         success
   std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);
 

@@ -22,7 +22,7 @@ struct Histogram {
   /// Counts a value in its bucket.
   void add(double value);
 
-  /// Upper bounds of the buckets, ascending; the last bucket has none.
+  /// Upper bounds of the buckets, ascending; larger values count in the total only.
   std::vector<double> bounds;
   std::vector<std::uint64_t> counts;  ///< of each class alone
   std::uint64_t count = 0;            ///< of all
