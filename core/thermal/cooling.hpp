@@ -29,6 +29,7 @@ struct WaterPlace {
   double film_coefficient = 0.0;    ///< [W/(m2 K)] through the vapour film
   /// [W/m2] by the heat that the film can still take
   double largest_flux = std::numeric_limits<double>::infinity();
+  double wall_flux = 0.0;  ///< [W/m2] into the film from another wall beside it
 };
 
 /// Flow at which Water gives its critical heat flux: that of a steady cast [m2/s].

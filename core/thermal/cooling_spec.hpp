@@ -71,6 +71,15 @@ struct BlockBody {
   double cooling_coefficient = 0.0;  ///< [W/(m2 K)] of its lower side, to the water
 };
 
+/// Water that runs from the edge of the butt into the open gap (gap_water.hpp). None of these
+/// figures has been measured on a butt; docs/bottom-block.md says what stands behind them.
+struct GapWater {
+  double inflow_share = 0.0;       ///< [1] of the water that reaches the edge, into the gap
+  double touching_share = 0.0;     ///< [1] of the open gap's width that its streams cover, not 0
+  double block_coefficient = 0.0;  ///< [W/(m2 K)] from the block into the water
+  double steam_reach = 0.0;  ///< [m] of unbroken vapour film from which on steam keeps water out
+};
+
 struct BottomBlock {
   /// [W/(m2 K)] against the time since the first metal: the shell shrinks away from the block after
   /// a certain time of contact, whenever the block starts.
@@ -83,6 +92,8 @@ struct BottomBlock {
   /// Water in gaps wider than `wet_gap`, once water has met the butt; absent: none gets in.
   std::optional<double> wet_coefficient{};  ///< [W/(m2 K)] from slab and from block to the water
   double wet_gap = 0.0;                     ///< [m]
+  /// The same with a path from the edge, a mass flow and boiling; absent: the constant coefficient.
+  std::optional<GapWater> gap_water{};
   /// [m] initial distance of the block below the slab, against the distance from x = 0 and, in a
   /// quarter slab, from y = 0; the two are added. Empty: flat.
   Curve profile_x, profile_y;

@@ -186,6 +186,16 @@ std::optional<thermal::BlockBody> body(const v1::BottomBlock& from) {
                             .cooling_coefficient = from.cooling_coefficient_w_per_m2_k()};
 }
 
+std::optional<thermal::GapWater> gap_water(const v1::BottomBlock& block) {
+  if (!block.has_gap_water()) return std::nullopt;
+
+  const v1::GapWater& from = block.gap_water();
+  return thermal::GapWater{.inflow_share = from.inflow_share(),
+                           .touching_share = from.touching_share(),
+                           .block_coefficient = from.block_coefficient_w_per_m2_k(),
+                           .steam_reach = from.steam_reach_m()};
+}
+
 thermal::Water water(const v1::Water& from) {
   return {.enabled = from.enabled(),
           .from = from.from_m(),
@@ -233,6 +243,7 @@ thermal::CoolingSpec cooling(const v1::Cooling& from, double first_metal) {
                      .wet_coefficient = given(block.has_wet_coefficient_w_per_m2_k(),
                                               block.wet_coefficient_w_per_m2_k()),
                      .wet_gap = block.wet_gap_m(),
+                     .gap_water = gap_water(block),
                      .profile_x = to_core(block.profile_x_m()),
                      .profile_y = to_core(block.profile_y_m())};
 
@@ -293,6 +304,7 @@ casting::Plausibility plausibility(const v1::Plausibility& from) {
   return {.minimum_superheat = from.minimum_superheat_k(),
           .minimum_shell = from.minimum_shell_m(),
           .minimum_meniscus = from.minimum_meniscus_m(),
+          .greatest_steam_share = from.greatest_steam_share(),
           .maximum_mush_strain = given(from.has_maximum_mush_strain(), from.maximum_mush_strain()),
           .reference_tear_rate =
               given(from.has_reference_tear_rate_per_s(), from.reference_tear_rate_per_s()),
