@@ -13,6 +13,13 @@ namespace dccast::thermal {
 enum class Face { wide, narrow };
 inline constexpr std::size_t faces = 2;
 
+/// The gap between a face and the mould, which opens as the shell shrinks.
+struct MouldGap {
+  double air_conductivity = 0.0;  ///< [W/(m K)]
+  double emissivity = 0.0;        ///< [1] effective, of metal and wall
+  double taper = 0.0;             ///< [1] by which the wall closes in downwards; negative: it opens
+};
+
 /// A cooling zone of the side: a band at a fixed distance below the metal level.
 struct SideZone {
   std::string name;
@@ -22,6 +29,9 @@ struct SideZone {
   Curve solid_coefficient;   ///< [W/(m2 K)] of a solid surface; weighted by the liquid fraction
   Curve temperature;         ///< [°C] of the surroundings
   std::optional<Face> face;  ///< face to which the zone applies; absent: all faces
+  /// The coefficients are those of contact, and the open gap adds to them (zone_flux()); absent:
+  /// they hold whatever the gap.
+  std::optional<MouldGap> gap{};
 };
 
 /// How a falling film wets hot metal, loses contact with it and boils away (cooling.hpp). Sources

@@ -41,7 +41,7 @@ SurfaceState surface_of(const ThermalState& state) {
   return {state.temperature, state.liquid_fraction};
 }
 
-std::size_t wetted_index(const SideShare& share) {
+std::size_t face_index(const SideShare& share) {
   return faces * std::size_t(share.node) + std::size_t(share.face);
 }
 
@@ -184,7 +184,7 @@ FilmEnd SurfaceCooling::lay_column(std::span<const std::size_t> shares, double w
 
   std::vector<WetPiece> pieces;
   for (const std::size_t i : shares) {
-    const double wetted = field.wetted.empty() ? 0.0 : field.wetted[wetted_index(side_[i])];
+    const double wetted = field.wetted.empty() ? 0.0 : field.wetted[face_index(side_[i])];
     pieces.push_back({side_[i].weight,
                       {input.time, side_[i].distance},
                       properties.temperature(field.enthalpy[std::size_t(side_[i].node)]),
@@ -339,7 +339,8 @@ SurfaceFlux SurfaceCooling::flux_into_gap(std::size_t place, const SurfaceState&
 
 SurfaceFlux SurfaceCooling::side_flux(std::size_t share, const SurfaceState& surface,
                                       const HeatStepInput& input) const {
-  const SidePlace place{input.time, side_[share].distance};
+  SidePlace place{input.time, side_[share].distance};
+  if (!input.inward.empty()) place.inward = input.inward[face_index(side_[share])];
   const int law = side_[share].law;
   if (law == law_dry) return dry_flux(cooling_, surface);
   if (law == law_water)
@@ -426,9 +427,9 @@ void SurfaceCooling::store_wetted(std::span<const ThermalState> state, const Hea
     const Water& water = cooling_.water_of(side_[i].face);
     if (side_[i].law != law_water || !water.boiling_follows_flow) continue;
     const double surface = state[std::size_t(side_[i].node)].temperature;
-    wet[wetted_index(side_[i])] +=
+    wet[face_index(side_[i])] +=
         side_[i].weight * wet_in_the_end(water.wetting, surface, side_water_[i].rewetting);
-    area[wetted_index(side_[i])] += side_[i].weight;
+    area[face_index(side_[i])] += side_[i].weight;
   }
 
   for (std::size_t i = 0; i < size; ++i) {

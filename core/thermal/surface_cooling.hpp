@@ -52,6 +52,9 @@ struct HeatStepInput {
   std::optional<double> narrow_water_flow = {};
   /// (node) [m] vertical displacement of the side, for zones and water line; empty: zero.
   std::span<const double> rise = {};
+  /// (node, face) [m] displacement of the side away from the mould, for zones with a gap; empty:
+  /// contact.
+  std::span<const double> inward = {};
 };
 
 /// Heat flow out through side, bottom and level in one step. The cooling law of each place is fixed

@@ -148,6 +148,13 @@ Curve factor(const v1::Curve& from) {
   return from.value_size() == 0 ? Curve(1.0) : to_core(from);
 }
 
+std::optional<thermal::MouldGap> mould_gap(const v1::SideZone& zone) {
+  if (!zone.has_gap()) return std::nullopt;
+  return thermal::MouldGap{.air_conductivity = zone.gap().air_conductivity_w_per_m_k(),
+                           .emissivity = zone.gap().emissivity(),
+                           .taper = zone.gap().taper()};
+}
+
 thermal::SideZone zone(const v1::SideZone& from) {
   return {.name = from.name(),
           .from = from.from_m(),
@@ -155,7 +162,8 @@ thermal::SideZone zone(const v1::SideZone& from) {
           .liquid_coefficient = to_core(from.liquid_coefficient_w_per_m2_k()),
           .solid_coefficient = to_core(from.solid_coefficient_w_per_m2_k()),
           .temperature = to_core(from.temperature_c()),
-          .face = to_core(from.face())};
+          .face = to_core(from.face()),
+          .gap = mould_gap(from)};
 }
 
 thermal::Wetting wetting(const v1::Wetting& from) {
