@@ -111,6 +111,13 @@ Curve metal_property(const material::AlloyCard& card, const v1::Curve& table,
   return material::mixed_by_fraction(card, to_core(solid), liquid);
 }
 
+/// Density at the end of feeding: from there on a cell keeps its mass.
+/// @pre density, liquidus, solidus and liquid fraction are set in the card
+double fed_density(const v1::Alloy& from, const material::AlloyCard& card) {
+  const double end = from.has_coalescence_solid_fraction() ? from.coalescence_solid_fraction() : 1.0;
+  return material::density_at_solid_fraction(card, end);
+}
+
 material::AlloyCard alloy(const v1::Alloy& from) {
   material::AlloyCard to;
   to.name = from.card();
@@ -128,6 +135,7 @@ material::AlloyCard alloy(const v1::Alloy& from) {
       metal_property(to, from.conductivity_w_per_m_k(), from.solid_conductivity_w_per_m_k(),
                      from.liquid_conductivity_w_per_m_k());
   set_coherency(from, to);
+  if (is_fed(from.cell_mass())) to.fed_density = fed_density(from, to);
   to.release = material::coherency_at(to, from.shell_solid_fraction());
 
   to.young_modulus = to_core(from.young_modulus_pa());
