@@ -249,6 +249,27 @@ void check_quarter_slab(CaseFindings& found) {
                          !c.cooling.bottom_block.profile_y.empty());
 }
 
+void check_gap_water(CaseFindings& found) {
+  const thermal::CoolingSpec& cooling = found.casting.cooling;
+  const thermal::BottomBlock& block = cooling.bottom_block;
+  if (!block.gap_water) return;
+
+  if (block.wet_coefficient)
+    found.fault("cooling.bottom_block.gap_water", "given",
+                "and cooling.bottom_block.wet_coefficient is given beside it",
+                "one law of the water under the butt", "leave one of them out");
+
+  // The gap gets what the marched film of a face has left.
+  for (const thermal::Face face : {thermal::Face::wide, thermal::Face::narrow}) {
+    if (cooling.water_of(face).boiling_follows_flow) continue;
+    found.fault("cooling.bottom_block.gap_water", "given",
+                "needs water whose flow and temperature at the edge of the butt are known",
+                "with boiling_follows_flow = true on every face",
+                "set boiling_follows_flow, or use wet_coefficient");
+    return;
+  }
+}
+
 void check_block_profile(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   const thermal::BottomBlock& block = found.casting.cooling.bottom_block;

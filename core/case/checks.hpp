@@ -97,6 +97,8 @@ void check_tables(CaseFindings& found);
 void check_section(CaseFindings& found);
 /// The plan of a quarter slab, and keys that apply to quarter slabs only.
 void check_quarter_slab(CaseFindings& found);
+/// Water under the butt follows one law, and boils as that of the faces.
+void check_gap_water(CaseFindings& found);
 /// A block that is not flat must touch the slab somewhere.
 void check_block_profile(CaseFindings& found);
 /// End and steps against the times of the schedule.

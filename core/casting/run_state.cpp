@@ -104,6 +104,7 @@ void for_fields(State& state, const Use& use) {
   use("heat/enthalpy_rate_w_per_m3", state.heat.enthalpy_rate);
   use("heat/wetted", state.heat.wetted);
   use("heat/block_temperature_c", state.heat.block_temperature);
+  use("heat/gap_wetted", state.heat.gap_wetted);
   for_slab_fields(state.slab, use);
 }
 
@@ -224,6 +225,9 @@ void fit_heat(const thermal::HeatField& heat, const Shape& shape, Reasons& reaso
   if (!heat.block_temperature.empty())
     reasons.require_reals(heat.block_temperature,
                           thermal::BlockColumns::points * shape.bottom_nodes, "block temperature");
+  // Empty before the first step, and without water that runs into the gap.
+  if (!heat.gap_wetted.empty())
+    reasons.require_reals(heat.gap_wetted, shape.bottom_nodes, "wetted share of the bottom");
 }
 
 template <int Dim>

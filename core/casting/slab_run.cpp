@@ -261,6 +261,23 @@ std::vector<double> SlabRun<Dim>::side_rise() const {
   return rise;
 }
 
+/// (node, face) displacement of the side away from the mould [m], if a zone follows the gap. At a
+/// corner each face has its own.
+template <int Dim>
+std::vector<double> SlabRun<Dim>::side_inward() const {
+  std::vector<double> inward;
+  const auto has_gap = [](const thermal::SideZone& zone) { return zone.gap.has_value(); };
+  if (!state_.slab.started || std::ranges::none_of(case_.cooling.zones, has_gap)) return inward;
+
+  // The wide face of a solid looks along y, its narrow face and the side of a section along x.
+  const std::vector<double>& u = state_.slab.displacement;
+  for (std::size_t i = 0; i < u.size(); i += Dim) {
+    inward.push_back(-u[i + (Dim == 3 ? 1 : 0)]);
+    inward.push_back(-u[i]);
+  }
+  return inward;
+}
+
 template <int Dim>
 bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry) {
   std::vector<double> gap;
@@ -275,6 +292,8 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   input.bottom_gap = gap;
   const std::vector<double> rise = side_rise();
   input.rise = rise;
+  const std::vector<double> inward = side_inward();
+  input.inward = inward;
   input.entry = entry;
   const Stopwatch watch(heat_seconds_);
   tried.heat = heat_.step(state_.heat, input);

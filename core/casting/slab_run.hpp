@@ -87,6 +87,7 @@ private:
   double block_temperature() const;        ///< [°C]
   std::vector<double> bottom_gap() const;  ///< (bottom node) [m]
   std::vector<double> side_rise() const;   ///< (node) [m]
+  std::vector<double> side_inward() const; ///< (node, face) [m]
   double metal_level() const;              ///< [m]
   /// [m] The level from which mould and water lines are counted, also while the mould is filled.
   double mould_level() const;

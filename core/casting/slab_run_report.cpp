@@ -36,6 +36,8 @@ void report_water(const thermal::HeatStepOutcome& heat, results::StepReport& r) 
   r.narrow_water_share = narrow.share();
   r.wetted_share = wide.wetted_share();
   r.narrow_wetted_share = narrow.wetted_share();
+  r.gap_water_share = heat.gap_water.share();
+  r.gap_wetted_share = heat.gap_water.wetted_share();
   r.water_boiled_away = wide.boiled_away || narrow.boiled_away;
   r.water_thrown_off = wide.thrown_off || narrow.thrown_off;
 }
@@ -63,6 +65,8 @@ void report_figures(const StepFigures& figures, results::StepReport& r) {
   r.shell_begins = figures.shell_begins.value;
   r.bottom_shell = figures.bottom_shell.value;
   r.mush_strain = figures.mush_strain.value;
+
+  r.steam_share = figures.steam_share;
 
   r.pore_volume = figures.pore_volume;
   const TearIndices& tears = figures.tears;

@@ -189,6 +189,7 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
                                        FigureHistory& history) const {
   const mechanics::SlabChecks& checks = view.checks;
   f.weight = checks.weight / view.face_length;
+  if (checks.weight > 0.0) f.steam_share = view.heat.steam_force / checks.weight;
   f.bottom_reaction = checks.bottom_reaction / view.face_length;
   f.complementarity_error = checks.complementarity_error;
 

@@ -51,6 +51,7 @@ struct StepFigures {
   bool water_boiled_away = false;     ///< on some face too little water is left to cover it
   bool water_thrown_off = false;      ///< a vapour film has thrown the water off some face
   double weight = 0.0;                ///< [N/m], in 3D [N]
+  double steam_share = 0.0;           ///< [1] force of the steam under the butt, of the weight
   double bottom_reaction = 0.0;       ///< [N/m] upwards, in 3D [N]
   double complementarity_error = 0.0;   ///< [1] relative to 1 mm and the weight
   double metal_depth = 0.0;             ///< [m] from the bottom to the metal level

@@ -99,6 +99,17 @@ Found water_beyond_capacity(const Case&, const StepFigures& f) {
                               f.water_share)};
 }
 
+/// Steam that cannot get out of a narrow gap lifts the butt until it can: the slab bumps.
+Found steam_lifts_butt(const Case& c, const StepFigures& f) {
+  const double limit = c.plausibility.greatest_steam_share;
+  if (!f.moves || !f.mechanical || f.steam_share <= limit) return std::nullopt;
+  return Exceeded{PlacedFigure{f.steam_share}, limit,
+                  fmt::format("Steam under the butt presses up with {:.3g} times the weight of the "
+                              "metal, more than {:.3g}: the slab bumps on the block, and the shell "
+                              "may tear. Less water, a later gap or drain holes help.",
+                              f.steam_share, limit)};
+}
+
 /// Smaller lifts are the rocking of a butt on the block, not its shape [m].
 constexpr double least_lift = 2e-3;
 
@@ -430,6 +441,7 @@ constexpr std::array rules{
     StepRule{"water_boils_away", warning, goes_on, "schedule.water_flow", "1", upper, water_boils_away},
     StepRule{"water_thrown_off", warning, goes_on, "schedule.water_flow", "1", upper, water_thrown_off},
     StepRule{"water_beyond_capacity", warning, goes_on, "cooling.water.boiling_follows_flow", "1", upper, water_beyond_capacity},
+    StepRule{"steam_lifts_butt", warning, goes_on, "plausibility.greatest_steam_share", "1", upper, steam_lifts_butt},
     StepRule{"bleed_out_at_exit", danger, goes_on, "alloy.shell_solid_fraction", "degC", upper, hot_exit},
     StepRule{"bleed_out_at_exit", danger, goes_on, least_shell, "m", lower, thin_exit},
     StepRule{"thin_shell", warning, goes_on, least_shell, "m", lower, thin_shell},

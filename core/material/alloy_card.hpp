@@ -67,6 +67,9 @@ struct AlloyCard {
   std::optional<double> retention;  ///< [°C] below it metal does not flow out; absent: as release
   double latent_heat = 0.0;         ///< [J/kg]
   Curve density;                    ///< [kg/m3] of the mixture of solid and liquid
+  /// [kg/m3] of a fixed volume when feeding ends: all its metal stores heat. Absent: the density at
+  /// its temperature, as in the paper (ThermalProperties).
+  std::optional<double> fed_density;
   /// [kg/m3] of the solid alone, up to the liquidus; empty: the density below the solidus,
   /// continued
   Curve solid_density;

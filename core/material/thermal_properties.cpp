@@ -59,7 +59,9 @@ std::vector<double> kinks(const AlloyCard& card) {
 
 ThermalProperties::ThermalProperties(const AlloyCard& card)
     : solidus_(card.solidus), liquidus_(card.liquidus) {
-  build_segments(card);
+  AlloyCard of_heat = card;
+  if (card.fed_density) of_heat.density = Curve(*card.fed_density);
+  build_segments(of_heat);
   fix_origin();
 
   // The searches need the starts of the segments by themselves.

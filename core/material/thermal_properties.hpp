@@ -89,6 +89,13 @@ inline double coherency_at(const AlloyCard& card, double solid_fraction) {
   return temperature_of_fraction(card, 1.0 - solid_fraction);
 }
 
+/// Density of the mixture at a solid fraction [kg/m3]. @param solid_fraction  [1]
+inline double density_at_solid_fraction(const AlloyCard& card, double solid_fraction) {
+  constexpr double below_the_jump = 0.02;  // [K] of a pure metal, mixed_by_fraction()
+  const double jump = card.liquidus > card.solidus ? 0.0 : below_the_jump;
+  return card.density(temperature_of_fraction(card, 1.0 - solid_fraction) - jump);
+}
+
 /// State of the metal at one enthalpy, with its derivatives by the enthalpy.
 struct ThermalState {
   double temperature = 0.0;                 ///< T [°C]
@@ -110,6 +117,11 @@ struct ThermalState {
 /// In a mushy interval the liquid fraction follows the card's table, or is linear in T; in both
 /// cases it goes from 0 to 1, so that all of L is released. The conductivity is curve(T) times the
 /// melt factor at the liquid fraction (convection in the melt).
+///
+/// A volume that freezes gains metal: melt flows in while it shrinks. The density at its
+/// temperature leaves out the heat of this metal, 3 to 6 % of the latent heat, and counts metal
+/// twice that contracts later. With a fed density rho_f the volume stores heat by the mass that it
+/// holds in the end, H = rho_f h(T) (docs/heat.md).
 ///
 /// Units: in all functions enthalpy H [J/m3], temperature T [°C], Kirchhoff function Theta [W/m].
 class ThermalProperties {

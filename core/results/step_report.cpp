@@ -126,6 +126,16 @@ const std::array fields{
                  &R::water_thrown_off},
     HistoryField{"block_temperature_c", "degC", "mean surface temperature of the bottom block",
                  &R::block_temperature},
+    HistoryField{"gap_water_share", "1",
+                 "heat taken by water that has run under the butt, relative to all that heating "
+                 "and evaporating it would take",
+                 &R::gap_water_share},
+    HistoryField{"gap_wetted_share", "1",
+                 "share of the places that this water touches that is not under a vapour film",
+                 &R::gap_wetted_share},
+    HistoryField{"steam_share", "1",
+                 "force of the steam under the butt, relative to the weight of the metal",
+                 &R::steam_share},
 };
 
 }  // namespace

@@ -135,6 +135,9 @@ struct StepReport {
   bool water_boiled_away = false;    ///< on some face too little water is left to cover it
   bool water_thrown_off = false;     ///< a vapour film has thrown the water off some face
   double block_temperature = 0.0;    ///< [°C] of the block's surface, mean over its area
+  double gap_water_share = 0.0;   ///< [1] heat taken by water under the butt, of the most it could
+  double gap_wetted_share = 0.0;  ///< [1] of the places that it touches, not under a vapour film
+  double steam_share = 0.0;       ///< [1] force of the steam under the butt, of the weight
   bool operator==(const StepReport&) const = default;
 };
 

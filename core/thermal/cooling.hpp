@@ -29,6 +29,7 @@ struct WaterPlace {
   double film_coefficient = 0.0;    ///< [W/(m2 K)] through the vapour film
   /// [W/m2] by the heat that the film can still take
   double largest_flux = std::numeric_limits<double>::infinity();
+  double wall_flux = 0.0;  ///< [W/m2] into the film from another wall beside it
 };
 
 /// Flow at which Water gives its critical heat flux: that of a steady cast [m2/s].
@@ -85,6 +86,7 @@ struct SurfaceFlux {
 struct SidePlace {
   double time = 0.0;      ///< [s]
   double distance = 0.0;  ///< [m] below the metal level
+  double inward = 0.0;    ///< [m] displacement of the face away from the mould
 };
 
 /// Falling film of water, Weckman and Niessen (1982), their fit for DC casting:
@@ -103,7 +105,9 @@ SurfaceFlux water_flux(const Water& water, const WaterPlace& film, const Surface
                        const SidePlace& place);
 
 /// A cooling zone of the side: the coefficients for liquid and solid surface are weighted by the
-/// liquid fraction.
+/// liquid fraction. With a gap g to the wall, by which the face has moved inward more than the wall
+/// closes in (taper times distance), h of the mixture is that of contact, and
+///   q = (T - T_w) / (1/h + g/k) + sigma epsilon (T^4 - T_w^4), T in K in the second term.
 /// @param ambient_temperature  [°C]
 SurfaceFlux zone_flux(const SideZone& zone, const SurfaceState& surface, const SidePlace& place,
                       double ambient_temperature);

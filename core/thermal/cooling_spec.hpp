@@ -14,6 +14,13 @@ enum class Face { wide, narrow };
 /// Wide and narrow face of a slab; sections have the first alone.
 inline constexpr std::size_t faces = 2;
 
+/// The gap between a face and the mould, which opens as the shell shrinks.
+struct MouldGap {
+  double air_conductivity = 0.0;  ///< [W/(m K)]
+  double emissivity = 0.0;        ///< [1] effective, of metal and wall
+  double taper = 0.0;             ///< [1] by which the wall closes in downwards; negative: it opens
+};
+
 /// A cooling zone of the side: a band at a fixed distance below the metal level.
 struct SideZone {
   std::string name;
@@ -23,6 +30,9 @@ struct SideZone {
   Curve solid_coefficient;   ///< [W/(m2 K)] of a solid surface; weighted by the liquid fraction
   Curve temperature;         ///< [°C] of the surroundings
   std::optional<Face> face;  ///< face to which the zone applies; absent: all faces
+  /// The coefficients are those of contact, and the open gap adds to them (zone_flux()); absent:
+  /// they hold whatever the gap.
+  std::optional<MouldGap> gap{};
 };
 
 /// How a falling film wets hot metal, loses contact with it and boils away (cooling.hpp). Sources
@@ -73,6 +83,15 @@ struct BlockBody {
   double cooling_coefficient = 0.0;  ///< [W/(m2 K)] of its lower side, to the water
 };
 
+/// Water that runs from the edge of the butt into the open gap (gap_water.hpp). None of these
+/// figures has been measured on a butt; docs/bottom-block.md says what stands behind them.
+struct GapWater {
+  double inflow_share = 0.0;       ///< [1] of the water that reaches the edge, into the gap
+  double touching_share = 0.0;     ///< [1] of the open gap's width that its streams cover, not 0
+  double block_coefficient = 0.0;  ///< [W/(m2 K)] from the block into the water
+  double steam_reach = 0.0;  ///< [m] of unbroken vapour film from which on steam keeps water out
+};
+
 /// The bottom block and what lies between it and the butt; table `cooling.bottom_block` of a case.
 struct BottomBlock {
   /// [W/(m2 K)] against the time since the first metal: the shell shrinks away from the block after
@@ -86,6 +105,8 @@ struct BottomBlock {
   /// Water in gaps wider than `wet_gap`, once water has met the butt; absent: none gets in.
   std::optional<double> wet_coefficient{};  ///< [W/(m2 K)] from slab and from block to the water
   double wet_gap = 0.0;                     ///< [m]
+  /// The same with a path from the edge, a mass flow and boiling; absent: the constant coefficient.
+  std::optional<GapWater> gap_water{};
   /// [m] initial distance of the block below the slab, against the distance from x = 0 and, in a
   /// quarter slab, from y = 0; the two are added. Empty: flat.
   Curve profile_x, profile_y;

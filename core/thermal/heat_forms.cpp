@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "core/fem/element.hpp"
 #include "core/fem/facet_pieces.hpp"
@@ -103,6 +104,29 @@ private:
     bottom_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::bottom);
     top_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::top);
     find_side_columns();
+    find_bottom_paths();
+  }
+
+  void find_bottom_paths() {
+    std::map<int, std::size_t> number;
+    for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) number[bottom_nodes_[i]] = i;
+
+    std::map<std::pair<std::size_t, std::size_t>, double> length;
+    mesh::for_each_facet(mesh_, mesh::PatchKind::bottom, [&](const Facet& facet, const auto&) {
+      for (std::size_t a = 0; a < std::size_t(facet.nodes); ++a) {
+        for (std::size_t b = 0; b < a; ++b) {
+          const double *p = mesh_.point(facet.node[a]), *q = mesh_.point(facet.node[b]);
+          double squared = 0.0;
+          for (std::size_t d = 0; d < dim; ++d) squared += (p[d] - q[d]) * (p[d] - q[d]);
+          length[std::minmax(number.at(facet.node[a]), number.at(facet.node[b]))] =
+              std::sqrt(squared);
+        }
+      }
+    });
+
+    bottom_paths_.clear();
+    for (const auto& [nodes, metres] : length)
+      bottom_paths_.push_back({nodes.first, nodes.second, metres});
   }
 
   /// Numbers the columns of side nodes: nodes at the same place of the plan form one.

@@ -66,6 +66,12 @@ private:
   std::vector<double> edges_;  ///< [m]
 };
 
+/// Two neighbours at the bottom, by their numbers among the bottom nodes.
+struct BottomPath {
+  std::size_t first = 0, second = 0;
+  double length = 0.0;  ///< [m]
+};
+
 /// The mesh as the heat solver sees it, for any element and dimension: heat capacity, conduction
 /// and boundary. Areas and volumes are per metre in plane strain [m, m2], per radian in an
 /// axisymmetric section [m2, m3], totals in a solid [m2, m3].
@@ -99,6 +105,8 @@ public:
   const std::vector<int>& top_nodes() const { return top_nodes_; }
   /// Integral of the shape function over the top, by top node [m^(Dim-1)], [m2/rad].
   const std::vector<double>& top_weight() const { return top_weight_; }
+  /// Neighbours at the bottom: edges and diagonals of its facets, each once.
+  const std::vector<BottomPath>& bottom_paths() const { return bottom_paths_; }
   /// (node) column of the side to which a node belongs, -1 elsewhere: the nodes above each other,
   /// or all of a side that has no such columns.
   const std::vector<int>& side_column() const { return side_column_; }
@@ -135,6 +143,7 @@ protected:
   std::vector<double> volume_;     ///< (node) [m^Dim], [m3/rad]
   std::vector<int> bottom_nodes_;
   std::vector<double> bottom_weight_;  ///< (bottom node) [m^(Dim-1)], [m2/rad]
+  std::vector<BottomPath> bottom_paths_;
   std::vector<int> top_nodes_;
   std::vector<double> top_weight_;  ///< (top node) [m^(Dim-1)], [m2/rad]
   std::vector<int> side_column_;    ///< (node)

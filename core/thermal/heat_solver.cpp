@@ -330,6 +330,8 @@ HeatStepOutcome HeatSolver::step(HeatField& field, const HeatStepInput& input) {
   outcome.wall_heat_flux = outcome.face_heat_flux[0] + outcome.face_heat_flux[1];
   outcome.bottom_heat_flux = cooling_.bottom_power();
   outcome.water = cooling_.water();
+  outcome.gap_water = cooling_.gap_streams().water;
+  outcome.steam_force = cooling_.gap_streams().steam_force;
 
   // Only a converged step changes the field.
   field.enthalpy = enthalpy_;

@@ -44,6 +44,8 @@ struct [[nodiscard]] HeatStepOutcome {
   std::array<double, faces> face_heat_flux{};  ///< the same by face [W/m]
   double bottom_heat_flux = 0.0;               ///< the same through the bottom [W/m]
   std::array<FaceWater, faces> water{};        ///< by face, at the end of the step
+  FaceWater gap_water;                         ///< under the butt, at the end of the step
+  double steam_force = 0.0;  ///< [N/m]; billet [N/rad], solid [N]: of the steam under the butt
 };
 
 /// Solver for implicit Euler steps of the enthalpy equation, paper eq. (2).

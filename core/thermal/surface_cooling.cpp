@@ -41,7 +41,7 @@ SurfaceState surface_of(const ThermalState& state) {
   return {state.temperature, state.liquid_fraction};
 }
 
-std::size_t wetted_index(const SideShare& share) {
+std::size_t face_index(const SideShare& share) {
   return faces * std::size_t(share.node) + std::size_t(share.face);
 }
 
@@ -78,6 +78,10 @@ LawAt SideLaws::at(double distance, Face face) const {
 
 SurfaceCooling::SurfaceCooling(CoolingSpec cooling) : cooling_(std::move(cooling)) {
   if (cooling_.bottom_block.body) block_.emplace(*cooling_.bottom_block.body);
+
+  gap_law_ = cooling_.water;
+  if (const auto& gap = cooling_.bottom_block.gap_water)
+    gap_law_.wetting.throw_off_length = gap->steam_reach;
 }
 
 void SurfaceCooling::resize(std::size_t nodes) {
@@ -96,7 +100,7 @@ void SurfaceCooling::begin_step(const HeatForms& forms,
                         side_);
 
   lay_water(forms, properties, field, input, height);
-  lay_bottom(forms, field, input);
+  lay_bottom(forms, properties, field, input);
 }
 
 bool SurfaceCooling::water_runs(Face face, const HeatStepInput& input) const {
@@ -122,6 +126,7 @@ void SurfaceCooling::lay_water(const HeatForms& forms,
                                double side_height) {
   water_ = {};
   side_water_.assign(side_.size(), {});
+  edge_supply_.clear();
   if (std::ranges::none_of(side_, [](const auto& share) { return share.law == law_water; })) return;
 
   find_columns(forms);
@@ -140,17 +145,37 @@ void SurfaceCooling::lay_water(const HeatForms& forms,
     const auto wet = std::stable_partition(
         first, last, [this](std::size_t i) { return side_[i].law == law_water; });
 
-    lay_column({first, wet}, area / side_height, properties, field, input);
+    if (wet != first) {
+      const double width = area / side_height;
+      const FilmEnd end = lay_column({first, wet}, width, properties, field, input);
+      if (!end.boiled_away && !end.thrown_off)
+        supply_edge(forms, column(*first).second, end.film, width);
+    }
     first = last;
   }
 }
 
-/// Runs water down the shares of one column. @param width  [m]; axisymmetric [m2/rad / m]
-void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double width,
-                                const material::ThermalProperties& properties,
-                                const HeatField& field, const HeatStepInput& input) {
-  if (shares.empty()) return;
+/// The water of a column reaches the places of the edge below it; on a mesh without columns all of
+/// the edge.
+/// @param width  [m]; axisymmetric [m2/rad / m]
+void SurfaceCooling::supply_edge(const HeatForms& forms, int column, const Film& film,
+                                 double width) {
+  if (!cooling_.bottom_block.gap_water) return;
 
+  std::vector<std::size_t> below;
+  for (std::size_t i = 0; i < forms.bottom_nodes().size(); ++i) {
+    const std::size_t node = std::size_t(forms.bottom_nodes()[i]);
+    if (forms.side_column()[node] == column) below.push_back(i);
+  }
+  for (const std::size_t i : below)
+    edge_supply_.push_back({i, film, width / static_cast<double>(below.size())});
+}
+
+/// Runs water down the shares of one column. @param shares  one or more
+/// @param width  [m]; axisymmetric [m2/rad / m]
+FilmEnd SurfaceCooling::lay_column(std::span<const std::size_t> shares, double width,
+                                   const material::ThermalProperties& properties,
+                                   const HeatField& field, const HeatStepInput& input) {
   const Face face = side_[shares.front()].face;
   const Water& water = cooling_.water_of(face);
   const Film supply{water.temperature(input.time), water_flow_of(face, input)};
@@ -159,7 +184,7 @@ void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double widt
 
   std::vector<WetPiece> pieces;
   for (const std::size_t i : shares) {
-    const double wetted = field.wetted.empty() ? 0.0 : field.wetted[wetted_index(side_[i])];
+    const double wetted = field.wetted.empty() ? 0.0 : field.wetted[face_index(side_[i])];
     pieces.push_back({side_[i].weight,
                       {input.time, side_[i].distance},
                       properties.temperature(field.enthalpy[std::size_t(side_[i].node)]),
@@ -169,6 +194,7 @@ void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double widt
   total.capacity += film_capacity(supply, width);
 
   // With fixed boiling properties the film does not change on its way.
+  FilmEnd end{.film = supply};
   if (!water.boiling_follows_flow) {
     film_.clear();
     for (const WetPiece& piece : pieces)
@@ -177,9 +203,10 @@ void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double widt
                        .critical_heat_flux = water.critical_heat_flux,
                        .film_coefficient = water.film_boiling_coefficient});
   } else {
-    const FilmEnd end = march_film(water, supply, width, input.time_step, pieces, film_);
+    end = march_film(water, supply, width, input.time_step, pieces, film_);
     total.boiled_away = total.boiled_away || end.boiled_away;
     total.thrown_off = total.thrown_off || end.thrown_off;
+    reserve_for_gap(end, width, pieces);
   }
 
   // Shares that the stream does not reach stay dry.
@@ -192,6 +219,19 @@ void SurfaceCooling::lay_column(std::span<const std::size_t> shares, double widt
     total.area += pieces[k].area;
     total.wetted += pieces[k].area * film_[k].wetted;
   }
+  return end;
+}
+
+/// What water that runs on into the gap could take is no longer the face's.
+void SurfaceCooling::reserve_for_gap(const FilmEnd& end, double width,
+                                     std::span<const WetPiece> pieces) {
+  const auto& gap = cooling_.bottom_block.gap_water;
+  if (!gap || film_.empty()) return;
+
+  double area = 0.0;
+  for (std::size_t i = 0; i < film_.size(); ++i) area += pieces[i].area;
+  const double reserved = gap->inflow_share * film_capacity(end.film, width) / area;
+  for (WaterPlace& place : film_) place.largest_flux -= reserved;
 }
 
 /// Whether water has met the butt on some face: it can then run into the gap, and stays there while
@@ -206,8 +246,14 @@ bool SurfaceCooling::water_at_butt(const HeatStepInput& input) const {
   return false;
 }
 
-void SurfaceCooling::lay_bottom(const HeatForms& forms, const HeatField& field,
-                                const HeatStepInput& input) {
+double SurfaceCooling::open_share(double gap) const {
+  // Near the limiting width a gap is wet in part, so that the heat is continuous in its width.
+  return std::clamp((gap / cooling_.bottom_block.wet_gap - 1.0) / wet_gap_blend, 0.0, 1.0);
+}
+
+void SurfaceCooling::lay_bottom(const HeatForms& forms,
+                                const material::ThermalProperties& properties,
+                                const HeatField& field, const HeatStepInput& input) {
   const BottomBlock& block = cooling_.bottom_block;
   bottom_.clear();
   if (forms.bottom_nodes().empty()) return;
@@ -222,10 +268,7 @@ void SurfaceCooling::lay_bottom(const HeatForms& forms, const HeatField& field,
   for (std::size_t i = 0; i < forms.bottom_nodes().size(); ++i) {
     const double gap = input.bottom_gap.empty() ? 0.0 : input.bottom_gap[i];
 
-    // Near the limiting width a gap is wet in part, so that the heat is continuous in its width.
-    const double share =
-        wet ? std::clamp((gap / block.wet_gap - 1.0) / wet_gap_blend, 0.0, 1.0) : 0.0;
-
+    const double share = wet ? open_share(gap) : 0.0;
     BottomPlace place{.coefficient = (1.0 - share) * bottom_coefficient(block, input.time, gap),
                       .block = start,
                       .wet_coefficient = share * block.wet_coefficient.value_or(0.0),
@@ -243,11 +286,61 @@ void SurfaceCooling::lay_bottom(const HeatForms& forms, const HeatField& field,
 
     bottom_.push_back(place);
   }
+
+  if (block.gap_water) lay_gap(forms, properties, field, input);
+}
+
+/// Runs the water of the edge into the gap. What touches the slab replaces the way to the block.
+void SurfaceCooling::lay_gap(const HeatForms& forms, const material::ThermalProperties& properties,
+                             const HeatField& field, const HeatStepInput& input) {
+  std::vector<GapSurface> surface;
+  for (std::size_t i = 0; i < bottom_.size(); ++i) {
+    const double gap = input.bottom_gap.empty() ? 0.0 : input.bottom_gap[i];
+    const std::size_t node = std::size_t(forms.bottom_nodes()[i]);
+    surface.push_back({.area = forms.bottom_weight()[i],
+                       .gap = gap,
+                       .open = open_share(gap),
+                       .temperature = properties.temperature(field.enthalpy[node]),
+                       .wetted = field.gap_wetted.empty() ? 0.0 : field.gap_wetted[i],
+                       .block = bottom_[i]});
+  }
+
+  gap_streams_ =
+      lay_gap_water(*cooling_.bottom_block.gap_water, gap_law_, forms.bottom_paths(), surface,
+                    edge_supply_, input.time, input.time_step);
+
+  // The heat from block to water is fixed for the step: it lowers the block's own temperature.
+  for (std::size_t i = 0; i < bottom_.size(); ++i) {
+    const GapPlace& water = gap_streams_.place[i];
+    bottom_[i].coefficient *= 1.0 - water.share;
+    bottom_[i].block -= bottom_[i].compliance * water.block_flux;
+  }
+  gap_from_block_ = gap_streams_.water.taken;
+}
+
+/// Heat between slab, block and water at one place of the bottom, at a state of the slab's surface.
+BottomFlux SurfaceCooling::flux_at_bottom(std::size_t place, const SurfaceState& surface) const {
+  BottomFlux flux = bottom_flux(cooling_.bottom_block, bottom_[place], surface);
+  if (!cooling_.bottom_block.gap_water) return flux;
+
+  const SurfaceFlux into_water = flux_into_gap(place, surface);
+  flux.slab.flux += into_water.flux;
+  flux.slab.d_temperature += into_water.d_temperature;
+  flux.into_block -= gap_streams_.place[place].block_flux;
+  return flux;
+}
+
+SurfaceFlux SurfaceCooling::flux_into_gap(std::size_t place, const SurfaceState& surface) const {
+  const GapPlace& gap = gap_streams_.place[place];
+  if (gap.share <= 0.0) return {};
+  const SurfaceFlux flux = water_flux(gap_law_, gap.water, surface, {});
+  return {gap.share * flux.flux, gap.share * flux.d_temperature, 0.0};
 }
 
 SurfaceFlux SurfaceCooling::side_flux(std::size_t share, const SurfaceState& surface,
                                       const HeatStepInput& input) const {
-  const SidePlace place{input.time, side_[share].distance};
+  SidePlace place{input.time, side_[share].distance};
+  if (!input.inward.empty()) place.inward = input.inward[face_index(side_[share])];
   const int law = side_[share].law;
   if (law == law_dry) return dry_flux(cooling_, surface);
   if (law == law_water)
@@ -300,8 +393,15 @@ void SurfaceCooling::evaluate(const HeatForms& forms, std::span<const ThermalSta
 
   bottom_power_ = add_patch(forms.bottom_nodes(), forms.bottom_weight(), state,
                             [&](std::size_t i, const SurfaceState& surface) {
-                              return bottom_flux(cooling_.bottom_block, bottom_[i], surface).slab;
+                              return flux_at_bottom(i, surface).slab;
                             });
+  if (cooling_.bottom_block.gap_water) {
+    gap_streams_.water.taken = gap_from_block_;
+    for (std::size_t i = 0; i < bottom_.size(); ++i) {
+      const SurfaceState surface = surface_of(state[std::size_t(forms.bottom_nodes()[i])]);
+      gap_streams_.water.taken += forms.bottom_weight()[i] * flux_into_gap(i, surface).flux;
+    }
+  }
 
   // A level that is held at the casting temperature loses no heat of its own.
   level_power_ = 0.0;
@@ -327,9 +427,9 @@ void SurfaceCooling::store_wetted(std::span<const ThermalState> state, const Hea
     const Water& water = cooling_.water_of(side_[i].face);
     if (side_[i].law != law_water || !water.boiling_follows_flow) continue;
     const double surface = state[std::size_t(side_[i].node)].temperature;
-    wet[wetted_index(side_[i])] +=
+    wet[face_index(side_[i])] +=
         side_[i].weight * wet_in_the_end(water.wetting, surface, side_water_[i].rewetting);
-    area[wetted_index(side_[i])] += side_[i].weight;
+    area[face_index(side_[i])] += side_[i].weight;
   }
 
   for (std::size_t i = 0; i < size; ++i) {
@@ -340,9 +440,24 @@ void SurfaceCooling::store_wetted(std::span<const ThermalState> state, const Hea
   }
 }
 
+/// The same at the bottom, which dries with the same lag.
+void SurfaceCooling::store_gap_wetted(const HeatForms& forms, std::span<const ThermalState> state,
+                                      const HeatStepInput& input, HeatField& field) const {
+  field.gap_wetted.resize(bottom_.size(), 0.0);
+  for (std::size_t i = 0; i < bottom_.size(); ++i) {
+    const GapPlace& gap = gap_streams_.place[i];
+    const double surface = state[std::size_t(forms.bottom_nodes()[i])].temperature;
+    const double end =
+        gap.share > 0.0 ? wet_in_the_end(gap_law_.wetting, surface, gap.water.rewetting) : 0.0;
+    field.gap_wetted[i] =
+        wetted_after(gap_law_.wetting, field.gap_wetted[i], end, input.time_step);
+  }
+}
+
 void SurfaceCooling::finish_step(const HeatForms& forms, std::span<const ThermalState> state,
                                  const HeatStepInput& input, HeatField& field) const {
   store_wetted(state, input, field);
+  if (cooling_.bottom_block.gap_water) store_gap_wetted(forms, state, input, field);
   if (!block_) return;
 
   const std::vector<int>& nodes = forms.bottom_nodes();
@@ -353,7 +468,7 @@ void SurfaceCooling::finish_step(const HeatForms& forms, std::span<const Thermal
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const SurfaceState surface = surface_of(state[std::size_t(nodes[i])]);
     block_->finish(
-        bottom_flux(cooling_.bottom_block, bottom_[i], surface).into_block, bottom_[i].water,
+        flux_at_bottom(i, surface).into_block, bottom_[i].water,
         std::span(field.block_temperature).subspan(i * BlockColumns::points, BlockColumns::points));
   }
 }

@@ -9,6 +9,7 @@
 #include "core/material/thermal_properties.hpp"
 #include "core/thermal/block_body.hpp"
 #include "core/thermal/cooling.hpp"
+#include "core/thermal/gap_water.hpp"
 #include "core/thermal/growth.hpp"
 #include "core/thermal/heat_forms.hpp"
 #include "core/thermal/water_film.hpp"
@@ -30,6 +31,8 @@ struct HeatField {
   std::vector<double> wetted;
   /// (bottom node, depth) [°C] of the bottom block; empty unless the block is a body.
   std::vector<double> block_temperature;
+  /// (bottom node) [1] wetted share where water in the gap touches it; empty without GapWater.
+  std::vector<double> gap_wetted;
 };
 
 /// Input of a heat step besides field and mesh.
@@ -49,19 +52,9 @@ struct HeatStepInput {
   std::optional<double> narrow_water_flow = {};
   /// (node) [m] vertical displacement of the side, for zones and water line; empty: zero.
   std::span<const double> rise = {};
-};
-
-/// The water of one face in one step.
-struct FaceWater {
-  double capacity = 0.0;     ///< [W/m]; billet [W/rad], solid [W]: heat that all of it could take
-  double taken = 0.0;        ///< [W/m] the same units
-  double area = 0.0;         ///< [m]; [m2/rad], [m2] that it runs over
-  double wetted = 0.0;       ///< [m] of it that is not under a vapour film
-  bool boiled_away = false;  ///< somewhere less than the least flow is left
-  bool thrown_off = false;   ///< somewhere the vapour film has thrown it off the face
-
-  double share() const { return capacity > 0.0 ? taken / capacity : 0.0; }  ///< [1]
-  double wetted_share() const { return area > 0.0 ? wetted / area : 0.0; }  ///< [1]
+  /// (node, face) [m] displacement of the side away from the mould, for zones with a gap; empty:
+  /// contact.
+  std::span<const double> inward = {};
 };
 
 /// Heat flow out through side, bottom and level in one step. The cooling law of each place is fixed
@@ -93,6 +86,8 @@ public:
   double level_power() const { return level_power_; }                          ///< [W/m] lost
   /// Water of each face, at the last iterate.
   const std::array<FaceWater, faces>& water() const { return water_; }
+  /// The water under the butt, at the last iterate; nothing without GapWater.
+  const GapStreams& gap_streams() const { return gap_streams_; }
 
 private:
   /// Whether the valve of a face is open in the middle of the step.
@@ -104,13 +99,24 @@ private:
   void lay_water(const HeatForms& forms, const material::ThermalProperties& properties,
                  const HeatField& field, const HeatStepInput& input, double side_height);
   /// Runs water down the shares of one column. @param width  [m]; axisymmetric [m2/rad / m]
-  void lay_column(std::span<const std::size_t> shares, double width,
-                  const material::ThermalProperties& properties, const HeatField& field,
-                  const HeatStepInput& input);
+  FilmEnd lay_column(std::span<const std::size_t> shares, double width,
+                     const material::ThermalProperties& properties, const HeatField& field,
+                     const HeatStepInput& input);
   /// Sets gap, contact and water of each bottom node.
-  void lay_bottom(const HeatForms& forms, const HeatField& field, const HeatStepInput& input);
+  void lay_bottom(const HeatForms& forms, const material::ThermalProperties& properties,
+                  const HeatField& field, const HeatStepInput& input);
+  /// Runs water from the edge of the butt into the open gap (gap_water.hpp).
+  void lay_gap(const HeatForms& forms, const material::ThermalProperties& properties,
+               const HeatField& field, const HeatStepInput& input);
+  /// Gives the edge of the butt the water that a column of the side leaves. @param width  [m]
+  void supply_edge(const HeatForms& forms, int column, const Film& film, double width);
+  /// @param gap  [m] @return  [1] share of a place into which water gets
+  double open_share(double gap) const;
   /// Whether water has met the butt on some face, so that it can run into the gap.
   bool water_at_butt(const HeatStepInput& input) const;
+  void reserve_for_gap(const FilmEnd& end, double width, std::span<const WetPiece> pieces);
+  BottomFlux flux_at_bottom(std::size_t place, const SurfaceState& surface) const;
+  SurfaceFlux flux_into_gap(std::size_t place, const SurfaceState& surface) const;
   /// Flux of a share by its law [W/m2] and its derivative by the temperature.
   SurfaceFlux side_flux(std::size_t share, const SurfaceState& surface,
                         const HeatStepInput& input) const;
@@ -123,11 +129,14 @@ private:
   /// Stores the wetted share of each side node.
   void store_wetted(std::span<const material::ThermalState> state, const HeatStepInput& input,
                     HeatField& field) const;
+  void store_gap_wetted(const HeatForms& forms, std::span<const material::ThermalState> state,
+                        const HeatStepInput& input, HeatField& field) const;
   /// @param weight  [m], axisymmetric [m2/rad], in 3D [m2]
   void add(int node, double weight, const SurfaceFlux& flux, const material::ThermalState& state);
 
   CoolingSpec cooling_;
   std::optional<BlockColumns> block_;
+  Water gap_law_;  ///< that of the wide face; steam keeps it out of the gap after `steam_reach`
 
   // Work vectors of the current step, whose memory is reused.
   std::vector<SideShare> side_;
@@ -135,6 +144,9 @@ private:
   std::vector<WaterPlace> side_water_;     ///< (side share) if it has water
   std::vector<WaterPlace> film_;           ///< of one column
   std::vector<BottomPlace> bottom_;        ///< (bottom node)
+  std::vector<EdgeSupply> edge_supply_;    ///< water that comes down to the edge of the butt
+  GapStreams gap_streams_;
+  double gap_from_block_ = 0.0;  ///< [W/m] from the block into the water of the gap
   std::array<FaceWater, faces> water_{};
   std::vector<double> flux_;                ///< (node) [W/m] out
   std::vector<double> flux_derivative_;     ///< (node) dq/dH [(W/m)/(J/m3)]

@@ -97,6 +97,14 @@ FilmEnd march_film(const Water& water, const Film& supply, double width, double 
     area += piece.area;
     place.push_back(here);
 
+    if (piece.wall_coefficient > 0.0) {
+      const double excess = std::max(0.0, piece.wall_temperature - stream.film().temperature);
+      const double heat =
+          std::min(piece.wall_coefficient * excess * piece.area, stream.capacity());
+      stream.take(heat);
+      place.back().wall_flux = heat / piece.area;
+    }
+
     // The stream leaves the face only at an unbroken vapour film below the jet.
     if (depth >= w.jet_length)
       vapour = here.wetted < hardly_wetted ? vapour + piece.area / width : 0.0;
@@ -105,6 +113,8 @@ FilmEnd march_film(const Water& water, const Film& supply, double width, double 
   // Iterations may move heat between pieces: each may take only a part of the remaining stream.
   const double spare = area > 0.0 ? stream.capacity() / area : 0.0;
   for (std::size_t i = 0; i < place.size(); ++i) place[i].largest_flux = flux[i] + spare;
+
+  end.film = stream.film();
   return end;
 }
 

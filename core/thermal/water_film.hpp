@@ -13,10 +13,28 @@ struct WetPiece {
   SidePlace at;
   double surface_temperature = 0.0;  ///< [°C]
   double wetted = 0.0;               ///< [1]
+  // Another wall beside the film, that of a gap.
+  double wall_coefficient = 0.0;  ///< [W/(m2 K)]
+  double wall_temperature = 0.0;  ///< [°C]
 };
 
-/// Why the film of a column does not reach the bottom of the slab, if it does not.
+/// The water of one face, or of the gap under the butt, in one step.
+struct FaceWater {
+  double capacity = 0.0;     ///< [W/m]; billet [W/rad], solid [W]: heat that all of it could take
+  double taken = 0.0;        ///< [W/m] the same units
+  double area = 0.0;         ///< [m]; [m2/rad], [m2] that it runs over
+  double wetted = 0.0;       ///< [m] of it that is not under a vapour film
+  bool boiled_away = false;  ///< somewhere less than the least flow is left
+  bool thrown_off = false;   ///< somewhere the vapour film has thrown it off the face
+
+  double share() const { return capacity > 0.0 ? taken / capacity : 0.0; }  ///< [1]
+  double wetted_share() const { return area > 0.0 ? wetted / area : 0.0; }  ///< [1]
+};
+
+/// The film below the last piece that it runs over, and why it does not reach the bottom of the
+/// slab, if it does not.
 struct FilmEnd {
+  Film film;
   /// Why the film ended above this place: too little water is left, or steam has thrown it off.
   bool boiled_away = false;
   bool thrown_off = false;
@@ -36,7 +54,8 @@ double film_capacity(const Film& supply, double width);
 ///
 /// Film temperature and flow hold for the whole step. The flux may rise in it: each piece may take
 /// what the march gives it and its part, by area, of what the film has left at its end. So no face
-/// gives off more than its water can take.
+/// gives off more than its water can take. What another wall gives off follows from its temperature
+/// at the start of the step and does not rise.
 ///
 /// A surface that the film wets in the end is wet after `lag`; w is the mean over the step of
 ///   dw/dt = (w_e(T) - w) / lag.

@@ -70,7 +70,10 @@ bool is_used(const v1::Case& c, const std::string& key) {
   if (key == "cooling.bottom_block.cooling_coefficient")
     return cooling.bottom_block().has_thickness_m();
   if (key == "cooling.bottom_block.wet_gap")
-    return cooling.bottom_block().has_wet_coefficient_w_per_m2_k();
+    return cooling.bottom_block().has_wet_coefficient_w_per_m2_k() ||
+           cooling.bottom_block().has_gap_water();
+  if (key.starts_with("cooling.bottom_block.gap_water."))
+    return cooling.bottom_block().has_gap_water();
   return true;
 }
 

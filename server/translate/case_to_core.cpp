@@ -111,6 +111,13 @@ Curve metal_property(const material::AlloyCard& card, const v1::Curve& table,
   return material::mixed_by_fraction(card, to_core(solid), liquid);
 }
 
+/// Density at the end of feeding: from there on a cell keeps its mass.
+/// @pre density, liquidus, solidus and liquid fraction are set in the card
+double fed_density(const v1::Alloy& from, const material::AlloyCard& card) {
+  const double end = from.has_coalescence_solid_fraction() ? from.coalescence_solid_fraction() : 1.0;
+  return material::density_at_solid_fraction(card, end);
+}
+
 material::AlloyCard alloy(const v1::Alloy& from) {
   material::AlloyCard to;
   to.name = from.card();
@@ -128,6 +135,7 @@ material::AlloyCard alloy(const v1::Alloy& from) {
       metal_property(to, from.conductivity_w_per_m_k(), from.solid_conductivity_w_per_m_k(),
                      from.liquid_conductivity_w_per_m_k());
   set_coherency(from, to);
+  if (is_fed(from.cell_mass())) to.fed_density = fed_density(from, to);
   to.release = material::coherency_at(to, from.shell_solid_fraction());
 
   to.young_modulus = to_core(from.young_modulus_pa());
@@ -148,6 +156,13 @@ Curve factor(const v1::Curve& from) {
   return from.value_size() == 0 ? Curve(1.0) : to_core(from);
 }
 
+std::optional<thermal::MouldGap> mould_gap(const v1::SideZone& zone) {
+  if (!zone.has_gap()) return std::nullopt;
+  return thermal::MouldGap{.air_conductivity = zone.gap().air_conductivity_w_per_m_k(),
+                           .emissivity = zone.gap().emissivity(),
+                           .taper = zone.gap().taper()};
+}
+
 thermal::SideZone zone(const v1::SideZone& from) {
   return {.name = from.name(),
           .from = from.from_m(),
@@ -155,7 +170,8 @@ thermal::SideZone zone(const v1::SideZone& from) {
           .liquid_coefficient = to_core(from.liquid_coefficient_w_per_m2_k()),
           .solid_coefficient = to_core(from.solid_coefficient_w_per_m2_k()),
           .temperature = to_core(from.temperature_c()),
-          .face = to_core(from.face())};
+          .face = to_core(from.face()),
+          .gap = mould_gap(from)};
 }
 
 thermal::Wetting wetting(const v1::Wetting& from) {
@@ -184,6 +200,16 @@ std::optional<thermal::BlockBody> body(const v1::BottomBlock& from) {
                             .conductivity = steel ? 45.0 : 170.0,
                             .heat_capacity = steel ? 4.1e6 : 2.6e6,
                             .cooling_coefficient = from.cooling_coefficient_w_per_m2_k()};
+}
+
+std::optional<thermal::GapWater> gap_water(const v1::BottomBlock& block) {
+  if (!block.has_gap_water()) return std::nullopt;
+
+  const v1::GapWater& from = block.gap_water();
+  return thermal::GapWater{.inflow_share = from.inflow_share(),
+                           .touching_share = from.touching_share(),
+                           .block_coefficient = from.block_coefficient_w_per_m2_k(),
+                           .steam_reach = from.steam_reach_m()};
 }
 
 thermal::Water water(const v1::Water& from) {
@@ -233,6 +259,7 @@ thermal::CoolingSpec cooling(const v1::Cooling& from, double first_metal) {
                      .wet_coefficient = given(block.has_wet_coefficient_w_per_m2_k(),
                                               block.wet_coefficient_w_per_m2_k()),
                      .wet_gap = block.wet_gap_m(),
+                     .gap_water = gap_water(block),
                      .profile_x = to_core(block.profile_x_m()),
                      .profile_y = to_core(block.profile_y_m())};
 
@@ -293,6 +320,7 @@ casting::Plausibility plausibility(const v1::Plausibility& from) {
   return {.minimum_superheat = from.minimum_superheat_k(),
           .minimum_shell = from.minimum_shell_m(),
           .minimum_meniscus = from.minimum_meniscus_m(),
+          .greatest_steam_share = from.greatest_steam_share(),
           .maximum_mush_strain = given(from.has_maximum_mush_strain(), from.maximum_mush_strain()),
           .reference_tear_rate =
               given(from.has_reference_tear_rate_per_s(), from.reference_tear_rate_per_s()),

@@ -180,6 +180,18 @@ std::optional<mechanics::Kinematics> to_core(v1::Mechanics::Kinematics from) {
   refuse("Mechanics.Kinematics", from);
 }
 
+bool is_fed(v1::Alloy::CellMass from) {
+  switch (from) {
+    case v1::Alloy::CELL_MASS_UNSPECIFIED:
+    case v1::Alloy::MIXTURE:
+      return false;
+    case v1::Alloy::FED:
+      return true;
+      DCCAST_RANGE_OF(Alloy_CellMass_Alloy_CellMass);
+  }
+  refuse("Alloy.CellMass", from);
+}
+
 bool is_steel(v1::BottomBlock::Material from) {
   switch (from) {
     case v1::BottomBlock::MATERIAL_UNSPECIFIED:

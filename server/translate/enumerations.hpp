@@ -29,6 +29,9 @@ std::optional<thermal::Face> to_core(v1::SideZone::Face from);
 /// @return nothing where the case leaves it open: the section decides
 std::optional<mechanics::Kinematics> to_core(v1::Mechanics::Kinematics from);
 
+/// Whether a fixed volume stores heat by the mass that it holds when feeding ends.
+bool is_fed(v1::Alloy::CellMass from);
+
 /// Whether a bottom block is of steel, and not of aluminium.
 bool is_steel(v1::BottomBlock::Material from);
 

@@ -78,6 +78,11 @@ TEST_P(Resume, GivesTheSameBytesOfAFilledStart) {
   c.cooling.bottom_block.wet_coefficient = 1000.0;
   c.cooling.bottom_block.wet_gap = 1e-3;
   expect_same_after_stops(c, {3, 6, 12, 30});
+
+  c.cooling.bottom_block.wet_coefficient.reset();
+  c.cooling.bottom_block.gap_water = thermal::GapWater{0.5, 0.6, 2000.0, 0.3};
+  c.cooling.bottom_block.wet_gap = 0.1e-3;
+  expect_same_after_stops(c, {6, 30});
 }
 
 /// Every algorithm that carries something of its own from step to step.

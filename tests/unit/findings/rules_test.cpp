@@ -212,6 +212,7 @@ Case with_band() {
   c.plausibility.reference_tear_rate = 0.18e-3;
   c.plausibility.reference_tear_pressure = 85e3;
   c.plausibility.minimum_meniscus = 5e-3;
+  c.plausibility.greatest_steam_share = 0.5;
   c.plausibility.least_curl = 0.005;
   c.plausibility.greatest_curl = 0.045;
   c.mechanics.options.liquid = mechanics::Liquid::prestressed;
@@ -289,6 +290,8 @@ const StepRow of_step_rows[] = {
        f.bottom_shell.value = 9.1e-3;
        f.thickest_bottom_shell = 15e-3;
      }},
+    {"SteamUnderTheButt", "steam_lifts_butt", Severity::warning,
+     [](StepFigures& f) { f.steam_share = 0.51; }, [](StepFigures& f) { f.steam_share = 0.5; }},
     {"DeepSump", "sump_too_deep", Severity::danger, [](StepFigures& f) { f.sump_depth = 0.1901; },
      [](StepFigures& f) { f.sump_depth = 0.1899; }},
     {"MeltedShell", "shell_melted_through", Severity::danger,

@@ -53,6 +53,59 @@ double enthalpy_by_quadrature(const AlloyCard& card, double temperature) {
   return sum;
 }
 
+/// Heat of a kilogram above 0 °C [J/kg]: linear liquid fraction, midpoint rule.
+double heat_per_kilogram(const AlloyCard& card, double temperature) {
+  const int cells = 20000;
+  const double width = temperature / cells;
+  double sum = 0.0;
+  for (int i = 0; i < cells; ++i) sum += width * card.specific_heat((i + 0.5) * width);
+  return sum + card.latent_heat * liquid_fraction_at(card, temperature);
+}
+
+/// The first law for a fixed volume of melt that freezes and cools: it gives off the heat of what
+/// it holds and of the melt that flows in at the casting temperature while it shrinks. Feeding ends
+/// at the solidus; from there on the metal contracts, and its mass stays.
+double heat_of_a_fed_volume(const AlloyCard& card, double from, double to) {
+  const double step = 0.01;  // [K]
+  const double entering = heat_per_kilogram(card, from);
+  double given_off = 0.0;  // [J/m3]
+  double before = entering, mass = card.density(from);
+  for (double t = from - step; t >= card.solidus - 0.5 * step; t -= step) {
+    const double heat = heat_per_kilogram(card, t), fed = card.density(t) - mass;
+    given_off += mass * (before - heat) + fed * (entering - heat);
+    before = heat;
+    mass += fed;
+  }
+  return given_off + mass * (before - heat_per_kilogram(card, to));
+}
+
+TEST(ThermalProperties, AFedVolumeGivesOffTheHeatOfAllItsMetal) {
+  AlloyCard card = mushy_card();
+  card.density = against_temperature({0, 620, 649}, {2700, 2557.4, 2360});
+  const double exact = heat_of_a_fed_volume(card, 680.0, 20.0);
+
+  card.fed_density = density_at_solid_fraction(card, 1.0);
+  const ThermalProperties fed(card);
+  EXPECT_NEAR(fed.enthalpy(680.0) - fed.enthalpy(20.0), exact, 1e-4 * exact);
+  EXPECT_NEAR(fed.solidification_enthalpy() - 2557.4 * (heat_per_kilogram(card, 649.0) -
+                                                       heat_per_kilogram(card, 620.0)),
+              0.0, 1e-4 * exact);
+
+  // By the density at its temperature a place gives off 3.9 % less latent heat, and cools metal
+  // that was never there.
+  card.fed_density.reset();
+  const ThermalProperties mixture(card);
+  const double latent = mixture.solidification_enthalpy() / fed.solidification_enthalpy();
+  EXPECT_NEAR(latent, 0.5 * (2360.0 + 2557.4) / 2557.4, 1e-3);
+  EXPECT_GT(mixture.enthalpy(600.0) - mixture.enthalpy(20.0),
+            1.01 * (fed.enthalpy(600.0) - fed.enthalpy(20.0)));
+}
+
+TEST(ThermalProperties, APureMetalIsFedUntilItIsSolid) {
+  AlloyCard card = isothermal_card();
+  EXPECT_NEAR(density_at_solid_fraction(card, 1.0), card.density(card.solidus), 0.02);
+}
+
 TEST(ThermalProperties, EnthalpyIsEquationOne) {
   const AlloyCard card = mushy_card();
   const ThermalProperties metal(card);

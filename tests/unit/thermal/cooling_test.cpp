@@ -16,21 +16,31 @@ Water wet_side() {
   return water;
 }
 
-/// Central differences of a law in T and in the liquid fraction, at two steps.
-void expect_consistent(const std::function<SurfaceFlux(const SurfaceState&)>& law,
-                       const SurfaceState& at) {
-  const auto difference = [&](double dt, double df) {
-    const double up = law({at.temperature + dt, at.liquid_fraction + df}).flux;
-    const double down = law({at.temperature - dt, at.liquid_fraction - df}).flux;
-    return (up - down) / (2.0 * (dt + df));
-  };
+using Law = std::function<SurfaceFlux(const SurfaceState&)>;
+
+/// Central difference of a law in T and in the liquid fraction.
+double difference(const Law& law, const SurfaceState& at, double dt, double df) {
+  const double up = law({at.temperature + dt, at.liquid_fraction + df}).flux;
+  const double down = law({at.temperature - dt, at.liquid_fraction - df}).flux;
+  return (up - down) / (2.0 * (dt + df));
+}
+
+/// Central differences in T at two steps.
+void expect_consistent_in_temperature(const Law& law, const SurfaceState& at) {
   const SurfaceFlux flux = law(at);
-  const double coarse = std::abs(difference(0.1, 0.0) - flux.d_temperature);
-  const double fine = std::abs(difference(0.05, 0.0) - flux.d_temperature);
+  const double coarse = std::abs(difference(law, at, 0.1, 0.0) - flux.d_temperature);
+  const double fine = std::abs(difference(law, at, 0.05, 0.0) - flux.d_temperature);
   const double round_off = 1e-8 * (1.0 + std::abs(flux.flux));
   EXPECT_LE(fine, 0.3 * coarse + round_off) << at.temperature;
   EXPECT_LE(coarse, 1e-4 * std::abs(flux.d_temperature) + round_off) << at.temperature;
-  EXPECT_NEAR(difference(0.0, 0.01), flux.d_liquid_fraction, round_off);
+}
+
+/// The same of a law that is linear in the liquid fraction.
+void expect_consistent(const Law& law, const SurfaceState& at) {
+  expect_consistent_in_temperature(law, at);
+  const SurfaceFlux flux = law(at);
+  EXPECT_NEAR(difference(law, at, 0.0, 0.01), flux.d_liquid_fraction,
+              1e-8 * (1.0 + std::abs(flux.flux)));
 }
 
 TEST(WeckmanNiessen, MeetsTheCheckFigures) {
@@ -101,6 +111,35 @@ TEST(Zone, MixesByTheLiquidFraction) {
   zone.solid_coefficient = {Abscissa::temperature, {100, 600}, {50, 400}};
   expect_consistent([&](const SurfaceState& s) { return zone_flux(zone, s, {}, 25.0); },
                     {550.0, 0.4});
+}
+
+/// Contact and air in series, beside radiation: 1 / (1/150 + 0.5 mm / 0.05) is 60 W/(m2 K).
+TEST(Zone, FollowsTheGapToTheMould) {
+  SideZone zone;
+  zone.liquid_coefficient = Curve(2000.0);
+  zone.solid_coefficient = Curve(150.0);
+  zone.gap = MouldGap{.air_conductivity = 0.05, .emissivity = 0.0};
+  EXPECT_DOUBLE_EQ(zone_flux(zone, {525.0, 0.0}, {.inward = -1e-3}, 25.0).flux, 150.0 * 500.0);
+  EXPECT_NEAR(zone_flux(zone, {525.0, 0.0}, {.inward = 0.5e-3}, 25.0).flux, 60.0 * 500.0, 1e-9);
+
+  // The wall closes in by 1 mm per metre: 0.2 m down it takes 0.2 mm of the gap.
+  zone.gap->taper = 1e-3;
+  const SidePlace below{.distance = 0.2, .inward = 0.7e-3};
+  EXPECT_NEAR(zone_flux(zone, {525.0, 0.0}, below, 25.0).flux, 60.0 * 500.0, 1e-9);
+
+  zone.gap->emissivity = 0.3;
+  const double radiation = 0.3 * 5.670374e-8 * (std::pow(798.15, 4) - std::pow(298.15, 4));
+  EXPECT_NEAR(zone_flux(zone, {525.0, 0.0}, below, 25.0).flux, 60.0 * 500.0 + radiation, 1e-6);
+
+  zone.solid_coefficient = {Abscissa::temperature, {100, 600}, {50, 400}};
+  for (const double inward : {0.0, 0.5e-3}) {
+    const SidePlace place{.distance = 0.02, .inward = inward};
+    const Law law = [&](const SurfaceState& s) { return zone_flux(zone, s, place, 25.0); };
+    const SurfaceState mush{550.0, 0.4};
+    expect_consistent_in_temperature(law, mush);
+    const double slope = law(mush).d_liquid_fraction;
+    EXPECT_NEAR(difference(law, mush, 0.0, 1e-3), slope, 1e-4 * std::abs(slope));
+  }
 }
 
 /// The shell shrinks off the block after some time of contact, however long the hold is.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/unit/thermal/casting_case.hpp"
 
@@ -286,6 +287,59 @@ TEST(HeatSolver, OpenGapCoolsLess) {
   // The surface stays near 680 °C, so that the heat goes nearly as the coefficient, 2000 to 100.
   EXPECT_NEAR(bottom_heat(open) / (0.28 * 100.0 * 600.0), 1.0, 0.02);
   EXPECT_GT(bottom_heat({}), 15.0 * bottom_heat(open));
+}
+
+/// A slab that cools through a gap of given width on its side only: Carslaw and Jaeger, section 3.11,
+/// with h = 1 / (1/2000 + 0.01 mm / 0.05 W/(m K)) = 1429 W/(m2 K), a Biot number of 2.
+TEST(HeatSolver, CoolsThroughAGapAsTheSeries) {
+  constexpr double width = 0.28, conductivity = 200.0, capacity = 2.6e6, hot = 500.0, wall = 25.0;
+  material::AlloyCard card = casting_alloy();
+  card.density = Curve(2600.0);
+  card.specific_heat = Curve(1000.0);
+  card.conductivity = Curve(conductivity);
+
+  CoolingSpec cooling = casting_cooling();
+  cooling.top = Top::insulated;
+  cooling.water.enabled = false;
+  cooling.bottom_block.contact_coefficient = Curve(0.0);
+  cooling.zones.resize(1);
+  cooling.zones[0].to = 1.0;
+  cooling.zones[0].liquid_coefficient = cooling.zones[0].solid_coefficient = Curve(2000.0);
+  cooling.zones[0].gap = MouldGap{.air_conductivity = 0.05};
+
+  const mesh::SlabMesh2D slab(casting_section(ElementKind::q1));
+  HeatSolver solver(material::ThermalProperties(card), cooling,
+                    make_heat_forms(slab.mesh(), SectionKind::plane_strain));
+  HeatField field = solver.uniform_field(hot);
+  const std::vector<double> inward(faces * field.enthalpy.size(), 0.01e-3);
+  constexpr double step = 0.5, end = 200.0;
+  HeatStepInput input{.time_step = step, .metal_level = 0.1, .casting_temperature = hot};
+  input.inward = inward;
+  for (int k = 1; k <= std::lround(end / step); ++k) {
+    input.time = k * step;
+    const HeatStepOutcome outcome = solver.step(field, input);
+    ASSERT_TRUE(outcome.converged);
+    ASSERT_LT(outcome.balance.error, 1e-10);
+  }
+
+  // Roots of z tan z = Bi, one in each interval from n pi to n pi + pi / 2.
+  const double biot = width / conductivity / (1.0 / 2000.0 + 0.01e-3 / 0.05);
+  const auto exact = [&](double x) {
+    double sum = 0.0;
+    for (int n = 0; n < 20; ++n) {
+      double low = n * std::numbers::pi, high = low + 0.5 * std::numbers::pi;
+      for (int i = 0; i < 60; ++i) {
+        const double z = 0.5 * (low + high);
+        (z * std::tan(z) < biot ? low : high) = z;
+      }
+      const double decay = std::exp(-low * low * conductivity / capacity * end / (width * width));
+      sum += 4.0 * std::sin(low) / (2.0 * low + std::sin(2.0 * low)) * decay *
+             std::cos(low * x / width);
+    }
+    return wall + (hot - wall) * sum;
+  };
+  for (int n = 0; n < slab.mesh().nodes(); ++n)
+    EXPECT_NEAR(field.temperature[std::size_t(n)], exact(slab.mesh().point(n)[0]), 0.5);
 }
 
 }  // namespace

@@ -1,0 +1,239 @@
+#include "core/thermal/gap_water.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/thermal/heat_solver.hpp"
+#include "tests/unit/thermal/casting_case.hpp"
+
+namespace dccast::thermal {
+namespace {
+
+constexpr GapWater gap_water{
+    .inflow_share = 0.4, .touching_share = 0.5, .block_coefficient = 2000.0, .steam_reach = 0.5};
+
+/// The water of the faces, which reaches far into the gap.
+Water law() {
+  Water w = testing::water();
+  w.temperature = Curve(25.0);
+  w.boiling_follows_flow = true;
+  w.wetting = testing::wetting();
+  w.wetting.throw_off_length = gap_water.steam_reach;
+  return w;
+}
+
+/// A butt 0.28 m wide in 8 places, 1 m deep; its edge is the last place.
+constexpr std::size_t places = 8;
+constexpr double spacing = 0.04;
+
+std::vector<BottomPath> chain() {
+  std::vector<BottomPath> paths;
+  for (std::size_t i = 0; i + 1 < places; ++i) paths.push_back({i, i + 1, spacing});
+  return paths;
+}
+
+std::vector<GapSurface> open_butt(double temperature, double wetted) {
+  const GapSurface place{.area = spacing,
+                         .gap = 5e-3,
+                         .open = 1.0,
+                         .temperature = temperature,
+                         .wetted = wetted,
+                         .block = {.block = 200.0, .compliance = 3e-4}};
+  return std::vector<GapSurface>(places, place);
+}
+
+GapStreams run(const std::vector<GapSurface>& butt, double flow, double time_step = 1.0) {
+  const std::vector<EdgeSupply> supply{{places - 1, {40.0, flow}, 1.0}};
+  return lay_gap_water(gap_water, law(), chain(), butt, supply, 0.0, time_step);
+}
+
+/// Water comes from the edge: a closed gap keeps it from all that lies behind.
+TEST(GapRoutes, LeadThroughTheOpenGapOnly) {
+  const std::vector<std::size_t> edge{places - 1};
+  std::vector<char> open(places, 1);
+  open[2] = 0;
+  const auto route = find_gap_routes(places, chain(), edge, open);
+  EXPECT_FALSE(route[0]);
+  EXPECT_FALSE(route[2]);
+  ASSERT_TRUE(route[3]);
+  EXPECT_NEAR(route[3]->distance, 4.0 * spacing, 1e-12);
+  EXPECT_EQ(route[3]->edge, places - 1);
+
+  open.back() = 0;
+  for (const auto& none : find_gap_routes(places, chain(), edge, open)) EXPECT_FALSE(none);
+}
+
+TEST(GapRoutes, TakeTheShorterWay) {
+  const std::vector<BottomPath> square{{0, 1, 1.0}, {1, 2, 1.0}, {0, 2, std::sqrt(2.0)}};
+  const std::vector<std::size_t> edge{2};
+  const auto route = find_gap_routes(3, square, edge, {1, 1, 1});
+  EXPECT_DOUBLE_EQ(route[0]->distance, std::sqrt(2.0));
+}
+
+/// All that slab and block may give off in a step is what the water that gets in can take.
+TEST(GapWater, NeverOffersMoreThanItsCapacity) {
+  for (const double flow : {1e-4, 1e-3, 3e-3}) {
+    const auto butt = open_butt(300.0, 1.0);
+    const GapStreams streams = run(butt, flow);
+    const double capacity = gap_water.inflow_share * film_capacity({40.0, flow}, 1.0);
+    EXPECT_NEAR(streams.water.capacity, capacity, 1e-9 * capacity);
+
+    double most = 0.0;
+    for (std::size_t i = 0; i < places; ++i) {
+      const GapPlace& at = streams.place[i];
+      if (at.share > 0.0)
+        most += butt[i].area * (at.share * at.water.largest_flux + at.block_flux);
+    }
+    EXPECT_LE(most, capacity * (1.0 + 1e-12)) << flow;
+    EXPECT_GT(most, 0.5 * capacity) << flow;
+  }
+}
+
+/// The film warms from the edge inwards by the heat of slab and block.
+TEST(GapWater, WarmsByTheHeatThatItTakes) {
+  const auto butt = open_butt(110.0, 1.0);
+  const GapStreams streams = run(butt, 3e-3, 1e-3);
+  double heat = 0.0;  // [W] up to the innermost place
+  for (std::size_t i = 1; i < places; ++i) {
+    const GapPlace& at = streams.place[i];
+    heat += butt[i].area * at.share * water_flux(law(), at.water, {110.0, 0.0}, {}).flux;
+    heat += butt[i].area * at.block_flux;
+  }
+  const double mass = gap_water.inflow_share * 3e-3 * water_density;  // [kg/s]
+  const double gained =
+      mass * water_specific_heat * (streams.place[0].water.film.temperature - 40.0);
+  EXPECT_NEAR(heat, gained, 1e-3 * gained);
+}
+
+/// A butt that it does not wet stays dry beyond the reach of the water.
+TEST(GapWater, SteamKeepsItOutOfAHotGap) {
+  Water short_reach = law();
+  short_reach.wetting.throw_off_length = 0.1;
+  const auto butt = open_butt(600.0, 0.0);
+  const std::vector<EdgeSupply> supply{{places - 1, {40.0, 5e-4}, 1.0}};
+  const GapStreams streams =
+      lay_gap_water(gap_water, short_reach, chain(), butt, supply, 0.0, 1.0);
+  EXPECT_TRUE(streams.water.thrown_off);
+  EXPECT_GT(streams.place[places - 1].share, 0.0);
+  EXPECT_EQ(streams.place[0].share, 0.0);
+}
+
+TEST(GapWater, WithoutSupplyIsDry) {
+  const GapStreams streams = run(open_butt(300.0, 1.0), 0.0);
+  for (const GapPlace& place : streams.place) EXPECT_EQ(place.share, 0.0);
+  EXPECT_EQ(streams.water.capacity, 0.0);
+}
+
+/// Two columns of water at a corner: mass and heat add up.
+TEST(GapWater, JoinsWhatComesDownAtOnePlace) {
+  const auto butt = open_butt(100.0, 1.0);
+  const std::vector<EdgeSupply> two{{places - 1, {30.0, 1e-3}, 0.5}, {places - 1, {60.0, 3e-3}, 0.5}};
+  const std::vector<EdgeSupply> mixed{{places - 1, {52.5, 2e-3}, 1.0}};
+  const auto joined = lay_gap_water(gap_water, law(), chain(), butt, two, 0.0, 1.0);
+  const auto same = lay_gap_water(gap_water, law(), chain(), butt, mixed, 0.0, 1.0);
+  EXPECT_NEAR(joined.water.capacity, same.water.capacity, 1e-9 * same.water.capacity);
+  EXPECT_NEAR(joined.place[0].water.film.temperature, same.place[0].water.film.temperature, 1e-9);
+}
+
+/// Slow steam from one place: plane Poiseuille flow, 12 mu m L / (rho g^3), and one velocity head.
+TEST(Steam, LosesThePressureOfAPlaneChannel) {
+  const double gap = 1e-3, length = 0.2, flow = 5e-3;  // [m], [m], [kg/s per m]
+  const std::vector<GapPiece> pieces{{0.01, 0.0, gap}, {0.01, length, gap}, {0.01, 0.3, gap}};
+  const std::vector<double> steam{0.0, flow};
+  const auto pressure = steam_pressure(pieces, steam, 1.0);
+  const double velocity = flow / (0.598 * gap);
+  const double head = 0.5 * 0.598 * velocity * velocity;
+  EXPECT_NEAR(pressure[0], head, 1e-9 * head);
+  const double expected = head + 12.0 * 1.2e-5 * flow * length / (0.598 * gap * gap * gap);
+  EXPECT_NEAR(pressure[1], expected, 1e-9 * expected);
+  EXPECT_EQ(pressure[2], pressure[1]) << "nothing flows behind the last wet place";
+}
+
+/// Half the gap: fourfold the velocity head, eightfold the friction.
+TEST(Steam, RisesSteeplyInANarrowGap) {
+  const std::vector<double> steam{0.01, 0.01};
+  const auto last = [&](double gap) {
+    const std::vector<GapPiece> pieces{{0.01, 0.0, gap}, {0.01, 0.2, gap}};
+    return steam_pressure(pieces, steam, 1.0).back();
+  };
+  EXPECT_GT(last(1e-3), 4.0 * last(2e-3));
+  EXPECT_LT(last(1e-3), 8.0 * last(2e-3));
+}
+
+/// A section with a body of a block, whose gap opens to the edge.
+struct Butt {
+  Butt() : slab(testing::casting_section(mesh::ElementKind::q1)), solver(make()) {
+    field = solver.uniform_field(640.0);
+    gap.assign(solver.forms().bottom_nodes().size(), 8e-3);
+  }
+  HeatSolver make() const {
+    CoolingSpec cooling = testing::casting_cooling();
+    cooling.top = Top::insulated;
+    cooling.water = law();
+    cooling.water.wetting.throw_off_length = 0.04;
+    cooling.bottom_block.body = aluminium;
+    cooling.bottom_block.wet_gap = 3e-3;
+    cooling.bottom_block.gap_water = gap_water;
+    return HeatSolver(material::ThermalProperties(testing::casting_alloy()), cooling,
+                      make_heat_forms(slab.mesh(), mesh::SectionKind::plane_strain));
+  }
+  HeatStepOutcome step(double time) {
+    HeatStepInput input;
+    input.time = time;
+    input.time_step = 1.0;
+    input.metal_level = 0.1;
+    input.casting_temperature = 640.0;
+    input.water_flow = 2e-3;
+    input.bottom_gap = gap;
+    return solver.step(field, input);
+  }
+  double block_heat() const {
+    const BlockColumns block(aluminium);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < gap.size(); ++i)
+      sum += solver.forms().bottom_weight()[i] *
+             block.heat(std::span(field.block_temperature)
+                            .subspan(i * BlockColumns::points, BlockColumns::points));
+    return sum;
+  }
+
+  static constexpr BlockBody aluminium{
+      .thickness = 0.15, .conductivity = 170.0, .heat_capacity = 2.6e6};
+  mesh::SlabMesh2D slab;
+  HeatSolver solver;
+  HeatField field;
+  std::vector<double> gap;
+};
+
+/// Slab, block and water exchange what each gains and loses, and the water takes no more than it
+/// can.
+TEST(GapWater, HeatAddsUpInARun) {
+  Butt butt;
+  double lost = 0.0, taken = 0.0;
+  const double before = 80.0 * 2.6e6 * 0.15 * 0.28;
+  for (int k = 1; k <= 30; ++k) {
+    const HeatStepOutcome outcome = butt.step(k);
+    ASSERT_TRUE(outcome.converged);
+    EXPECT_LT(outcome.balance.error, 1e-10);
+    EXPECT_LE(outcome.gap_water.share(), 1.0);
+    EXPECT_GT(outcome.gap_water.taken, 0.0);
+    lost += outcome.balance.bottom;
+    taken += outcome.gap_water.taken;
+  }
+  EXPECT_NEAR(lost, butt.block_heat() - before + taken, 1e-10 * (lost + taken));
+}
+
+/// The same butt with its edge on the block stays dry: the heat goes into the block.
+TEST(GapWater, NeedsAnOpenEdge) {
+  Butt butt;
+  const auto& nodes = butt.solver.forms().bottom_nodes();
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (butt.slab.mesh().point(nodes[i])[0] > 0.25) butt.gap[i] = 0.0;
+  const HeatStepOutcome outcome = butt.step(1.0);
+  EXPECT_EQ(outcome.gap_water.taken, 0.0);
+  EXPECT_EQ(outcome.steam_force, 0.0);
+}
+
+}  // namespace
+}  // namespace dccast::thermal
