@@ -400,7 +400,9 @@ private:
 
     // The caller did not leave: the query was cancelled by the shutdown.
     if (status.error_code() == grpc::CANCELLED && context_.leaving)
-      status = {grpc::UNAVAILABLE, "dccastd is shutting down; ask again later"};
+      status = make_status({.reason = ErrorInfo::SHUTTING_DOWN,
+                            .cause = "dccastd is shutting down",
+                            .remedy = "ask again later"});
 
     {
       const std::lock_guard lock(mutex_);

@@ -66,13 +66,18 @@ class Refusal(ServiceTest):
             self.client.submit(fake_case("steps=1"))
         error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit,
                              fake_case("steps=1"))
-        self.assertIn("queue is full", error.details())
+        info, _ = self.details(error)
+        self.assertEqual((info.reason, info.domain), ("LIMIT_REACHED", "dccast"))
+        self.assertEqual(dict(info.metadata), {
+            "cause": "the queue is full", "limit": "maximum_queued",
+            "permitted": str(self.settings["maximum_queued"]), "remedy": "submit again later"})
+        self.assertEqual(error.details(), "{cause}; {limit} = {permitted}; {remedy}".format(**info.metadata))
 
     def test_a_case_with_faults(self):
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit,
                              fake_case("check=fault"))
-        details = dict(error.trailing_metadata())["grpc-status-details-bin"]
-        verdict = service_pb2.ValidateCaseResponse.FromString(details)
+        info, verdict = self.details(error)
+        self.assertEqual(info.reason, "INVALID_CASE")
         self.assertEqual([fault.field for fault in verdict.faults],
                          ["monitor[0].y", "limits.maximum_steps"])
         checked = self.client.stub.ValidateCase(

@@ -94,7 +94,7 @@ class Service:
         try:
             return self._transport.call(method, request)
         except errors.DccastError as error:
-            if error.code != "ABORTED":
+            if error.reason != "ATTACHMENT_MISSING":
                 raise
         self._put(case, request)
         return self._transport.call(method, request)

@@ -10,9 +10,7 @@
 
 namespace dccast::jobs {
 
-struct QueueFull : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+/// The request id of a submission belongs to another one.
 struct RequestIdTaken : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

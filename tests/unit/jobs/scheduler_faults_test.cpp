@@ -318,7 +318,7 @@ TEST_F(SchedulerFaults, WhatWaitingJobsMayTakeIsBounded) {
   auto large = new_job();
   large.complete_case = std::string(60, 'x');
   scheduler.submit(large, {});
-  EXPECT_THROW(scheduler.submit(large, {}), QueueFull);
+  EXPECT_THROW(scheduler.submit(large, {}), refusal::LimitReached);
 }
 
 TEST_F(SchedulerFaults, NoJobIsTakenWhereTooLittleIsFree) {

@@ -101,7 +101,7 @@ TEST_F(SchedulerTest, ShuttingDownEndsAWorkerThatIsBeingStarted) {
       return false;
     } catch (const ShuttingDown&) {
       return true;
-    } catch (const QueueFull&) {
+    } catch (const refusal::LimitReached&) {
       return false;
     }
   }));
@@ -179,7 +179,7 @@ TEST_F(SchedulerTest, LimitsTheQueueAndRequestIds) {
   of_a_study.study = values::random_uuid();
   EXPECT_THROW(daemon.scheduler.submit(of_a_study, {}), RequestIdTaken);
   EXPECT_EQ(daemon.scheduler.submit(new_job("b"), {}).queue_position(), 2);
-  EXPECT_THROW(daemon.scheduler.submit(new_job("c"), {}), QueueFull);
+  EXPECT_THROW(daemon.scheduler.submit(new_job("c"), {}), refusal::LimitReached);
   EXPECT_EQ(daemon.scheduler.queued(), 2);
 }
 
