@@ -46,7 +46,7 @@ void describe(const access::Caller& caller, v1::WhoAmIResponse& response) {
   response.set_name(caller.name);
   response.set_role(caller.role);
   response.set_proof(access::text_of(caller.by));
-  response.set_expires_unix(caller.expires_unix);
+  if (caller.expires_unix != 0) response.mutable_expire_time()->set_seconds(caller.expires_unix);
 }
 
 }  // namespace

@@ -195,13 +195,13 @@ void fit_into_list(v1::Job& job) {
   if (job.has_last_step()) job.mutable_last_step()->clear_monitors();
   if (!job.has_failure()) return;
 
-  v1::Failure& failure = *job.mutable_failure();
+  v1::Finding& failure = *job.mutable_failure();
   cut(*failure.mutable_message(), most_of_a_job / 8);
   if (failure.residual_history_size() > most_residuals)
     failure.mutable_residual_history()->Truncate(most_residuals);
 
-  while (failure.ByteSizeLong() > most_of_a_job / 2 && failure.further_causes_size() > 0)
-    failure.mutable_further_causes()->RemoveLast();
+  while (failure.ByteSizeLong() > most_of_a_job / 2 && failure.further_size() > 0)
+    failure.mutable_further()->RemoveLast();
 }
 
 /// Adds jobs until the page is full, by number or by bytes, and then names the next page.

@@ -44,8 +44,6 @@ Response accepted(const intake::ExaminedCase& examined, bool from_store, const s
   response.mutable_accepted()->set_job(job);
   if (job.empty()) response.mutable_accepted()->set_answer(answer);
   *response.mutable_accepted()->mutable_case_() = examined.complete;
-  if (const auto error = case_file::relative_discretisation_error(examined.complete))
-    response.mutable_accepted()->set_relative_curl_error(*error);
   return response;
 }
 
@@ -303,7 +301,7 @@ private:
     pass_on(std::move(response));
   }
 
-  void finish(v1::JobState state, const v1::Failure& failure) {
+  void finish(v1::JobState state, const v1::Finding& failure) {
     Response response;
     response.mutable_ended()->set_state(state);
     if (state == v1::FAILED) *response.mutable_ended()->mutable_failure() = failure;

@@ -96,8 +96,6 @@ void add_case_and_frame(Context& context, const Call& call, const v1::QueryResul
     refuse(ErrorInfo::DAMAGED, Remedy{"dccastd check says what else is damaged"},
            "the case of job {} cannot be read any more", request.id());
   intake::make_printable(*response.mutable_case_());
-  if (const auto error = case_file::relative_discretisation_error(response.case_()))
-    response.set_relative_curl_error(*error);
   if (request.frame()) add_frame(context, call, request, job, response);
 }
 

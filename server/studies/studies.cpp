@@ -313,7 +313,7 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
     if (job == jobs.end() && !run.job.empty()) continue;  // deleted on purpose
 
     const v1::JobState state = run.job.empty() ? run.outcome : job->second.state();
-    const v1::Failure& failure = run.job.empty() ? run.failure : job->second.failure();
+    const v1::Finding& failure = run.job.empty() ? run.failure : job->second.failure();
     if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run);
   }
 

@@ -4,6 +4,8 @@
 
 #include "core/case/case.hpp"
 #include "core/casting/simulation.hpp"
+#include "core/findings/run_failure.hpp"
+#include "core/results/step_report.hpp"
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/worker.pb.h"
 
@@ -33,5 +35,7 @@ std::optional<mechanics::Kinematics> to_core(v1::Mechanics::Kinematics from);
 bool is_steel(v1::BottomBlock::Material from);
 
 v1::RunEnd::Outcome to_proto(casting::RunEnd from);
+v1::Finding::Kind to_proto(casting::FailureKind from);
+v1::Finding::Severity to_proto(results::Severity from);
 
 }  // namespace dccast::translate

@@ -260,7 +260,7 @@ class LittleMemory(ServiceTest):
         ended = self.client.until_state(job.id, job_pb2.FAILED, seconds=60)
         with open(os.path.join(self.folder, "data", "jobs", job.id, "worker.log"),
                   encoding="utf-8") as file:
-            self.assertEqual(ended.failure.kind, job_pb2.Failure.OUT_OF_MEMORY, file.read())
+            self.assertEqual(ended.failure.kind, job_pb2.Finding.OUT_OF_MEMORY, file.read())
         self.assertIn("memory", ended.failure.message)
         self.assertEqual(ended.attempts, 1)
 
@@ -385,7 +385,7 @@ class OldStore(ServiceTest):
 
     def test_a_list_is_cut_by_bytes(self):
         ids = self.ended_jobs(30)
-        failure = job_pb2.Failure(message="x" * 1000000, residual_history=[1.0] * 100000)
+        failure = job_pb2.Finding(message="x" * 1000000, residual_history=[1.0] * 100000)
         self.change("UPDATE job SET failure = ?, state = ?",
                     (failure.SerializeToString(), job_pb2.FAILED))
         seen, token = [], ""
