@@ -306,6 +306,12 @@ class Checks(ServiceTest):
             self.assertEqual(error.code(), grpc.StatusCode.RESOURCE_EXHAUSTED)
             self.assertIn("try again", error.details())
 
+    def test_a_case_that_was_validated_is_not_checked_again(self):
+        self.validate("check_ms=3000 steps=1").result()
+        begin = time.monotonic()
+        self.client.submit(fake_case("check_ms=3000 steps=1"))
+        self.assertLess(time.monotonic() - begin, 2.5)
+
     def test_a_check_nobody_waits_for_is_stopped(self):
         check = self.validate("check_ms=15000")
         until(self.checking, 10)
