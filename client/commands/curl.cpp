@@ -26,26 +26,23 @@ struct JobCurl {
   v1::Job job;
   CurlHistory history;
   v1::StudyResult study;  ///< without limits if the job belongs to no refinement study
-  /// Relative error of mesh and time steps for the quality of the job; empty if not measured.
-  std::optional<double> relative_error{};
 };
 
 /// Error of mesh and time steps at the steps of the job, from its study, which also has a limit, or
 /// else from its quality. Columns are empty where neither is known.
 struct Error {
-  std::vector<double> limit_m, uncertainty_m;
+  std::vector<double> limit_m;
+  std::vector<double> lower_m;  ///< of the limit, if there is one
+  std::vector<double> upper_m;
 };
 
 Error error_of(const JobCurl& curl, const CurlHistory::Series& series) {
-  const auto& [job, history, study, relative] = curl;
+  const auto& [job, history, study] = curl;
   if (auto limit = limit_at(history.time_s, study, series.name))
-    return {std::move(limit->value_m), std::move(limit->uncertainty_m)};
+    return {std::move(limit->value_m), limit->uncertainty_m, limit->uncertainty_m};
 
-  Error error;
-  if (relative)
-    for (const double value : series.curl_m)
-      error.uncertainty_m.push_back(*relative * std::abs(value));
-  return error;
+  if (!series.has_error()) return {};
+  return {{}, series.lower_error_m, series.upper_error_m};
 }
 
 /// Columns of the CSV after time and cast length, by name.
@@ -56,14 +53,15 @@ std::vector<std::pair<std::string, std::vector<double>>> columns_of(const JobCur
     Error error = error_of(curl, series);
     if (!error.limit_m.empty())
       columns.emplace_back(series.name + "_limit_m", std::move(error.limit_m));
-    if (!error.uncertainty_m.empty())
-      columns.emplace_back(series.name + "_uncertainty_m", std::move(error.uncertainty_m));
+    if (error.upper_m.empty()) continue;
+    columns.emplace_back(series.name + "_lower_error_m", std::move(error.lower_m));
+    columns.emplace_back(series.name + "_upper_error_m", std::move(error.upper_m));
   }
   return columns;
 }
 
 void print_csv(const JobCurl& curl) {
-  const auto& [job, history, study, relative] = curl;
+  const auto& [job, history, study] = curl;
   const auto columns = columns_of(curl);
   const bool has_limits = !study.limits().empty();
   const double valid_until_s =
@@ -91,12 +89,15 @@ Json monitor_json(const JobCurl& curl, const CurlHistory::Series& series) {
             {"temperature_c", series.temperature_c}};
   const Error error = error_of(curl, series);
   if (!error.limit_m.empty()) json["limit_m"] = error.limit_m;
-  if (!error.uncertainty_m.empty()) json["uncertainty_m"] = error.uncertainty_m;
+  if (!error.upper_m.empty()) {
+    json["lower_error_m"] = error.lower_m;
+    json["upper_error_m"] = error.upper_m;
+  }
   return json;
 }
 
 void print_json(const JobCurl& curl) {
-  const auto& [job, history, study, relative] = curl;
+  const auto& [job, history, study] = curl;
   Json json{{"job", job.id()},
             {"time_s", history.time_s},
             {"cast_length_m", history.cast_length_m},
@@ -126,9 +127,12 @@ void print_table(const JobCurl& curl) {
     table.add(std::move(row));
   }
   std::cout << table.text() << std::flush;
-  if (curl.relative_error)
-    std::cerr << "mesh and time steps: ± " << render::fixed(100.0 * *curl.relative_error, 0)
-              << " % of each curl (docs/error-bars.md)\n";
+  for (const auto& series : history.monitors)
+    if (series.has_error())
+      std::cerr << "mesh and time steps: " << series.name << " ends at "
+                << render::mm_with_errors(series.curl_m.back(), series.lower_error_m.back(),
+                                          series.upper_error_m.back())
+                << " (docs/error-bars.md)\n";
   for (const v1::Finding& finding : curl.job.findings())
     std::cerr << render::finding_line(finding) << '\n';
   if (curl.job.has_validity_loss())
@@ -140,7 +144,6 @@ JobCurl curl_of_job(const std::string& id, bool with_study, Connection& connecti
   curl.job = connection.call(&Stub::GetJob, id);
   const auto result = query_result(connection, id);
   curl.history = curl_history(curl.job, result);
-  curl.relative_error = discretisation_error(result.case_(), 1.0);
   if (with_study) curl.study = judge_study_of(connection, curl.job).result();
   return curl;
 }

@@ -73,12 +73,13 @@ ExitCode run(const WhoAmIOptions& options, Program& program) {
                 {"name", who.name()},
                 {"role", role_text(who.role())},
                 {"proof", who.proof()},
-                {"expires", who.expires_unix() > 0 ? Json(utc_text(who.expires_unix())) : Json()}});
+                {"expires",
+                 who.has_expire_time() ? Json(utc_text(who.expire_time().seconds())) : Json()}});
     return ExitCode::done;
   }
   std::cout << who.name() << " on " << connection.server() << ", " << role_text(who.role())
             << ", by " << who.proof();
-  if (who.expires_unix() > 0) std::cout << " until " << utc_text(who.expires_unix());
+  if (who.has_expire_time()) std::cout << " until " << utc_text(who.expire_time().seconds());
   std::cout << '\n';
   const StoredServers stored(program.servers);
   for (const StoredServer& server : stored.all())

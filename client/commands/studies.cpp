@@ -12,6 +12,7 @@
 #include "client/text/job_text.hpp"
 #include "client/text/study_text.hpp"
 #include "client/text/table.hpp"
+#include "proto/case_file/quality.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -202,8 +203,8 @@ struct PredictOptions {
 
 void print(const v1::Prediction& prediction) {
   std::vector<std::string> headings{"monitor", ">curl mm", ">surface \u00b1 mm"};
-  const bool has_error = prediction.has_relative_curl_error();
-  if (has_error) headings.push_back(">mesh and steps \u00b1 mm");
+  const bool has_error = prediction.has_mesh_error();
+  if (has_error) headings.push_back(">mesh and steps mm");
   headings.insert(headings.end(), {">at s", ">cast mm"});
   render::Table table(headings);
   for (const v1::CurlCurve& curve : prediction.curves()) {
@@ -211,11 +212,11 @@ void print(const v1::Prediction& prediction) {
     if (last < 0 || !std::isfinite(curve.curl_m(last))) continue;
     // The larger of the two errors determines the number of digits of the curl.
     const double curl_m = curve.curl_m(last), surface_m = curve.uncertainty_m(last);
-    const double mesh_m = has_error ? prediction.relative_curl_error() * std::abs(curl_m) : 0.0;
-    const int decimals = render::mm_decimals(curl_m, std::max(surface_m, mesh_m));
+    const auto mesh = case_file::curl_error(prediction.mesh_error(), curl_m);
+    const int decimals = render::mm_decimals(curl_m, std::max(surface_m, mesh.larger_m()));
     std::vector<std::string> row{curve.monitor(), render::mm(curl_m, decimals),
                                  render::mm(surface_m, decimals)};
-    if (has_error) row.push_back(render::mm(mesh_m, decimals));
+    if (has_error) row.push_back(render::mm_errors(mesh.lower_m, mesh.upper_m, decimals));
     row.push_back(render::fixed(curve.time_s(last), 2));
     row.push_back(render::fixed(1e3 * curve.cast_length_m(last), 1));
     table.add(std::move(row));

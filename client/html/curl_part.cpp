@@ -22,13 +22,23 @@ std::vector<double> millimetres(std::vector<double> metres) {
   return metres;
 }
 
-/// Half the band around the final curl of this run, by its study or else its quality [m].
-std::optional<double> uncertainty(const ReportedRun& run, const CurlHistory::Series& series) {
+/// How far the true curl of this run may lie below and above its end: by its study, else by its
+/// quality [m].
+struct EndError {
+  double lower_m, upper_m;
+};
+std::optional<EndError> end_error(const ReportedRun& run, const CurlHistory::Series& series) {
   const double curl = series.curl_m.back();
   if (const auto error =
           curl_error(run.study.result(), series.name, run.history.time_s.back(), curl))
-    return error->this_run_m;
-  return discretisation_error(run.result.case_(), curl);
+    return EndError{error->this_run_m, error->this_run_m};
+  if (!series.has_error()) return std::nullopt;
+  return EndError{series.lower_error_m.back(), series.upper_error_m.back()};
+}
+
+/// Whether mesh and steps of the case's quality leave a known error.
+bool has_mesh_error(const ReportedRun& run) {
+  return std::ranges::any_of(run.history.monitors, &CurlHistory::Series::has_error);
 }
 
 /// The plant's range [mm]; a missing end is infinite.
@@ -45,12 +55,12 @@ std::optional<Chart::Wanted> plant_band(const v1::Case& input) {
 
 /// "inside the plant's band, 35 to 45 mm", with a note if the error does not permit this
 /// conclusion.
-std::string against_band(const Chart::Wanted& band, double curl_mm, double error_mm) {
+std::string against_band(const Chart::Wanted& band, double curl_mm, const EndError& error) {
   const auto where = [&](double value) {
     return value < band.low ? "below " : value > band.high ? "above " : "inside ";
   };
   std::string text = std::string("It is ") + where(curl_mm) + html_escaped(band.name);
-  if (std::string(where(curl_mm - error_mm)) != where(curl_mm + error_mm))
+  if (std::string(where(curl_mm - 1e3 * error.lower_m)) != where(curl_mm + 1e3 * error.upper_m))
     text += ", but its limit is within the error: this run cannot decide";
   return text + ".";
 }
@@ -61,11 +71,12 @@ std::string curl_chart(const ReportedRun& run, bool against_length) {
               "curl, mm",
               {}};
   const auto x = against_length ? millimetres(run.history.cast_length_m) : run.history.time_s;
-  const auto share = discretisation_error(run.result.case_(), 1.0);
   for (const auto& series : run.history.monitors) {
     ChartLine line{series.name, x, millimetres(series.curl_m),
                    curl_band(run.study.result(), series.name, against_length)};
-    if (run.study.result().limits().empty() && share) line.band = band_around(line, *share);
+    if (run.study.result().limits().empty() && series.has_error())
+      line.band =
+          band_around(line, millimetres(series.lower_error_m), millimetres(series.upper_error_m));
     chart.lines.push_back(std::move(line));
   }
   if (const auto first = run.history.first_beyond()) {
@@ -86,8 +97,8 @@ std::string tile(const std::string& name, const std::string& value, const std::s
 std::string curl_tile(const ReportedRun& run, const CurlHistory::Series& series) {
   const double curl = series.curl_m.back();
   std::string note;
-  if (const auto half_band = uncertainty(run, series))
-    note = "<em>± " + mm(*half_band, 2) + " mm</em>";
+  if (const auto band = end_error(run, series))
+    note = "<em>" + mm_errors(band->lower_m, band->upper_m, 2) + " mm</em>";
   if (const auto error =
           curl_error(run.study.result(), series.name, run.history.time_s.back(), curl))
     note += (error->extrapolated ? "limit " : "finest ") + mm(error->limit_m, 2) + " ± " +
@@ -107,17 +118,17 @@ std::string curl_sentence(const ReportedRun& run) {
   const CurlHistory::Series* const largest = run.history.largest();
   if (largest == nullptr || !last_step_mark(run.history).empty()) return {};
   const double curl_m = largest->curl_m.back();
-  const auto half_band = uncertainty(run, *largest);
+  const auto error = end_error(run, *largest);
   std::string text = fmt::format(
       "At {} s, after {} mm of casting, {} has {} <strong>{} mm</strong> since the block started. ",
       fixed(run.history.time_s.back(), 0), mm(run.history.cast_length_m.back(), 0),
       html_escaped(largest->name), curl_m < 0.0 ? "sunk" : "risen", mm(std::abs(curl_m)));
-  text += half_band ? "Mesh and time steps leave ± " + mm(*half_band) +
-                          " mm of it uncertain; thermal data and alloy come on top. "
-                    : "Its error from mesh and time steps has not been measured: <code>dccast "
-                      "convergence</code> does that. ";
+  text += error ? "Mesh and time steps leave " + mm_errors(error->lower_m, error->upper_m, 1) +
+                      " mm of it uncertain; thermal data and alloy come on top. "
+                : "Its error from mesh and time steps has not been measured: <code>dccast "
+                  "convergence</code> does that. ";
   if (const auto band = plant_band(run.result.case_()))
-    text += against_band(*band, 1e3 * curl_m, half_band ? 1e3 * *half_band : 0.0);
+    text += against_band(*band, 1e3 * curl_m, error.value_or(EndError{0.0, 0.0}));
   return element("p class='answer'", text);
 }
 
@@ -139,9 +150,8 @@ Heat heat_between(const std::vector<v1::StepReport>& steps, std::size_t first, s
   Heat heat;
   for (std::size_t i = first + 1; i <= last; ++i) {
     const v1::StepReport& step = steps[i];
-    heat.faces += step.time_step_s() * (step.side_heat_w() + step.side_heat_w_per_m() +
-                                        step.narrow_heat_w() + step.narrow_heat_w_per_m());
-    heat.bottom += step.time_step_s() * (step.bottom_heat_w() + step.bottom_heat_w_per_m());
+    heat.faces += step.time_step_s() * (step.section().side_heat() + step.section().narrow_heat());
+    heat.bottom += step.time_step_s() * step.section().bottom_heat();
   }
   return heat;
 }
@@ -201,9 +211,8 @@ std::string curl_figure(const ReportedRun& run, bool against_length) {
   const std::string of_the_band =
       !run.study.result().limits().empty()
           ? " Dashed: the limit of finer meshes; shaded: its uncertainty."
-      : discretisation_error(run.result.case_(), 1.0)
-          ? " Shaded: what mesh and time steps leave uncertain."
-          : "";
+      : has_mesh_error(run) ? " Shaded: what mesh and time steps leave uncertain."
+                            : "";
   const std::string of_the_plant =
       plant_band(run.result.case_()) ? " Green: the plant's band." : "";
   const std::string of_the_region =
@@ -220,7 +229,22 @@ std::string curl_figure(const ReportedRun& run, bool against_length) {
 namespace {
 
 using Step = v1::StepReport;
-using FigureOf = double (Step::*)() const;
+using Section = v1::SectionFigures;
+
+/// A figure of a step, or of its section.
+class FigureOf {
+public:
+  FigureOf(double (Step::*figure)() const) : of_step_(figure) {}
+  FigureOf(double (Section::*figure)() const) : of_section_(figure) {}
+
+  double operator()(const Step& step) const {
+    return of_step_ != nullptr ? (step.*of_step_)() : (step.section().*of_section_)();
+  }
+
+private:
+  double (Step::*of_step_)() const = nullptr;
+  double (Section::*of_section_)() const = nullptr;
+};
 
 /// Texts for a section and for a quarter slab.
 struct Wording {
@@ -236,7 +260,6 @@ struct Course {
   Wording name;
   double factor;
   FigureOf figure;
-  FigureOf also = nullptr;  ///< added: of two fields of which a step has only one
 };
 
 enum class Drawn {
@@ -279,21 +302,21 @@ const std::vector<HistoryChart>& history_charts() {
       {"Where the heat came from and went",
        "Heat since the start",
        {"MJ per metre", "MJ"},
-       {{"brought by the metal", 1e-3, &Step::metal_heat_w_per_m, &Step::metal_heat_w},
-        {"in the slab", 1e-3, &Step::stored_heat_w_per_m, &Step::stored_heat_w},
-        {{"out: side", "out: wide face"}, 1e-3, &Step::side_heat_w_per_m, &Step::side_heat_w},
-        {{nullptr, "out: narrow face"}, 1e-3, &Step::narrow_heat_w_per_m, &Step::narrow_heat_w},
-        {"out: block and gap", 1e-3, &Step::bottom_heat_w_per_m, &Step::bottom_heat_w},
-        {"in through the metal level", 1e-3, &Step::level_heat_w_per_m, &Step::level_heat_w}},
+       {{"brought by the metal", 1e-3, &Section::metal_heat},
+        {"in the slab", 1e-3, &Section::stored_heat},
+        {{"out: side", "out: wide face"}, 1e-3, &Section::side_heat},
+        {{nullptr, "out: narrow face"}, 1e-3, &Section::narrow_heat},
+        {"out: block and gap", 1e-3, &Section::bottom_heat},
+        {"in through the metal level", 1e-3, &Section::level_heat}},
        "Above 0 °C, since the start of the run. Metal and level bring what the slab gains and what "
        "leaves through faces and bottom.",
        Drawn::heat_since_start},
       {"Heat through each face",
        "Heat through each face",
        {"kW per metre", "kW"},
-       {{{"side", "wide face"}, 1e-3, &Step::side_heat_w_per_m, &Step::side_heat_w},
-        {{nullptr, "narrow face"}, 1e-3, &Step::narrow_heat_w_per_m, &Step::narrow_heat_w},
-        {"bottom block", 1e-3, &Step::bottom_heat_w_per_m, &Step::bottom_heat_w}},
+       {{{"side", "wide face"}, 1e-3, &Section::side_heat},
+        {{nullptr, "narrow face"}, 1e-3, &Section::narrow_heat},
+        {"bottom block", 1e-3, &Section::bottom_heat}},
        {"Per metre of face, out of the half that is computed.",
         "Out of the quarter that is computed; four times as much leaves the slab."}},
       {"Water on the faces",
@@ -320,9 +343,8 @@ const std::vector<HistoryChart>& history_charts() {
 ChartLine line_of(const v1::QueryResultResponse& result, const char* name, const Course& course) {
   ChartLine line{name, {}, {}};
   for (const Step& step : result.steps()) {
-    const double also = course.also != nullptr ? (step.*course.also)() : 0.0;
     line.x.push_back(step.time_s());
-    line.y.push_back(course.factor * ((step.*course.figure)() + also));
+    line.y.push_back(course.factor * course.figure(step));
   }
   return line;
 }

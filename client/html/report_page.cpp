@@ -175,10 +175,9 @@ std::string checks_table(const v1::QueryResultResponse& result, const CurlHistor
       largest = std::max(largest, std::abs((step.*figure_of)()));
     return row(name, scientific(largest), note);
   };
-  // A step has one of the two fields of each figure.
-  const double reaction = last.bottom_reaction_n_per_m() + last.bottom_reaction_n();
-  const double weight = last.weight_n_per_m() + last.weight_n();
-  const double heat = last.wall_heat_flux_w_per_m() + last.wall_heat_flux_w();
+  const double reaction = last.section().bottom_reaction();
+  const double weight = last.section().weight();
+  const double heat = last.section().wall_heat_flux();
   const std::string rows =
       worst("Equilibrium residual", &Step::equilibrium_residual, "largest of all steps, relative") +
       worst("Energy balance", &Step::energy_balance_error, "largest of all steps, relative") +
@@ -307,7 +306,8 @@ std::string details(const ReportedRun& run) {
 /// Known discretisation error, from the study or else from the quality of the case.
 std::string discretisation_part(const ReportedRun& run) {
   if (run.history.monitors.empty()) return {};
-  if (run.study.result().limits().empty() && discretisation_error(run.result.case_(), 1.0))
+  if (run.study.result().limits().empty() &&
+      std::ranges::any_of(run.history.monitors, &CurlHistory::Series::has_error))
     return "<p class='note'>The ± beside a curl is the band of the case's quality "
            "(docs/error-bars.md). <code>dccast convergence CASE</code> shows it for this case.</p>";
   return study_part(run.study, run.job);

@@ -228,11 +228,12 @@ std::vector<double> round_ticks(double low, double high, int count) {
   return ticks;
 }
 
-ChartBand band_around(const ChartLine& line, double share) {
+ChartBand band_around(const ChartLine& line, const std::vector<double>& lower,
+                      const std::vector<double>& upper) {
   ChartBand band{line.x, line.y, line.y, line.y};
   for (std::size_t i = 0; i < line.y.size(); ++i) {
-    band.low[i] -= share * std::abs(line.y[i]);
-    band.high[i] += share * std::abs(line.y[i]);
+    band.low[i] -= lower[i];
+    band.high[i] += upper[i];
   }
   return band;
 }

@@ -27,8 +27,9 @@ struct ChartLine {
   bool dots = false;      ///< readings: a dot for each point, no line
 };
 
-/// A band around a line that grows with its values. @param share  half of it, relative to a value
-ChartBand band_around(const ChartLine& line, double share);
+/// A band around a line. @param lower, upper  its width on each side, by point, in the unit of y
+ChartBand band_around(const ChartLine& line, const std::vector<double>& lower,
+                      const std::vector<double>& upper);
 
 /// A chart with its axes; numbers are in the units of the axes' titles.
 struct Chart {

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "proto/case_file/override.hpp"
-#include "proto/case_file/quality.hpp"
 #include "proto/values/interpolation.hpp"
 
 namespace dccast::client {
@@ -22,7 +21,9 @@ std::vector<double> horizontal_of(const v1::MonitorValue& monitor) {
 
 /// To as many instants, those not reported unknown.
 void resize(CurlHistory::Series& series, std::size_t instants) {
-  for (auto* values : {&series.curl_m, &series.temperature_c}) values->resize(instants, unknown);
+  for (auto* values :
+       {&series.curl_m, &series.lower_error_m, &series.upper_error_m, &series.temperature_c})
+    values->resize(instants, unknown);
   const std::size_t components = series.horizontal_m.empty() ? 1 : series.horizontal_m[0].size();
   series.horizontal_m.resize(instants, std::vector<double>(components, unknown));
 }
@@ -30,8 +31,7 @@ void resize(CurlHistory::Series& series, std::size_t instants) {
 }  // namespace
 
 double curl_of(const v1::MonitorValue& monitor) {
-  const auto& u = monitor.displacement_m();
-  return u.size() > 1 ? u[u.size() - 1] : unknown;
+  return monitor.has_curl_m() ? monitor.curl_m() : unknown;
 }
 
 void CurlHistory::add(const v1::StepReport& report) {
@@ -43,10 +43,12 @@ void CurlHistory::add(const v1::StepReport& report) {
   reports.push_back(report);
   for (const v1::MonitorValue& value : report.monitors()) {
     auto found = std::ranges::find(monitors, value.name(), &Series::name);
-    if (found == monitors.end())
-      found = monitors.insert(monitors.end(), {value.name(), {}, {}, {}});
+    if (found == monitors.end()) found = monitors.insert(monitors.end(), {.name = value.name()});
     resize(*found, time_s.size() - 1);
     found->curl_m.push_back(curl_of(value));
+    const bool has_error = value.has_curl_upper_error_m();
+    found->lower_error_m.push_back(has_error ? value.curl_lower_error_m() : unknown);
+    found->upper_error_m.push_back(has_error ? value.curl_upper_error_m() : unknown);
     found->horizontal_m.push_back(horizontal_of(value));
     found->temperature_c.push_back(value.has_temperature_c() ? value.temperature_c() : unknown);
   }
@@ -90,12 +92,6 @@ const CurlHistory::Series* CurlHistory::largest() const {
         (best == nullptr || std::abs(series.curl_m.back()) > std::abs(best->curl_m.back())))
       best = &series;
   return best;
-}
-
-std::optional<double> discretisation_error(const v1::Case& complete, double curl_m) {
-  const auto relative = case_file::relative_discretisation_error(complete);
-  if (!relative) return std::nullopt;
-  return *relative * std::abs(curl_m);
 }
 
 std::optional<CurlLimit> limit_at(const std::vector<double>& instants_s,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,11 +17,15 @@ struct CurlHistory {
   /// The curl of one monitor over the steps.
   struct Series {
     std::string name;
-    std::vector<double> curl_m;  ///< [m] one per time; NaN where the monitor is not reported
+    std::vector<double> curl_m{};  ///< [m] one per time; NaN where the monitor is not reported
+    /// How far mesh and time steps may have put the true curl below and above [m]; NaN: not known.
+    std::vector<double> lower_error_m{}, upper_error_m{};
     /// Horizontal displacement [m] by time: away from the symmetry plane in a section, its x and y
     /// component in a quarter slab; NaN where the monitor is not reported.
-    std::vector<std::vector<double>> horizontal_m;
-    std::vector<double> temperature_c;  ///< [°C]; NaN until metal reaches the monitor
+    std::vector<std::vector<double>> horizontal_m{};
+    std::vector<double> temperature_c{};  ///< [°C]; NaN until metal reaches the monitor
+    /// Whether the error of the last curl is known.
+    bool has_error() const { return !upper_error_m.empty() && std::isfinite(upper_error_m.back()); }
   };
   std::vector<std::int64_t> step;  ///< number of the accepted step, ascending; 0 if unknown
   std::vector<double> time_s;
@@ -46,8 +51,7 @@ struct CurlHistory {
 /// The history of a job as QueryResult has it, marked from the job's loss of validity on.
 CurlHistory curl_history(const v1::Job& job, const v1::QueryResultResponse& result);
 
-/// Curl of a monitor, its last coordinate of displacement [m]; NaN if it has no vertical
-/// displacement.
+/// Curl of a monitor [m]; NaN where it has none.
 double curl_of(const v1::MonitorValue& monitor);
 
 /// Answer of a query or result of a job: a case with its curl.
@@ -61,19 +65,13 @@ struct Answer {
   /// Curves, findings and end of a run, as far as it has come.
   CurlHistory history;
   std::vector<v1::Finding> findings;
-  std::optional<v1::ValidityLoss> validity_loss;
+  std::optional<v1::Finding> validity_loss;
   v1::JobState state = v1::JOB_STATE_UNSPECIFIED;
-  std::optional<v1::Failure> failure;
+  std::optional<v1::Finding> failure;
   double solver_s = 0.0;
   double first_point_s = 0.0;  ///< from the call to the first step, measured by the client [s]
   double elapsed_s = 0.0;      ///< from the call to its end [s]
 };
-
-/// Uncertainty of the final curl caused by mesh and time steps: half the width of the band of
-/// docs/error-bars.md [m]. Empty if no band is known for such a case.
-/// @param complete  case with all its defaults
-/// @param curl_m    computed curl [m]
-std::optional<double> discretisation_error(const v1::Case& complete, double curl_m);
 
 /// What a curl tends to as cells and time steps go to zero, by a refinement study.
 struct CurlLimit {

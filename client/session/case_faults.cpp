@@ -150,7 +150,7 @@ void check_with_server(CaseUnderCheck& checked, Connection& connection) {
 
 v1::ValidateCaseResponse verdict_of(const grpc::Status& status) {
   v1::ValidateCaseResponse verdict;
-  if (!verdict.ParseFromString(status.error_details())) verdict.Clear();
+  refusal::read_detail(status.error_details(), verdict);
   return verdict;
 }
 

@@ -83,11 +83,11 @@ void check_with_server(CaseUnderCheck& checked, Connection& connection);
 std::vector<v1::Fault> merge_faults(const std::vector<v1::Fault>& local,
                                     const std::vector<v1::Fault>& remote);
 
-/// The details of an INVALID_ARGUMENT status: faults, and of a study the run whose case has them;
-/// without faults where there are none.
+/// The verdict in the details of a status: faults, and of a study the run whose case has them;
+/// without faults where there is none.
 v1::ValidateCaseResponse verdict_of(const grpc::Status& status);
 
-/// The faults in the INVALID_ARGUMENT status of SubmitJob; may be empty.
+/// The faults of that verdict.
 std::vector<v1::Fault> faults_of(const grpc::Status& status);
 
 /// Prints each fault and warning as `file:line:column: key = value: ...`.

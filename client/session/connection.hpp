@@ -155,7 +155,7 @@ public:
                         Response& response) {
     const auto attempt = [&] { return try_once(method, request, response); };
     const grpc::Status status = with_retries(attempt);
-    if (status.error_code() != grpc::StatusCode::ABORTED || !restore_) return status;
+    if (!restore_ || !is_refused(status, v1::ErrorInfo::ATTACHMENT_MISSING)) return status;
     restore_(*this);
     return with_retries(attempt);
   }
@@ -164,7 +164,7 @@ public:
   /// standard error. @return the status of the last attempt. Throws Interrupted.
   grpc::Status with_retries(const std::function<grpc::Status()>& attempt);
 
-  /// What a call depends on and the server may have lost, which it then answers with ABORTED.
+  /// Uploads again what a call names and the server may have lost.
   void set_restore(std::function<void(Connection&)> restore) { restore_ = std::move(restore); }
 
   /// For tests, which cannot wait.

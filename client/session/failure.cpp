@@ -26,7 +26,8 @@ ExitCode exit_code_of(grpc::StatusCode code) {
   }
 }
 
-/// Connection errors reported by gRPC and their meaning; the first match is used.
+/// Connection errors reported by gRPC, which has no codes for them, and their meaning; the first
+/// match is used.
 using Wording = std::pair<std::string_view, std::string_view>;
 constexpr std::array wordings{
     Wording{"Connection refused", "connection refused"},
@@ -55,8 +56,20 @@ constexpr std::size_t longest_reason = 500;
 
 }  // namespace
 
+std::optional<refusal::Facts> refusal_of(const grpc::Status& status) {
+  if (status.ok()) return std::nullopt;
+  return refusal::read_details(status.error_details());
+}
+
+bool is_refused(const grpc::Status& status, refusal::Reason reason) {
+  const auto facts = refusal_of(status);
+  return facts && facts->reason == reason;
+}
+
 std::string reason_of(const grpc::Status& status) {
   const std::string& message = status.error_message();
+  if (refusal_of(status)) return values::shortened(message, longest_reason);
+
   for (const auto& [sent, meaning] : wordings)
     if (message.find(sent) != std::string::npos) return std::string(meaning);
   if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)

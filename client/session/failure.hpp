@@ -2,8 +2,11 @@
 
 #include <grpcpp/support/status.h>
 
+#include <optional>
 #include <stdexcept>
 #include <string>
+
+#include "proto/refusal/refusal.hpp"
 
 namespace dccast::client {
 
@@ -51,6 +54,11 @@ CommandFailed failure_of(const grpc::Status& status, const std::string& server);
 /// Why a call failed, in one line: the message of the daemon, or a summary instead of gRPC's report
 /// of its connection attempts.
 std::string reason_of(const grpc::Status& status);
+
+/// Why the daemon refused a call. Empty where the status is not from it, but from gRPC.
+std::optional<refusal::Facts> refusal_of(const grpc::Status& status);
+/// Whether the daemon refused a call for this reason.
+bool is_refused(const grpc::Status& status, refusal::Reason reason);
 
 /// Throws `failure_of` unless the status is OK.
 void check(const grpc::Status& status, const std::string& server);

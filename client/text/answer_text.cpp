@@ -10,31 +10,23 @@
 namespace dccast::client::render {
 namespace {
 
-/// "4.86 ± 0.36 mm"; without an uncertainty only the first number.
-std::string curl_text(double curl_m, std::optional<double> uncertainty_m) {
-  const int decimals = mm_decimals(curl_m, uncertainty_m);
-  if (!uncertainty_m) return mm(curl_m, decimals) + " mm";
-  return mm(curl_m, decimals) + " \u00b1 " + mm(*uncertainty_m, decimals) + " mm";
-}
-
 std::string monitor_line(const Answer& answer, const CurlHistory::Series& series) {
-  const double curl_m = series.curl_m.back();
   const CurlHistory& history = answer.history;
   return series.name + ": curl " +
-         curl_text(curl_m, discretisation_error(answer.description, curl_m)) + " at " +
-         fixed(history.time_s.back(), 1) + " s, cast length " +
+         mm_with_errors(series.curl_m.back(), series.lower_error_m.back(),
+                        series.upper_error_m.back()) +
+         " at " + fixed(history.time_s.back(), 1) + " s, cast length " +
          mm(history.cast_length_m.back(), 1) + " mm" +
          (history.beyond.back() ? std::string(", ") + beyond_validity : "") + "\n";
 }
 
-Json monitor_json(const Answer& answer, const CurlHistory::Series& series) {
-  const double curl_m = series.curl_m.back();
-  const auto uncertainty_m = discretisation_error(answer.description, curl_m);
+Json monitor_json(const CurlHistory::Series& series) {
   return {{"name", series.name},
           {"curl_m", series.curl_m},
           {"temperature_c", series.temperature_c},
-          {"end_curl_m", curl_m},
-          {"uncertainty_m", uncertainty_m}};
+          {"end_curl_m", series.curl_m.back()},
+          {"end_lower_error_m", series.lower_error_m.back()},
+          {"end_upper_error_m", series.upper_error_m.back()}};
 }
 
 template <class Messages>
@@ -88,7 +80,7 @@ Json answer_json(const Answer& answer) {
             {"first_point_s", answer.first_point_s},
             {"elapsed_s", answer.elapsed_s}};
   for (const auto& series : answer.history.monitors)
-    json["monitors"].push_back(monitor_json(answer, series));
+    json["monitors"].push_back(monitor_json(series));
   return json;
 }
 

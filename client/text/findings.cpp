@@ -116,7 +116,7 @@ std::string place_text(const google::protobuf::RepeatedField<double>& place_m) {
   return text;
 }
 
-std::string validity_text(const v1::ValidityLoss& loss) {
+std::string validity_text(const v1::Finding& loss) {
   const std::string begin =
       fmt::format("{} from {} s on: ", beyond_validity, fixed(loss.time_s(), 2));
   if (!loss.message().empty()) return begin + loss.message();  // has place and amount

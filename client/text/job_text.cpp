@@ -28,9 +28,9 @@ std::string lower_words(std::string text) {
 }
 
 /// Time, step and place of a failure, on a line of its own; empty without a time.
-std::string where_and_when(const v1::Failure& failure) {
+std::string where_and_when(const v1::Finding& failure) {
   const std::string place = place_text(failure.place_m());
-  const bool timed = failure.kind() == v1::Failure::SOLVE_FAILED || failure.time_step_s() > 0.0 ||
+  const bool timed = failure.kind() == v1::Finding::SOLVE_FAILED || failure.time_step_s() > 0.0 ||
                      failure.time_s() != 0.0;
   std::string text;
   if (timed) text += "\nat " + fixed(failure.time_s(), 3) + " s";
@@ -41,7 +41,7 @@ std::string where_and_when(const v1::Failure& failure) {
 }
 
 /// The last entries of the residual history.
-std::string residuals_text(const v1::Failure& failure) {
+std::string residuals_text(const v1::Finding& failure) {
   constexpr int shown = 8;
   const int count = failure.residual_history_size();
   std::string text = count > 0 ? "; last residuals:" : "";
@@ -147,16 +147,16 @@ std::string event_line(const v1::JobEvent& event) {
   return "event " + std::to_string(event.sequence());
 }
 
-std::string failure_kind_text(v1::Failure::Kind kind) {
+std::string failure_kind_text(v1::Finding::Kind kind) {
   switch (kind) {
-    case v1::Failure::KIND_UNSPECIFIED:
+    case v1::Finding::KIND_UNSPECIFIED:
       return "failed";
-    case v1::Failure::LIQUID_PRESSURE_LOST:
+    case v1::Finding::LIQUID_PRESSURE_LOST:
       return "pressure of the liquid lost";
-    case v1::Failure::OTHER_VERSION:
+    case v1::Finding::OTHER_VERSION:
       return "checkpoint of another version of the solver";
     default:
-      return lower_words(v1::Failure_Kind_Name(kind));
+      return lower_words(v1::Finding_Kind_Name(kind));
   }
 }
 
@@ -168,10 +168,14 @@ std::string full_state_text(const v1::Job& job) {
   return text;
 }
 
-std::string failure_text(const v1::Failure& failure) {
+std::string failure_text(const v1::Finding& failure) {
   std::string text = failure_kind_text(failure.kind()) + ": " + failure.message() +
                      where_and_when(failure) + residuals_text(failure);
-  for (const std::string& cause : failure.further_causes()) text += "\nthen: " + cause;
+  for (const v1::Finding& further : failure.further()) {
+    const bool has_kind = further.kind() != v1::Finding::KIND_UNSPECIFIED;
+    text +=
+        "\nthen: " + (has_kind ? failure_kind_text(further.kind()) + ": " : "") + further.message();
+  }
   return text;
 }
 

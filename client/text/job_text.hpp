@@ -20,14 +20,14 @@ std::string time_text(const google::protobuf::Timestamp& time);
 std::string event_line(const v1::JobEvent& event);
 
 /// "solve failed", "motion too large", "worker hung", ...
-std::string failure_kind_text(v1::Failure::Kind kind);
+std::string failure_kind_text(v1::Finding::Kind kind);
 
 /// State with important details: "queued #3, held", "succeeded, beyond validity".
 std::string full_state_text(const v1::Job& job);
 
 /// Why a job failed, in a few lines: kind, message, time, step and place, the last residuals, and
 /// subsequent failures.
-std::string failure_text(const v1::Failure& failure);
+std::string failure_text(const v1::Finding& failure);
 
 /// All details of one job, one per line.
 std::string job_sheet(const v1::Job& job);

@@ -14,6 +14,7 @@
 #include "client/text/table.hpp"
 #include "client/text/terminal_guard.hpp"
 #include "proto/case_file/key_place.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
 
@@ -125,22 +126,27 @@ std::string csv_head(const v1::StudyResult& result) {
   for (const auto& axis : result.study().sweep().axes())
     head += "," + csv_text(axis.key()) + "," + csv_text(axis.key() + si_suffix(axis.key()));
   for (const std::string& monitor : result.monitors())
-    head += "," + csv_text(monitor + "_end_curl_m") + "," + csv_text(monitor + "_uncertainty_m");
+    for (const char* figure : {"_end_curl_m", "_lower_error_m", "_upper_error_m"})
+      head += "," + csv_text(monitor + figure);
   return head + ",solver_s,beyond_validity,findings,failure\n";
 }
 
 /// Error of mesh and time steps of a run's curl; NaN if unknown.
-double mesh_error_m(const v1::StudyRun& run, double curl_m) {
-  return run.has_relative_curl_error() ? run.relative_curl_error() * std::abs(curl_m)
-                                       : std::numeric_limits<double>::quiet_NaN();
+case_file::CurlError mesh_error(const v1::StudyRun& run, double curl_m) {
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  return run.has_mesh_error() ? case_file::curl_error(run.mesh_error(), curl_m)
+                              : case_file::CurlError{unknown, unknown};
 }
 
 std::string csv_row(const v1::StudyRun& run, int number) {
   std::string row = fmt::format("{},{},{}", number, run.job(), v1::JobState_Name(run.state()));
   for (int i = 0; i < run.values_size(); ++i)
     row += "," + csv_text(run.values(i)) + "," + csv_number(run.numbers(i));
-  for (const double curl : run.end_curl_m())
-    row += "," + csv_number(curl) + "," + csv_number(mesh_error_m(run, curl));
+  for (const double curl_m : run.end_curl_m()) {
+    const case_file::CurlError error = mesh_error(run, curl_m);
+    for (const double figure : {curl_m, error.lower_m, error.upper_m})
+      row += "," + csv_number(figure);
+  }
   return row + fmt::format(",{},{:d},{},{}\n", csv_number(run.solver_s()), run.beyond_validity(),
                            joined(run.findings(), " ", &v1::Finding::code),
                            csv_text(run.failure().message()));

@@ -92,6 +92,22 @@ int mm_decimals(double metres, const std::optional<double>& error_m) {
   return std::clamp(decimals_for(1e3 * metres, 1e3 * *error_m), 0, hundredths);
 }
 
+std::string mm_with_errors(double metres, double lower_m, double upper_m) {
+  const bool known = std::isfinite(lower_m) && std::isfinite(upper_m);
+  const double larger_m = std::max(lower_m, upper_m);
+  const int decimals = mm_decimals(metres, known ? std::optional(larger_m) : std::nullopt);
+  const std::string curl = mm(metres, decimals);
+  if (!known) return curl + " mm";
+  return fmt::format("{}{} {} mm", curl, lower_m == upper_m ? "" : ",",
+                     mm_errors(lower_m, upper_m, decimals));
+}
+
+std::string mm_errors(double lower_m, double upper_m, int decimals) {
+  if (lower_m == upper_m) return "± " + mm(upper_m, decimals);
+  const auto side = [&](double error_m) { return error_m > 0.0 ? mm(error_m, decimals) : "0"; };
+  return fmt::format("-{} +{}", side(lower_m), side(upper_m));
+}
+
 std::string mm(double metres, int decimals) {
   return fixed(1e3 * metres, decimals);
 }

@@ -46,6 +46,14 @@ std::string with_error(double value, const std::optional<double>& error,
 /// Decimals of a curl [m] in millimetres, 0 to 2, by the same rule; 2 without an error.
 int mm_decimals(double metres, const std::optional<double>& error_m);
 
+/// A curl [m] with its errors: "4.86 ± 0.36 mm", "35.5, -0 +4.9 mm" where the sides differ; without
+/// known errors "4.86 mm".
+/// @param lower_m, upper_m  how far the true curl may lie below and above [m]; NaN: not known
+std::string mm_with_errors(double metres, double lower_m, double upper_m);
+
+/// The errors [m] alone in millimetres, without unit: "± 0.36", "-0 +4.9" where they differ.
+std::string mm_errors(double lower_m, double upper_m, int decimals);
+
 /// A length [m] in millimetres, likewise.
 std::string mm(double metres, int decimals = 1);
 

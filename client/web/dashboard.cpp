@@ -85,7 +85,10 @@ Json history_json(const CurlHistory& history) {
   Json json{{"time_s", history.time_s}, {"cast_length_m", history.cast_length_m}};
   Json& monitors = json["monitors"] = Json::array();
   for (const auto& series : history.monitors)
-    monitors.push_back(Json{{"name", series.name}, {"curl_m", series.curl_m}});
+    monitors.push_back(Json{{"name", series.name},
+                            {"curl_m", series.curl_m},
+                            {"lower_error_m", series.lower_error_m},
+                            {"upper_error_m", series.upper_error_m}});
   return json;
 }
 
@@ -108,7 +111,6 @@ Json job_json(Connection& connection, const std::string& id) {
   const v1::QueryResultResponse result = query_result(connection, job.id());
   return {{"job", to_json(job)},
           {"history", history_json(curl_history(job, result))},
-          {"relative_curl_error", Json(discretisation_error(result.case_(), 1.0))},
           {"wanted", wanted_json(result.case_())},
           {"dimension", result.case_().section().kind() == v1::Section::QUARTER_SLAB ? 3 : 2},
           {"case", case_file::to_toml(result.case_())}};
@@ -357,7 +359,6 @@ Json slab_json(const Request& request) {
 
 Json answer_json(const Answer& answer) {
   Json json{{"history", history_json(answer.history)},
-            {"relative_curl_error", Json(discretisation_error(answer.description, 1.0))},
             {"wanted", wanted_json(answer.description)},
             {"state", v1::JobState_Name(answer.state)},
             {"failure", answer.failure ? to_json(*answer.failure) : Json()},

@@ -32,7 +32,7 @@ struct Discretisation {
   double merge_below = 0.0;           ///< depth at which these rows are merged; 0: never
   Ladder begin{{0, 0.25}, {10, 1}};   ///< steps from the start of the simulation
   Ladder event;  ///< steps from the start of casting, of the mechanics, and of the water
-  std::optional<double> error;  ///< half the band of the final curl, relative [1]
+  std::optional<double> error;  ///< size of the band of the final curl on one side, relative [1]
 };
 
 const Discretisation& section_discretisation(v1::Quality quality) {
@@ -274,9 +274,34 @@ void apply_quality(v1::Case& c) {
   if (c.time().step_s().value_size() == 0) *c.mutable_time()->mutable_step_s() = make_steps(d, c);
 }
 
-std::optional<double> relative_discretisation_error(const v1::Case& complete) {
+std::optional<v1::RelativeError> relative_discretisation_error(const v1::Case& complete) {
   if (!is_measured_casting(complete) || !has_quality_mesh(complete)) return std::nullopt;
-  return choose_discretisation(complete).error;
+  const std::optional<double> band = choose_discretisation(complete).error;
+  if (!band) return std::nullopt;
+
+  v1::RelativeError error;
+  const bool bends_more = complete.section().kind() == v1::Section::QUARTER_SLAB;
+  error.set_lower(bends_more ? 0.0 : *band);
+  error.set_upper(*band);
+  return error;
+}
+
+CurlError curl_error(const v1::RelativeError& error, double curl_m) {
+  const double size_m = std::abs(curl_m);
+  const CurlError above{.lower_m = error.lower() * size_m, .upper_m = error.upper() * size_m};
+  if (curl_m >= 0.0) return above;
+  return {.lower_m = above.upper_m, .upper_m = above.lower_m};
+}
+
+void add_curl(const std::optional<v1::RelativeError>& mesh_error, v1::MonitorValue& monitor) {
+  const auto& displacement = monitor.displacement_m();
+  if (displacement.size() < 2 || !std::isfinite(*displacement.rbegin())) return;
+  monitor.set_curl_m(*displacement.rbegin());
+
+  if (!mesh_error) return;
+  const CurlError error = curl_error(*mesh_error, monitor.curl_m());
+  monitor.set_curl_lower_error_m(error.lower_m);
+  monitor.set_curl_upper_error_m(error.upper_m);
 }
 
 std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b) {

@@ -3,6 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <string>
+
+#include "proto/refusal/refusal.hpp"
 
 namespace dccast::access {
 
@@ -34,19 +37,23 @@ bool CallRate::take(const std::string& who, Time now) {
   return buckets_.try_emplace(who, per_s_, most).first->second.take(now);
 }
 
-std::string OpenCount::enter(const std::string& who, const std::string& kind) {
+void OpenCount::enter(const std::string& who, const std::string& kind) {
   const std::lock_guard guard(mutex_);
   const auto found = by_user_.find(who);
   const std::size_t own = found == by_user_.end() ? 0 : found->second;
   if (own >= limit_per_user_)
-    return fmt::format("{} has {} {} open; maximum_{}_per_user = {}", who, own, kind, kind,
-                       limit_per_user_);
+    throw refusal::LimitReached({.cause = fmt::format("{} has {} {} open", who, own, kind),
+                                 .limit = fmt::format("maximum_{}_per_user", kind),
+                                 .permitted = std::to_string(limit_per_user_),
+                                 .remedy = "end one, then try again"});
   if (total_ >= limit_)
-    return fmt::format("{} {} of all users are open; maximum_{} = {}", total_, kind, kind, limit_);
+    throw refusal::LimitReached({.cause = fmt::format("{} {} of all users are open", total_, kind),
+                                 .limit = fmt::format("maximum_{}", kind),
+                                 .permitted = std::to_string(limit_),
+                                 .remedy = "end one, then try again"});
 
   ++by_user_[who];
   ++total_;
-  return "";
 }
 
 std::size_t OpenCount::open() {

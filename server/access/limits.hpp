@@ -47,8 +47,8 @@ public:
   OpenCount(std::size_t limit, std::size_t limit_per_user)
       : limit_(limit), limit_per_user_(limit_per_user) {}
   /// Counts one more, until leave(). @param kind  in the plural, as in the name of the setting
-  /// @return the text of a refusal; empty if it was counted
-  std::string enter(const std::string& who, const std::string& kind);
+  /// @throws refusal::LimitReached
+  void enter(const std::string& who, const std::string& kind);
   void leave(const std::string& who);
   std::size_t open();
 

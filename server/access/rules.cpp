@@ -45,7 +45,7 @@ Caller Authority::local_user(const std::string& name) {
     caller.role = v1::ADMIN;
   } else if (const auto listed = users_.find(name)) {
     caller.role = listed->role();
-    if (listed->disabled()) caller.refusal = disabled_text(name);
+    if (listed->disabled()) caller.refusal = disabled(name);
   }
   return caller;
 }
@@ -54,10 +54,9 @@ Caller Authority::by_certificate(const std::string& name, std::int64_t expires, 
   Caller caller{.by = ProvenBy::certificate, .expires_unix = expires};
   const auto listed = users_.find(name);
   if (!listed) {
-    caller.refusal = fmt::format(
-        "the certificate is of \"{}\", who is not listed here; an admin can change that: "
-        "dccastd user add {} --role submitter",
-        name, name);
+    caller.refusal = not_proven(
+        fmt::format("the certificate is of \"{}\", who is not listed here", name),
+        fmt::format("an admin can change that: dccastd user add {} --role submitter", name));
     return caller;
   }
 
@@ -67,27 +66,28 @@ Caller Authority::by_certificate(const std::string& name, std::int64_t expires, 
   return caller;
 }
 
-std::string Authority::lapse(const Caller& caller, std::int64_t now) {
+std::optional<refusal::Facts> Authority::lapse(const Caller& caller, std::int64_t now) {
   const std::string new_line = fmt::format(
       "ask an admin for a new line (dccastd user rotate {}) and log in again", caller.name);
   const bool is_local = caller.by == ProvenBy::local_user;
 
   if (caller.expires_unix != 0 && caller.expires_unix <= now)
-    return fmt::format("the {} of {} has expired; {}", text_of(caller.by), caller.name,
-                       caller.by == ProvenBy::token ? new_line : "ask who issued it for a new one");
+    return not_proven(fmt::format("the {} of {} has expired", text_of(caller.by), caller.name),
+                      caller.by == ProvenBy::token ? new_line : "ask who issued it for a new one");
 
   const auto listed = users_.find(caller.name);
-  if (!listed && is_local) return "";  // local users need not be listed
+  if (!listed && is_local) return std::nullopt;  // local users need not be listed
   if (!listed)
-    return fmt::format("user {} was removed; ask an admin (dccastd user add)", caller.name);
+    return not_proven(fmt::format("user {} was removed", caller.name),
+                      "ask an admin (dccastd user add)");
 
   const bool owns_daemon = is_local && caller.role >= v1::ADMIN;
-  if (listed->disabled() && !owns_daemon) return disabled_text(caller.name);
+  if (listed->disabled() && !owns_daemon) return disabled(caller.name);
 
-  if (caller.by != ProvenBy::token) return "";
+  if (caller.by != ProvenBy::token) return std::nullopt;
   for (const v1::Credential& credential : listed->credential())
-    if (credential.id() == caller.credential) return "";
-  return fmt::format("the token of {} was revoked; {}", caller.name, new_line);
+    if (credential.id() == caller.credential) return std::nullopt;
+  return not_proven(fmt::format("the token of {} was revoked", caller.name), new_line);
 }
 
 std::string Authority::describe_admins() {
@@ -101,23 +101,28 @@ std::string Authority::describe_admins() {
   return fmt::format("{} on the server's machine{}", local, listed);
 }
 
-std::string Authority::role_fault(const Caller& caller, const CallRule& rule) {
-  if (caller.role >= rule.access.role()) return "";
-  return fmt::format(
-      "{} has the role {}, and {} needs {}; ask an admin: {} (dccastd user role NAME ROLE)",
-      display_name(caller), text_of(caller.role), rule.name, text_of(rule.access.role()),
-      describe_admins());
+std::optional<refusal::Facts> Authority::role_fault(const Caller& caller, const CallRule& rule) {
+  if (caller.role >= rule.access.role()) return std::nullopt;
+  return refusal::Facts{
+      .reason = v1::ErrorInfo::NOT_PERMITTED,
+      .cause = fmt::format("{} has the role {}, and {} needs {}", display_name(caller),
+                           text_of(caller.role), rule.name, text_of(rule.access.role())),
+      .remedy = fmt::format("ask an admin: {} (dccastd user role NAME ROLE)", describe_admins())};
 }
 
-std::string Authority::owner_fault(const Caller& caller, const CallRule& rule,
-                                   const std::string& owner, const std::string& subject) {
-  if (!needs_ownership(caller, rule) || (!caller.name.empty() && caller.name == owner)) return "";
+std::optional<refusal::Facts> Authority::owner_fault(const Caller& caller, const CallRule& rule,
+                                                     const std::string& owner,
+                                                     const std::string& subject) {
+  const bool is_owner = !caller.name.empty() && caller.name == owner;
+  if (!needs_ownership(caller, rule) || is_owner) return std::nullopt;
 
-  return fmt::format(
-      "{} is of {}, and {} ({}) may {} only jobs and studies of their own; ask {}an admin: {}",
-      subject, owner.empty() ? "no known user" : owner, display_name(caller), text_of(caller.role),
-      rule.changes() ? "change" : "read", owner.empty() ? "" : fmt::format("{}, or ", owner),
-      describe_admins());
+  return refusal::Facts{
+      .reason = v1::ErrorInfo::NOT_PERMITTED,
+      .cause = fmt::format("{} is of {}, and {} ({}) may {} only jobs and studies of their own",
+                           subject, owner.empty() ? "no known user" : owner, display_name(caller),
+                           text_of(caller.role), rule.changes() ? "change" : "read"),
+      .remedy = fmt::format("ask {}an admin: {}",
+                            owner.empty() ? "" : fmt::format("{}, or ", owner), describe_admins())};
 }
 
 }  // namespace dccast::access

@@ -47,10 +47,10 @@ public:
 
   /// Reason to end the access of a caller whose identity was proved; empty while nothing has
   /// changed. For calls that last.
-  std::string lapse(const Caller& caller, std::int64_t now);
+  std::optional<refusal::Facts> lapse(const Caller& caller, std::int64_t now);
 
   /// Reason to deny a call because of the role; empty if allowed.
-  std::string role_fault(const Caller& caller, const CallRule& rule);
+  std::optional<refusal::Facts> role_fault(const Caller& caller, const CallRule& rule);
   /// Whether only the owner of the job or study may make the call.
   bool needs_ownership(const Caller& caller, const CallRule& rule) const {
     return rule.access.touches() != v1::NOTHING && caller.role < v1::ADMIN &&
@@ -58,8 +58,8 @@ public:
   }
   /// Reason to deny access to a job or study of `owner`; empty if allowed.
   /// @param subject  "job" or "study", with its id
-  std::string owner_fault(const Caller& caller, const CallRule& rule, const std::string& owner,
-                          const std::string& subject);
+  std::optional<refusal::Facts> owner_fault(const Caller& caller, const CallRule& rule,
+                                            const std::string& owner, const std::string& subject);
   /// Whether lists, too, show only the caller's own jobs.
   bool reads_own_only(const Caller& caller) const {
     return policy_.reads_own_only && caller.role < v1::ADMIN;

@@ -123,8 +123,8 @@ Found find_credential(v1::Users& users, const Parts& parts, Kind kind) {
   return {};
 }
 
-Caller refused(const std::string& why) {
-  return {.by = ProvenBy::token, .refusal = why};
+Caller refused(refusal::Facts why) {
+  return {.by = ProvenBy::token, .refusal = std::move(why)};
 }
 
 Caller proven(const v1::User& user, const v1::Credential& credential) {
@@ -139,13 +139,13 @@ Caller proven(const v1::User& user, const v1::Credential& credential) {
 Caller judge(const Found& found, std::int64_t now, const std::string& proof,
              const std::string& remedy) {
   if (found.user == nullptr)
-    return refused(
-        fmt::format("this {} is unknown here: it was revoked, or used before; {}", proof, remedy));
+    return refused(not_proven(
+        fmt::format("this {} is unknown here: it was revoked, or used before", proof), remedy));
 
   const std::string& name = found.user->name();
-  if (found.user->disabled()) return refused(disabled_text(name));
+  if (found.user->disabled()) return refused(disabled(name));
   if (has_expired(*found.credential, now))
-    return refused(fmt::format("this {} of {} has expired; {}", proof, name, remedy));
+    return refused(not_proven(fmt::format("this {} of {} has expired", proof, name), remedy));
   return proven(*found.user, *found.credential);
 }
 
@@ -158,9 +158,15 @@ std::string text_of(ProvenBy proof) {
   return proof == ProvenBy::certificate ? "certificate" : "local user";
 }
 
-std::string disabled_text(const std::string& name) {
-  return fmt::format("user {} is disabled; an admin can undo it: dccastd user enable {}", name,
-                     name);
+refusal::Facts not_proven(std::string cause, std::string remedy) {
+  return {.reason = v1::ErrorInfo::NOT_LOGGED_IN,
+          .cause = std::move(cause),
+          .remedy = std::move(remedy)};
+}
+
+refusal::Facts disabled(const std::string& name) {
+  return not_proven(fmt::format("user {} is disabled", name),
+                    fmt::format("an admin can undo it: dccastd user enable {}", name));
 }
 
 v1::Role parse_role(const std::string& text) {
@@ -275,8 +281,7 @@ Caller UserStore::enrol(const std::string& secret, const std::string& machine, s
                         std::int64_t token_expires, std::string& token) {
   const auto parts = parse_secret(secret, enrolment_prefix);
   if (!parts)
-    return refused(
-        fmt::format("this one-time secret is not one of dccastd user add; {}", ask_for_line));
+    return refused(not_proven("this one-time secret is not one of dccastd user add", ask_for_line));
 
   Found found;
   const auto judged = [&](v1::Users& users) {
@@ -310,7 +315,7 @@ Caller UserStore::enrol(const std::string& secret, const std::string& machine, s
 Caller UserStore::prove(const std::string& token, std::int64_t now) {
   const std::string remedy = fmt::format("log in again: dccast login; {}", ask_for_line);
   const auto parts = parse_secret(token, token_prefix);
-  if (!parts) return refused(fmt::format("what was sent is no token of dccastd; {}", remedy));
+  if (!parts) return refused(not_proven("what was sent is no token of dccastd", remedy));
 
   const std::lock_guard guard(mutex_);
   refresh();

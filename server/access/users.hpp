@@ -9,6 +9,7 @@
 #include <string>
 
 #include "dccast/v1/access.pb.h"
+#include "proto/refusal/refusal.hpp"
 
 namespace dccast::access {
 
@@ -26,11 +27,11 @@ struct Caller {
   std::string name{};  ///< empty if the system does not know the local user
   v1::Role role = v1::ROLE_UNSPECIFIED;
   ProvenBy by = ProvenBy::local_user;
-  std::string credential{};       ///< id of the token
-  std::int64_t expires_unix = 0;  ///< of token or certificate [s since 1970]; 0: never
-  std::string refusal{};          ///< why the identity was not proved: a sentence with the remedy
+  std::string credential{};                 ///< id of the token
+  std::int64_t expires_unix = 0;            ///< of token or certificate [s since 1970]; 0: never
+  std::optional<refusal::Facts> refusal{};  ///< why the identity was not proved
 
-  bool proven() const { return refusal.empty(); }
+  bool proven() const { return !refusal; }
 };
 
 /// Users of other machines, with salted digests of their secrets, in users.toml of the data
@@ -86,7 +87,9 @@ private:
 /// "viewer", "submitter" or "admin". @throws Refused for another text
 v1::Role parse_role(const std::string& text);
 std::string text_of(v1::Role role);
-/// Text of the refusal of a disabled user.
-std::string disabled_text(const std::string& name);
+/// Why an identity is not proved.
+refusal::Facts not_proven(std::string cause, std::string remedy);
+/// The same of a disabled user.
+refusal::Facts disabled(const std::string& name);
 
 }  // namespace dccast::access

@@ -153,9 +153,9 @@ void add_tally(Exposition& to, const jobs::TallyFigures& tally, bool shows_owner
 
   to.begin("dccast_job_failures_total", "counter", "Jobs that have failed, by cause.");
   // All kinds from the beginning, so that the first failure of a kind is an increase, too.
-  const auto* kinds = v1::Failure::Kind_descriptor();
+  const auto* kinds = v1::Finding::Kind_descriptor();
   for (int i = 1; i < kinds->value_count(); ++i) {
-    const auto kind = static_cast<v1::Failure::Kind>(kinds->value(i)->number());
+    const auto kind = static_cast<v1::Finding::Kind>(kinds->value(i)->number());
     to.sample(count(tally.failures, kind), {{"cause", kinds->value(i)->name()}});
   }
 

@@ -10,6 +10,7 @@
 #include "proto/case_file/alloy_cards.hpp"
 #include "server/jobs/executors/warm_workers.hpp"
 #include "server/jobs/folder/result_files.hpp"
+#include "server/jobs/recent.hpp"
 #include "server/jobs/store/job_store.hpp"
 
 namespace dccast::intake {
@@ -49,6 +50,8 @@ public:
   CaseIntake(jobs::WarmWorkers& workers, std::filesystem::path alloy_directory,
              std::filesystem::path check_directory, const Ceilings& ceilings);
 
+  /// Examines a case. A sound one is remembered: who validates a case and then submits it waits for
+  /// one check.
   /// @param faulty_keys  paths of keys that the client could not read
   /// @param findings     whether a case without faults is judged too, which takes longer
   /// @throws std::system_error, jobs::WorkerDidNotAnswer
@@ -89,6 +92,12 @@ private:
   v1::QueryResultResponse read_frame(const std::filesystem::path& job_folder,
                                      const FrameChoice& choice, bool running,
                                      const jobs::CallLimits& waiting) const;
+  /// A sound case that was examined before.
+  struct KnownCase {
+    ExaminedCase examined;
+    bool has_findings = false;
+  };
+
   ExaminedCase judged(const v1::Case& submitted, const jobs::Attachments& attachments,
                       std::vector<std::string> faulty_keys, const jobs::CallLimits& waiting,
                       bool findings) const;
@@ -96,6 +105,8 @@ private:
   std::vector<v1::Fault> complete(v1::Case& submitted, const jobs::Attachments& attachments) const;
   v1::ValidateCaseResponse ask_core(v1::CheckCase check, const jobs::Attachments& attachments,
                                     const jobs::CallLimits& waiting) const;
+  /// Whether the card is attached, or was read at the start: others are read anew for each case.
+  bool has_fixed_card(const v1::Case& submitted, const jobs::Attachments& attachments) const;
   /// Finds an attached or known card; the result has faults if there is none.
   case_file::AlloyCard card(const std::string& name, const jobs::Attachments& attachments) const;
 
@@ -104,6 +115,9 @@ private:
   std::filesystem::path check_directory_;
   const Ceilings ceilings_;
   std::vector<v1::Alloy> alloys_;
+  static constexpr std::size_t most_known_bytes = 16'000'000;
+  const std::unique_ptr<jobs::Recent<KnownCase>> known_ =
+      std::make_unique<jobs::Recent<KnownCase>>(most_known_bytes);  ///< by fingerprint
   const std::unique_ptr<jobs::ResultDigests> digests_ = std::make_unique<jobs::ResultDigests>();
 };
 

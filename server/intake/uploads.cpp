@@ -24,20 +24,25 @@ std::string shown_name(const v1::Attachment& attachment) {
   return values::escaped(values::shortened(attachment.name()));
 }
 
-/// @param permitted  the setting with its value
-UploadRefused refusal(const v1::Attachment& announced, const std::string& message,
-                      const std::string& permitted, const std::string& remedy) {
+/// @param limit      key of the setting
+/// @param permitted  its value
+UploadRefused refuse(const v1::Attachment& announced, const std::string& limit,
+                     const std::string& permitted, const std::string& message,
+                     const std::string& remedy) {
   const std::string given =
       fmt::format("{} of {}", shown_name(announced), megabytes(announced.size_bytes()));
-  return UploadRefused(fault_of("attachments", given, message, permitted, remedy));
+  return {
+      {.cause = fmt::format("{} {}", given, message),
+       .limit = limit,
+       .permitted = permitted,
+       .remedy = remedy},
+      fault_of("attachments", given, message, fmt::format("{} = {}", limit, permitted), remedy)};
 }
 
 }  // namespace
 
-UploadRefused::UploadRefused(v1::Fault fault)
-    : std::runtime_error(fmt::format("{} {}; permitted: {}; {}", fault.value(), fault.message(),
-                                     fault.permitted(), fault.remedy())),
-      fault_(std::move(fault)) {}
+UploadRefused::UploadRefused(refusal::Facts facts, v1::Fault fault)
+    : LimitReached(std::move(facts)), fault_(std::move(fault)) {}
 
 void Uploads::Held::change(const std::string& user, std::int64_t bytes) {
   const std::lock_guard lock(mutex_);
@@ -107,10 +112,10 @@ bool Uploads::renew(const std::string& user, const v1::Attachment& announced) {
 std::unique_ptr<Uploads::Upload> Uploads::begin(const std::string& user,
                                                 const v1::Attachment& announced) {
   if (announced.size_bytes() > limits_.largest)
-    throw refusal(announced, "is larger than a file of a case may be",
-                  fmt::format("at most maximum_attachment = {}", megabytes(limits_.largest)),
-                  "make the mesh coarser, or have maximum_attachment raised in the settings of "
-                  "dccastd");
+    throw refuse(announced, "maximum_attachment", megabytes(limits_.largest),
+                 "is larger than a file of a case may be",
+                 "make the mesh coarser, or have maximum_attachment raised in the settings of "
+                 "dccastd");
   jobs::require_free_space(directory_, limits_.minimum_free + announced.size_bytes());
 
   const std::lock_guard lock(mutex_);
@@ -135,7 +140,7 @@ void Uploads::count_upload(const std::string& user) {
   if (of_user >= limits_.at_once_of_user || of_all >= limits_.at_once)
     throw TooManyUploads(
         fmt::format("{} uploads of {} and {} in all are under way; at most {} and {} are taken at "
-                    "once: try again in a moment",
+                    "once",
                     of_user, user, of_all, limits_.at_once_of_user, limits_.at_once));
   ++of_user;
 }
@@ -153,18 +158,17 @@ void Uploads::make_room(const std::string& user, const v1::Attachment& announced
 
   while (held_->of(user) + announced.size_bytes() > limits_.of_user)
     if (!remove_oldest_used(&user))
-      throw refusal(
-          announced,
-          fmt::format("does not fit beside the {} that {} has uploaded and not used",
-                      megabytes(held_->of(user)), user),
-          fmt::format("maximum_uploads_per_user = {} together", megabytes(limits_.of_user)),
-          remedy);
+      throw refuse(announced, "maximum_uploads_per_user",
+                   fmt::format("{} together", megabytes(limits_.of_user)),
+                   fmt::format("does not fit beside the {} that {} has uploaded and not used",
+                               megabytes(held_->of(user)), user),
+                   remedy);
 
   while (held_->all() + announced.size_bytes() > limits_.all)
     if (!remove_oldest_used(nullptr))
-      throw refusal(announced,
-                    fmt::format("does not fit beside the {} of all users", megabytes(held_->all())),
-                    fmt::format("maximum_uploads = {} together", megabytes(limits_.all)), remedy);
+      throw refuse(announced, "maximum_uploads", fmt::format("{} together", megabytes(limits_.all)),
+                   fmt::format("does not fit beside the {} of all users", megabytes(held_->all())),
+                   remedy);
 }
 
 /// Removes the least recently used file, unless a call is reading it.

@@ -15,15 +15,16 @@
 
 #include "core/storage/file.hpp"
 #include "dccast/v1/job.pb.h"
+#include "proto/refusal/refusal.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 
 namespace dccast::intake {
 
 /// A limit refuses an upload. The fault gives the value, the permitted range and the remedy.
-class UploadRefused : public std::runtime_error {
+class UploadRefused : public refusal::LimitReached {
 public:
-  explicit UploadRefused(v1::Fault fault);
+  UploadRefused(refusal::Facts facts, v1::Fault fault);
   const v1::Fault& fault() const { return fault_; }
 
 private:

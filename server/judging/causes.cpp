@@ -38,16 +38,13 @@ struct Figure {
 
 constexpr std::array figures{
     Figure{Wording::flow, "heat through the wide face", "heat through the side", "W", "W/m",
-           [](const Step& s) { return s.side_heat_w() + s.side_heat_w_per_m(); }},
+           [](const Step& s) { return s.section().side_heat(); }},
     Figure{Wording::flow, "heat through the narrow face", nullptr, "W", "W/m",
-           [](const Step& s) { return s.narrow_heat_w(); }},
+           [](const Step& s) { return s.section().narrow_heat(); }},
     Figure{Wording::flow, "heat into the block", "heat into the block", "W", "W/m",
-           [](const Step& s) { return s.bottom_heat_w() + s.bottom_heat_w_per_m(); }},
+           [](const Step& s) { return s.section().bottom_heat(); }},
     Figure{Wording::flow, "heat of the metal", "heat of the metal", "W", "W/m",
-           [](const Step& s) {
-             return s.metal_heat_w() + s.metal_heat_w_per_m() + s.level_heat_w() +
-                    s.level_heat_w_per_m();
-           }},
+           [](const Step& s) { return s.section().metal_heat() + s.section().level_heat(); }},
     Figure{Wording::contact, "contact with the block", "contact with the block", "m2", "m",
            [](const Step& s) { return s.contact_area_m2() + s.contact_length_m(); }},
     Figure{Wording::shell, "shell at the water line", "shell at the water line", "m", "m",

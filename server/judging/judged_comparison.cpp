@@ -90,8 +90,8 @@ void add_curls(const Runs& runs, const std::string& monitor, v1::Judgement& judg
     const auto curl = runs[i].curl_m(monitor);
     if (curl.empty()) continue;
     v1::Chart::Line& line = add_line(chart, numbered(runs, i), runs[i].time_s(), curl);
-    if (const auto share = case_file::relative_discretisation_error(runs[i].description))
-      add_band(line, *share);
+    if (const auto error = case_file::relative_discretisation_error(runs[i].description))
+      add_band(line, *error);
   }
 }
 
@@ -150,15 +150,16 @@ void add_differences_table(const Runs& runs, const Differences& differences,
   for (const int column : {4, 5}) table.mutable_columns(column)->set_is_signed(true);
 
   for (const CurlDifference& row : differences) {
-    const auto curl_cell = [](const JudgedRun& run, double curl_m) {
-      const auto share = case_file::relative_discretisation_error(run.description);
-      return number_cell(curl_m, share ? std::optional(*share * std::abs(curl_m)) : std::nullopt);
+    const auto own_curl = [](const JudgedRun& run, double curl_m) {
+      const auto error = case_file::relative_discretisation_error(run.description);
+      return curl_cell(curl_m,
+                       error ? std::optional(case_file::curl_error(*error, curl_m)) : std::nullopt);
     };
     const v1::Cell monitor = text_cell(row.monitor);
     const v1::Cell end = number_cell(row.course.places.back(), row.course.unit());
-    add_row(table, {monitor, number_cell(1), curl_cell(runs.front(), row.first_m), end});
+    add_row(table, {monitor, number_cell(1), own_curl(runs.front(), row.first_m), end});
     add_row(table, {monitor, number_cell(static_cast<double>(row.run + 1)),
-                    curl_cell(runs[row.run], row.other_m), end, number_cell(row.end_m, row.error_m),
+                    own_curl(runs[row.run], row.other_m), end, number_cell(row.end_m, row.error_m),
                     number_cell(row.largest_m), number_cell(row.largest_at, row.course.unit()),
                     code_cell(code_of(row.verdict())),
                     code_cell(sources[static_cast<int>(row.error_source)])});

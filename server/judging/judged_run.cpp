@@ -35,8 +35,7 @@ std::vector<double> JudgedRun::curl_m(const std::string& monitor) const {
     if (found == values.end()) continue;
 
     reported = true;
-    const auto& displacement = found->displacement_m();
-    if (displacement.size() > 1) curl[i] = displacement[displacement.size() - 1];
+    if (found->has_curl_m()) curl[i] = found->curl_m();
   }
   return reported ? curl : std::vector<double>{};
 }

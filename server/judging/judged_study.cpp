@@ -47,10 +47,10 @@ std::string loss_text(const v1::StudyResult& result) {
   std::map<std::string, int> reasons;
   for (const v1::StudyRun& run : result.runs()) {
     if (!run.has_failure()) continue;
-    const v1::Failure& failure = run.failure();
-    std::string kind = lower_case(v1::Failure_Kind_Name(failure.kind()));
+    const v1::Finding& failure = run.failure();
+    std::string kind = lower_case(v1::Finding_Kind_Name(failure.kind()));
     std::ranges::replace(kind, '_', ' ');
-    ++reasons[failure.finding().empty() ? kind : failure.finding()];
+    ++reasons[failure.code().empty() ? kind : failure.code()];
   }
   return joined(reasons, ", ", [](const auto& reason) {
     return fmt::format("{} {}", reason.second, reason.first);
@@ -78,7 +78,7 @@ bool is_valid(const v1::StudyRun& run) {
 
 std::string outcome_code(const v1::StudyRun& run) {
   if (run.beyond_validity()) return "beyond_validity";
-  if (run.has_failure()) return lower_case(v1::Failure_Kind_Name(run.failure().kind()));
+  if (run.has_failure()) return lower_case(v1::Finding_Kind_Name(run.failure().kind()));
   if (run.job().empty() && run.state() == v1::QUEUED) return "waiting";
   return lower_case(v1::JobState_Name(run.state()));
 }
@@ -110,9 +110,9 @@ void add_lost_runs(const v1::StudyResult& result, JudgementPart::Place place,
 namespace {
 
 /// What mesh and time steps leave uncertain of a curl of a run; empty: not known.
-std::optional<double> mesh_error_m(const v1::StudyRun& run, double curl_m) {
-  if (!run.has_relative_curl_error()) return std::nullopt;
-  return run.relative_curl_error() * std::abs(curl_m);
+std::optional<case_file::CurlError> mesh_error(const v1::StudyRun& run, double curl_m) {
+  if (!run.has_mesh_error()) return std::nullopt;
+  return case_file::curl_error(run.mesh_error(), curl_m);
 }
 
 /// Smallest difference worth showing of the curls of a monitor [m]: the smallest of their errors is
@@ -126,7 +126,8 @@ double shown_end_curl_m(const v1::StudyResult& result, int monitor) {
   double least_m = 0.0;
   for (const v1::StudyRun& run : result.runs()) {
     if (monitor >= run.end_curl_m_size()) continue;
-    const double error_m = mesh_error_m(run, run.end_curl_m(monitor)).value_or(0.0);
+    const double error_m =
+        mesh_error(run, run.end_curl_m(monitor)).value_or(case_file::CurlError{}).larger_m();
     if (error_m > 0.0 && (least_m == 0.0 || error_m < least_m)) least_m = error_m;
   }
   if (least_m == 0.0) return finest_m;
@@ -134,8 +135,7 @@ double shown_end_curl_m(const v1::StudyResult& result, int monitor) {
 }
 
 void add_run_columns(const v1::StudyResult& result, v1::Table& table) {
-  const bool has_errors =
-      std::ranges::any_of(result.runs(), &v1::StudyRun::has_relative_curl_error);
+  const bool has_errors = std::ranges::any_of(result.runs(), &v1::StudyRun::has_mesh_error);
   *table.add_columns() = number_column("run", "run", "", 1.0);
   if (result.study().has_refinement()) {
     *table.add_columns() = number_column("refinement", "refinement", "", 1.0);
@@ -172,7 +172,7 @@ void add_runs(const v1::StudyResult& result, v1::Judgement& judgement) {
       v1::Cell& cell = *row.add_cells();
       if (monitor >= run.end_curl_m_size()) continue;
       const double curl_m = run.end_curl_m(monitor);
-      cell = number_cell(curl_m, mesh_error_m(run, curl_m));
+      cell = curl_cell(curl_m, mesh_error(run, curl_m));
     }
 
     const auto findings = std::ranges::count_if(run.findings(), [](const v1::Finding& finding) {

@@ -39,6 +39,14 @@ std::vector<int> axes_by_share_at_end(const v1::Spread& spread) {
   return axes_by(spread, [&](int axis) { return last(spread.shares(axis).total()); });
 }
 
+/// "± 0.36 mm", or "-0 +4.9 mm" where the sides differ.
+std::string error_text(const v1::RelativeError& relative, double curl_m) {
+  const case_file::CurlError error = case_file::curl_error(relative, curl_m);
+  if (error.lower_m == error.upper_m) return fmt::format("± {} mm", mm(error.upper_m));
+  const auto side = [](double metres) { return metres > 0.0 ? mm(metres) : "0"; };
+  return fmt::format("-{} +{} mm", side(error.lower_m), side(error.upper_m));
+}
+
 std::string datum(const v1::StudyResult& result, int axis) {
   return case_file::datum_of(result.study().sweep().axes(axis).key());
 }
@@ -58,9 +66,9 @@ void add_sentences(const StudyToJudge& study, v1::Judgement& judgement) {
       mm(last(spread.median_m()))));
   const v1::StudyRun* const run = first_valid_run(result);
   judgement.add_sentences(
-      run != nullptr && run->has_relative_curl_error()
-          ? fmt::format("Mesh and time steps add ± {} mm.",
-                        mm(run->relative_curl_error() * std::abs(last(spread.median_m()))))
+      run != nullptr && run->has_mesh_error()
+          ? fmt::format("Mesh and time steps add {}.",
+                        error_text(run->mesh_error(), last(spread.median_m())))
           : "What mesh and time steps add is not known for such a case: run dccast convergence.");
   if (spread.has_inside_band())
     judgement.add_sentences(fmt::format("{} % of castings end inside the accepted band.",
@@ -116,10 +124,10 @@ void add_curl_chart(const v1::StudyResult& result, v1::Judgement& judgement) {
   *data.mutable_high() = spread.high_m();
 
   const v1::StudyRun* const run = first_valid_run(result);
-  if (run == nullptr || !run->has_relative_curl_error()) return;
+  if (run == nullptr || !run->has_mesh_error()) return;
   v1::Chart::Line& mesh = add_line(chart, "mesh and time steps", vector_of(spread.time_s()),
                                    vector_of(spread.median_m()));
-  add_band(mesh, run->relative_curl_error());
+  add_band(mesh, run->mesh_error());
   // The band alone: its middle is the line above.
   for (double& value : *mesh.mutable_y()) value = std::numeric_limits<double>::quiet_NaN();
 }

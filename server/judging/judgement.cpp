@@ -53,6 +53,14 @@ v1::Cell number_cell(double value, const std::optional<double>& error) {
   return cell;
 }
 
+v1::Cell curl_cell(double curl_m, const std::optional<case_file::CurlError>& error) {
+  v1::Cell cell = number_cell(curl_m);
+  if (!cell.has_value() || !error) return cell;
+  cell.set_lower_error(error->lower_m);
+  cell.set_upper_error(error->upper_m);
+  return cell;
+}
+
 v1::Table::Column number_column(const std::string& key, const std::string& heading,
                                 const std::string& unit, double resolution) {
   v1::Table::Column column = text_column(key, heading);
@@ -104,10 +112,11 @@ v1::Chart::Line& add_line(v1::Chart& chart, const std::string& name, const std::
   return line;
 }
 
-void add_band(v1::Chart::Line& line, double share) {
-  for (const double value : line.y()) {
-    line.add_low(value - share * std::abs(value));
-    line.add_high(value + share * std::abs(value));
+void add_band(v1::Chart::Line& line, const v1::RelativeError& error) {
+  for (const double curl_m : line.y()) {
+    const case_file::CurlError around = case_file::curl_error(error, curl_m);
+    line.add_low(curl_m - around.lower_m);
+    line.add_high(curl_m + around.upper_m);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dccast/v1/judgement.pb.h"
+#include "proto/case_file/quality.hpp"
 #include "proto/values/plant_units.hpp"
 #include "server/judging/comparison.hpp"
 
@@ -38,6 +39,8 @@ v1::Cell case_cell(const std::string& value);
 v1::Cell number_cell(double value, const std::string& unit = {});
 /// @param error  half the width of the band around the value; empty: not known
 v1::Cell number_cell(double value, const std::optional<double>& error);
+/// A curl with its errors; empty: not known.
+v1::Cell curl_cell(double curl_m, const std::optional<case_file::CurlError>& error);
 
 /// A column of numbers; further properties are set on the result.
 /// @param resolution  smallest difference worth showing [unit]
@@ -65,8 +68,8 @@ v1::Chart& add_chart(v1::Judgement& judgement, const std::string& key, const std
 v1::Chart::Line& add_line(v1::Chart& chart, const std::string& name, const std::vector<double>& x,
                           const std::vector<double>& y);
 
-/// A band around a line that grows with its values. @param share  half of it, relative to a value
-void add_band(v1::Chart::Line& line, double share);
+/// The band that mesh and time steps leave around a line of curls.
+void add_band(v1::Chart::Line& line, const v1::RelativeError& error);
 
 /// Makes lines of charts coarser until the whole has at most so many points.
 void limit_points(v1::Judgement& judgement, int most);

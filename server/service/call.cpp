@@ -73,7 +73,7 @@ public:
     gate_.record({}, caller, rule, shown.peer->address, status);
     return status;
   } catch (const std::exception& error) {
-    return {grpc::UNAVAILABLE, error.what()};
+    return make_status({.reason = ErrorInfo::BUSY, .cause = error.what()});
   }
 
 private:
@@ -111,7 +111,7 @@ CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
     shown_ = shown_in(context.client_metadata(), gate.peers());
     if (shown_.peer->over_tls) judge();
   } catch (const std::exception& error) {
-    refusal_ = {grpc::UNAVAILABLE, error.what()};
+    refusal_ = make_status({.reason = ErrorInfo::BUSY, .cause = error.what()});
   }
 }
 
@@ -158,9 +158,9 @@ void CallOrigin::record_refusal(const grpc::Status& status) const {
 }
 
 void check_wanted(const Call& call) {
-  if (call.cancelled()) refuse(grpc::CANCELLED, "the caller has left");
+  if (call.cancelled()) refuse(ErrorInfo::CALLER_LEFT, "the caller has left");
   if (std::chrono::system_clock::now() >= call.deadline)
-    refuse(grpc::DEADLINE_EXCEEDED, "the call waited until its deadline; try again");
+    refuse(ErrorInfo::TOO_LATE, Remedy{"try again"}, "the call waited until its deadline");
 }
 
 jobs::CallLimits waiting_time(const Call& call, double most_s) {

@@ -37,7 +37,7 @@ std::string find_case_text(const v1::ReadCaseRequest& request) {
   if (request.source_case() != v1::ReadCaseRequest::kShipped) return request.text();
   const auto& cases = shipped::case_templates();
   if (const auto* known = shipped::find(cases, request.shipped())) return known->text;
-  refuse(grpc::NOT_FOUND, "no case called \"{}\" is built in; there are {}",
+  refuse(ErrorInfo::NOT_FOUND, "no case called \"{}\" is built in; there are {}",
          values::escaped(values::shortened(request.shipped())),
          fmt::join(shipped::names_of(cases), ", "));
 }
@@ -46,7 +46,7 @@ void describe(const access::Caller& caller, v1::WhoAmIResponse& response) {
   response.set_name(caller.name);
   response.set_role(caller.role);
   response.set_proof(access::text_of(caller.by));
-  response.set_expires_unix(caller.expires_unix);
+  if (caller.expires_unix != 0) response.mutable_expire_time()->set_seconds(caller.expires_unix);
 }
 
 }  // namespace
@@ -127,7 +127,7 @@ Unary* SimulationService::Enrol(Wire* wire, const v1::EnrolRequest* request,
         request->secret(), request->machine(), now,
         now + std::llround(context_.settings.token_lifetime_s()), *response->mutable_token());
 
-    if (!user.refusal.empty()) refuse(grpc::UNAUTHENTICATED, "{}", user.refusal);
+    if (!user.proven()) throw Refusal{make_status(*user.refusal)};
     call.note->set_user(user.name);
     call.note->set_reason("a token was made for " + request->machine());
     describe(user, *response->mutable_user());
@@ -144,7 +144,7 @@ Unary* SimulationService::RevokeToken(Wire* wire, const v1::RevokeTokenRequest* 
                                       v1::RevokeTokenResponse*) {
   return answer(wire, *request, lanes_.durable, [this](const Call& call) {
     if (call.caller.credential.empty())
-      refuse(grpc::FAILED_PRECONDITION,
+      refuse(ErrorInfo::WRONG_STATE,
              "this call was not made with a token; there is nothing to revoke");
     context_.gate.authority().users().revoke(call.caller.name, call.caller.credential);
     call.note->set_reason("the token was revoked by its user");

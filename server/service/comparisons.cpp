@@ -36,11 +36,13 @@ FoundRun find_job_run(Context& context, const Call& call, const std::string& id)
 
   FoundRun run;
   if (!jobs::read_complete_case(context.jobs_directory / id, run.judged.description))
-    refuse(grpc::DATA_LOSS, "the case of job {} cannot be read any more", id);
+    refuse(ErrorInfo::DAMAGED, "the case of job {} cannot be read any more", id);
   intake::make_printable(run.judged.description);
 
   auto steps = read_steps(context, id);
-  if (!steps) refuse(grpc::ABORTED, "job {} has gone back to a checkpoint; ask again", id);
+  if (!steps)
+    refuse(ErrorInfo::CHANGED_MEANWHILE, Remedy{"ask again"},
+           "job {} has gone back to a checkpoint", id);
   run.judged.steps = std::move(*steps);
 
   run.judged.name = id.substr(0, length_of_short_id);
@@ -69,9 +71,8 @@ void add_or_replace(const v1::Finding& finding, Summary& summary) {
 FoundRun find_answer(Context& context, const std::string& key) {
   const auto kept = context.query_answers.find(key);
   if (!kept)
-    refuse(grpc::NOT_FOUND,
-           "the answer of a query is not kept any more; ask the query again, or keep its run as a "
-           "job");
+    refuse(ErrorInfo::NOT_FOUND, Remedy{"ask the query again, or keep its run as a job"},
+           "the answer of a query is not kept any more");
 
   FoundRun run;
   run.judged.description.ParseFromString(kept->complete_case);
@@ -107,7 +108,7 @@ FoundRun find_run(Context& context, const Call& call, const v1::ComparedRun& ask
   run.summary.set_name(run.judged.name);
 
   if (run.judged.steps.empty())
-    refuse(grpc::FAILED_PRECONDITION, "{} has no step yet; compare it when it has begun",
+    refuse(ErrorInfo::WRONG_STATE, Remedy{"compare it when it has begun"}, "{} has no step yet",
            run.judged.name);
   return run;
 }
@@ -133,9 +134,8 @@ void compare(Context& context, const Call& call, const v1::CompareRunsRequest& r
 
   *comparison.mutable_judgement() = judging::judge_comparison(runs, companions);
   if (const std::size_t size = comparison.ByteSizeLong(); size > answer_bytes)
-    refuse(grpc::RESOURCE_EXHAUSTED,
-           "the comparison has {} bytes, more than an answer of 4 MiB holds; compare fewer runs",
-           size);
+    refuse(ErrorInfo::ANSWER_TOO_LARGE, Remedy{"compare fewer runs"},
+           "the comparison has {} bytes, more than an answer of 4 MiB holds", size);
 }
 
 }  // namespace

@@ -22,24 +22,9 @@ std::string name_of(grpc::StatusCode code) {
   return absl::StatusCodeToString(static_cast<absl::StatusCode>(code));
 }
 
-/// The setting named in a refusal: every refusal by a limit names one.
-std::string limit_in(const std::string& message) {
-  for (const char* first : {"maximum_", "minimum_"}) {
-    const auto begin = message.find(first);
-    if (begin == std::string::npos) continue;
-    return message.substr(begin,
-                          message.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", begin) - begin);
-  }
-  return "waiting_calls";
-}
-
 /// The address without its port, so that connections of one machine share a limit.
 std::string host_of(const std::string& peer) {
   return peer.substr(0, peer.rfind(':'));
-}
-
-grpc::Status unauthenticated(const std::string& why) {
-  return {grpc::UNAUTHENTICATED, why};
 }
 
 }  // namespace
@@ -64,9 +49,9 @@ access::Caller Gate::identify(const Shown& shown) {
     return authority_.by_certificate(peer.certificate_name, peer.certificate_ends_unix,
                                      std::time(nullptr));
   return {.by = access::ProvenBy::token,
-          .refusal =
-              "this call has no token; log in first: dccast login, with the line of "
-              "`dccastd user add`"};
+          .refusal = access::not_proven(
+              "this call has no token",
+              "log in first: dccast login, with the line of `dccastd user add`")};
 }
 
 grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& rule,
@@ -77,16 +62,17 @@ grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& 
 
   // The rate is checked first: calls of unauthenticated peers must stay cheap.
   if (!rate.take(who, std::chrono::steady_clock::now()))
-    return {grpc::RESOURCE_EXHAUSTED,
-            fmt::format("{} makes more calls a second than maximum_calls_per_s = {:f} permits {}; "
-                        "wait a moment, then try again",
-                        who, rate_.per_s(),
-                        proven ? "one user" : "one who has proved nothing (a tenth of it)")};
+    return make_status(
+        {.reason = ErrorInfo::LIMIT_REACHED,
+         .cause = fmt::format("{} makes more calls a second than {} may", who,
+                              proven ? "one user" : "one who has proved nothing (a tenth)"),
+         .limit = "maximum_calls_per_s",
+         .permitted = fmt::format("{:f}", rate_.per_s()),
+         .remedy = "wait a moment, then try again"});
 
   if (rule.access.role() == v1::ANYONE) return grpc::Status::OK;
-  if (!proven) return unauthenticated(caller.refusal);
-  if (const std::string fault = authority_.role_fault(caller, rule); !fault.empty())
-    return {grpc::PERMISSION_DENIED, fault};
+  if (!proven) return make_status(*caller.refusal);
+  if (const auto fault = authority_.role_fault(caller, rule)) return make_status(*fault);
   return grpc::Status::OK;
 }
 
@@ -97,15 +83,13 @@ grpc::Status Gate::permit_touch(const access::Caller& caller, const access::Call
   const auto owner = (of_study ? owners_.study : owners_.job)(id);
   if (!owner) return grpc::Status::OK;  // the handler answers NOT_FOUND
 
-  const std::string fault =
+  const auto fault =
       authority_.owner_fault(caller, rule, *owner, (of_study ? "study " : "job ") + id);
-  if (fault.empty()) return grpc::Status::OK;
-  return {grpc::PERMISSION_DENIED, fault};
+  return fault ? make_status(*fault) : grpc::Status::OK;
 }
 
 void Gate::enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream) {
-  if (const std::string limit = streams_.enter(caller.name, "streams"); !limit.empty())
-    refuse(grpc::RESOURCE_EXHAUSTED, "{}; end one, then try again", limit);
+  streams_.enter(caller.name, "streams");
 
   const std::lock_guard lock(mutex_);
   std::erase_if(lasting_, [](const Lasting& call) { return call.stream.expired(); });
@@ -140,9 +124,9 @@ void Gate::end_lapsed(std::int64_t now) {
 
   // Without the lock: ending a stream calls gRPC.
   for (const Lasting& call : open) {
-    const std::string why = authority_.lapse(call.caller, now);
-    if (why.empty()) continue;
-    if (const auto stream = call.stream.lock()) stream->lapse(unauthenticated(why));
+    const auto why = authority_.lapse(call.caller, now);
+    if (!why) continue;
+    if (const auto stream = call.stream.lock()) stream->lapse(make_status(*why));
   }
 }
 
@@ -151,8 +135,9 @@ void Gate::count(const std::string& method, const grpc::Status& status,
   const std::lock_guard lock(figures_mutex_);
   figures_.seconds.try_emplace({method, name_of(status.error_code())}, CallFigures::bounds_s)
       .first->second.add(taken.count());
-  if (status.error_code() == grpc::RESOURCE_EXHAUSTED)
-    ++figures_.refused[limit_in(status.error_message())];
+  if (status.ok()) return;
+  const auto why = refusal::read_details(status.error_details());
+  if (why && !why->limit.empty()) ++figures_.refused[why->limit];
 }
 
 CallFigures Gate::figures() {
@@ -171,7 +156,7 @@ void Gate::record(v1::AuditEvent event, const access::Caller& caller, const acce
   if (!status.ok() && !recorded_refusals_.take(who, std::chrono::steady_clock::now())) return;
 
   if (event.user().empty()) event.set_user(caller.name);
-  if (caller.refusal.empty()) {
+  if (caller.proven()) {
     event.set_role(access::text_of(caller.role));
     event.set_proof(access::text_of(caller.by));
   }

@@ -92,7 +92,7 @@ public:
                             const std::string& id);
 
   /// Counts a stream, and ends the stream when its caller loses access. leave() removes it from the
-  /// count. @throws Refusal  a limit is reached
+  /// count. @throws refusal::LimitReached
   void enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream);
   /// Takes a stream from the count.
   void leave(const access::Caller& caller) { streams_.leave(caller.name); }

@@ -22,7 +22,7 @@ namespace {
 
 void check_case_file(const std::string& text) {
   constexpr std::size_t longest = 1 << 20;
-  if (text.size() > longest) refuse("case_file is longer than 1 MiB; leave it empty");
+  if (text.size() > longest) refuse(Remedy{"leave it empty"}, "case_file is longer than 1 MiB");
 }
 
 void check_time_limit(double seconds, double most) {
@@ -82,10 +82,9 @@ void check_joins_own_study(Context& context, const access::Caller& caller, const
   if (id.empty()) return;
   const auto study = context.studies.find(id);
   if (!study || study->owner() == caller.name) return;
-  refuse(grpc::PERMISSION_DENIED,
-         "study {} is of {}, and holds jobs of its owner alone; submit the job without a study, or "
-         "for one of your own",
-         id, study->owner().empty() ? "no known user" : study->owner());
+  refuse(ErrorInfo::NOT_PERMITTED, Remedy{"submit the job without a study, or for one of your own"},
+         "study {} is of {}, and holds jobs of its owner alone", id,
+         study->owner().empty() ? "no known user" : study->owner());
 }
 
 /// What the first stage of SubmitJob passes to its second.
@@ -159,7 +158,7 @@ jobs::JobStore::Page select_jobs(const Context& context, const access::Caller& c
   // Users who read only their own jobs must not learn of others by a filter.
   if (context.gate.authority().reads_own_only(caller)) {
     if (!wanted.owner.empty() && wanted.owner != caller.name)
-      refuse(grpc::PERMISSION_DENIED, "{} reads only jobs of their own (read = \"own\")",
+      refuse(ErrorInfo::NOT_PERMITTED, "{} reads only jobs of their own (read = \"own\")",
              caller.name);
     wanted.owner = caller.name;
   }
@@ -196,13 +195,13 @@ void fit_into_list(v1::Job& job) {
   if (job.has_last_step()) job.mutable_last_step()->clear_monitors();
   if (!job.has_failure()) return;
 
-  v1::Failure& failure = *job.mutable_failure();
+  v1::Finding& failure = *job.mutable_failure();
   cut(*failure.mutable_message(), most_of_a_job / 8);
   if (failure.residual_history_size() > most_residuals)
     failure.mutable_residual_history()->Truncate(most_residuals);
 
-  while (failure.ByteSizeLong() > most_of_a_job / 2 && failure.further_causes_size() > 0)
-    failure.mutable_further_causes()->RemoveLast();
+  while (failure.ByteSizeLong() > most_of_a_job / 2 && failure.further_size() > 0)
+    failure.mutable_further()->RemoveLast();
 }
 
 /// Adds jobs until the page is full, by number or by bytes, and then names the next page.
@@ -249,8 +248,8 @@ private:
     cursor_.sequence = std::max<std::int64_t>(request_.from_sequence(), 1);
 
     if (cursor_.sequence > log_->last_sequence() + 1)
-      refuse(grpc::OUT_OF_RANGE, "job {} has {} events so far; watch from one of them, or the next",
-             request_.id(), log_->last_sequence());
+      refuse(ErrorInfo::OUT_OF_RANGE, Remedy{"watch from one of them, or the next"},
+             "job {} has {} events so far", request_.id(), log_->last_sequence());
     context_.logs.watch(request_.id(), std::static_pointer_cast<JobStream>(shared_from_this()));
   }
 
@@ -262,14 +261,16 @@ private:
       }
     } catch (const std::exception& error) {
       log::error("{}", error.what());
-      refuse(grpc::DATA_LOSS, "{}; `dccastd check` says what is left of it", error.what());
+      refuse(ErrorInfo::DAMAGED, Remedy{"`dccastd check` says what is left of it"}, "{}",
+             error.what());
     }
 
     if (log_->terminal_event()) return {.end = grpc::Status::OK};
     if (context_.leaving)
-      refuse(grpc::UNAVAILABLE,
-             "dccastd is shutting down; the job goes on when it is back: watch again from {}",
-             cursor_.sequence);
+      refuse(ErrorInfo::SHUTTING_DOWN,
+             Remedy{fmt::format("the job goes on when it is back: watch again from {}",
+                                cursor_.sequence)},
+             "dccastd is shutting down");
     return {};
   }
 

@@ -44,8 +44,6 @@ Response accepted(const intake::ExaminedCase& examined, bool from_store, const s
   response.mutable_accepted()->set_job(job);
   if (job.empty()) response.mutable_accepted()->set_answer(answer);
   *response.mutable_accepted()->mutable_case_() = examined.complete;
-  if (const auto error = case_file::relative_discretisation_error(examined.complete))
-    response.mutable_accepted()->set_relative_curl_error(*error);
   return response;
 }
 
@@ -303,7 +301,7 @@ private:
     pass_on(std::move(response));
   }
 
-  void finish(v1::JobState state, const v1::Failure& failure) {
+  void finish(v1::JobState state, const v1::Finding& failure) {
     Response response;
     response.mutable_ended()->set_state(state);
     if (state == v1::FAILED) *response.mutable_ended()->mutable_failure() = failure;
@@ -400,7 +398,9 @@ private:
 
     // The caller did not leave: the query was cancelled by the shutdown.
     if (status.error_code() == grpc::CANCELLED && context_.leaving)
-      status = {grpc::UNAVAILABLE, "dccastd is shutting down; ask again later"};
+      status = make_status({.reason = ErrorInfo::SHUTTING_DOWN,
+                            .cause = "dccastd is shutting down",
+                            .remedy = "ask again later"});
 
     {
       const std::lock_guard lock(mutex_);

@@ -30,14 +30,15 @@ constexpr int sqlite_corrupt = 11;
 constexpr int sqlite_full = 13;
 constexpr int sqlite_cannot_open = 14;
 constexpr int sqlite_not_a_database = 26;
-// Base64 and the message add to this; together they stay below the 8 KiB limit of trailers.
-constexpr std::size_t largest_details = 4096;
+// Base64, and the message twice, add to this; together they stay below the 8 KiB limit of trailers.
+constexpr std::size_t largest_details = 3584;
+constexpr std::size_t longest_report = 1024;  // of a bug
 
 grpc::Status refuse_for_full_disk(const std::string& what) {
-  return {grpc::RESOURCE_EXHAUSTED,
-          fmt::format("{}; the server's data directory takes nothing more: free space there, then "
-                      "try again",
-                      what)};
+  return make_status(
+      {.reason = ErrorInfo::STORAGE_FULL,
+       .cause = fmt::format("{}; the server's data directory takes nothing more", what),
+       .remedy = "free space there, then try again"});
 }
 
 /// Logs the error with the file's name; the caller receives the reason and who can repair it.
@@ -47,26 +48,27 @@ grpc::Status refuse_for_file(const std::system_error& error) {
 
   const std::string why = error.code().message();
   if (storage::is_resource_fault(error.code()))
-    return {grpc::RESOURCE_EXHAUSTED,
-            fmt::format("the server lacks something ({}); try again", why)};
+    return make_status({.reason = ErrorInfo::SERVER_OVERLOADED,
+                        .cause = fmt::format("the server lacks something ({})", why),
+                        .remedy = "try again"});
 
-  return {grpc::DATA_LOSS,
-          fmt::format("a file of this dccastd cannot be used ({}); its log names the file, and "
-                      "`dccastd check` says what is damaged",
-                      why)};
+  return make_status(
+      {.reason = ErrorInfo::DAMAGED,
+       .cause = fmt::format("a file of this dccastd cannot be used ({})", why),
+       .remedy = "its log names the file, and `dccastd check` says what is damaged"});
 }
 
 /// The details carry the fault, as those of check_verdict() do.
 grpc::Status refuse_upload(const intake::UploadRefused& refused) {
   v1::ValidateCaseResponse details;
   *details.add_faults() = refused.fault();
-  return {grpc::RESOURCE_EXHAUSTED, refused.what(), details.SerializeAsString()};
+  return make_status(refused.facts(), &details);
 }
 
 grpc::Status report_bug(const std::string& what) {
-  const std::string shown = values::escaped(what, values::Lines::several);
   log::error("{}", values::escaped(what));
-  return {grpc::INTERNAL, shown};
+  const std::string shown = values::escaped(what.substr(0, longest_report), values::Lines::several);
+  return make_status({.reason = ErrorInfo::BUG, .cause = shown});
 }
 
 /// Logs the failed SQL; the caller receives the fault of the store and who can repair it.
@@ -84,15 +86,18 @@ grpc::Status refuse_for_store(const jobs::StoreError& error) {
 
     case sqlite_corrupt:
     case sqlite_not_a_database:
-      return {
-          grpc::DATA_LOSS,
-          "the job store of this dccastd, jobs.sqlite in its data directory, is damaged; stop it "
-          "and run `dccastd check --repair`, or restore a backup with `dccastd restore`"};
+      return make_status(
+          {.reason = ErrorInfo::DAMAGED,
+           .cause = "the job store of this dccastd, jobs.sqlite in its data directory, is damaged",
+           .remedy = "stop it and run `dccastd check --repair`, or restore a backup with `dccastd "
+                     "restore`"});
 
     default:
-      return {grpc::INTERNAL, fmt::format("the job store did not answer as it should (SQLite code "
-                                          "{}); the log of dccastd says more",
-                                          error.code())};
+      return make_status(
+          {.reason = ErrorInfo::BUG,
+           .cause = fmt::format("the job store did not answer as it should (SQLite code {})",
+                                error.code()),
+           .remedy = "the log of dccastd says more"});
   }
 }
 
@@ -104,21 +109,23 @@ grpc::Status refuse_for_worker(const jobs::WorkerDidNotAnswer& error) {
 
   switch (error.why()) {
     case Why::called_off:
-      return {grpc::CANCELLED, what};
+      return make_status({.reason = ErrorInfo::CALLER_LEFT, .cause = what});
 
     case Why::not_started:
     case Why::killed:
-      return {grpc::UNAVAILABLE, fmt::format("{}; try again", what)};
+      return make_status({.reason = ErrorInfo::BUSY, .cause = what, .remedy = "try again"});
 
     // The case may be too much for the settings or the machine.
     case Why::too_slow:
-      return {grpc::RESOURCE_EXHAUSTED,
-              fmt::format("{} (check_timeout in the settings of dccastd); try again, or make mesh "
-                          "and tables of the case smaller",
-                          what)};
+      return make_status(
+          {.reason = ErrorInfo::LIMIT_REACHED,
+           .cause = fmt::format("{} (check_timeout in the settings of dccastd)", what),
+           .limit = "check_timeout",
+           .remedy = "try again, or make mesh and tables of the case smaller"});
     case Why::too_large:
-      return {grpc::RESOURCE_EXHAUSTED,
-              fmt::format("{} of memory; make mesh and tables of the case smaller", what)};
+      return make_status({.reason = ErrorInfo::CASE_TOO_LARGE,
+                          .cause = fmt::format("{} of memory", what),
+                          .remedy = "make mesh and tables of the case smaller"});
 
     default:
       return report_bug(fmt::format(
@@ -128,8 +135,8 @@ grpc::Status refuse_for_worker(const jobs::WorkerDidNotAnswer& error) {
 
 void check_uuid(const std::string& given, const std::string& kind, const std::string& origin) {
   if (values::is_uuid(given)) return;
-  refuse("\"{}\" is not a {} id; an id is a UUID in lower case, {}",
-         values::escaped(values::shortened(given)), kind, origin);
+  refuse(Remedy{fmt::format("an id is a UUID in lower case, {}", origin)}, "\"{}\" is not a {} id",
+         values::escaped(values::shortened(given)), kind);
 }
 
 /// Parses "<creation time in ms>.<id>". @return false: not a token of this form
@@ -144,10 +151,65 @@ bool read_age_token(const std::string& token, AgePage& page) {
 }
 
 [[noreturn]] void refuse_unknown_job(const std::string& id) {
-  refuse(grpc::NOT_FOUND, "there is no job {} here; the list of jobs names those there are", id);
+  refuse(ErrorInfo::NOT_FOUND, Remedy{"the list of jobs names those there are"},
+         "there is no job {} here", id);
+}
+
+/// The code of a reason, as refusal.proto has it.
+grpc::StatusCode status_code(refusal::Reason reason) {
+  switch (reason) {
+    case ErrorInfo::INVALID_REQUEST:
+    case ErrorInfo::INVALID_CASE:
+      return grpc::INVALID_ARGUMENT;
+    case ErrorInfo::NOT_FOUND:
+      return grpc::NOT_FOUND;
+    case ErrorInfo::REQUEST_ID_TAKEN:
+      return grpc::ALREADY_EXISTS;
+    case ErrorInfo::WRONG_STATE:
+      return grpc::FAILED_PRECONDITION;
+    case ErrorInfo::OUT_OF_RANGE:
+      return grpc::OUT_OF_RANGE;
+    case ErrorInfo::NOT_LOGGED_IN:
+      return grpc::UNAUTHENTICATED;
+    case ErrorInfo::NOT_PERMITTED:
+      return grpc::PERMISSION_DENIED;
+    case ErrorInfo::LIMIT_REACHED:
+    case ErrorInfo::STORAGE_FULL:
+    case ErrorInfo::SERVER_OVERLOADED:
+    case ErrorInfo::CASE_TOO_LARGE:
+    case ErrorInfo::ANSWER_TOO_LARGE:
+      return grpc::RESOURCE_EXHAUSTED;
+    case ErrorInfo::ATTACHMENT_MISSING:
+    case ErrorInfo::CHANGED_MEANWHILE:
+      return grpc::ABORTED;
+    case ErrorInfo::SHUTTING_DOWN:
+    case ErrorInfo::BUSY:
+      return grpc::UNAVAILABLE;
+    case ErrorInfo::DAMAGED:
+      return grpc::DATA_LOSS;
+    case ErrorInfo::CALLER_LEFT:
+      return grpc::CANCELLED;
+    case ErrorInfo::TOO_LATE:
+      return grpc::DEADLINE_EXCEEDED;
+    case ErrorInfo::UNKNOWN_CALL:
+      return grpc::UNIMPLEMENTED;
+
+    case ErrorInfo::BUG:
+    case ErrorInfo::REASON_UNSPECIFIED:
+    // Protobuf adds these two, which no message holds.
+    case v1::ErrorInfo_Reason_ErrorInfo_Reason_INT_MIN_SENTINEL_DO_NOT_USE_:
+    case v1::ErrorInfo_Reason_ErrorInfo_Reason_INT_MAX_SENTINEL_DO_NOT_USE_:
+      break;
+  }
+  return grpc::INTERNAL;
 }
 
 }  // namespace
+
+grpc::Status make_status(const refusal::Facts& facts, const google::protobuf::Message* detail) {
+  const grpc::StatusCode code = status_code(facts.reason);
+  return {code, facts.message(), refusal::write_details(code, facts, detail)};
+}
 
 grpc::Status guarded(const std::function<void()>& handler) {
   try {
@@ -157,33 +219,45 @@ grpc::Status guarded(const std::function<void()>& handler) {
     // Refusals of calls, limits and uploads carry their own remedy.
   } catch (const Refusal& refusal) {
     return refusal.status;
-  } catch (const jobs::QueueFull& error) {
-    return {grpc::RESOURCE_EXHAUSTED, error.what()};
   } catch (const intake::UploadRefused& refused) {
     return refuse_upload(refused);
+  } catch (const refusal::LimitReached& limit) {
+    return make_status(limit.facts());
   } catch (const intake::UploadBroken& error) {
-    return {grpc::INVALID_ARGUMENT, error.what()};
+    return make_status({.reason = ErrorInfo::INVALID_REQUEST, .cause = error.what()});
   } catch (const intake::TooManyUploads& error) {
-    return {grpc::UNAVAILABLE, error.what()};
+    return make_status(
+        {.reason = ErrorInfo::BUSY, .cause = error.what(), .remedy = "try again in a moment"});
   } catch (const jobs::RequestIdTaken& error) {
-    return {grpc::ALREADY_EXISTS, error.what()};
+    return make_status({.reason = ErrorInfo::REQUEST_ID_TAKEN,
+                        .cause = error.what(),
+                        .remedy = "choose a new one"});
 
     // The daemon cannot serve now.
   } catch (const jobs::StorageHeld& error) {
-    return {grpc::RESOURCE_EXHAUSTED, error.what()};
+    return make_status({.reason = ErrorInfo::STORAGE_FULL,
+                        .cause = error.what(),
+                        .remedy = "it goes on by itself once that has passed: try again then"});
   } catch (const jobs::ShuttingDown& error) {
-    return {grpc::UNAVAILABLE, error.what()};
+    return make_status({.reason = ErrorInfo::SHUTTING_DOWN,
+                        .cause = error.what(),
+                        .remedy = "submit again later"});
+  } catch (const jobs::FreeSpaceShort& error) {
+    log::error("{}", error.what());
+    return make_status(error.facts());
   } catch (const jobs::StoreError& error) {
     return refuse_for_store(error);
   } catch (const jobs::WorkerDidNotAnswer& error) {
     return refuse_for_worker(error);
   } catch (const jobs::UnsoundResult& unsound) {
-    return {grpc::DATA_LOSS, unsound.what()};
+    return make_status({.reason = ErrorInfo::DAMAGED, .cause = unsound.what()});
   } catch (const std::system_error& error) {
     return refuse_for_file(error);
   } catch (const std::bad_alloc&) {
     log::error("out of memory");
-    return {grpc::RESOURCE_EXHAUSTED, "dccastd is out of memory; try again later"};
+    return make_status({.reason = ErrorInfo::SERVER_OVERLOADED,
+                        .cause = "dccastd is out of memory",
+                        .remedy = "try again later"});
 
     // Everything else is a bug.
   } catch (const std::exception& error) {
@@ -194,8 +268,10 @@ grpc::Status guarded(const std::function<void()>& handler) {
 }
 
 grpc::Status too_many_waiting() {
-  return {grpc::RESOURCE_EXHAUSTED,
-          "too many calls of this kind are waiting already; try again in a moment"};
+  return make_status({.reason = ErrorInfo::LIMIT_REACHED,
+                      .cause = "too many calls of this kind are waiting already",
+                      .limit = "waiting_calls",
+                      .remedy = "try again in a moment"});
 }
 
 void check_job_id(const std::string& id) {
@@ -213,7 +289,7 @@ void check_study_of_job(const std::string& study) {
 void check_text(const std::string& name, const std::string& text) {
   if (const std::string fault = values::too_long(name, text); !fault.empty()) refuse("{}", fault);
   if (const auto character = values::unprintable(text))
-    refuse("{} contains {}; leave that character out", name, *character);
+    refuse(Remedy{"leave that character out"}, "{} contains {}", name, *character);
 }
 
 void check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels) {
@@ -225,7 +301,7 @@ void check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels)
     if (label.empty() || label.size() > longest_label)
       refuse("{} is not one line of 1 to {} bytes", given, longest_label);
     if (const auto character = values::unprintable(label))
-      refuse("{} contains {}; leave that character out", given, *character);
+      refuse(Remedy{"leave that character out"}, "{} contains {}", given, *character);
   }
 }
 
@@ -238,8 +314,9 @@ void check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& cha
         refuse("a change of the case contains {}", *character);
   }
   if (bytes > most_bytes_of_changes)
-    refuse("the changes of the case take {} bytes; at most {} are kept: write them into the case",
-           bytes, most_bytes_of_changes);
+    refuse(Remedy{"write them into the case"},
+           "the changes of the case take {} bytes; at most {} are kept", bytes,
+           most_bytes_of_changes);
 }
 
 void check_verdict(const v1::ValidateCaseResponse& verdict, const RunOfPlan& run) {
@@ -264,7 +341,7 @@ void check_verdict(const v1::ValidateCaseResponse& verdict, const RunOfPlan& run
         fmt::format(" ({} given here; validating the case gives all)", details.faults_size());
   const v1::Fault& first = verdict.faults(0);
   message += fmt::format("; first: {}: {}", first.field(), first.message().substr(0, 512));
-  throw Refusal{{grpc::INVALID_ARGUMENT, message, details.SerializeAsString()}};
+  throw Refusal{make_status({.reason = ErrorInfo::INVALID_CASE, .cause = message}, &details)};
 }
 
 void check_attachment(const v1::Attachment& attachment) {
@@ -282,9 +359,8 @@ jobs::Attachments uploaded_files(Context& context, const Call& call,
     auto file = context.uploads.find(call.caller.name, attachment);
 
     if (!file)
-      refuse(grpc::ABORTED,
-             "attachment \"{}\" (SHA-256 {}) is not on the server; upload it (UploadAttachment), "
-             "then call again",
+      refuse(ErrorInfo::ATTACHMENT_MISSING, Remedy{"upload it (UploadAttachment), then call again"},
+             "attachment \"{}\" (SHA-256 {}) is not on the server",
              values::escaped(values::shortened(attachment.name())), attachment.sha256());
 
     files.push_back(std::move(*file));
@@ -301,7 +377,6 @@ intake::ExaminedCase sound_case(Context& context, const Call& call, const v1::Ca
 }
 
 void check_may_queue(Context& context, const Call& call, const std::string& request_id) {
-  using grpc::RESOURCE_EXHAUSTED;
   const access::Caller& caller = call.caller;
   const v1::DaemonConfig& settings = context.settings;
   if (caller.role >= v1::ADMIN) return;
@@ -310,23 +385,25 @@ void check_may_queue(Context& context, const Call& call, const std::string& requ
   if (const auto before =
           request_id.empty() ? std::nullopt : context.store.find_request(request_id)) {
     if (before->job.owner() == caller.name) return;
-    refuse(grpc::ALREADY_EXISTS,
-           "another user has submitted a job with this request_id; choose a new one");
+    refuse(ErrorInfo::REQUEST_ID_TAKEN, Remedy{"choose a new one"},
+           "another user has submitted a job with this request_id");
   }
 
   if (const double most = settings.maximum_disk_per_user_bytes(); most > 0.0)
     if (const auto held = context.store.bytes_of(caller.name); static_cast<double>(held) >= most)
-      refuse(RESOURCE_EXHAUSTED,
-             "the jobs of {} hold {} bytes on the server; maximum_disk_per_user = {} bytes; delete "
-             "some (dccast delete)",
-             caller.name, held, std::llround(most));
+      throw refusal::LimitReached(
+          {.cause = fmt::format("the jobs of {} hold {} bytes on the server", caller.name, held),
+           .limit = "maximum_disk_per_user",
+           .permitted = fmt::format("{} bytes", std::llround(most)),
+           .remedy = "delete some (dccast delete)"});
 
   const int unfinished = context.store.unfinished_of(caller.name);
   if (unfinished >= settings.maximum_queued_per_user())
-    refuse(RESOURCE_EXHAUSTED,
-           "{} has {} jobs that have not ended; maximum_queued_per_user = {}; submit again when "
-           "some have ended",
-           caller.name, unfinished, settings.maximum_queued_per_user());
+    throw refusal::LimitReached(
+        {.cause = fmt::format("{} has {} jobs that have not ended", caller.name, unfinished),
+         .limit = "maximum_queued_per_user",
+         .permitted = std::to_string(settings.maximum_queued_per_user()),
+         .remedy = "submit again when some have ended"});
 }
 
 v1::Job find_job(Context& context, const std::string& id) {
@@ -335,14 +412,15 @@ v1::Job find_job(Context& context, const std::string& id) {
 }
 
 void refuse_unknown_study(const std::string& id) {
-  refuse(grpc::NOT_FOUND, "there is no study {} here; the list of studies names those there are",
-         id);
+  refuse(ErrorInfo::NOT_FOUND, Remedy{"the list of studies names those there are"},
+         "there is no study {} here", id);
 }
 
 void refuse_state(const v1::Job& job, const std::string& remedy) {
   const bool ended = jobs::is_terminal(job.state());
-  refuse(grpc::FAILED_PRECONDITION, "job {} is {}; {}", job.id(), v1::JobState_Name(job.state()),
-         ended ? "it has ended, submit its case again for another run" : remedy);
+  refuse(ErrorInfo::WRONG_STATE,
+         Remedy{ended ? "it has ended, submit its case again for another run" : remedy},
+         "job {} is {}", job.id(), v1::JobState_Name(job.state()));
 }
 
 v1::Job done(const jobs::Reply& reply, const std::string& id, const std::string& remedy) {
@@ -350,7 +428,8 @@ v1::Job done(const jobs::Reply& reply, const std::string& id, const std::string&
   if (reply.kind == Kind::not_found) refuse_unknown_job(id);
   if (reply.kind == Kind::wrong_state) refuse_state(reply.job, remedy);
   if (reply.kind == Kind::being_cancelled)
-    refuse(grpc::ABORTED, "job {} is being cancelled; try again when its worker has left it", id);
+    refuse(ErrorInfo::CHANGED_MEANWHILE, Remedy{"try again when its worker has left it"},
+           "job {} is being cancelled", id);
   return reply.job;
 }
 
@@ -358,18 +437,18 @@ v1::Study done(const studies::StudyReply& reply, const std::string& id, const st
   using Kind = studies::StudyReply::Kind;
   if (reply.kind == Kind::not_found) refuse_unknown_study(id);
   if (reply.kind == Kind::wrong_state && !reply.unfinished.empty())
-    refuse(grpc::FAILED_PRECONDITION, "job {} of study {} has not ended; {}", reply.unfinished, id,
-           remedy);
+    refuse(ErrorInfo::WRONG_STATE, Remedy{remedy}, "job {} of study {} has not ended",
+           reply.unfinished, id);
   if (reply.kind == Kind::wrong_state)
-    refuse(grpc::FAILED_PRECONDITION, "study {} is {}; {}", id,
-           v1::StudyState_Name(reply.study.state()), remedy);
+    refuse(ErrorInfo::WRONG_STATE, Remedy{remedy}, "study {} is {}", id,
+           v1::StudyState_Name(reply.study.state()));
   return reply.study;
 }
 
 AgePage read_page(const std::string& list, const std::string& token, int size) {
   AgePage page;
   if (!read_age_token(token, page))
-    refuse("the page_token is not one of {}; begin again without it", list);
+    refuse(Remedy{"begin again without it"}, "the page_token is not one of {}", list);
   if (size < 0) refuse("page_size must not be negative");
   if (size > 0) page.size = std::min(size, largest_page);
   return page;

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "dccast/v1/service.pb.h"
+#include "proto/refusal/refusal.hpp"
 #include "server/intake/case_intake.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/queue/scheduler.hpp"
@@ -24,19 +25,46 @@ namespace dccast::service {
 struct Call;
 struct Context;
 
+using v1::ErrorInfo;
+
 /// Status of a refused call. Handlers throw it, and guarded() returns it.
 struct Refusal {
   grpc::Status status;
 };
+
+/// What the caller can do.
+struct Remedy {
+  std::string text;
+};
+
+/// A status with the code of its reason, whose message and details follow from the facts.
+/// @param detail  further message of the details; null: none
+grpc::Status make_status(const refusal::Facts& facts,
+                         const google::protobuf::Message* detail = nullptr);
+
+/// Refuses a call. The message is "CAUSE; REMEDY". @throws Refusal
 template <class... Arguments>
-[[noreturn]] void refuse(grpc::StatusCode code, fmt::format_string<Arguments...> why,
-                         Arguments&&... arguments) {
-  throw Refusal{{code, fmt::format(why, std::forward<Arguments>(arguments)...)}};
+[[noreturn]] void refuse(refusal::Reason reason, const Remedy& remedy,
+                         fmt::format_string<Arguments...> cause, Arguments&&... arguments) {
+  throw Refusal{make_status({.reason = reason,
+                             .cause = fmt::format(cause, std::forward<Arguments>(arguments)...),
+                             .remedy = remedy.text})};
 }
-/// Refuses with INVALID_ARGUMENT.
+/// The same where the cause says what to do, or nothing helps.
 template <class... Arguments>
-[[noreturn]] void refuse(fmt::format_string<Arguments...> why, Arguments&&... arguments) {
-  refuse(grpc::INVALID_ARGUMENT, why, std::forward<Arguments>(arguments)...);
+[[noreturn]] void refuse(refusal::Reason reason, fmt::format_string<Arguments...> cause,
+                         Arguments&&... arguments) {
+  refuse(reason, Remedy{}, cause, std::forward<Arguments>(arguments)...);
+}
+/// Refuses an invalid request.
+template <class... Arguments>
+[[noreturn]] void refuse(const Remedy& remedy, fmt::format_string<Arguments...> cause,
+                         Arguments&&... arguments) {
+  refuse(ErrorInfo::INVALID_REQUEST, remedy, cause, std::forward<Arguments>(arguments)...);
+}
+template <class... Arguments>
+[[noreturn]] void refuse(fmt::format_string<Arguments...> cause, Arguments&&... arguments) {
+  refuse(ErrorInfo::INVALID_REQUEST, cause, std::forward<Arguments>(arguments)...);
 }
 
 /// Runs a handler and turns any exception into a status with a remedy. Never throws.
@@ -62,7 +90,7 @@ struct RunOfPlan {
   int refinement = 0;  ///< in a refinement study; 0 elsewhere
 };
 
-/// Refuses a case with faults. The details carry the serialised verdict with `run`. They travel in
+/// Refuses a case with faults. The details carry the verdict with `run`. They travel in
 /// the trailers of the call, which clients limit to 8 KiB: faults that do not fit are left out, and
 /// the message gives their number.
 /// @param run  the run that has this case; empty for the single case of a request

@@ -47,7 +47,7 @@ void add_steps(Context& context, const v1::QueryResultRequest& request,
 
   jobs::StepPlace place;
   if (!read_token(request.page_token(), place))
-    refuse("the page_token is not one of this history; begin again without it");
+    refuse(Remedy{"begin again without it"}, "the page_token is not one of this history");
   if (request.page_size() < 0) refuse("page_size must not be negative");
 
   const auto most = request.page_size() == 0 ? std::numeric_limits<std::size_t>::max()
@@ -56,8 +56,8 @@ void add_steps(Context& context, const v1::QueryResultRequest& request,
   const auto page = context.step_indexes.of(request.id())
                         ->page(*context.scheduler.log(request.id()), place, most, most_bytes);
   if (!page)
-    refuse(grpc::ABORTED,
-           "the run has gone back behind the page before this one; begin again without page_token");
+    refuse(ErrorInfo::CHANGED_MEANWHILE, Remedy{"begin again without page_token"},
+           "the run has gone back behind the page before this one");
 
   response.mutable_steps()->Add(page->steps.begin(), page->steps.end());
   if (page->next)
@@ -80,11 +80,12 @@ void add_frame(Context& context, const Call& call, const v1::QueryResultRequest&
   const int frames = stored.frame_time_s_size();
   if (frames == 0) refuse_state(job, results ? "its results hold no frame" : "it has no frame yet");
   if (!stored.has_frame())
-    refuse(grpc::OUT_OF_RANGE, "job {} has {} frames; ask for one of 1 to {}, or 0 for the last",
-           request.id(), frames, frames);
+    refuse(ErrorInfo::OUT_OF_RANGE,
+           Remedy{fmt::format("ask for one of 1 to {}, or 0 for the last", frames)},
+           "job {} has {} frames", request.id(), frames);
   if (!choice.field.empty() && !stored.frame().has_field())
-    refuse(grpc::NOT_FOUND, "the frame has no field \"{}\"; a frame without one names them",
-           choice.field);
+    refuse(ErrorInfo::NOT_FOUND, Remedy{"a frame without one names them"},
+           "the frame has no field \"{}\"", choice.field);
   response.MergeFrom(stored);
 }
 
@@ -93,12 +94,9 @@ void add_case_and_frame(Context& context, const Call& call, const v1::QueryResul
                         const v1::Job& job, v1::QueryResultResponse& response) {
   *response.mutable_findings() = job.findings();
   if (!jobs::read_complete_case(context.jobs_directory / request.id(), *response.mutable_case_()))
-    refuse(grpc::DATA_LOSS,
-           "the case of job {} cannot be read any more; dccastd check says what else is damaged",
-           request.id());
+    refuse(ErrorInfo::DAMAGED, Remedy{"dccastd check says what else is damaged"},
+           "the case of job {} cannot be read any more", request.id());
   intake::make_printable(*response.mutable_case_());
-  if (const auto error = case_file::relative_discretisation_error(response.case_()))
-    response.set_relative_curl_error(*error);
   if (request.frame()) add_frame(context, call, request, job, response);
 }
 
@@ -111,10 +109,12 @@ void check_size(const v1::QueryResultResponse& response) {
   if (response.ByteSizeLong() <= answer_bytes) return;
   const std::size_t frame = response.has_frame() ? response.frame().ByteSizeLong() : 0;
   const std::size_t rest = response.ByteSizeLong() - frame;
-  const std::string held = ", more than an answer of 4 MiB holds; fetch results.h5";
-  refuse(grpc::RESOURCE_EXHAUSTED, "{}",
-         frame > rest ? "the frame has " + megabytes(frame) + held + ", which has it too"
-                      : "case and first step have " + megabytes(rest) + held);
+  const std::string held = ", more than an answer of 4 MiB holds";
+  if (frame > rest)
+    refuse(ErrorInfo::ANSWER_TOO_LARGE, Remedy{"fetch results.h5, which has it too"},
+           "the frame has {}{}", megabytes(frame), held);
+  refuse(ErrorInfo::ANSWER_TOO_LARGE, Remedy{"fetch results.h5"}, "case and first step have {}{}",
+         megabytes(rest), held);
 }
 
 void check_points(const v1::ProbeResultRequest& request) {
@@ -170,7 +170,8 @@ private:
   void open(const Call& call) override {
     file_ = open_file_(call);
     if (next_ < 0 || next_ > file_.size)
-      refuse(grpc::OUT_OF_RANGE, "{} has {} bytes; begin again from 0", file_.name, file_.size);
+      refuse(ErrorInfo::OUT_OF_RANGE, Remedy{"begin again from 0"}, "{} has {} bytes", file_.name,
+             file_.size);
   }
 
   /// Sends at least one chunk, even if empty, because size and digest travel with it.
@@ -186,7 +187,7 @@ private:
     chunk.mutable_data()->resize(size);
 
     if (file_.file.read_at(next_, *chunk.mutable_data()) != size)
-      refuse(grpc::DATA_LOSS, "the file became shorter while it was read");
+      refuse(ErrorInfo::DAMAGED, "the file became shorter while it was read");
     next_ += static_cast<std::int64_t>(size);
     return {.message = std::move(chunk)};
   }
@@ -213,7 +214,7 @@ SentFile open_own_file(Context& context, const v1::Job& job, const std::string& 
   auto path = folder / name;
   if (storage::kind_of_entry(path).empty()) {
     if (name != jobs::submitted_file)
-      refuse(grpc::NOT_FOUND, "job {} has no {}: {}", job.id(), name,
+      refuse(ErrorInfo::NOT_FOUND, "job {} has no {}: {}", job.id(), name,
              name == jobs::run_facts_file ? "no attempt of it has ended" : "it has not begun");
     made.emplace(context.query_directory, jobs::Attachments{});
     path = made->path() / name;
@@ -239,8 +240,8 @@ SentFile open_artifact(Context& context, const v1::FetchResultRequest& request) 
   const std::string name = request.artifact().empty() ? "results.h5" : request.artifact();
   const v1::Artifact* artifact = artifact_of(job, name);
   if (!artifact)
-    refuse(grpc::NOT_FOUND, "job {} has no result \"{}\"; the job lists those it has", request.id(),
-           name);
+    refuse(ErrorInfo::NOT_FOUND, Remedy{"the job lists those it has"},
+           "job {} has no result \"{}\"", request.id(), name);
 
   // The client verifies the digest, so the file is not read twice here.
   return {.file = jobs::open_result(context.jobs_directory / request.id(), *artifact),
@@ -272,7 +273,8 @@ SentFile open_study(Context& context, const Call& call, const v1::FetchStudyRequ
   sent.size = sent.file.size();
 
   if (!request.sha256().empty() && request.sha256() != sent.sha256)
-    refuse(grpc::ABORTED, "the study went on meanwhile; begin again from 0");
+    refuse(ErrorInfo::CHANGED_MEANWHILE, Remedy{"begin again from 0"},
+           "the study went on meanwhile");
   return sent;
 }
 

@@ -68,11 +68,13 @@ using grpc::experimental::InterceptionHookPoints;
 
 grpc::Status readable_status(const std::string& method) {
   if (method_at(method) != nullptr)
-    return {grpc::INVALID_ARGUMENT,
-            fmt::format("the request of {} cannot be read as the message that service.proto names; "
-                        "use a client made from it",
-                        method)};
-  return {grpc::UNIMPLEMENTED, fmt::format("dccastd has no call {}", method)};
+    return make_status(
+        {.reason = ErrorInfo::INVALID_REQUEST,
+         .cause = fmt::format(
+             "the request of {} cannot be read as the message that service.proto names", method),
+         .remedy = "use a client made from it"});
+  return make_status(
+      {.reason = ErrorInfo::UNKNOWN_CALL, .cause = fmt::format("dccastd has no call {}", method)});
 }
 
 /// Lives as long as its call.
@@ -150,8 +152,7 @@ PublicServer::PublicServer(Context& context, const relay::Listener& local,
                 tls->files);
 
   server_ = builder.BuildAndStart();
-  if (!server_)
-    throw std::runtime_error(fmt::format("gRPC cannot serve on {}", local.address()));
+  if (!server_) throw std::runtime_error(fmt::format("gRPC cannot serve on {}", local.address()));
   relay_->start();
   server_->GetHealthCheckService()->SetServingStatus(alive, true);
   health_ = std::jthread([this](const std::stop_token& stop) { report_health(stop); });

@@ -79,11 +79,11 @@ v1::Prediction predict(Context& context, const v1::PredictStudyRequest& request)
   try {
     return of_study(request.id(), context.studies.predict(request));
   } catch (const studies::OutsideDomain& outside) {
-    refuse(grpc::OUT_OF_RANGE, "{}", outside.what());
+    refuse(ErrorInfo::OUT_OF_RANGE, "{}", outside.what());
   } catch (const studies::FaultyPlace& fault) {
     refuse("{}", fault.what());
   } catch (const studies::CannotPredict& reason) {
-    refuse(grpc::FAILED_PRECONDITION, "{}", reason.what());
+    refuse(ErrorInfo::WRONG_STATE, "{}", reason.what());
   }
 }
 
@@ -101,8 +101,8 @@ std::optional<double> difference_error(Context& context, const v1::StudyResult& 
 int judged_monitor(const v1::StudyResult& result, const std::string& name) {
   const int monitor = judging::monitor_of(result, name);
   if (monitor >= 0) return monitor;
-  if (result.monitors().empty()) refuse(grpc::NOT_FOUND, "the case has no monitor");
-  refuse(grpc::NOT_FOUND, "no monitor named \"{}\"; there are: {}", name,
+  if (result.monitors().empty()) refuse(ErrorInfo::NOT_FOUND, "the case has no monitor");
+  refuse(ErrorInfo::NOT_FOUND, "no monitor named \"{}\"; there are: {}", name,
          fmt::join(result.monitors(), ", "));
 }
 
@@ -193,8 +193,8 @@ private:
 
     if (over) return {.end = grpc::Status::OK};
     if (leaving)
-      refuse(grpc::UNAVAILABLE,
-             "dccastd is shutting down; the study goes on when it is back: watch again");
+      refuse(ErrorInfo::SHUTTING_DOWN, Remedy{"the study goes on when it is back: watch again"},
+             "dccastd is shutting down");
     return {};
   }
 

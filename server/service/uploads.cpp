@@ -80,7 +80,9 @@ private:
 
   void end_if_silent() {
     if (Clock::now() - last_read_.load() >= silence_)
-      return end({grpc::DEADLINE_EXCEEDED, "the rest of the file did not come; upload it again"});
+      return end(make_status({.reason = ErrorInfo::TOO_LATE,
+                              .cause = "the rest of the file did not come",
+                              .remedy = "upload it again"}));
     if_open([this] { watch_for_silence(); });
   }
 

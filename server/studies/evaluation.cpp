@@ -17,10 +17,9 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Curl of a monitor [m]: its displacement along the last coordinate; NaN when there is none.
+/// Curl of a monitor [m]; NaN where it has none.
 double curl_of(const v1::MonitorValue& monitor) {
-  const int coordinates = monitor.displacement_m_size();
-  return coordinates > 1 ? monitor.displacement_m(coordinates - 1) : unknown;
+  return monitor.has_curl_m() ? monitor.curl_m() : unknown;
 }
 
 v1::CurlCurve& curve_of(RunHistory& history, const std::string& monitor) {

@@ -273,12 +273,13 @@ v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
   std::vector<Channel> channels;
   std::vector<Eigen::MatrixXd> places;
   bool known = true;
-  double mesh_error = 0.0;
+  double largest_error = 0.0;
   for (MeasuredCasting& casting : castings) {
     keep_valid(casting, ranges.size());
-    const auto error = relative_curl_error(casting.request.case_());
+    // The inference takes the band as its scale, on both sides.
+    const auto error = mesh_error(casting.request.case_());
     known = known && error;
-    mesh_error = std::max(mesh_error, error.value_or(0.0));
+    if (error) largest_error = std::max({largest_error, error->lower(), error->upper()});
     calibration.add_runs(static_cast<int>(casting.runs.size()));
     const Eigen::MatrixXd& here = places.emplace_back(places_of(casting.runs, ranges));
 
@@ -293,7 +294,7 @@ v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
   }
   if (channels.empty()) throw CannotPredict("nothing was measured of these castings");
 
-  const auto draws = infer(channels, static_cast<int>(ranges.size()), mesh_error);
+  const auto draws = infer(channels, static_cast<int>(ranges.size()), largest_error);
   const Eigen::Index best = statistics::central_draw(draws.inputs);
 
   add_keys(first, draws.inputs, best, calibration);
@@ -308,7 +309,7 @@ v1::Calibration calibration_of(std::vector<MeasuredCasting> castings) {
 
   // The error of the mesh is common to all curls, if it is known for every casting.
   if (known) {
-    calibration.set_mesh_error(mesh_error);
+    calibration.set_mesh_error(largest_error);
     *calibration.mutable_mesh_factor() = share_of(draws.common);
   }
   return calibration;

@@ -25,8 +25,8 @@ namespace dccast::studies {
 /// The response surface of the runs of one kind.
 struct SweepSurface {
   CurlSurface surface;
-  std::vector<v1::CaseChange> next_run;  ///< place where the surface is least certain
-  double curl_error;  ///< largest relative error of the runs; infinite if one of them is unknown
+  std::vector<v1::CaseChange> next_run;         ///< place where the surface is least certain
+  std::optional<v1::RelativeError> mesh_error;  ///< largest of the runs; empty if one is unknown
 };
 
 namespace {
@@ -155,7 +155,7 @@ void require_runs(std::size_t inputs, std::size_t runs) {
 SweepSurface sweep_surface(const v1::Case& base, const std::vector<SweptKey>& keys,
                            const std::string& kind, const std::vector<EvaluatedRun>& runs) {
   std::vector<SurfaceRun> chosen;
-  double curl_error = 0.0;
+  std::optional<v1::RelativeError> largest_error = v1::RelativeError();
 
   for (const EvaluatedRun& run : runs) {
     if (!run.counts() || kind_of(keys, run) != kind) continue;
@@ -165,9 +165,10 @@ SweepSurface sweep_surface(const v1::Case& base, const std::vector<SweptKey>& ke
       if (keys[i].numeric) inputs.push_back(run.run.numbers(static_cast<int>(i)));
     chosen.push_back({std::move(inputs), run.history});
 
-    curl_error = std::max(curl_error, run.run.has_relative_curl_error()
-                                          ? run.run.relative_curl_error()
-                                          : std::numeric_limits<double>::infinity());
+    if (!run.run.has_mesh_error()) largest_error.reset();
+    if (!largest_error) continue;
+    largest_error->set_lower(std::max(largest_error->lower(), run.run.mesh_error().lower()));
+    largest_error->set_upper(std::max(largest_error->upper(), run.run.mesh_error().upper()));
   }
 
   std::vector<InputRange> domain;
@@ -178,7 +179,7 @@ SweepSurface sweep_surface(const v1::Case& base, const std::vector<SweptKey>& ke
   std::vector<std::string> monitors;
   for (const v1::Monitor& monitor : base.monitor()) monitors.push_back(monitor.name());
   SweepSurface built{
-      CurlSurface(std::move(domain), std::move(chosen), std::move(monitors)), {}, curl_error};
+      CurlSurface(std::move(domain), std::move(chosen), std::move(monitors)), {}, largest_error};
 
   auto place = built.surface.next_place().begin();
   for (const SweptKey& key : keys)
@@ -318,7 +319,7 @@ v1::Prediction Predictions::predict(const SweepState& sweep,
   prediction.set_cross_validated_error_m(found->surface.cross_validated_error_m());
   prediction.set_runs(found->surface.runs());
   *prediction.mutable_next_run() = {found->next_run.begin(), found->next_run.end()};
-  if (std::isfinite(found->curl_error)) prediction.set_relative_curl_error(found->curl_error);
+  if (found->mesh_error) *prediction.mutable_mesh_error() = *found->mesh_error;
   return prediction;
 }
 

@@ -25,8 +25,8 @@ constexpr std::uint64_t score_seed = 20;
 constexpr double more_risk = 0.2;
 
 /// Whether the recipe may be the cause. A run that does not converge is not known to be safe.
-bool by_the_recipe(const v1::Failure& failure) {
-  return by_the_case_itself(failure) && failure.kind() != v1::Failure::INVALID_CASE;
+bool by_the_recipe(const v1::Finding& failure) {
+  return by_the_case_itself(failure) && failure.kind() != v1::Finding::INVALID_CASE;
 }
 
 }  // namespace
@@ -124,9 +124,9 @@ std::vector<std::string> dangers_of(const v1::StudyRun& run) {
   for (const v1::Finding& finding : run.findings())
     if (finding.severity() == v1::Finding::DANGER && !std::ranges::count(codes, finding.code()))
       codes.push_back(finding.code());
-  if (run.has_failure() && !std::ranges::count(codes, run.failure().finding()))
-    codes.push_back(run.failure().finding().empty() ? v1::Failure::Kind_Name(run.failure().kind())
-                                                    : run.failure().finding());
+  if (run.has_failure() && !std::ranges::count(codes, run.failure().code()))
+    codes.push_back(run.failure().code().empty() ? v1::Finding::Kind_Name(run.failure().kind())
+                                                 : run.failure().code());
   return codes;
 }
 

@@ -67,7 +67,7 @@ void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
 }
 
 [[noreturn]] void refuse_taken(const std::string& id) {
-  throw jobs::RequestIdTaken("there is a study " + id + " already; choose a new request_id");
+  throw jobs::RequestIdTaken("there is a study " + id + " already");
 }
 
 /// The runs of a plan, still without jobs.
@@ -135,16 +135,12 @@ v1::Study Studies::create(const v1::CreateStudyRequest& request,
   if (!request.request_id().empty())
     if (auto there = store_.find_request(request.request_id())) {
       if (there->owner != owner)
-        throw jobs::RequestIdTaken(
-            "another user has created a study with this request_id; choose a new one");
+        throw jobs::RequestIdTaken("another user has created a study with this request_id");
       return take_up(std::move(*there), request, sha256);
     }
 
   if (const std::string reason = scheduler_.held(); !reason.empty())
-    throw jobs::StorageHeld(
-        fmt::format("the queue is held and takes no study now: {}; it goes on by itself once that "
-                    "has passed: try again then",
-                    reason));
+    throw jobs::StorageHeld(fmt::format("the queue is held and takes no study now: {}", reason));
 
   return create_new(request, attachments, owner, sha256);
 }
@@ -182,9 +178,9 @@ v1::Study Studies::create_new(const v1::CreateStudyRequest& request,
 v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& request,
                            const std::string& case_sha256) {
   if (record.case_sha256 != case_sha256 || !same_plan(record.request, request))
-    throw jobs::RequestIdTaken(fmt::format(
-        "request_id \"{}\" was used for another {} (study {}); choose a new one",
-        request.request_id(), record.case_sha256 != case_sha256 ? "case" : "plan", record.id));
+    throw jobs::RequestIdTaken(
+        fmt::format("request_id \"{}\" was used for another {} (study {})", request.request_id(),
+                    record.case_sha256 != case_sha256 ? "case" : "plan", record.id));
 
   // A refinement study may be continued to finer levels.
   const int before = record.request.refinement().levels();
@@ -317,7 +313,7 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
     if (job == jobs.end() && !run.job.empty()) continue;  // deleted on purpose
 
     const v1::JobState state = run.job.empty() ? run.outcome : job->second.state();
-    const v1::Failure& failure = run.job.empty() ? run.failure : job->second.failure();
+    const v1::Finding& failure = run.job.empty() ? run.failure : job->second.failure();
     if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run);
   }
 

@@ -169,7 +169,7 @@ void Studies::make_job(const StudyRecord& study, RunRecord run, const std::strin
 
 void Studies::refuse(const StudyRecord& study, RunRecord run, const std::string& why) {
   run.outcome = v1::FAILED;
-  run.failure.set_kind(v1::Failure::INVALID_CASE);
+  run.failure.set_kind(v1::Finding::INVALID_CASE);
   run.failure.set_message(why);
   keep(study, {run});
   store_.refuse(study.id, run.number, run.failure, jobs::milliseconds(jobs::now()));

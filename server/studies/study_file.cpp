@@ -19,8 +19,13 @@ namespace fs = std::filesystem;
 
 constexpr std::uint32_t largest_part = UINT32_MAX;  // a request is bounded where it is taken
 
-std::string header() {
-  return "DCCASTSD" + storage::little_endian(1) + storage::little_endian(0);
+std::string header(std::uint32_t version = 2) {
+  return "DCCASTSD" + storage::little_endian(version) + storage::little_endian(0);
+}
+
+/// The description of a study is the same in both versions.
+bool is_study_file(std::string_view bytes) {
+  return bytes.starts_with(header()) || bytes.starts_with(header(1));
 }
 
 std::string take_part(std::string_view& rest) {
@@ -34,7 +39,7 @@ constexpr int frames_of_study = 3;
 
 /// The part of the file after the description of the study, as far as it is sound.
 std::string_view runs_in(std::string_view bytes) {
-  if (!bytes.starts_with(header())) return {};
+  if (!is_study_file(bytes)) return {};
   bytes.remove_prefix(header().size());
   for (int i = 0; i < frames_of_study; ++i) take_part(bytes);
   std::string_view rest = bytes;
@@ -70,7 +75,7 @@ int number_at(std::string_view bytes, std::size_t at) {
 }
 
 StudyRecord parse(std::string_view bytes) {
-  if (!bytes.starts_with(header())) throw std::runtime_error("is not of version 1");
+  if (!is_study_file(bytes)) throw std::runtime_error("is not of version 1 or 2");
   bytes.remove_prefix(header().size());
   v1::Study study;
   StudyRecord record;
@@ -158,6 +163,30 @@ void write_study_file(const fs::path& directory, const StudyRecord& record) {
       path, header() + storage::short_records.framed(study.SerializeAsString()) +
                 storage::short_records.framed(record.request.SerializeAsString()) +
                 storage::short_records.framed(record.case_sha256) + std::string(kept_runs(before)));
+}
+
+bool convert_former_study_file(
+    const fs::path& directory, const std::string& id,
+    const std::function<std::string(const std::string& failure)>& convert_failure) {
+  const fs::path path = study_file(directory, id);
+  const std::string bytes = storage::read_file(path);
+  if (!bytes.starts_with(header(1))) return false;
+
+  // Frames of the description stay as they are; those of runs end in a failure.
+  std::string converted = header();
+  std::string_view rest = std::string_view(bytes).substr(converted.size());
+  for (int i = 0; i < frames_of_study; ++i)
+    converted += storage::short_records.framed(take_part(rest));
+  while (const auto record = storage::short_records.first_of(rest, largest_part)) {
+    rest.remove_prefix(record->size);
+    const std::string part(record->payload);
+    if (part.size() < size_of_numbers) continue;
+    converted += storage::short_records.framed(part.substr(0, size_of_numbers) +
+                                               convert_failure(part.substr(size_of_numbers)));
+  }
+
+  storage::replace_file(path, converted);
+  return true;
 }
 
 void append_runs(const fs::path& directory, const std::string& id,

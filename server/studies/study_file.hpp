@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -28,7 +29,7 @@ struct RunRecord {
   int attempt = 0;    ///< number of jobs made for it so far
   std::string job{};  ///< the last job; empty while the run waits to be queued
   v1::JobState outcome = v1::JOB_STATE_UNSPECIFIED;  ///< FAILED or CANCELLED: it receives no job
-  v1::Failure failure;                               ///< reason of a refusal
+  v1::Finding failure;                               ///< reason of a refusal
 
   /// Whether the run has no job yet and has not been refused.
   bool to_queue() const { return job.empty() && outcome == v1::JOB_STATE_UNSPECIFIED; }
@@ -47,10 +48,11 @@ inline std::string job_request_id(const std::string& study, const std::string& k
 /// index that can be rebuilt from it and the jobs. It is written before the study is acknowledged
 /// and removed before its row: a file without a row shows that rows were lost.
 ///
-/// Format: 8 bytes "DCCASTSD", version 1 and zero as in EVENT_LOG.md, then three frames: a
+/// Format: 8 bytes "DCCASTSD", version 2 and zero as in EVENT_LOG.md, then three frames: a
 /// serialised Study with id, owner and create_time, the serialised CreateStudyRequest, case_sha256
 /// in hexadecimal. A further frame records each cancellation, refusal or requeueing of a run
-/// without a job: its number, attempt and outcome, 4 bytes each, and a serialised Failure.
+/// without a job: its number, attempt and outcome, 4 bytes each, and
+/// the failure, a serialised Finding. In version 1 the failure was a message of its own.
 std::filesystem::path study_file(const std::filesystem::path& directory, const std::string& id);
 
 /// Folder of the files named by a study's case: `studies/<id>.attachments`. Written before study
@@ -79,6 +81,14 @@ bool move_attachments_out(const std::filesystem::path& directory, StudyRecord& r
 /// Writes the file, or replaces its first three frames; it survives a crash of the machine once
 /// this has returned. @throws std::system_error
 void write_study_file(const std::filesystem::path& directory, const StudyRecord& record);
+
+/// Converts the file of a study that an earlier version has written.
+/// @param convert_failure  of a serialised failure, which may be empty
+/// @return                 false: it is of this version
+/// @throws std::system_error, std::runtime_error  the file is damaged
+bool convert_former_study_file(
+    const std::filesystem::path& directory, const std::string& id,
+    const std::function<std::string(const std::string& failure)>& convert_failure);
 
 /// Appends the state of runs without a job; it survives a crash of the machine once this has
 /// returned. @throws std::system_error

@@ -32,14 +32,14 @@ const Kind* kind_of(const v1::CreateStudyRequest& request) {
 
 }  // namespace
 
-bool by_the_case_itself(const v1::Failure& failure) {
+bool by_the_case_itself(const v1::Finding& failure) {
   switch (failure.kind()) {
-    case v1::Failure::SOLVE_FAILED:
-    case v1::Failure::CHECK_FAILED:
-    case v1::Failure::INVALID_CASE:
-    case v1::Failure::SHELL_MELTED_THROUGH:
-    case v1::Failure::MOTION_TOO_LARGE:
-    case v1::Failure::LIQUID_PRESSURE_LOST:
+    case v1::Finding::SOLVE_FAILED:
+    case v1::Finding::CHECK_FAILED:
+    case v1::Finding::INVALID_CASE:
+    case v1::Finding::SHELL_MELTED_THROUGH:
+    case v1::Finding::MOTION_TOO_LARGE:
+    case v1::Finding::LIQUID_PRESSURE_LOST:
       return true;
     default:
       return false;

@@ -61,7 +61,7 @@ std::vector<double> at_instants(const std::vector<double>& instants_s, const v1:
                                 const google::protobuf::RepeatedField<double>& figures);
 
 /// Whether the same case would fail in the same way again.
-bool by_the_case_itself(const v1::Failure& failure);
+bool by_the_case_itself(const v1::Finding& failure);
 
 /// The runs of a study, and the evaluation of their results. One implementation for each kind.
 class StudyPlan {
@@ -135,8 +135,8 @@ double number_of(const v1::Case& base, const std::string& key, const std::string
 std::string value_between(const v1::Case& base, const std::string& key, const std::string& low,
                           const std::string& high, double place);
 
-/// Relative error of a curl due to mesh and time steps; empty if unknown.
+/// Error of a curl due to mesh and time steps; empty if unknown.
 /// @param description  case as submitted
-std::optional<double> relative_curl_error(v1::Case description);
+std::optional<v1::RelativeError> mesh_error(v1::Case description);
 
 }  // namespace dccast::studies

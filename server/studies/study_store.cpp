@@ -220,7 +220,7 @@ void StudyStore::drop(const std::string& id, int number) {
           number);
 }
 
-void StudyStore::refuse(const std::string& id, int number, const v1::Failure& failure,
+void StudyStore::refuse(const std::string& id, int number, const v1::Finding& failure,
                         std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(database_);

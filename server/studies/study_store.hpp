@@ -75,7 +75,7 @@ public:
   /// Removes a run that waits to be queued and is not needed.
   void drop(const std::string& id, int number);
   /// Ends a run whose case is refused, without a job.
-  void refuse(const std::string& id, int number, const v1::Failure& failure, std::int64_t now_ms);
+  void refuse(const std::string& id, int number, const v1::Finding& failure, std::int64_t now_ms);
   /// Cancels all runs that wait to be queued.
   void cancel_waiting(const std::string& id, std::int64_t now_ms);
   /// Lets these runs wait to be queued again, as further attempts.

@@ -288,7 +288,7 @@ public:
         sweep_(request.sweep()),
         values_(sweep_values(request)),
         one_error_(std::ranges::none_of(sweep_.axes(), changes_mesh)),
-        base_error_(relative_curl_error(base_)) {
+        base_error_(mesh_error(base_)) {
     for (int run = 0; run < runs(); ++run)
       for (int axis = 0; axis < sweep_.axes_size(); ++axis) {
         const auto known = numbers_.try_emplace({axis, value(run, axis)});
@@ -317,9 +317,8 @@ public:
       run.add_values(value(number, axis));
       run.add_numbers(numbers_.at({axis, value(number, axis)}));
     }
-    const auto error =
-        one_error_ ? base_error_ : relative_curl_error(this->run(number).description);
-    if (error) run.set_relative_curl_error(*error);
+    const auto error = one_error_ ? base_error_ : mesh_error(this->run(number).description);
+    if (error) *run.mutable_mesh_error() = *error;
   }
 
 private:
@@ -330,7 +329,7 @@ private:
   RunValues values_;
   std::map<std::pair<int, std::string>, double> numbers_;  ///< by axis and value
   bool one_error_;  ///< of mesh and time steps, for all runs: base_error_
-  std::optional<double> base_error_;
+  std::optional<v1::RelativeError> base_error_;
 };
 
 }  // namespace
@@ -346,7 +345,7 @@ double number_of(const v1::Case& base, const std::string& key, const std::string
   return case_file::number_at(changed, key).value_or(none);
 }
 
-std::optional<double> relative_curl_error(v1::Case description) {
+std::optional<v1::RelativeError> mesh_error(v1::Case description) {
   case_file::apply_quality(description);
   case_file::apply_defaults(description);
   return case_file::relative_discretisation_error(description);

@@ -397,7 +397,9 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   to.validity = validity(complete.validity());
   to.plausibility = plausibility(complete.plausibility());
   set_small_tables(complete, to);
-  to.relative_curl_error = case_file::relative_discretisation_error(complete);
+  // The result file keeps the larger side of the band.
+  if (const auto error = case_file::relative_discretisation_error(complete))
+    to.relative_curl_error = std::max(error->lower(), error->upper());
 
   google::protobuf::util::JsonPrintOptions options;
   options.preserve_proto_field_names = true;

@@ -220,4 +220,36 @@ v1::RunEnd::Outcome to_proto(casting::RunEnd from) {
   return v1::RunEnd::OUTCOME_UNSPECIFIED;
 }
 
+v1::Finding::Kind to_proto(casting::FailureKind from) {
+  switch (from) {
+    case casting::FailureKind::solve_failed:
+      return v1::Finding::SOLVE_FAILED;
+    case casting::FailureKind::check_failed:
+      return v1::Finding::CHECK_FAILED;
+    case casting::FailureKind::shell_melted_through:
+      return v1::Finding::SHELL_MELTED_THROUGH;
+    case casting::FailureKind::motion_too_large:
+      return v1::Finding::MOTION_TOO_LARGE;
+    case casting::FailureKind::liquid_pressure_lost:
+      return v1::Finding::LIQUID_PRESSURE_LOST;
+    case casting::FailureKind::storage:
+      return v1::Finding::STORAGE;
+    case casting::FailureKind::other_version:
+      return v1::Finding::OTHER_VERSION;
+  }
+  return v1::Finding::KIND_UNSPECIFIED;
+}
+
+v1::Finding::Severity to_proto(results::Severity from) {
+  switch (from) {
+    case results::Severity::note:
+      return v1::Finding::NOTE;
+    case results::Severity::warning:
+      return v1::Finding::WARNING;
+    case results::Severity::danger:
+      return v1::Finding::DANGER;
+  }
+  return v1::Finding::SEVERITY_UNSPECIFIED;
+}
+
 }  // namespace dccast::translate

@@ -4,6 +4,8 @@
 
 #include "core/case/case.hpp"
 #include "core/casting/simulation.hpp"
+#include "core/findings/run_failure.hpp"
+#include "core/results/step_report.hpp"
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/worker.pb.h"
 
@@ -36,5 +38,7 @@ bool is_fed(v1::Alloy::CellMass from);
 bool is_steel(v1::BottomBlock::Material from);
 
 v1::RunEnd::Outcome to_proto(casting::RunEnd from);
+v1::Finding::Kind to_proto(casting::FailureKind from);
+v1::Finding::Severity to_proto(results::Severity from);
 
 }  // namespace dccast::translate

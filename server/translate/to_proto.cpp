@@ -12,8 +12,11 @@
 #include <variant>
 #include <vector>
 
+#include "core/findings/run_failure.hpp"
 #include "core/results/step_report.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/values/printable.hpp"
+#include "server/translate/enumerations.hpp"
 
 namespace dccast::translate {
 
@@ -54,47 +57,49 @@ struct Overloaded : Functions... {
 template <class... Functions>
 Overloaded(Functions...) -> Overloaded<Functions...>;
 
-/// The fields of the message, in the order of history_fields().
-/// @throws std::logic_error  the message lacks one
-std::vector<const Field*> message_fields(int dimension) {
-  std::vector<const Field*> found;
-  for (const results::HistoryField& field : results::history_fields()) {
-    const std::string name = field.name_in(dimension);
-    found.push_back(v1::StepReport::descriptor()->FindFieldByName(name));
-    if (found.back() == nullptr)
-      throw std::logic_error(fmt::format("StepReport of job.proto lacks {}", name));
-  }
-  return found;
+/// Whether a figure is one of SectionFigures, whose unit depends on the section.
+bool depends_on_section(const results::HistoryField& field) {
+  return field.solid_unit != nullptr;
 }
 
-/// The same, looked up only once: a query sends hundreds of steps a second.
-const std::vector<const Field*>& cached_fields(int dimension) {
-  static const std::vector<const Field*> plane = message_fields(2);
-  static const std::vector<const Field*> solid = message_fields(3);
-  return dimension == 3 ? solid : plane;
+/// The name of a figure in SectionFigures, which has no unit: "side_heat" of "side_heat_w_per_m".
+std::string section_name(const results::HistoryField& field) {
+  std::string name = field.name;
+  for (const std::string_view suffix : {"_w_per_m", "_n_per_m", "_m3_per_m"})
+    if (name.ends_with(suffix)) name.resize(name.size() - suffix.size());
+  return name;
+}
+
+/// The fields of StepReport or its SectionFigures, in the order of history_fields(). They are
+/// looked up only once: a query sends hundreds of steps a second.
+/// @throws std::logic_error  the message lacks one
+const std::vector<const Field*>& message_fields() {
+  static const std::vector<const Field*> fields = [] {
+    std::vector<const Field*> found;
+    for (const results::HistoryField& field : results::history_fields()) {
+      const bool in_section = depends_on_section(field);
+      const auto& descriptor =
+          in_section ? *v1::SectionFigures::descriptor() : *v1::StepReport::descriptor();
+      const std::string name = in_section ? section_name(field) : field.name;
+      found.push_back(descriptor.FindFieldByName(name));
+      if (found.back() == nullptr)
+        throw std::logic_error(fmt::format("{} of job.proto lacks {}", descriptor.name(), name));
+    }
+    return found;
+  }();
+  return fields;
 }
 
 void add_monitors(const results::StepReport& report, const std::vector<casting::Monitor>& monitors,
-                  v1::StepReport& to) {
+                  const std::optional<v1::RelativeError>& mesh_error, v1::StepReport& to) {
   for (std::size_t i = 0; i < report.monitor_displacement.size(); ++i) {
     auto* value = to.add_monitors();
     if (i < monitors.size()) value->set_name(monitors[i].name);
     fill(report.monitor_displacement[i], value->mutable_displacement_m());
     if (i < report.monitor_temperature.size() && std::isfinite(report.monitor_temperature[i]))
       value->set_temperature_c(report.monitor_temperature[i]);
+    case_file::add_curl(mesh_error, *value);
   }
-}
-
-std::string upper(std::string name) {
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::toupper(c); });
-  return name;
-}
-
-/// The kind by its name in results.h5, which is that of the schema in lower case.
-v1::Failure::Kind parse_kind(const std::string& name) {
-  v1::Failure::Kind kind = v1::Failure::KIND_UNSPECIFIED;
-  v1::Failure::Kind_Parse(upper(name), &kind);
-  return kind;
 }
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -155,8 +160,10 @@ void add_run(const v1::StudyRun& run, results::StudyTable& table) {
   add_curve(run, table);
   table.job.push_back(run.job());
   table.run_state.push_back(lower(v1::JobState_Name(run.state())));
-  table.relative_curl_error.push_back(run.has_relative_curl_error() ? run.relative_curl_error()
-                                                                    : unknown);
+  // The table keeps the larger side of the band.
+  table.relative_curl_error.push_back(
+      run.has_mesh_error() ? std::max(run.mesh_error().lower(), run.mesh_error().upper())
+                           : unknown);
   table.solver_seconds.push_back(run.solver_s());
   table.refinement.push_back(run.refinement());
   table.beyond_validity.push_back(run.beyond_validity() ? 1 : 0);
@@ -191,22 +198,28 @@ std::string describe(const std::vector<Fault>& faults) {
 }
 
 v1::StepReport to_proto(const results::StepReport& report,
-                        const std::vector<casting::Monitor>& monitors) {
+                        const std::vector<casting::Monitor>& monitors,
+                        const std::optional<v1::RelativeError>& mesh_error) {
   v1::StepReport to;
+  v1::SectionFigures& section = *to.mutable_section();
+  section.set_extent(report.dimension == 3 ? v1::SectionFigures::WHOLE_QUARTER
+                                           : v1::SectionFigures::METRE_OF_FACE);
 
   // Most fields follow from the table of history fields, so that a new one needs no line here.
-  const auto& reflection = *to.GetReflection();
-  const Field* const* next = cached_fields(report.dimension).data();
+  const Field* const* next = message_fields().data();
   for (const results::HistoryField& field : results::history_fields()) {
     const Field* message_field = *next++;
-    std::visit(Overloaded{[&](Real m) { reflection.SetDouble(&to, message_field, report.*m); },
-                          [&](Int m) { reflection.SetInt32(&to, message_field, report.*m); },
-                          [&](Long m) { reflection.SetInt64(&to, message_field, report.*m); },
-                          [&](Flag m) { reflection.SetBool(&to, message_field, report.*m); }},
+    google::protobuf::Message& message =
+        depends_on_section(field) ? static_cast<google::protobuf::Message&>(section) : to;
+    const auto& reflection = *message.GetReflection();
+    std::visit(Overloaded{[&](Real m) { reflection.SetDouble(&message, message_field, report.*m); },
+                          [&](Int m) { reflection.SetInt32(&message, message_field, report.*m); },
+                          [&](Long m) { reflection.SetInt64(&message, message_field, report.*m); },
+                          [&](Flag m) { reflection.SetBool(&message, message_field, report.*m); }},
                field.member);
   }
 
-  add_monitors(report, monitors, to);
+  add_monitors(report, monitors, mesh_error, to);
   to.set_solver_s(report.solver_seconds);
   to.set_process_s(report.process_seconds);
   return to;
@@ -216,14 +229,17 @@ results::StepReport to_core(const v1::StepReport& report, int dimension) {
   results::StepReport to;
   to.dimension = dimension;
 
-  const auto& reflection = *report.GetReflection();
-  const Field* const* next = cached_fields(dimension).data();
+  const Field* const* next = message_fields().data();
   for (const results::HistoryField& field : results::history_fields()) {
     const Field* message_field = *next++;
-    std::visit(Overloaded{[&](Real m) { to.*m = reflection.GetDouble(report, message_field); },
-                          [&](Int m) { to.*m = reflection.GetInt32(report, message_field); },
-                          [&](Long m) { to.*m = reflection.GetInt64(report, message_field); },
-                          [&](Flag m) { to.*m = reflection.GetBool(report, message_field); }},
+    const google::protobuf::Message& message =
+        depends_on_section(field) ? static_cast<const google::protobuf::Message&>(report.section())
+                                  : report;
+    const auto& reflection = *message.GetReflection();
+    std::visit(Overloaded{[&](Real m) { to.*m = reflection.GetDouble(message, message_field); },
+                          [&](Int m) { to.*m = reflection.GetInt32(message, message_field); },
+                          [&](Long m) { to.*m = reflection.GetInt64(message, message_field); },
+                          [&](Flag m) { to.*m = reflection.GetBool(message, message_field); }},
                field.member);
   }
 
@@ -239,26 +255,32 @@ results::StepReport to_core(const v1::StepReport& report, int dimension) {
   return to;
 }
 
-v1::Failure to_proto(const casting::RunFailures& failures) {
-  const casting::RunFailure& failure = failures.at(0);
-  v1::Failure to;
-  to.set_kind(parse_kind(casting::name_of(failure.kind)));
+namespace {
+
+v1::Finding to_finding(const casting::RunFailure& failure) {
+  v1::Finding to;
+  to.set_code(failure.finding);
+  to.set_kind(translate::to_proto(failure.kind));
   to.set_message(failure.message);
   to.set_time_s(failure.time);
   to.set_time_step_s(failure.time_step);
   fill(failure.residual_history, to.mutable_residual_history());
   fill(failure.place, to.mutable_place_m());
-  to.set_finding(failure.finding);
-
-  for (std::size_t i = 1; i < failures.size(); ++i)
-    to.add_further_causes(
-        fmt::format("{}: {}", upper(casting::name_of(failures[i].kind)), failures[i].message));
   return to;
 }
 
-v1::ValidityLoss to_proto(const results::ValidityLoss& loss) {
-  v1::ValidityLoss to;
-  to.set_kind(parse_kind(loss.kind));
+}  // namespace
+
+v1::Finding to_proto(const casting::RunFailures& failures) {
+  v1::Finding to = to_finding(failures.at(0));
+  for (std::size_t i = 1; i < failures.size(); ++i) *to.add_further() = to_finding(failures[i]);
+  return to;
+}
+
+v1::Finding to_proto(const results::ValidityLoss& loss) {
+  v1::Finding to;
+  // The result file keeps the name of the kind.
+  if (const auto kind = casting::failure_kind(loss.kind)) to.set_kind(to_proto(*kind));
   to.set_message(loss.message);
   to.set_time_s(loss.time);
   fill(loss.place, to.mutable_place_m());
@@ -272,10 +294,7 @@ v1::Finding to_proto(const results::Finding& finding) {
   v1::Finding to;
   to.set_code(finding.code);
 
-  v1::Finding::Severity severity = v1::Finding::SEVERITY_UNSPECIFIED;
-  v1::Finding::Severity_Parse(upper(results::name_of(finding.severity)), &severity);
-  to.set_severity(severity);
-
+  to.set_severity(to_proto(finding.severity));
   to.set_message(finding.message);
   if (finding.time) to.set_time_s(*finding.time);
   fill(finding.place, to.mutable_place_m());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,17 +47,19 @@ v1::Frame field_to_proto(const results::Frame& frame, const std::string& name);
 void add_probed(const results::Frame& frame, const v1::ProbeResultRequest& request,
                 v1::ProbeResultResponse& response);
 
-/// @param monitors  of the case, in its order: the core's reports identify them by index
+/// @param monitors    of the case, in its order: the core's reports identify them by index
+/// @param mesh_error  of the case, see case_file::relative_discretisation_error(); empty: not known
 v1::StepReport to_proto(const results::StepReport& report,
-                        const std::vector<casting::Monitor>& monitors);
+                        const std::vector<casting::Monitor>& monitors,
+                        const std::optional<v1::RelativeError>& mesh_error = std::nullopt);
 
 /// Restores a report, bit by bit. @param dimension  2 in sections, 3 in quarter slabs
 results::StepReport to_core(const v1::StepReport& report, int dimension);
 
 /// @param failures  of a run, at least one; the first one is the cause
-v1::Failure to_proto(const casting::RunFailures& failures);
+v1::Finding to_proto(const casting::RunFailures& failures);
 
-v1::ValidityLoss to_proto(const results::ValidityLoss& loss);
+v1::Finding to_proto(const results::ValidityLoss& loss);
 
 v1::Finding to_proto(const results::Finding& finding);
 

@@ -102,7 +102,7 @@ v1::RunEnd read_and_run(v1::SolveCase& order, JobRun& run) {
   } catch (const std::system_error&) {
     throw;  // the disk cannot be read, which is no fault of the job
   } catch (const std::runtime_error& error) {
-    return failed_run(v1::Failure::STORAGE,
+    return failed_run(v1::Finding::STORAGE,
                       fmt::format("the folder of the job is damaged: {}", error.what()));
   }
   return run_job(order, run);
@@ -136,7 +136,7 @@ void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
   if (end.outcome() == v1::RunEnd::FAILED && met_file_bound())
     // Not a storage failure, for which the queue would wait: the file will never fit.
     end = failed_run(
-        v1::Failure::INVALID_CASE,
+        v1::Finding::INVALID_CASE,
         fmt::format("the case makes a file larger than {}: store fewer frames, or have worker_file "
                     "raised in the settings of dccastd",
                     storage::megabytes(order.file_bytes())));

@@ -15,6 +15,7 @@
 
 #include "core/casting/simulation.hpp"
 #include "core/storage/storage_error.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/job_folder.hpp"
@@ -59,12 +60,13 @@ JobRun::Clock::duration to_duration(double seconds) {
 /// Converts reports of the run to events, and passes on requests to stop.
 class ReportingObserver : public casting::StepObserver {
 public:
-  ReportingObserver(RunLink& link, const casting::Case& casting_case)
-      : link_(link), case_(casting_case) {}
+  ReportingObserver(RunLink& link, const casting::Case& casting_case,
+                    std::optional<v1::RelativeError> mesh_error)
+      : link_(link), case_(casting_case), mesh_error_(std::move(mesh_error)) {}
 
   casting::Order on_step(const results::StepReport& report) override {
     send([&](v1::JobEvent& event) {
-      *event.mutable_step() = translate::to_proto(report, case_.monitors);
+      *event.mutable_step() = translate::to_proto(report, case_.monitors, mesh_error_);
     });
     return link_.order();
   }
@@ -107,6 +109,7 @@ private:
 
   RunLink& link_;
   const casting::Case& case_;
+  const std::optional<v1::RelativeError> mesh_error_;
 };
 
 /// Lists the results with sizes and checksums. They are computed here, once, while the files are
@@ -135,10 +138,10 @@ v1::RunEnd make_run_end(const casting::RunOutcome& outcome, const v1::SolveCase&
     add_artifacts(order.directory(), finished);
   } catch (const std::system_error& error) {
     // The failure of the run itself remains the cause.
-    if (finished.has_failure())
-      finished.mutable_failure()->add_further_causes(fmt::format("STORAGE: {}", error.what()));
-    else
-      finished = failed_run(v1::Failure::STORAGE, error.what());
+    if (!finished.has_failure()) return failed_run(v1::Finding::STORAGE, error.what());
+    v1::Finding& further = *finished.mutable_failure()->add_further();
+    further.set_kind(v1::Finding::STORAGE);
+    further.set_message(error.what());
   }
   return finished;
 }
@@ -150,7 +153,8 @@ v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
   if (!order.job_id().empty())
     casting_case.case_sha256 = jobs::read_job_description(directory).job.case_sha256();
 
-  ReportingObserver observer(link, casting_case);
+  ReportingObserver observer(link, casting_case,
+                             case_file::relative_discretisation_error(order.case_()));
   const auto outcome = casting::run(casting_case,
                                     {.path = directory,
                                      .resume = order.resume(),
@@ -164,7 +168,7 @@ v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
 
 }  // namespace
 
-v1::RunEnd failed_run(v1::Failure::Kind kind, const std::string& message) {
+v1::RunEnd failed_run(v1::Finding::Kind kind, const std::string& message) {
   v1::RunEnd end;
   end.set_outcome(v1::RunEnd::FAILED);
   end.mutable_failure()->set_kind(kind);
@@ -176,15 +180,15 @@ v1::RunEnd run_job(const v1::SolveCase& order, RunLink& link) {
   try {
     return run(order, link);
   } catch (const InvalidCase& error) {
-    return failed_run(v1::Failure::INVALID_CASE, translate::describe(error.faults()));
+    return failed_run(v1::Finding::INVALID_CASE, translate::describe(error.faults()));
   } catch (const std::system_error& error) {
     if (storage::is_memory_fault(error.code()))
-      return failed_run(v1::Failure::OUT_OF_MEMORY, jobs::out_of_memory_text);
-    return failed_run(v1::Failure::STORAGE, error.what());
+      return failed_run(v1::Finding::OUT_OF_MEMORY, jobs::out_of_memory_text);
+    return failed_run(v1::Finding::STORAGE, error.what());
   } catch (const std::bad_alloc&) {
-    return failed_run(v1::Failure::OUT_OF_MEMORY, jobs::out_of_memory_text);
+    return failed_run(v1::Finding::OUT_OF_MEMORY, jobs::out_of_memory_text);
   } catch (const std::exception& error) {
-    return failed_run(v1::Failure::INTERNAL, error.what());
+    return failed_run(v1::Finding::INTERNAL, error.what());
   }
 }
 

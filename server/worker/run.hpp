@@ -34,7 +34,7 @@ public:
 v1::RunEnd run_job(const v1::SolveCase& order, RunLink& link);
 
 /// Makes the end of a failed run.
-v1::RunEnd failed_run(v1::Failure::Kind kind, const std::string& message);
+v1::RunEnd failed_run(v1::Finding::Kind kind, const std::string& message);
 
 /// The run of a job in its folder: appends to the event log, sends heartbeats and reads requests.
 /// It does not depend on a daemon; each daemon reads the same files.

@@ -78,7 +78,7 @@ class LimitedMemory(Fault):
         must(count, lambda: all(map(scene.ended, castings)), "a worker without memory hangs", 30)
         for casting in castings:
             failure = scene.client.job(casting).failure
-            if failure.kind == job_pb2.Failure.OUT_OF_MEMORY:
+            if failure.kind == job_pb2.Finding.OUT_OF_MEMORY:
                 scene.acknowledged[casting].state = job_pb2.FAILED
                 if "memory" not in failure.message:
                     count.found("wrong", f"job {casting} fails without words about memory")

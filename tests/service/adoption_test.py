@@ -68,7 +68,7 @@ class KilledDaemon(AdoptionTest):
         self.ends(worker)
         self.restart()
         job = self.client.until_state(job_id, job_pb2.FAILED)
-        self.assertEqual((job.attempts, job.failure.kind), (1, job_pb2.Failure.SOLVE_FAILED))
+        self.assertEqual((job.attempts, job.failure.kind), (1, job_pb2.Finding.SOLVE_FAILED))
         self.sound_events(list(self.client.watch(job_id)))
 
     def test_a_finding_is_told_once(self):

@@ -58,7 +58,7 @@ class Comparisons(ServiceTest):
         failed = self.ask("steps=20 fail_at=12", columns=31)
         comparison = self.compare({"answer": self.ask(columns=32)}, {"answer": failed})
         self.assertEqual(comparison.runs[1].state, job_pb2.FAILED)
-        self.assertEqual(comparison.runs[1].failure.kind, job_pb2.Failure.SOLVE_FAILED)
+        self.assertEqual(comparison.runs[1].failure.kind, job_pb2.Finding.SOLVE_FAILED)
         self.assertEqual(len(comparison.judgement.sentences), 1)
 
     def test_an_answer_from_the_store_names_the_job_that_has_it(self):

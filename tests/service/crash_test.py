@@ -114,7 +114,7 @@ class Crash(ServiceTest):
         job = self.client.submit(fake_case("steps=10 crash_at=7 checkpoint=5 sleep_ms=10"))
         self.client.until_state(job.id, job_pb2.FAILED)
         failure = self.client.job(job.id).failure
-        self.assertEqual(failure.kind, job_pb2.Failure.WORKER_LOST)
+        self.assertEqual(failure.kind, job_pb2.Finding.WORKER_LOST)
         self.assertIn("signal 6", failure.message)
         self.assertIn("3 times", failure.message)
         self.assertIn("twice in the step after 6", failure.message)

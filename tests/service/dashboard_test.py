@@ -149,7 +149,7 @@ class Entrance(WithoutBrowser):
         steps = self.client.steps(job)
         self.assertEqual(seen["history"]["time_s"], [step.time_s for step in steps])
         self.assertEqual(seen["history"]["monitors"][0]["curl_m"],
-                         [step.monitors[0].displacement_m[1] for step in steps])
+                         [step.monitors[0].curl_m for step in steps])
         self.assertEqual(self.call("ListJobs")["jobs"][0]["id"], job)
         report, page = self.ask(f"/report/{job}")
         self.assertIn(b"<h1>", page)
@@ -319,7 +319,7 @@ class RealRuns(WithoutBrowser):
             "set=" + urllib.parse.quote(change) for change in ("quality=draft", "time.end=20 s"))
         answer = self.events(f"/ask/{case}")[-1]["answer"]
         self.assertEqual(answer["state"], "SUCCEEDED")
-        self.assertGreater(answer["relative_curl_error"], 0)
+        self.assertGreater(answer["history"]["monitors"][0]["upper_error_m"][-1], 0)
 
         fault = self.events(f"/ask/{case}&set=schedule.casting_sped%3D1")[-1]
         self.assertIn("casting_sped", fault["error"])

@@ -196,7 +196,7 @@ class Lifecycle(ServiceTest):
     def test_a_solve_that_fails_keeps_its_cause(self):
         job = self.client.submit(fake_case("steps=10 fail_at=4"))
         events = self.sound_events(list(self.client.watch(job.id)))
-        self.assertEqual(events[-1].state_change.failure.kind, job_pb2.Failure.SOLVE_FAILED)
+        self.assertEqual(events[-1].state_change.failure.kind, job_pb2.Finding.SOLVE_FAILED)
         failure = self.client.job(job.id).failure
         self.assertEqual(failure, events[-1].state_change.failure)
         self.assertEqual(list(failure.residual_history), [1.0, 0.5])

@@ -343,11 +343,12 @@ class Results(Commands):
         rows = list(csv.DictReader(io.StringIO(self.dccast("curl", "--csv", job).stdout)))
         shown = json.loads(self.dccast("curl", "--json", job).stdout)["monitors"][0]
         self.assertGreater(float(rows[-1]["corner_curl_m"]), 0.0)
-        for row, half in zip(rows, shown["uncertainty_m"]):
-            self.assertAlmostEqual(float(row["corner_uncertainty_m"]),
-                                   0.05 * abs(float(row["corner_curl_m"])), delta=1e-12)
-            self.assertAlmostEqual(float(row["corner_uncertainty_m"]), half, delta=1e-12)
-        self.assertIn("± 5 % of each curl", self.dccast("curl", job).stderr)
+        for side in ("lower_error_m", "upper_error_m"):
+            for row, error in zip(rows, shown[side]):
+                self.assertAlmostEqual(float(row[f"corner_{side}"]),
+                                       0.05 * abs(float(row["corner_curl_m"])), delta=1e-12)
+                self.assertAlmostEqual(float(row[f"corner_{side}"]), error, delta=1e-12)
+        self.assertIn("mesh and time steps: corner ends at ", self.dccast("curl", job).stderr)
 
     def test_fetch_into_a_folder(self):
         job = self.cast_job()

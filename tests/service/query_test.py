@@ -97,7 +97,7 @@ class Queries(QueryTest):
             accepted, steps, ended = parts(self.ask("steps=10 fail_at=4", columns=12))
             self.assertFalse(accepted.from_store)
             self.assertEqual(ended.state, job_pb2.FAILED)
-            self.assertEqual(ended.failure.kind, job_pb2.Failure.SOLVE_FAILED)
+            self.assertEqual(ended.failure.kind, job_pb2.Finding.SOLVE_FAILED)
             self.assertLess(len(steps), 10)
 
     def test_a_case_at_fault_is_refused_with_its_faults(self):
@@ -211,7 +211,7 @@ class Kept(QueryTest):
     def test_a_kept_run_that_failed_keeps_its_cause(self):
         accepted, _, ended = parts(self.ask("steps=12 fail_at=3", columns=18, keep=True))
         self.assertEqual(ended.state, job_pb2.FAILED)
-        self.assertEqual(self.client.job(accepted.job).failure.kind, job_pb2.Failure.SOLVE_FAILED)
+        self.assertEqual(self.client.job(accepted.job).failure.kind, job_pb2.Finding.SOLVE_FAILED)
 
     def test_the_job_of_a_call_that_was_cancelled_is_cancelled(self):
         call = self.ask("steps=100000 sleep_ms=5", keep=True)

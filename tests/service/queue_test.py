@@ -288,7 +288,7 @@ class Limits(QueueTest):
         path = self.case_file("a.toml", "steps=100000 sleep_ms=20")
         job = self.dccast("submit", "--time-limit", "2 s", path).strip()
         found = self.client.until_state(job, job_pb2.FAILED, seconds=30)
-        self.assertEqual(found.failure.kind, job_pb2.Failure.TIME_LIMIT)
+        self.assertEqual(found.failure.kind, job_pb2.Finding.TIME_LIMIT)
         self.assertIn(f"--from {job} --time-limit", found.failure.message)
         self.assertGreaterEqual(found.run_s, 2.0)
         self.assertLess(found.run_s, 30.0)
@@ -302,7 +302,7 @@ class Limits(QueueTest):
         self.assertGreater(ran_s, 0.5)
         self.dccast("resume", job)
         found = self.client.until_state(job, job_pb2.FAILED, seconds=30)
-        self.assertEqual(found.failure.kind, job_pb2.Failure.TIME_LIMIT)
+        self.assertEqual(found.failure.kind, job_pb2.Finding.TIME_LIMIT)
         self.assertGreater(found.run_s, ran_s)
 
     def test_a_limit_beyond_that_of_the_server_is_refused(self):

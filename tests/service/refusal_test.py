@@ -66,13 +66,18 @@ class Refusal(ServiceTest):
             self.client.submit(fake_case("steps=1"))
         error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit,
                              fake_case("steps=1"))
-        self.assertIn("queue is full", error.details())
+        info, _ = self.details(error)
+        self.assertEqual((info.reason, info.domain), ("LIMIT_REACHED", "dccast"))
+        self.assertEqual(dict(info.metadata), {
+            "cause": "the queue is full", "limit": "maximum_queued",
+            "permitted": str(self.settings["maximum_queued"]), "remedy": "submit again later"})
+        self.assertEqual(error.details(), "{cause}; {limit} = {permitted}; {remedy}".format(**info.metadata))
 
     def test_a_case_with_faults(self):
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit,
                              fake_case("check=fault"))
-        details = dict(error.trailing_metadata())["grpc-status-details-bin"]
-        verdict = service_pb2.ValidateCaseResponse.FromString(details)
+        info, verdict = self.details(error)
+        self.assertEqual(info.reason, "INVALID_CASE")
         self.assertEqual([fault.field for fault in verdict.faults],
                          ["monitor[0].y", "limits.maximum_steps"])
         checked = self.client.stub.ValidateCase(
@@ -255,7 +260,7 @@ class LittleMemory(ServiceTest):
         ended = self.client.until_state(job.id, job_pb2.FAILED, seconds=60)
         with open(os.path.join(self.folder, "data", "jobs", job.id, "worker.log"),
                   encoding="utf-8") as file:
-            self.assertEqual(ended.failure.kind, job_pb2.Failure.OUT_OF_MEMORY, file.read())
+            self.assertEqual(ended.failure.kind, job_pb2.Finding.OUT_OF_MEMORY, file.read())
         self.assertIn("memory", ended.failure.message)
         self.assertEqual(ended.attempts, 1)
 
@@ -300,6 +305,12 @@ class Checks(ServiceTest):
         for error in refused:
             self.assertEqual(error.code(), grpc.StatusCode.RESOURCE_EXHAUSTED)
             self.assertIn("try again", error.details())
+
+    def test_a_case_that_was_validated_is_not_checked_again(self):
+        self.validate("check_ms=3000 steps=1").result()
+        begin = time.monotonic()
+        self.client.submit(fake_case("check_ms=3000 steps=1"))
+        self.assertLess(time.monotonic() - begin, 2.5)
 
     def test_a_check_nobody_waits_for_is_stopped(self):
         check = self.validate("check_ms=15000")
@@ -380,7 +391,7 @@ class OldStore(ServiceTest):
 
     def test_a_list_is_cut_by_bytes(self):
         ids = self.ended_jobs(30)
-        failure = job_pb2.Failure(message="x" * 1000000, residual_history=[1.0] * 100000)
+        failure = job_pb2.Finding(message="x" * 1000000, residual_history=[1.0] * 100000)
         self.change("UPDATE job SET failure = ?, state = ?",
                     (failure.SerializeToString(), job_pb2.FAILED))
         seen, token = [], ""

@@ -89,7 +89,7 @@ class Sandbox(ServiceTest):
     def test_a_file_beyond_its_bound_fails_the_job_and_holds_no_queue(self):
         job = self.client.submit(fake_case("steps=5 big=60000000"))
         ended = self.client.until_state(job.id, job_pb2.FAILED)
-        self.assertEqual(ended.failure.kind, job_pb2.Failure.INVALID_CASE)
+        self.assertEqual(ended.failure.kind, job_pb2.Finding.INVALID_CASE)
         self.assertIn("larger than 50 MB", ended.failure.message)
         self.assertEqual(ended.attempts, 1)
 

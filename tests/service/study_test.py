@@ -178,7 +178,8 @@ class RefinementStudy(ServiceTest):
         curl = json.loads(self.dccast("curl", "--json", job_id).stdout)
         corner, limit = curl["monitors"][0], self.limit(found, "corner")
         self.assertEqual(len(corner["limit_m"]), len(curl["time_s"]))
-        for name, of_limit in (("limit_m", "curl_m"), ("uncertainty_m", "uncertainty_m")):
+        for name, of_limit in (("limit_m", "curl_m"), ("lower_error_m", "uncertainty_m"),
+                               ("upper_error_m", "uncertainty_m")):
             self.assertAlmostEqual(corner[name][-1], limit[of_limit][-1], delta=1e-12)
             self.assertAlmostEqual(corner[name][-2], at(curl["time_s"][-2], limit["time_s"],
                                                         limit[of_limit]), delta=1e-12)

@@ -16,7 +16,7 @@ import unittest
 
 import grpc
 
-from dccast.v1 import case_pb2, job_pb2, service_pb2, service_pb2_grpc
+from dccast.v1 import case_pb2, job_pb2, refusal_pb2, service_pb2, service_pb2_grpc
 
 BIN = os.environ["DCCAST_BIN"]
 # Above 1 where the programs are slowed down: by sanitizers, tests/run.
@@ -305,6 +305,18 @@ class ServiceTest(unittest.TestCase):
         if code not in (grpc.StatusCode.UNIMPLEMENTED, grpc.StatusCode.UNAVAILABLE):
             self.assertTrue(caught.exception.details())  # those two may be gRPC's own
         return caught.exception
+
+    def details(self, error):
+        """Why a call was refused, for programs: the ErrorInfo, and the faults of a case."""
+        status = refusal_pb2.StatusDetails.FromString(
+            dict(error.trailing_metadata())["grpc-status-details-bin"])
+        self.assertEqual((status.code, status.message), (error.code().value[0], error.details()))
+        info = refusal_pb2.ErrorInfo.FromString(status.details[0].value)
+        self.assertEqual(status.details[0].type_url, "type.googleapis.com/google.rpc.ErrorInfo")
+        verdict = service_pb2.ValidateCaseResponse()
+        for detail in status.details[1:]:
+            self.assertTrue(detail.Unpack(verdict))
+        return info, verdict
 
     def sound_events(self, events):
         """Sequence numbers without a hole, one terminal event, at the end."""

@@ -173,7 +173,7 @@ class Sweep(StudyTest):
         self.assertIn("1 of 2 runs failed", ended.message)
 
         result = self.evaluate(study.id)
-        self.assertEqual(result.runs[1].failure.kind, job_pb2.Failure.SOLVE_FAILED)
+        self.assertEqual(result.runs[1].failure.kind, job_pb2.Finding.SOLVE_FAILED)
         self.assertNotEqual(result.runs[1].end_curl_m[0], result.runs[1].end_curl_m[0])  # NaN
 
         self.resume(study.id)
@@ -494,18 +494,19 @@ class Predicted(StudyTest):
         result = json.loads(self.dccast("sweep", CASE, "--set", "quality=draft", "--set",
                                         "time.end=15 s", "--grid", axis, "--lhs", "5", "--json"))
         study, run = result["study"]["id"], result["runs"][2]
-        error = run["relative_curl_error"]
+        error = run["mesh_error"]["upper"]
 
         self.assertGreater(error, 0.0)
-        self.assertEqual({r["relative_curl_error"] for r in result["runs"]}, {error})
+        self.assertEqual([r["mesh_error"] for r in result["runs"]],
+                         [{"lower": error, "upper": error}] * len(result["runs"]))
 
         rows = list(csv.DictReader(
             self.dccast("sweep", "--study", study, "--csv", "-").splitlines()))
-        self.assertAlmostEqual(float(rows[2]["corner_uncertainty_m"]),
+        self.assertAlmostEqual(float(rows[2]["corner_upper_error_m"]),
                                error * abs(run["end_curl_m"][0]), delta=1e-12)
-        self.assertEqual(json.loads(self.dccast("predict", study, "--json"))["relative_curl_error"],
+        self.assertEqual(json.loads(self.dccast("predict", study, "--json"))["mesh_error"]["upper"],
                          error)
-        self.assertIn("mesh and steps \u00b1 mm", self.dccast("predict", study))
+        self.assertIn("mesh and steps mm", self.dccast("predict", study))
 
         path = os.path.join(self.folder, "run.h5")
         self.dccast("fetch", run["job"], "-o", path)
@@ -513,7 +514,8 @@ class Predicted(StudyTest):
             self.assertEqual(file.attrs["relative_curl_error"], error)
 
         curl = json.loads(self.dccast("curl", run["job"], "--json"))["monitors"][0]
-        self.assertEqual(curl["uncertainty_m"], [error * abs(value) for value in curl["curl_m"]])
+        for side in ("lower_error_m", "upper_error_m"):
+            self.assertEqual(curl[side], [error * abs(value) for value in curl["curl_m"]])
 
 
 if __name__ == "__main__":

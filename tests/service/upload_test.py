@@ -134,8 +134,9 @@ class Quota(ServiceTest):
         error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.upload, "second.msh",
                              b"b" * 600_000)
         self.assertIn("maximum_uploads_per_user = 1 MB", error.details())
-        details = dict(error.trailing_metadata())["grpc-status-details-bin"]
-        [fault] = service_pb2.ValidateCaseResponse.FromString(details).faults
+        info, verdict = self.details(error)
+        self.assertEqual(info.metadata["limit"], "maximum_uploads_per_user")
+        [fault] = verdict.faults
         self.assertEqual(fault.field, "attachments")
         self.assertIn("second.msh", fault.value)
         self.assertIn("maximum_uploads_per_user", fault.permitted)

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import grpc
 
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import job_pb2, refusal_pb2, service_pb2
+
+ERROR_INFO_URL = "type.googleapis.com/google.rpc.ErrorInfo"
 
 
 @dataclass(frozen=True)
@@ -38,8 +40,10 @@ class DccastError(Exception):
     """
 
     def __init__(self, code: str, message: str, faults: Iterable[Fault] = (), field: str = "",
-                 remedy: str = "") -> None:
+                 remedy: str = "", reason: str = "", limit: str = "") -> None:
         super().__init__(message)
+        self.reason = reason  #: of a refused call, e.g. "LIMIT_REACHED", as in refusal.proto; else empty
+        self.limit = limit  #: setting of the server that refuses, e.g. "maximum_queued"; else empty
         self.code = code  #: of a call its status, e.g. "NOT_FOUND"; of a run, e.g. "SOLVE_FAILED"
         self.faults = tuple(faults)  #: all that is wrong with the case
         first = self.faults[0] if self.faults else None
@@ -60,18 +64,33 @@ def missing(module: str, package: str) -> DccastError:
     return DccastError("MISSING_PACKAGE", f"{module} is not installed: {package}", remedy=package)
 
 
+def _details(error: grpc.RpcError) -> tuple[refusal_pb2.ErrorInfo, service_pb2.ValidateCaseResponse]:
+    """Why the server refuses, and the faults of a case; both empty where gRPC itself refuses."""
+    status = refusal_pb2.StatusDetails()
+    for key, value in error.trailing_metadata() or ():
+        if key == "grpc-status-details-bin":
+            status.ParseFromString(value)
+    info, verdict = refusal_pb2.ErrorInfo(), service_pb2.ValidateCaseResponse()
+    for detail in status.details:
+        if detail.type_url == ERROR_INFO_URL:
+            info.ParseFromString(detail.value)
+        elif detail.Is(verdict.DESCRIPTOR):
+            detail.Unpack(verdict)
+    return info, verdict
+
+
 def of_call(error: grpc.RpcError, server: str) -> DccastError:
     """The failure of a call."""
     code: str = error.code().name
-    for key, value in error.trailing_metadata() or ():
-        if key == "grpc-status-details-bin":
-            verdict = service_pb2.ValidateCaseResponse()
-            verdict.ParseFromString(value)
-            if verdict.faults:
-                failure = invalid_case(verdict.faults)
-                failure.code = code
-                return failure
+    info, verdict = _details(error)
+    facts = info.metadata
+    if verdict.faults:
+        failure = invalid_case(verdict.faults)
+        failure.code, failure.reason, failure.limit = code, info.reason, facts.get("limit", "")
+        return failure
     if code == "UNAVAILABLE":
-        return DccastError(code, f"no answer from {server}: {error.details()}",
-                           remedy="is dccastd running there? Another address: connect(...) or DCCAST_SERVER")
-    return DccastError(code, error.details() or f"{server} could not answer: {code}")
+        return DccastError(code, f"no answer from {server}: {error.details()}", reason=info.reason,
+                           remedy=facts.get("remedy", "")
+                           or "is dccastd running there? Another address: connect(...) or DCCAST_SERVER")
+    return DccastError(code, error.details() or f"{server} could not answer: {code}", reason=info.reason,
+                       remedy=facts.get("remedy", ""), limit=facts.get("limit", ""))

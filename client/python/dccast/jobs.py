@@ -88,7 +88,7 @@ class Job(Run):
     def __repr__(self) -> str:
         shown = f"<dccast.Job {self.id[:8]} {self.state} {self.message.title!r}"
         if self.message.HasField("last_step"):
-            shown += f": {curls_text(self.message.last_step, None)}"
+            shown += f": {curls_text(self.message.last_step)}"
         return shown + ">"
 
     @property
@@ -136,9 +136,9 @@ class Job(Run):
             pass
         if check and self.state != "SUCCEEDED":
             failure = self.message.failure
-            code = job_pb2.Failure.Kind.Name(failure.kind) if failure.kind else self.state
+            code = job_pb2.Finding.Kind.Name(failure.kind) if failure.kind else self.state
             raise errors.DccastError(code, f"job {self.id} is {self.state}: {failure.message}",
-                                     field=failure.finding)
+                                     field=failure.code)
         return self
 
     def cancel(self, reason: str = "") -> Job:
@@ -165,10 +165,6 @@ class Job(Run):
     @property
     def steps(self) -> Sequence[job_pb2.StepReport]:
         return list(self._result.steps)
-
-    @property
-    def relative_curl_error(self) -> float | None:
-        return self._result.relative_curl_error if self._result.HasField("relative_curl_error") else None
 
     @property
     def frames(self) -> Frames:

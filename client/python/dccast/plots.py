@@ -32,7 +32,8 @@ def plot_curl(bands: Mapping[str, Band], axes: Any = None, against: str = "time_
     for label, band in bands.items():
         at = scale * getattr(band, against)
         line, = axes.plot(at, 1e3 * band.curl_m, label=label)
-        axes.fill_between(at, 1e3 * (band.curl_m - band.error_m), 1e3 * (band.curl_m + band.error_m),
+        axes.fill_between(at, 1e3 * (band.curl_m - band.lower_error_m),
+                          1e3 * (band.curl_m + band.upper_error_m),
                           color=line.get_color(), alpha=0.2, linewidth=0)
     axes.set_xlabel({"time_s": "time [s]", "cast_length_m": "cast length [mm]"}[against])
     axes.set_ylabel("curl [mm]")

@@ -18,34 +18,39 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 Table = npt.NDArray[np.void]  # structured: columns by name, one row for each step
+CURL = ("curl_m", "curl_lower_error_m", "curl_upper_error_m")  # of a MonitorValue
 
 
 @dataclass(frozen=True)
 class Band:
-    """The curl of one monitor, and half of the band around it; NaN where nothing is known."""
+    """The curl of one monitor, and how far the true one may lie below and above it; NaN where nothing is
+    known."""
 
     monitor: str
     time_s: Floats
     cast_length_m: Floats
     curl_m: Floats
-    error_m: Floats
+    lower_error_m: Floats
+    upper_error_m: Floats
 
     def __repr__(self) -> str:
         if not len(self.time_s):
             return f"<dccast.Band {self.monitor!r} without steps>"
-        end = millimetres(float(self.curl_m[-1]), float(self.error_m[-1]))
+        end = millimetres(float(self.curl_m[-1]), float(self.lower_error_m[-1]),
+                          float(self.upper_error_m[-1]))
         return (f"<dccast.Band {self.monitor!r} {end} at the end; {len(self.time_s)} steps, "
                 f"{span(float(self.time_s[0]), float(self.time_s[-1]), 's')}>")
 
 
-def curls_text(step: job_pb2.StepReport, relative_error: float | None) -> str:
+def _figure(monitor: Any, name: str) -> float:
+    """A figure of a monitor; NaN where it has none."""
+    return float(getattr(monitor, name)) if monitor.HasField(name) else np.nan
+
+
+def curls_text(step: job_pb2.StepReport) -> str:
     """The curls of a step: "corner 5.25 ± 0.21 mm at 145 s"."""
-    shown = []
-    for monitor in step.monitors:
-        if len(monitor.displacement_m) > 1:
-            curl_m = monitor.displacement_m[-1]
-            error_m = None if relative_error is None else relative_error * abs(curl_m)
-            shown.append(f"{monitor.name} {millimetres(curl_m, error_m)}")
+    shown = [f"{monitor.name} " + millimetres(*(_figure(monitor, name) for name in CURL))
+             for monitor in step.monitors if monitor.HasField("curl_m")]
     return f"{', '.join(shown) or 'no curl'} at {step.time_s:.4g} s"
 
 
@@ -53,7 +58,7 @@ def band_of(curve: Any) -> Band:
     """A CurlCurve of the server."""
     curl = np.array(curve.curl_m)
     error = np.array(curve.uncertainty_m) if curve.uncertainty_m else np.full(len(curl), np.nan)
-    return Band(curve.monitor, np.array(curve.time_s), np.array(curve.cast_length_m), curl, error)
+    return Band(curve.monitor, np.array(curve.time_s), np.array(curve.cast_length_m), curl, error, error)
 
 
 def structured(columns: Mapping[str, npt.NDArray[Any]]) -> Table:
@@ -70,9 +75,9 @@ def _structured(columns: Mapping[str, Iterable[Any]], kinds: Mapping[str, type])
                        for name, values in columns.items()})
 
 
-def _numbers() -> dict[str, type]:
-    """The plain figures of a step, by name."""
-    field = job_pb2.StepReport.DESCRIPTOR.fields
+def _numbers(message: Any) -> dict[str, type]:
+    """The plain figures of a message, by name."""
+    field = message.DESCRIPTOR.fields
     kinds: dict[int, type] = {1: np.float64, 3: np.int64, 5: np.int64, 8: np.bool_}
     return {f.name: kinds[f.type] for f in field if f.type in kinds and f.label != f.LABEL_REPEATED}
 
@@ -91,12 +96,6 @@ class Run:
         raise NotImplementedError
 
     @property
-    def relative_curl_error(self) -> float | None:
-        """Half of the band that mesh and time steps leave around each curl, relative to it; None: not
-        measured for such a case (docs/error-bars.md)."""
-        raise NotImplementedError
-
-    @property
     def valid_until_s(self) -> float:
         """The time from which the figures are no answer any more; infinite for a valid run."""
         raise NotImplementedError
@@ -110,13 +109,12 @@ class Run:
     def _bands(self) -> list[Band]:
         time = np.array([step.time_s for step in self.steps])
         length = np.array([step.cast_length_m for step in self.steps])
-        relative = np.nan if self.relative_curl_error is None else self.relative_curl_error
         bands = []
         for name in self.monitors:
-            found = [[m.displacement_m[-1] for m in step.monitors if m.name == name and
-                      len(m.displacement_m) > 1] for step in self.steps]
-            curl = np.array([values[0] if values else np.nan for values in found])
-            bands.append(Band(name, time, length, curl, relative * np.abs(curl)))
+            found = [next((m for m in step.monitors if m.name == name), job_pb2.MonitorValue())
+                     for step in self.steps]
+            bands.append(Band(name, time, length,
+                              *(np.array([_figure(m, figure) for m in found]) for figure in CURL)))
         return bands
 
     def band(self, monitor: str = "") -> Band:
@@ -137,13 +135,14 @@ class Run:
     @property
     def curl(self) -> Table:
         """One row for each step; the columns are those of `dccast curl --csv`: time_s, cast_length_m, of
-        each monitor NAME_curl_m and NAME_uncertainty_m, and beyond_validity."""
+        each monitor NAME_curl_m, NAME_lower_error_m and NAME_upper_error_m, and beyond_validity."""
         columns: dict[str, Iterable[Any]] = {
             "time_s": [step.time_s for step in self.steps],
             "cast_length_m": [step.cast_length_m for step in self.steps]}
         for band in self._bands:
             columns[f"{band.monitor}_curl_m"] = band.curl_m
-            columns[f"{band.monitor}_uncertainty_m"] = band.error_m
+            columns[f"{band.monitor}_lower_error_m"] = band.lower_error_m
+            columns[f"{band.monitor}_upper_error_m"] = band.upper_error_m
         columns["beyond_validity"] = [step.beyond_validity or step.time_s >= self.valid_until_s - 1e-9
                                       for step in self.steps]
         return _structured(columns, {"beyond_validity": np.bool_})
@@ -158,9 +157,12 @@ class Run:
 
     @property
     def history(self) -> Table:
-        """Every figure of every step, e.g. history["sump_depth_m"]; named and explained in job.proto."""
-        kinds = _numbers()
-        return _structured({name: [getattr(step, name) for step in self.steps] for name in kinds}, kinds)
+        """Every figure of every step, e.g. history["sump_depth_m"], named and explained in job.proto.
+        Those of SectionFigures have its unit, which depends on the section, e.g. history["side_heat"]."""
+        kinds, section = _numbers(job_pb2.StepReport), _numbers(job_pb2.SectionFigures)
+        columns = {name: [getattr(step, name) for step in self.steps] for name in kinds}
+        columns |= {name: [getattr(step.section, name) for step in self.steps] for name in section}
+        return _structured(columns, kinds | section)
 
     def plot(self, monitor: str = "", axes: Any = None, label: str = "") -> Any:
         """Draws the curl with its band, and returns the matplotlib axes. See plot_curl."""
@@ -174,17 +176,16 @@ class Answer(Run):
     def __init__(self) -> None:
         self._case = case_pb2.Case()
         self._steps: list[job_pb2.StepReport] = []
-        self._relative_curl_error: float | None = None
         self.from_store = False  #: computed before: no solver ran
         self.job = ""  #: id of the job that was kept, or found; may be empty
         self.key = ""  #: names the answer to the server where there is no job
         self.state = ""  #: "SUCCEEDED", "FAILED"
         self.findings: list[job_pb2.Finding] = []
-        self.validity_loss: job_pb2.ValidityLoss | None = None
-        self.failure: job_pb2.Failure | None = None
+        self.validity_loss: job_pb2.Finding | None = None
+        self.failure: job_pb2.Finding | None = None
 
     def __repr__(self) -> str:
-        steps = f": {curls_text(self._steps[-1], self._relative_curl_error)}" if self._steps else ""
+        steps = f": {curls_text(self._steps[-1])}" if self._steps else ""
         return f"<dccast.Answer {self.state or 'RUNNING'} {self._case.title!r}{steps}>"
 
     @property
@@ -194,10 +195,6 @@ class Answer(Run):
     @property
     def steps(self) -> Sequence[job_pb2.StepReport]:
         return self._steps
-
-    @property
-    def relative_curl_error(self) -> float | None:
-        return self._relative_curl_error
 
     @property
     def valid_until_s(self) -> float:
@@ -210,8 +207,6 @@ class Answer(Run):
             self._case, self.job = response.accepted.case, response.accepted.job
             self.key = response.accepted.answer
             self.from_store = response.accepted.from_store
-            if response.accepted.HasField("relative_curl_error"):
-                self._relative_curl_error = response.accepted.relative_curl_error
         elif kind == "step":
             self._steps.append(response.step)
         elif kind == "finding":  # of one code the last one holds

@@ -94,7 +94,7 @@ class Service:
         try:
             return self._transport.call(method, request)
         except errors.DccastError as error:
-            if error.code != "ABORTED":
+            if error.reason != "ATTACHMENT_MISSING":
                 raise
         self._put(case, request)
         return self._transport.call(method, request)
@@ -126,8 +126,8 @@ class Service:
         finally:
             stream.cancel()
         if answer.failure is not None:
-            raise errors.DccastError(job_pb2.Failure.Kind.Name(answer.failure.kind),
-                                     answer.failure.message, field=answer.failure.finding)
+            raise errors.DccastError(job_pb2.Finding.Kind.Name(answer.failure.kind),
+                                     answer.failure.message, field=answer.failure.code)
         return answer
 
     def job(self, job: str) -> Job:

@@ -25,12 +25,14 @@ class Prediction:
 
     bands: dict[str, Band]  #: by monitor, with the standard error of the surface alone
     cross_validated_error_m: float  #: root mean square over runs left out one by one, at the end
-    relative_curl_error: float  #: of the mesh and steps of the runs; NaN: not known
+    relative_lower_error: float  #: of the mesh and steps of the runs, below a curl; NaN: not known
+    relative_upper_error: float  #: the same above it
     runs: int  #: that the surface rests on
     next_run: dict[str, str]  #: where another run would add most
 
     def __repr__(self) -> str:
-        ends = ", ".join(f"{name} {millimetres(float(band.curl_m[-1]), float(band.error_m[-1]))}"
+        ends = ", ".join(f"{name} " + millimetres(
+            float(band.curl_m[-1]), float(band.lower_error_m[-1]), float(band.upper_error_m[-1]))
                          for name, band in self.bands.items())
         return f"<dccast.Prediction {ends}; {self.runs} runs>"
 
@@ -102,8 +104,8 @@ class Study:
     @property
     def table(self) -> Table:
         """One row for each run: job, state, of a sweep its values in SI by key, and the curl of each
-        monitor at the end, NAME_end_curl_m, with what mesh and steps leave uncertain of it,
-        NAME_uncertainty_m; NaN where there is none."""
+        monitor at the end, NAME_end_curl_m, with how far mesh and steps may have put the true one below and
+        above it, NAME_lower_error_m and NAME_upper_error_m; NaN where there is none."""
         result = self.evaluate()
         runs = result.runs
         keys = [axis.key for axis in result.study.sweep.axes]
@@ -113,8 +115,9 @@ class Study:
             columns[key] = [_at(run.numbers, i) for run in runs]
         for i, monitor in enumerate(result.monitors):
             columns[f"{monitor}_end_curl_m"] = [_at(run.end_curl_m, i) for run in runs]
-            columns[f"{monitor}_uncertainty_m"] = [
-                _relative(run) * abs(_at(run.end_curl_m, i)) for run in runs]
+            errors = [_mesh_errors(run, _at(run.end_curl_m, i)) for run in runs]
+            columns[f"{monitor}_lower_error_m"] = [lower for lower, _ in errors]
+            columns[f"{monitor}_upper_error_m"] = [upper for _, upper in errors]
         kinds = {"job": "U36", "state": "U24"}
         table: Table = np.zeros(len(runs), dtype=[(name, kinds.get(name, "f8")) for name in columns])
         for name, values in columns.items():
@@ -126,7 +129,7 @@ class Study:
         answer = self._transport.call("PredictStudy", study_pb2.PredictStudyRequest(
             id=self.id, values=changes_of(changes, keys)))
         return Prediction({curve.monitor: band_of(curve) for curve in answer.curves},
-                          answer.cross_validated_error_m, _relative(answer), answer.runs,
+                          answer.cross_validated_error_m, *_relative(answer), answer.runs,
                           {change.key: change.value for change in answer.next_run})
 
     def fetch(self, path: str | os.PathLike[str]) -> pathlib.Path:
@@ -155,10 +158,17 @@ class Study:
         return self
 
 
-def _relative(message: Any) -> float:
-    """The error of mesh and steps, relative to a curl; NaN: not known."""
-    known = message.HasField("relative_curl_error")
-    return float(message.relative_curl_error) if known else np.nan
+def _relative(message: Any) -> tuple[float, float]:
+    """The errors of mesh and steps below and above, relative to a curl; NaN: not known."""
+    error = message.mesh_error
+    return (error.lower, error.upper) if message.HasField("mesh_error") else (np.nan, np.nan)
+
+
+def _mesh_errors(run: Any, curl_m: float) -> tuple[float, float]:
+    """The errors of a curl of a run; below zero they change sides."""
+    lower, upper = _relative(run)
+    errors = (lower * abs(curl_m), upper * abs(curl_m))
+    return errors if curl_m >= 0.0 else errors[::-1]
 
 
 def _at(values: Any, index: int) -> float:

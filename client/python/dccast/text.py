@@ -29,15 +29,22 @@ def with_error(value: float, error: float | None = None, unit: str = "",
     return f"{shown} {unit}".rstrip()
 
 
-def millimetres(metres: float, error_m: float | None = None) -> str:
-    """A curl: to hundredths at most, as none is known better.
+def millimetres(metres: float, lower_m: float = math.nan, upper_m: float = math.nan) -> str:
+    """A curl with its errors, NaN where they are not known: to hundredths at most, as none is known better.
 
-    >>> millimetres(5.2519e-3, 0.2101e-3), millimetres(1.2e-9)
+    >>> millimetres(5.2519e-3, 0.2101e-3, 0.2101e-3), millimetres(1.2e-9)
     ('5.25 ± 0.21 mm', '0.00 mm')
+    >>> millimetres(35.46e-3, 0.0, 4.96e-3)
+    '35.5, -0 +5.0 mm'
     """
-    if error_m is None or not error_m > 0.0:
+    if not max(lower_m, upper_m) > 0.0:
         return f"{_rounded(1e3 * metres, 2):.2f} mm"
-    return with_error(1e3 * metres, 1e3 * error_m, "mm", 2)
+    if lower_m == upper_m:
+        return with_error(1e3 * metres, 1e3 * upper_m, "mm", 2)
+    curl, upper = with_error(1e3 * metres, 1e3 * max(lower_m, upper_m), "", 2).split(" ± ")
+    decimals = len(upper.partition(".")[2])
+    lower, upper = (f"{1e3 * side:.{decimals}f}" if side > 0.0 else "0" for side in (lower_m, upper_m))
+    return f"{curl}, -{lower} +{upper} mm"
 
 
 def _rounded(value: float, decimals: int) -> float:

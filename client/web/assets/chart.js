@@ -31,13 +31,12 @@ const path = points => {
 };
 
 /**
- * @param lines   [{name, x, y, error (relative) or low and high, dashed, dots (a dot for each point, no line), colour (0 to 5)}]
+ * @param lines   [{name, x, y, low and high (its band), dashed, dots (a dot for each point, no line), colour (0 to 5)}]
  * @param options {title, xLabel, yLabel, wanted: [low, high] as y, unit of y}
  */
 export function chart(lines, {title, xLabel, yLabel, wanted = [], unit = 'mm'}) {
   const colour = (line, i) => `line-${(line.colour ?? i) % 6}`;
-  const bands = lines.map(line => line.low ? [line.low, line.high] : line.error
-    ? [line.y.map(v => v - Math.abs(v) * line.error), line.y.map(v => v + Math.abs(v) * line.error)] : null);
+  const bands = lines.map(line => (line.low ? [line.low, line.high] : null));
   const [x0, x1] = range(lines.flatMap(line => line.x));
   const [y0, y1] = range([0, ...lines.flatMap(line => line.y), ...bands.flatMap(b => (b ? b.flat() : [])), ...wanted]);
   const px = x => left + (x - x0) / (x1 - x0) * (width - left - right);
@@ -104,8 +103,31 @@ export function valueAt({x, y}, at) {
 }
 
 /** The curl of every monitor of a history, for chart(). */
-export const curlLines = (history, error, suffix = '') => history.monitors.map(monitor => ({
-  name: monitor.name + suffix, x: history.time_s, y: monitor.curl_m.map(v => (v === null ? NaN : 1e3 * v)), error}));
+/** What a history has of a monitor, by instant. */
+export const curlFigures = ['curl_m', 'lower_error_m', 'upper_error_m'];
+
+/** The monitor of a history with this name, which is added without its first figures if there is none. */
+export function monitorOf(history, name, missing) {
+  let monitor = history.monitors.find(m => m.name === name);
+  if (!monitor) {
+    monitor = {name};
+    for (const figure of curlFigures) monitor[figure] = new Array(missing).fill(null);
+    history.monitors.push(monitor);
+  }
+  return monitor;
+}
+
+/** The curls of a history with their bands, in mm. */
+export const curlLines = (history, suffix = '') => history.monitors.map(monitor => {
+  const y = monitor.curl_m.map(v => (v === null ? NaN : 1e3 * v));
+  const line = {name: monitor.name + suffix, x: history.time_s, y};
+  if (!Number.isFinite(monitor.upper_error_m.at(-1))) return line;
+  return {
+    ...line,
+    low: y.map((v, i) => v - 1e3 * monitor.lower_error_m[i]),
+    high: y.map((v, i) => v + 1e3 * monitor.upper_error_m[i])
+  };
+});
 
 export const wantedBand = wanted => (wanted && wanted.least_m !== null && wanted.greatest_m !== null
   ? [1e3 * wanted.least_m, 1e3 * wanted.greatest_m] : []);

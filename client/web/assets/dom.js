@@ -26,9 +26,24 @@ export function replace(parent, ...children) {
 export const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
 export const mm = (metres, digits = 1) => fixed(1e3 * metres, digits);
 
-/** "41.9 ± 2.1 mm"; without an error where none is known. */
-export const curlText = (curl, relative) =>
-  relative ? `${mm(curl)} ± ${mm(Math.abs(curl) * relative)} mm` : `${mm(curl)} mm`;
+/** "41.9 ± 2.1 mm", "35.5, -0 +4.9 mm"; without errors, in m, where none are known. */
+export const curlText = (curl, lower, upper) => {
+  if (!Number.isFinite(upper)) return `${mm(curl)} mm`;
+  if (lower === upper) return `${mm(curl)} ± ${mm(upper)} mm`;
+  const [below, above] = [lower, upper].map(error => (error === 0 ? '0' : mm(error)));
+  return `${mm(curl)}, -${below} +${above} mm`;
+};
+
+/** The end of a curl's history, with its errors. */
+export const endText = monitor =>
+  curlText(monitor.curl_m.at(-1) ?? NaN, monitor.lower_error_m.at(-1), monitor.upper_error_m.at(-1));
+
+/** The errors of a curl by those relative to it, {lower, upper}; below zero they change sides. */
+export function meshErrors(curl, relative) {
+  if (!relative) return [];
+  const errors = [relative.lower, relative.upper].map(error => Math.abs(curl) * error);
+  return curl < 0 ? errors.reverse() : errors;
+}
 
 export const stateText = state => (state || '').toLowerCase().replaceAll('_', ' ');
 export const shortId = id => id.slice(0, 8);

@@ -1,8 +1,8 @@
 // One job: its answer, its curl as it grows, its findings, its slab, its report.
 import {call, events, get, post, repeat} from './api.js';
 import {cancelJobs} from './cancel.js';
-import {chart, curlLines, wantedBand} from './chart.js';
-import {curlText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
+import {chart, curlFigures, curlLines, monitorOf, wantedBand} from './chart.js';
+import {endText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
 import {frameViewer} from './frame.js';
 
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
@@ -62,7 +62,7 @@ export function jobPage(element, signal, id) {
   replace(head, title, at, message, tiles, buttons);
   let stateOfButtons = '';
 
-  function drawHead({job, history, relative_curl_error: error}) {
+  function drawHead({job, history}) {
     const step = job.last_step || {};
     const act = (name, text) =>
       h('button', {
@@ -101,7 +101,7 @@ export function jobPage(element, signal, id) {
     const last = history.monitors.map(
       m =>
         h('div', {class: 'tile'}, h('span', {}, m.name),
-          h('strong', {}, curlText(m.curl_m.at(-1) ?? NaN, error))));
+          h('strong', {}, endText(m))));
     replace(
       title, h('p', {class: 'soft'}, `Job ${shortId(job.id)} of ${job.owner || 'unknown'}`),
       h('h1', {}, job.title || job.id));
@@ -123,11 +123,12 @@ export function jobPage(element, signal, id) {
         'Report'));
   }
 
-  function drawCurves({history, relative_curl_error: error, wanted}) {
+  function drawCurves({history, wanted}) {
+    const known = history.monitors.some(m => Number.isFinite(m.upper_error_m.at(-1)));
     if (history.time_s.length === 0)
       return replace(curves, h('p', {class: 'soft'}, 'No step yet.'));
-    replace(curves, chart(curlLines(history, error), {
-              title: error ? 'Curl, with the error of mesh and time steps' : 'Curl',
+    replace(curves, chart(curlLines(history), {
+              title: known ? 'Curl, with the error of mesh and time steps' : 'Curl',
               xLabel: 'time, s',
               yLabel: 'mm',
               wanted: wantedBand(wanted)
@@ -138,16 +139,16 @@ export function jobPage(element, signal, id) {
     const at = history.time_s.findIndex(t => t >= step.time_s);
     if (at >= 0)
       for (const list
-             of [history.time_s, history.cast_length_m, ...history.monitors.map(m => m.curl_m)])
+             of [history.time_s, history.cast_length_m,
+               ...history.monitors.flatMap(m => curlFigures.map(figure => m[figure]))])
         list.length = Math.min(list.length, at);
     history.time_s.push(step.time_s);
     history.cast_length_m.push(step.cast_length_m);
     for (const value of step.monitors || []) {
-      let monitor = history.monitors.find(m => m.name === value.name);
-      if (!monitor)
-        history.monitors.push(
-          monitor = {name: value.name, curl_m: history.time_s.slice(1).map(() => null)});
-      monitor.curl_m.push(value.displacement_m?.at(-1) ?? null);
+      const monitor = monitorOf(history, value.name, history.time_s.length - 1);
+      monitor.curl_m.push(value.curl_m ?? null);
+      monitor.lower_error_m.push(value.curl_lower_error_m ?? null);
+      monitor.upper_error_m.push(value.curl_upper_error_m ?? null);
     }
   }
 

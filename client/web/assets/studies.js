@@ -1,7 +1,7 @@
 // Studies, and of a sweep the response surface: a slider for each key.
 import {call, repeat} from './api.js';
 import {chart, curlLines} from './chart.js';
-import {ago, curlText, h, mm, replace, sheet, shortId, stateText} from './dom.js';
+import {ago, curlText, h, meshErrors, mm, replace, sheet, shortId, stateText} from './dom.js';
 import {judgement} from './judgement.js';
 
 const kinds = {sweep: 'sweep', refinement: 'refinement', mould: 'mould design', recipe: 'recipe'};
@@ -75,14 +75,17 @@ export async function studyPage(element, signal, id) {
     try {
       const found = await call('PredictStudy', {id, values: controls.map(c => ({key: c.key, value: c.value()}))});
       if (mine !== asked || signal.aborted) return;
-      const mesh = found.relative_curl_error;
+      const mesh = found.mesh_error;
       const lines = found.curves.map(curve => {
         const y = curve.curl_m.map(v => (v === null ? NaN : 1e3 * v)), off = curve.uncertainty_m.map(v => (v === null ? NaN : 2e3 * v));
         return {name: curve.monitor, x: curve.time_s, y, low: y.map((v, i) => v - off[i]), high: y.map((v, i) => v + off[i])};
       });
-      const ends = found.curves.map(curve => `${curve.monitor} ${curlText(curve.curl_m.at(-1) ?? NaN, mesh)}`).join(', ');
+      const ends = found.curves.map(curve => {
+        const end = curve.curl_m.at(-1) ?? NaN;
+        return `${curve.monitor} ${curlText(end, ...meshErrors(end, mesh))}`;
+      }).join(', ');
       replace(picture, chart(lines, {title: 'Curl by the response surface; the band is twice its own standard error', xLabel: 'time, s', yLabel: 'mm'}),
-        h('p', {}, `${ends}${mesh ? ' (± mesh and time steps)' : ''}; from ${found.runs} runs.`));
+        h('p', {}, `${ends}${mesh ? ' (with mesh and time steps)' : ''}; from ${found.runs} runs.`));
     } catch (fault) {
       replace(picture, h('p', {class: 'soft'}, fault.message));
     }
@@ -100,7 +103,8 @@ export async function studyPage(element, signal, id) {
     const curl = (run, k) => {
       const end = run.end_curl_m[k];
       if (end === null || end === undefined) return '–';
-      return run.relative_curl_error ? curlText(end, run.relative_curl_error).replace(' mm', '') : mm(end, 2);
+      if (!run.mesh_error) return mm(end, 2);
+      return curlText(end, ...meshErrors(end, run.mesh_error)).replace(' mm', '');
     };
     replace(table, sheet(['Run', ...axes.map(a => a.key), ...result.monitors.map(m => `${m} mm`), 'State'],
       result.runs.map((run, i) => [

@@ -4,7 +4,7 @@ import {chart, curlLines, wantedBand} from './chart.js';
 import {
   byGravity, curlText, findingList, h, replace, severityText, stateText, worst
 } from './dom.js';
-import {lastCurl} from './jobs.js';
+import {largestMonitor} from './jobs.js';
 
 /** The gravest finding, with its remedy where it names one, in one line. */
 function worstLine(findings) {
@@ -25,20 +25,21 @@ export function wallPage(element, signal, label) {
       running.length ? running : (await call('ListJobs', {page_size: 1, ...filter})).jobs;
     if (jobs.length === 0)
       return replace(element, h('h1', {}, label ? `No job with label ${label}` : 'No job yet'));
-    const {job, history, relative_curl_error: error, wanted} = await get(`/job/${jobs[0].id}`);
+    const {job, history, wanted} = await get(`/job/${jobs[0].id}`);
     if (signal.aborted) return;
 
-    const findings = (job.findings || []).filter(f => f.severity !== 'NOTE'), curl = lastCurl(job);
+    const findings = (job.findings || []).filter(f => f.severity !== 'NOTE'), last = largestMonitor(job);
     replace(
       element, h('h1', {}, job.title || job.id),
       h('div', {class: 'headline'},
-        h('p', {class: 'huge'}, Number.isFinite(curl) ? curlText(curl, error) : '–'),
+        h('p', {class: 'huge'},
+          last ? curlText(last.curl_m, last.curl_lower_error_m, last.curl_upper_error_m) : '–'),
         worstLine(findings)),
       h('p', {}, h('span', {class: `state ${job.state.toLowerCase()}`}, stateText(job.state)),
         job.last_step?.time_s ? ` at ${job.last_step.time_s.toFixed(0)} s` : ''),
       history.time_s.length
         ? chart(
-            curlLines(history, error),
+            curlLines(history),
             {title: 'Curl', xLabel: 'time, s', yLabel: 'mm', wanted: wantedBand(wanted)})
         : null,
       findings.length > 1 ? findingList(findings) : null);

@@ -1,8 +1,8 @@
 // What-if: a case with a plant's levers changed, computed at once as a draft, beside the case as it
 // is.
 import {call, events, get, getText, post} from './api.js';
-import {chart, curlLines, wantedBand} from './chart.js';
-import {curlText, findingList, fixed, h, replace} from './dom.js';
+import {chart, curlFigures, curlLines, monitorOf, wantedBand} from './chart.js';
+import {endText, findingList, fixed, h, replace} from './dom.js';
 import {judgement} from './judgement.js';
 
 // A factor is in %, everything else in its unit; 0 is the case as it is.
@@ -68,14 +68,10 @@ export function rampText(text) {
 function append(history, steps) {
   history.time_s.push(...steps.time_s);
   history.cast_length_m.push(...steps.cast_length_m);
-  for (const {name, curl_m: curl} of steps.monitors) {
-    let monitor = history.monitors.find(m => m.name === name);
-    if (!monitor)
-      history.monitors.push(monitor = {
-        name,
-        curl_m: new Array(history.time_s.length - steps.time_s.length).fill(null)
-      });
-    monitor.curl_m.push(...curl);
+  for (const given of steps.monitors) {
+    const missing = history.time_s.length - steps.time_s.length;
+    const monitor = monitorOf(history, given.name, missing);
+    for (const figure of curlFigures) monitor[figure].push(...given[figure]);
   }
 }
 
@@ -150,10 +146,10 @@ export function whatIfPage(element, signal, wanted) {
   function draw(now, done) {
     const lines = [];
     if (reference)
-      lines.push(...curlLines(reference.history, reference.relative_curl_error, ' as it is')
+      lines.push(...curlLines(reference.history, ' as it is')
                    .map((line, i) => ({...line, dashed: true, colour: i})));
     if (now && now !== reference)
-      lines.push(...curlLines(now.history, done ? now.relative_curl_error : null, ' changed')
+      lines.push(...curlLines(now.history, ' changed')
                    .map((line, i) => ({...line, colour: i})));
     if (lines.length === 0)
       return replace(
@@ -170,7 +166,7 @@ export function whatIfPage(element, signal, wanted) {
     if (reference && now !== reference) compare(now);
     const ends = answer =>
       answer.history.monitors
-        .map(m => `${m.name} ${curlText(m.curl_m.at(-1) ?? NaN, answer.relative_curl_error)}`)
+        .map(m => `${m.name} ${endText(m)}`)
         .join(', ');
     replace(
       verdict, h('h2', {}, 'Answer'), reference ? h('p', {}, `As it is: ${ends(reference)}`) : null,

@@ -62,8 +62,9 @@ std::string missing_artifact(const std::filesystem::path& folder, const v1::RunE
 
 /// Version of the protocol between a running worker and the daemon: which of them appends to which
 /// file of the folder, and the meaning of these files. A daemon adopts a worker of an earlier
-/// program only if the versions are equal. Version 1 reported over a socket.
-inline constexpr int worker_protocol = 2;
+/// program only if the versions are equal. Version 1 reported over a socket; version 2 wrote event
+/// logs of version 1.
+inline constexpr int worker_protocol = 3;
 
 /// What a worker writes into its claim.
 struct WorkerClaim {

@@ -30,13 +30,11 @@ bool is_terminal(v1::JobState state) {
   return state == v1::SUCCEEDED || state == v1::FAILED || state == v1::CANCELLED;
 }
 
-void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& message) {
-  if (job.has_failure()) {
-    job.mutable_failure()->add_further_causes(message);
-    return;
-  }
-  job.mutable_failure()->set_kind(kind);
-  job.mutable_failure()->set_message(message);
+void add_failure(v1::Job& job, v1::Finding::Kind kind, const std::string& message) {
+  v1::Finding& failure =
+      job.has_failure() ? *job.mutable_failure()->add_further() : *job.mutable_failure();
+  failure.set_kind(kind);
+  failure.set_message(message);
 }
 
 void keep_finding(google::protobuf::RepeatedPtrField<v1::Finding>& findings,

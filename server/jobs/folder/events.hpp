@@ -61,7 +61,7 @@ google::protobuf::Timestamp timestamp(std::int64_t milliseconds);
 bool is_terminal(v1::JobState state);
 
 /// Adds a failure. The first one remains the cause; further ones are listed after it.
-void add_failure(v1::Job& job, v1::Failure::Kind kind, const std::string& message);
+void add_failure(v1::Job& job, v1::Finding::Kind kind, const std::string& message);
 
 /// Adds a finding, or replaces the one of the same code: the latest holds the worst exceedance.
 void keep_finding(google::protobuf::RepeatedPtrField<v1::Finding>& findings,

@@ -48,6 +48,10 @@ std::optional<EventStart> parse_start(std::string_view payload) {
 }  // namespace
 
 std::string event_log_header() {
+  return "DCCASTEV" + storage::little_endian(2) + storage::little_endian(0);
+}
+
+std::string former_event_log_header() {
   return "DCCASTEV" + storage::little_endian(1) + storage::little_endian(0);
 }
 
@@ -125,7 +129,8 @@ public:
 
   void read_all() {
     content_.size = file_.size();
-    content_.sound_header = file_.at(0, event_log_header_size) == event_log_header();
+    const std::string_view header = file_.at(0, event_log_header_size);
+    content_.sound_header = header == event_log_header() || header == former_event_log_header();
     while (const auto record = next_record()) add(*record);
     settle_last_step();
     content_.torn = ends_in_part_of_a_record();

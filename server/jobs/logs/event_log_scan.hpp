@@ -18,6 +18,8 @@ inline constexpr std::uint32_t largest_event = 1u << 24;  // [bytes]
 
 /// Bytes at the beginning of every log.
 std::string event_log_header();
+/// That of version 1, whose records server/state converts.
+std::string former_event_log_header();
 
 /// An unreadable part of an event log, followed by sound records.
 struct EventGap {
@@ -55,7 +57,7 @@ struct EventLogContent {
   std::optional<v1::StepReport> last_step;                   ///< not taken back by a resumption
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< the last one of each code
   std::int64_t reached_step = 0;                             ///< last step of the history
-  std::optional<v1::ValidityLoss> validity_loss;             ///< the first one
+  std::optional<v1::Finding> validity_loss;                  ///< the first one
   std::optional<v1::RunEnd> run_end;                   ///< of the last attempt, once it has ended
   std::optional<google::protobuf::Timestamp> started;  ///< first start of a worker
   int attempts = 0;                                    ///< number of starts of a worker

@@ -102,7 +102,7 @@ void Ledger::settle(JobRecord& record, v1::JobState to, const std::string& cause
 
     // The files of the job itself are damaged, so the job fails, unless it has ended before.
     const v1::JobState from = record.job.state();
-    add_failure(record.job, v1::Failure::STORAGE, error.what());
+    add_failure(record.job, v1::Finding::STORAGE, error.what());
     if (!is_terminal(from)) enter(record, v1::FAILED);
     write_store(record, error.what(), from);
   }

@@ -35,6 +35,19 @@ std::optional<std::string> daemon_lacks(const std::exception& error) {
   return lacks ? std::optional<std::string>(error.what()) : std::nullopt;
 }
 
+FreeSpaceShort::FreeSpaceShort(const std::filesystem::path& directory, std::int64_t free,
+                               std::int64_t minimum)
+    : std::system_error(
+          ENOSPC, std::generic_category(),
+          fmt::format("only {} are free in {}, and minimum_free is {}", storage::megabytes(free),
+                      directory.string(), storage::megabytes(minimum))),
+      facts_{.reason = v1::ErrorInfo::STORAGE_FULL,
+             .cause = fmt::format("only {} are free in the server's data directory",
+                                  storage::megabytes(free)),
+             .limit = "minimum_free",
+             .permitted = storage::megabytes(minimum),
+             .remedy = "free space there, then try again"} {}
+
 void require_free_space(const std::filesystem::path& directory, std::int64_t minimum) {
   struct statvfs status;
   if (::statvfs(directory.c_str(), &status) != 0)
@@ -43,11 +56,7 @@ void require_free_space(const std::filesystem::path& directory, std::int64_t min
 
   const auto free =
       static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
-  if (free >= minimum) return;
-  throw std::system_error(
-      ENOSPC, std::generic_category(),
-      fmt::format("only {} are free in {}, and minimum_free_bytes is {}", storage::megabytes(free),
-                  directory.string(), storage::megabytes(minimum)));
+  if (free < minimum) throw FreeSpaceShort(directory, free, minimum);
 }
 
 void probe_directory(const std::filesystem::path& directory) {

@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
+
+#include "proto/refusal/refusal.hpp"
 
 namespace dccast::jobs {
 
@@ -13,8 +16,18 @@ namespace dccast::jobs {
 /// passes, and no fault of a job. @return a description of the lack; nothing for any other error
 std::optional<std::string> daemon_lacks(const std::exception& error);
 
+/// Less of a disk is free than the setting `minimum_free`.
+class FreeSpaceShort : public std::system_error {
+public:
+  FreeSpaceShort(const std::filesystem::path& directory, std::int64_t free, std::int64_t minimum);
+  const refusal::Facts& facts() const { return facts_; }
+
+private:
+  refusal::Facts facts_;
+};
+
 /// Checks the free space of the file system that holds a directory. @param minimum  [bytes]
-/// @throws std::system_error (ENOSPC)  less is free
+/// @throws FreeSpaceShort  less is free
 void require_free_space(const std::filesystem::path& directory, std::int64_t minimum);
 
 /// Writes a file of some size into a directory, syncs it to disk and removes it again.

@@ -323,7 +323,7 @@ void QueueLoop::refuse_start(const std::string& id, const std::exception& error)
     if (const auto lack = daemon_lacks(error)) throw std::runtime_error(*lack);
     auto record = state_.ledger.find(id);
     if (record && record->job.state() == v1::QUEUED) {
-      add_failure(record->job, v1::Failure::STORAGE, error.what());
+      add_failure(record->job, v1::Finding::STORAGE, error.what());
       state_.ledger.settle(*record, v1::FAILED, error.what());
       state_.ledger.announce(id);
     }

@@ -51,7 +51,7 @@ bool Recovery::recover_job(JobRecord& record) {
       record.job.set_state(v1::QUEUED);
       state_.ledger.keep(record, *lack);
     } else {
-      add_failure(record.job, v1::Failure::STORAGE, error.what());
+      add_failure(record.job, v1::Finding::STORAGE, error.what());
       state_.ledger.settle(record, v1::FAILED, error.what());
     }
     return false;

@@ -45,7 +45,7 @@ public:
   void let_workers_run() { loop_.let_workers_run(); }
 
   /// Accepts a job and writes it to disk. The same request_id and case return the same job.
-  /// @throws QueueFull, RequestIdTaken, ShuttingDown, StorageHeld
+  /// @throws refusal::LimitReached, RequestIdTaken, ShuttingDown, StorageHeld
   v1::Job submit(const NewJob& new_job, const Attachments& attachments) {
     return submissions_.submit(new_job, attachments);
   }

@@ -22,7 +22,7 @@ constexpr int largest_storage_failures = 10;
 Settlement settle_for_storage(JobRecord& record, const std::string& error,
                               const AttemptFacts& facts) {
   if (facts.storage_failures >= largest_storage_failures) {
-    add_failure(record.job, v1::Failure::STORAGE, error);
+    add_failure(record.job, v1::Finding::STORAGE, error);
     return {v1::FAILED, error};
   }
   Settlement settlement =
@@ -34,20 +34,20 @@ Settlement settle_for_storage(JobRecord& record, const std::string& error,
 Settlement settle_succeeded(JobRecord& record, const RunEnd& end, const AttemptFacts& facts) {
   *record.job.mutable_artifacts() = end.artifacts();
   if (facts.missing_artifact.empty()) return {v1::SUCCEEDED, "finished"};
-  add_failure(record.job, v1::Failure::STORAGE, facts.missing_artifact);
+  add_failure(record.job, v1::Finding::STORAGE, facts.missing_artifact);
   return {v1::FAILED, facts.missing_artifact};
 }
 
 /// The error of a failed write, which may follow another failure; empty if all was written.
-std::string find_write_error(const v1::Failure& failure) {
-  if (failure.kind() == v1::Failure::STORAGE) return failure.message();
-  for (const std::string& further : failure.further_causes())
-    if (further.starts_with("STORAGE: ")) return further.substr(further.find(' ') + 1);
+std::string find_write_error(const v1::Finding& failure) {
+  if (failure.kind() == v1::Finding::STORAGE) return failure.message();
+  for (const v1::Finding& further : failure.further())
+    if (further.kind() == v1::Finding::STORAGE) return further.message();
   return {};
 }
 
 Settlement settle_failed(JobRecord& record, const RunEnd& end, const AttemptFacts& facts) {
-  const v1::Failure& failure = end.failure();
+  const v1::Finding& failure = end.failure();
   // Run again when its results can be written: it will end in the same way.
   if (const std::string error = find_write_error(failure);
       !error.empty() && facts.storage_failures < largest_storage_failures)
@@ -78,7 +78,7 @@ Settlement settle_over_time(JobRecord& record, const AttemptFacts& facts) {
       "{} and has reached its time limit at {} % of the casting; submit it again with a longer one "
       "(dccast submit --from {} --time-limit), with a coarser quality or a shorter time.end",
       facts.over_time, std::lround(100.0 * record.job.last_step().progress()), record.job.id());
-  add_failure(record.job, v1::Failure::TIME_LIMIT, message);
+  add_failure(record.job, v1::Finding::TIME_LIMIT, message);
   record.job.mutable_failure()->set_time_s(facts.reached_time);
   return {v1::FAILED, message};
 }
@@ -127,7 +127,7 @@ Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptF
   if (exit.of_machine)
     return settle_stopped(record, fmt::format("{}; goes on from its last checkpoint", exit.how));
   if (exit.code == exit_out_of_memory) {
-    add_failure(record.job, v1::Failure::OUT_OF_MEMORY, out_of_memory_text);
+    add_failure(record.job, v1::Finding::OUT_OF_MEMORY, out_of_memory_text);
     return {v1::FAILED, out_of_memory_text};
   }
 
@@ -144,7 +144,7 @@ Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptF
   std::optional<std::int64_t> repeated_step;
   if (previous_step == facts.reached_step) repeated_step = facts.reached_step;
   const std::string message = describe_losses(record, repeated_step);
-  add_failure(record.job, facts.hung.empty() ? v1::Failure::WORKER_LOST : v1::Failure::WORKER_HUNG,
+  add_failure(record.job, facts.hung.empty() ? v1::Finding::WORKER_LOST : v1::Finding::WORKER_HUNG,
               message);
   record.job.mutable_failure()->set_time_s(facts.reached_time);
   return {v1::FAILED, message};

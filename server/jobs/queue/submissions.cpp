@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/storage/file.hpp"
+#include "proto/refusal/refusal.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
 
@@ -17,9 +18,9 @@ namespace {
 void require_same_submission(const v1::Job& existing, const NewJob& new_job) {
   const bool same_case = existing.case_sha256() == new_job.case_sha256;
   if (same_case && existing.study() == new_job.study) return;
-  throw RequestIdTaken(
-      fmt::format("request_id \"{}\" was used for another {} (job {}); choose a new one",
-                  new_job.request_id, same_case ? "study" : "case", existing.id()));
+  throw RequestIdTaken(fmt::format("request_id \"{}\" was used for another {} (job {})",
+                                   new_job.request_id, same_case ? "study" : "case",
+                                   existing.id()));
 }
 
 /// Counts a submission as a waiting job from the first check of the queue to its place in it.
@@ -60,10 +61,12 @@ v1::Job Submissions::submit(const NewJob& new_job, const Attachments& attachment
   std::optional<Reservation> reservation;
   {
     const std::lock_guard lock(state_.mutex);
-    if (state_.shutting_down) throw ShuttingDown("dccastd is shutting down; submit again later");
+    if (state_.shutting_down) throw ShuttingDown("dccastd is shutting down");
     if (state_.waiting() + under_way_ >= state_.options.maximum_queued)
-      throw QueueFull(fmt::format("the queue is full; maximum_queued = {}; submit again later",
-                                  state_.options.maximum_queued));
+      throw refusal::LimitReached({.cause = "the queue is full",
+                                   .limit = "maximum_queued",
+                                   .permitted = std::to_string(state_.options.maximum_queued),
+                                   .remedy = "submit again later"});
     reservation.emplace(state_.mutex, under_way_);
   }
 
@@ -95,18 +98,18 @@ void Submissions::require_room(std::int64_t bytes) {
     held = state_.queue_hold.reason();
   }
   if (!held.empty())
-    throw StorageHeld(
-        fmt::format("the queue is held and takes no job now: {}; it goes on by "
-                    "itself once that has passed: submit again then",
-                    held));
+    throw StorageHeld(fmt::format("the queue is held and takes no job now: {}", held));
   require_free_space(state_.jobs_directory, state_.options.minimum_free_bytes);
 
   const std::int64_t waiting = state_.store.unfinished_bytes();
   if (waiting + bytes > state_.options.maximum_waiting_bytes)
-    throw QueueFull(fmt::format(
-        "cases and attachments of the jobs that have not ended take {} bytes, this one {}, and "
-        "maximum_waiting_bytes is {}; submit again when some have ended",
-        waiting, bytes, state_.options.maximum_waiting_bytes));
+    throw refusal::LimitReached(
+        {.cause = fmt::format("cases and attachments of the jobs that have not ended take {} "
+                              "bytes, this one {}",
+                              waiting, bytes),
+         .limit = "maximum_waiting",
+         .permitted = fmt::format("{} bytes", state_.options.maximum_waiting_bytes),
+         .remedy = "submit again when some have ended"});
 }
 
 /// Writes a new job to disk: folder, event log, row. @return the existing job if a concurrent

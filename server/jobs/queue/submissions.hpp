@@ -10,11 +10,7 @@
 
 namespace dccast::jobs {
 
-/// The queue has as many jobs as a setting permits, of this owner or of all.
-struct QueueFull : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-/// The request id belongs to a job with another case.
+/// The request id of a submission belongs to another one.
 struct RequestIdTaken : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -37,7 +37,7 @@ struct TallyFigures {
   Histogram run_s{bounds_s};                    ///< of an ended job, over all its attempts
   std::map<std::string, double> processor_s;    ///< of ended jobs, by owner
   std::map<v1::JobState, std::uint64_t> ended;  ///< by final state
-  std::map<v1::Failure::Kind, std::uint64_t> failures;
+  std::map<v1::Finding::Kind, std::uint64_t> failures;
   std::map<std::pair<std::string, v1::Finding::Severity>, std::uint64_t>
       findings;  ///< of ended jobs
 };

@@ -13,7 +13,7 @@ namespace dccast::jobs {
 
 namespace {
 
-constexpr std::int64_t this_version = 8;
+constexpr std::int64_t this_version = 9;
 
 // Columns of the tables, one a line. Times are milliseconds since 1970, states and priorities are
 // numbers of job.proto, blobs are serialised messages of job.proto. Labels are stored one a line,
@@ -294,9 +294,9 @@ void JobStore::probe() {
 
 std::string JobStore::first_fault() {
   const std::lock_guard lock(mutex_);
-  std::string fault;
-  database_.read("PRAGMA integrity_check(1)", [&](const Statement& row) { fault = row.text(0); });
-  return fault == "ok" ? "" : fault;
+  std::string answer;
+  database_.read("PRAGMA integrity_check(1)", [&](const Statement& row) { answer = row.text(0); });
+  return answer == "ok" ? "" : answer;
 }
 
 void JobStore::copy_to(const std::filesystem::path& path) {

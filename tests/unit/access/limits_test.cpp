@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "proto/refusal/refusal.hpp"
+
 namespace dccast::access {
 namespace {
 
@@ -24,24 +26,37 @@ TEST(CallRate, ForgetsThoseWhoHaveBeenQuiet) {
     EXPECT_TRUE(rate.take(std::to_string(i), start + std::chrono::seconds(i)));
 }
 
+/// The message of the refusal; empty where one more is permitted.
+std::string refusal_of(OpenCount& open, const std::string& who) {
+  try {
+    open.enter(who, "streams");
+    return "";
+  } catch (const refusal::LimitReached& limit) {
+    EXPECT_EQ(limit.facts().reason, v1::ErrorInfo::LIMIT_REACHED);
+    return limit.what();
+  }
+}
+
 TEST(OpenCount, NamesTheLimitItsValueAndWhoseItIs) {
   OpenCount open(3, 2);
-  EXPECT_EQ(open.enter("anna", "streams"), "");
-  EXPECT_EQ(open.enter("anna", "streams"), "");
-  EXPECT_EQ(open.enter("anna", "streams"), "anna has 2 streams open; maximum_streams_per_user = 2");
-  EXPECT_EQ(open.enter("bert", "streams"), "");
-  EXPECT_EQ(open.enter("carl", "streams"), "3 streams of all users are open; maximum_streams = 3");
+  EXPECT_EQ(refusal_of(open, "anna"), "");
+  EXPECT_EQ(refusal_of(open, "anna"), "");
+  EXPECT_EQ(refusal_of(open, "anna"),
+            "anna has 2 streams open; maximum_streams_per_user = 2; end one, then try again");
+  EXPECT_EQ(refusal_of(open, "bert"), "");
+  EXPECT_EQ(refusal_of(open, "carl"),
+            "3 streams of all users are open; maximum_streams = 3; end one, then try again");
   open.leave("anna");
-  EXPECT_EQ(open.enter("carl", "streams"), "");
+  EXPECT_EQ(refusal_of(open, "carl"), "");
 }
 
 TEST(OpenCount, AUserWhoLeftIsForgotten) {
   OpenCount open(1, 1);
   open.leave("anna");
-  EXPECT_EQ(open.enter("anna", "streams"), "");
+  EXPECT_EQ(refusal_of(open, "anna"), "");
   open.leave("anna");
   open.leave("anna");
-  EXPECT_EQ(open.enter("bert", "streams"), "");
+  EXPECT_EQ(refusal_of(open, "bert"), "");
 }
 
 }  // namespace

@@ -71,39 +71,39 @@ TEST_F(AuthorityTest, AListedLocalUserHasTheRoleOfTheList) {
   users.add("anna", v1::VIEWER, now, now + day);
   EXPECT_EQ(authority.local_user("anna").role, v1::VIEWER);
   users.set_disabled("anna", true);
-  EXPECT_NE(authority.local_user("anna").refusal, "");
+  EXPECT_FALSE(authority.local_user("anna").proven());
 }
 
 TEST_F(AuthorityTest, ARoleTooLowNamesUserRoleNeedAndAdmins) {
   users.add("kalle", v1::ADMIN, now, now + day);
   const Caller anna{.name = "anna", .role = v1::VIEWER};
-  const std::string fault = authority.role_fault(anna, submit);
+  const std::string fault = authority.role_fault(anna, submit).value().message();
   for (const char* part : {"anna has the role viewer", "SubmitJob needs submitter", "kalle"})
     EXPECT_NE(fault.find(part), std::string::npos) << fault;
-  EXPECT_EQ(authority.role_fault(anna, get), "");
+  EXPECT_FALSE(authority.role_fault(anna, get));
 }
 
 TEST_F(AuthorityTest, OnlyTheOwnerOrAnAdminChanges) {
   const Caller anna{.name = "anna", .role = v1::SUBMITTER};
-  EXPECT_EQ(authority.owner_fault(anna, cancel, "anna", "job 1"), "");
-  const std::string fault = authority.owner_fault(anna, cancel, "bert", "job 1");
+  EXPECT_FALSE(authority.owner_fault(anna, cancel, "anna", "job 1"));
+  const std::string fault = authority.owner_fault(anna, cancel, "bert", "job 1").value().message();
   for (const char* part : {"job 1 is of bert", "anna (submitter)", "ask bert"})
     EXPECT_NE(fault.find(part), std::string::npos) << fault;
-  EXPECT_EQ(authority.owner_fault({.name = "kalle", .role = v1::ADMIN}, cancel, "bert", "job 1"),
-            "");
-  EXPECT_EQ(authority.owner_fault(anna, get, "bert", "job 1"), "");
+  EXPECT_FALSE(
+      authority.owner_fault({.name = "kalle", .role = v1::ADMIN}, cancel, "bert", "job 1"));
+  EXPECT_FALSE(authority.owner_fault(anna, get, "bert", "job 1"));
 }
 
 // Neither a job nor a caller without a name belongs to the other.
 TEST_F(AuthorityTest, NoNameIsNoOwner) {
-  EXPECT_NE(authority.owner_fault({.role = v1::SUBMITTER}, cancel, "", "job 1"), "");
+  EXPECT_TRUE(authority.owner_fault({.role = v1::SUBMITTER}, cancel, "", "job 1"));
 }
 
 TEST_F(AuthorityTest, ReadingIsOneOwnWhereTheSettingsHaveIt) {
   Authority strict(users, {.own_user = "dccast", .reads_own_only = true});
   const Caller anna{.name = "anna", .role = v1::SUBMITTER};
-  EXPECT_NE(strict.owner_fault(anna, get, "bert", "job 1"), "");
-  EXPECT_EQ(strict.owner_fault(anna, get, "anna", "job 1"), "");
+  EXPECT_TRUE(strict.owner_fault(anna, get, "bert", "job 1"));
+  EXPECT_FALSE(strict.owner_fault(anna, get, "anna", "job 1"));
   EXPECT_TRUE(strict.reads_own_only(anna));
   EXPECT_FALSE(strict.reads_own_only({.name = "kalle", .role = v1::ADMIN}));
 }
@@ -112,13 +112,13 @@ TEST_F(AuthorityTest, AProvenCallerLapses) {
   std::string token;
   users.enrol(users.add("anna", v1::SUBMITTER, now, now + day), "", now, now + day, token);
   const Caller anna = authority.by_token(token, now);
-  ASSERT_EQ(anna.refusal, "");
-  EXPECT_EQ(authority.lapse(anna, now), "");
-  EXPECT_NE(authority.lapse(anna, now + day).find("expired"), std::string::npos);
+  ASSERT_TRUE(anna.proven());
+  EXPECT_FALSE(authority.lapse(anna, now));
+  EXPECT_NE(authority.lapse(anna, now + day).value().cause.find("expired"), std::string::npos);
   users.revoke("anna", anna.credential);
-  EXPECT_NE(authority.lapse(anna, now).find("revoked"), std::string::npos);
+  EXPECT_NE(authority.lapse(anna, now).value().cause.find("revoked"), std::string::npos);
   users.remove("anna");
-  EXPECT_NE(authority.lapse(anna, now).find("removed"), std::string::npos);
+  EXPECT_NE(authority.lapse(anna, now).value().cause.find("removed"), std::string::npos);
 }
 
 TEST_F(AuthorityTest, ADisabledAdminOfAnotherMachineIsOneNoLonger) {
@@ -127,19 +127,19 @@ TEST_F(AuthorityTest, ADisabledAdminOfAnotherMachineIsOneNoLonger) {
   const Caller kalle = authority.by_token(token, now);
   ASSERT_EQ(kalle.role, v1::ADMIN);
   users.set_disabled("kalle", true);
-  EXPECT_NE(authority.lapse(kalle, now), "");
-  EXPECT_NE(authority.by_certificate("kalle", now + day, now).refusal, "");
+  EXPECT_TRUE(authority.lapse(kalle, now));
+  EXPECT_FALSE(authority.by_certificate("kalle", now + day, now).proven());
 }
 
 TEST_F(AuthorityTest, ACertificateStandsForAListedUser) {
-  EXPECT_NE(authority.by_certificate("anna", now + day, now).refusal, "");
+  EXPECT_FALSE(authority.by_certificate("anna", now + day, now).proven());
   users.add("anna", v1::VIEWER, now, now + day);
   const Caller anna = authority.by_certificate("anna", now + day, now);
-  EXPECT_EQ(anna.refusal, "");
+  EXPECT_TRUE(anna.proven());
   EXPECT_EQ(anna.role, v1::VIEWER);
-  EXPECT_NE(authority.lapse(anna, now + day), "");
+  EXPECT_TRUE(authority.lapse(anna, now + day));
   users.set_disabled("anna", true);
-  EXPECT_NE(authority.by_certificate("anna", now + day, now).refusal, "");
+  EXPECT_FALSE(authority.by_certificate("anna", now + day, now).proven());
 }
 
 }  // namespace

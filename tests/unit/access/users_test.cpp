@@ -30,14 +30,15 @@ TEST_F(Users, ASecretBuysOneTokenOnce) {
   const std::string secret = store.add("anna", v1::SUBMITTER, now, now + day);
   std::string token, second;
   const Caller first = store.enrol(secret, "desk", now, now + day, token);
-  ASSERT_TRUE(first.proven()) << first.refusal;
+  ASSERT_TRUE(first.proven());
   EXPECT_EQ(first.name, "anna");
   const Caller again = store.enrol(secret, "desk", now, now + day, second);
   EXPECT_FALSE(again.proven());
-  EXPECT_NE(again.refusal.find("used before"), std::string::npos) << again.refusal;
+  EXPECT_NE(again.refusal.value().cause.find("used before"), std::string::npos)
+      << again.refusal->cause;
   EXPECT_TRUE(second.empty());
   const Caller proof = store.prove(token, now);
-  ASSERT_TRUE(proof.proven()) << proof.refusal;
+  ASSERT_TRUE(proof.proven());
   EXPECT_EQ(proof.role, v1::SUBMITTER);
 }
 
@@ -53,11 +54,13 @@ TEST_F(Users, SecretsExpire) {
   const std::string secret = store.add("anna", v1::SUBMITTER, now, now + day);
   std::string token;
   const Caller late = store.enrol(secret, "", now + day, now + 2 * day, token);
-  EXPECT_NE(late.refusal.find("has expired"), std::string::npos) << late.refusal;
+  EXPECT_NE(late.refusal.value().cause.find("has expired"), std::string::npos)
+      << late.refusal->cause;
   ASSERT_TRUE(store.enrol(secret, "", now, now + day, token).proven());
   EXPECT_TRUE(store.prove(token, now + day - 1).proven());
   const Caller expired = store.prove(token, now + day);
-  EXPECT_NE(expired.refusal.find("of anna has expired"), std::string::npos) << expired.refusal;
+  EXPECT_NE(expired.refusal.value().cause.find("of anna has expired"), std::string::npos)
+      << expired.refusal->cause;
 }
 
 TEST_F(Users, NoSecretStandsInTheFile) {
@@ -84,7 +87,7 @@ TEST_F(Users, WhatAnotherProcessChangesHoldsAtOnce) {
   ASSERT_TRUE(store.prove(token, now).proven());
   UserStore command(folder.path());
   command.set_disabled("anna", true);
-  EXPECT_NE(store.prove(token, now).refusal.find("disabled"), std::string::npos);
+  EXPECT_NE(store.prove(token, now).refusal.value().cause.find("disabled"), std::string::npos);
   command.set_disabled("anna", false);
   EXPECT_TRUE(store.prove(token, now).proven());
   command.set_role("anna", v1::VIEWER);

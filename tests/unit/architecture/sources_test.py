@@ -55,6 +55,18 @@ ONLY_IN = {
 # Libraries whose headers take seconds to compile stay behind one source of the client.
 CLIENT_LIBRARIES = {"CLI/CLI.hpp": "client/cli/options.cpp", "nlohmann/json.hpp": "client/model/json.cpp"}
 TESTS_THAT_LOOK_INTO_FILES = {"tests/unit/results": "hdf5.h"}
+# A text for people in which a program looks for something, and the files that look into texts of gRPC,
+# ssh, Slurm and HDF5.
+TEXTS_FOR_PEOPLE = r"\b(?:message|reason|why|what|cause|remedy|further|held|fault|refused|details)(?:\(\))?"
+PARSED_TEXT = re.compile(
+    TEXTS_FOR_PEOPLE + r"\.(?:find|rfind|starts_with|ends_with|contains|includes|startsWith|endsWith|match"
+    r"|indexOf|startswith|endswith|split|partition)\("
+    + "|" + TEXTS_FOR_PEOPLE + r" *[!=]=+ *[\"'](?!$|[\"']|[A-Z_]+[\"'])"
+    + r"|regex_(?:search|match)\(" + TEXTS_FOR_PEOPLE + r"|\bin (?:error\.details\(\)|str\(error\))")
+READS_TEXTS_OF_OTHERS = {
+    "client/session/failure.cpp", "client/session/ssh_tunnel.cpp", "core/results/hdf5_file.cpp",
+    "server/jobs/executors/slurm_commands.cpp", "server/jobs/executors/slurm_executor.cpp",
+    "server/state/stored_v0.cpp"}
 NEVER_IN_CORE = re.compile(r"^(grpc|grpcpp|google/protobuf|toml\+\+|sqlite3|dccast/v1)(/|\.|$)")
 NEVER_IN_JOBS = re.compile(r"^(grpc|grpcpp)(/|$)")
 
@@ -249,6 +261,14 @@ class Sources(unittest.TestCase):
                 if owner and not folder.startswith(owner) and not mirror.startswith(owner):
                     broken.append(f"{path} includes {include}, which belongs to {owner}")
         self.assert_none(broken)
+
+    def test_no_text_that_we_write_for_people_is_parsed(self):
+        """Programs read fields: refusal.proto, Finding.kind. Only texts of others are looked into."""
+        self.assert_none([
+            f"{path}:{number}: {line.strip()}"
+            for path in FILES if path.parts[0] in PARTS_SEEN and path.suffix in {".cpp", ".hpp", ".py", ".js"}
+            and str(path) not in READS_TEXTS_OF_OTHERS
+            for number, line in enumerate(text_of(path).splitlines(), 1) if PARSED_TEXT.search(line)])
 
     def test_core_knows_no_wire_no_toml_and_no_database(self):
         self.assert_none([

@@ -95,6 +95,34 @@ TEST(FailureText, ShowsNoTraceOfGrpc) {
   EXPECT_LT(said_of(StatusCode::INTERNAL, std::string(100000, 'x')).size(), 700u);
 }
 
+/// A refusal of the daemon with any text.
+grpc::Status refused(grpc::StatusCode code, const refusal::Facts& facts, const std::string& text) {
+  return {code, text, refusal::write_details(code, facts)};
+}
+
+TEST(FailureText, IsTheDaemonsWhateverWordsItHas) {
+  const refusal::Facts facts{.reason = v1::ErrorInfo::NOT_FOUND, .cause = "x"};
+  for (const char* text : {"Connection refused", "GOAWAY", "ipv4: is no label", "Socket closed"})
+    EXPECT_EQ(failure_of(refused(grpc::NOT_FOUND, facts, text), "host:7117").what(),
+              std::string(text));
+}
+
+TEST(Refusals, AreTakenByTheirReasonNotByTheirText) {
+  const refusal::Facts facts{.reason = v1::ErrorInfo::ATTACHMENT_MISSING,
+                             .cause = "c",
+                             .limit = "l",
+                             .permitted = "p",
+                             .remedy = "r"};
+  for (const char* text : {"", "no such file", "maximum_queued = 3; submit again"}) {
+    const grpc::Status status = refused(grpc::ABORTED, facts, text);
+    EXPECT_TRUE(is_refused(status, v1::ErrorInfo::ATTACHMENT_MISSING));
+    EXPECT_FALSE(is_refused(status, v1::ErrorInfo::LIMIT_REACHED));
+    EXPECT_EQ(refusal_of(status)->limit, "l");
+    EXPECT_EQ(refusal_of(status)->remedy, "r");
+  }
+  EXPECT_FALSE(refusal_of({grpc::ABORTED, "attachment is not on the server; upload it"}));
+}
+
 TEST(EnrolmentLine, HasThreeParts) {
   const std::string fingerprint = "/sha256:" + std::string(64, 'a') + "/";
   const auto line = read_enrolment_line("dccast login host:7117" + fingerprint + "secret\n");

@@ -15,16 +15,16 @@ TEST(Sweep, CsvHasTheErrorOfMeshAndStepsWhereItIsKnown) {
   v1::StudyResult result;
   result.add_monitors("corner");
   add_axis(result, "mesh.rows", "10", "20");
-  add_run(result, 0, 0, -40.0).set_relative_curl_error(0.05);
+  add_run(result, 0, 0, -40.0).mutable_mesh_error()->set_upper(0.05);
   add_run(result, 0, 1, 41.0);
   for (v1::StudyRun& run : *result.mutable_runs()) {
     run.mutable_end_curl_m()->Truncate(1);
     run.add_numbers(10.0);
   }
   const std::string csv = render::sweep_csv(result);
-  EXPECT_THAT(csv, HasSubstr("corner_end_curl_m,corner_uncertainty_m,"));
-  EXPECT_THAT(csv, HasSubstr(",-0.04,0.002,"));
-  EXPECT_THAT(csv, HasSubstr(",0.041,,"));
+  EXPECT_THAT(csv, HasSubstr("corner_end_curl_m,corner_lower_error_m,corner_upper_error_m,"));
+  EXPECT_THAT(csv, HasSubstr(",-0.04,0.002,0,"));
+  EXPECT_THAT(csv, HasSubstr(",0.041,,,"));
 }
 
 }  // namespace

@@ -61,6 +61,12 @@ grpc::Status FakeService::FetchResult(grpc::ServerContext*, const v1::FetchResul
   return grpc::Status::OK;
 }
 
+grpc::Status refusal_with(const v1::ValidateCaseResponse& verdict) {
+  const refusal::Facts facts{.reason = v1::ErrorInfo::INVALID_CASE, .cause = "the case has faults"};
+  return {grpc::INVALID_ARGUMENT, facts.message(),
+          refusal::write_details(grpc::INVALID_ARGUMENT, facts, &verdict)};
+}
+
 grpc::Status FakeService::enter() {
   ++calls;
   if (unavailable.fetch_sub(1) > 0) return {grpc::StatusCode::UNAVAILABLE, "the check was killed"};
@@ -87,8 +93,7 @@ grpc::Status FakeService::QueryButtCurl(grpc::ServerContext*,
     answer = std::to_string(answered_.size());
     answered_[answer] = request->case_();
   }
-  if (verdict.faults_size() > 0)
-    return {grpc::StatusCode::INVALID_ARGUMENT, "the case has faults", verdict.SerializeAsString()};
+  if (verdict.faults_size() > 0) return refusal_with(verdict);
   v1::QueryButtCurlResponse response;
   *response.mutable_accepted()->mutable_case_() = request->case_();
   response.mutable_accepted()->set_answer(answer);
@@ -204,6 +209,7 @@ std::vector<v1::JobEvent> run_of(int steps, v1::JobState end) {
     corner.set_name("corner");
     corner.add_displacement_m(-1e-4 * i);
     corner.add_displacement_m(1e-3 * i);
+    corner.set_curl_m(1e-3 * i);
   }
   auto& last = *events.back().mutable_state_change();
   last.set_state(end);

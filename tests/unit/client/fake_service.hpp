@@ -14,6 +14,9 @@
 
 namespace dccast::client {
 
+/// Refuses a case with faults as dccastd does.
+grpc::Status refusal_with(const v1::ValidateCaseResponse& verdict);
+
 /// A daemon in the test's own process, on a free loopback port. It plays back what the test gives
 /// it and misbehaves as it is told to.
 class FakeService final : public v1::SimulationService::Service {

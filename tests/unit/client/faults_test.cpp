@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "client/session/case_faults.hpp"
+#include "fake_service.hpp"
 
 namespace dccast::client {
 namespace {
@@ -29,8 +30,7 @@ TEST(MergeFaults, ALikeNameIsNotTheSameKey) {
 TEST(FaultsOf, ReadsTheDetailsOfAStatusAndSurvivesNonsense) {
   v1::ValidateCaseResponse response;
   *response.add_faults() = fault("a", "b");
-  EXPECT_EQ(
-      faults_of({grpc::StatusCode::INVALID_ARGUMENT, "", response.SerializeAsString()}).size(), 1u);
+  EXPECT_EQ(faults_of(refusal_with(response)).size(), 1u);
   EXPECT_TRUE(faults_of({grpc::StatusCode::INVALID_ARGUMENT, "", "\xff\xff\xff"}).empty());
   EXPECT_TRUE(faults_of(grpc::Status::OK).empty());
 }

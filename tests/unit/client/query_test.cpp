@@ -63,7 +63,7 @@ TEST_F(Query, FindingsComeFirst) {
 TEST_F(Query, JsonHasTheHistory) {
   const ReadJson json = ReadJson::parse(run({"query", "--json", file}).out);
   EXPECT_EQ(json["monitors"][0]["curl_m"].size(), 3u);
-  EXPECT_TRUE(json["monitors"][0]["uncertainty_m"].is_null());
+  EXPECT_TRUE(json["monitors"][0]["end_upper_error_m"].is_null());
   EXPECT_EQ(json["state"], "SUCCEEDED");
 }
 

@@ -243,13 +243,18 @@ TEST(ReportPage, OfAJobWithoutStepsSaysSo) {
   EXPECT_THAT(report_page(v1::Job(), v1::QueryResultResponse()), HasSubstr("no step yet"));
 }
 
-TEST(CurlOf, IsTheLastCoordinateInAnyDimension) {
+TEST(CurlOf, IsUnknownWhereTheServerHasNone) {
   v1::MonitorValue monitor;
   EXPECT_TRUE(std::isnan(curl_of(monitor)));
-  for (const double u : {3e-3, -4e-3}) monitor.add_displacement_m(u);
+  monitor.set_curl_m(-4e-3);
   EXPECT_EQ(curl_of(monitor), -4e-3);
-  monitor.add_displacement_m(20e-3);
-  EXPECT_EQ(curl_of(monitor), 20e-3);
+}
+
+TEST(MmWithErrors, ShowsTheSidesApartWhereTheyDiffer) {
+  EXPECT_EQ(mm_with_errors(4.8612e-3, 0.36e-3, 0.36e-3), "4.86 ± 0.36 mm");
+  EXPECT_EQ(mm_with_errors(35.46e-3, 0.0, 4.96e-3), "35.5, -0 +5.0 mm");
+  EXPECT_EQ(mm_with_errors(-35.46e-3, 4.96e-3, 0.0), "-35.5, -5.0 +0 mm");
+  EXPECT_EQ(mm_with_errors(4.8612e-3, NAN, NAN), "4.86 mm");
 }
 
 TEST(CurlHistory, HorizontalHasTheComponentsOfItsDimension) {

@@ -281,12 +281,12 @@ v1::QueryResultResponse run_with(double least_mm, double greatest_mm) {
     step.set_time_s(50.0 * i);
     step.set_shell_at_water_line_m(1e-3 * i);
     step.set_sump_depth_m(0.05 * i);
-    step.set_side_heat_w(1e5);
-    step.set_narrow_heat_w(5e4);
+    step.mutable_section()->set_side_heat(1e5);
+    step.mutable_section()->set_narrow_heat(5e4);
     step.set_contact_area_m2(0.01);
     v1::MonitorValue& corner = *step.add_monitors();
     corner.set_name("corner");
-    for (const double u : {0.0, 0.0, 8e-3 * i}) corner.add_displacement_m(u);
+    corner.set_curl_m(8e-3 * i);
     corner.set_temperature_c(300.0);
   }
   return result;
@@ -322,7 +322,7 @@ TEST(ReportPage, TheFirstSheetIsTheOneToPinUp) {
   job.add_findings()->set_message("too hot");
   for (v1::StepReport& step : *result.mutable_steps()) {
     step.set_time_step_s(50.0);
-    step.set_bottom_heat_w(5e4);
+    step.mutable_section()->set_bottom_heat(5e4);
     step.set_wetted_share(0.2 * static_cast<double>(step.step()));
   }
   result.mutable_case_()->mutable_cooling()->mutable_water()->set_enabled(true);
@@ -344,7 +344,7 @@ TEST(ReportPage, TheFirstSheetIsTheOneToPinUp) {
 TEST(ReportPage, DangersAndFailuresStandAtTheTop) {
   v1::Job job;
   job.add_findings()->set_severity(v1::Finding::DANGER);
-  job.mutable_failure()->set_kind(v1::Failure::WORKER_HUNG);
+  job.mutable_failure()->set_kind(v1::Finding::WORKER_HUNG);
   job.mutable_failure()->set_message("no step <for> an hour");
   const std::string page = report_page(job, run_with(35, 45));
   const auto answer = page.find("has risen");
@@ -354,27 +354,32 @@ TEST(ReportPage, DangersAndFailuresStandAtTheTop) {
 
 TEST(ReportPage, WhatHasNotCurledHasNoCause) {
   v1::QueryResultResponse result = run_with(35, 45);
-  for (v1::StepReport& step : *result.mutable_steps())
-    step.mutable_monitors(0)->set_displacement_m(2, 0.0);
+  for (v1::StepReport& step : *result.mutable_steps()) step.mutable_monitors(0)->set_curl_m(0.0);
   EXPECT_THAT(report_page(v1::Job(), result), Not(HasSubstr("Half of it")));
 }
 
-TEST(ReportPage, ACaseThatFollowsAQualityHasItsBand) {
-  v1::QueryResultResponse result = run_with(35, 45);
-  v1::Case& input = *result.mutable_case_();
-  input.Clear();
-  input.set_quality(v1::ENGINEERING);
-  input.mutable_section()->set_kind(v1::Section::PLANE_STRAIN);
-  input.mutable_section()->set_half_width_m(0.28);
-  input.mutable_section()->set_initial_depth_m(0.1);
-  input.mutable_time()->set_end_s(145.0);
-  case_file::apply_defaults(input);
-  const auto relative = case_file::relative_discretisation_error(input);
-  ASSERT_TRUE(relative);
+/// The errors of every curl, relative to it.
+void set_errors(double lower, double upper, v1::QueryResultResponse& result) {
+  for (v1::StepReport& step : *result.mutable_steps())
+    for (v1::MonitorValue& monitor : *step.mutable_monitors()) {
+      monitor.set_curl_lower_error_m(lower * monitor.curl_m());
+      monitor.set_curl_upper_error_m(upper * monitor.curl_m());
+    }
+}
 
-  const std::string band = fixed(40.0 * *relative, 1);
+TEST(ReportPage, AnErrorWithOneSideIsShownSo) {
+  v1::QueryResultResponse result = run_with(35, 45);
+  set_errors(0.0, 0.14, result);
   const std::string page = report_page(v1::Job(), result);
-  EXPECT_THAT(page, HasSubstr("leave ± " + band + " mm of it uncertain"));
+  EXPECT_THAT(page, HasSubstr("leave -0 +5.6 mm of it uncertain"));
+  EXPECT_THAT(page, HasSubstr("-0 +5.60 mm"));
+}
+
+TEST(ReportPage, ACurlWithErrorsHasItsBand) {
+  v1::QueryResultResponse result = run_with(35, 45);
+  set_errors(0.04, 0.04, result);
+  const std::string page = report_page(v1::Job(), result);
+  EXPECT_THAT(page, HasSubstr("leave ± 1.6 mm of it uncertain"));
   EXPECT_THAT(page, HasSubstr("the band of the case's quality"));
   EXPECT_EQ(count_of(page, "<path class='band'"), 2) << "in both charts of the curl";
   EXPECT_THAT(page, Not(HasSubstr("discretisation is not known")));

@@ -48,8 +48,7 @@ void add_run(Refinement& study, int refinement, double corner_m,
   for (const auto& [name, curl] : {std::pair("corner", corner_m), std::pair("centre", 0.0)}) {
     v1::MonitorValue& monitor = *step.add_monitors();
     monitor.set_name(name);
-    monitor.add_displacement_m(0.0);
-    monitor.add_displacement_m(curl);
+    monitor.set_curl_m(curl);
   }
   v1::StudyRun& run = *study.result.add_runs();
   if (state == v1::FAILED) run.mutable_failure()->set_message("did not converge");

@@ -20,9 +20,9 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-v1::ValidityLoss slide() {
-  v1::ValidityLoss loss;
-  loss.set_kind(v1::Failure::MOTION_TOO_LARGE);
+v1::Finding slide() {
+  v1::Finding loss;
+  loss.set_kind(v1::Finding::MOTION_TOO_LARGE);
   loss.set_message("the butt has slid 63.1 mm over the bottom block");
   loss.set_time_s(3.0);
   loss.add_place_m(0.12);
@@ -68,8 +68,8 @@ struct Validity : testing::Test {
 
 TEST(ValidityText, SaysWhenWhyByHowMuchAndWhere) {
   EXPECT_EQ(render::validity_text(slide()), sentence);
-  v1::ValidityLoss bare;
-  bare.set_kind(v1::Failure::LIQUID_PRESSURE_LOST);
+  v1::Finding bare;
+  bare.set_kind(v1::Finding::LIQUID_PRESSURE_LOST);
   bare.set_time_s(166.2);
   bare.set_value(0.24);
   bare.set_limit(0.15);
@@ -148,23 +148,24 @@ TEST_F(Validity, ARunThatIsValidHasNoMarkAnywhere) {
 }
 
 TEST(FailureText, HasKindPlaceAndFurtherCauses) {
-  v1::Failure failure;
-  failure.set_kind(v1::Failure::SHELL_MELTED_THROUGH);
+  v1::Finding failure;
+  failure.set_kind(v1::Finding::SHELL_MELTED_THROUGH);
   failure.set_message("no solid path from the symmetry plane to the side");
   failure.set_time_s(166.0);
   failure.set_time_step_s(0.5);
   failure.add_place_m(0.12);
   failure.add_place_m(0.0);
-  failure.add_further_causes("the results could not be published");
+  failure.add_further()->set_message("the results could not be published");
+  failure.mutable_further(0)->set_kind(v1::Finding::STORAGE);
 
   EXPECT_EQ(render::failure_text(failure),
             "shell melted through: no solid path from the symmetry plane to the side\n"
             "at 166.000 s with a step of 0.5 s, x 120.0 mm, y 0.0 mm\n"
-            "then: the results could not be published");
-  EXPECT_EQ(ReadJson::parse(to_json(failure).dump())["further_causes"][0],
+            "then: storage: the results could not be published");
+  EXPECT_EQ(ReadJson::parse(to_json(failure).dump())["further"][0]["message"],
             "the results could not be published");
-  for (int kind = v1::Failure::Kind_MIN; kind <= v1::Failure::Kind_MAX; ++kind)
-    EXPECT_THAT(render::failure_kind_text(static_cast<v1::Failure::Kind>(kind)),
+  for (int kind = v1::Finding::Kind_MIN; kind <= v1::Finding::Kind_MAX; ++kind)
+    EXPECT_THAT(render::failure_kind_text(static_cast<v1::Finding::Kind>(kind)),
                 Not(HasSubstr("_")));
 }
 

@@ -74,7 +74,7 @@ TEST_F(SchedulerFaults, AWorkerThatCannotWriteIsNotToBlame) {
   Daemon daemon(folder_.path());
   run_a_job(daemon);
   worker_->end(RunEnd::FAILED, [](RunEnd& end) {
-    end.mutable_failure()->set_kind(v1::Failure::STORAGE);
+    end.mutable_failure()->set_kind(v1::Finding::STORAGE);
     end.mutable_failure()->set_message("No space left on device");
   });
   end_worker(daemon, "exit code 0", 0);
@@ -164,7 +164,7 @@ TEST_F(SchedulerFaults, ADamagedJobBesideAnUnreadableStoreEndsNoThread) {
   EXPECT_EQ(daemon.scheduler.queued(), 1);
   daemon.store.refuses_reads = false;
   EXPECT_TRUE(eventually([&] { return state(daemon, id_) == v1::FAILED; }));
-  EXPECT_EQ(daemon.scheduler.find(id_)->failure().kind(), v1::Failure::STORAGE);
+  EXPECT_EQ(daemon.scheduler.find(id_)->failure().kind(), v1::Finding::STORAGE);
 }
 
 TEST_F(SchedulerFaults, AFolderInThePlaceOfAnEventLogIsSetAside) {
@@ -226,7 +226,7 @@ TEST_F(SchedulerFaults, AWorkerThatNeverBeginsIsKilled) {
   daemon.executor.wait_for_launch(2);
   EXPECT_TRUE(eventually([&] { return state(daemon, id_) == v1::FAILED; }));
   const auto failure = daemon.scheduler.find(id_)->failure();
-  EXPECT_EQ(failure.kind(), v1::Failure::WORKER_HUNG);
+  EXPECT_EQ(failure.kind(), v1::Finding::WORKER_HUNG);
   EXPECT_NE(failure.message().find("did not begin within 0.03 s"), std::string::npos)
       << failure.message();
 }
@@ -318,7 +318,7 @@ TEST_F(SchedulerFaults, WhatWaitingJobsMayTakeIsBounded) {
   auto large = new_job();
   large.complete_case = std::string(60, 'x');
   scheduler.submit(large, {});
-  EXPECT_THROW(scheduler.submit(large, {}), QueueFull);
+  EXPECT_THROW(scheduler.submit(large, {}), refusal::LimitReached);
 }
 
 TEST_F(SchedulerFaults, NoJobIsTakenWhereTooLittleIsFree) {

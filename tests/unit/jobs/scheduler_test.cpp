@@ -101,7 +101,7 @@ TEST_F(SchedulerTest, ShuttingDownEndsAWorkerThatIsBeingStarted) {
       return false;
     } catch (const ShuttingDown&) {
       return true;
-    } catch (const QueueFull&) {
+    } catch (const refusal::LimitReached&) {
       return false;
     }
   }));
@@ -152,7 +152,7 @@ TEST_F(SchedulerTest, AResultThatIsNotThereIsNoSuccess) {
   worker.end(RunEnd::SUCCEEDED, [](RunEnd& end) { end.add_artifacts()->set_name("results.h5"); });
   daemon.executor.end(worker.launch(), "exit code 0", 0);
   EXPECT_TRUE(becomes(daemon, job.id(), v1::FAILED));
-  EXPECT_EQ(daemon.scheduler.find(job.id())->failure().kind(), v1::Failure::STORAGE);
+  EXPECT_EQ(daemon.scheduler.find(job.id())->failure().kind(), v1::Finding::STORAGE);
 }
 
 TEST_F(SchedulerTest, KeepsTheFirstCauseOfALoss) {
@@ -163,7 +163,7 @@ TEST_F(SchedulerTest, KeepsTheFirstCauseOfALoss) {
   daemon.executor.end(daemon.executor.wait_for_launch(2), "exit code 1", 1);
   EXPECT_TRUE(becomes(daemon, job.id(), v1::FAILED));
   const auto failed = *daemon.scheduler.find(job.id());
-  EXPECT_EQ(failed.failure().kind(), v1::Failure::WORKER_LOST);
+  EXPECT_EQ(failed.failure().kind(), v1::Finding::WORKER_LOST);
   EXPECT_NE(failed.failure().message().find("signal 11"), std::string::npos);
   EXPECT_NE(failed.failure().message().find("twice in the step after 0"), std::string::npos);
 }
@@ -179,7 +179,7 @@ TEST_F(SchedulerTest, LimitsTheQueueAndRequestIds) {
   of_a_study.study = values::random_uuid();
   EXPECT_THROW(daemon.scheduler.submit(of_a_study, {}), RequestIdTaken);
   EXPECT_EQ(daemon.scheduler.submit(new_job("b"), {}).queue_position(), 2);
-  EXPECT_THROW(daemon.scheduler.submit(new_job("c"), {}), QueueFull);
+  EXPECT_THROW(daemon.scheduler.submit(new_job("c"), {}), refusal::LimitReached);
   EXPECT_EQ(daemon.scheduler.queued(), 2);
 }
 

@@ -15,7 +15,7 @@ JobRecord running() {
   return record;
 }
 
-RunEnd failed(v1::Failure::Kind kind, const std::string& message) {
+RunEnd failed(v1::Finding::Kind kind, const std::string& message) {
   RunEnd end;
   end.set_outcome(RunEnd::FAILED);
   end.mutable_failure()->set_kind(kind);
@@ -25,36 +25,38 @@ RunEnd failed(v1::Failure::Kind kind, const std::string& message) {
 
 TEST(Settlement, AFailedSolveKeepsItsCausesInOrder) {
   JobRecord record = running();
-  auto end = failed(v1::Failure::CHECK_FAILED, "weight");
-  end.mutable_failure()->add_further_causes("did not converge");
+  auto end = failed(v1::Finding::CHECK_FAILED, "weight");
+  end.mutable_failure()->add_further()->set_message("did not converge");
   const auto settlement = settle_run_end(record, end, {});
   EXPECT_EQ(settlement.state, v1::FAILED);
   EXPECT_EQ(settlement.cause, "weight");
-  EXPECT_EQ(record.job.failure().further_causes(0), "did not converge");
+  EXPECT_EQ(record.job.failure().further(0).message(), "did not converge");
 }
 
 TEST(Settlement, StorageTroubleIsTheDaemonsUntilAJobGetsNoFurther) {
   JobRecord record = running();
-  const auto end = failed(v1::Failure::STORAGE, "No space left on device");
+  const auto end = failed(v1::Finding::STORAGE, "No space left on device");
   const auto first = settle_run_end(record, end, {});
   EXPECT_EQ(first.state, v1::QUEUED);
   EXPECT_EQ(first.daemon_lacks, "No space left on device");
   EXPECT_FALSE(record.job.has_failure());
   const auto last = settle_run_end(record, end, {.storage_failures = 10});
   EXPECT_EQ(last.state, v1::FAILED);
-  EXPECT_EQ(record.job.failure().kind(), v1::Failure::STORAGE);
+  EXPECT_EQ(record.job.failure().kind(), v1::Finding::STORAGE);
 }
 
 TEST(Settlement, AFailedCheckWhoseResultsWereNotWrittenIsRunToItsEndAgain) {
   JobRecord record = running();
-  auto end = failed(v1::Failure::CHECK_FAILED, "weight");
-  end.mutable_failure()->add_further_causes("STORAGE: No space left on device");
+  auto end = failed(v1::Finding::CHECK_FAILED, "weight");
+  v1::Finding& further = *end.mutable_failure()->add_further();
+  further.set_kind(v1::Finding::STORAGE);
+  further.set_message("No space left on device");
   const auto settlement = settle_run_end(record, end, {});
   EXPECT_EQ(settlement.state, v1::QUEUED);
   EXPECT_EQ(settlement.daemon_lacks, "No space left on device");
   const auto last = settle_run_end(record, end, {.storage_failures = 10});
   EXPECT_EQ(last.state, v1::FAILED);
-  EXPECT_EQ(record.job.failure().kind(), v1::Failure::CHECK_FAILED);
+  EXPECT_EQ(record.job.failure().kind(), v1::Finding::CHECK_FAILED);
 }
 
 TEST(Settlement, WhatWasAskedForComesAboutAlsoWhenStorageFails) {
@@ -69,13 +71,13 @@ TEST(Settlement, WhatWasAskedForComesAboutAlsoWhenStorageFails) {
 TEST(Settlement, AnotherVersionFollowsTheSetting) {
   RunEnd end;
   end.set_outcome(RunEnd::OTHER_VERSION_FOUND);
-  end.mutable_failure()->set_kind(v1::Failure::OTHER_VERSION);
+  end.mutable_failure()->set_kind(v1::Finding::OTHER_VERSION);
   end.mutable_failure()->set_message("written by 0.0.9");
   JobRecord record = running();
   EXPECT_EQ(settle_run_end(record, end, {.other_version = v1::PAUSE}).state, v1::PAUSED);
   EXPECT_FALSE(record.job.has_failure());
   EXPECT_EQ(settle_run_end(record, end, {.other_version = v1::FAIL}).state, v1::FAILED);
-  EXPECT_EQ(record.job.failure().kind(), v1::Failure::OTHER_VERSION);
+  EXPECT_EQ(record.job.failure().kind(), v1::Finding::OTHER_VERSION);
 }
 
 TEST(Settlement, AWorkerThatRanOutOfMemoryFailsAtOnceWithThatKind) {
@@ -83,7 +85,7 @@ TEST(Settlement, AWorkerThatRanOutOfMemoryFailsAtOnceWithThatKind) {
   const auto settlement =
       settle_lost(record, {"exit code 71", exit_out_of_memory}, {.worker_restarts = 2});
   EXPECT_EQ(settlement.state, v1::FAILED);
-  EXPECT_EQ(record.job.failure().kind(), v1::Failure::OUT_OF_MEMORY);
+  EXPECT_EQ(record.job.failure().kind(), v1::Finding::OUT_OF_MEMORY);
   EXPECT_NE(settlement.cause.find("memory"), std::string::npos);
 }
 
@@ -106,7 +108,7 @@ TEST(Settlement, AJobThatWasStoppedForItsTimeFailsUnlessItWasCancelledOrHasSucce
   JobRecord record = running();
 
   EXPECT_EQ(settle_run_end(record, end, facts).state, v1::FAILED);
-  EXPECT_EQ(record.job.failure().kind(), v1::Failure::TIME_LIMIT);
+  EXPECT_EQ(record.job.failure().kind(), v1::Finding::TIME_LIMIT);
   EXPECT_NE(record.job.failure().message().find("--time-limit"), std::string::npos);
 
   record = running();

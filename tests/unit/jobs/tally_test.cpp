@@ -37,7 +37,7 @@ TEST(Tally, AJobCountsOnceWhenItStartsAndOnceWhenItEnds) {
   tally.count(job, v1::QUEUED);  // started again
   job.set_state(v1::FAILED);
   job.set_run_s(30.0);
-  job.mutable_failure()->set_kind(v1::Failure::TIME_LIMIT);
+  job.mutable_failure()->set_kind(v1::Finding::TIME_LIMIT);
   job.mutable_last_step()->set_process_s(20.0);
   job.add_findings()->set_code("no_superheat");
   tally.count(job, v1::RUNNING);
@@ -49,7 +49,7 @@ TEST(Tally, AJobCountsOnceWhenItStartsAndOnceWhenItEnds) {
   EXPECT_DOUBLE_EQ(figures.run_s.sum, 30.0);
   EXPECT_DOUBLE_EQ(figures.processor_s.at("anna"), 20.0);
   EXPECT_EQ(figures.ended.at(v1::FAILED), 1u);
-  EXPECT_EQ(figures.failures.at(v1::Failure::TIME_LIMIT), 1u);
+  EXPECT_EQ(figures.failures.at(v1::Finding::TIME_LIMIT), 1u);
   EXPECT_EQ(figures.findings.at({"no_superheat", v1::Finding::SEVERITY_UNSPECIFIED}), 1u);
 }
 

@@ -27,15 +27,14 @@ JudgedRun run_of(const std::function<double(double)>& curl_m, const Change& chan
     step.set_step(i + 1);
     step.set_time_s(i);
     step.set_cast_length_m(1e-3 * i);
-    step.set_side_heat_w_per_m(1e5);
-    step.set_bottom_heat_w_per_m(2e4);
+    step.mutable_section()->set_side_heat(1e5);
+    step.mutable_section()->set_bottom_heat(2e4);
     step.set_contact_length_m(i < 60 ? 0.2 : 0.0);
     step.set_shell_at_water_line_m(4e-4 * i);
     if (change) change(i, step);
     v1::MonitorValue& corner = *step.add_monitors();
     corner.set_name("corner");
-    corner.add_displacement_m(0.0);
-    corner.add_displacement_m(curl_m(step.time_s()));
+    corner.set_curl_m(curl_m(step.time_s()));
     run.steps.push_back(std::move(step));
   }
   return run;
@@ -105,9 +104,9 @@ TEST(Comparison, IdenticalRunsHaveNoDifferenceAndNoCause) {
 TEST(Comparison, ACauseIsNamedWithItsTimeAndSize) {
   const JudgedRun first = run_of(rise_to(0.01));
   const JudgedRun other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
-    if (time_s <= 100) step.set_side_heat_w_per_m(0.78e5);
+    if (time_s <= 100) step.mutable_section()->set_side_heat(0.78e5);
     if (time_s >= 60 && time_s < 72) step.set_contact_length_m(0.2);
-    if (time_s > 190) step.set_bottom_heat_w_per_m(0.0);  // after the curl: no cause
+    if (time_s > 190) step.mutable_section()->set_bottom_heat(0.0);  // after the curl: no cause
   });
   const auto rows = curl_differences({first, other});
   const auto causes = find_causes(first, other, rows.at(0));
@@ -124,7 +123,7 @@ TEST(Comparison, ACauseIsNamedWithItsTimeAndSize) {
 TEST(Comparison, WhatDiffersAfterTheCurlIsNoCause) {
   const JudgedRun first = run_of(rise_to(0.01));
   const JudgedRun other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
-    if (time_s > 130) step.set_side_heat_w_per_m(0.2e5);
+    if (time_s > 130) step.mutable_section()->set_side_heat(0.2e5);
   });
   EXPECT_THAT(find_causes(first, other, curl_differences({first, other}).at(0)), IsEmpty());
 }
@@ -132,7 +131,7 @@ TEST(Comparison, WhatDiffersAfterTheCurlIsNoCause) {
 TEST(Comparison, AFigureThatSwingsAboutTheOtherIsNoCause) {
   const JudgedRun first = run_of(rise_to(0.01));
   const JudgedRun other = run_of(rise_to(0.004), [](double time_s, v1::StepReport& step) {
-    step.set_side_heat_w_per_m(std::fmod(time_s, 10.0) < 5.0 ? 1.3e5 : 0.7e5);
+    step.mutable_section()->set_side_heat(std::fmod(time_s, 10.0) < 5.0 ? 1.3e5 : 0.7e5);
   });
   EXPECT_THAT(find_causes(first, other, curl_differences({first, other}).at(0)), IsEmpty());
 }
@@ -200,8 +199,9 @@ TEST(Comparison, TwoCastingsAtTwoQualitiesGiveTheirOwnError) {
 
 TEST(Comparison, ADifferenceWithinItsErrorHasNoCause) {
   JudgedRun first = run_of(rise_to(0.0277));
-  JudgedRun other = run_of(rise_to(0.0275),
-                           [](double, v1::StepReport& step) { step.set_side_heat_w_per_m(0.9e5); });
+  JudgedRun other = run_of(rise_to(0.0275), [](double, v1::StepReport& step) {
+    step.mutable_section()->set_side_heat(0.9e5);
+  });
   first.description = other.description = shipped_case("start-3d", v1::DRAFT);
   const auto row = curl_differences({first, other}).at(0);
   EXPECT_EQ(row.verdict(), Verdict::within_its_error);

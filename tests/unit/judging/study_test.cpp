@@ -38,7 +38,7 @@ v1::StudyResult sensitivity() {
   add_run(result, 2, 1, 39.999);
   v1::StudyRun& lost = add_run(result, 3, 0, 0.0);
   lost.set_state(v1::FAILED);
-  lost.mutable_failure()->set_kind(v1::Failure::SHELL_MELTED_THROUGH);
+  lost.mutable_failure()->set_kind(v1::Finding::SHELL_MELTED_THROUGH);
   lost.mutable_failure()->set_message("melts through at 43 s");
   lost.set_end_curl_m(0, std::numeric_limits<double>::quiet_NaN());
   add_run(result, 3, 1, 38.0);
@@ -128,7 +128,10 @@ TEST(Judgement, RangesReadAsTheyAreWritten) {
 v1::StudyResult uncertainty() {
   v1::StudyResult result = sensitivity();
   result.mutable_study()->mutable_sweep()->set_purpose(v1::SweepPlan::UNCERTAINTY);
-  for (v1::StudyRun& run : *result.mutable_runs()) run.set_relative_curl_error(0.05);
+  for (v1::StudyRun& run : *result.mutable_runs()) {
+    run.mutable_mesh_error()->set_lower(0.05);
+    run.mutable_mesh_error()->set_upper(0.05);
+  }
   v1::Spread& spread = *result.mutable_spread();
   spread.set_monitor("corner");
   spread.set_runs(8);
@@ -195,15 +198,16 @@ TEST(Runs, AreListedWithTheErrorOfMeshAndStepsWhereItIsKnown) {
   v1::StudyResult result;
   result.add_monitors("corner");
   add_axis(result, "mesh.rows", "10", "20");
-  add_run(result, 0, 0, -40.0).set_relative_curl_error(0.05);
+  add_run(result, 0, 0, -40.0).mutable_mesh_error()->set_upper(0.05);
   add_run(result, 0, 1, 41.0);
   const v1::Table runs = table_of(judged(result, std::nullopt), "runs");
   EXPECT_TRUE(runs.columns(2).has_error());
-  EXPECT_NEAR(runs.rows(0).cells(2).upper_error(), 2e-3, 1e-12);
+  EXPECT_NEAR(runs.rows(0).cells(2).lower_error(), 2e-3, 1e-12) << "below zero more is down";
+  EXPECT_EQ(runs.rows(0).cells(2).upper_error(), 0.0);
   EXPECT_FALSE(runs.rows(1).cells(2).has_upper_error());
   EXPECT_DOUBLE_EQ(runs.columns(2).resolution(), 1e-4) << "an error of 2 mm has two digits";
   EXPECT_EQ(runs.rows(1).cells(5).code(), "succeeded");
-  result.mutable_runs(0)->clear_relative_curl_error();
+  result.mutable_runs(0)->clear_mesh_error();
   EXPECT_FALSE(table_of(judged(result, std::nullopt), "runs").columns(2).has_error());
 }
 
@@ -247,7 +251,7 @@ TEST(Refinement, StatesLimitsAndLevelsThatAreLeftOut) {
   v1::StudyRun& lost = *result.add_runs();
   lost.set_refinement(4);
   lost.set_state(v1::FAILED);
-  lost.mutable_failure()->set_kind(v1::Failure::SOLVE_FAILED);
+  lost.mutable_failure()->set_kind(v1::Finding::SOLVE_FAILED);
   lost.mutable_failure()->set_message("did not converge");
   EXPECT_THAT(
       judged(result, std::nullopt).sentences(),

@@ -6,6 +6,7 @@
 
 #include "core/storage/file.hpp"
 #include "dccast/v1/service.pb.h"
+#include "server/service/refusals.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::service {
@@ -29,7 +30,7 @@ protected:
   access::AuditLog audit_{folder_.path()};
   Gate gate_{authority_, audit_, {}, {}};
   const access::Caller anna_{.name = "anna", .role = v1::SUBMITTER};
-  const access::Caller stranger_{.refusal = "this call has no token"};
+  const access::Caller stranger_{.refusal = access::not_proven("this call has no token", "log in")};
 };
 
 constexpr int many = 5000;
@@ -54,6 +55,35 @@ TEST_F(GateTest, AStrangersRefusalsHideNoUsers) {
 TEST_F(GateTest, EveryChangeIsRecorded) {
   EXPECT_EQ(lines_after(500, anna_, grpc::OK, *v1::DeleteJobRequest::descriptor()), 500);
   EXPECT_EQ(lines_after(500, anna_, grpc::OK, *v1::GetJobRequest::descriptor()), 500);
+}
+
+/// The label of the metric is the limit that the refusal names, whatever its text.
+TEST_F(GateTest, ARefusalIsCountedByItsLimitNotByItsText) {
+  const refusal::Facts full{
+      .reason = v1::ErrorInfo::LIMIT_REACHED, .cause = "full", .limit = "maximum_queued"};
+  const refusal::Facts no_limit{.reason = v1::ErrorInfo::STORAGE_FULL,
+                                .cause = "maximum_queued and minimum_free"};
+  for (const char* text : {"", "maximum_streams = 3", "anything"})
+    gate_.count(
+        "SubmitJob",
+        {grpc::RESOURCE_EXHAUSTED, text, refusal::write_details(grpc::RESOURCE_EXHAUSTED, full)},
+        {});
+  gate_.count("SubmitJob", make_status(no_limit), {});
+  gate_.count("SubmitJob", {grpc::RESOURCE_EXHAUSTED, "maximum_queued = 3"}, {});
+  EXPECT_EQ(gate_.figures().refused, (std::map<std::string, std::uint64_t>{{"maximum_queued", 3}}));
+}
+
+TEST(MakeStatus, GivesCodeTextAndPartsByTheReason) {
+  const grpc::Status status = make_status({.reason = v1::ErrorInfo::LIMIT_REACHED,
+                                           .cause = "the queue is full",
+                                           .limit = "maximum_queued",
+                                           .permitted = "3",
+                                           .remedy = "wait"});
+  EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(status.error_message(), "the queue is full; maximum_queued = 3; wait");
+  const auto facts = refusal::read_details(status.error_details()).value();
+  EXPECT_EQ(facts.cause, "the queue is full");
+  EXPECT_EQ(facts.permitted, "3");
 }
 
 }  // namespace

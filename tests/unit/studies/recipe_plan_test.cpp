@@ -90,8 +90,8 @@ EvaluatedRun cast(const StudyPlan& plan, int number, const PlannedRun& planned) 
   run.run.add_end_curl_m(1e-3 * (full ? 1.1 : 1.0) * (40.0 + 2.0 * (40.0 - speed) + 0.5 * warmer));
   if (schedule.hold_s() < 60.0) {
     run.run.set_state(v1::FAILED);
-    run.run.mutable_failure()->set_kind(v1::Failure::SHELL_MELTED_THROUGH);
-    run.run.mutable_failure()->set_finding("shell_melted_through");
+    run.run.mutable_failure()->set_kind(v1::Finding::SHELL_MELTED_THROUGH);
+    run.run.mutable_failure()->set_code("shell_melted_through");
     run.run.set_end_curl_m(0, std::nan(""));
   }
   plan.describe(number, run.run);
@@ -206,10 +206,10 @@ TEST(RecipePlan, CandidatesWaitForTheRunsTheyRestOn) {
   EXPECT_TRUE(fresh->outlasts_failures());
 
   runs.back().run.set_state(v1::FAILED);
-  runs.back().run.mutable_failure()->set_kind(v1::Failure::WORKER_LOST);
+  runs.back().run.mutable_failure()->set_kind(v1::Finding::WORKER_LOST);
   EXPECT_FALSE(fresh->next(fresh->runs(), runs)) << "once it has run there may be other candidates";
 
-  runs.back().run.mutable_failure()->set_kind(v1::Failure::SOLVE_FAILED);
+  runs.back().run.mutable_failure()->set_kind(v1::Finding::SOLVE_FAILED);
   EXPECT_TRUE(fresh->next(fresh->runs(), runs));
 }
 

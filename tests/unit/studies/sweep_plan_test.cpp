@@ -69,7 +69,7 @@ TEST(SweepPlan, EveryRunHasTheErrorOfItsOwnMeshAndSteps) {
     for (int number = 0; number < plan->runs(); ++number) {
       v1::StudyRun run;
       plan->describe(number, run);
-      all.push_back(run.has_relative_curl_error() ? run.relative_curl_error() : 0.0);
+      all.push_back(run.mesh_error().upper());
     }
     return all;
   };

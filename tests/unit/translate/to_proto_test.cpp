@@ -49,19 +49,40 @@ TEST(StepToProto, KeepsHowFarTheSolidMovedAndTheMark) {
 }
 
 /// Per metre of face in a section, the whole quarter's in three dimensions.
-TEST(StepToProto, HeatAndForcesHaveTheNamesOfTheirUnits) {
+TEST(StepToProto, HeatAndForcesStandOnceAndSayOfWhatTheyAre) {
   results::StepReport report;
   report.side_heat = 3.0;
   report.weight = 5.0;
   const auto section = to_proto(report, {});
-  EXPECT_EQ(section.side_heat_w_per_m(), 3.0);
-  EXPECT_EQ(section.weight_n_per_m(), 5.0);
-  EXPECT_EQ(section.side_heat_w(), 0.0);
+  EXPECT_EQ(section.section().side_heat(), 3.0);
+  EXPECT_EQ(section.section().weight(), 5.0);
+  EXPECT_EQ(section.section().extent(), v1::SectionFigures::METRE_OF_FACE);
   report.dimension = 3;
   const auto quarter = to_proto(report, {});
-  EXPECT_EQ(quarter.side_heat_w(), 3.0);
-  EXPECT_EQ(quarter.weight_n(), 5.0);
-  EXPECT_EQ(quarter.side_heat_w_per_m(), 0.0);
+  EXPECT_EQ(quarter.section().side_heat(), 3.0);
+  EXPECT_EQ(quarter.section().weight(), 5.0);
+  EXPECT_EQ(quarter.section().extent(), v1::SectionFigures::WHOLE_QUARTER);
+}
+
+/// A mesh of a quarter slab that is finer bends more: the error has one side.
+TEST(StepToProto, CurlsHaveTheErrorOfMeshAndStepsOnTheirSides) {
+  results::StepReport report;
+  report.monitor_displacement = {{1.0, 0.02}, {1.0, -0.02}, {1.0, std::nan("")}, {1.0}};
+  const std::vector<casting::Monitor> monitors{{"up"}, {"down"}, {"dry"}, {"flat"}};
+
+  v1::RelativeError error;
+  error.set_upper(0.1);
+  const auto to = to_proto(report, monitors, error);
+  EXPECT_EQ(to.monitors(0).curl_m(), 0.02);
+  EXPECT_EQ(to.monitors(0).curl_lower_error_m(), 0.0);
+  EXPECT_DOUBLE_EQ(to.monitors(0).curl_upper_error_m(), 0.002);
+  EXPECT_DOUBLE_EQ(to.monitors(1).curl_lower_error_m(), 0.002) << "more is further down";
+  EXPECT_EQ(to.monitors(1).curl_upper_error_m(), 0.0);
+  EXPECT_FALSE(to.monitors(2).has_curl_m() || to.monitors(3).has_curl_m());
+
+  const auto unknown = to_proto(report, monitors);
+  EXPECT_TRUE(unknown.monitors(0).has_curl_m());
+  EXPECT_FALSE(unknown.monitors(0).has_curl_upper_error_m());
 }
 
 /// The results of a resumed run are made of what is read back: every bit counts.
@@ -97,9 +118,9 @@ TEST(StepToProto, IsReadBackExactly) {
 
 TEST(ValidityLossToProto, KeepsEveryField) {
   for (const auto& [name, kind] :
-       {std::pair{"shell_melted_through", v1::Failure::SHELL_MELTED_THROUGH},
-        std::pair{"motion_too_large", v1::Failure::MOTION_TOO_LARGE},
-        std::pair{"liquid_pressure_lost", v1::Failure::LIQUID_PRESSURE_LOST}}) {
+       {std::pair{"shell_melted_through", v1::Finding::SHELL_MELTED_THROUGH},
+        std::pair{"motion_too_large", v1::Finding::MOTION_TOO_LARGE},
+        std::pair{"liquid_pressure_lost", v1::Finding::LIQUID_PRESSURE_LOST}}) {
     const auto to =
         to_proto(results::ValidityLoss{name, "it slid", 166.0, {0.2, 0.1}, 0.1, 0.02, "m"});
     EXPECT_EQ(to.kind(), kind);
@@ -148,20 +169,21 @@ TEST(FailureToProto, KeepsTheCauseAndListsWhatFollowed) {
   const auto to = to_proto(
       {{FailureKind::shell_melted_through, "m", 1.0, 2.0, {0.2, 0.1}, {}, "shell_melted_through"},
        {FailureKind::storage, "disk full", 1.0, 0.0, {}, {}}});
-  EXPECT_EQ(to.kind(), v1::Failure::SHELL_MELTED_THROUGH);
+  EXPECT_EQ(to.kind(), v1::Finding::SHELL_MELTED_THROUGH);
   EXPECT_EQ(to.message(), "m");
-  EXPECT_EQ(to.finding(), "shell_melted_through");
+  EXPECT_EQ(to.code(), "shell_melted_through");
   EXPECT_EQ(to.time_s(), 1.0);
   EXPECT_EQ(to.time_step_s(), 2.0);
   ASSERT_EQ(to.place_m_size(), 2);
   EXPECT_EQ(to.place_m(0), 0.2);
-  ASSERT_EQ(to.further_causes_size(), 1);
-  EXPECT_EQ(to.further_causes(0), "STORAGE: disk full");
+  ASSERT_EQ(to.further_size(), 1);
+  EXPECT_EQ(to.further(0).kind(), v1::Finding::STORAGE);
+  EXPECT_EQ(to.further(0).message(), "disk full");
 }
 
 TEST(FailureToProto, KeepsTheResiduals) {
   const auto to = to_proto({{casting::FailureKind::solve_failed, "m", 1.0, 2.0, {}, {3.0, 4.0}}});
-  EXPECT_EQ(to.kind(), v1::Failure::SOLVE_FAILED);
+  EXPECT_EQ(to.kind(), v1::Finding::SOLVE_FAILED);
   ASSERT_EQ(to.residual_history_size(), 2);
   EXPECT_EQ(to.residual_history(1), 4.0);
 }
