@@ -62,6 +62,7 @@ struct TimeControl {
   double end = 0.0;           ///< [s]
   Curve step;                 ///< [s] against time
   double minimum_step = 0.0;  ///< [s]
+  double cool_down = 0.0;     ///< [s] after the end, in air, without water and without pouring
 };
 
 /// A point of the undeformed slab whose history is reported: x and y in 2D, x, y and z in a quarter

@@ -67,10 +67,11 @@ CastingSchedule::CastingSchedule(const Case& c)
       cooling_(c.cooling),
       frame_interval_(c.output.frame_interval),
       begin_(-c.schedule.hold),
-      end_(c.time.end) {
+      end_of_casting_(c.time.end),
+      end_(c.time.end + c.time.cool_down) {
   // Steps end at every sudden change: start and end, the valves, the mechanics, the full mould, and
   // the points of the step table.
-  events_ = {0.0, end_};
+  events_ = {0.0, end_of_casting_, end_};
   for (const thermal::Face face : {thermal::Face::wide, thermal::Face::narrow}) {
     const auto changes = thermal::valve_changes(cooling_.water_of(face), end_);
     events_.insert(events_.end(), changes.begin(), changes.end());
@@ -81,6 +82,10 @@ CastingSchedule::CastingSchedule(const Case& c)
   if (!step_.constant()) events_.insert(events_.end(), step_.at().begin(), step_.at().end());
 
   std::sort(events_.begin(), events_.end());
+}
+
+bool CastingSchedule::cools_down(double time) const {
+  return end_ > end_of_casting_ && time >= end_of_casting_ - same_time;
 }
 
 double CastingSchedule::speed(double time, double length) const {
@@ -94,8 +99,10 @@ bool CastingSchedule::speed_follows_time() const {
 }
 
 double CastingSchedule::cast_length(double length, double time, double step) const {
-  const double to = time + step;
-  if (to <= 0.0) return length;
+  // Not cut by rounding: steps end at the end of the casting.
+  double to = time + step;
+  if (to > end_of_casting_ + same_time) to = end_of_casting_;
+  if (to <= std::max(time, 0.0)) return length;
   const double from = std::max(time, 0.0), h = to - from;
 
   if (speed_follows_time()) {
@@ -139,14 +146,17 @@ double CastingSchedule::narrow_water_flow(double time, double length) const {
 
 double CastingSchedule::flow(const Curve& table, const thermal::Water& water, double time,
                              double length) const {
-  return runs(water, time) ? value(schedule_.water_flow_factor, time, length) *
+  return runs(water, time) && time <= end_of_casting_ + same_time
+             ? value(schedule_.water_flow_factor, time, length) *
                                  value(table, time - schedule_.water_flow_shift, length)
                            : 0.0;
 }
 
 double CastingSchedule::next_frame(double time) const {
   const double passed = std::floor((time - begin_ + same_time) / frame_interval_);
-  return begin_ + (passed + 1.0) * frame_interval_;
+  const double next = begin_ + (passed + 1.0) * frame_interval_;
+  if (end_ == end_of_casting_ || next <= end_of_casting_ + same_time) return next;
+  return cools_down(time) ? end_ : end_of_casting_;
 }
 
 double CastingSchedule::next_change(double time) const {
@@ -160,7 +170,9 @@ double CastingSchedule::next_event(double time) const {
 }
 
 double CastingSchedule::step_at(double time) const {
-  const double wanted = step_(time);
+  constexpr double growth = 0.02;  // [1] of the time in which the slab has cooled down
+  double wanted = step_(time);
+  if (cools_down(time)) wanted = std::max(wanted, growth * (time - end_of_casting_));
   const double left = next_event(time) - time;
   if (left <= wanted * (1.0 + same_time)) return left;
   return left < 2.0 * wanted ? 0.5 * left : wanted;
@@ -189,6 +201,7 @@ std::optional<Leap> CastingSchedule::leap_over_frames(double time) const {
 Leap CastingSchedule::leap(double time) const {
   constexpr double last_steps = 4.0;  // before an event, where the remainder is halved
   const Leap single_step{1, time + step_at(time)};
+  if (cools_down(time)) return single_step;
   if (const auto frames = leap_over_frames(time)) return *frames;
 
   const double step = step_(time), slope = step_.derivative(time + same_time);

@@ -26,7 +26,9 @@ public:
 
   /// Start of the simulation: minus the hold [s].
   double begin() const { return begin_; }
-  double end() const { return end_; }  ///< [s]
+  double end() const { return end_; }  ///< [s] of the simulation, the cool-down included
+  /// End of the casting [s]: from then on nothing is poured, and no water runs.
+  double end_of_casting() const { return end_of_casting_; }
 
   /// Cast length at the end of a step [m]; zero before time zero. Exact if the speed is tabulated
   /// against time; integrated by the classical Runge-Kutta method if it is tabulated against
@@ -49,7 +51,8 @@ public:
   /// the block, start of the water or switching of its valve, start of the mechanics, a point of
   /// the step table, the end of the simulation, or the time of a frame, so that a frame shows
   /// exactly the requested time. If less than two steps remain up to the event, the remainder is
-  /// halved, so that no very short step is left.
+  /// halved, so that no very short step is left. While the slab cools down steps grow with the time
+  /// since the end of the casting, and there is one frame, at the end.
   double step_at(double time) const;
 
   /// Counts many steps at once without simulating them: between two events the step is linear in
@@ -64,6 +67,7 @@ public:
 
 private:
   double speed(double time, double length) const;  ///< [m/s]
+  bool cools_down(double time) const;
   /// [m2/s]
   double flow(const Curve& table, const thermal::Water& water, double time, double length) const;
   /// Time of the next sudden change [s], and of the next sudden change or frame [s]; infinite after
@@ -79,7 +83,8 @@ private:
   thermal::CoolingSpec cooling_;
   double frame_interval_;       ///< [s]
   double begin_;                ///< [s]
-  double end_;                  ///< [s]
+  double end_of_casting_;       ///< [s]
+  double end_;                  ///< [s] with the cool-down
   std::vector<double> events_;  ///< [s] increasing
 };
 

@@ -148,6 +148,11 @@ void check_time(CaseFindings& found) {
     found.fault("time.end", with_unit(c.time.end, "s"), "is not after the beginning",
                 "more than " + with_unit(begin, "s") + ", minus schedule.hold", "move the end");
 
+  if (c.time.cool_down > 0.0 && c.cooling.top == thermal::Top::held)
+    found.fault("time.cool_down", with_unit(c.time.cool_down, "s"),
+                "needs a metal level that can cool",
+                "with cooling.top = \"pouring\" or \"insulated\"", "change cooling.top");
+
   if (filling > 0.0 && found.sound({"schedule.filling", "schedule.hold"})) {
     if (filling > c.schedule.hold)
       found.fault("schedule.filling", with_unit(filling, "s"),

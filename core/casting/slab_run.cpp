@@ -114,7 +114,17 @@ std::string SlabRun<Dim>::restore(const results::Sections& stored) {
 
 template <int Dim>
 bool SlabRun<Dim>::finished() const {
-  return state_.time >= schedule_.end() - same_time;
+  return state_.time >= schedule_.end() - same_time || has_cooled_down();
+}
+
+/// Whether all metal is at the temperature of the air, some time after the end of the casting.
+template <int Dim>
+bool SlabRun<Dim>::has_cooled_down() const {
+  constexpr double close = 1.0;  // [K]
+  if (state_.time <= schedule_.end_of_casting() + same_time) return false;
+  const double air = case_.cooling.ambient_temperature;
+  return std::ranges::all_of(state_.heat.temperature,
+                             [=](double t) { return std::abs(t - air) <= close; });
 }
 
 template <int Dim>

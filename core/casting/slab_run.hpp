@@ -84,6 +84,7 @@ private:
   [[nodiscard]] bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
   /// @param temperature_n  (node) at the start of the step, on the grown mesh [°C]
   [[nodiscard]] bool step_mechanics(Attempt& tried, std::span<const double> temperature_n);
+  bool has_cooled_down() const;
   double block_temperature() const;        ///< [°C]
   std::vector<double> bottom_gap() const;  ///< (bottom node) [m]
   std::vector<double> side_rise() const;   ///< (node) [m]

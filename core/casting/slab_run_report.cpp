@@ -67,6 +67,10 @@ void report_figures(const StepFigures& figures, results::StepReport& r) {
   r.mush_strain = figures.mush_strain.value;
 
   r.steam_share = figures.steam_share;
+  r.residual_axial_depth = figures.residual.axial_depth.value_or(0.0);
+  r.residual_hoop_depth = figures.residual.hoop_depth.value_or(0.0);
+  r.residual_tension = figures.residual.tension;
+  r.elastic_energy = figures.residual.elastic_energy;
 
   r.pore_volume = figures.pore_volume;
   const TearIndices& tears = figures.tears;

@@ -257,6 +257,8 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   if (f.mechanical) measure_mechanics(view, f, history);
 
   const bool hoop = case_.section.kind == mesh::SectionKind::axisymmetric;
+  if (f.last && f.mechanical && case_.time.cool_down > 0.0)
+    f.residual = residual_stress(view.mesh, view.temperature, view.slab, properties_, hoop);
   f.mush_strain =
       mush_strain(view.mesh, view.slab, view.temperature, fragile_above_, view.growing, hoop);
 

@@ -7,6 +7,7 @@
 #include "core/case/case.hpp"
 #include "core/findings/hot_tears.hpp"
 #include "core/findings/pores.hpp"
+#include "core/findings/residual_stress.hpp"
 #include "core/findings/shell.hpp"
 #include "core/material/mechanical_properties.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
@@ -87,6 +88,7 @@ struct StepFigures {
   PlacedFigure slip;         ///< [m] of the butt beyond its thermal contraction
   PlacedFigure liquid_pressure_error;  ///< [1] relative, on the liquidus front
   double greatest_curl = 0.0;          ///< [m] largest of all monitors
+  ResidualStress residual;             ///< of a slab that has cooled down, in the last step
 };
 
 /// Data of earlier steps from which figures of a step are measured.

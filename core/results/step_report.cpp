@@ -126,6 +126,16 @@ const std::array fields{
                  &R::water_thrown_off},
     HistoryField{"block_temperature_c", "degC", "mean surface temperature of the bottom block",
                  &R::block_temperature},
+    HistoryField{"residual_axial_depth_m", "m",
+                 "of a slab that has cooled down: depth below the face at which the axial stress "
+                 "changes sign, at half height",
+                 &R::residual_axial_depth},
+    HistoryField{"residual_hoop_depth_m", "m", "the same of the stress along the face",
+                 &R::residual_hoop_depth},
+    HistoryField{"residual_tension_pa", "Pa", "greatest principal stress of an element then",
+                 &R::residual_tension},
+    HistoryField{"elastic_energy_j_per_m3", "J/m3",
+                 "stored elastic energy then, mean over the metal", &R::elastic_energy},
     HistoryField{"gap_water_share", "1",
                  "heat taken by water that has run under the butt, relative to all that heating "
                  "and evaporating it would take",

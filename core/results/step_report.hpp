@@ -135,6 +135,11 @@ struct StepReport {
   bool water_boiled_away = false;    ///< on some face too little water is left to cover it
   bool water_thrown_off = false;     ///< a vapour film has thrown the water off some face
   double block_temperature = 0.0;    ///< [°C] of the block's surface, mean over its area
+  // Of a slab that has cooled down, at the end of the run (docs/residual-stress.md), else 0.
+  double residual_axial_depth = 0.0;  ///< [m] below the face, where the axial stress changes sign
+  double residual_hoop_depth = 0.0;   ///< [m] the same of the stress along the face
+  double residual_tension = 0.0;      ///< [Pa] greatest principal stress of an element
+  double elastic_energy = 0.0;        ///< [J/m3] mean over the metal
   double gap_water_share = 0.0;   ///< [1] heat taken by water under the butt, of the most it could
   double gap_wetted_share = 0.0;  ///< [1] of the places that it touches, not under a vapour film
   double steam_share = 0.0;       ///< [1] force of the steam under the butt, of the weight

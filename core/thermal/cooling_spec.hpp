@@ -58,6 +58,8 @@ struct Water {
   /// Whether there is water at all; without it the side below the mould is dry.
   bool enabled = false;
   double from = 0.0;                ///< [m] below the metal level
+  /// [m] below the metal level a wiper takes the water off; absent: it runs down to the butt
+  std::optional<double> wiped_at{};
   double start = 0.0;               ///< [s]
   Curve temperature;                ///< [°C]
   double critical_heat_flux = 0.0;  ///< [W/m2]

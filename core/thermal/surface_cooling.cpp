@@ -22,6 +22,7 @@ void add_kinks(const Curve& curve, std::vector<double>& edges) {
 
 void add_water(const Water& water, std::vector<double>& edges) {
   edges.push_back(water.from);
+  if (water.wiped_at) edges.push_back(*water.wiped_at);
   if (water.boiling_follows_flow) edges.push_back(water.from + water.wetting.jet_length);
   add_kinks(water.coefficient, edges);
 }
@@ -64,8 +65,11 @@ SideLaws::SideLaws(const CoolingSpec& cooling, const SideInstant& instant)
 LawAt SideLaws::at(double distance, Face face) const {
   // Water covers the zones of the mould.
   const Water& water = cooling_.water_of(face);
-  if (water_runs_[std::size_t(face)] && distance >= water.from)
+  const bool below = distance >= water.from;
+  if (water_runs_[std::size_t(face)] && below) {
+    if (water.wiped_at && distance >= *water.wiped_at) return {law_dry, false};
     return {law_water, against_distance(water.coefficient)};
+  }
 
   for (std::size_t i = 0; i < cooling_.zones.size(); ++i) {
     const SideZone& zone = cooling_.zones[i];
@@ -142,13 +146,14 @@ void SurfaceCooling::lay_water(const HeatForms& forms,
     // Water runs over its own shares; the width of the column follows from the area of all.
     double area = 0.0;
     for (auto share = first; share != last; ++share) area += side_[*share].weight;
+    const bool wiped = side_[*(last - 1)].law != law_water;  // before it reaches the edge
     const auto wet = std::stable_partition(
         first, last, [this](std::size_t i) { return side_[i].law == law_water; });
 
     if (wet != first) {
       const double width = area / side_height;
       const FilmEnd end = lay_column({first, wet}, width, properties, field, input);
-      if (!end.boiled_away && !end.thrown_off)
+      if (!wiped && !end.boiled_away && !end.thrown_off)
         supply_edge(forms, column(*first).second, end.film, width);
     }
     first = last;

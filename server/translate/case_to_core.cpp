@@ -215,6 +215,7 @@ std::optional<thermal::GapWater> gap_water(const v1::BottomBlock& block) {
 thermal::Water water(const v1::Water& from) {
   return {.enabled = from.enabled(),
           .from = from.from_m(),
+          .wiped_at = given(from.has_wiped_at_m(), from.wiped_at_m()),
           .start = from.start_s(),
           .temperature = to_core(from.temperature_c()),
           .critical_heat_flux = from.critical_heat_flux_w_per_m2(),
@@ -353,6 +354,7 @@ void set_small_tables(const v1::Case& from, casting::Case& to) {
   to.coupling.deformed_zones = from.coupling().deformed_zones();
 
   to.time.end = from.time().end_s();
+  to.time.cool_down = from.time().cool_down_s();
   to.time.step = to_core(from.time().step_s());
   to.time.minimum_step = from.time().minimum_step_s();
 
