@@ -109,21 +109,21 @@ namespace {
 
 /// In the order of the help text.
 constexpr std::initializer_list<Add*> all_commands{
-    add_new,          add_validate,      add_query,
-    add_submit,       add_watch,         add_wait,
-    add_list,         add_show,          add_curl,
-    add_probe,        add_dashboard,     add_contraction,
-    add_compare,      add_fetch,         add_report,
-    add_convergence,  add_sweep,         add_predict,
-    add_uncertainty,  add_sensitivity,   add_calibrate,
-    add_design_mould, add_design_recipe, add_studies,
-    add_cancel,       add_pause,         add_resume,
-    add_delete,       add_schema,        add_login,
-    add_logout,       add_whoami,        add_doctor,
-    add_alloys,       add_info,          add_completion,
-    add_usage,        add_case,          add_logs,
-    add_label,        add_pin,           add_unpin,
-    add_top};
+    add_new,        add_validate,     add_query,
+    add_submit,     add_watch,        add_wait,
+    add_list,       add_show,         add_curl,
+    add_probe,      add_dashboard,    add_contraction,
+    add_compare,    add_remedy,       add_fetch,
+    add_report,     add_convergence,  add_sweep,
+    add_predict,    add_uncertainty,  add_sensitivity,
+    add_calibrate,  add_design_mould, add_design_recipe,
+    add_studies,    add_cancel,       add_pause,
+    add_resume,     add_delete,       add_schema,
+    add_login,      add_logout,       add_whoami,
+    add_doctor,     add_alloys,       add_info,
+    add_completion, add_usage,        add_case,
+    add_logs,       add_label,        add_pin,
+    add_unpin,      add_top};
 
 }  // namespace
 }  // namespace dccast::client::commands

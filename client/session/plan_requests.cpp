@@ -253,6 +253,13 @@ void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
   request.set_request_id(uuid_of(request.SerializeAsString()));
 }
 
+v1::Study remedy_of(Connection& connection, const std::string& job) {
+  v1::CreateStudyRequest request;
+  request.set_request_id("remedy/" + job);
+  request.mutable_remedy()->set_job(job);
+  return connection.call(&Stub::CreateStudy, request);
+}
+
 v1::Study taken_up(Connection& connection, const v1::Study& study) {
   if (study.state() != v1::STUDY_CANCELLED && study.state() != v1::STUDY_FAILED) return study;
   v1::ResumeStudyRequest request;

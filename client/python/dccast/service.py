@@ -188,6 +188,12 @@ class Service:
             request_id=request_id or str(uuid.uuid4()), sweep=plan, priority=job_pb2.Priority.Value(priority.upper()), labels=labels,
             changes=read.changes)))
 
+    def remedy(self, job: Job) -> Study:
+        """What helps against the findings of an ended job: drafts with one lever of the plant moved.
+        `judgement()` of the study says which lever, and how far. A job has one such study."""
+        return Study(self._transport, self._transport.call("CreateStudy", study_pb2.CreateStudyRequest(
+            request_id=f"remedy/{job.id}", remedy=study_pb2.RemedyPlan(job=job.id))))
+
     def study(self, study: str) -> Study:
         """A study by its id."""
         return Study(self._transport, self._transport.call("GetStudy", study_pb2.GetStudyRequest(id=study)))

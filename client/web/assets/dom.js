@@ -76,6 +76,7 @@ export function findingList(findings) {
   return h('ul', {class: 'findings'}, byGravity(findings).map(finding => {
     const grave = (finding.severity || '').toLowerCase();
     return h(
-      'li', {}, h('span', {class: `tag ${grave}`}, grave), ' ', finding.message || finding.code);
+      'li', {}, h('span', {class: `tag ${grave}`}, grave), ' ', finding.message || finding.code,
+      finding.remedy ? h('strong', {}, ` ${finding.remedy}`) : null);
   }));
 }

@@ -50,6 +50,28 @@ function linkButton(job) {
     'Link');
 }
 
+/** Drafts of what helps against the findings, on a page of their own. */
+function remedyButton(job) {
+  if (!ended.has(job.state) || !(job.findings || []).some(finding => finding.remedy)) return null;
+  const fault = h('span', {role: 'alert', class: 'bad'});
+  const button =
+    h('button', {
+      type: 'button',
+      class: 'submitter',
+      onclick: async () => {
+        button.disabled = true;
+        await post(`/remedy/${job.id}`).then(({study}) => {
+          location.hash = `#/study/${study}`;
+        }, refused => {
+          fault.textContent = refused.message;
+          button.disabled = false;
+        });
+      }
+    },
+      'Compute what helps');
+  return h('p', {}, button, fault);
+}
+
 export function jobPage(element, signal, id) {
   const head = h('div'), curves = h('div', {class: 'card'}), findings = h('div', {class: 'card'}),
         slab = h('div', {class: 'card'}), details = h('div');
@@ -159,7 +181,9 @@ export function jobPage(element, signal, id) {
       waiting = false;
       drawHead(shown);
       drawCurves(shown);
-      replace(findings, h('h2', {}, 'Findings'), findingList(shown.job.findings || []));
+      replace(
+        findings, h('h2', {}, 'Findings'), findingList(shown.job.findings || []),
+        remedyButton(shown.job));
     });
   }
 
