@@ -18,6 +18,7 @@
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
 #include "server/service/simulation_service.hpp"
+#include "server/studies/data_axes.hpp"
 
 namespace dccast::service {
 
@@ -118,13 +119,27 @@ jobs::Attachments complete_remedy(Context& context, const Call& call,
   return files;
 }
 
+/// The files that a request names; its plan gets the data of the case that have a range, where it
+/// rests on them. @throws Refusal  the case has faults, or no ranges
+jobs::Attachments complete_axes(Context& context, const Call& call,
+                                v1::CreateStudyRequest& request) {
+  auto attachments = uploaded_files(context, call, request.attachments());
+  if (!studies::has_data_axes(request)) return attachments;
+
+  v1::ValidateCaseResponse verdict;
+  for (v1::Fault& fault : studies::lay_out_axes(context.intake, attachments, request))
+    *verdict.add_faults() = std::move(fault);
+  check_verdict(verdict);
+  return attachments;
+}
+
 /// Completes a request for a remedy, or for further runs of a study with the case of that study,
 /// which the caller must be permitted to read. @return  the files that the case names
 jobs::Attachments complete(Context& context, const Call& call, v1::CreateStudyRequest& request) {
   if (request.has_remedy()) return complete_remedy(context, call, request);
 
   const std::string before = request.sweep().further_of();
-  if (before.empty()) return uploaded_files(context, call, request.attachments());
+  if (before.empty()) return complete_axes(context, call, request);
 
   check_may_read_study(context, call, before);
   auto attachments = context.studies.complete(request);
