@@ -2,7 +2,7 @@
 import {call, events, get, post, repeat} from './api.js';
 import {cancelJobs} from './cancel.js';
 import {chart, curlLines, wantedBand} from './chart.js';
-import {curlText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
+import {curlText, durationText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
 import {frameViewer} from './frame.js';
 
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
@@ -74,8 +74,9 @@ function remedyButton(job) {
 
 export function jobPage(element, signal, id) {
   const head = h('div'), curves = h('div', {class: 'card'}), findings = h('div', {class: 'card'}),
-        slab = h('div', {class: 'card'}), details = h('div');
-  replace(element, head, curves, h('div', {class: 'job-parts'}, slab, findings), details);
+        slab = h('div', {class: 'card'}), solver = h('div'), details = h('div');
+  replace(
+    element, head, curves, h('div', {class: 'job-parts'}, slab, findings), solver, details);
 
   // Buttons stay as they are while the state does: one that is replaced under the pointer is not
   // pressed.
@@ -134,7 +135,8 @@ export function jobPage(element, signal, id) {
       step.time_s ? ` at ${step.time_s.toFixed(1)} s, ${mm(step.cast_length_m, 0)} mm cast` : '',
       job.state === 'RUNNING'
         ? h('progress', {value: step.progress || 0, max: 1, 'aria-label': 'Progress'})
-        : null);
+        : null,
+      job.state === 'RUNNING' && job.ends_in_s ? ` about ${durationText(job.ends_in_s)} left` : '');
     if (stateOfButtons === job.state) return;
     stateOfButtons = job.state;
     replace(
@@ -173,6 +175,30 @@ export function jobPage(element, signal, id) {
     }
   }
 
+  // How well the steps of a run are solved, while it is watched.
+  const solved = {time_s: [], equilibrium: [], energy: []};
+  const digits = residual => Math.log10(Math.max(Math.abs(residual || 0), 1e-16));
+  function addSolved(step) {
+    const again = solved.time_s.findIndex(t => t >= step.time_s);
+    if (again >= 0) for (const list of Object.values(solved)) list.length = again;
+    solved.time_s.push(step.time_s || 0);
+    solved.equilibrium.push(digits(step.equilibrium_residual));
+    solved.energy.push(digits(step.energy_balance_error));
+  }
+  function drawSolved() {
+    const {time_s: x, equilibrium, energy} = solved;
+    if (x.length < 2) return;
+    const open = solver.querySelector('details')?.open ?? false;
+    replace(
+      solver, h('details', {open}, h('summary', {}, 'Residuals of the steps'),
+                chart([{name: 'equilibrium', x, y: equilibrium}, {name: 'energy', x, y: energy}], {
+                  title: 'Residuals of the steps, relative',
+                  xLabel: 'time, s',
+                  yLabel: 'log10',
+                  unit: ''
+                })));
+  }
+
   let shown = null, waiting = false, watched = false;
   function redraw() {
     if (waiting) return;
@@ -181,6 +207,7 @@ export function jobPage(element, signal, id) {
       waiting = false;
       drawHead(shown);
       drawCurves(shown);
+      drawSolved();
       replace(
         findings, h('h2', {}, 'Findings'), findingList(shown.job.findings || []),
         remedyButton(shown.job));
@@ -189,7 +216,13 @@ export function jobPage(element, signal, id) {
 
   function watch() {
     watched = true;
+    repeat(5000, signal, async () => {
+      if (shown.job.state !== 'RUNNING') return;
+      shown.job.ends_in_s = (await call('GetJob', {id})).ends_in_s;
+      redraw();
+    });
     events(`/watch/${id}`, signal, (event, close) => {
+      if (event.step) addSolved(event.step);
       if (event.step && event.step.step > (shown.job.last_step?.step || 0)) {
         add(shown.history, event.step);
         shown.job.last_step = event.step;
