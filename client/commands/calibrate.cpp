@@ -96,10 +96,10 @@ std::vector<CastingStudies> create(Connection& connection, const CalibrateOption
     const auto study = create_study(connection, base, [&](v1::CreateStudyRequest& request) {
       CalibrationPlan plan = options.plan;
       plan.measured = curves[i];
-      lay_out_calibration(connection, plan, axes, request);
-      axes = request.sweep().axes();
+      lay_out_calibration(plan, axes, request);
     });
     if (!study) return {};
+    axes = study->sweep().axes();  // the same for every casting
     castings.push_back({study->id()});
     std::cerr << "study " << study->id() << ", " << study->runs() << " runs over "
               << study->sweep().axes_size() << " keys\n";

@@ -52,6 +52,7 @@ Add add_list, add_show, add_wait, add_cancel, add_pause, add_resume, add_delete;
 Add add_label, add_pin, add_unpin, add_usage, add_case, add_logs, add_top;
 Add add_curl, add_probe, add_contraction, add_fetch, add_report, add_dashboard;
 Add add_studies, add_convergence, add_sweep, add_predict, add_uncertainty, add_sensitivity;
+Add add_remedy;
 Add add_calibrate, add_design_mould, add_design_recipe;
 Add add_login, add_logout, add_whoami, add_doctor, add_info, add_completion;
 

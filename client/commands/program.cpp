@@ -124,8 +124,8 @@ const std::vector<Group>& groups() {
        {add_curl, add_report, add_dashboard, add_probe, add_contraction, add_fetch, add_case,
         add_logs}},
       {"Study a case",
-       {add_convergence, add_uncertainty, add_sensitivity, add_calibrate, add_sweep, add_predict,
-        add_design_recipe, add_design_mould, add_studies}},
+       {add_convergence, add_uncertainty, add_sensitivity, add_calibrate, add_remedy, add_sweep,
+        add_predict, add_design_recipe, add_design_mould, add_studies}},
       {"Reach a server",
        {add_login, add_logout, add_whoami, add_doctor, add_info, add_usage, add_completion}}};
   return all;

@@ -27,7 +27,7 @@ void take_band(const std::string& band, std::vector<std::string>& changes) {
 /// Differences between the two commands.
 struct Kind {
   std::string name;
-  void (*lay_out)(Connection&, const DataPlan&, v1::CreateStudyRequest&);
+  void (*lay_out)(const DataPlan&, v1::CreateStudyRequest&);
 };
 
 ExitCode run(DataOptions options, const Kind& kind, Program& program) {
@@ -41,7 +41,7 @@ ExitCode run(DataOptions options, const Kind& kind, Program& program) {
   const std::string come_back = "dccast " + kind.name + " --study ";
   if (id.empty()) {
     const auto study = create_study(connection, options.base, [&](v1::CreateStudyRequest& request) {
-      kind.lay_out(connection, options.plan, request);
+      kind.lay_out(options.plan, request);
     });
     if (!study) return ExitCode::invalid;
     id = study->id();

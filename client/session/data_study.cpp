@@ -32,33 +32,12 @@ v1::ValidateCaseResponse validated(Connection& connection, const v1::CreateStudy
   throw invalid(text);
 }
 
-/// Sets draft quality, unless the changes of the request choose another.
-std::vector<case_file::UncertainKey> complete(Connection& connection,
-                                              v1::CreateStudyRequest& request) {
-  const bool chosen = std::ranges::any_of(
-      request.changes(), [](const v1::CaseChange& change) { return change.key() == "quality"; });
-  if (!chosen) request.mutable_case_()->set_quality(v1::DRAFT);
-  return complete_case(connection, request);
-}
-
 void add_axis(v1::SweepPlan& sweep, const std::string& key, const std::string& low,
               const std::string& high) {
   v1::SweepPlan::Axis& axis = *sweep.add_axes();
   axis.set_key(key);
   axis.add_values(low);
   axis.add_values(high);
-}
-
-void add_data(const std::vector<case_file::UncertainKey>& keys, const DataPlan& plan,
-              v1::SweepPlan& sweep) {
-  std::set<std::string> wanted(plan.only.begin(), plan.only.end());
-  std::string known;
-  for (const case_file::UncertainKey& datum : keys) {
-    known += "\n  " + datum.key + " = " + datum.range;
-    if (plan.only.empty() || wanted.erase(datum.key) > 0)
-      add_axis(sweep, datum.change(), datum.ends.low, datum.ends.high);
-  }
-  if (!wanted.empty()) throw invalid(*wanted.begin() + " has no range; there are:" + known);
 }
 
 v1::SweepPlan& hypercube(const DataPlan& plan, v1::SweepPlan::Purpose purpose,
@@ -71,17 +50,16 @@ v1::SweepPlan& hypercube(const DataPlan& plan, v1::SweepPlan::Purpose purpose,
   return sweep;
 }
 
-/// An axis from KEY=RANGE, or from KEY with its range in the case.
-void add_free(const std::string& text, const std::vector<case_file::UncertainKey>& known,
-              v1::SweepPlan& sweep) {
+/// Names the data that are moved; the server knows their ranges.
+void add_names(const std::vector<std::string>& keys, v1::SweepPlan& sweep) {
+  for (const std::string& key : keys) sweep.add_axes()->set_key(key);
+}
+
+/// An axis from KEY=RANGE, or from KEY with the range that the case has for it.
+void add_free(const std::string& text, v1::SweepPlan& sweep) {
   const auto equals = text.find('=');
-  if (equals == std::string::npos) {
-    const auto found = std::ranges::find(known, text, &case_file::UncertainKey::key);
-    if (found == known.end())
-      throw invalid(text + " has no range in case or card; write --free '" + text +
-                    "=RANGE', RANGE as " + case_file::range_forms);
-    return add_axis(sweep, found->change(), found->ends.low, found->ends.high);
-  }
+  if (equals == std::string::npos) return add_names({text}, sweep);
+
   const auto ends = case_file::parse_range(text.substr(equals + 1));
   if (!ends)
     throw invalid("--free " + text + ": is no range; permitted: " + case_file::range_forms);
@@ -161,63 +139,29 @@ void set_range(const std::string& key, const std::string& range, v1::Case& descr
 
 }  // namespace
 
-std::vector<case_file::UncertainKey> complete_case(Connection& connection,
-                                                   v1::CreateStudyRequest& request) {
-  const bool depth_follows_block = !request.case_().section().has_initial_depth_m();
-  v1::Case& base = *request.mutable_case_();
-  base = validated(connection, request).complete();
-  auto keys = case_file::uncertain_keys(base);
-  if (depth_follows_block) base.mutable_section()->clear_initial_depth_m();
-  base.clear_uncertainty();
-  base.mutable_alloy()->clear_uncertainty();
-  return keys;
+v1::Case complete_case(Connection& connection, const v1::CreateStudyRequest& request) {
+  return validated(connection, request).complete();
 }
 
-void lay_out_calibration(Connection& connection, const CalibrationPlan& plan,
+void lay_out_calibration(const CalibrationPlan& plan,
                          const google::protobuf::RepeatedPtrField<v1::SweepPlan::Axis>& axes,
                          v1::CreateStudyRequest& request) {
-  auto keys = complete(connection, request);
   v1::SweepPlan& sweep = hypercube(plan.data, v1::SweepPlan::CALIBRATION, request);
   *sweep.mutable_measured() = {plan.measured.begin(), plan.measured.end()};
   *sweep.mutable_axes() = axes;
   if (!axes.empty()) return;
-  for (const std::string& text : plan.free) add_free(text, keys, sweep);
-  if (plan.free.empty()) {
-    std::erase_if(keys, [](const auto& datum) { return datum.origin == "default"; });
-    add_data(keys, {}, sweep);
-  }
-  if (sweep.axes().empty())
-    throw invalid("neither case nor card gives a range; name what is free by --free KEY=RANGE");
+  for (const std::string& text : plan.free) add_free(text, sweep);
 }
 
-void lay_out_uncertainty(Connection& connection, const DataPlan& plan,
-                         v1::CreateStudyRequest& request) {
-  const auto keys = complete(connection, request);
-  v1::SweepPlan& sweep = hypercube(plan, v1::SweepPlan::UNCERTAINTY, request);
-  add_data(keys, plan, sweep);
-  if (sweep.axes().empty())
-    throw invalid(
-        "no key of this case has a range; give some in [uncertainty] (docs/uncertainty.md)");
+void lay_out_uncertainty(const DataPlan& plan, v1::CreateStudyRequest& request) {
+  add_names(plan.only, hypercube(plan, v1::SweepPlan::UNCERTAINTY, request));
 }
 
-void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
-                         v1::CreateStudyRequest& request) {
-  const auto keys = complete(connection, request);
+void lay_out_sensitivity(const DataPlan& plan, v1::CreateStudyRequest& request) {
   v1::SweepPlan& sweep = *request.mutable_sweep();
   sweep.set_design(v1::SweepPlan::ENDS);
   sweep.set_purpose(v1::SweepPlan::SENSITIVITY);
-  add_data(keys, plan, sweep);
-  std::set<std::string> data;
-  for (const v1::SweepPlan::Axis& axis : sweep.axes()) data.insert(datum_of(axis.key()));
-  for (const case_file::Lever& lever : case_file::levers()) {
-    const std::string key = lever.key;
-    const bool is_datum = !key.ends_with(".shift") && data.contains(datum_of(key));
-    if (!plan.only.empty() || is_datum ||
-        (lever.is_there != nullptr && !lever.is_there(request.case_())))
-      continue;
-    const auto ends = case_file::parse_range(lever.range);
-    add_axis(sweep, key, ends->low, ends->high);
-  }
+  add_names(plan.only, sweep);
 }
 
 v1::StudyJudgement judge_calibration(Connection& connection,
@@ -259,7 +203,7 @@ std::string calibrated_case(Connection& connection, const v1::CreateStudyRequest
                             const v1::StudyResult& result) {
   const v1::Calibration& calibration = result.calibration();
   const std::string source = "calibrated from " + sources_of(calibration);
-  v1::Case complete = validated(connection, request).complete();
+  v1::Case complete = complete_case(connection, request);
   v1::Case description = request.case_();
   std::string header =
       "# " + source + " by dccast calibrate, study " + result.study().id() +

@@ -20,18 +20,12 @@ struct DataPlan {
   std::vector<std::string> only;  ///< keys of data; empty: all
 };
 
-/// Has the server complete the case of a request, so that card, mesh and steps are the same in all
-/// runs of a plan. @return its data with a range, which the case itself no longer has. Throws
-/// CommandFailed.
-std::vector<case_file::UncertainKey> complete_case(Connection& connection,
-                                                   v1::CreateStudyRequest& request);
+/// The case of a request with defaults and alloy card. Throws CommandFailed.
+v1::Case complete_case(Connection& connection, const v1::CreateStudyRequest& request);
 
-/// Makes the study of a request a Latin hypercube over every datum of its case that has a range
-/// (docs/uncertainty.md). The case is completed by the server, so that card, mesh and steps are the
-/// same in all runs; its quality is draft unless the changes of the request choose another. Throws
-/// CommandFailed, also where there is no such datum.
-void lay_out_uncertainty(Connection& connection, const DataPlan& plan,
-                         v1::CreateStudyRequest& request);
+/// Makes the study of a request a Latin hypercube over data of its case that have a range; the
+/// server knows them (docs/uncertainty.md).
+void lay_out_uncertainty(const DataPlan& plan, v1::CreateStudyRequest& request);
 
 /// The plan of a calibration: a Latin hypercube over free keys.
 struct CalibrationPlan {
@@ -43,13 +37,12 @@ struct CalibrationPlan {
 
 /// The same over the free keys of a calibration, with what was measured. Throws CommandFailed.
 /// @param axes  of a casting that was laid out before; empty: this is the first
-void lay_out_calibration(Connection& connection, const CalibrationPlan& plan,
+void lay_out_calibration(const CalibrationPlan& plan,
                          const google::protobuf::RepeatedPtrField<v1::SweepPlan::Axis>& axes,
                          v1::CreateStudyRequest& request);
 
 /// The same, with every lever of a plant and every datum alone at the two ends of its range.
-void lay_out_sensitivity(Connection& connection, const DataPlan& plan,
-                         v1::CreateStudyRequest& request);
+void lay_out_sensitivity(const DataPlan& plan, v1::CreateStudyRequest& request);
 
 using case_file::datum_of;
 

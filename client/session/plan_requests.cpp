@@ -114,7 +114,7 @@ void add_number(const Limited& limited, double value, v1::RecipePlan& plan) {
   number.set_high(ends.high);
 }
 
-void add_numbers(const v1::Case& draft, const RecipeChoice& choice, v1::RecipePlan& plan) {
+void add_numbers(const v1::Case& complete, const RecipeChoice& choice, v1::RecipePlan& plan) {
   const double within = 0.01 * choice.within_percent;
   const auto level = [&](RecipeNumber number, const char* option, const std::string& text,
                          const char* unit) -> Limited {
@@ -128,32 +128,16 @@ void add_numbers(const v1::Case& draft, const RecipeChoice& choice, v1::RecipePl
   std::vector<Limited> numbers{
       level(case_file::speed_start, "--speed", choice.speed, "m/s"),
       level(case_file::speed_run, "--speed", choice.speed, "m/s"),
-      ramp(case_file::speed_ramp, draft.schedule().casting_speed_m_per_s()),
+      ramp(case_file::speed_ramp, complete.schedule().casting_speed_m_per_s()),
       {case_file::filling, "--filling", choice.filling, "s", 0.5, 2.0},
       {case_file::hold, "--hold", choice.hold, "s", 0.5, 2.0}};
-  if (draft.cooling().water().enabled())
+  if (complete.cooling().water().enabled())
     numbers.insert(numbers.end(),
                    {level(case_file::water_start, "--water", choice.water, "m2/s"),
                     level(case_file::water_run, "--water", choice.water, "m2/s"),
-                    ramp(case_file::water_ramp, draft.schedule().water_flow_m2_per_s())});
-  const case_file::Recipe recipe = case_file::recipe_of(draft);
+                    ramp(case_file::water_ramp, complete.schedule().water_flow_m2_per_s())});
+  const case_file::Recipe recipe = case_file::recipe_of(complete);
   for (const Limited& number : numbers) add_number(number, recipe[number.number], plan);
-}
-
-/// All data with a range, except those that the recipe sets.
-void add_data(const std::vector<case_file::UncertainKey>& keys, v1::RecipePlan& plan) {
-  const std::set<std::string> of_recipe{"schedule.casting_speed", "schedule.water_flow",
-                                        "schedule.hold", "schedule.filling", "time.end"};
-  for (const case_file::UncertainKey& key : keys) {
-    if (of_recipe.contains(key.key.substr(0, key.key.find('[')))) continue;
-    v1::RecipePlan::Datum& datum = *plan.add_data();
-    datum.set_key(key.change());
-    datum.set_low(key.ends.low);
-    datum.set_high(key.ends.high);
-  }
-  if (plan.data().empty())
-    throw invalid(
-        "no key of this case has a range; give some in [uncertainty] (docs/uncertainty.md)");
 }
 
 void add_band(const RecipeChoice& choice, const v1::Case& complete, v1::RecipePlan& plan) {
@@ -232,15 +216,10 @@ v1::SweepPlan::Axis axis_of(std::string_view text) {
 
 void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
                     v1::CreateStudyRequest& request) {
-  v1::CreateStudyRequest draft = request;
-  draft.mutable_case_()->set_quality(v1::DRAFT);
-  const auto keys = complete_case(connection, draft);
-  complete_case(connection, request);
+  const v1::Case complete = complete_case(connection, request);
   v1::RecipePlan& plan = *request.mutable_recipe();
-  add_band(choice, request.case_(), plan);
-  add_numbers(draft.case_(), choice, plan);
-  add_data(keys, plan);
-  *plan.mutable_draft() = draft.case_();
+  add_band(choice, complete, plan);
+  add_numbers(complete, choice, plan);
   plan.set_monitor(choice.point);
   plan.set_greatest_speed_rate_m_per_s2(quantity_of("--speed-rate", choice.speed_rate, "m/s2"));
   plan.set_greatest_flow_rate_m2_per_s2(quantity_of("--water-rate", choice.water_rate, "m2/s2"));
@@ -250,6 +229,13 @@ void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
   plan.set_seed(choice.seed);
   request.clear_request_id();
   request.set_request_id(uuid_of(request.SerializeAsString()));
+}
+
+v1::Study remedy_of(Connection& connection, const std::string& job) {
+  v1::CreateStudyRequest request;
+  request.set_request_id("remedy/" + job);
+  request.mutable_remedy()->set_job(job);
+  return connection.call(&Stub::CreateStudy, request);
 }
 
 v1::Study taken_up(Connection& connection, const v1::Study& study) {

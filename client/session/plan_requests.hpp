@@ -56,6 +56,10 @@ struct RecipeChoice {
 void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
                     v1::CreateStudyRequest& request);
 
+/// The study of what helps against the findings of a job, created or found: a job has one. @throws
+/// CommandFailed  it has not ended, or no lever influences its findings
+v1::Study remedy_of(Connection& connection, const std::string& job);
+
 /// Goes on with a study that was cancelled or lost runs to their machine. @return as it is then
 v1::Study taken_up(Connection& connection, const v1::Study& study);
 

@@ -68,10 +68,11 @@ std::string when(const v1::Finding& finding) {
 
 std::string html_row(const v1::Finding& finding) {
   return fmt::format(
-      "<tr class='{0}'><th scope='row'>{0}</th><td>{1}<small>{2}; {3}</small></td>"
-      "<td>{4}</td></tr>",
+      "<tr class='{0}'><th scope='row'>{0}</th><td>{1} <b>{2}</b><small>{3}; {4}</small></td>"
+      "<td>{5}</td></tr>",
       severity_text(finding.severity()), html_escaped(finding.message()),
-      html_escaped(finding.code()), html_escaped(particulars(finding)), when(finding));
+      html_escaped(finding.remedy()), html_escaped(finding.code()),
+      html_escaped(particulars(finding)), when(finding));
 }
 
 }  // namespace
@@ -80,6 +81,7 @@ std::string finding_line(const v1::Finding& finding) {
   const std::string time = when(finding), more = particulars(finding);
   return severity_text(finding.severity()) + ": " + finding.code() +
          (time.empty() ? "" : " at " + time) + ": " + finding.message() +
+         (finding.remedy().empty() ? "" : " " + finding.remedy()) +
          (more.empty() ? "" : " [" + more + "]");
 }
 

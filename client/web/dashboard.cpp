@@ -23,6 +23,7 @@
 #include "client/model/slab_recipe.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
+#include "client/session/plan_requests.hpp"
 #include "client/session/queries.hpp"
 #include "client/text/plant_units.hpp"
 #include "proto/case_file/alloy_cards.hpp"
@@ -464,6 +465,9 @@ void add_results(WebServer& server, const Connect& connect) {
   get("/compare", [](Connection& connection, const Request& request) {
     return comparison(connection, request.values("job"));
   });
+  server.post("/remedy", connected(connect, [](Connection& connection, const Request& request) {
+                return Reply{Json{{"study", remedy_of(connection, request.name).id()}}.dump()};
+              }));
   get("/server", [](Connection& connection, const Request&) {
     const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
     return Reply{

@@ -169,8 +169,7 @@ Found freezes_at_meniscus(const Case& c, const StepFigures& f) {
       f.shell_begins, limit,
       fmt::format(
           "The side is frozen up to {:.3g} mm below the metal level on average, closer than "
-          "{:.3g} mm: the meniscus folds into cold shuts, and the shell hangs up in the mould. "
-          "Cast faster or hotter.",
+          "{:.3g} mm: the meniscus folds into cold shuts, and the shell hangs up in the mould.",
           in_mm * f.shell_begins.value, in_mm * limit)};
 }
 
@@ -217,7 +216,7 @@ Found bottom_shell_fails(const Case& c, const StepFigures& f) {
       f.bottom_shell, std::min(limit, kept),
       fmt::format(
           "The shell over the bottom block melts again: it was {:.3g} mm thick and is {:.3g} mm "
-          "now. It is about to fail; keep the contact with the block longer or the gap smaller.",
+          "now. It is about to fail.",
           in_mm * f.thickest_bottom_shell, in_mm * shell)};
 }
 

@@ -202,6 +202,8 @@ v1::Judgement judge_study(const StudyToJudge& study) {
     judge_recipe(result, judgement);
   } else if (result.study().has_mould()) {
     judge_mould(result, judgement);
+  } else if (result.study().has_remedy()) {
+    judge_remedy(study, judgement);
   } else if (purpose == v1::SweepPlan::UNCERTAINTY) {
     judge_uncertainty(study, judgement);
   } else if (purpose == v1::SweepPlan::SENSITIVITY) {

@@ -2,10 +2,12 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dccast/v1/judgement.pb.h"
 #include "dccast/v1/study.pb.h"
 #include "proto/case_file/study_keys.hpp"
+#include "server/judging/judged_run.hpp"
 
 namespace dccast::judging {
 
@@ -16,6 +18,7 @@ struct StudyToJudge {
   /// Error of a small difference between two runs, relative to the curl
   /// (case_file::paired_error); empty: not measured for such a case.
   std::optional<double> difference_error{};
+  std::vector<JudgedRun> runs{};  ///< (run) of a remedy study, else empty
 };
 
 using case_file::monitor_of;

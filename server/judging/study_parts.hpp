@@ -36,6 +36,7 @@ void judge_uncertainty(const StudyToJudge& study, v1::Judgement& judgement);
 void judge_sensitivity(const StudyToJudge& study, v1::Judgement& judgement);
 void judge_calibration(const v1::StudyResult& result, v1::Judgement& judgement);
 void judge_mould(const v1::StudyResult& result, v1::Judgement& judgement);
+void judge_remedy(const StudyToJudge& study, v1::Judgement& judgement);
 void judge_recipe(const v1::StudyResult& result, v1::Judgement& judgement);
 
 }  // namespace dccast::judging

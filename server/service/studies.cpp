@@ -10,11 +10,15 @@
 #include <vector>
 
 #include "proto/case_file/quality.hpp"
+#include "proto/case_file/remedies.hpp"
+#include "server/jobs/folder/job_description.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/judging/judged_study.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
+#include "server/service/run_history.hpp"
 #include "server/service/simulation_service.hpp"
+#include "server/studies/data_axes.hpp"
 
 namespace dccast::service {
 
@@ -63,11 +67,79 @@ void check_may_read_castings(
     for (const std::string& study : casting.studies()) check_may_read_study(context, call, study);
 }
 
-/// Completes a request for further runs of a study with the case of that study, which the caller
-/// must be permitted to read. @return  the files that the case names
+/// Findings of a job that a lever of the plant influences, the gravest first.
+/// @throws Refusal  there is none, or the job has not ended
+google::protobuf::RepeatedPtrField<v1::Finding> findings_to_remedy(const v1::Job& job) {
+  if (!jobs::is_terminal(job.state())) refuse_state(job, "ask for a remedy when it has ended");
+
+  google::protobuf::RepeatedPtrField<v1::Finding> findings;
+  for (const v1::Finding& finding : job.findings())
+    if (finding.severity() > v1::Finding::NOTE && !case_file::advice_against(finding).empty())
+      *findings.Add() = finding;
+  if (findings.empty())
+    refuse(grpc::FAILED_PRECONDITION,
+           "job {} has no finding that a lever of the plant influences (docs/findings.md)",
+           job.id());
+
+  std::stable_sort(findings.begin(), findings.end(),
+                   [](const auto& a, const auto& b) { return a.severity() > b.severity(); });
+  return findings;
+}
+
+/// Completes a request for a remedy with case, files and findings of its job, which the caller must
+/// be permitted to read. @return  the files that the case names
+jobs::Attachments complete_remedy(Context& context, const Call& call,
+                                  v1::CreateStudyRequest& request) {
+  const std::string id = request.remedy().job();
+  check_job_id(id);
+  const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
+  if (const auto status = context.gate.permit_touch(call.caller, reading, id); !status.ok())
+    throw Refusal{status};
+
+  *request.mutable_remedy()->mutable_findings() = findings_to_remedy(find_job(context, id));
+
+  const auto folder = context.jobs_directory / id;
+  const jobs::JobDescription description = jobs::read_job_description(folder);
+  if (!request.mutable_case_()->ParseFromString(description.submitted_case))
+    refuse(grpc::DATA_LOSS, "the case of job {} cannot be read any more", id);
+
+  jobs::Attachments files;
+  request.clear_attachments();
+  for (const auto& [name, sha256] : description.attachment_sha256) {
+    const auto path = folder / jobs::attachments_folder / name;
+    files.push_back({.name = name,
+                     .sha256 = sha256,
+                     .bytes = static_cast<std::int64_t>(std::filesystem::file_size(path)),
+                     .path = path});
+    v1::Attachment& attachment = *request.add_attachments();
+    attachment.set_name(name);
+    attachment.set_sha256(sha256);
+    attachment.set_size_bytes(files.back().bytes);
+  }
+  return files;
+}
+
+/// The files that a request names; its plan gets the data of the case that have a range, where it
+/// rests on them. @throws Refusal  the case has faults, or no ranges
+jobs::Attachments complete_axes(Context& context, const Call& call,
+                                v1::CreateStudyRequest& request) {
+  auto attachments = uploaded_files(context, call, request.attachments());
+  if (!studies::has_data_axes(request)) return attachments;
+
+  v1::ValidateCaseResponse verdict;
+  for (v1::Fault& fault : studies::lay_out_axes(context.intake, attachments, request))
+    *verdict.add_faults() = std::move(fault);
+  check_verdict(verdict);
+  return attachments;
+}
+
+/// Completes a request for a remedy, or for further runs of a study with the case of that study,
+/// which the caller must be permitted to read. @return  the files that the case names
 jobs::Attachments complete(Context& context, const Call& call, v1::CreateStudyRequest& request) {
+  if (request.has_remedy()) return complete_remedy(context, call, request);
+
   const std::string before = request.sweep().further_of();
-  if (before.empty()) return uploaded_files(context, call, request.attachments());
+  if (before.empty()) return complete_axes(context, call, request);
 
   check_may_read_study(context, call, before);
   auto attachments = context.studies.complete(request);
@@ -135,6 +207,21 @@ bool is_ended_calibration(const v1::Study& study) {
          study.sweep().further_of().empty() && study.state() != v1::STUDY_RUNNING;
 }
 
+/// The runs of a study with their histories, in its order; those without a job are empty.
+std::vector<judging::JudgedRun> judged_runs(Context& context, const v1::StudyResult& result) {
+  std::vector<judging::JudgedRun> runs;
+  for (const v1::StudyRun& run : result.runs()) {
+    judging::JudgedRun& judged = runs.emplace_back();
+    if (run.job().empty()) continue;
+
+    auto steps = read_steps(context, run.job());
+    if (!steps) refuse(grpc::ABORTED, "job {} has gone back to a checkpoint; ask again", run.job());
+    judged.steps = std::move(*steps);
+    jobs::read_complete_case(context.jobs_directory / run.job(), judged.description);
+  }
+  return runs;
+}
+
 void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudgement& response) {
   v1::EvaluateStudyRequest evaluation;
   evaluation.set_id(request.id());
@@ -146,6 +233,8 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
 
   judging::StudyToJudge study{of_study(request.id(), context.studies.evaluate(evaluation))};
   const auto purpose = study.result.study().sweep().purpose();
+  const bool is_remedy = study.result.study().has_remedy();
+  if (is_remedy) study.monitor = judging::monitor_of(study.result, request.monitor());
   if (purpose == v1::SweepPlan::UNCERTAINTY || purpose == v1::SweepPlan::SENSITIVITY)
     study.monitor = judged_monitor(study.result, request.monitor());
 
@@ -155,6 +244,7 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
     study.result = of_study(request.id(), context.studies.evaluate(evaluation));
   }
 
+  if (is_remedy) study.runs = judged_runs(context, study.result);
   if (purpose == v1::SweepPlan::SENSITIVITY)
     study.difference_error = difference_error(context, study.result);
 

@@ -29,6 +29,7 @@ bool same_plan(const v1::CreateStudyRequest& a, const v1::CreateStudyRequest& b)
   return a.plan_case() == b.plan_case() &&
          (a.has_refinement() || (MessageDifferencer::Equals(a.mould(), b.mould()) &&
                                  MessageDifferencer::Equals(a.recipe(), b.recipe()) &&
+                                 MessageDifferencer::Equals(a.remedy(), b.remedy()) &&
                                  MessageDifferencer::Equals(a.sweep(), b.sweep())));
 }
 
@@ -60,6 +61,7 @@ void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
   if (request.has_refinement()) *study.mutable_refinement() = request.refinement();
   if (request.has_sweep()) *study.mutable_sweep() = request.sweep();
   if (request.has_mould()) *study.mutable_mould() = request.mould();
+  if (request.has_remedy()) *study.mutable_remedy() = request.remedy();
   if (request.has_recipe()) {
     *study.mutable_recipe() = request.recipe();
     study.mutable_recipe()->clear_draft();  // it is as large as a case, and no list needs it

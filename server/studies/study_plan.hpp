@@ -122,6 +122,9 @@ std::unique_ptr<StudyPlan> sweep_plan(const v1::CreateStudyRequest& request);
 std::vector<v1::Fault> recipe_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> recipe_plan(const v1::CreateStudyRequest& request);
 
+std::vector<v1::Fault> remedy_faults(const v1::CreateStudyRequest& request);
+std::unique_ptr<StudyPlan> remedy_plan(const v1::CreateStudyRequest& request);
+
 std::vector<v1::Fault> mould_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> mould_plan(const v1::CreateStudyRequest& request);
 

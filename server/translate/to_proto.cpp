@@ -15,6 +15,7 @@
 #include "core/findings/run_failure.hpp"
 #include "core/results/step_report.hpp"
 #include "proto/case_file/quality.hpp"
+#include "proto/case_file/remedies.hpp"
 #include "proto/values/printable.hpp"
 #include "server/translate/enumerations.hpp"
 
@@ -302,6 +303,7 @@ v1::Finding to_proto(const results::Finding& finding) {
   if (finding.limit) to.set_limit(*finding.limit);
   to.set_unit(finding.unit);
   to.set_key(finding.key);
+  to.set_remedy(case_file::remedy_text(to));
 
   if (!finding.worst) return to;
   to.mutable_worst()->set_time_s(finding.worst->time);

@@ -362,6 +362,30 @@ class Steering(PackageTest):
         study.delete()
         self.assertEqual(self.service.studies(), [])
 
+    def test_studies_of_data_are_begun_from_python(self):
+        block = "cooling.bottom_block.temperature"
+        study = self.service.uncertainty(CASE, only={block: ["60 degC", "100 degC"]}, runs=8,
+                                         changes=QUICK).wait()
+        self.assertIn("8 runs: 8 valid", study.judgement().heading)
+        self.assertTrue(any(block in line for line in study.judgement().sentences))
+
+        # The server knows the range of a datum that is only named.
+        study = self.service.sensitivity(CASE, only=[block], changes=QUICK).wait()
+        axis = study.evaluate().study.sweep.axes[0]
+        self.assertEqual((axis.key, list(axis.values)), (block, ["60 degC", "150 degC"]))
+        with self.assertRaises(dccast.DccastError) as caught:
+            self.service.sensitivity(CASE, only=["time.end"], changes=QUICK)
+        self.assertIn("has no range", str(caught.exception))
+
+    def test_a_calibration_is_begun_from_python(self):
+        curl = self.service.query(CASE, QUICK, cooling__bottom_block__temperature="95 degC").curl
+        late = curl[curl["time_s"] > 5.0]
+        study = self.service.calibrate(
+            CASE, {"corner": {"time_s": late["time_s"], "curl_m": late["corner_curl_m"]}},
+            free=["cooling.bottom_block.temperature"], runs=8, changes=QUICK).wait()
+        self.assertTrue(study.judgement().sentences)
+        self.assertEqual(study.evaluate().study.sweep.measured[0].monitor, "corner")
+
 
 class Remote(ClientTest):
     """A daemon in another building: what `dccast login` stored serves the package."""

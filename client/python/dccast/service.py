@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, Union
 
 import grpc
 
@@ -14,7 +14,10 @@ from dccast.judgements import Comparison
 from dccast.runs import Answer
 from dccast.studies import Study
 from dccast.transport import Transport, endpoint
-from dccast.v1 import case_pb2, job_pb2, judgement_pb2, service_pb2, study_pb2
+from dccast.v1 import case_pb2, job_pb2, judgement_pb2, recipe_pb2, service_pb2, study_pb2
+
+#: Keys of a case: names, or the two ends of each by name.
+Ranges = Union[Mapping[str, Sequence[Value]], Sequence[str]]
 
 
 def connect(server: str | None = None) -> Service:
@@ -179,14 +182,99 @@ class Service:
         >>> study.predict(schedule__casting_speed="57 mm/min").runs
         5
         """
-        read = self.read(case, changes, **keys)
         plan = study_pb2.SweepPlan(
-            axes=[study_pb2.SweepPlan.Axis(key=key, values=[written(value) for value in values])
-                  for key, values in axes.items()],
-            design=study_pb2.SweepPlan.Design.Value(design.upper()), runs=runs, seed=seed)
-        return Study(self._transport, self._call_about(read, "CreateStudy", study_pb2.CreateStudyRequest(
-            request_id=request_id or str(uuid.uuid4()), sweep=plan, priority=job_pb2.Priority.Value(priority.upper()), labels=labels,
-            changes=read.changes)))
+            axes=_axes(axes), design=study_pb2.SweepPlan.Design.Value(design.upper()), runs=runs, seed=seed)
+        return self._begin(self.read(case, changes, **keys), study_pb2.CreateStudyRequest(
+            request_id=request_id, sweep=plan, priority=job_pb2.Priority.Value(priority.upper()),
+            labels=labels))
+
+    def uncertainty(self, case: Source, *, only: Ranges = (), runs: int = 64, seed: int = 0,
+                    changes: Changes | None = None, labels: Sequence[str] = (), **keys: Value) -> Study:
+        """Queues drafts of a case over what its data may be; `judgement()` of the study says how sure
+        the curl is, and what to measure first.
+
+        @param only  these data alone: names, with the range that the case has for each, or the two
+                     ends by name; absent: all data with a range
+
+        >>> study = dccast.connect().uncertainty(
+        ...     "start-2d-thickness", runs=8, time__end="20 s",
+        ...     only={"cooling.bottom_block.temperature": ["60 degC", "100 degC"]}).wait()
+        >>> study.evaluate().study.sweep.axes[0].key
+        'cooling.bottom_block.temperature'
+        """
+        plan = study_pb2.SweepPlan(axes=_axes(only), design=study_pb2.SweepPlan.LATIN_HYPERCUBE,
+                                   purpose=study_pb2.SweepPlan.UNCERTAINTY, runs=runs, seed=seed)
+        return self._begin(self.read(case, changes, **keys),
+                           study_pb2.CreateStudyRequest(sweep=plan, labels=labels))
+
+    def sensitivity(self, case: Source, *, only: Ranges = (), changes: Changes | None = None,
+                    labels: Sequence[str] = (), **keys: Value) -> Study:
+        """Queues two drafts for every lever and datum of a case; `judgement()` of the study says what
+        matters.
+
+        @param only  these data alone, as in `uncertainty`
+        """
+        plan = study_pb2.SweepPlan(axes=_axes(only), design=study_pb2.SweepPlan.ENDS,
+                                   purpose=study_pb2.SweepPlan.SENSITIVITY)
+        return self._begin(self.read(case, changes, **keys),
+                           study_pb2.CreateStudyRequest(sweep=plan, labels=labels))
+
+    def calibrate(self, case: Source, measured: Mapping[str, Mapping[str, Sequence[float]]], *,
+                  free: Ranges = (), runs: int = 64, seed: int = 0, noise: Mapping[str, float] | None = None,
+                  changes: Changes | None = None, labels: Sequence[str] = (), **keys: Value) -> Study:
+        """Queues drafts over data that are inferred from measurements; `judgement()` of the study says
+        what these suggest, once it has ended. The command `dccast calibrate` also checks it with
+        further runs.
+
+        @param measured  by monitor: columns "time_s" or "cast_length_m", and "curl_m" or
+                         "temperature_c"
+        @param free   data to infer, as `only` of `uncertainty`; absent: those to which case or card
+                      gives a range
+        @param noise  standard deviation of a reading by monitor [m] or [K]; absent: inferred
+        """
+        curves = [study_pb2.MeasuredCurve(monitor=monitor, noise=(noise or {}).get(monitor, 0.0), **columns)
+                  for monitor, columns in measured.items()]
+        plan = study_pb2.SweepPlan(
+            axes=_axes(free), design=study_pb2.SweepPlan.LATIN_HYPERCUBE,
+            purpose=study_pb2.SweepPlan.CALIBRATION, runs=runs, seed=seed, measured=curves)
+        return self._begin(self.read(case, changes, **keys),
+                           study_pb2.CreateStudyRequest(sweep=plan, labels=labels))
+
+    def design_recipe(self, case: Source, band_m: tuple[float, float],
+                      numbers: Mapping[str, tuple[float, float]], *, monitor: str = "", drafts: int = 128,
+                      castings: int = 12, candidates: int = 4, seed: int = 0,
+                      speed_rate_m_per_s2: float = 1.7e-5,
+                      flow_rate_m2_per_s2: float = 5.6e-5, changes: Changes | None = None,
+                      labels: Sequence[str] = (), **keys: Value) -> Study:
+        """Queues the search for a recipe that keeps the curl inside a band whatever the data of the case
+        are; `judgement()` of the study has the recipes, `evaluate().recipe` their changes of the case.
+
+        @param band_m   least and greatest curl
+        @param numbers  ends between which each number of the recipe may be, in SI: speed_start,
+                        speed_run, speed_ramp, filling, hold, water_start, water_run, water_ramp
+                        (docs/recipe.md); one that is absent stays as in the case
+        """
+        plan = recipe_pb2.RecipePlan(
+            numbers=[recipe_pb2.RecipePlan.Number(name=name, low=low, high=high)
+                     for name, (low, high) in numbers.items()],
+            monitor=monitor, least_curl_m=band_m[0], greatest_curl_m=band_m[1],
+            greatest_speed_rate_m_per_s2=speed_rate_m_per_s2,
+            greatest_flow_rate_m2_per_s2=flow_rate_m2_per_s2, drafts=drafts, castings=castings,
+            candidates=candidates, seed=seed)
+        return self._begin(self.read(case, changes, **keys),
+                           study_pb2.CreateStudyRequest(recipe=plan, labels=labels))
+
+    def remedy(self, job: Job) -> Study:
+        """What helps against the findings of an ended job: drafts with one lever of the plant moved.
+        `judgement()` of the study says which lever, and how far. A job has one such study."""
+        return Study(self._transport, self._transport.call("CreateStudy", study_pb2.CreateStudyRequest(
+            request_id=f"remedy/{job.id}", remedy=study_pb2.RemedyPlan(job=job.id))))
+
+    def _begin(self, read: Case, request: study_pb2.CreateStudyRequest) -> Study:
+        """Queues a study of a case."""
+        request.request_id = request.request_id or str(uuid.uuid4())
+        request.changes.extend(read.changes)
+        return Study(self._transport, self._call_about(read, "CreateStudy", request))
 
     def study(self, study: str) -> Study:
         """A study by its id."""
@@ -216,6 +304,14 @@ class Service:
                 companion = self.query(run, quality="engineering" if draft else "draft")
                 request.companions.append(_compared(companion, ""))
         return Comparison(self._transport.call("CompareRuns", request))
+
+
+def _axes(ranges: Ranges) -> list[study_pb2.SweepPlan.Axis]:
+    """Axes of a plan; the server knows the ends of those that are only named."""
+    if not isinstance(ranges, Mapping):
+        return [study_pb2.SweepPlan.Axis(key=key) for key in ranges]
+    return [study_pb2.SweepPlan.Axis(key=key, values=[written(value) for value in values])
+            for key, values in ranges.items()]
 
 
 def _compared(run: Job | Answer, name: str) -> judgement_pb2.ComparedRun:

@@ -56,6 +56,13 @@ export function ago(time) {
   return 'now';
 }
 
+/** "1 h 05 min", "2 min 05 s", "8 s". */
+export function durationText(seconds) {
+  const whole = Math.round(seconds), two = number => String(number).padStart(2, '0');
+  if (whole >= 3600) return `${Math.floor(whole / 3600)} h ${two(Math.floor(whole / 60) % 60)} min`;
+  return whole >= 60 ? `${Math.floor(whole / 60)} min ${two(whole % 60)} s` : `${whole} s`;
+}
+
 const rank = {
   NOTE: 1,
   WARNING: 2,
@@ -91,6 +98,7 @@ export function findingList(findings) {
   return h('ul', {class: 'findings'}, byGravity(findings).map(finding => {
     const grave = (finding.severity || '').toLowerCase();
     return h(
-      'li', {}, h('span', {class: `tag ${grave}`}, grave), ' ', finding.message || finding.code);
+      'li', {}, h('span', {class: `tag ${grave}`}, grave), ' ', finding.message || finding.code,
+      finding.remedy ? h('strong', {}, ` ${finding.remedy}`) : null);
   }));
 }

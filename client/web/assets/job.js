@@ -2,7 +2,7 @@
 import {call, events, get, post, repeat} from './api.js';
 import {cancelJobs} from './cancel.js';
 import {chart, curlFigures, curlLines, monitorOf, wantedBand} from './chart.js';
-import {endText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
+import {durationText, endText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
 import {frameViewer} from './frame.js';
 
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
@@ -50,10 +50,33 @@ function linkButton(job) {
     'Link');
 }
 
+/** Drafts of what helps against the findings, on a page of their own. */
+function remedyButton(job) {
+  if (!ended.has(job.state) || !(job.findings || []).some(finding => finding.remedy)) return null;
+  const fault = h('span', {role: 'alert', class: 'bad'});
+  const button =
+    h('button', {
+      type: 'button',
+      class: 'submitter',
+      onclick: async () => {
+        button.disabled = true;
+        await post(`/remedy/${job.id}`).then(({study}) => {
+          location.hash = `#/study/${study}`;
+        }, refused => {
+          fault.textContent = refused.message;
+          button.disabled = false;
+        });
+      }
+    },
+      'Compute what helps');
+  return h('p', {}, button, fault);
+}
+
 export function jobPage(element, signal, id) {
   const head = h('div'), curves = h('div', {class: 'card'}), findings = h('div', {class: 'card'}),
-        slab = h('div', {class: 'card'}), details = h('div');
-  replace(element, head, curves, h('div', {class: 'job-parts'}, slab, findings), details);
+        slab = h('div', {class: 'card'}), solver = h('div'), details = h('div');
+  replace(
+    element, head, curves, h('div', {class: 'job-parts'}, slab, findings), solver, details);
 
   // Buttons stay as they are while the state does: one that is replaced under the pointer is not
   // pressed.
@@ -112,7 +135,8 @@ export function jobPage(element, signal, id) {
       step.time_s ? ` at ${step.time_s.toFixed(1)} s, ${mm(step.cast_length_m, 0)} mm cast` : '',
       job.state === 'RUNNING'
         ? h('progress', {value: step.progress || 0, max: 1, 'aria-label': 'Progress'})
-        : null);
+        : null,
+      job.state === 'RUNNING' && job.ends_in_s ? ` about ${durationText(job.ends_in_s)} left` : '');
     if (stateOfButtons === job.state) return;
     stateOfButtons = job.state;
     replace(
@@ -152,6 +176,30 @@ export function jobPage(element, signal, id) {
     }
   }
 
+  // How well the steps of a run are solved, while it is watched.
+  const solved = {time_s: [], equilibrium: [], energy: []};
+  const digits = residual => Math.log10(Math.max(Math.abs(residual || 0), 1e-16));
+  function addSolved(step) {
+    const again = solved.time_s.findIndex(t => t >= step.time_s);
+    if (again >= 0) for (const list of Object.values(solved)) list.length = again;
+    solved.time_s.push(step.time_s || 0);
+    solved.equilibrium.push(digits(step.equilibrium_residual));
+    solved.energy.push(digits(step.energy_balance_error));
+  }
+  function drawSolved() {
+    const {time_s: x, equilibrium, energy} = solved;
+    if (x.length < 2) return;
+    const open = solver.querySelector('details')?.open ?? false;
+    replace(
+      solver, h('details', {open}, h('summary', {}, 'Residuals of the steps'),
+                chart([{name: 'equilibrium', x, y: equilibrium}, {name: 'energy', x, y: energy}], {
+                  title: 'Residuals of the steps, relative',
+                  xLabel: 'time, s',
+                  yLabel: 'log10',
+                  unit: ''
+                })));
+  }
+
   let shown = null, waiting = false, watched = false;
   function redraw() {
     if (waiting) return;
@@ -160,13 +208,22 @@ export function jobPage(element, signal, id) {
       waiting = false;
       drawHead(shown);
       drawCurves(shown);
-      replace(findings, h('h2', {}, 'Findings'), findingList(shown.job.findings || []));
+      drawSolved();
+      replace(
+        findings, h('h2', {}, 'Findings'), findingList(shown.job.findings || []),
+        remedyButton(shown.job));
     });
   }
 
   function watch() {
     watched = true;
+    repeat(5000, signal, async () => {
+      if (shown.job.state !== 'RUNNING') return;
+      shown.job.ends_in_s = (await call('GetJob', {id})).ends_in_s;
+      redraw();
+    });
     events(`/watch/${id}`, signal, (event, close) => {
+      if (event.step) addSolved(event.step);
       if (event.step && event.step.step > (shown.job.last_step?.step || 0)) {
         add(shown.history, event.step);
         shown.job.last_step = event.step;

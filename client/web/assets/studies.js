@@ -4,7 +4,7 @@ import {chart, curlLines} from './chart.js';
 import {ago, curlText, h, meshErrors, mm, replace, sheet, shortId, stateText} from './dom.js';
 import {judgement} from './judgement.js';
 
-const kinds = {sweep: 'sweep', refinement: 'refinement', mould: 'mould design', recipe: 'recipe'};
+const kinds = {sweep: 'sweep', refinement: 'refinement', mould: 'mould design', recipe: 'recipe', remedy: 'remedy'};
 const purposes = {UNCERTAINTY: 'uncertainty', SENSITIVITY: 'sensitivity', CALIBRATION: 'calibration'};
 export const kindOf = study => purposes[study.sweep?.purpose]
   || kinds[Object.keys(kinds).find(kind => study[kind])] || 'study';
@@ -106,9 +106,11 @@ export async function studyPage(element, signal, id) {
       if (!run.mesh_error) return mm(end, 2);
       return curlText(end, ...meshErrors(end, run.mesh_error)).replace(' mm', '');
     };
-    replace(table, sheet(['Run', ...axes.map(a => a.key), ...result.monitors.map(m => `${m} mm`), 'State'],
+    const levers = study.remedy ? ['Change'] : [];
+    replace(table, sheet(['Run', ...levers, ...axes.map(a => a.key), ...result.monitors.map(m => `${m} mm`), 'State'],
       result.runs.map((run, i) => [
         run.job ? h('a', {href: `#/job/${run.job}`}, `${i + 1}`) : `${i + 1}`,
+        ...levers.map(() => run.lever_step?.words || 'the case itself'),
         ...axes.map((a, k) => run.values[k] || ''),
         ...result.monitors.map((m, k) => ({class: 'number', content: curl(run, k)})),
         stateText(run.state)])));

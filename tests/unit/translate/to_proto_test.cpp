@@ -5,11 +5,26 @@
 #include <bit>
 #include <cmath>
 
+#include "core/findings/rules.hpp"
 #include "core/results/step_report.hpp"
+#include "proto/case_file/remedies.hpp"
 #include "server/translate/translate.hpp"
 
 namespace dccast::translate {
 namespace {
+
+/// A new finding needs its row in proto/case_file/remedies.cpp.
+TEST(FindingToProto, EveryCodeHasItsRowOfLevers) {
+  for (const auto& rule : casting::step_rules())
+    EXPECT_TRUE(case_file::has_advice_row(rule.code)) << rule.code;
+  for (const auto& rule : casting::case_rules())
+    EXPECT_TRUE(case_file::has_advice_row(rule.code)) << rule.code;
+}
+
+TEST(FindingToProto, NamesWhatAPlantCanChange) {
+  EXPECT_EQ(to_proto(results::Finding{.code = "thin_shell"}).remedy(),
+            "Cast slower or pour colder.");
+}
 
 TEST(StepToProto, NamesTheMonitors) {
   results::StepReport report;

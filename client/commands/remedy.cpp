@@ -1,0 +1,55 @@
+#include <iostream>
+
+#include "client/cli/common_options.hpp"
+#include "client/commands/commands.hpp"
+#include "client/session/jobs.hpp"
+#include "client/session/plan_requests.hpp"
+#include "client/session/studies.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct RemedyOptions : StudyOptions {
+  std::string job, point;
+};
+
+ExitCode run(const RemedyOptions& options, Program& program) {
+  require_free(options.plot, options.force);
+  Connection connection = program.connect();
+  const std::string job = resolve_job(connection, options.job);
+  const std::string come_back = "dccast remedy " + job;
+
+  const v1::Study study = remedy_of(connection, job);
+  std::cerr << "study " << study.id() << ", " << study.runs() << " runs; taken up again by "
+            << come_back << '\n';
+  if (options.no_wait) {
+    std::cout << study.id() << std::endl;
+    return ExitCode::done;
+  }
+
+  follow_with_progress(connection, study.id(), come_back);
+  print_answer(options, judge_study(connection, {.id = study.id(), .monitor = options.point}));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_remedy(cli::CommandLine& line, Program& program) {
+  const auto [command, options] = declare<RemedyOptions>(
+      line, program, run, "remedy",
+      "What helps against the findings of a job: which lever of the plant, and how far",
+      "dccast remedy last\n"
+      "  dccast remedy JOB --plot remedy.html\n"
+      "\n"
+      "Three drafts for each lever that influences a finding, compared at equal cast length. A "
+      "lever\n"
+      "is named where its effect is larger than its error (docs/findings.md).");
+  command.option("JOB", options.job, job_help, cli::required);
+  command.option("--point", options.point, "Monitor; absent: that with the largest curl");
+  command.flag("--no-wait", options.no_wait, "Do not wait for the drafts to end");
+  command.option("--plot", options.plot, "Write an HTML page; - for standard output");
+  add_force_flag(command, options.force);
+  command.json(options.json, "As JSON, in SI units");
+}
+
+}  // namespace dccast::client::commands

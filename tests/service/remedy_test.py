@@ -1,0 +1,102 @@
+#!/usr/bin/python3
+"""What helps against a finding: from the finding of a real run to an amount on screen, in JSON, on the page
+and on the wall."""
+import json
+import os
+import subprocess
+
+import dccast
+import grpc
+from dccast.v1 import study_pb2
+
+from dashboard_test import CASES, InBrowser
+from support import BIN, ServiceTest, main
+
+CASE = os.path.join(CASES, "start-2d-thickness.toml")
+AMOUNT = r"hold \S+ s longer: shell over the block 0\S* -> \S+ mm, gone"
+SHORT_HOLD = ("--set", "schedule.hold=30 s")  # the butt bleeds out
+
+
+class Client:
+    def dccast(self, *words, code=0):
+        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
+                               capture_output=True, text=True, timeout=200, check=False)
+        self.assertEqual(ended.returncode, code, ended.stderr)
+        return ended.stdout if code == 0 else ended.stderr
+
+    def bled_out(self):
+        """A job whose butt has bled out."""
+        job = self.dccast("submit", *SHORT_HOLD, CASE).strip()
+        self.dccast("wait", job, code=3)
+        return job
+
+
+class Remedy(Client, ServiceTest):
+    worker = "dccast-worker"
+
+    def test_a_finding_names_its_levers_and_a_command_how_far(self):
+        job = self.bled_out()
+        shown = json.loads(self.dccast("show", job, "--json"))["findings"]
+        findings = {finding["code"]: finding for finding in shown}
+        self.assertEqual(findings["shell_melted_through"]["remedy"],
+                         "Hold longer, cast slower, pour colder or use less water.")
+        self.assertIn("Hold longer, cast slower", self.dccast("show", job))
+
+        page = os.path.join(self.folder, "remedy.html")
+        screen = self.dccast("remedy", job, "--plot", page)
+        self.assertRegex(screen, "shell_melted_through: " + AMOUNT)
+        with open(page, encoding="utf-8") as file:
+            self.assertIn("shell_melted_through: hold", file.read())
+
+        # The same command shows the same study again.
+        answer = json.loads(self.dccast("remedy", job, "--json"))
+        self.assertEqual(len(self.dccast("studies").splitlines()), 2)
+        runs = answer["runs"]
+        self.assertEqual([run.get("lever_step", {}).get("words") for run in runs[:2]], [None, None])
+        self.assertTrue(all(run["lever_step"]["words"] for run in runs[2:]))
+        self.assertIn("remedy of job", self.dccast("studies"))
+
+    def test_every_draft_casts_the_same_length(self):
+        job = self.dccast("submit", "--set", "schedule.casting_temperature.offset=40 K", CASE).strip()
+        self.dccast("wait", job)
+        service = dccast.connect(self.daemon.address)
+        study = service.remedy(service.job(job)).wait()
+        lengths = {}
+        for run in study.evaluate().runs:
+            lengths[run.lever_step.words] = service.job(run.job).message.last_step.cast_length_m
+        self.assertIn("cast 20 % slower", lengths)
+        for words, length_m in lengths.items():
+            self.assertAlmostEqual(length_m, lengths["pour 10 K colder"], delta=3e-4, msg=words)
+        self.assertRegex("\n".join(study.judgement().sentences), "thin_shell: (pour|cast) ")
+
+    def test_what_has_no_remedy_says_why(self):
+        sound = self.dccast("submit", "--set", "time.end=20 s", CASE).strip()
+        self.dccast("wait", sound)
+        self.assertIn("has no finding that a lever of the plant influences",
+                      self.dccast("remedy", sound, code=6))
+        with self.assertRaises(grpc.RpcError) as refused:
+            self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
+                remedy=study_pb2.RemedyPlan(job="00000000-0000-4000-8000-000000000000")), timeout=10)
+        self.assertEqual(refused.exception.code(), grpc.StatusCode.NOT_FOUND)
+
+
+class OnThePage(Client, InBrowser):
+    worker = "dccast-worker"
+
+    def test_the_button_of_a_job_leads_to_what_helps(self):
+        job = self.bled_out()
+        self.go(f"job/{job}")
+        self.wait_for("Hold longer, cast slower", ".findings")
+        self.press("Compute what helps", "main")
+        self.wait_for("remedy", "[role=status]", 60)
+        self.wait_for("answered", "[role=status]", 120)
+        self.wait_for("shell_melted_through: hold", "#answer", 30)
+        self.assertRegex(self.find("#answer").text, AMOUNT)
+        self.assertEqual(self.complaints(), [])
+
+        self.go("wall")
+        self.wait_for("Hold longer, cast slower", ".verdict", 30)
+
+
+if __name__ == "__main__":
+    main()

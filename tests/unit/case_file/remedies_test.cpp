@@ -1,0 +1,105 @@
+#include "proto/case_file/remedies.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/override.hpp"
+#include "proto/case_file/quality.hpp"
+#include "proto/case_file/recipe_numbers.hpp"
+#include "proto/case_file/shipped.hpp"
+
+namespace dccast::case_file {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+v1::Finding finding(const std::string& code) {
+  v1::Finding finding;
+  finding.set_code(code);
+  return finding;
+}
+
+v1::Case shipped_case(const std::string& name) {
+  v1::Case description;
+  const auto* const shipped = shipped::find(shipped::case_templates(), name);
+  EXPECT_TRUE(read_text(shipped->text, name, description).ok());
+  description.set_quality(v1::DRAFT);
+  return description;
+}
+
+v1::Case completed(v1::Case description) {
+  apply_quality(description);
+  apply_defaults(description);
+  return description;
+}
+
+std::vector<std::string> words_of(const std::string& code, const v1::Case& description) {
+  std::vector<std::string> words;
+  for (const Advice& advice : advice_against(finding(code)))
+    for (const LeverDraft& draft : lever_drafts(advice, description))
+      words.push_back(draft.step.words());
+  return words;
+}
+
+TEST(Remedies, AreNamedInTheTermsOfAPlantWithTheirDirection) {
+  EXPECT_EQ(remedy_text(finding("thin_shell")), "Cast slower or pour colder.");
+  EXPECT_EQ(remedy_text(finding("no_superheat")), "Pour hotter.");
+  EXPECT_EQ(remedy_text(finding("energy_not_conserved")), "");
+}
+
+TEST(Remedies, OfALimitOnBothSidesFollowTheSide) {
+  v1::Finding curl = finding("curl_outside_band");
+  curl.set_limit(0.035);
+  curl.set_value(0.050);
+  EXPECT_THAT(remedy_text(curl), testing::StartsWith("Hold longer"));
+  curl.set_value(0.010);
+  EXPECT_THAT(remedy_text(curl), testing::StartsWith("Hold shorter"));
+}
+
+TEST(Remedies, AreTriedInThreeDraftsForEachLever) {
+  EXPECT_THAT(words_of("thin_shell", shipped_case("start-2d-thickness")),
+              ElementsAre("cast 10 % slower", "cast 20 % slower", "cast 10 % faster",
+                          "pour 10 K colder", "pour 20 K colder", "pour 10 K hotter"));
+}
+
+/// Slower castings end later, not shorter.
+TEST(Remedies, CastTheSameLength) {
+  const v1::Case base = shipped_case("start-3d");
+  const double length_m = cast_length_at_end(completed(base));
+  int drafts = 0;
+  for (const char* code : {"bottom_shell_open", "slip_too_large"})
+    for (const Advice& advice : advice_against(finding(code)))
+      for (const LeverDraft& draft : lever_drafts(advice, base)) {
+        v1::Case changed = base;
+        ASSERT_THAT(apply_changes(changed, draft.changes), IsEmpty());
+        EXPECT_NEAR(cast_length_at_end(completed(changed)), length_m, 2e-4) << draft.step.words();
+        ++drafts;
+      }
+  EXPECT_EQ(drafts, 24);
+}
+
+TEST(Remedies, LeaveOutLeversThatACaseDoesNotHaveAndStepsThatItCannotTake) {
+  v1::Case base = shipped_case("start-3d");
+  base.mutable_schedule()->set_filling_s(50.0);  // a hold of 45 s would be shorter
+  EXPECT_THAT(words_of("bottom_shell_open", base),
+              testing::AllOf(testing::Contains("hold 30 s longer"),
+                             testing::Not(testing::Contains("hold 15 s shorter"))));
+  base.mutable_cooling()->mutable_water()->set_enabled(false);
+  EXPECT_THAT(words_of("water_thrown_off", base),
+              testing::Not(testing::Contains("use 15 % more water")));
+}
+
+TEST(Remedies, OfSeveralFindingsMoveEachLeverOnceAsTheFirstFindingAsks) {
+  google::protobuf::RepeatedPtrField<v1::Finding> findings;
+  *findings.Add() = finding("freezes_at_meniscus");
+  *findings.Add() = finding("thin_shell");
+  const auto advice = advice_against(findings);
+  ASSERT_EQ(advice.size(), 2U);
+  EXPECT_EQ(advice[0].direction, Direction::more);
+  EXPECT_EQ(advice[1].direction, Direction::more);
+}
+
+}  // namespace
+}  // namespace dccast::case_file
