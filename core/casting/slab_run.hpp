@@ -61,7 +61,8 @@ public:
   [[nodiscard]] std::string restore(const results::Sections& state) override;
 
   const RunState<Dim>& state() const { return state_; }
-  const mesh::Mesh<Dim>& mesh() const { return mesh_.mesh(); }
+  /// That of the heat, on which all results are.
+  const mesh::Mesh<Dim>& mesh() const { return mesh_.heat_mesh(); }
   /// Computing time of the heat [s] and of the mechanics.
   double heat_seconds() const { return heat_seconds_; }
   const mechanics::CostSplit& mechanics_cost() const { return mechanics_.cost(); }
@@ -78,12 +79,20 @@ private:
   bool grow(double level, double temperature, std::optional<thermal::MetalEntry>& entry);
   MergeOutcome merge_rows();
   [[nodiscard]] bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
-  /// @param temperature_n  (node) at the start of the step, on the grown mesh [°C]
+  /// @param temperature_n  (element) at the start of the step, on the grown mesh [°C]
   [[nodiscard]] bool step_mechanics(Attempt& tried, std::span<const double> temperature_n);
-  double block_temperature() const;        ///< [°C]
-  std::vector<double> bottom_gap() const;  ///< (bottom node) [m]
-  std::vector<double> side_rise() const;   ///< (node) [m]
-  double metal_level() const;              ///< [m]
+  double block_temperature() const;  ///< [°C]
+  /// (element of the mechanics' mesh) mean temperature [°C].
+  std::vector<double> element_temperature() const;
+  /// (node of the heat's mesh, coordinate) [m].
+  std::vector<double> displacement() const;
+  /// The slab on the heat's mesh. @param carried  storage for one that has to be carried there
+  const mechanics::SlabState<Dim>& slab_of_results(
+      std::optional<mechanics::SlabState<Dim>>& carried) const;
+  std::vector<double> bottom_gap() const;       ///< (bottom node of the heat's mesh) [m]
+  std::vector<double> bottom_pressure() const;  ///< (bottom node of the heat's mesh) [Pa]
+  std::vector<double> side_rise() const;        ///< (node of the heat's mesh) [m]
+  double metal_level() const;                   ///< [m]
   /// [m] The level from which mould and water lines are counted, also while the mould is filled.
   double mould_level() const;
   MonitorReadings read_monitors() const;
@@ -93,7 +102,7 @@ private:
   /// Decides nothing. @param failed_attempts  before the accepted one
   results::StepReport report(const Attempt& accepted, int failed_attempts, const StepFigures& step,
                              MonitorReadings monitors) const;
-  int growing_elements() const;
+  int growing_elements(const mesh::Mesh<Dim>& of) const;
 
   Case case_;
   Team team_;
