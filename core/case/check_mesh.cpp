@@ -13,9 +13,16 @@ namespace dccast::casting {
 namespace {
 
 /// Keys that determine the number of cells of the built-in mesh, besides course_keys.
-const Keys grid_keys = {"section.kind", "mesh.columns",        "mesh.layers",
-                        "mesh.rows",    "mesh.growth_cell",    "mesh.refinement",
-                        "mesh.element", "limits.maximum_nodes"};
+const Keys grid_keys = {"section.kind",
+                        "mesh.columns",
+                        "mesh.layers",
+                        "mesh.rows",
+                        "mesh.growth_cell",
+                        "mesh.refinement",
+                        "mesh.heat_cells_per_column",
+                        "mesh.heat_cells_per_layer",
+                        "mesh.element",
+                        "limits.maximum_nodes"};
 
 /// Keys that determine the positions of its nodes, besides their number.
 const Keys place_keys = {"section.half_width",   "section.half_thickness", "section.initial_depth",
@@ -186,8 +193,8 @@ std::optional<std::size_t> nodes_at_the_start(CaseFindings& found) {
   if (!found.sound({"mesh.file"}) || !found.sound(grid_keys) || !found.sound(place_keys))
     return std::nullopt;
   const mesh::SectionSpec& s = found.casting.section;
-  return std::size_t(found.solid() ? mesh::SlabMesh3D(s).mesh().nodes()
-                                   : mesh::SlabMesh2D(s).mesh().nodes());
+  return std::size_t(found.solid() ? mesh::SlabMesh3D(s).heat_mesh().nodes()
+                                   : mesh::SlabMesh2D(s).heat_mesh().nodes());
 }
 
 void temperature_range(CaseFindings& found, const results::TemperatureHistory& history) {
@@ -207,17 +214,18 @@ void check_built_in_size(CaseFindings& found) {
   if (!found.sound(grid_keys) || !found.sound(course_keys)) return;
 
   const double cell = s.growth_cell.value_or(s.initial_depth / s.rows) / s.refinement;
-  // Nodes and cells of a row of the plan.
-  const double across = found.solid() ? s.layers * s.refinement + 1.0 : 1.0;
+  // Cells of a row of the heat's plan, which has all those of the results.
+  const std::int64_t columns = std::int64_t(s.columns) * s.refinement * s.heat_cells.per_column;
+  const std::int64_t layers =
+      found.solid() ? std::int64_t(s.layers) * s.refinement * s.heat_cells.per_layer : 1;
+  const double per_row = static_cast<double>((columns + 1) * (found.solid() ? layers + 1 : 1));
   // Checked before any mesh is built: a growth cell of micrometres would exhaust the memory.
-  const double rough = (s.rows * s.refinement + (*found.final_level - s.initial_depth) / cell) *
-                       (s.columns * s.refinement + 1.0) * across;
+  const double rough =
+      (s.rows * s.refinement + (*found.final_level - s.initial_depth) / cell) * per_row;
   if (rough > 2.0 * static_cast<double>(found.casting.limits.maximum_nodes))
     return too_many_nodes(found, rough);
 
   const std::int64_t rows = mesh::rows_at(s, *found.final_level);
-  const std::int64_t columns = std::int64_t(s.columns) * s.refinement;
-  const std::int64_t layers = found.solid() ? std::int64_t(s.layers) * s.refinement : 1;
   const std::int64_t in_a_cell = s.element != mesh::ElementKind::p1 ? 1 : found.solid() ? 6 : 2;
 
   found.estimate.nodes = (rows + 1) * (columns + 1) * (found.solid() ? layers + 1 : 1);

@@ -30,7 +30,7 @@ void behind(CaseFindings& found, const std::string& field, const Monitor& m) {
   const mesh::SectionSpec& section = found.casting.section;
   double opening = section.half_thickness(m.x);
   if (section.corner_radius > 0.0 && found.sound(plan_keys))
-    opening = std::min(opening, mesh::reach_of(mesh::base_of<3>(section), m.x));
+    opening = std::min(opening, mesh::reach_of(mesh::base_of<3>(section, mesh::Plan::heat), m.x));
   if (m.y > opening + round_off)
     lies_outside(found, field + ".y", m.y,
                  "0 m to half the opening of the mould there, " + with_unit(opening, "m"),

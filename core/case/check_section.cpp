@@ -232,6 +232,28 @@ void check_merging(CaseFindings& found) {
               "at least " + with_unit(pair, "m"), "raise it, or write merge_below = \"0 m\"");
 }
 
+/// The keys of a heat mesh of its own that are not 1.
+std::vector<const char*> given_heat_cells(const mesh::SectionSpec& s) {
+  std::vector<const char*> keys;
+  if (s.heat_cells.per_column != 1) keys.push_back("mesh.heat_cells_per_column");
+  if (s.heat_cells.per_layer != 1) keys.push_back("mesh.heat_cells_per_layer");
+  return keys;
+}
+
+/// Checks that the cells of the heat can divide those of the mechanics.
+void check_heat_cells(CaseFindings& found) {
+  const mesh::SectionSpec& s = found.casting.section;
+  for (const char* key : given_heat_cells(s)) {
+    if (!s.file.empty())
+      found.fault(key, "given", "has no effect: heat and mechanics both use mesh.file",
+                  "1, or absent, with mesh.file", "leave it out");
+    else if (s.element == mesh::ElementKind::p1 && found.sound({"mesh.element"}))
+      found.fault(key, "given", "divides bricks, and tetrahedra are not divided",
+                  "q1_bending or q1 with it",
+                  "leave it out, or choose mesh.element = \"q1_bending\"");
+  }
+}
+
 }  // namespace
 
 void check_quarter_slab(CaseFindings& found) {
@@ -240,11 +262,13 @@ void check_quarter_slab(CaseFindings& found) {
     if (found.sound({"section.half_thickness"})) check_opening(found);
     check_corner(found);
     check_merging(found);
+    check_heat_cells(found);
     return;
   }
   only_of_a_quarter_slab(found, "section.half_thickness", !c.section.half_thickness.empty());
   only_of_a_quarter_slab(found, "section.corner_radius", c.section.corner_radius > 0.0);
   only_of_a_quarter_slab(found, "mesh.merge_below", c.section.merging.below > 0.0);
+  for (const char* key : given_heat_cells(c.section)) only_of_a_quarter_slab(found, key, true);
   only_of_a_quarter_slab(found, "cooling.bottom_block.profile_y",
                          !c.cooling.bottom_block.profile_y.empty());
 }

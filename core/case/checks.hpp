@@ -79,9 +79,16 @@ inline const Keys course_keys = {"time.end",
                                  "mesh.growth",
                                  "limits.maximum_steps"};
 /// Keys that determine the plan of a quarter slab.
-inline const Keys plan_keys = {"section.half_width",  "section.half_thickness", "mesh.columns",
-                               "mesh.layers",         "mesh.refinement",        "mesh.side_cell",
-                               "mesh.wide_side_cell", "section.corner_radius"};
+inline const Keys plan_keys = {"section.half_width",
+                               "section.half_thickness",
+                               "mesh.columns",
+                               "mesh.layers",
+                               "mesh.refinement",
+                               "mesh.side_cell",
+                               "mesh.wide_side_cell",
+                               "section.corner_radius",
+                               "mesh.heat_cells_per_column",
+                               "mesh.heat_cells_per_layer"};
 
 // Each check adds its faults. Later checks use the results of earlier ones.
 

@@ -29,6 +29,7 @@ constexpr double factor_unknowns = 20.6e3;
 constexpr double factor_memory_power = 1.28;
 constexpr double factor_time_power = 1.75;
 constexpr double solid_heat_by_node = 5e-6;         // [s]
+constexpr double solid_heat_memory_by_node = 5e3;   // [bytes] of a node that only the heat has
 constexpr double solid_mechanics_by_node = 1.8e-5;  // [s] iterations of newton without the factor
 
 // The same with the two-grid solver instead of the factor: peak memory of whole processes from
@@ -59,13 +60,31 @@ double nodes_of_row(const mesh::SectionSpec& s) {
   return s.columns * s.refinement + 1.0;
 }
 
-/// Number of nodes, mean over the run.
+/// Nodes of a row of the two meshes of a quarter slab.
+struct PlanNodes {
+  double mechanics, heat;
+};
+
+PlanNodes nodes_of_plans(const mesh::SectionSpec& s) {
+  const double columns = s.columns * s.refinement, layers = s.layers * s.refinement;
+  return {(columns + 1.0) * (layers + 1.0),
+          (columns * s.heat_cells.per_column + 1.0) * (layers * s.heat_cells.per_layer + 1.0)};
+}
+
+/// Of the nodes of the heat, those that the mechanics has too [1].
+double mechanics_share(const mesh::SectionSpec& s) {
+  if (s.kind != mesh::SectionKind::quarter_slab || !s.file.empty()) return 1.0;
+  const PlanNodes nodes = nodes_of_plans(s);
+  return nodes.mechanics / nodes.heat;
+}
+
+/// Number of nodes of the heat, mean over the run.
 double mean_nodes(const CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   const auto at_end = static_cast<double>(found.estimate.nodes);
   if (!s.file.empty()) return at_end;
-  const double layers = found.solid() ? s.layers * s.refinement + 1.0 : 1.0;
-  return 0.5 * (nodes_of_row(s) * layers * (s.rows * s.refinement + 1.0) + at_end);
+  const double in_a_row = found.solid() ? nodes_of_plans(s).heat : nodes_of_row(s);
+  return 0.5 * (in_a_row * (s.rows * s.refinement + 1.0) + at_end);
 }
 
 /// Shorter steps need fewer iterations.
@@ -102,9 +121,10 @@ bool by_two_grids(const CaseFindings& found, double nodes) {
 }
 
 StepSeconds in_a_solid(const CaseFindings& found) {
-  const double nodes = mean_nodes(found);
-  StepSeconds seconds{solid_heat_by_node * nodes, 0.0};
+  const double heat_nodes = mean_nodes(found);
+  StepSeconds seconds{solid_heat_by_node * heat_nodes, 0.0};
   if (found.mechanical_steps == 0) return seconds;
+  const double nodes = mechanics_share(found.casting.section) * heat_nodes;
   const double factor = factor_seconds * std::pow(3.0 * nodes / factor_unknowns, factor_time_power);
   seconds.mechanics = by_two_grids(found, nodes) ? grids_seconds_by_node * nodes
                                                  : factor + solid_mechanics_by_node * nodes;
@@ -112,12 +132,15 @@ StepSeconds in_a_solid(const CaseFindings& found) {
 }
 
 double memory(const CaseFindings& found) {
-  const auto nodes = static_cast<double>(found.estimate.nodes);
-  if (!found.solid()) return memory_base + memory_by_node * nodes;
+  const auto all_nodes = static_cast<double>(found.estimate.nodes);
+  if (!found.solid()) return memory_base + memory_by_node * all_nodes;
+
+  const double nodes = mechanics_share(found.casting.section) * all_nodes;
+  const double of_heat = solid_heat_memory_by_node * (all_nodes - nodes);
   if (by_two_grids(found, nodes))
-    return std::max(memory_base + grids_memory_by_node * nodes, memory_before_grids);
+    return std::max(memory_base + grids_memory_by_node * nodes, memory_before_grids) + of_heat;
   const double factor = factor_bytes * std::pow(3.0 * nodes / factor_unknowns, factor_memory_power);
-  return memory_base + solid_memory_by_node * nodes + factor;
+  return memory_base + solid_memory_by_node * nodes + factor + of_heat;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "core/case/case.hpp"
@@ -42,6 +43,13 @@ public:
   /// Heat of the metal above the liquidus, @see HeatSolver; zero if temperatures are prescribed.
   double superheat(const thermal::HeatField& field) const {
     return solver_ ? solver_->superheat(field) : 0.0;
+  }
+
+  /// (bottom node) tributary area, @see HeatForms::bottom_weight(); empty if temperatures are
+  /// prescribed.
+  std::span<const double> bottom_area() const {
+    if (!solver_) return {};
+    return solver_->forms().bottom_weight();
   }
 
   /// Updates the solver after growth of the mesh and transfers the enthalpy to the new mesh.

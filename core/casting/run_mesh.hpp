@@ -8,18 +8,24 @@
 #include "core/case/case.hpp"
 #include "core/case/casting_schedule.hpp"
 #include "core/mesh/gmsh_reader.hpp"
+#include "core/mesh/plan_transfer.hpp"
 #include "core/mesh/slab_mesh.hpp"
 
 namespace dccast::casting {
 
-/// The mesh of a run: the built-in one, which grows, or an imported one, which does not.
+/// The mesh of a run: the built-in one, which grows, or an imported one, which does not. The heat
+/// of a quarter slab may have a mesh of its own; all results are on it.
 template <int Dim>
 class RunMesh {
 public:
   /// @throws InvalidCase  the mesh file cannot be read
   explicit RunMesh(const Case& casting_case);
 
+  /// Of the mechanics.
   const mesh::Mesh<Dim>& mesh() const { return slab_ ? slab_->mesh() : imported_; }
+  const mesh::Mesh<Dim>& heat_mesh() const { return slab_ ? slab_->heat_mesh() : imported_; }
+  /// Between the two.
+  const mesh::PlanTransfer& transfer() const { return transfer_; }
   bool grows() const { return slab_.has_value() && grows_; }
   /// @pre built_in() is not null
   mesh::SlabMesh<Dim>& slab() { return *slab_; }
@@ -34,6 +40,7 @@ private:
   double initial_level_ = 0.0;  ///< [m]
   double first_level_ = 0.0;    ///< [m] with which filling begins
   std::optional<mesh::SlabMesh<Dim>> slab_;
+  mesh::PlanTransfer transfer_;
   mesh::Mesh<Dim> imported_;
 };
 
@@ -41,6 +48,7 @@ template <int Dim>
 RunMesh<Dim>::RunMesh(const Case& c) : grows_(c.section.growth) {
   if (c.section.file.empty()) {
     slab_.emplace(c.section);
+    transfer_ = mesh::PlanTransfer(c.section);
     initial_level_ = slab_->level();
     if (c.schedule.filling > 0.0) slab_->start_filling();
     first_level_ = slab_->level();

@@ -211,6 +211,11 @@ struct Shape {
   std::size_t nodes, elements, points, bottom_nodes;
 };
 
+/// The same by the mesh of the heat and by that of the mechanics.
+struct Shapes {
+  Shape heat, mechanics;
+};
+
 void fit_heat(const thermal::HeatField& heat, const Shape& shape, Reasons& reasons) {
   reasons.require_reals(heat.enthalpy, shape.nodes, "enthalpy");
   reasons.require_reals(heat.temperature, shape.nodes, "temperature");
@@ -279,16 +284,23 @@ void fit_rows(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& rea
 
 /// Checks against the mesh given by the rows of a state.
 template <int Dim>
-Shape shape_of(const RunState<Dim>& state, const RunShape<Dim>& run) {
-  const mesh::Mesh<Dim>& mesh = run.mesh.mesh();
-  Shape shape{std::size_t(mesh.nodes()), std::size_t(mesh.elements()), 0, run.bottom_nodes};
+Shapes shapes_of(const RunState<Dim>& state, const RunShape<Dim>& run) {
+  const auto of_mesh = [](const mesh::Mesh<Dim>& mesh) {
+    return Shape{std::size_t(mesh.nodes()), std::size_t(mesh.elements()), 0,
+                 mesh::patch_nodes(mesh, mesh::PatchKind::bottom).size()};
+  };
+  Shapes shapes{of_mesh(run.mesh.heat_mesh()), of_mesh(run.mesh.mesh())};
+
   if (const mesh::SlabMesh<Dim>* slab = run.mesh.built_in()) {
     const std::size_t rows = state.row_heights.size();
-    shape.nodes = rows * std::size_t(slab->nodes_per_row());
-    shape.elements = (rows - 1) * std::size_t(slab->elements_per_row());
+    shapes.heat.nodes = rows * std::size_t(slab->heat_nodes_per_row());
+    shapes.heat.elements = (rows - 1) * std::size_t(slab->heat_elements_per_row());
+    shapes.mechanics.nodes = rows * std::size_t(slab->nodes_per_row());
+    shapes.mechanics.elements = (rows - 1) * std::size_t(slab->elements_per_row());
   }
-  shape.points = shape.elements * run.points;
-  return shape;
+  for (Shape* shape : {&shapes.heat, &shapes.mechanics})
+    shape->points = shape->elements * run.points;
+  return shapes;
 }
 
 }  // namespace
@@ -299,16 +311,16 @@ std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
   fit_course(state, run, reasons);
   fit_rows(state, run, reasons);
   if (!reasons.first().empty()) return reasons.first();
-  const Shape shape = shape_of(state, run);
-  fit_heat(state.heat, shape, reasons);
-  fit_slab(state.slab, shape, reasons);
+  const auto [heat, mechanics] = shapes_of(state, run);
+  fit_heat(state.heat, heat, reasons);
+  fit_slab(state.slab, mechanics, reasons);
   const std::vector<double>& when_liquid = state.findings.history.when_liquid;
   if (!when_liquid.empty())  // before the mechanics begins nothing turns
-    reasons.require_reals(when_liquid, shape.elements * std::tuple_size_v<Turn<Dim>>,
+    reasons.require_reals(when_liquid, mechanics.elements * std::tuple_size_v<Turn<Dim>>,
                           "rotation when liquid");
   // Without a window of hot tears nothing is followed.
   if (!state.findings.history.passages.empty())
-    reasons.require_size(state.findings.history.passages, shape.elements, "passage of the mush");
+    reasons.require_size(state.findings.history.passages, heat.elements, "passage of the mush");
   for (const Finding& finding : state.findings.raised) {
     if (!finding.place.empty()) reasons.require_reals(finding.place, Dim, "the place of a finding");
     if (finding.worst && !finding.worst->place.empty())

@@ -54,7 +54,6 @@ struct RunShape {
   const CastingSchedule& schedule;
   const RunMesh<Dim>& mesh;
   std::size_t points = 0;  ///< integration points per element
-  std::size_t bottom_nodes = 0;
 };
 
 /// Why a state does not belong to a run: an array does not fit the mesh, or a time lies outside the

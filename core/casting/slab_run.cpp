@@ -62,7 +62,7 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
       schedule_(c),
       control_(c.time.minimum_step),
       mesh_(c),
-      heat_(c, thermal::make_heat_forms(mesh_.mesh(), c.section.kind)),
+      heat_(c, thermal::make_heat_forms(mesh_.heat_mesh(), c.section.kind)),
       mechanics_(forms_of<Dim>(c.section), material::MechanicalProperties(c.alloy), options_of(c)),
       face_length_(c.section.kind == mesh::SectionKind::axisymmetric ? mesh_.mesh().largest(0)
                                                                      : 1.0),
@@ -103,8 +103,7 @@ template <int Dim>
 std::string SlabRun<Dim>::restore(const results::Sections& stored) {
   try {
     const auto state = state_of<Dim>(stored);
-    std::string reason = misfit(
-        state, {case_, schedule_, mesh_, mechanics_.points(), mechanics_.bottom_nodes().size()});
+    std::string reason = misfit(state, {case_, schedule_, mesh_, mechanics_.points()});
     if (reason.empty()) go_back_to(state);
     return reason;
   } catch (const std::out_of_range& error) {
@@ -193,7 +192,7 @@ Attempt SlabRun<Dim>::attempt(double dt) {
   const double end = state_.time + dt;
   // The mechanics begins at its start time with the shell that exists then.
   const bool moves = case_.mechanics.enabled && state_.time >= case_.mechanics.start - same_time;
-  if (moves && !state_.slab.started) mechanics_.start(state_.slab, state_.heat.temperature);
+  if (moves && !state_.slab.started) mechanics_.start(state_.slab, element_temperature());
 
   const double length = schedule_.cast_length(state_.cast_length, state_.time, dt);
   std::optional<thermal::MetalEntry> entry;
@@ -204,7 +203,7 @@ Attempt SlabRun<Dim>::attempt(double dt) {
   state_.time = std::abs(end) < same_time ? 0.0 : end;
 
   const int rounds = moves && case_.coupling.gap_feedback ? case_.coupling.iterations : 1;
-  const std::vector<double> temperature_n = state_.heat.temperature;
+  const std::vector<double> temperature_n = element_temperature();
   std::optional<StepStart<Dim>> again;
   if (rounds > 1) again = {state_.heat, state_.slab};
   for (int round = 0; round < rounds; ++round) {
@@ -225,7 +224,7 @@ bool SlabRun<Dim>::grow(double level, double temperature,
   slab.grow_to(level);
   {
     const Stopwatch watch(heat_seconds_);
-    entry = heat_.follow_growth(state_.heat, slab.nodes_per_row(), temperature);
+    entry = heat_.follow_growth(state_.heat, slab.heat_nodes_per_row(), temperature);
   }
   mechanics_.follow_growth(state_.slab, slab.mesh(), slab.nodes_per_row(), first_moved);
   state_.row_heights = slab.row_heights();
@@ -239,25 +238,44 @@ MergeOutcome SlabRun<Dim>::merge_rows() {
   const mesh::MergedRows merged = mesh_.slab().rows_to_merge();
   if (merged.empty()) return outcome;
   outcome.rows = static_cast<int>(merged.taken_out.size());
-  auto projected = mechanics_.projected(state_.slab, merged, state_.heat.temperature);
+  const mesh::MergedRows of_heat = mesh_.slab().of_heat(merged);
+
+  auto projected = mechanics_.projected(state_.slab, merged, element_temperature());
   mesh_.slab().merge(merged);
   {
     const Stopwatch watch(heat_seconds_);
-    outcome.energy_error = heat_.follow_merging(state_.heat, merged);
+    outcome.energy_error = heat_.follow_merging(state_.heat, of_heat);
   }
   outcome.mechanics = mechanics_.follow_merging(state_.slab, std::move(projected), mesh_.mesh(),
-                                                state_.heat.temperature);
+                                                element_temperature());
+
   merge_turns<Dim>(merged, state_.findings.history.when_liquid);
-  merge_passages(merged, state_.findings.history.passages);
+  merge_passages(of_heat, state_.findings.history.passages);
   state_.row_heights = mesh_.slab().row_heights();
   return outcome;
 }
 
 template <int Dim>
+std::vector<double> SlabRun<Dim>::element_temperature() const {
+  return mesh_.transfer().template element_means<Dim>(mesh_.heat_mesh(), state_.heat.temperature);
+}
+
+template <int Dim>
+std::vector<double> SlabRun<Dim>::displacement() const {
+  return mesh_.transfer().at_heat_nodes(state_.slab.displacement, Dim);
+}
+
+template <int Dim>
 std::vector<double> SlabRun<Dim>::bottom_gap() const {
+  const std::vector<int> nodes = mesh::patch_nodes(mesh_.heat_mesh(), mesh::PatchKind::bottom);
+  const auto initial = initial_gap(case_.cooling.bottom_block, mesh_.heat_mesh(), nodes);
+  const std::vector<double> u = displacement();
+
   std::vector<double> gap;
-  for (std::size_t i = 0; i < mechanics_.bottom_nodes().size(); ++i)
-    gap.push_back(std::max(0.0, mechanics_.bottom_gap(state_.slab, i)));
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const double rise = u[std::size_t(nodes[i]) * Dim + Dim - 1];
+    gap.push_back(std::max(0.0, rise + (initial.empty() ? 0.0 : initial[i])));
+  }
   return gap;
 }
 
@@ -266,7 +284,7 @@ template <int Dim>
 std::vector<double> SlabRun<Dim>::side_rise() const {
   std::vector<double> rise;
   if (!case_.coupling.deformed_zones || !state_.slab.started) return rise;
-  const std::vector<double>& u = state_.slab.displacement;
+  const std::vector<double> u = displacement();
   for (std::size_t i = Dim - 1; i < u.size(); i += Dim) rise.push_back(u[i]);
   return rise;
 }
@@ -280,7 +298,7 @@ std::vector<double> SlabRun<Dim>::side_inward() const {
   if (!state_.slab.started || std::ranges::none_of(case_.cooling.zones, has_gap)) return inward;
 
   // The wide face of a solid looks along y, its narrow face and the side of a section along x.
-  const std::vector<double>& u = state_.slab.displacement;
+  const std::vector<double> u = displacement();
   for (std::size_t i = 0; i < u.size(); i += Dim) {
     inward.push_back(-u[i + (Dim == 3 ? 1 : 0)]);
     inward.push_back(-u[i]);
@@ -314,10 +332,13 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
 template <int Dim>
 bool SlabRun<Dim>::step_mechanics(Attempt& tried, std::span<const double> temperature_n) {
   mechanics::SlabStepInput input;
-  input.temperature = state_.heat.temperature;
+  const std::vector<double> in_elements = element_temperature();
+  const std::vector<double> at_nodes = mesh_.transfer().at_mechanics_nodes(state_.heat.temperature);
+  input.element_temperature = in_elements;
+  input.node_temperature = at_nodes;
   input.time_step = tried.time_step;
   input.metal_level = metal_level();
-  input.temperature_n = temperature_n;
+  input.element_temperature_n = temperature_n;
   const mechanics::StepOutcome outcome = mechanics_.step(state_.slab, input);
   const mechanics::StepOutcome before = tried.mechanics;
   tried.mechanics = outcome;

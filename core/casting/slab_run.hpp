@@ -62,7 +62,8 @@ public:
   [[nodiscard]] std::string restore(const results::Sections& state) override;
 
   const RunState<Dim>& state() const { return state_; }
-  const mesh::Mesh<Dim>& mesh() const { return mesh_.mesh(); }
+  /// That of the heat, on which all results are.
+  const mesh::Mesh<Dim>& mesh() const { return mesh_.heat_mesh(); }
   /// Computing time of the heat [s] and of the mechanics.
   double heat_seconds() const { return heat_seconds_; }
   const mechanics::CostSplit& mechanics_cost() const { return mechanics_.cost(); }
@@ -82,14 +83,22 @@ private:
   MergeOutcome merge_rows();
   /// Solves the heat of a step. @return false if it did not converge
   [[nodiscard]] bool step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry);
-  /// @param temperature_n  (node) at the start of the step, on the grown mesh [°C]
+  /// @param temperature_n  (element) at the start of the step, on the grown mesh [°C]
   [[nodiscard]] bool step_mechanics(Attempt& tried, std::span<const double> temperature_n);
   bool has_cooled_down() const;
-  double block_temperature() const;        ///< [°C]
-  std::vector<double> bottom_gap() const;  ///< (bottom node) [m]
-  std::vector<double> side_rise() const;   ///< (node) [m]
-  std::vector<double> side_inward() const; ///< (node, face) [m]
-  double metal_level() const;              ///< [m]
+  double block_temperature() const;  ///< [°C]
+  /// (element of the mechanics' mesh) mean temperature [°C].
+  std::vector<double> element_temperature() const;
+  /// (node of the heat's mesh, coordinate) [m].
+  std::vector<double> displacement() const;
+  /// The slab on the heat's mesh. @param carried  storage for one that has to be carried there
+  const mechanics::SlabState<Dim>& slab_of_results(
+      std::optional<mechanics::SlabState<Dim>>& carried) const;
+  std::vector<double> bottom_gap() const;       ///< (bottom node of the heat's mesh) [m]
+  std::vector<double> bottom_pressure() const;  ///< (bottom node of the heat's mesh) [Pa]
+  std::vector<double> side_rise() const;        ///< (node of the heat's mesh) [m]
+  std::vector<double> side_inward() const;      ///< (node of the heat's mesh, face) [m]
+  double metal_level() const;                   ///< [m]
   /// [m] The level from which mould and water lines are counted, also while the mould is filled.
   double mould_level() const;
   /// Interpolates displacement and temperature at the monitors.
@@ -102,7 +111,7 @@ private:
   results::StepReport report(const Attempt& accepted, int failed_attempts, const StepFigures& step,
                              MonitorReadings monitors) const;
   /// Number of elements in the row that stretches with the metal level; 0 once it no longer rises.
-  int growing_elements() const;
+  int growing_elements(const mesh::Mesh<Dim>& of) const;
 
   /// Description, and objects that follow from it and do not change the results.
   Case case_;

@@ -108,17 +108,39 @@ void add_stresses(const mechanics::SlabState<Dim>& slab, std::size_t elements,
       element_means<Dim>(elements, points, [&](std::size_t i) { return slab.viscoplastic[i]; });
 }
 
+/// The fields of a slab from which results are made, carried to a mesh of the heat's own.
+template <int Dim>
+mechanics::SlabState<Dim> on_heat_mesh(const mechanics::SlabState<Dim>& slab,
+                                       const mesh::PlanTransfer& transfer, std::size_t points) {
+  mechanics::SlabState<Dim> carried;
+  carried.started = slab.started;
+  carried.displacement = transfer.at_heat_nodes(slab.displacement, Dim);
+  carried.solid = transfer.in_heat_elements(slab.solid);
+  carried.viscoplastic = transfer.in_heat_elements(slab.viscoplastic, points);
+  carried.deviator = transfer.in_heat_elements(slab.deviator, points);
+  carried.pressure = transfer.in_heat_elements(slab.pressure, points);
+  return carried;
+}
+
 }  // namespace
+
+template <int Dim>
+const mechanics::SlabState<Dim>& SlabRun<Dim>::slab_of_results(
+    std::optional<mechanics::SlabState<Dim>>& carried) const {
+  if (mesh_.transfer().same_mesh()) return state_.slab;
+  carried = on_heat_mesh(state_.slab, mesh_.transfer(), mechanics_.points());
+  return *carried;
+}
 
 template <int Dim>
 MonitorReadings SlabRun<Dim>::read_monitors() const {
   MonitorReadings readings;
+  const std::vector<double> u = displacement();
   for (const Monitor& monitor : case_.monitors) {
     const auto place = fem::locate(mesh(), point_of<Dim>(monitor));
     std::vector<double> displacement(Dim, std::nan(""));
     for (int d = 0; place && d < Dim; ++d)
-      displacement[std::size_t(d)] =
-          fem::interpolate<Dim>(mesh(), *place, state_.slab.displacement, Dim, d);
+      displacement[std::size_t(d)] = fem::interpolate<Dim>(mesh(), *place, u, Dim, d);
     readings.displacement.push_back(std::move(displacement));
     readings.temperature.push_back(
         place ? fem::interpolate<Dim>(mesh(), *place, state_.heat.temperature) : std::nan(""));
@@ -128,6 +150,15 @@ MonitorReadings SlabRun<Dim>::read_monitors() const {
 
 template <int Dim>
 StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings& monitors) {
+  std::optional<mechanics::SlabState<Dim>> carried;
+  const mechanics::SlabState<Dim>& slab = slab_of_results(carried);
+  const std::vector<double> in_mechanics = element_temperature();
+  const std::vector<double> of_stress = mesh_.transfer().in_heat_elements(in_mechanics);
+
+  const MechanicsView<Dim> own{.mesh = mesh_.mesh(),
+                               .slab = state_.slab,
+                               .element_temperature = in_mechanics,
+                               .growing = mesh_.mesh().elements() - growing_elements(mesh_.mesh())};
   const StepView<Dim> view{.time = state_.time,
                            .time_step = accepted.time_step,
                            .cast_length = state_.cast_length,
@@ -136,11 +167,13 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
                            .mesh = mesh(),
                            .heat = accepted.heat,
                            .temperature = state_.heat.temperature,
-                           .slab = state_.slab,
+                           .slab = slab,
+                           .stress_temperature = of_stress,
+                           .mechanics = own,
                            .checks = mechanics_.checks(),
                            .superheat = state_.superheat,
                            .level_heat = state_.level_heat,
-                           .growing = mesh().elements() - growing_elements(),
+                           .growing = mesh().elements() - growing_elements(mesh()),
                            .face_length = face_length_,
                            .monitor_displacement = monitors.displacement};
   return meter_.measure(view, state_.findings.history);
@@ -149,8 +182,8 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
 /// Number of elements in the row that stretches with the metal level; zero if the level no longer
 /// rises.
 template <int Dim>
-int SlabRun<Dim>::growing_elements() const {
-  return mesh_.grows() ? mesh_.built_in()->elements_per_row() : 0;
+int SlabRun<Dim>::growing_elements(const mesh::Mesh<Dim>& of) const {
+  return mesh_.grows() ? of.elements() / mesh_.built_in()->rows() : 0;
 }
 
 /// Mean surface temperature of the block [°C].
@@ -159,11 +192,28 @@ double SlabRun<Dim>::block_temperature() const {
   const std::vector<double>& columns = state_.heat.block_temperature;
   if (columns.empty()) return case_.cooling.bottom_block.temperature(state_.time);
   double sum = 0.0, area = 0.0;
-  for (std::size_t i = 0; i < mechanics_.bottom_area().size(); ++i) {
-    sum += mechanics_.bottom_area()[i] * columns[i * thermal::BlockColumns::points];
-    area += mechanics_.bottom_area()[i];
+  const std::span<const double> bottom = heat_.bottom_area();
+  for (std::size_t i = 0; i < bottom.size(); ++i) {
+    sum += bottom[i] * columns[i * thermal::BlockColumns::points];
+    area += bottom[i];
   }
   return sum / area;
+}
+
+template <int Dim>
+std::vector<double> SlabRun<Dim>::bottom_pressure() const {
+  std::vector<double> at_nodes(std::size_t(mesh_.mesh().nodes()), 0.0);
+  for (std::size_t i = 0; i < mechanics_.bottom_nodes().size(); ++i) {
+    const double area = mechanics_.bottom_area()[i], reaction = state_.slab.reaction[i];
+    if (area > 0.0)
+      at_nodes[std::size_t(mechanics_.bottom_nodes()[i])] = std::max(0.0, reaction / area);
+  }
+
+  const std::vector<double> carried = mesh_.transfer().at_heat_nodes(std::move(at_nodes));
+  std::vector<double> pressure;
+  for (const int n : mesh::patch_nodes(mesh(), mesh::PatchKind::bottom))
+    pressure.push_back(carried[std::size_t(n)]);
+  return pressure;
 }
 
 template <int Dim>
@@ -215,9 +265,11 @@ results::Frame SlabRun<Dim>::take_frame() {
   frame.element_node.assign(mesh().element_node.begin(), mesh().element_node.end());
   frame.temperature = state_.heat.temperature;
   frame.liquid_fraction = state_.heat.liquid_fraction;
-  frame.displacement = state_.slab.displacement;
+  std::optional<mechanics::SlabState<Dim>> carried;
+  const mechanics::SlabState<Dim>& slab = slab_of_results(carried);
+  frame.displacement = slab.displacement;
   if (case_.output.stresses && case_.mechanics.enabled) {
-    add_stresses(state_.slab, std::size_t(mesh().elements()), frame);
+    add_stresses(slab, std::size_t(mesh().elements()), frame);
     for (const double t : frame.temperature)
       frame.thermal_strain.push_back(mechanics_.properties().thermal_stretch(t) - 1.0);
   }
@@ -229,13 +281,9 @@ results::Frame SlabRun<Dim>::take_frame() {
     frame.tear_rate = std::move(tears.strain_rate);
     frame.tear_pressure = std::move(tears.pressure);
   }
-  frame.bottom_node = mechanics_.bottom_nodes();
+  frame.bottom_node = mesh::patch_nodes(mesh(), mesh::PatchKind::bottom);
   frame.bottom_gap = bottom_gap();
-  for (std::size_t i = 0; i < frame.bottom_node.size(); ++i) {
-    const double area = mechanics_.bottom_area()[i];
-    const double reaction = state_.slab.reaction[i];
-    frame.bottom_pressure.push_back(area > 0.0 ? std::max(0.0, reaction / area) : 0.0);
-  }
+  frame.bottom_pressure = bottom_pressure();
   return frame;
 }
 

@@ -173,13 +173,12 @@ void StepMeter<Dim>::measure_closed_shell(const StepView<Dim>& view, StepFigures
 
 /// Mush shears as melt does, without jamming the butt: its rotation counts only below coalescence.
 template <int Dim>
-std::vector<char> StepMeter<Dim>::grown_together(const StepView<Dim>& view) const {
+std::vector<char> StepMeter<Dim>::grown_together(const MechanicsView<Dim>& view) const {
   std::vector<char> solid = view.slab.solid;
   if (!case_.alloy.mush) return solid;
 
-  for (int e = 0; e < view.mesh.elements(); ++e) {
-    if (mesh::mean_at_nodes(view.mesh, e, view.temperature) > properties_.coalescence())
-      solid[std::size_t(e)] = 0;
+  for (std::size_t e = 0; e < solid.size(); ++e) {
+    if (view.element_temperature[e] > properties_.coalescence()) solid[e] = 0;
   }
   return solid;
 }
@@ -194,13 +193,14 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
   f.complementarity_error = checks.complementarity_error;
 
   // Largest motions of the solid, compared with the limits of small strains.
-  f.rotation = largest_rotation(view.mesh, grown_together(view), view.slab.displacement,
-                                view.growing, history.when_liquid);
+  const MechanicsView<Dim>& own = view.mechanics;
+  f.rotation = largest_rotation(own.mesh, grown_together(own), own.slab.displacement, own.growing,
+                                history.when_liquid);
   f.slip = largest_slip(view.mesh, view.slab.solid, view.slab.displacement, view.temperature,
                         properties_, solid_below_);
   if (checks.worst_liquid >= 0)
     f.liquid_pressure_error = {checks.liquid_pressure_error,
-                               centroid(view.mesh, checks.worst_liquid)};
+                               centroid(own.mesh, checks.worst_liquid)};
 
   measure_closed_shell(view, f, history);
 }
@@ -211,6 +211,7 @@ void StepMeter<Dim>::measure_frozen_metal(const StepView<Dim>& view, StepFigures
   tears_.follow({.mesh = view.mesh,
                  .temperature = view.temperature,
                  .slab = view.slab,
+                 .stress_temperature = view.stress_temperature,
                  .time = view.time_step,
                  .metal_level = view.metal_level,
                  .growing = view.growing},
@@ -259,8 +260,10 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   const bool hoop = case_.section.kind == mesh::SectionKind::axisymmetric;
   if (f.last && f.mechanical && case_.time.cool_down > 0.0)
     f.residual = residual_stress(view.mesh, view.temperature, view.slab, properties_, hoop);
+
+  const MechanicsView<Dim>& own = view.mechanics;
   f.mush_strain =
-      mush_strain(view.mesh, view.slab, view.temperature, fragile_above_, view.growing, hoop);
+      mush_strain(own.mesh, own.slab, own.element_temperature, fragile_above_, own.growing, hoop);
 
   measure_frozen_metal(view, f, history);
 

@@ -16,7 +16,17 @@
 
 namespace dccast::casting {
 
-/// An accepted step: the data from which its figures are measured.
+/// The mechanics of a step on its own mesh: rotations and strains of an element go with its mean
+/// temperature.
+template <int Dim>
+struct MechanicsView {
+  const mesh::Mesh<Dim>& mesh;
+  const mechanics::SlabState<Dim>& slab;
+  std::span<const double> element_temperature;  ///< (element) mean [°C]
+  int growing = 0;                              ///< first element of the row that still stretches
+};
+
+/// An accepted step: the data from which its figures are measured, on the mesh of the heat.
 template <int Dim>
 struct StepView {
   double time = 0.0;         ///< [s]
@@ -26,8 +36,11 @@ struct StepView {
   bool last = false;         ///< the casting ends with this step
   const mesh::Mesh<Dim>& mesh;
   const thermal::HeatStepOutcome& heat;
-  std::span<const double> temperature;  ///< (node) [°C]
-  const mechanics::SlabState<Dim>& slab;
+  std::span<const double> temperature;    ///< (node) [°C]
+  const mechanics::SlabState<Dim>& slab;  ///< carried to this mesh
+  /// (element) mean temperature of the mechanics' element in which it lies [°C].
+  std::span<const double> stress_temperature;
+  const MechanicsView<Dim>& mechanics;
   const mechanics::SlabChecks& checks;  ///< of the mechanical step; ignored before the first one
   double superheat = 0.0;               ///< [J/m], [J/rad], [J] of the metal poured so far
   double level_heat = 0.0;              ///< [J/m], [J/rad], [J] in through the metal level so far
@@ -94,7 +107,7 @@ struct StepFigures {
 /// Data of earlier steps from which figures of a step are measured.
 struct FigureHistory {
   bool shell_stood = false;            ///< a closed shell has existed, so that it can melt through
-  std::vector<double> when_liquid;     ///< [rad] or [1], see largest_rotation()
+  std::vector<double> when_liquid;     ///< [rad] or [1], see largest_rotation(); of the mechanics
   double thickest_bottom_shell = 0.0;  ///< [m] since the block started to move
   std::vector<MushPassage> passages;   ///< (element), see HotTears
   // Figures of all elements, which change slowly: measured every few seconds.
@@ -127,7 +140,7 @@ private:
   void measure_meniscus(const StepView<Dim>& view, StepFigures& figures) const;
   /// Shell over the bottom block, and lifts of the butt at centre, corner and highest place.
   void measure_bottom(const StepView<Dim>& view, StepFigures& figures) const;
-  std::vector<char> grown_together(const StepView<Dim>& view) const;  ///< (element)
+  std::vector<char> grown_together(const MechanicsView<Dim>& view) const;  ///< (element)
   /// Checks of the mechanics, rotation, slip, pressure of the liquid, and the closed shell.
   void measure_mechanics(const StepView<Dim>& view, StepFigures& figures,
                          FigureHistory& history) const;

@@ -112,20 +112,20 @@ HotTears<Dim>::HotTears(const material::AlloyCard& card, const mesh::SectionSpec
 }
 
 /// Equivalent creep rate at the end of a step [1/s], which the implicit step holds throughout;
-/// mean of the points. @param temperature  [°C] of the element
+/// mean of the points.
 template <int Dim>
-double HotTears<Dim>::strain_rate(const Step& step, int e, double temperature) const {
+double HotTears<Dim>::strain_rate(const Step& step, std::size_t e) const {
   const mechanics::SlabState<Dim>& slab = step.slab;
-  if (!slab.started || slab.solid[std::size_t(e)] == 0) return 0.0;
+  if (!slab.started || slab.solid[e] == 0) return 0.0;
 
-  const double kappa = properties_.creep_factors(temperature).deviatoric;
+  const double kappa = properties_.creep_factors(step.stress_temperature[e]).deviatoric;
   const double exponent = properties_.creep().exponent;
   const std::size_t points = slab.deviator.size() / std::size_t(step.mesh.elements());
 
   // Norton-Hoff law: kappa |s|^(q-2) |s|, as an equivalent rate.
   double sum = 0.0;
   for (std::size_t q = 0; q < points; ++q) {
-    const double norm = slab.deviator[std::size_t(e) * points + q].norm();
+    const double norm = slab.deviator[e * points + q].norm();
     sum += mechanics::equivalent_of_norm * kappa * material::creep_power(norm, exponent) * norm;
   }
   return sum / static_cast<double>(points);
@@ -146,7 +146,7 @@ void HotTears<Dim>::pass(const Step& step, int e, MushPassage& passage) const {
     return;
   }
 
-  const double rate = strain_rate(step, e, to);
+  const double rate = strain_rate(step, std::size_t(e));
   if (step.slab.started) {
     const double seconds = step.time * share_within(from, to, window_end_, window_begin_);
     passage.time += seconds;

@@ -67,6 +67,8 @@ public:
     const mesh::Mesh<Dim>& mesh;
     std::span<const double> temperature;  ///< (node) [°C]
     const mechanics::SlabState<Dim>& slab;
+    /// (element) of the metal that has the stress of the slab there [°C]
+    std::span<const double> stress_temperature;
     double time = 0.0;         ///< [s] length of the step
     double metal_level = 0.0;  ///< [m]
     int growing = 0;           ///< first element of the row that still stretches
@@ -86,8 +88,7 @@ private:
   /// Follows one element through the window in a step.
   void pass(const Step& step, int e, MushPassage& passage) const;
   /// Equivalent creep rate of an element at the end of a step [1/s], the mean of its points.
-  /// @param temperature  [°C] of the element
-  double strain_rate(const Step& step, int e, double temperature) const;
+  double strain_rate(const Step& step, std::size_t e) const;
 
   material::MechanicalProperties properties_;
   MushFeeding feeding_;

@@ -1,24 +1,21 @@
 #include "core/findings/mush_strain.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace dccast::casting {
 
 namespace {
 
-/// Mean temperature of the nodes of an element [°C], at its centroid.
+/// Mean of the corners of an element [m].
 template <int Dim>
-Located<Dim> mean_temperature(const mesh::Mesh<Dim>& mesh, int e,
-                              std::span<const double> temperature) {
-  Located<Dim> mean;
+std::array<double, Dim> centre_of_corners(const mesh::Mesh<Dim>& mesh, int e) {
+  std::array<double, Dim> centre{};
   const double share = 1.0 / mesh.nodes_per_element;
-  for (int i = 0; i < mesh.nodes_per_element; ++i) {
-    const int n = mesh.nodes_of(e)[i];
-    mean.value += share * temperature[std::size_t(n)];
-    for (std::size_t d = 0; d < Dim; ++d) mean.place[d] += share * mesh.point(n)[d];
-  }
-  return mean;
+  for (int i = 0; i < mesh.nodes_per_element; ++i)
+    for (std::size_t d = 0; d < Dim; ++d) centre[d] += share * mesh.point(mesh.nodes_of(e)[i])[d];
+  return centre;
 }
 
 }  // namespace
@@ -51,15 +48,14 @@ Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState
   const std::size_t points = slab.viscoplastic.size() / std::size_t(mesh.elements());
   for (int e = 0; e < growing; ++e) {
     if (slab.solid[std::size_t(e)] == 0) continue;
-    const Located<Dim> element = mean_temperature(mesh, e, temperature);
-    if (element.value <= fragile_above) continue;
+    if (temperature[std::size_t(e)] <= fragile_above) continue;
 
     for (std::size_t q = 0; q < points; ++q) {
       const auto& tensor = slab.viscoplastic[std::size_t(e) * points + q];
       double strain = largest_principal(tensor);
       // By symmetry the hoop direction of a billet is a principal one.
       if (Dim == 2 && hoop) strain = std::max(strain, tensor[2]);
-      if (strain > largest.value) largest = {strain, element.place};
+      if (strain > largest.value) largest = {strain, centre_of_corners(mesh, e)};
     }
   }
   return largest;

@@ -14,7 +14,7 @@ namespace dccast::casting {
 ///
 /// In plane strain the out-of-plane direction is left out: the model constrains it rigidly, a real
 /// slab does not. Elastic strain, about 1e-4 in the mush, is left out too.
-/// @param temperature    (node) [°C]
+/// @param temperature    (element) mean [°C]
 /// @param fragile_above  [°C] colder metal is tough
 /// @param growing        first element of the row that still stretches, whose motion is that of the
 ///                       mesh

@@ -168,7 +168,7 @@ template <int Dim>
 void SlabMechanics<Dim>::start(State& state, std::span<const double> temperature) const {
   state.started = true;
   for (int e = 0; e < mesh_->elements(); ++e) {
-    const double t = mesh::mean_at_nodes(*mesh_, e, temperature);
+    const double t = temperature[std::size_t(e)];
     const bool solid = options_.liquid == Liquid::solid || t < properties_.coherency();
     state.solid[std::size_t(e)] = solid ? 1 : 0;
     if (!solid) continue;
@@ -189,13 +189,13 @@ void SlabMechanics<Dim>::set_rotations(std::span<const double> displacement,
 
 /// The moment at which an element solidifies, with its mean temperature linear in time.
 template <int Dim>
-auto SlabMechanics<Dim>::birth_of(int e, const SlabStepInput& input) const -> Birth {
-  const double end = mesh::mean_at_nodes(*mesh_, e, input.temperature);
-  if (options_.liquid == Liquid::solid) return {std::size_t(e), end, 1.0};
+auto SlabMechanics<Dim>::birth_of(std::size_t e, const SlabStepInput& input) const -> Birth {
+  const double end = input.element_temperature[e];
+  if (options_.liquid == Liquid::solid) return {e, end, 1.0};
 
-  Birth birth{std::size_t(e), properties_.coherency(), 1.0};
-  if (input.temperature_n.empty()) return birth;
-  const double start = mesh::mean_at_nodes(*mesh_, e, input.temperature_n);
+  Birth birth{e, properties_.coherency(), 1.0};
+  if (input.element_temperature_n.empty()) return birth;
+  const double start = input.element_temperature_n[e];
   if (start > birth.temperature)
     birth.share = std::max(least_share, (birth.temperature - end) / (start - end));
   return birth;
@@ -261,19 +261,18 @@ double SlabMechanics<Dim>::melt_pressure(int e, double metal_level) const {
 template <int Dim>
 void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) {
   const bool at_once = options_.liquid == Liquid::solid;
-  std::vector<int> changed;
+  std::vector<std::size_t> changed;
   births_.clear();
-  for (int e = 0; e < mesh_->elements(); ++e) {
-    const bool solid =
-        at_once || mesh::mean_at_nodes(*mesh_, e, input.temperature) < properties_.coherency();
-    if (solid == (state.solid[std::size_t(e)] != 0)) continue;
-    state.solid[std::size_t(e)] = solid ? 1 : 0;
+  for (std::size_t e = 0; e < state.solid.size(); ++e) {
+    const bool solid = at_once || input.element_temperature[e] < properties_.coherency();
+    if (solid == (state.solid[e] != 0)) continue;
+    state.solid[e] = solid ? 1 : 0;
     changed.push_back(e);
   }
   set_rotations(displacement_, state.solid);
-  for (const int e : changed) {
-    forget_history(state, std::size_t(e));
-    if (state.solid[std::size_t(e)] != 0) births_.push_back(birth_of(e, input));
+  for (const std::size_t e : changed) {
+    forget_history(state, e);
+    if (state.solid[e] != 0) births_.push_back(birth_of(e, input));
   }
 }
 
@@ -293,7 +292,7 @@ void SlabMechanics<Dim>::set_materials(const State& state, const SlabStepInput& 
   for (int e = 0; e < mesh_->elements(); ++e) {
     const std::size_t i = std::size_t(e);
     if (state.solid[i] != 0) {
-      set_solid(e, mesh::mean_at_nodes(*mesh_, e, input.temperature), input.metal_level);
+      set_solid(e, input.element_temperature[i], input.metal_level);
       continue;
     }
 
@@ -335,11 +334,10 @@ void SlabMechanics<Dim>::set_weight(const State& state, std::span<const double> 
   auto& force = problem_.external_force;
   std::fill(force.begin(), force.end(), 0.0);
   std::vector<double> specific_weight(std::size_t(mesh_->elements()));  // [N/m3]
-  for (int e = 0; e < mesh_->elements(); ++e) {
-    const double density = state.solid[std::size_t(e)] != 0
-                               ? properties_.density(mesh::mean_at_nodes(*mesh_, e, temperature))
-                               : properties_.liquid_density();
-    specific_weight[std::size_t(e)] = density * options_.gravity;
+  for (std::size_t e = 0; e < specific_weight.size(); ++e) {
+    const double density =
+        state.solid[e] != 0 ? properties_.density(temperature[e]) : properties_.liquid_density();
+    specific_weight[e] = density * options_.gravity;
   }
   problem_.weight = forms_->subtract_weight(specific_weight, force);
 }
@@ -357,11 +355,11 @@ StepUnknowns<Dim> SlabMechanics<Dim>::begin(State& state, const SlabStepInput& i
   displacement_ = supports_.by_unknown(state.displacement);
   set_phases(state, input);
   set_materials(state, input);
-  set_weight(state, input.temperature);
+  set_weight(state, input.element_temperature);
   StepUnknowns<Dim> unknowns{displacement_, state.contact, state.contact_multiplier,
                              state.deviator};
   if (!options_.contact) unknowns.contact.clear();
-  supports_.hold_sides(problem_, state, options_, input.temperature, properties_.release(),
+  supports_.hold_sides(problem_, state, options_, input.node_temperature, properties_.release(),
                        input.metal_level - options_.mould_length, displacement_, unknowns.contact);
   if (!unknowns.contact_multiplier.empty()) {
     unknowns.contact_multiplier.resize(problem_.contact.size(), 0.0);

@@ -34,14 +34,15 @@ struct SlabState {
   std::vector<double> reaction;            ///< (bottom node) in the last step [N/m], billet [N/rad]
 };
 
-/// Boundary data of a mechanical step.
+/// Boundary data of a mechanical step. An element has the properties of its mean temperature.
 struct SlabStepInput {
-  std::span<const double> temperature;  ///< (node) at the end of the step [°C]
-  double time_step = 0.0;               ///< [s]
-  double metal_level = 0.0;             ///< h(t) [m]
-  /// (node) at the start of the step, on the mesh of its end [°C]. Empty: elements that solidify do
-  /// so at the start of the step.
-  std::span<const double> temperature_n{};
+  std::span<const double> element_temperature;  ///< (element) mean at the end of the step [°C]
+  std::span<const double> node_temperature;  ///< (node) at the end of the step [°C]; only the side
+  double time_step = 0.0;                    ///< [s]
+  double metal_level = 0.0;                  ///< h(t) [m]
+  /// (element) mean at the start of the step, on the mesh of its end [°C]. Empty: elements that
+  /// solidify do so at the start of the step.
+  std::span<const double> element_temperature_n{};
 };
 
 /// Checks reported for every step. They evaluate the step problem itself at the computed
@@ -114,17 +115,17 @@ public:
   /// displacement; cells keep the mean and the first moment of elastic and viscoplastic strain. A
   /// cell made of a solid and a liquid one counts as liquid and solidifies again; merged liquid is
   /// at rest.
-  /// @param temperature  (node) [°C]
+  /// @param temperature  (element) mean [°C]
   /// @throws std::logic_error  the elements are triangles or tetrahedra
   ProjectedState<Dim> projected(const State& state, const mesh::MergedRows& merged,
                                 std::span<const double> temperature);
   /// Sets the mesh with merged rows and completes the state that was projected on it.
-  /// @param temperature  (node of the merged mesh) [°C]
+  /// @param temperature  (element of the merged mesh) mean [°C]
   MergeChecks follow_merging(State& state, ProjectedState<Dim> projected, const Mesh& merged_mesh,
                              std::span<const double> temperature);
 
   /// Starts the mechanics: metal below the coherency temperature becomes a stress-free shell.
-  /// @param temperature  (node) [°C]
+  /// @param temperature  (element) mean [°C]
   void start(State& state, std::span<const double> temperature) const;
 
   /// Solves one step. If it converges, the state is that at its end, otherwise unspecified.
@@ -164,7 +165,7 @@ private:
   };
   /// Time and temperature at which an element solidifies within the step, by linear interpolation
   /// of the temperature in time.
-  Birth birth_of(int e, const SlabStepInput& input) const;
+  Birth birth_of(std::size_t e, const SlabStepInput& input) const;
   /// Scales moduli and hardening of an element by the share of the step that is left after its
   /// solidification; its stress begins at minus the pressure of the melt.
   void set_newborn(const Birth& birth);
@@ -179,7 +180,7 @@ private:
   double melt_pressure(int e, double metal_level) const;  ///< [Pa] at the centre; metal_level [m]
   void set_materials(const State& state, const SlabStepInput& input);
   void set_solid(int e, double at, double metal_level);  ///< at [°C], metal_level [m]
-  /// @param temperature  (node) [°C]
+  /// @param temperature  (element) mean [°C]
   void set_weight(const State& state, std::span<const double> temperature);
   /// Initial values and the complete problem of the step.
   StepUnknowns<Dim> begin(State& state, const SlabStepInput& input);

@@ -48,10 +48,10 @@ int nearest_index(double target, const std::vector<double>& position) {
 /// The plan of a quarter slab under construction: a grid of columns along x and layers along y.
 class QuarterPlan {
 public:
-  explicit QuarterPlan(const SectionSpec& spec)
+  QuarterPlan(const SectionSpec& spec, Plan plan)
       : spec_(spec),
-        x_(columns(spec)),
-        share_(layers(spec)),
+        x_(columns(spec, plan)),
+        share_(layers(spec, plan)),
         column_(static_cast<int>(share_.size())),
         patch_column_(cells_x()),
         patch_layer_(cells_y()) {
@@ -83,22 +83,22 @@ public:
 
 private:
   /// Positions of the columns of nodes [m].
-  static std::vector<double> columns(const SectionSpec& spec) {
+  static std::vector<double> columns(const SectionSpec& spec, Plan plan) {
     auto x = graded_towards_end(spec.half_width, spec.columns, spec.side_cell);
 
     // Straight pieces of the mould end at nodes.
     for (const double kink : spec.half_thickness.at()) snap(kink, x);
     if (spec.corner_radius > 0.0) snap(corner_arc(spec).on_wide_face()[0], x);
 
-    return refined(x, spec.refinement);
+    return refined(x, spec.refinement * (plan == Plan::heat ? spec.heat_cells.per_column : 1));
   }
   /// Positions of the layers of nodes, relative to the opening [1].
-  static std::vector<double> layers(const SectionSpec& spec) {
+  static std::vector<double> layers(const SectionSpec& spec, Plan plan) {
     const double end = spec.half_thickness(spec.half_width);
     auto y = graded_towards_end(end, spec.layers, spec.wide_side_cell);
     if (spec.corner_radius > 0.0) snap(corner_arc(spec).on_narrow_face()[1], y);
     for (double& position : y) position /= end;
-    return refined(y, spec.refinement);
+    return refined(y, spec.refinement * (plan == Plan::heat ? spec.heat_cells.per_layer : 1));
   }
 
   /// Finds the cells at the rounded corner and moves their nodes to the arc.
@@ -230,7 +230,7 @@ CornerArc corner_arc(const SectionSpec& spec) {
 }
 
 template <>
-Base<2> base_of<2>(const SectionSpec& spec) {
+Base<2> base_of<2>(const SectionSpec& spec, Plan) {
   Base<2> base;
   base.node =
       refined(graded_towards_end(spec.half_width, spec.columns, spec.side_cell), spec.refinement);
@@ -243,12 +243,12 @@ Base<2> base_of<2>(const SectionSpec& spec) {
 }
 
 template <>
-Base<3> base_of<3>(const SectionSpec& spec) {
-  return QuarterPlan(spec).build();
+Base<3> base_of<3>(const SectionSpec& spec, Plan plan) {
+  return QuarterPlan(spec, plan).build();
 }
 
 std::array<int, 2> corner_cells(const SectionSpec& spec) {
-  return QuarterPlan(spec).corner_cells();
+  return QuarterPlan(spec, Plan::mechanics).corner_cells();
 }
 
 double reach_of(const Base<3>& plan, double x) {

@@ -63,18 +63,22 @@ struct Base {
   int cells() const { return static_cast<int>(cell_node.size()) / nodes_per_cell; }
 };
 
+/// The two plans of a quarter slab. That of the heat divides the cells of the other one.
+enum class Plan { mechanics, heat };
+
 /// The base of a section's built-in mesh. In 2D from the symmetry plane to the side; of a quarter
 /// slab the plan between the planes x = 0 and y = 0, with the nodes numbered along y first, which
 /// keeps the bandwidth of the matrix small.
+/// @param plan  of a quarter slab
 template <int Dim>
-Base<Dim> base_of(const SectionSpec& spec);
+Base<Dim> base_of(const SectionSpec& spec, Plan plan = Plan::mechanics);
 
 /// The narrow face is the wall side_x, the wide face side_y, side_y_2, ... for each straight piece
 /// of the opening, a rounded corner side_corner, side_corner_2, ... for each chord.
 template <>
-Base<2> base_of<2>(const SectionSpec& spec);
+Base<2> base_of<2>(const SectionSpec& spec, Plan plan);
 template <>
-Base<3> base_of<3>(const SectionSpec& spec);
+Base<3> base_of<3>(const SectionSpec& spec, Plan plan);
 
 /// Extent in y of the plan of a quarter slab at a position x [m] along its wide face [m].
 double reach_of(const Base<3>& plan, double x);

@@ -25,9 +25,17 @@ constexpr const char* name_of(SectionKind kind) {
   return names[static_cast<int>(kind)];
 }
 
+/// The cells of the heat in a column and in a layer of a quarter slab. With one of each, heat and
+/// mechanics have the same mesh.
+struct HeatCells {
+  int per_column = 1;
+  int per_layer = 1;
+};
+
 /// The simulated part of the slab and its mesh; tables `section` and `mesh` of a case. Columns are
 /// cells from the symmetry plane (x = 0) to the side, in a quarter slab to its narrow face; layers
-/// are cells from y = 0 to the wide face.
+/// are cells from y = 0 to the wide face. They are those of the mechanics; the heat may divide
+/// them.
 struct SectionSpec {
   SectionKind kind = SectionKind::plane_strain;
   double half_width = 0.0;  ///< [m]; for a quarter slab half the length of its wide face
@@ -42,6 +50,7 @@ struct SectionSpec {
   int columns = 0;
   int layers = 0;
   int rows = 0;
+  HeatCells heat_cells;               ///< quarter slab of hexahedra only
   double side_cell = 0.0;             ///< [m] width of the column at the side
   double wide_side_cell = 0.0;        ///< [m] width of the layer at the wide face, at x = 0
   double bottom_cell = 0.0;           ///< [m] height of the lowest row

@@ -14,31 +14,6 @@ namespace {
 constexpr double divide_above = 1.5;   // height of the top row [growth cells]
 constexpr std::size_t first_rows = 2;  // of cells, at the begin of filling
 
-/// The nodes of a cell in the order of CellDivision: those of its base, then those above them.
-template <int Dim>
-std::array<int, CellDivision<Dim>::corners> cell_corners(const Base<Dim>& base, int cell, int row) {
-  std::array<int, CellDivision<Dim>::corners> node;
-  constexpr std::size_t half = std::size_t(Base<Dim>::nodes_per_cell);
-  for (std::size_t k = 0; k < half; ++k) {
-    const int below = row * base.nodes() + base.cell_node[std::size_t(cell) * half + k];
-    node[k] = below;
-    node[half + k] = below + base.nodes();
-  }
-  return node;
-}
-
-/// A part of the surface of a cell. @param first_element  of the cell
-template <int Dim>
-Facet<Dim> make_facet(const typename CellDivision<Dim>::Part& part,
-                      const std::array<int, CellDivision<Dim>::corners>& node, int first_element) {
-  Facet<Dim> facet;
-  facet.nodes = static_cast<int>(part.corner.size());
-  facet.element = first_element + part.element;
-  for (std::size_t k = 0; k < part.corner.size(); ++k)
-    facet.node[k] = node[std::size_t(part.corner[k])];
-  return facet;
-}
-
 /// Heights of the initial rows of nodes [m].
 std::vector<double> initial_rows(const SectionSpec& spec) {
   return refined(ends_of_cells(graded_cells(spec.initial_depth, spec.rows, spec.bottom_cell),
@@ -61,96 +36,27 @@ int first_grown(const std::vector<double>& row_heights) {
 
 template <int Dim>
 SlabMesh<Dim>::SlabMesh(const SectionSpec& spec)
-    : base_(base_of<Dim>(spec)),
-      kind_(spec.element),
+    : mechanics_(base_of<Dim>(spec), spec.element),
       growth_cell_(growth_cell(spec)),
       merging_(refined_merging(spec)),
       plan_(initial_rows(spec)),
       first_grown_(first_grown(plan_)),
       heights_(plan_) {
+  if (spec.heat_cells.per_column * spec.heat_cells.per_layer > 1)
+    heat_.emplace(base_of<Dim>(spec, Plan::heat), spec.element);
   build();
+}
+
+template <int Dim>
+void SlabMesh<Dim>::build() {
+  mechanics_.build(heights_);
+  if (heat_) heat_->build(heights_);
 }
 
 template <int Dim>
 void SlabMesh<Dim>::start_filling() {
   heights_.resize(std::min(heights_.size(), first_rows + 1));
   build();
-}
-
-template <int Dim>
-int SlabMesh<Dim>::elements_per_row() const {
-  return base_.cells() * static_cast<int>(cell_division<Dim>(kind_).elements.size());
-}
-
-template <int Dim>
-void SlabMesh<Dim>::build() {
-  mesh_ = Mesh<Dim>{};
-  mesh_.nodes_per_element = static_cast<int>(cell_division<Dim>(kind_).elements.front().size());
-  for (const auto& wall : base_.walls)
-    mesh_.patches.push_back({wall.name, wall.kind, wall.normal, {}});
-
-  for (int row = 0; row <= rows(); ++row) place_row_of_nodes(row);
-  for (int row = 0; row < rows(); ++row) add_row_of_cells(row);
-  set_bottom();
-  set_top();
-}
-
-template <int Dim>
-void SlabMesh<Dim>::place_row_of_nodes(int row) {
-  const std::size_t nodes = std::size_t(base_.nodes()), first = std::size_t(row) * nodes;
-  if (mesh_.node.size() < Dim * (first + nodes)) mesh_.node.resize(Dim * (first + nodes));
-  for (std::size_t i = 0; i < nodes; ++i) {
-    double* x = mesh_.node.data() + Dim * (first + i);
-    for (std::size_t d = 0; d + 1 < Dim; ++d) x[d] = base_.node[i * (Dim - 1) + d];
-    x[Dim - 1] = heights_[std::size_t(row)];
-  }
-}
-
-template <int Dim>
-void SlabMesh<Dim>::add_row_of_cells(int row) {
-  for (int cell = 0; cell < base_.cells(); ++cell) {
-    const auto node = cell_corners(base_, cell, row);
-    for (const auto& element : cell_division<Dim>(kind_).elements)
-      for (const int corner : element) mesh_.element_node.push_back(node[std::size_t(corner)]);
-  }
-  add_walls(row);
-}
-
-template <int Dim>
-void SlabMesh<Dim>::add_walls(int row) {
-  const auto& division = cell_division<Dim>(kind_);
-  const int per_cell = static_cast<int>(division.elements.size());
-  const int first_element = row * elements_per_row();
-  for (std::size_t w = 0; w < base_.walls.size(); ++w) {
-    for (const auto& piece : base_.walls[w].pieces) {
-      const auto node = cell_corners(base_, piece.cell, row);
-      for (const auto& part : division.side[std::size_t(piece.side)])
-        mesh_.patches[w].facets.push_back(
-            make_facet<Dim>(part, node, first_element + per_cell * piece.cell));
-    }
-  }
-}
-
-template <int Dim>
-void SlabMesh<Dim>::set_bottom() {
-  const auto& division = cell_division<Dim>(kind_);
-  const int per_cell = static_cast<int>(division.elements.size());
-  auto& facets = mesh_.facets(PatchKind::bottom);
-  for (int cell = 0; cell < base_.cells(); ++cell)
-    for (const auto& part : division.bottom)
-      facets.push_back(make_facet<Dim>(part, cell_corners(base_, cell, 0), per_cell * cell));
-}
-
-template <int Dim>
-void SlabMesh<Dim>::set_top() {
-  const auto& division = cell_division<Dim>(kind_);
-  const int per_cell = static_cast<int>(division.elements.size()), row = rows() - 1;
-  auto& facets = mesh_.facets(PatchKind::top);
-  facets.clear();
-  for (int cell = base_.cells() - 1; cell >= 0; --cell)
-    for (const auto& part : division.top)
-      facets.push_back(make_facet<Dim>(part, cell_corners(base_, cell, row),
-                                       row * elements_per_row() + per_cell * cell));
 }
 
 template <int Dim>
@@ -182,17 +88,22 @@ std::vector<double> SlabMesh<Dim>::grow_to(double level) {
          level - heights_[heights_.size() - 2] > divide_above * growth_cell_)
     divide_top_row(heights_[heights_.size() - 2] + growth_cell_, inserted);
 
-  const int last_old_row = rows() - static_cast<int>(inserted.size());
-  for (int row = last_old_row; row <= rows(); ++row) place_row_of_nodes(row);
-  for (int row = last_old_row; row < rows(); ++row) add_row_of_cells(row);
-  if (!inserted.empty()) set_top();
+  mechanics_.raise(heights_);
+  if (heat_) heat_->raise(heights_);
   return inserted;
 }
 
 template <int Dim>
 MergedRows SlabMesh<Dim>::rows_to_merge() const {
   return {heights_, mesh::rows_to_merge(heights_, first_grown_, merging_),
-          std::size_t(nodes_per_row()), std::size_t(elements_per_row())};
+          std::size_t(mechanics_.nodes_per_row()), std::size_t(mechanics_.elements_per_row())};
+}
+
+template <int Dim>
+MergedRows SlabMesh<Dim>::of_heat(MergedRows rows) const {
+  rows.nodes_per_row = std::size_t(heat().nodes_per_row());
+  rows.elements_per_row = std::size_t(heat().elements_per_row());
+  return rows;
 }
 
 template <int Dim>

@@ -1,5 +1,6 @@
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "core/material/thermal_properties.hpp"
@@ -36,6 +37,8 @@ mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   to.columns = mesh.columns();
   to.rows = mesh.rows();
   to.layers = mesh.layers();
+  to.heat_cells = {.per_column = std::max(1, mesh.heat_cells_per_column()),
+                   .per_layer = std::max(1, mesh.heat_cells_per_layer())};
   to.side_cell = mesh.side_cell_m();
   to.wide_side_cell = mesh.wide_side_cell_m();
   to.bottom_cell = mesh.bottom_cell_m();

@@ -73,6 +73,16 @@ const Mistake mistakes[] = {
      [](Case& c) { c.section.corner_radius = 0.01; }},
     {"MonitorInTheRoundedCorner", "monitor[0].y", [](Case& c) { c.section.corner_radius = 0.06; }},
     {"TooManyNodes", "mesh.columns", [](Case& c) { c.limits.maximum_nodes = 110; }},
+    {"TooManyNodesOfTheHeat", "mesh.columns",
+     [](Case& c) {
+       c.section.heat_cells.per_layer = 5;
+       c.limits.maximum_nodes = 300;
+     }},
+    {"HeatCellsInTetrahedra", "mesh.heat_cells_per_column",
+     [](Case& c) {
+       c.section.element = mesh::ElementKind::p1;
+       c.section.heat_cells.per_column = 2;
+     }},
 };
 INSTANTIATE_TEST_SUITE_P(Mistakes, QuarterSlabFault, ::testing::ValuesIn(mistakes),
                          [](const auto& mistake) { return mistake.param.name; });
@@ -81,13 +91,16 @@ TEST(QuarterSlabCheck, WhatIsOfAQuarterSlabOnlyIsRefusedInASection) {
   Case c = small_casting();
   c.section.half_thickness = Curve(0.15);
   c.section.corner_radius = 0.03;
+  c.section.heat_cells = {.per_column = 2, .per_layer = 2};
   c.cooling.bottom_block.profile_y = Curve(0.0);
   c.monitors[0].z = 0.0;
   std::vector<std::string> fields;
   const CheckedCase checked = check(c);
   for (const Fault& fault : checked.faults.list()) fields.push_back(fault.field);
-  EXPECT_EQ(fields, (std::vector<std::string>{"section.half_thickness", "section.corner_radius",
-                                              "cooling.bottom_block.profile_y", "monitor[0].z"}));
+  EXPECT_EQ(fields,
+            (std::vector<std::string>{"section.half_thickness", "section.corner_radius",
+                                      "mesh.heat_cells_per_column", "mesh.heat_cells_per_layer",
+                                      "cooling.bottom_block.profile_y", "monitor[0].z"}));
 }
 
 /// A table that reaches beyond the slab may be zero out there alone: the slab is not.

@@ -55,7 +55,7 @@ void expect_free_contraction(Case c) {
   c.output.frame_interval = 5.0;
   c.thermal.file = folder / "temperature.h5";
   c.monitors = {{"wide face", 0.0, 0.15, 0.0}};
-  write_temperature(mesh::SlabMesh3D(c.section).mesh().nodes(), c.thermal.file);
+  write_temperature(mesh::SlabMesh3D(c.section).heat_mesh().nodes(), c.thermal.file);
   ASSERT_TRUE(check(c).faults.empty()) << testing::all(check(c).faults);
   Recorder recorder;
   const RunOutcome outcome = run(c, {folder / "", false}, recorder);
@@ -79,6 +79,12 @@ TEST_P(FreeContraction, EqualsTheClosedFormThroughTheRun) {
 
 TEST_P(FreeContraction, EqualsItWithARoundedCorner) {
   expect_free_contraction(small_rounded_slab(GetParam()));
+}
+
+TEST(FreeContractionOnTwoMeshes, EqualsTheClosedForm) {
+  Case c = small_quarter_slab();
+  c.section.heat_cells = {.per_column = 3, .per_layer = 2};
+  expect_free_contraction(c);
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, FreeContraction,

@@ -7,6 +7,7 @@
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
+#include "core/mesh/plan_transfer.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/support/usual_options.hpp"
 #include "tests/unit/material/paper_card.hpp"
@@ -49,18 +50,22 @@ public:
     }
     return t;
   }
-  void start(const Field& field) { mechanics.start(state, temperature(field)); }
+  /// (element) mean temperature [°C].
+  std::vector<double> element_temperature(const Field& field) const {
+    return mesh::PlanTransfer().element_means<2>(slab.mesh(), temperature(field));
+  }
+  void start(const Field& field) { mechanics.start(state, element_temperature(field)); }
   /// Expects the step to converge. @return iterations
   int step(const Field& field, double dt = 1.0) {
-    const auto t = temperature(field);
-    const auto outcome = mechanics.step(state, {t, dt, slab.level()});
+    const auto in_elements = element_temperature(field), at_nodes = temperature(field);
+    const auto outcome = mechanics.step(state, {in_elements, at_nodes, dt, slab.level()});
     EXPECT_TRUE(outcome.converged) << outcome.equilibrium_residual;
     return outcome.iterations;
   }
   /// The same with the temperatures at the start of the step too.
   void step_between(const Field& before, const Field& after, double dt) {
-    const auto start = temperature(before), end = temperature(after);
-    const auto outcome = mechanics.step(state, {end, dt, slab.level(), start});
+    const auto start = element_temperature(before), end = element_temperature(after);
+    const auto outcome = mechanics.step(state, {end, temperature(after), dt, slab.level(), start});
     EXPECT_TRUE(outcome.converged) << outcome.equilibrium_residual;
   }
 

@@ -7,6 +7,7 @@
 
 #include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
+#include "core/mesh/plan_transfer.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/support/quarter_section.hpp"
 #include "tests/support/usual_options.hpp"
@@ -48,11 +49,15 @@ public:
     for (int n = 0; n < slab.mesh().nodes(); ++n) t.push_back(field(place(n)));
     return t;
   }
-  void start(const Field& field) { mechanics.start(state, temperature(field)); }
+  /// (element) mean temperature [°C].
+  std::vector<double> element_temperature(const Field& field) const {
+    return mesh::PlanTransfer().element_means<3>(slab.mesh(), temperature(field));
+  }
+  void start(const Field& field) { mechanics.start(state, element_temperature(field)); }
   /// Expects the step to converge. @return iterations
   int step(const Field& field, double dt = 1.0) {
-    const auto t = temperature(field);
-    const auto outcome = mechanics.step(state, {t, dt, slab.level()});
+    const auto in_elements = element_temperature(field), at_nodes = temperature(field);
+    const auto outcome = mechanics.step(state, {in_elements, at_nodes, dt, slab.level()});
     EXPECT_TRUE(outcome.converged) << outcome.equilibrium_residual;
     return outcome.iterations;
   }

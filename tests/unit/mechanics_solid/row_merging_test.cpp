@@ -107,10 +107,11 @@ MergeChecks merge_lower_rows(QuarterSlab<Element>& bench, const auto& temperatur
                                 {1},
                                 std::size_t(bench.slab.nodes_per_row()),
                                 std::size_t(bench.slab.elements_per_row())};
-  auto projected = bench.mechanics.projected(bench.state, merged, bench.temperature(temperature));
+  auto projected =
+      bench.mechanics.projected(bench.state, merged, bench.element_temperature(temperature));
   bench.slab.merge(merged);
   return bench.mechanics.follow_merging(bench.state, std::move(projected), bench.slab.mesh(),
-                                        bench.temperature(temperature));
+                                        bench.element_temperature(temperature));
 }
 
 template <class Element>

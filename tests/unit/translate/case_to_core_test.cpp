@@ -25,6 +25,8 @@ TEST(CaseToCore, TakesTheKeysOfAQuarterSlab) {
   from.mutable_section()->mutable_half_thickness_m()->add_value(0.285);
   from.mutable_mesh()->set_layers(5);
   from.mutable_mesh()->set_wide_side_cell_m(0.01);
+  from.mutable_mesh()->set_heat_cells_per_column(3);
+  from.mutable_mesh()->set_heat_cells_per_layer(2);
   from.mutable_schedule()->mutable_narrow_water_flow_m2_per_s()->add_at(0.0);
   from.mutable_schedule()->mutable_narrow_water_flow_m2_per_s()->add_value(2e-3);
   from.mutable_cooling()->mutable_narrow_water()->set_from_m(0.07);
@@ -43,6 +45,8 @@ TEST(CaseToCore, TakesTheKeysOfAQuarterSlab) {
   EXPECT_EQ(to.section.half_thickness(0.3), 0.285);
   EXPECT_EQ(to.section.layers, 5);
   EXPECT_EQ(to.section.wide_side_cell, 0.01);
+  EXPECT_EQ(to.section.heat_cells.per_column, 3);
+  EXPECT_EQ(to.section.heat_cells.per_layer, 2);
   EXPECT_EQ(to.schedule.narrow_water_flow(0.0), 2e-3);
   EXPECT_EQ(to.cooling.narrow_water.value().from, 0.07);
   EXPECT_EQ(to.cooling.zones.at(0).face, thermal::Face::narrow);

@@ -1,0 +1,92 @@
+// Curl of a quarter slab on plans of heat and mechanics of its own: how the qualities were chosen
+// (docs/developers/discretisation.md).
+//
+//   dccast-plan-study CASE QUALITY [KEY=NUMBER ...]
+//
+// One line: nodes, steps, iterations, processor seconds, and the corner at 60, 120 and 250 s.
+
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include "core/casting/slab_run.hpp"
+#include "dccast/v1/case.pb.h"
+#include "tests/support/load_case.hpp"
+
+namespace {
+
+using namespace dccast;
+
+/// Sets a key of the study. @throws std::out_of_range  an unknown one
+void set(casting::Case& c, const std::string& key, double value) {
+  mesh::SectionSpec& s = c.section;
+  const int number = static_cast<int>(value);
+  const std::map<std::string, int*> numbers{{"columns", &s.columns},
+                                            {"layers", &s.layers},
+                                            {"rows", &s.rows},
+                                            {"refinement", &s.refinement},
+                                            {"heat_per_column", &s.heat_cells.per_column},
+                                            {"heat_per_layer", &s.heat_cells.per_layer}};
+  if (const auto found = numbers.find(key); found != numbers.end()) {
+    *found->second = number;
+    s.side_cell = s.half_width / s.columns;
+    s.wide_side_cell = s.half_thickness(s.half_width) / s.layers;
+    return;
+  }
+
+  const std::map<std::string, double*> lengths{
+      {"side_cell", &s.side_cell},       {"wide_side_cell", &s.wide_side_cell},
+      {"bottom_cell", &s.bottom_cell},   {"merged_cell", &s.merging.largest_cell},
+      {"merge_below", &s.merging.below}, {"end", &c.time.end}};
+  if (const auto found = lengths.find(key); found != lengths.end()) {
+    *found->second = value;
+    return;
+  }
+  if (key == "growth_cell")
+    s.growth_cell = value;
+  else if (key == "water")
+    c.schedule.water_flow_factor = Curve(value);
+  else if (key == "speed")
+    c.schedule.casting_speed_factor = Curve(value);
+  else
+    throw std::out_of_range("unknown key " + key);
+}
+
+v1::Quality quality_of(const std::string& name) {
+  return name == "draft" ? v1::DRAFT : name == "fine" ? v1::FINE : v1::ENGINEERING;
+}
+
+}  // namespace
+
+int main(int count, char** values) {
+  if (count < 3) return 2;
+  casting::Case c = support::load_case(values[1], quality_of(values[2]));
+  for (int i = 3; i < count; ++i) {
+    const std::string text = values[i];
+    const auto equals = text.find('=');
+    set(c, text.substr(0, equals), std::atof(text.c_str() + equals + 1));
+  }
+
+  casting::SlabRun<3> run(c);
+  results::StepReport last;
+  int iterations = 0, steps = 0;
+  std::map<int, double> corner;
+  while (!run.finished()) {
+    last = run.advance();
+    ++steps;
+    iterations += last.iterations;
+    for (const int time : {60, 120, 250})
+      if (!corner.contains(time) && last.time >= time - 1e-6)
+        corner[time] = 1e3 * last.monitor_displacement.at(0).back();
+  }
+
+  for (int i = 1; i < count; ++i) std::printf("%s ", values[i]);
+  std::printf("| nodes %lld steps %d iterations %d seconds %.2f heat %.2f |",
+              static_cast<long long>(last.nodes), steps, iterations, last.solver_seconds,
+              run.heat_seconds());
+  for (const auto& [time, lift] : corner) std::printf(" %d s: %.3f", time, lift);
+  std::printf(" findings");
+  for (const auto& finding : run.findings()) std::printf(" %s", finding.code.c_str());
+  std::printf("\n");
+}
