@@ -225,12 +225,18 @@ v1::Curve make_steps(const Discretisation& d, const v1::Case& c) {
   return curve;
 }
 
+/// A finer mesh of a quarter slab bends more, but with the laws of the mush not always: the start of
+/// AA3104 ends at 35.9, 36.2 and 35.7 mm in draft, engineering and fine. More than three times the
+/// difference of the last two [1].
+constexpr double below_with_mush = 0.05;
+
 /// Whether elements, mesh and steps are those of the quality.
 bool has_quality_mesh(const v1::Case& complete) {
   const v1::Mesh& mesh = complete.mesh();
   if (mesh.element() != v1::Q1_BENDING || mesh.refinement() != 1 || !mesh.file().empty() ||
       !complete.thermal().file().empty())
     return false;
+  if (mesh.heat_cells_per_column() > 1 || mesh.heat_cells_per_layer() > 1) return false;
 
   // Fill them once more and compare.
   v1::Case refilled = complete;
@@ -280,9 +286,10 @@ std::optional<v1::RelativeError> relative_discretisation_error(const v1::Case& c
   if (!band) return std::nullopt;
 
   v1::RelativeError error;
-  const bool bends_more = complete.section().kind() == v1::Section::QUARTER_SLAB;
-  error.set_lower(bends_more ? 0.0 : *band);
+  error.set_lower(*band);
   error.set_upper(*band);
+  if (complete.section().kind() == v1::Section::QUARTER_SLAB)
+    error.set_lower(complete.alloy().has_coalescence_solid_fraction() ? below_with_mush : 0.0);
   return error;
 }
 

@@ -22,7 +22,7 @@ bool quality_matters(const v1::Case& description);
 
 /// How far mesh and time steps may have put the true curl below and above the computed one,
 /// relative to the computed one [1]: the band of docs/error-bars.md. A finer mesh of a quarter slab
-/// always bends more, so there the lower error is 0. Empty if no band was measured: it exists, with
+/// bends more, so there the lower error is 0; with the laws of the mush it is 5 %. Empty if no band was measured: it exists, with
 /// the built-in mesh and steps of the quality, for plane-strain thickness sections (half width 0.2
 /// to 0.4 m) and for the first 300 s of quarter slabs (half width 0.5 to 0.9 m, half thickness 0.2
 /// to 0.4 m).

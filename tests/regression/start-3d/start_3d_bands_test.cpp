@@ -12,7 +12,7 @@ double corner_mm(const std::string& name, v1::Quality quality) {
   return regression::end_lift_mm(regression::run(support::load_case(name, quality)), 0);
 }
 
-double band(const std::string& name, v1::Quality quality) {
+v1::RelativeError band(const std::string& name, v1::Quality quality) {
   v1::Case description;
   for (const auto& shipped : shipped::case_templates())
     if (shipped.name == name) case_file::read_text(shipped.text, name, description);
@@ -33,7 +33,8 @@ TEST(Start3dBands, HoldTheTruthOfCastingsTheyWereNotMadeFrom) {
       RecordProperty(std::string(name) + (quality == v1::DRAFT ? "-draft" : "-engineering"),
                      std::to_string(lift) + " of " + std::to_string(truth));
       ++checks;
-      if (std::abs(lift - truth) <= band(name, quality) * lift) ++held;
+      const v1::RelativeError error = band(name, quality);
+      if (truth >= lift * (1.0 - error.lower()) && truth <= lift * (1.0 + error.upper())) ++held;
     }
   }
   EXPECT_GE(10 * held, 9 * checks) << held << " of " << checks;

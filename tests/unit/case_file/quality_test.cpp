@@ -205,18 +205,30 @@ TEST(DiscretisationError, IsKnownOfTheMeshesAndStepsThatAQualityPicks) {
       return relative_discretisation_error(complete(make(quality)));
     };
     ASSERT_TRUE(error(v1::DRAFT) && error(v1::ENGINEERING) && error(v1::FINE));
-    EXPECT_GT(*error(v1::DRAFT), *error(v1::ENGINEERING));
-    EXPECT_GE(*error(v1::ENGINEERING), *error(v1::FINE));
+    EXPECT_GT(error(v1::DRAFT)->upper(), error(v1::ENGINEERING)->upper());
+    EXPECT_GE(error(v1::ENGINEERING)->upper(), error(v1::FINE)->upper());
   }
 }
 
+TEST(DiscretisationError, OfAQuarterSlabHasOneSideUnlessItsMushHasItsOwnLaws) {
+  v1::Case slab = quarter_slab(v1::DRAFT);
+  EXPECT_EQ(relative_discretisation_error(complete(slab))->lower(), 0.0);
+
+  slab.mutable_alloy()->set_coalescence_solid_fraction(0.98);
+  const auto mush = relative_discretisation_error(complete(slab));
+  EXPECT_GT(mush->lower(), 0.0);
+  EXPECT_LT(mush->lower(), mush->upper());
+}
+
 TEST(DiscretisationError, OfAQuarterSlabIsUnknownBeyondItsStartAndOnAnotherMesh) {
-  v1::Case later = quarter_slab(v1::DRAFT), layers = later, merged = later, long_slab = later;
+  v1::Case later = quarter_slab(v1::DRAFT), layers = later, merged = later, long_slab = later,
+           heat = later;
   later.mutable_time()->set_end_s(1000.0);
   layers.mutable_mesh()->set_layers(4);
   merged.mutable_mesh()->set_merge_below_m(0.2);
   long_slab.mutable_section()->set_half_width_m(1.2);
-  for (const auto& c : {later, layers, merged, long_slab})
+  heat.mutable_mesh()->set_heat_cells_per_column(2);
+  for (const auto& c : {later, layers, merged, long_slab, heat})
     EXPECT_FALSE(relative_discretisation_error(complete(c)));
 }
 
