@@ -140,13 +140,12 @@ void check_probed(const v1::Job& job, const v1::ProbeResultRequest& request,
 
   for (const v1::FrameField& field : found.fields())
     if (field.unit().empty())
-      refuse(grpc::NOT_FOUND, "the frames have no field \"{}\"; QueryResult with a frame names them",
-             field.name());
+      refuse(ErrorInfo::NOT_FOUND, Remedy{"QueryResult with a frame names them"},
+             "the frames have no field \"{}\"", field.name());
 
   if (found.ByteSizeLong() > answer_bytes)
-    refuse(grpc::RESOURCE_EXHAUSTED,
-           "the values of {} points at {} instants exceed an answer of 4 MiB; ask for fewer points, "
-           "or for one instant",
+    refuse(ErrorInfo::ANSWER_TOO_LARGE, Remedy{"ask for fewer points, or for one instant"},
+           "the values of {} points at {} instants exceed an answer of 4 MiB",
            request.points_size(), found.instants_size());
 }
 
