@@ -77,7 +77,7 @@ google::protobuf::RepeatedPtrField<v1::Finding> findings_to_remedy(const v1::Job
     if (finding.severity() > v1::Finding::NOTE && !case_file::advice_against(finding).empty())
       *findings.Add() = finding;
   if (findings.empty())
-    refuse(grpc::FAILED_PRECONDITION,
+    refuse(ErrorInfo::WRONG_STATE,
            "job {} has no finding that a lever of the plant influences (docs/findings.md)",
            job.id());
 
@@ -101,7 +101,7 @@ jobs::Attachments complete_remedy(Context& context, const Call& call,
   const auto folder = context.jobs_directory / id;
   const jobs::JobDescription description = jobs::read_job_description(folder);
   if (!request.mutable_case_()->ParseFromString(description.submitted_case))
-    refuse(grpc::DATA_LOSS, "the case of job {} cannot be read any more", id);
+    refuse(ErrorInfo::DAMAGED, "the case of job {} cannot be read any more", id);
 
   jobs::Attachments files;
   request.clear_attachments();
@@ -215,7 +215,8 @@ std::vector<judging::JudgedRun> judged_runs(Context& context, const v1::StudyRes
     if (run.job().empty()) continue;
 
     auto steps = read_steps(context, run.job());
-    if (!steps) refuse(grpc::ABORTED, "job {} has gone back to a checkpoint; ask again", run.job());
+    if (!steps)
+      refuse(ErrorInfo::CHANGED_MEANWHILE, "job {} has gone back to a checkpoint; ask again", run.job());
     judged.steps = std::move(*steps);
     jobs::read_complete_case(context.jobs_directory / run.job(), judged.description);
   }
