@@ -1,4 +1,4 @@
-// Files that dccastd wrote before core and server shared their framing: they stay readable.
+// Files that dccastd writes stay readable, byte by byte. Event logs of version 1: server/state.
 #include <gtest/gtest.h>
 
 #include "core/storage/file.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 /// "started" at second 1, step 7 at second 2.
 const std::string event_log = from_hex(
-    "44434341 53544556 01000000 00000000 13000000 f2b5f1c3 08011202 08011a0b"
+    "44434341 53544556 02000000 00000000 13000000 f2b5f1c3 08011202 08011a0b"
     "08021207 73746172 74656413 00000028 f75dbb08 02120208 02220b08 07110000"
     "00000000 0440");
 
