@@ -285,7 +285,10 @@ void add_measured_chart(const Calibration& calibration, const Calibration::Curve
 
   if (!is_curl || !calibration.has_mesh_error()) return;
   v1::Chart::Line& mesh = add_line(chart, "mesh and time steps", time_s, vector_of(curve.best()));
-  add_band(mesh, calibration.mesh_error());
+  v1::RelativeError error;  // the calibration takes the larger side for both
+  error.set_lower(calibration.mesh_error());
+  error.set_upper(calibration.mesh_error());
+  add_band(mesh, error);
   // The band alone: its middle is nearly that of the data after.
   for (double& value : *mesh.mutable_y()) value = std::numeric_limits<double>::quiet_NaN();
 }

@@ -65,10 +65,10 @@ bool depends_on_section(const results::HistoryField& field) {
 
 /// The name of a figure in SectionFigures, which has no unit: "side_heat" of "side_heat_w_per_m".
 std::string section_name(const results::HistoryField& field) {
-  std::string name = field.name;
+  std::string_view name = field.name;
   for (const std::string_view suffix : {"_w_per_m", "_n_per_m", "_m3_per_m"})
-    if (name.ends_with(suffix)) name.resize(name.size() - suffix.size());
-  return name;
+    if (name.ends_with(suffix)) name.remove_suffix(suffix.size());
+  return std::string(name);
 }
 
 /// The fields of StepReport or its SectionFigures, in the order of history_fields(). They are

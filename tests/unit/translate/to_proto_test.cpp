@@ -22,8 +22,9 @@ TEST(FindingToProto, EveryCodeHasItsRowOfLevers) {
 }
 
 TEST(FindingToProto, NamesWhatAPlantCanChange) {
-  EXPECT_EQ(to_proto(results::Finding{.code = "thin_shell"}).remedy(),
-            "Cast slower or pour colder.");
+  results::Finding finding;
+  finding.code = "thin_shell";
+  EXPECT_EQ(to_proto(finding).remedy(), "Cast slower or pour colder.");
 }
 
 TEST(StepToProto, NamesTheMonitors) {
