@@ -179,9 +179,9 @@ Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
     return {"the server is of an earlier version than this client, " + options.version +
                 ", and knows no users",
             "use a client of the server's version"};
-  if (const auto refused = refusal_of(status);
-      refused && refused->reason == v1::ErrorInfo::NOT_LOGGED_IN)
-    return {refused->cause, refused->remedy.empty() ? "log in again" : refused->remedy};
+  // gRPC refuses a caller who has proved nothing before the service does: its text is all there is.
+  if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED)
+    return {reason_of(status), "do as the cause says, or log in again"};
   if (!status.ok())
     return {"the server does not answer a call: " + reason_of(status), "look into its log"};
   found.push_back("you are " + (who.name().empty() ? "a local user" : who.name()) + ", " +

@@ -65,6 +65,7 @@ const std::vector<Row>& rows() {
       {"bleed_out_at_bottom", false, thicker_bottom},
       {"sump_too_deep", false, {{&speed, less}, {&metal, less}, {&water, more}}},
       {"shell_melted_through", false, thicker_bottom},
+      {"steam_lifts_butt", false, {{&hold_time, more}, {&water, less}}},
       {"rotation_too_large", false, flatter_butt},
       {"slip_too_large", false, flatter_butt},
       {"centre_lifts", false, {}},

@@ -149,7 +149,7 @@ class KilledDaemon(AdoptionTest):
         job_id, worker = self.running_job()
         self.daemon.kill()
         with open(self.job_file(job_id, "worker.lock"), "w", encoding="ascii") as file:
-            file.write(f"3 1 {job_id}\n")
+            file.write(f"2 1 {job_id}\n")
         self.restart()
         self.assertFalse(start_ticks(worker))
         self.resumed_once(job_id, expected)

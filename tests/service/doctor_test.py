@@ -192,7 +192,8 @@ class Doctor(ClientTest):
         self.doctor("--role", "submitter", cause="the role of anna is viewer",
                     remedy="dccastd user role anna submitter")
         self.admin("user", "disable", "anna")
-        self.doctor(cause="anna is disabled", remedy="dccastd user enable anna")
+        self.doctor(cause="anna is disabled; an admin can undo it: dccastd user enable anna",
+                    remedy="do as the cause says")
         self.admin("user", "enable", "anna")
         self.admin("user", "rotate", "anna")
         self.doctor(cause="token is unknown", remedy="log in again")

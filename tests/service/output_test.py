@@ -159,7 +159,7 @@ class Output(Commands):
     def test_fetch_refuses_what_is_no_file(self):
         job = self.finished_job()
         for place, word in (("", "a file or a folder"), ("-", "two files"),
-                            ("/dev/null", "no file"), ("x.xdmf", "HDF5")):
+                            ("/dev/null", "not a regular file"), ("x.xdmf", "HDF5")):
             with self.subTest(place=place):
                 self.assertIn(word, self.dccast("fetch", "-o", place, job, code=2).stderr)
         os.mkfifo(self.here("pipe"))

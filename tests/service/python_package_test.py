@@ -276,7 +276,7 @@ class Steering(PackageTest):
 
     def test_what_is_printed_has_units(self):
         job = self.ended()
-        self.assertRegex(repr(job), r"SUCCEEDED 'Start.*: corner [-\d.]+ mm, .* at 20 s>")
+        self.assertRegex(repr(job), r"SUCCEEDED 'Start.*: corner [-\d.]+ ± [\d.]+ mm, .* at 20 s>")
         self.assertRegex(repr(job.band("corner")), r"'corner' [\d.]+ ± [\d.]+ mm at the end; \d+ steps,"
                                                    r" .* to 20 s>")
         self.assertRegex(repr(job.frames), r"<dccast.Frames \d+, .* to 20 s>")
@@ -366,7 +366,7 @@ class Steering(PackageTest):
         block = "cooling.bottom_block.temperature"
         study = self.service.uncertainty(CASE, only={block: ["60 degC", "100 degC"]}, runs=8,
                                          changes=QUICK).wait()
-        self.assertIn("8 runs: 8 valid", study.judgement().heading)
+        self.assertIn("8 runs: 8 valid", study.judgement().message.heading)
         self.assertTrue(any(block in line for line in study.judgement().sentences))
 
         # The server knows the range of a datum that is only named.

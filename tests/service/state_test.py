@@ -467,7 +467,7 @@ class Backup(StateTest):
 
         os.remove(os.path.join(backup, "MANIFEST.sha256"))
         code, said = self.command("restore", "--from", backup, data=fresh + "2")
-        self.assertIn("did not come to its end", said)
+        self.assertIn("not a backup, or an incomplete one", said)
 
 
 if __name__ == "__main__":

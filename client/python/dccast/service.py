@@ -232,8 +232,12 @@ class Service:
                       gives a range
         @param noise  standard deviation of a reading by monitor [m] or [K]; absent: inferred
         """
-        curves = [study_pb2.MeasuredCurve(monitor=monitor, noise=(noise or {}).get(monitor, 0.0), **columns)
-                  for monitor, columns in measured.items()]
+        curves = []
+        for monitor, columns in measured.items():
+            curve = study_pb2.MeasuredCurve(monitor=monitor, noise=(noise or {}).get(monitor, 0.0))
+            for name, readings in columns.items():
+                getattr(curve, name).extend(readings)
+            curves.append(curve)
         plan = study_pb2.SweepPlan(
             axes=_axes(free), design=study_pb2.SweepPlan.LATIN_HYPERCUBE,
             purpose=study_pb2.SweepPlan.CALIBRATION, runs=runs, seed=seed, measured=curves)

@@ -63,6 +63,7 @@ public:
       corner.set_name("corner");
       corner.add_displacement_m(0.0);
       corner.add_displacement_m(outcome.corner_m * i / 20.0);
+      corner.set_curl_m(corner.displacement_m(1));
     }
     runs_.push_back(run);
 
