@@ -83,8 +83,11 @@ class Remedy(Client, ServiceTest):
 class OnThePage(Client, InBrowser):
     worker = "dccast-worker"
 
-    def test_the_button_of_a_job_leads_to_what_helps(self):
+    def test_the_wall_names_levers_and_the_button_of_a_job_leads_to_what_helps(self):
         job = self.bled_out()
+        self.go("wall")
+        self.wait_for("Hold longer, cast slower", ".verdict", 30)
+
         self.go(f"job/{job}")
         self.wait_for("Hold longer, cast slower", ".findings")
         self.press("Compute what helps", "main")
@@ -93,9 +96,6 @@ class OnThePage(Client, InBrowser):
         self.wait_for("shell_melted_through: hold", "#answer", 30)
         self.assertRegex(self.find("#answer").text, AMOUNT)
         self.assertEqual(self.complaints(), [])
-
-        self.go("wall")
-        self.wait_for("Hold longer, cast slower", ".verdict", 30)
 
 
 if __name__ == "__main__":
