@@ -186,18 +186,20 @@ export function jobPage(element, signal, id) {
     solved.equilibrium.push(digits(step.equilibrium_residual));
     solved.energy.push(digits(step.energy_balance_error));
   }
+  // The disclosure stays: one that is replaced under the pointer is not opened.
+  const residuals = h('div');
   function drawSolved() {
     const {time_s: x, equilibrium, energy} = solved;
     if (x.length < 2) return;
-    const open = solver.querySelector('details')?.open ?? false;
+    if (!residuals.isConnected)
+      replace(solver, h('details', {}, h('summary', {}, 'Residuals of the steps'), residuals));
     replace(
-      solver, h('details', {open}, h('summary', {}, 'Residuals of the steps'),
-                chart([{name: 'equilibrium', x, y: equilibrium}, {name: 'energy', x, y: energy}], {
-                  title: 'Residuals of the steps, relative',
-                  xLabel: 'time, s',
-                  yLabel: 'log10',
-                  unit: ''
-                })));
+      residuals, chart([{name: 'equilibrium', x, y: equilibrium}, {name: 'energy', x, y: energy}], {
+        title: 'Residuals of the steps, relative',
+        xLabel: 'time, s',
+        yLabel: 'log10',
+        unit: ''
+      }));
   }
 
   let shown = null, waiting = false, watched = false;
