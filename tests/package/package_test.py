@@ -62,7 +62,7 @@ class Packages(unittest.TestCase):
         self.assertIn('\ndata_directory = "/var/lib/dccast"\n', settings)
 
     def test_every_command_has_a_page_with_its_options(self):
-        commands = re.findall(r"^  ([a-z-]+) {2,}\S", run(BUILD / "bin/dccast", "--help"), re.M)
+        commands = re.findall(r"^  ([a-z][a-z-]*) {2,}\S", run(BUILD / "bin/dccast", "--help"), re.M)
         self.assertIn("submit", commands)
         man = self.root / "usr/share/man"
         for command in commands:

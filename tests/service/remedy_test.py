@@ -86,7 +86,7 @@ class OnThePage(Client, InBrowser):
     def test_the_wall_names_levers_and_the_button_of_a_job_leads_to_what_helps(self):
         job = self.bled_out()
         self.go("wall")
-        self.wait_for("Hold longer, cast slower", ".verdict", 30)
+        self.wait_for("Cast slower or pour colder", ".verdict", 30)
 
         self.go(f"job/{job}")
         self.wait_for("Hold longer, cast slower", ".findings")
