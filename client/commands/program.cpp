@@ -115,18 +115,18 @@ struct Group {
 /// Commands in the order of the help text.
 const std::vector<Group>& groups() {
   static const std::vector<Group> all{
-      {"Prepare a case", {add_new, add_validate, add_schema, add_alloys}},
-      {"Ask at once", {add_query, add_compare}},
-      {"Run jobs",
+      {"Commands to prepare a case", {add_new, add_validate, add_schema, add_alloys}},
+      {"Commands to ask at once", {add_query, add_compare}},
+      {"Commands to run jobs",
        {add_submit, add_watch, add_wait, add_list, add_show, add_top, add_cancel, add_pause,
         add_resume, add_label, add_pin, add_unpin, add_delete}},
-      {"Read results",
+      {"Commands to read results",
        {add_curl, add_report, add_dashboard, add_probe, add_contraction, add_fetch, add_case,
         add_logs}},
-      {"Study a case",
+      {"Commands to study a case",
        {add_convergence, add_uncertainty, add_sensitivity, add_calibrate, add_remedy, add_sweep,
         add_predict, add_design_recipe, add_design_mould, add_studies}},
-      {"Reach a server",
+      {"Commands to reach a server",
        {add_login, add_logout, add_whoami, add_doctor, add_info, add_usage, add_completion}}};
   return all;
 }

@@ -452,7 +452,6 @@ class Pages(InBrowser):
         WebDriverWait(self.browser, 20).until(lambda _: drawn() not in (first, None))
         self.find("details summary").click()
         self.find("svg[aria-label^='Residuals of the steps']")
-        self.wait_for(" left", "main p")
         self.press("Cancel")
         self.press("Cancel this job", "dialog")
         self.wait_for("cancelled")
