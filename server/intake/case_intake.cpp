@@ -205,7 +205,8 @@ bool CaseIntake::has_fixed_card(const v1::Case& submitted,
   const auto is_named = [&](const auto& each, const auto& its_name) {
     return std::ranges::find(each, name, its_name) != each.end();
   };
-  return is_named(attachments, &jobs::AttachedFile::name) ||
+  // Without a name it is the default card, which is built in.
+  return name.empty() || is_named(attachments, &jobs::AttachedFile::name) ||
          is_named(alloys_, [](const v1::Alloy& alloy) { return alloy.card(); });
 }
 
