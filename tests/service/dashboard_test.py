@@ -472,7 +472,7 @@ class Pages(InBrowser):
         self.press("Undo", ".pending")
         self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, ".pending"), [])
         step = self.client.job(job.id).last_step.step
-        self.client.until_step(job.id, step + 350)  # 7 s: longer than it would have waited
+        self.client.until_step(job.id, step + 350, seconds=60)  # 7 s or more: longer than it would have waited
         self.assertEqual(self.client.job(job.id).state, job_pb2.RUNNING)
 
         self.go(f"job/{job.id}")

@@ -463,7 +463,7 @@ class CommandLine(ServiceTest):
         self.assertIn("wrokers", ended.stderr)
         self.assertEqual(self.run_daemon("--nonsense").returncode, 2)
         self.assertEqual(self.run_daemon("--help").returncode, 0)
-        self.assertIn("dccastd 0.", self.run_daemon("--version").stdout)
+        self.assertIn("dccastd 1.", self.run_daemon("--version").stdout)
 
 
 if __name__ == "__main__":
