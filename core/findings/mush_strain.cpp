@@ -1,24 +1,11 @@
 #include "core/findings/mush_strain.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "core/findings/motion.hpp"
+
 namespace dccast::casting {
-
-namespace {
-
-/// Mean of the corners of an element [m].
-template <int Dim>
-std::array<double, Dim> centre_of_corners(const mesh::Mesh<Dim>& mesh, int e) {
-  std::array<double, Dim> centre{};
-  const double share = 1.0 / mesh.nodes_per_element;
-  for (int i = 0; i < mesh.nodes_per_element; ++i)
-    for (std::size_t d = 0; d < Dim; ++d) centre[d] += share * mesh.point(mesh.nodes_of(e)[i])[d];
-  return centre;
-}
-
-}  // namespace
 
 double largest_principal(const SymmetricTensor<2>& t) {
   return 0.5 * (t[0] + t[1]) + std::hypot(0.5 * (t[0] - t[1]), t[3]);
@@ -45,6 +32,7 @@ Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState
   Located<Dim> largest;
   if (!slab.started || mesh.elements() == 0) return largest;
 
+  int strained_element = -1;
   const std::size_t points = slab.viscoplastic.size() / std::size_t(mesh.elements());
   for (int e = 0; e < growing; ++e) {
     if (slab.solid[std::size_t(e)] == 0) continue;
@@ -55,9 +43,14 @@ Located<Dim> mush_strain(const mesh::Mesh<Dim>& mesh, const mechanics::SlabState
       double strain = largest_principal(tensor);
       // By symmetry the hoop direction of a billet is a principal one.
       if (Dim == 2 && hoop) strain = std::max(strain, tensor[2]);
-      if (strain > largest.value) largest = {strain, centre_of_corners(mesh, e)};
+      if (strain <= largest.value) continue;
+      largest.value = strain;
+      strained_element = e;
     }
   }
+
+  if (strained_element >= 0)
+    std::ranges::copy(centroid(mesh, strained_element), largest.place.begin());
   return largest;
 }
 

@@ -1,12 +1,11 @@
 #include "core/findings/residual_stress.hpp"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "core/findings/element_centre.hpp"
+#include "core/findings/mush_strain.hpp"
 
 namespace dccast::casting {
 
@@ -23,16 +22,10 @@ template <int Dim>
 constexpr std::size_t inward = Dim == 2 ? 0 : 1;
 
 template <int Dim>
-double greatest_principal(const SymmetricTensor<Dim>& s) {
-  Eigen::Matrix3d m = Eigen::Vector3d(s[0], s[1], s[2]).asDiagonal();
-  m(0, 1) = m(1, 0) = s[3];
-  if constexpr (Dim == 3) {
-    m(1, 2) = m(2, 1) = s[4];
-    m(0, 2) = m(2, 0) = s[5];
-  }
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m, Eigen::EigenvaluesOnly)
-      .eigenvalues()
-      .maxCoeff();
+double greatest_principal(const SymmetricTensor<Dim>& stress) {
+  const double principal = largest_principal(stress);
+  // The third direction of a section is a principal one, too.
+  return Dim == 2 ? std::max(principal, stress[2]) : principal;
 }
 
 /// An element with its mean stress.
