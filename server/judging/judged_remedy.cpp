@@ -22,8 +22,7 @@ struct FindingFigure {
 double greatest_lift_m(const v1::StepReport& step) {
   double lift_m = 0.0;
   for (const v1::MonitorValue& monitor : step.monitors())
-    if (monitor.displacement_m_size() > 1)
-      lift_m = std::max(lift_m, *monitor.displacement_m().rbegin());
+    if (monitor.has_curl_m()) lift_m = std::max(lift_m, monitor.curl_m());
   return lift_m;
 }
 
