@@ -5,16 +5,19 @@
 
 #include "core/casting/simulation.hpp"
 #include "core/results/journal.hpp"
-#include "core/results/result_reader.hpp"
 
 namespace dccast::worker {
 
 StoredFrames::StoredFrames(const std::filesystem::path& directory, bool running)
-    : file_(directory / (running ? casting::journal_name : "results.h5")), running_(running) {
-  if (running_)
+    : journal_(directory / casting::journal_name) {
+  if (running) {
     read_times_of_journal();
-  else
-    read_times_of_results();
+    return;
+  }
+
+  results_.emplace(directory / "results.h5");
+  header_ = results_->header();
+  times_ = results_->frame_times();
 }
 
 std::size_t StoredFrames::nearest(double time) const {
@@ -24,22 +27,14 @@ std::size_t StoredFrames::nearest(double time) const {
 }
 
 void StoredFrames::visit(std::size_t first, std::size_t count, const Visitor& use) const {
-  if (running_) return visit_journal(first, count, use);
-
-  const results::ResultReader reader(file_);
-  for (std::size_t i = first; i < first + count; ++i) use(reader.frame(i));
-}
-
-void StoredFrames::read_times_of_results() {
-  const results::ResultReader reader(file_);
-  header_ = reader.header();
-  times_ = reader.frame_times();
+  if (!results_) return visit_journal(first, count, use);
+  for (std::size_t i = first; i < first + count; ++i) use(results_->frame(i));
 }
 
 void StoredFrames::read_times_of_journal() {
-  if (!std::filesystem::exists(file_)) return;
+  if (!std::filesystem::exists(journal_)) return;
 
-  results::visit_journal(file_, [&](const results::Record& record) {
+  results::visit_journal(journal_, [&](const results::Record& record) {
     if (record.kind == results::RecordKind::header) header_ = results::read_header(record.content);
     if (record.kind == results::RecordKind::frame)
       times_.push_back(record.content.reals("instant").at(0));
@@ -49,7 +44,7 @@ void StoredFrames::read_times_of_journal() {
 
 void StoredFrames::visit_journal(std::size_t first, std::size_t count, const Visitor& use) const {
   std::size_t index = 0;
-  results::visit_journal(file_, [&](const results::Record& record) {
+  results::visit_journal(journal_, [&](const results::Record& record) {
     if (record.kind != results::RecordKind::frame) return true;
     if (index >= first + count) return false;
 

@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/results/frame.hpp"
+#include "core/results/result_reader.hpp"
 
 namespace dccast::worker {
 
@@ -31,12 +33,11 @@ public:
   void visit(std::size_t first, std::size_t count, const Visitor& use) const;
 
 private:
-  void read_times_of_results();
   void read_times_of_journal();
   void visit_journal(std::size_t first, std::size_t count, const Visitor& use) const;
 
-  std::filesystem::path file_;
-  bool running_;
+  std::filesystem::path journal_;
+  std::optional<results::ResultReader> results_;  ///< of a run that has ended
   results::RunHeader header_;
   std::vector<double> times_;
 };
