@@ -91,7 +91,7 @@ class RemoteFault(Fault):
 
 
 class TokenRevokedUnderWatch(RemoteFault):
-    """A token is revoked while its user watches: the watch ends within 2 s, job and other watches go on"""
+    """A token is revoked: its watches end within 2 s, job and other watches go on"""
 
     def disturb(self, scene, count):
         stubs = [over_tls(scene, self.ca(scene), self.enrol(scene, name))
@@ -105,7 +105,7 @@ class TokenRevokedUnderWatch(RemoteFault):
 
 
 class ClientCertificateExpiresUnderWatch(RemoteFault):
-    """A client's certificate expires while it watches: the watch ends, the job goes on"""
+    """A client's certificate expires: its watch ends, the job goes on"""
 
     def prepare(self, scene):
         self.own = TestCa(scene.folder)
@@ -125,7 +125,7 @@ class ClientCertificateExpiresUnderWatch(RemoteFault):
 
 
 class ServerCertificateExpiresUnderWatch(RemoteFault):
-    """The server's certificate expires under a watch and is replaced: the watch goes on, new calls are served"""
+    """The server's certificate expires and is replaced: a watch goes on, new calls are served"""
 
     def prepare(self, scene):
         self.own = TestCa(scene.folder)
@@ -157,7 +157,7 @@ class ServerCertificateExpiresUnderWatch(RemoteFault):
 
 
 class RefusedEnrolments(RemoteFault):
-    """Enrolments without a secret, as fast as one connection takes them: the audit log grows by 200 lines at most"""
+    """Enrolments without a secret, as fast as possible: at most 200 lines in the audit log"""
     short, long = 1, 5
     calls, most_lines = 3000, 200
 
@@ -183,7 +183,7 @@ class RefusedEnrolments(RemoteFault):
 
 
 class SilentConnections(RemoteFault):
-    """1,200 connections that greet or not, and then say nothing, on both listeners: others are served within 2 s"""
+    """1,200 silent connections on both listeners"""
     short, long = 1, 5
     connections = 1200
     greeting = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])

@@ -24,7 +24,7 @@ NO_ANSWERS = (grpc.StatusCode.INTERNAL, grpc.StatusCode.UNKNOWN, grpc.StatusCode
 
 
 class IdleConnections(Fault):
-    """1,100 idle connections at a limit of 1,024 descriptors, while jobs are submitted and run"""
+    """1,100 idle connections at a limit of 1,024 descriptors"""
     short, long = 1, 5
     patience = 20.0
     connections = 1100
@@ -70,7 +70,7 @@ class IdleConnections(Fault):
 
 
 class HeavyChecks(Fault):
-    """16 checks of cases with 100,000 monitors at once, while the status is asked for"""
+    """16 checks of cases with 100,000 monitors at once, beside status requests"""
     short, long = 1, 3
     checks, monitors = 16, 100000
 
@@ -108,7 +108,7 @@ class HeavyChecks(Fault):
 
 
 class OversizeStrings(Fault):
-    """Titles, names and ids of many megabytes; lists and other clients must not suffer"""
+    """Titles, names and ids of many megabytes"""
     short, long = 5, 30
 
     at_once = 5
@@ -150,7 +150,7 @@ class OversizeStrings(Fault):
 
 
 class MalformedMessages(Fault):
-    """Random bytes and mutated messages to every call; each gets an answer with words"""
+    """Random bytes and mutated messages to every call"""
     short, long = 300, 4000
     seconds = 8.0
 
@@ -188,7 +188,7 @@ class MalformedMessages(Fault):
 
 
 class KillCheck(Fault):
-    """kill -9 of the process that checks a submitted case; the client tries again where it may"""
+    """kill -9 of the process that checks a submitted case"""
     short, long = 3, 40
     seconds = 15.0
 

@@ -9,7 +9,7 @@ from support import BIN
 
 
 class ClockJumps(Fault):
-    """The wall clock of daemon and workers jumps by up to a year, back and forth, while they run"""
+    """The wall clock of daemon and workers jumps by up to a year, back and forth"""
     short, long = 2, 20
     at_once = 4
     year = 365 * 86400

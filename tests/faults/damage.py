@@ -135,7 +135,7 @@ class Damage(Fault):
 
 
 class FlipEventLog(Damage):
-    """One bit flipped in the event log of an ended, running or waiting job, anywhere"""
+    """One bit flipped in the event log of an ended, running or waiting job"""
 
     def damage(self, chance, scene, there):
         job_id = chance.choice(list(scene.acknowledged))
@@ -144,7 +144,7 @@ class FlipEventLog(Damage):
 
 
 class OverwriteEventLogBeginning(Damage):
-    """Header and first event of the event log of a waiting job overwritten: it runs as if nothing had been"""
+    """Header and first event of the event log of a waiting job overwritten: it runs all the same"""
     short, long = 2, 20
 
     def damage(self, chance, scene, there):
@@ -155,7 +155,7 @@ class OverwriteEventLogBeginning(Damage):
 
 
 class ReplaceEventLog(Damage):
-    """The event log of a waiting job replaced by a folder, a link or a named pipe: it runs as if nothing had been"""
+    """The event log of a waiting job replaced by a folder, a link or a named pipe: it runs all the same"""
     short, long = 3, 18
     kinds = (os.mkdir, os.mkfifo, lambda path: os.symlink(path + ".elsewhere", path))
 
@@ -168,7 +168,7 @@ class ReplaceEventLog(Damage):
 
 
 class FlipStore(Damage):
-    """One bit flipped in jobs.sqlite after an orderly stop, anywhere"""
+    """One bit flipped in jobs.sqlite after an orderly stop"""
     kill = False
 
     def damage(self, chance, scene, there):
@@ -190,7 +190,7 @@ class FlipWalPage(Damage):
 
 
 class FlipJournal(Damage):
-    """One bit flipped in journal.bin of a real casting that was killed on its way"""
+    """One bit flipped in journal.bin of a killed real casting"""
     worker = REAL
 
     def damage(self, chance, scene, there):
@@ -198,7 +198,7 @@ class FlipJournal(Damage):
 
 
 class FlipCheckpoint(Damage):
-    """One bit flipped in checkpoint.bin of a real casting that was killed on its way"""
+    """One bit flipped in checkpoint.bin of a killed real casting"""
     worker = REAL
 
     def damage(self, chance, scene, there):
@@ -206,7 +206,7 @@ class FlipCheckpoint(Damage):
 
 
 class OtherCheckpointVersion(Damage):
-    """checkpoint.bin of another version of the program, in a real casting that was killed on its way"""
+    """checkpoint.bin of another version in a killed real casting"""
     short, long = 1, 10
     worker = REAL
 
@@ -218,7 +218,7 @@ class OtherCheckpointVersion(Damage):
 
 
 class TruncateFile(Damage):
-    """journal.bin, checkpoint.bin or events.log of a killed real casting cut short anywhere"""
+    """journal.bin, checkpoint.bin or events.log of a killed real casting cut short"""
     short, long = 2, 30
     worker = REAL
 
@@ -248,7 +248,7 @@ class FlipAnyFile(Damage):
 
 
 class FlipResults(Damage):
-    """One bit flipped in results.h5; fetch, frames and reports must not take it for the result"""
+    """One bit flipped in results.h5: fetch, frames and reports refuse it"""
     short, long = 2, 20
     worker = REAL
 

@@ -93,27 +93,27 @@ class Refusal(Fault):
 
 
 class DiskFull(Refusal):
-    """ENOSPC from every write while 1 job runs and 20 wait; later there is space again"""
+    """ENOSPC from every write; later there is space again"""
     error, calls = errno.ENOSPC, "won"
 
 
 class DiskReadOnly(Refusal):
-    """EROFS from every write and open while 1 job runs and 20 wait; later it can be written again"""
+    """EROFS from every write and open; later writing works again"""
     error = errno.EROFS
 
 
 class DiskFails(Refusal):
-    """EIO from every write and sync while 1 job runs and 20 wait; later they work again"""
+    """EIO from every write and sync; later they work again"""
     error, calls = errno.EIO, "ws"
 
 
 class SyncFails(Refusal):
-    """EIO from every fsync and nothing else while 1 job runs and 20 wait"""
+    """EIO from every fsync and nothing else"""
     error, calls = errno.EIO, "s"
 
 
 class SlowDisk(Fault):
-    """Every fsync takes 2 s while a job ends and two are cancelled; who asks is answered in 50 ms"""
+    """Every fsync takes 2 s while a job ends and two are cancelled; questions are answered in 50 ms"""
     short, long = 1, 6
     seconds = 60.0
     patience = 60.0
@@ -197,7 +197,7 @@ class FilledDisk(Fault):
 
 
 class SmallDisk(FilledDisk):
-    """A small tmpfs filled to the last byte while 1 job runs and 20 wait; later emptied (root only)"""
+    """A small tmpfs filled to the last byte; later emptied (root only)"""
     size = "size=48m"
 
     def fill(self, folder):
@@ -205,7 +205,7 @@ class SmallDisk(FilledDisk):
 
 
 class ExhaustedInodes(FilledDisk):
-    """A tmpfs with space and no inode left while 1 job runs and 20 wait; later emptied (root only)"""
+    """A tmpfs with space and no inode left; later emptied (root only)"""
     size = "size=256m,nr_inodes=2000"
 
     def fill(self, folder):
@@ -236,7 +236,7 @@ def fill(path):
 
 
 class LimitedDescriptors(Fault):
-    """The running daemon gets no further descriptor while 1 job runs and 20 wait (RLIMIT_NOFILE)"""
+    """The daemon gets no further descriptor (RLIMIT_NOFILE)"""
     short, long = 1, 10
     seconds = 40.0
     patience = 40.0
@@ -262,7 +262,7 @@ class LimitedDescriptors(Fault):
 
 
 class FailedStart(Fault):
-    """The start of a waiting job fails with EROFS or EMFILE, a few times; then it can be started"""
+    """The start of a waiting job fails with EROFS or EMFILE, a few times"""
     short, long = 2, 20
     patience = 20.0
 
@@ -318,14 +318,14 @@ class FailedOrder(Fault):
 
 
 class CancelWriteFails(FailedOrder):
-    """A cancel whose first write fails (ENOSPC), of a running and of a waiting job; then again"""
+    """A cancel whose first write fails (ENOSPC), of a running and of a waiting job"""
 
     def order(self, scene, job_id):
         scene.client.cancel(job_id)
 
 
 class PauseWriteFails(FailedOrder):
-    """A pause whose first write fails (ENOSPC), of a running and of a waiting job; then again"""
+    """A pause whose first write fails (ENOSPC), of a running and of a waiting job"""
     wanted = job_pb2.PAUSED
 
     def order(self, scene, job_id):
@@ -333,7 +333,7 @@ class PauseWriteFails(FailedOrder):
 
 
 class RefusedCancel(Fault):
-    """A cancel of a waiting job that fails and is not tried again: the job must not be forgotten"""
+    """A cancel of a waiting job that fails and is not tried again"""
     short, long = 1, 10
     patience = 15.0
 

@@ -27,7 +27,7 @@ class TwoCastings(Fault):
 
 
 class StopWorker(TwoCastings):
-    """SIGSTOP of a worker in the middle of a real casting: it hangs for ever"""
+    """SIGSTOP of a worker in the middle of a real casting"""
     short, long = 2, 20
     settings = WATCHFUL
 
@@ -42,7 +42,7 @@ class StopWorker(TwoCastings):
 
 
 class WorkerTakenOver(Fault):
-    """A worker that its file has taken over tries to end and change its daemon, and to take memory past its bound"""
+    """A worker taken over by its file attacks its daemon and takes memory past its bound"""
     short, long = 1, 5
     settings = {"workers": 1, "worker_memory": "300 MB"}
     attack = "steps=20 attack=600000000"
@@ -66,7 +66,7 @@ class WorkerTakenOver(Fault):
 
 
 class LimitedMemory(Fault):
-    """Workers of real castings with a random part of the memory they need (worker_memory)"""
+    """Real castings with a random part of the memory they need (worker_memory)"""
     short, long = 2, 20
     worker = REAL
 
@@ -85,7 +85,7 @@ class LimitedMemory(Fault):
 
 
 class SilentWorker(Fault):
-    """A worker that is handed a job and does not begin it, three times"""
+    """A worker that does not begin its job, three times"""
     short, long = 1, 5
     patience = 30.0
 
@@ -102,7 +102,7 @@ class SilentWorker(Fault):
 
 
 class StalledWorker(Fault):
-    """A worker that is alive and makes no step, ever: its job fails with that cause"""
+    """A worker that lives and makes no step: its job fails with that cause"""
     short, long = 1, 5
     patience = 10.0
     settings = {**WATCHFUL, "worker_restarts": 1, "stall_timeout": "1 s"}
@@ -156,7 +156,7 @@ class StopDaemonWhileRunsEnd(RunsThatEnd):
 
 
 class KillDaemonWhileRunsEnd(RunsThatEnd):
-    """kill -9 of the daemon before runs end, and of their workers after: the next one settles them"""
+    """kill -9 of the daemon before runs end, and of their workers after: the next daemon settles them"""
     options = ("--worker-patience", "60")
 
     @staticmethod
@@ -169,7 +169,7 @@ class KillDaemonWhileRunsEnd(RunsThatEnd):
 
 
 class StopWorkerAndLeave(TwoCastings):
-    """SIGSTOP of a worker, then SIGTERM of the daemon; started again"""
+    """SIGSTOP of a worker, then SIGTERM of the daemon"""
     short, long = 1, 10
     settings = {**WATCHFUL, "stop_grace": "1 s"}
 
@@ -180,7 +180,7 @@ class StopWorkerAndLeave(TwoCastings):
 
 
 class TellDaemon(TwoCastings):
-    """SIGTERM of the daemon while real castings run; started again"""
+    """SIGTERM of the daemon while real castings run"""
     short, long = 2, 30
 
     def disturb(self, scene, count):

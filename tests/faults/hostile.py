@@ -95,7 +95,7 @@ class HostilePeers(RemoteFault):
 
 
 class UploadBesideStrangers(RemoteFault):
-    """Peers without a token that hold requests: an upload of 40 MB by another user is taken"""
+    """Peers without a token hold requests: an upload of 40 MB by another user is taken"""
     kinds = ("UnbegunCalls", "UnfinishedEnrolments", "UnfinishedUploads", "SlowBodies")
     short = long = at_once = len(kinds)
     lasts, before = 8.0, 1.0
@@ -134,7 +134,7 @@ class UploadBesideStrangers(RemoteFault):
 
 
 class BorrowedConnections(RemoteFault):
-    """A peer without a token that names the connections of others in its calls: none is answered"""
+    """A peer without a token names connections of others in its calls: none is answered"""
     short = long = at_once = 1
     header = "dccast-connection"
 
@@ -164,4 +164,4 @@ class BorrowedConnections(RemoteFault):
 
 for NAME, KIND in KINDS.items():
     globals()[NAME] = type(NAME, (HostilePeers,), {
-        "__doc__": f"Hostile peers: {KIND.says}; others are served within 2 s"})
+        "__doc__": f"Hostile peers: {KIND.says}"})

@@ -209,7 +209,7 @@ KINDS = {
                           large_answers, 20, NO_WINDOW),
     "UnreadWatches": Kind("watches that are not read", watches, 20, NO_WINDOW),
     "OpenCalls": Kind("calls that are begun and not ended, as many as may be", open_calls, 90),
-    "OpenCallsWithoutBound": Kind("the same without acknowledging the bound on calls", open_calls, 20,
+    "OpenCallsWithoutBound": Kind("more open calls, the bound not acknowledged", open_calls, 20,
                                   acknowledges=False),
     "ServedCallsWithoutBound": Kind("requests without end, whose answers are not read", many_calls, 20,
                                     NO_WINDOW, acknowledges=False),

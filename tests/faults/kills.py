@@ -50,7 +50,7 @@ class KillWorker(Kill):
 
 
 class KillDaemon(Kill):
-    """kill -9 of the daemon while real castings run; the next one goes on with their workers"""
+    """kill -9 of the daemon while real castings run; the next one adopts their workers"""
     short, long = 4, 60
 
     def kill(self, scene):
@@ -68,7 +68,7 @@ class KillDaemon(Kill):
 
 
 class KillDaemonWithWorkers(Kill):
-    """kill -9 of the daemon while real castings run, whose workers end with it; started again"""
+    """kill -9 of the daemon and, with it, of the workers of real castings"""
     short, long = 2, 30
     options = ("--worker-patience", "0")
 
@@ -80,7 +80,7 @@ class KillDaemonWithWorkers(Kill):
 
 
 class KillDaemonThenWorker(Kill):
-    """kill -9 of the daemon, then of a worker that it left running; daemon started again"""
+    """kill -9 of the daemon, then of a worker that it left running"""
     short, long = 3, 40
 
     def kill(self, scene):
@@ -93,7 +93,7 @@ class KillDaemonThenWorker(Kill):
 
 
 class KillEverything(Kill):
-    """kill -9 of workers, client and daemon at once; daemon started again"""
+    """kill -9 of workers, client and daemon at once"""
     short, long = 3, 40
 
     def kill(self, scene):
@@ -109,7 +109,7 @@ class KillEverything(Kill):
 
 
 class KillClient(Fault):
-    """kill -9 of the command line client while it submits and watches; the same request again"""
+    """kill -9 of the client while it submits and watches; the same request again"""
     short, long = 5, 40
     at_once = 5
     worker = REAL
@@ -147,7 +147,7 @@ class KillUnderLoad(Fault):
 
 
 class KillDuringUploads(Fault):
-    """kill -9 of the daemon while clients upload files and submit cases with them: no job lacks its file"""
+    """kill -9 of the daemon while clients upload files of cases: no job lacks its file"""
     short, long = 3, 30
     at_once = 3
     jobs = 12  # for each kill

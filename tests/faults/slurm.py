@@ -78,7 +78,7 @@ class OfSlurm(Fault):
 
 
 class KillSlurmctld(OfSlurm):
-    """kill -9 of slurmctld at any moment: jobs it has acknowledged are lost, and their ids given to others"""
+    """kill -9 of slurmctld: acknowledged jobs are lost, and their ids given to others"""
 
     def strike(self, scene):
         scene.cluster.restart("slurmctld", away=scene.chance.uniform(0, 2))
@@ -92,7 +92,7 @@ class KillSlurmd(OfSlurm):
 
 
 class SlurmForgets(OfSlurm):
-    """All that slurmctld knows of jobs is lost while they run, and it counts from 1 again"""
+    """slurmctld forgets all running jobs, and counts from 1 again"""
     short, long = 1, 6
     at_once = 1
 
@@ -122,7 +122,7 @@ class KillWorkerOfSlurm(OfSlurm):
 
 
 class DrainNode(OfSlurm):
-    """The node is drained, as Slurm does after a failed launch, and resumed by its administrator"""
+    """The node is drained, as after a failed launch, and resumed"""
 
     def strike(self, scene):
         scene.cluster.run("scontrol", "update", f"NodeName={scene.cluster.host}", "State=DRAIN",
@@ -132,7 +132,7 @@ class DrainNode(OfSlurm):
 
 
 class RequeuedBySlurm(OfSlurm):
-    """Slurm requeues running jobs, as when their node fails, and holds them for two minutes"""
+    """Slurm requeues running jobs, as after a node failure"""
     short, long = 1, 6
     at_once = 1
 

@@ -39,7 +39,7 @@ class StoreEmpty(StoreDamage):
 
 
 class StoreReplaced(StoreDamage):
-    """jobs.sqlite or a file that belongs to it replaced by a folder, a link or a named pipe"""
+    """jobs.sqlite or a file of it replaced by a folder, a link or a named pipe"""
     short, long = 3, 18
     kinds = (os.mkdir, os.mkfifo, lambda path: os.symlink(path + ".elsewhere", path))
 
@@ -56,14 +56,14 @@ class StoreReplaced(StoreDamage):
 
 
 class StoreWithoutWal(StoreDamage):
-    """jobs.sqlite as it is on the disk after kill -9, restored without its -wal"""
+    """jobs.sqlite after kill -9, without its -wal"""
 
     def damage(self, chance, scene, there):
         remove_store(scene, STORE[1:])
 
 
 class StoreFromOldBackup(StoreDamage):
-    """jobs.sqlite from a backup made before most of the jobs were submitted or had ended"""
+    """jobs.sqlite from a backup made before most jobs were submitted"""
 
     def damage(self, chance, scene, there):
         remove_store(scene)
@@ -92,7 +92,7 @@ class EightCastings(Fault):
 
 
 class FolderRestored(EightCastings):
-    """The whole folder lost; restored from a backup that was made while jobs ended, ran and waited"""
+    """The whole folder restored from a backup that was made while jobs ended, ran and waited"""
     short, long = 1, 20
 
     def disturb(self, scene, count):
@@ -105,7 +105,7 @@ class FolderRestored(EightCastings):
 
 
 class StoreRemovedFromWorkingDaemon(EightCastings):
-    """jobs.sqlite removed while the daemon works, which is killed later; started again"""
+    """jobs.sqlite removed under the working daemon, which is killed later"""
     short, long = 1, 10
 
     def disturb(self, scene, count):
@@ -117,7 +117,7 @@ class StoreRemovedFromWorkingDaemon(EightCastings):
 
 
 class FolderMoved(EightCastings):
-    """The folder moved to another path, without the store; the daemon started there"""
+    """The folder moved to another path, without the store"""
     short, long = 1, 10
 
     def disturb(self, scene, count):
@@ -130,7 +130,7 @@ class FolderMoved(EightCastings):
 
 
 class TwoDaemons(Fault):
-    """A second daemon on the folder of a running one: it must leave, with a reason"""
+    """A second daemon on the folder of a running one: it ends with a reason"""
     short, long = 1, 10
 
     def begin(self, scene):

@@ -10,15 +10,14 @@ import subprocess
 
 BEGIN = "<!-- table of faults: begin; written by tests/faults/run.py, not by hand -->"
 END = "<!-- table of faults: end -->"
-HEAD = ["| fault | tried | lost | duplicated | wrong | seconds | command |",
+HEAD = ["| fault | tried | lost | duplicated | wrong | seconds | `run.py --only` |",
         "|---|---|---|---|---|---|---|"]
-ROW = re.compile(r"^\| .* \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| \d+ \| `.* --only ([\w-]+) .*` \|$")
+ROW = re.compile(r"^\| .* \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| \d+ \| `([\w-]+) .*` \|$")
 
 
 def markdown(fault, count, seconds, options):
-    """The row of a fault."""
-    form = "--long" if options.long else "--short"
-    command = f"tests/faults/run.py {form} --only {fault.name()} --seed {options.seed}"
+    """The row of a fault. Its last cell goes on from the head of the table, see `table`."""
+    command = f"{fault.name()} --seed {options.seed}" + ("" if options.long else " --short")
     measured = "".join(f"; {value:.3g} {unit}" for unit, value in count.figures.items())
     figures = [count.tried, count.lost, count.duplicated, count.wrong, round(seconds)]
     return "| " + " | ".join([fault.says() + measured, *map(str, figures), f"`{command}`"]) + " |"
@@ -33,7 +32,9 @@ def version(programs):
 def table(rows, options):
     """@param rows  markdown by name of the fault, in the order of --list"""
     sums = [sum(int(ROW.match(row).group(figure)) for row in rows.values()) for figure in (1, 2, 3, 4)]
-    lines = [f"{version(options.bin)}, {os.cpu_count()} processors.", "", *HEAD, *rows.values(),
+    lines = [f"{version(options.bin)}, {os.cpu_count()} processors.",
+             "`tests/faults/run.py --only` with the last cell makes a row again, with `--long` unless the cell",
+             "says `--short`.", "", *HEAD, *rows.values(),
              "| all | " + " | ".join(map(str, sums)) + " | | |"]
     return "\n".join(lines)
 

@@ -106,24 +106,24 @@ class WebPeers(Fault):
 
 
 class EndlessHeaderLines(WebPeers):
-    """Metrics and dashboard: header lines without end; others are served within 2 s"""
+    """Metrics and dashboard: header lines without end"""
     goes_on = b"X-Filling: " + 100 * b"y" + b"\r\n"
     goes_on *= 10000
 
 
 class EndlessHeaderLine(WebPeers):
-    """Metrics and dashboard: one header line without end; others are served within 2 s"""
+    """Metrics and dashboard: one header line without end"""
     begins = WebPeers.begins + b"X-Filling: "
     goes_on = 1_000_000 * b"y"
 
 
 class EndlessRequestLine(WebPeers):
-    """Metrics and dashboard: a request line without end; others are served within 2 s"""
+    """Metrics and dashboard: a request line without end"""
     begins = b"GET /"
     goes_on = 1_000_000 * b"y"
 
 
 class SlowRequests(WebPeers):
-    """Metrics and dashboard: 100 connections whose headers come byte by byte; others are served within 2 s"""
+    """Metrics and dashboard: 100 connections whose headers come byte by byte"""
     connections = 100
     goes_on, pause = b"y", 0.2
