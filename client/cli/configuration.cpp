@@ -21,16 +21,16 @@ std::string variable(const char* name) {
 
 /// A fault in a settings file, with its place.
 [[noreturn]] void refuse(const fs::path& file, const toml::source_position& at,
-                         const std::string& what) {
+                         const std::string& fault) {
   throw invalid(file.string() + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
-                ": " + what);
+                ": " + fault);
 }
 
 [[noreturn]] void refuse_unknown(const fs::path& file, const toml::key& key,
-                                 const std::vector<std::string>& known, const std::string& what) {
+                                 const std::vector<std::string>& known, const std::string& kind) {
   const std::string near = case_file::nearest(key.str(), known);
   refuse(file, key.source().begin,
-         "unknown " + what + " '" + std::string(key.str()) + "'" +
+         "unknown " + kind + " '" + std::string(key.str()) + "'" +
              (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
 

@@ -37,7 +37,7 @@ const std::string& text_of(const std::string& name) {
   const auto names = shipped::names_of(shipped::case_templates());
   const std::string near = case_file::nearest(name, names);
   std::string known;
-  for (const std::string& one : names) known += " " + one;
+  for (const std::string& case_name : names) known += " " + case_name;
   throw CommandFailed(ExitCode::not_found, "no case named '" + name + "'; " +
                                                (near.empty() ? "" : "did you mean " + near + "? ") +
                                                "there are:" + known);

@@ -23,9 +23,9 @@ struct DashboardOptions {
 /// read.
 void require_viewer(Program& program) {
   Connection connection = program.connect();
-  const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
-  if (who.role() != v1::VIEWER)
-    throw invalid("--listen: those who open the page would act as " + who.name() +
+  const auto user = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
+  if (user.role() != v1::VIEWER)
+    throw invalid("--listen: those who open the page would act as " + user.name() +
                   ", who may do more than look; log in as a viewer (on the server: dccastd user "
                   "add wall --role viewer)");
 }

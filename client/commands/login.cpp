@@ -67,19 +67,19 @@ struct WhoAmIOptions {
 
 ExitCode run(const WhoAmIOptions& options, Program& program) {
   Connection connection = program.connect();
-  const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
+  const auto user = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
   if (options.json) {
     print_line({{"server", connection.server()},
-                {"name", who.name()},
-                {"role", role_text(who.role())},
-                {"proof", who.proof()},
+                {"name", user.name()},
+                {"role", role_text(user.role())},
+                {"proof", user.proof()},
                 {"expires",
-                 who.has_expire_time() ? Json(utc_text(who.expire_time().seconds())) : Json()}});
+                 user.has_expire_time() ? Json(utc_text(user.expire_time().seconds())) : Json()}});
     return ExitCode::done;
   }
-  std::cout << who.name() << " on " << connection.server() << ", " << role_text(who.role())
-            << ", by " << who.proof();
-  if (who.has_expire_time()) std::cout << " until " << utc_text(who.expire_time().seconds());
+  std::cout << user.name() << " on " << connection.server() << ", " << role_text(user.role())
+            << ", by " << user.proof();
+  if (user.has_expire_time()) std::cout << " until " << utc_text(user.expire_time().seconds());
   std::cout << '\n';
   const StoredServers stored(program.servers);
   for (const StoredServer& server : stored.all())

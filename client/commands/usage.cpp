@@ -32,12 +32,12 @@ std::vector<std::string> groups_of(const v1::Job& job, const std::string& by) {
 }
 
 ExitCode run(const UsageOptions& options, Program& program) {
-  constexpr int all = 1'000'000;  // the most that a daemon keeps waiting
+  constexpr int most_jobs = 1'000'000;  // the most that a daemon keeps waiting
   Connection connection = program.connect();
   v1::ListJobsRequest request;
   if (!options.since.empty()) request.mutable_since()->set_seconds(seconds_of_past(options.since));
   std::map<std::string, Usage> usages;
-  for (const v1::Job& job : list_jobs(connection, request, all).jobs)
+  for (const v1::Job& job : list_jobs(connection, request, most_jobs).jobs)
     for (const std::string& group : groups_of(job, options.by)) {
       Usage& usage = usages[group];
       ++usage.jobs;

@@ -64,11 +64,11 @@ private:
 /// Absent messages and optional numbers are left out; everything else is present even if empty.
 Json to_json(const google::protobuf::Message& message);
 
-/// An array with what `element` makes of each thing.
-template <typename Things, typename Element>
-Json json_list(const Things& things, Element element) {
+/// An array of element(value) for each value.
+template <typename Values, typename Element>
+Json json_list(const Values& values, Element element) {
   Json list = Json::array();
-  for (const auto& thing : things) list.push_back(element(thing));
+  for (const auto& value : values) list.push_back(element(value));
   return list;
 }
 

@@ -65,11 +65,11 @@ std::string date(const ASN1_TIME* time) {
 }
 
 std::string names_of(X509* certificate) {
-  auto* all = static_cast<GENERAL_NAMES*>(
+  auto* extension = static_cast<GENERAL_NAMES*>(
       X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr));
   std::string names;
-  for (int i = 0; i < sk_GENERAL_NAME_num(all); ++i) {
-    const GENERAL_NAME* name = sk_GENERAL_NAME_value(all, i);
+  for (int i = 0; i < sk_GENERAL_NAME_num(extension); ++i) {
+    const GENERAL_NAME* name = sk_GENERAL_NAME_value(extension, i);
     std::string text;
     if (name->type == GEN_DNS)
       text.assign(reinterpret_cast<const char*>(ASN1_STRING_get0_data(name->d.dNSName)),
@@ -82,7 +82,7 @@ std::string names_of(X509* certificate) {
     }
     if (!text.empty()) names += (names.empty() ? "" : ", ") + values::escaped(text);
   }
-  GENERAL_NAMES_free(all);
+  GENERAL_NAMES_free(extension);
   return names.empty() ? "none" : names;
 }
 

@@ -49,8 +49,8 @@ toml::table table_of(StoredServer server) {
   return table;
 }
 
-[[noreturn]] void fail(const fs::path& file, const std::string& what) {
-  throw invalid(file.string() + ": " + what);
+[[noreturn]] void fail(const fs::path& file, const std::string& fault) {
+  throw invalid(file.string() + ": " + fault);
 }
 
 }  // namespace

@@ -30,7 +30,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int cannot_be_started = 127;  // as a shell says it
+/// Exit code of a shell for a program that it cannot start.
+constexpr int cannot_be_started = 127;
 
 struct Target {
   std::string login;  ///< "anna@casthouse"
@@ -42,7 +43,8 @@ Target read_target(const std::string& server) {
   // A name that begins with a dash would be an option of ssh.
   static const std::regex form(
       R"(ssh://((?:[A-Za-z0-9_.][\w.-]*@)?[A-Za-z0-9_.][\w.-]*)(?::(\d{1,5}))?(/[\w./@+-]*)?)");
-  static const std::regex port(R"(/\d{1,5})");  // earlier versions were reached at one
+  // Earlier versions took a port here.
+  static const std::regex port(R"(/\d{1,5})");
   constexpr std::size_t longest = sizeof sockaddr_un::sun_path - 1;
 
   std::smatch parts;
@@ -56,9 +58,10 @@ Target read_target(const std::string& server) {
   return {parts[1].str(), parts[2].str(), path.size() > 1 ? path : values::service_socket};
 }
 
-[[noreturn]] void fail(const std::string& what) {
+/// @param subject  the action, file or program that the error of the system concerns
+[[noreturn]] void fail(const std::string& subject) {
   throw CommandFailed(ExitCode::unreachable,
-                      fmt::format("ssh cannot be used: {}: {}", what, ::strerror(errno)));
+                      fmt::format("ssh cannot be used: {}: {}", subject, ::strerror(errno)));
 }
 
 sockaddr_un address_at(const std::filesystem::path& path) {
@@ -72,7 +75,8 @@ sockaddr_un address_at(const std::filesystem::path& path) {
   return address;
 }
 
-/// Starts a program that ends with this thread. It reads nothing and writes only its messages.
+/// Starts a program that is killed when this thread ends. Its input and output are /dev/null, its
+/// messages go to `errors`.
 /// @return its process; negative on failure
 pid_t spawn_tied(const std::vector<std::string>& command, int errors) {
   std::vector<char*> words;
@@ -83,7 +87,7 @@ pid_t spawn_tied(const std::vector<std::string>& command, int errors) {
   const pid_t process = ::fork();
   if (process != 0) return process;
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (::getppid() != parent) ::_exit(cannot_be_started);  // it has ended in between
+  if (::getppid() != parent) ::_exit(cannot_be_started);  // the parent ended before prctl
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);

@@ -67,8 +67,8 @@ std::string plan_text(const v1::Study& study) {
 std::string progress_text(const v1::Study& study) {
   const int ended = study.succeeded() + study.failed() + study.cancelled();
   std::string text = fmt::format("{} of {} runs", ended, study.runs());
-  const auto add = [&text](int count, const char* what) {
-    if (count > 0) text += fmt::format(", {} {}", count, what);
+  const auto add = [&text](int count, const char* state) {
+    if (count > 0) text += fmt::format(", {} {}", count, state);
   };
   add(study.running(), "running");
   add(study.failed(), "failed");

@@ -57,16 +57,16 @@ std::string mm_errors(double lower_m, double upper_m, int decimals);
 /// A length [m] in millimetres, likewise.
 std::string mm(double metres, int decimals = 1);
 
-/// "a, b, c". @param text_of  what of an element is shown
+/// "a, b, c". @param text_of  gives the text of an element
 template <class Elements, class TextOf = std::identity>
 std::string joined(const Elements& elements, const std::string& separator = ", ",
                    TextOf text_of = {}) {
-  std::string all;
+  std::string list;
   for (const auto& element : elements) {
     const std::string& text = std::invoke(text_of, element);
-    all += (all.empty() ? "" : separator) + text;
+    list += (list.empty() ? "" : separator) + text;
   }
-  return all;
+  return list;
 }
 
 }  // namespace dccast::client::render

@@ -62,7 +62,7 @@ public:
   [[nodiscard]] std::string restore(const results::Sections& state) override;
 
   const RunState<Dim>& state() const { return state_; }
-  /// That of the heat, on which all results are.
+  /// The mesh of the heat; all results are on its nodes and elements.
   const mesh::Mesh<Dim>& mesh() const { return mesh_.heat_mesh(); }
   /// Computing time of the heat [s] and of the mechanics.
   double heat_seconds() const { return heat_seconds_; }
@@ -107,13 +107,13 @@ private:
   StepFigures measure(const Attempt& accepted, const MonitorReadings& monitors);
   /// Raises the findings of a step and checks the limits of validity.
   void judge(const StepFigures& step);
-  /// Decides nothing. @param failed_attempts  before the accepted one
+  /// The report of the accepted step. @param failed_attempts  before the accepted one
   results::StepReport report(const Attempt& accepted, int failed_attempts, const StepFigures& step,
                              MonitorReadings monitors) const;
   /// Number of elements in the row that stretches with the metal level; 0 once it no longer rises.
   int growing_elements(const mesh::Mesh<Dim>& of) const;
 
-  /// Description, and objects that follow from it and do not change the results.
+  /// The case, and objects that follow from it: none of them is part of the state of a run.
   Case case_;
   Team team_;
   CastingSchedule schedule_;

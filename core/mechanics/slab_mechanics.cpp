@@ -20,7 +20,7 @@ constexpr int up = Dim - 1;
 
 /// From 4 to 32 smallest rows per coarse row the number of iterations grows by a seventh, while the
 /// coarse factor shrinks to a hundredth: docs/developers/large-solids.md.
-constexpr double rows_of_a_coarse_one = 32.0;
+constexpr double rows_per_coarse_row = 32.0;
 
 /// Smallest share of a step that follows the solidification of an element [1]: its moduli, in
 /// proportion to it, must not vanish in a step whose end is the moment of solidification.
@@ -35,16 +35,17 @@ double centroid_height(const mesh::Mesh<Dim>& mesh, int element) {
   return sum / mesh.nodes_per_element;
 }
 
+/// (node) whether it belongs to a solid element. @param solid  (element)
 template <int Dim>
-std::vector<char> nodes_of_solid(const mesh::Mesh<Dim>& mesh, const std::vector<char>& solid) {
-  std::vector<char> of_solid(std::size_t(mesh.nodes()), 0);
+std::vector<char> mark_solid_nodes(const mesh::Mesh<Dim>& mesh, const std::vector<char>& solid) {
+  std::vector<char> is_solid(std::size_t(mesh.nodes()), 0);
   for (int e = 0; e < mesh.elements(); ++e) {
     if (solid[std::size_t(e)] == 0) continue;
     for (int i = 0; i < mesh.nodes_per_element; ++i) {
-      of_solid[std::size_t(mesh.nodes_of(e)[i])] = 1;
+      is_solid[std::size_t(mesh.nodes_of(e)[i])] = 1;
     }
   }
-  return of_solid;
+  return is_solid;
 }
 
 }  // namespace
@@ -123,7 +124,7 @@ void SlabMechanics<Dim>::choose_solver() {
     const auto extrusion = mesh::extrusion_of(*mesh_);
     if (!extrusion) return;
     work_.two_grid = std::make_unique<linalg::TwoGrid<3>>();
-    work_.two_grid->analyze(*extrusion, rows_of_a_coarse_one);
+    work_.two_grid->analyze(*extrusion, rows_per_coarse_row);
   }
 }
 
@@ -402,14 +403,14 @@ void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
 template <int Dim>
 void SlabMechanics<Dim>::check_front(const State& state, double metal_level) {
   const double specific_weight = properties_.liquid_density() * options_.gravity;
-  const std::vector<char> of_solid = nodes_of_solid(*mesh_, state.solid);
+  const std::vector<char> is_solid = mark_solid_nodes(*mesh_, state.solid);
   checks_.worst_liquid = -1;
   double difference = 0.0, scale = 0.0, worst = 0.0;  // integrals of squared pressures
   for (int e = 0; e < mesh_->elements(); ++e) {
     if (state.solid[std::size_t(e)] != 0) continue;
     const int* node = mesh_->nodes_of(e);
     const bool at_front = std::any_of(node, node + mesh_->nodes_per_element,
-                                      [&](int n) { return of_solid[std::size_t(n)] != 0; });
+                                      [&](int n) { return is_solid[std::size_t(n)] != 0; });
     if (!at_front) continue;
     const double exact = -specific_weight * (metal_level - centroid_height(*mesh_, e));
     const double error = state.pressure[std::size_t(e) * points_] - exact;

@@ -73,6 +73,8 @@ CalibrationDraws calibrate(const CurveModel& model, int inputs,
   std::vector<Eigen::MatrixXd> shapes;
   for (const Readings& curve : readings) shapes.push_back(misfit_shape(curve));
 
+  // Normal density of every curve about (1 + common) model(inputs), with the covariances of misfit,
+  // model and noise added.
   const auto likelihood = [&](const Eigen::MatrixXd& places) {
     const auto computed = model(uniform_places(places.leftCols(inputs)));
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(places.rows());

@@ -9,7 +9,7 @@ namespace {
 /// The vapour film counts as unbroken where less than this share [1] of the surface is wet.
 constexpr double hardly_wetted = 0.1;
 
-/// [W] that warms a mass flow [kg/s] to 100 °C and evaporates it.
+/// Heat [W] that warms a mass flow [kg/s] to 100 °C and evaporates it.
 double heat_to_vapour(double mass_flow, double temperature) {
   return mass_flow *
          (water_specific_heat * std::max(0.0, boiling_point - temperature) + evaporation_heat);
@@ -46,10 +46,11 @@ private:
   double temperature_;  ///< [°C]
 };
 
-/// Mean over the step of a share that approaches its end with the lag.
-double wetted_in(const Wetting& wetting, double before, double in_the_end, double time_step) {
+/// Mean wetted share [1] of a step: dw/dt = (final - w) / lag, integrated exactly.
+double mean_wetted_share(const Wetting& wetting, double before, double final_share,
+                         double time_step) {
   const double steps = time_step / wetting.lag;
-  return in_the_end + (before - in_the_end) * -std::expm1(-steps) / steps;
+  return final_share + (before - final_share) * -std::expm1(-steps) / steps;
 }
 
 }  // namespace
@@ -78,18 +79,20 @@ FilmEnd march_film(const Water& water, const Film& supply, double width, double 
     end.thrown_off = vapour > w.throw_off_length;
     if (end.boiled_away || end.thrown_off) break;
 
-    const double depth = piece.at.distance - water.from, hot = piece.surface_temperature;
+    const double depth = piece.at.distance - water.from;
+    const double surface = piece.surface_temperature;
     const double rewetting = rewetting_temperature(w, film);
 
     const WaterPlace here{
         .film = film,
-        .wetted = wetted_in(w, piece.wetted, wet_in_the_end(w, hot, rewetting), time_step),
+        .wetted = mean_wetted_share(w, piece.wetted, wet_in_the_end(w, surface, rewetting),
+                                    time_step),
         .rewetting = rewetting,
         .critical_heat_flux = critical_heat_flux(water, film, depth),
         .film_coefficient = film_coefficient(w, film, depth)};
 
     // A piece takes at most the heat that boils away the whole stream.
-    const double wanted = water_flux(water, here, {hot, 0.0}, piece.at).flux;
+    const double wanted = water_flux(water, here, {surface, 0.0}, piece.at).flux;
     const double taken = std::min(wanted * piece.area, stream.capacity());
     stream.take(taken);
 

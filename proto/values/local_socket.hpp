@@ -11,8 +11,8 @@ inline constexpr const char* unix_scheme = "unix:";
 /// Of the service of a machine; its folder is the service manager's.
 inline constexpr const char* service_socket = "/run/dccast/dccastd.sock";
 
-/// Where a daemon listens that is told nothing: in the runtime directory that the service manager
-/// gives it ($RUNTIME_DIRECTORY), else in that of its user ($XDG_RUNTIME_DIR), else in a folder of
+/// Default socket of a daemon: in the runtime directory that the service manager gives it
+/// ($RUNTIME_DIRECTORY), else in that of its user ($XDG_RUNTIME_DIR), else in a folder of
 /// this user in /tmp, which is made if necessary.
 /// @throws std::runtime_error  that folder cannot be made, or others may write there
 std::string make_place_of_socket();

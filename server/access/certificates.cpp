@@ -156,13 +156,13 @@ std::string to_string(const GENERAL_NAME& name) {
 }
 
 std::vector<std::string> alternative_names(X509* certificate) {
-  auto* all = static_cast<GENERAL_NAMES*>(
+  auto* extension = static_cast<GENERAL_NAMES*>(
       X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr));
   std::vector<std::string> names;
-  for (int i = 0; i < sk_GENERAL_NAME_num(all); ++i)
-    if (std::string name = to_string(*sk_GENERAL_NAME_value(all, i)); !name.empty())
+  for (int i = 0; i < sk_GENERAL_NAME_num(extension); ++i)
+    if (std::string name = to_string(*sk_GENERAL_NAME_value(extension, i)); !name.empty())
       names.push_back(std::move(name));
-  GENERAL_NAMES_free(all);
+  GENERAL_NAMES_free(extension);
   return names;
 }
 

@@ -29,20 +29,20 @@ bool Allowance::take(Time now) {
   return true;
 }
 
-bool CallRate::take(const std::string& who, Time now) {
+bool CallRate::take(const std::string& user, Time now) {
   const std::lock_guard guard(mutex_);
   if (buckets_.size() >= largest_number_of_buckets)
     std::erase_if(buckets_, [&](const auto& entry) { return entry.second.is_full(now); });
   const double most = std::max(1.0, seconds_held * per_s_);
-  return buckets_.try_emplace(who, per_s_, most).first->second.take(now);
+  return buckets_.try_emplace(user, per_s_, most).first->second.take(now);
 }
 
-void OpenCount::enter(const std::string& who, const std::string& kind) {
+void OpenCount::enter(const std::string& user, const std::string& kind) {
   const std::lock_guard guard(mutex_);
-  const auto found = by_user_.find(who);
+  const auto found = by_user_.find(user);
   const std::size_t own = found == by_user_.end() ? 0 : found->second;
   if (own >= limit_per_user_)
-    throw refusal::LimitReached({.cause = fmt::format("{} has {} {} open", who, own, kind),
+    throw refusal::LimitReached({.cause = fmt::format("{} has {} {} open", user, own, kind),
                                  .limit = fmt::format("maximum_{}_per_user", kind),
                                  .permitted = std::to_string(limit_per_user_),
                                  .remedy = "end one, then try again"});
@@ -52,7 +52,7 @@ void OpenCount::enter(const std::string& who, const std::string& kind) {
                                  .permitted = std::to_string(limit_),
                                  .remedy = "end one, then try again"});
 
-  ++by_user_[who];
+  ++by_user_[user];
   ++total_;
 }
 
@@ -61,9 +61,9 @@ std::size_t OpenCount::open() {
   return total_;
 }
 
-void OpenCount::leave(const std::string& who) {
+void OpenCount::leave(const std::string& user) {
   const std::lock_guard guard(mutex_);
-  const auto found = by_user_.find(who);
+  const auto found = by_user_.find(user);
   if (found == by_user_.end()) return;
 
   --total_;

@@ -32,8 +32,8 @@ public:
   using Time = Allowance::Time;
   explicit CallRate(double per_s) : per_s_(per_s) {}
   double per_s() const { return per_s_; }
-  /// @return whether one more call of `who` is permitted now
-  bool take(const std::string& who, Time now);
+  /// @return whether one more call of a user is permitted now
+  bool take(const std::string& user, Time now);
 
 private:
   const double per_s_;
@@ -48,8 +48,8 @@ public:
       : limit_(limit), limit_per_user_(limit_per_user) {}
   /// Counts one more, until leave(). @param kind  in the plural, as in the name of the setting
   /// @throws refusal::LimitReached
-  void enter(const std::string& who, const std::string& kind);
-  void leave(const std::string& who);
+  void enter(const std::string& user, const std::string& kind);
+  void leave(const std::string& user);
   std::size_t open();
 
 private:

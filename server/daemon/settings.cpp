@@ -40,9 +40,9 @@ void add_worker_policy(CLI::App& app, WorkerPolicy& policy) {
 }
 
 /// @param verb  of Command::administrate
-CLI::App& add_command(CLI::App& app, CommandLine& line, const char* name, const char* what,
+CLI::App& add_command(CLI::App& app, CommandLine& line, const char* name, const char* help,
                       Command command, const std::string& verb = {}) {
-  CLI::App* added = app.add_subcommand(name, what);
+  CLI::App* added = app.add_subcommand(name, help);
   add_settings(*added, line);
   added->callback([&line, command, verb] {
     line.command = command;
@@ -52,12 +52,12 @@ CLI::App& add_command(CLI::App& app, CommandLine& line, const char* name, const 
 }
 
 /// Adds `dccastd GROUP VERB`.
-CLI::App& add_verb(CLI::App& group, CommandLine& line, const char* verb, const char* what) {
-  return add_command(group, line, verb, what, Command::administrate, group.get_name() + " " + verb);
+CLI::App& add_verb(CLI::App& group, CommandLine& line, const char* verb, const char* help) {
+  return add_command(group, line, verb, help, Command::administrate, group.get_name() + " " + verb);
 }
 
-CLI::App& add_group(CLI::App& app, const char* name, const char* what) {
-  CLI::App* group = app.add_subcommand(name, what);
+CLI::App& add_group(CLI::App& app, const char* name, const char* help) {
+  CLI::App* group = app.add_subcommand(name, help);
   group->require_subcommand(1);
   return *group;
 }
@@ -67,8 +67,8 @@ void add_user_commands(CLI::App& app, CommandLine& line) {
       add_group(app, "user", "Users of other machines; dccastd may be running or not");
   AdministrationCommand& asked = line.administration;
 
-  const auto named = [&](const char* verb, const char* what) -> CLI::App& {
-    CLI::App& added = add_verb(group, line, verb, what);
+  const auto named = [&](const char* verb, const char* help) -> CLI::App& {
+    CLI::App& added = add_verb(group, line, verb, help);
     added.add_option("NAME", asked.name, "As jobs name their owner")->required();
     return added;
   };
@@ -90,8 +90,8 @@ void add_pki_commands(CLI::App& app, CommandLine& line) {
   CLI::App& group = add_group(app, "pki", "The daemon's own CA and certificate");
   AdministrationCommand& asked = line.administration;
 
-  const auto with_names = [&](const char* verb, const char* what) {
-    CLI::App& added = add_verb(group, line, verb, what);
+  const auto with_names = [&](const char* verb, const char* help) {
+    CLI::App& added = add_verb(group, line, verb, help);
     added.add_option("--name", asked.names, "A further name or address of this server")
         ->allow_extra_args(false);
     added.add_option("--days", asked.days, "Validity of the certificate in days, usually 90");
@@ -103,7 +103,7 @@ void add_pki_commands(CLI::App& app, CommandLine& line) {
   CLI::App& issue = add_verb(group, line, "issue", "A client certificate in place of a token");
   issue.add_option("NAME", asked.name, "A user")->required();
   issue.add_option("--to", asked.directory, "Where NAME.pem and NAME.key are written")->required();
-  issue.add_option("--days", asked.days, "How long it lasts; as a rule 365");
+  issue.add_option("--days", asked.days, "Validity of the certificate in days, usually 365");
 
   add_verb(group, line, "show", "Names, validity and fingerprints");
 }

@@ -22,8 +22,8 @@ struct AdministrationCommand {
   std::string role = "submitter";
   std::string directory;  ///< of pki issue
   std::vector<std::string>
-      names;                   ///< of pki init and renew; empty: those of before, or this machine's
-  int days = 0;                ///< 0: as usual
+      names;     ///< of pki init and renew; empty: the present ones, or this machine's
+  int days = 0;  ///< 0: as usual
   access::AuditFilter filter;  ///< of audit
 };
 

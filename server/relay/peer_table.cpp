@@ -10,7 +10,7 @@ namespace dccast::relay {
 
 namespace {
 
-/// What is known before a call shows a token.
+/// The user as far as the connection identifies it, before a call presents a token.
 std::string first_user(const Peer& peer) {
   if (peer.over_tls) return peer.certificate_name;
   return peer.user_id ? fmt::format("user id {}", *peer.user_id) : "unknown local user";

@@ -57,14 +57,14 @@ access::Caller Gate::identify(const Shown& shown) {
 grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& rule,
                           const std::string& peer) {
   const bool proven = caller.proven();
-  const std::string who = proven && !caller.name.empty() ? caller.name : host_of(peer);
+  const std::string user = proven && !caller.name.empty() ? caller.name : host_of(peer);
   access::CallRate& rate = proven ? rate_ : unproven_rate_;
 
   // The rate is checked first: calls of unauthenticated peers must stay cheap.
-  if (!rate.take(who, std::chrono::steady_clock::now()))
+  if (!rate.take(user, std::chrono::steady_clock::now()))
     return make_status(
         {.reason = ErrorInfo::LIMIT_REACHED,
-         .cause = fmt::format("{} makes more calls a second than {} may", who,
+         .cause = fmt::format("{} makes more calls a second than {} may", user,
                               proven ? "one user" : "one who has proved nothing (a tenth)"),
          .limit = "maximum_calls_per_s",
          .permitted = fmt::format("{:f}", rate_.per_s()),
@@ -152,8 +152,8 @@ void Gate::record(v1::AuditEvent event, const access::Caller& caller, const acce
   const bool reads = rule.access.role() == v1::VIEWER && event.reason().empty();
   if (reads && !without_permission) return;
 
-  const std::string who = caller.proven() ? caller.name : "";
-  if (!status.ok() && !recorded_refusals_.take(who, std::chrono::steady_clock::now())) return;
+  const std::string user = caller.proven() ? caller.name : "";
+  if (!status.ok() && !recorded_refusals_.take(user, std::chrono::steady_clock::now())) return;
 
   if (event.user().empty()) event.set_user(caller.name);
   if (caller.proven()) {

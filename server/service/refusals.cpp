@@ -34,10 +34,10 @@ constexpr int sqlite_not_a_database = 26;
 constexpr std::size_t largest_details = 3584;
 constexpr std::size_t longest_report = 1024;  // of a bug
 
-grpc::Status refuse_for_full_disk(const std::string& what) {
+grpc::Status refuse_for_full_disk(const std::string& cause) {
   return make_status(
       {.reason = ErrorInfo::STORAGE_FULL,
-       .cause = fmt::format("{}; the server's data directory takes nothing more", what),
+       .cause = fmt::format("{}; the server's data directory takes nothing more", cause),
        .remedy = "free space there, then try again"});
 }
 
@@ -65,9 +65,10 @@ grpc::Status refuse_upload(const intake::UploadRefused& refused) {
   return make_status(refused.facts(), &details);
 }
 
-grpc::Status report_bug(const std::string& what) {
-  log::error("{}", values::escaped(what));
-  const std::string shown = values::escaped(what.substr(0, longest_report), values::Lines::several);
+grpc::Status report_bug(const std::string& error) {
+  log::error("{}", values::escaped(error));
+  const std::string shown =
+      values::escaped(error.substr(0, longest_report), values::Lines::several);
   return make_status({.reason = ErrorInfo::BUG, .cause = shown});
 }
 
@@ -104,32 +105,32 @@ grpc::Status refuse_for_store(const jobs::StoreError& error) {
 /// The status code depends on whether a retry can help.
 grpc::Status refuse_for_worker(const jobs::WorkerDidNotAnswer& error) {
   using Why = jobs::WorkerDidNotAnswer::Why;
-  const std::string what = values::escaped(error.what());
-  log::warn("{}", what);
+  const std::string cause = values::escaped(error.what());
+  log::warn("{}", cause);
 
   switch (error.why()) {
     case Why::called_off:
-      return make_status({.reason = ErrorInfo::CALLER_LEFT, .cause = what});
+      return make_status({.reason = ErrorInfo::CALLER_LEFT, .cause = cause});
 
     case Why::not_started:
     case Why::killed:
-      return make_status({.reason = ErrorInfo::BUSY, .cause = what, .remedy = "try again"});
+      return make_status({.reason = ErrorInfo::BUSY, .cause = cause, .remedy = "try again"});
 
     // The case may be too much for the settings or the machine.
     case Why::too_slow:
       return make_status(
           {.reason = ErrorInfo::LIMIT_REACHED,
-           .cause = fmt::format("{} (check_timeout in the settings of dccastd)", what),
+           .cause = fmt::format("{} (check_timeout in the settings of dccastd)", cause),
            .limit = "check_timeout",
            .remedy = "try again, or make mesh and tables of the case smaller"});
     case Why::too_large:
       return make_status({.reason = ErrorInfo::CASE_TOO_LARGE,
-                          .cause = fmt::format("{} of memory", what),
+                          .cause = fmt::format("{} of memory", cause),
                           .remedy = "make mesh and tables of the case smaller"});
 
     default:
       return report_bug(fmt::format(
-          "{}. It is a fault of dccast if it does so again: report it with the case", what));
+          "{}. It is a fault of dccast if it does so again: report it with the case", cause));
   }
 }
 

@@ -74,7 +74,8 @@ std::vector<v1::Fault> fill_named_axes(const std::vector<UncertainKey>& data,
   return faults;
 }
 
-/// All data that have a range. A default that nobody has looked at is no datum of a calibration.
+/// Adds all data that have a range. A calibration leaves out data that only the schema gives: no
+/// one has stated that they are uncertain in this case.
 void add_all_data(const std::vector<UncertainKey>& data, v1::SweepPlan& sweep) {
   const bool only_given = sweep.purpose() == v1::SweepPlan::CALIBRATION;
   for (const UncertainKey& datum : data)

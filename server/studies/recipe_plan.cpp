@@ -1,6 +1,7 @@
-// Recipes of a start: drafts over recipe and data, from which surfaces propose candidates; castings
-// at these, from which they propose better ones; castings at those and a run of each at full
-// quality.
+// The search for recipes of a start, in three rounds. Drafts over recipe and data give surfaces,
+// which propose candidates. Castings at these improve the surfaces, which propose better
+// candidates. Castings at those, from which no surface learns, and a run of each at full quality
+// judge them.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,10 +26,11 @@ namespace {
 using intake::fault_of;
 using statistics::ScoredDesign;
 
-// The case itself comes first, as a draft and at full quality: what quality does to its curl.
+// Numbers of the first runs. The case itself comes first, as a draft and at full quality: their
+// ratio corrects the curls of all drafts.
 constexpr int draft_of_case = 0, full_of_case = 1, first_draft = 2;
 constexpr double least_curl_compared = 1e-3;  // [m] below it a ratio of curls means nothing
-constexpr double least_scale = 0.5, greatest_scale = 2.0;
+constexpr double least_scale = 0.5, greatest_scale = 2.0;  // other ratios are not applied
 
 /// A run of a candidate.
 struct CandidateRun {

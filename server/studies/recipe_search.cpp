@@ -185,7 +185,7 @@ RecipeSearch::RecipeSearch(std::shared_ptr<const RecipeSpace> space,
 std::vector<statistics::ScoredDesign> RecipeSearch::candidates(std::uint64_t seed) const {
   auto chosen = statistics::spread_over(statistics::pareto_front(problem_, search_samples, seed),
                                         space_->plan().candidates(), more_risk);
-  for (auto& one : chosen) one.score = score(one.design);
+  for (auto& candidate : chosen) candidate.score = score(candidate.design);
   return chosen;
 }
 

@@ -16,7 +16,8 @@ inline void add_axis(v1::StudyResult& result, const std::string& key, const std:
   axis.add_values(high);
 }
 
-/// A run that moves one axis (-1: none) to an end, with its curl [mm].
+/// Adds a run that moves one axis (-1: none) to its low end (0) or high end (1).
+/// @param curl_mm  of the first monitor at the end; the second has 1 mm
 inline v1::StudyRun& add_run(v1::StudyResult& result, int axis, int end, double curl_mm) {
   v1::StudyRun& run = *result.add_runs();
   run.set_state(v1::SUCCEEDED);

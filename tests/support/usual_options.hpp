@@ -11,6 +11,7 @@ inline mechanics::Options usual_options(double tolerance) {
   mechanics::Options options;
   options.gravity = 9.81;
 
+  // Fictitious liquid, paper eq. (38).
   options.liquid_modulus = 1e3;
   options.liquid_epsilon = 1e-3;
   options.liquid_delta = 2.0;
@@ -21,6 +22,7 @@ inline mechanics::Options usual_options(double tolerance) {
   options.contact = true;
 
   options.tolerance = tolerance;
+  // Multipliers of creep and contact in the algorithms of the paper.
   options.parameters.gamma_p = 1.25e-12;
   options.parameters.gamma_c = 5e8;
   options.parameters.relaxation = 0.9;

@@ -81,7 +81,8 @@ class Service:
         """
         read = self.read(case, changes, **keys)
         return Job(self._transport, self._call_about(read, "SubmitJob", service_pb2.SubmitJobRequest(
-            request_id=request_id or str(uuid.uuid4()), priority=job_pb2.Priority.Value(priority.upper()), labels=labels, changes=read.changes)))
+            request_id=request_id or str(uuid.uuid4()),
+            priority=job_pb2.Priority.Value(priority.upper()), labels=labels, changes=read.changes)))
 
     def _put(self, case: Case, request: Any) -> None:
         """Gives a request the case, and the server the files that it does not have yet."""
@@ -138,7 +139,8 @@ class Service:
         runs of studies."""
         if job == "last":
             user = self._transport.call("WhoAmI", service_pb2.WhoAmIRequest()).name
-            found = [one.message for one in self.jobs(owner=user, limit=1000) if not one.message.study]
+            found = [listed.message for listed in self.jobs(owner=user, limit=1000)
+                     if not listed.message.study]
         elif len(job) < 36:
             request = service_pb2.ListJobsRequest(page_size=2, id_prefix=job)
             found = list(self._transport.call("ListJobs", request).jobs)

@@ -58,7 +58,7 @@ class Study:
         return str(study_pb2.StudyState.Name(self.message.state)).removeprefix("STUDY_")
 
     def refresh(self) -> Study:
-        """Looks at the study again."""
+        """Fetches the present state of the study from the server."""
         return self._became(self._transport.call("GetStudy", study_pb2.GetStudyRequest(id=self.id)))
 
     def watch(self) -> Iterator[Study]:

@@ -37,7 +37,7 @@ void Recovery::run() {
   if (const std::string refusal = state_.ledger.refusal(); !refusal.empty()) state_.hold(refusal);
 }
 
-/// @return whether a worker goes on with the job
+/// @return whether a worker continues the job
 bool Recovery::recover_job(JobRecord& record) {
   const std::string id = record.job.id();
   try {
@@ -67,7 +67,7 @@ bool Recovery::adopt_worker(const JobRecord& record, v1::JobState state) {
   return state_.executor.adopt(launch, wanted) == Adoption::found;
 }
 
-/// @return whether a worker goes on with the job
+/// @return whether a worker continues the job
 bool Recovery::find_worker_or_settle(JobRecord& record) {
   v1::Job& job = record.job;
   const auto folder = state_.jobs_directory / job.id();

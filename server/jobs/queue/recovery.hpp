@@ -16,7 +16,7 @@ public:
 
 private:
   /// Brings one job of an earlier daemon into a state that this one can continue from.
-  /// @return whether a worker goes on with the job
+  /// @return whether a worker continues the job
   bool recover_job(JobRecord& record);
   /// Finds the worker of a job that was running, or settles the job from its folder.
   bool find_worker_or_settle(JobRecord& record);
