@@ -75,7 +75,7 @@ class HostilePeers(RemoteFault):
         scene.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=self.long_job), timeout=10)
 
     def watch_others(self, scene, seconds, count, way):
-        """Asks on both listeners, over a connection of before and a new one. Returns the slowest answer [s]."""
+        """Asks on both listeners, over an old and a new connection. Returns the slowest answer [s]."""
         before = [scene.client.stub, over_tls(scene, self.ca(scene), self.tokens["anna"])]
         slowest, end = 0.0, time.monotonic() + seconds
         while time.monotonic() < end:

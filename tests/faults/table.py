@@ -33,8 +33,8 @@ def table(rows, options):
     """@param rows  markdown by name of the fault, in the order of --list"""
     sums = [sum(int(ROW.match(row).group(figure)) for row in rows.values()) for figure in (1, 2, 3, 4)]
     lines = [f"{version(options.bin)}, {os.cpu_count()} processors.",
-             "`tests/faults/run.py --only` with the last cell makes a row again, with `--long` unless the cell",
-             "says `--short`.", "", *HEAD, *rows.values(),
+             "`tests/faults/run.py --only` with the last cell makes a row again, with `--long` unless the",
+             "cell says `--short`.", "", *HEAD, *rows.values(),
              "| all | " + " | ".join(map(str, sums)) + " | | |"]
     return "\n".join(lines)
 
