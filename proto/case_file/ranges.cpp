@@ -131,7 +131,10 @@ private:
 std::vector<v1::Fault> check_ranges(const Message& message) {
   RangeCheck check;
   check.check_message(message, "");
-  if (const auto* c = dynamic_cast<const v1::Case*>(&message)) check.check_depth(*c);
+  if (const auto* c = dynamic_cast<const v1::Case*>(&message)) {
+    check.check_depth(*c);
+    check.check_stirring(c->alloy());
+  }
   return std::move(check.faults);
 }
 

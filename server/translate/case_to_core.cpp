@@ -31,6 +31,10 @@ mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   to.half_thickness = to_core(from.section().half_thickness_m());
   to.corner_radius = from.section().corner_radius_m();
   to.initial_depth = from.section().initial_depth_m();
+  if (from.cooling().bottom_block().has_bowl()) {
+    const v1::Bowl& bowl = from.cooling().bottom_block().bowl();
+    to.bowl = {.depth = bowl.depth_m(), .lip = bowl.lip_m(), .wall = bowl.wall_m()};
+  }
 
   const v1::Mesh& mesh = from.mesh();
   to.element = to_core(mesh.element());
