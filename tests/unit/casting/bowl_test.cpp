@@ -90,6 +90,19 @@ TEST(Bowl, WallOfTheBowlLosesContactAsTheSlabContracts) {
   }
 }
 
+TEST(Bowl, ShellIsMeasuredFromItsSurface) {
+  Case c = section_over_bowl();
+  const TemporaryFolder folder, flat_folder;
+  Recorder recorder, flat;
+  ASSERT_EQ(run(c, {folder / "", false}, recorder).end, RunEnd::succeeded);
+  c.section.bowl.reset();
+  ASSERT_EQ(run(c, {flat_folder / "", false}, flat).end, RunEnd::succeeded);
+
+  for (const auto& r : recorder.reports) EXPECT_GE(r.bottom_shell, 0.0) << "t = " << r.time;
+  // The same shell grows on both, to within a cell.
+  EXPECT_NEAR(recorder.reports.back().bottom_shell, flat.reports.back().bottom_shell, 0.012);
+}
+
 TEST(Bowl, ResumedCastingGivesTheSameBytes) {
   const Case c = quarter_over_bowl();
   const TemporaryFolder whole_folder, folder;
