@@ -62,6 +62,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>& faul
   check_section(found);
   check_quarter_slab(found);
   check_gap_water(found);
+  check_bowl(found);
   check_block_profile(found);
   check_time(found);
   check_mechanics(found);

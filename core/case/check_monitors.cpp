@@ -24,6 +24,25 @@ void above(CaseFindings& found, const std::string& field, double height) {
                  "0 m to the final metal level, " + with_unit(*found.final_level, "m"));
 }
 
+/// Depth of the bowl below the block's lip at the place of a monitor [m]. @pre there is a bowl
+double depth_of_block(const CaseFindings& found, const Monitor& m) {
+  const mesh::SectionSpec& section = found.casting.section;
+  const double from_narrow_face = section.half_width - m.x;
+  const double inward = found.solid()
+                            ? std::min(from_narrow_face, section.half_thickness(m.x) - m.y)
+                            : from_narrow_face;
+  return section.bowl->depth_at(inward);
+}
+
+/// Whether a point lies in the block.
+void below(CaseFindings& found, const std::string& field, const Monitor& m, double height) {
+  const bool is_flat = !found.casting.section.bowl;
+  if (!is_flat && !found.sound({"section.half_width", "section.half_thickness"})) return;
+  const double depth = is_flat ? 0.0 : depth_of_block(found, m);
+  if (height < -depth - round_off)
+    lies_outside(found, field, height, "at least " + with_unit(-depth, "m") + ", the block there");
+}
+
 /// Whether a point of a quarter slab lies beyond the wide face.
 void behind(CaseFindings& found, const std::string& field, const Monitor& m) {
   if (!found.sound({field + ".x", field + ".y", "section.half_thickness"})) return;
@@ -42,9 +61,13 @@ void beside_or_above(CaseFindings& found, const std::string& field, const Monito
   if (found.sound({field + ".x", "section.half_width"}) && m.x > half_width + round_off)
     lies_outside(found, field + ".x", m.x,
                  "0 m to section.half_width = " + with_unit(half_width, "m"));
-  if (!found.solid()) return above(found, field + ".y", m.y);
+  if (!found.solid()) {
+    above(found, field + ".y", m.y);
+    return below(found, field + ".y", m, m.y);
+  }
   behind(found, field, m);
   above(found, field + ".z", m.z.value_or(0.0));
+  below(found, field + ".z", m, m.z.value_or(0.0));
 }
 
 /// A quarter slab has three coordinates, a section two.

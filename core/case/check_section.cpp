@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -292,6 +294,30 @@ void check_gap_water(CaseFindings& found) {
                 "set boiling_follows_flow, or use wet_coefficient");
     return;
   }
+}
+
+void check_bowl(CaseFindings& found) {
+  const mesh::SectionSpec& s = found.casting.section;
+  if (!s.bowl || !found.sound({"section.half_width", "section.half_thickness"})) return;
+
+  if (!s.file.empty())
+    found.fault("cooling.bottom_block.bowl", "given",
+                "has no effect: the bottom of mesh.file is the surface of the block",
+                "absent with mesh.file", "leave it out, and mesh the bowl");
+
+  // A steeper wall would leave cells without a height.
+  if (s.bowl->wall < s.bowl->depth)
+    found.fault("cooling.bottom_block.bowl.wall", with_unit(s.bowl->wall, "m"),
+                "is narrower than the bowl is deep", fmt::format("at least {}", with_unit(s.bowl->depth, "m")),
+                "widen the wall, or make the bowl less deep");
+
+  const double half = found.solid() ? std::min(s.half_width, s.half_thickness(s.half_width))
+                                    : s.half_width;
+  if (s.bowl->lip + s.bowl->wall > half)
+    found.fault("cooling.bottom_block.bowl.wall", with_unit(s.bowl->wall, "m"),
+                "does not fit between the lip and the middle of the block",
+                fmt::format("at most {}", with_unit(std::max(0.0, half - s.bowl->lip), "m")),
+                "make the wall or the lip narrower");
 }
 
 void check_block_profile(CaseFindings& found) {

@@ -106,7 +106,9 @@ void check_section(CaseFindings& found);
 void check_quarter_slab(CaseFindings& found);
 /// Water under the butt follows one law, and boils as that of the faces.
 void check_gap_water(CaseFindings& found);
-/// A block that is not flat must touch the slab somewhere.
+/// A bowl must fit into the block and leave the cells over it a height.
+void check_bowl(CaseFindings& found);
+/// A block with a gap at the start must touch the slab somewhere.
 void check_block_profile(CaseFindings& found);
 /// End and steps against the times of the schedule.
 void check_time(CaseFindings& found);

@@ -8,6 +8,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "core/findings/motion.hpp"
+#include "core/mesh/bottom_normals.hpp"
 
 namespace dccast::casting {
 
@@ -53,6 +54,16 @@ std::vector<double> initial_gap(const thermal::BottomBlock& block, const mesh::M
   return gap;
 }
 
+template <int Dim>
+BlockSurface<Dim> surface_of_block(const thermal::BottomBlock& block,
+                                   const mesh::Mesh<Dim>& heat_mesh) {
+  BlockSurface<Dim> surface;
+  surface.nodes = mesh::patch_nodes(heat_mesh, mesh::PatchKind::bottom);
+  surface.normal = mesh::inward_normals(heat_mesh, std::span<const int>(surface.nodes));
+  surface.initial_gap = initial_gap(block, heat_mesh, surface.nodes);
+  return surface;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -66,8 +77,7 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
       mechanics_(forms_of<Dim>(c.section), material::MechanicalProperties(c.alloy), options_of(c)),
       face_length_(c.section.kind == mesh::SectionKind::axisymmetric ? mesh_.mesh().largest(0)
                                                                      : 1.0),
-      has_profile_(!c.cooling.bottom_block.profile_x.empty() ||
-                   !c.cooling.bottom_block.profile_y.empty()),
+      block_(surface_of_block(c.cooling.bottom_block, mesh_.heat_mesh())),
       meter_(case_) {
   mechanics_.set_mesh(mesh_.mesh());
   mechanics_.set_initial_gap(
@@ -265,18 +275,18 @@ std::vector<double> SlabRun<Dim>::displacement() const {
   return mesh_.transfer().at_heat_nodes(state_.slab.displacement, Dim);
 }
 
+/// A place that has moved by u lies (u . normal) off the surface below it, to first order in u.
 template <int Dim>
 std::vector<double> SlabRun<Dim>::bottom_gap() const {
-  const std::vector<int> nodes = mesh::patch_nodes(mesh_.heat_mesh(), mesh::PatchKind::bottom);
-  const auto initial = initial_gap(case_.cooling.bottom_block, mesh_.heat_mesh(), nodes);
   const std::vector<double> u = displacement();
-
-  std::vector<double> gap;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const double rise = u[std::size_t(nodes[i]) * Dim + Dim - 1];
-    gap.push_back(std::max(0.0, rise + (initial.empty() ? 0.0 : initial[i])));
+  std::vector<double> gaps;
+  for (std::size_t i = 0; i < block_.nodes.size(); ++i) {
+    double gap = block_.initial_gap.empty() ? 0.0 : block_.initial_gap[i];
+    for (std::size_t d = 0; d < Dim; ++d)
+      gap += u[std::size_t(block_.nodes[i]) * Dim + d] * block_.normal[i][d];
+    gaps.push_back(std::max(0.0, gap));
   }
-  return gap;
+  return gaps;
 }
 
 /// (node) vertical displacement [m], if cooling zones act on the deformed side.
@@ -309,7 +319,8 @@ std::vector<double> SlabRun<Dim>::side_inward() const {
 template <int Dim>
 bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry) {
   std::vector<double> gap;
-  if (case_.coupling.gap_feedback && (state_.slab.started || has_profile_)) gap = bottom_gap();
+  if (case_.coupling.gap_feedback && (state_.slab.started || !block_.initial_gap.empty()))
+    gap = bottom_gap();
   thermal::HeatStepInput input;
   input.time = state_.time;
   input.time_step = tried.time_step;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,6 +29,14 @@ struct StepStart {
   /// Fields at the beginning of the step, to which every iteration returns.
   thermal::HeatField heat;
   mechanics::SlabState<Dim> slab;
+};
+
+/// The bottom of the heat's mesh and the block below it. Growth and merging leave it as it is.
+template <int Dim>
+struct BlockSurface {
+  std::vector<int> nodes;
+  std::vector<std::array<double, Dim>> normal;  ///< (bottom node) of the block, into the slab [1]
+  std::vector<double> initial_gap;              ///< (bottom node) [m]; empty: none anywhere
 };
 
 /// What the monitors show at the end of a step. A monitor above the metal level is not in the metal
@@ -125,7 +134,7 @@ private:
   /// Heat and forces of a step are per this length: 1 m in plane strain, of a billet [m/rad], of a
   /// quarter slab 1 (the totals) [1].
   double face_length_;
-  bool has_profile_;  ///< the block is not flat
+  BlockSurface<Dim> block_;
   StepMeter<Dim> meter_;
   RunState<Dim> state_;
   double heat_seconds_ = 0.0;  ///< [s] processor time of heat steps and growth

@@ -211,7 +211,7 @@ std::vector<double> SlabRun<Dim>::bottom_pressure() const {
 
   const std::vector<double> carried = mesh_.transfer().at_heat_nodes(std::move(at_nodes));
   std::vector<double> pressure;
-  for (const int n : mesh::patch_nodes(mesh(), mesh::PatchKind::bottom))
+  for (const int n : block_.nodes)
     pressure.push_back(carried[std::size_t(n)]);
   return pressure;
 }
@@ -281,7 +281,7 @@ results::Frame SlabRun<Dim>::take_frame() {
     frame.tear_rate = std::move(tears.strain_rate);
     frame.tear_pressure = std::move(tears.pressure);
   }
-  frame.bottom_node = mesh::patch_nodes(mesh(), mesh::PatchKind::bottom);
+  frame.bottom_node = block_.nodes;
   frame.bottom_gap = bottom_gap();
   frame.bottom_pressure = bottom_pressure();
   return frame;

@@ -24,6 +24,14 @@ constexpr double between_sums = 5.0;
 /// (docs/findings.md).
 constexpr double tough_solid_fraction = 0.98;
 
+/// Height of the lowest node [m]: 0 on a flat block, minus the depth of a bowl.
+template <int Dim>
+double lowest_height(const mesh::Mesh<Dim>& mesh) {
+  double lowest = mesh.point(0)[Dim - 1];
+  for (int n = 1; n < mesh.nodes(); ++n) lowest = std::min(lowest, mesh.point(n)[Dim - 1]);
+  return lowest;
+}
+
 /// The node nearest to a place.
 template <int Dim>
 int find_nearest(const mesh::Mesh<Dim>& mesh, const std::vector<int>& nodes,
@@ -246,7 +254,7 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
     f.water_share = std::max(f.water_share, water.share());
   }
 
-  f.metal_depth = view.metal_level;
+  f.metal_depth = view.metal_level - lowest_height(view.mesh);
   f.sump_depth =
       sump_depth<Dim>(view.mesh, view.temperature, view.metal_level, case_.alloy.coherency);
 

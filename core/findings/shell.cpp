@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <queue>
 #include <utility>
 #include <vector>
@@ -93,13 +94,34 @@ struct Tip {
   bool operator>(const Tip& other) const { return length > other.length; }
 };
 
-/// Height of the lowest node of an element [m].
+/// (node) height above the block [m], also over its bowl: above the node of the bottom below it. In an
+/// imported mesh, whose nodes need not stand above each other, above the height 0.
 template <int Dim>
-double lowest_height(const mesh::Mesh<Dim>& mesh, int e) {
-  const int* node = mesh.nodes_of(e);
-  double lowest = mesh.point(node[0])[Dim - 1];
-  for (int i = 1; i < mesh.nodes_per_element; ++i)
-    lowest = std::min(lowest, mesh.point(node[i])[Dim - 1]);
+std::vector<double> heights_above_block(const mesh::Mesh<Dim>& mesh) {
+  using Place = std::array<double, Dim - 1>;
+  const auto place = [&](int n) {
+    Place at{};
+    std::copy_n(mesh.point(n), Dim - 1, at.begin());
+    return at;
+  };
+
+  std::map<Place, double> block;
+  for (const int n : mesh::patch_nodes(mesh, mesh::PatchKind::bottom))
+    block[place(n)] = mesh.point(n)[Dim - 1];
+
+  std::vector<double> height;
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const auto below = block.find(place(n));
+    height.push_back(mesh.point(n)[Dim - 1] - (below == block.end() ? 0.0 : below->second));
+  }
+  return height;
+}
+
+/// Smallest value of a nodal field in an element.
+template <int Dim>
+double lowest_of(const mesh::Mesh<Dim>& mesh, int e, std::span<const double> field) {
+  double lowest = unreached;
+  for (const int n : corners(mesh, e)) lowest = std::min(lowest, field[std::size_t(n)]);
   return lowest;
 }
 
@@ -164,16 +186,19 @@ bool melt_touches_bottom(const mesh::Mesh<Dim>& mesh, std::span<const char> soli
 template <int Dim>
 Located<Dim> bottom_shell(const mesh::Mesh<Dim>& mesh, std::span<const double> temperature,
                           double isotherm) {
+  const std::vector<double> height = heights_above_block(mesh);
   Located<Dim> lowest{mesh.largest(Dim - 1), {}};
-  const auto consider = [&](const std::array<double, Dim>& point) {
-    if (point[Dim - 1] >= lowest.value) return;
-    lowest = {point[Dim - 1], point};
-    lowest.place[Dim - 1] = 0.0;
+  const auto consider = [&](int cold, int hot, double share) {
+    const double from = height[std::size_t(cold)], to = height[std::size_t(hot)];
+    const double above = from + share * (to - from);
+    if (above >= lowest.value) return;
+    lowest = {above, crossing<Dim>(mesh.point(cold), mesh.point(hot), share)};
+    lowest.place[Dim - 1] -= above;
   };
 
   const auto& edges = mesh::cell_shape(Dim, mesh.nodes_per_element).edges;
   for (int e = 0; e < mesh.elements(); ++e) {
-    if (lowest_height(mesh, e) >= lowest.value) continue;  // skips most elements
+    if (lowest_of(mesh, e, height) >= lowest.value) continue;  // skips most elements
     for (const auto& [i, j] : edges) {
       int cold = mesh.nodes_of(e)[i], hot = mesh.nodes_of(e)[j];
       if (temperature[std::size_t(cold)] > temperature[std::size_t(hot)]) std::swap(cold, hot);
@@ -181,9 +206,8 @@ Located<Dim> bottom_shell(const mesh::Mesh<Dim>& mesh, std::span<const double> t
       if (high < isotherm) continue;
 
       // Where the whole edge is hot, both of its ends count.
-      const double share = low >= isotherm ? 0.0 : (isotherm - low) / (high - low);
-      consider(crossing<Dim>(mesh.point(cold), mesh.point(hot), share));
-      if (low >= isotherm) consider(crossing<Dim>(mesh.point(cold), mesh.point(hot), 1.0));
+      consider(cold, hot, low >= isotherm ? 0.0 : (isotherm - low) / (high - low));
+      if (low >= isotherm) consider(cold, hot, 1.0);
     }
   }
   return lowest;

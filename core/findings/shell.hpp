@@ -46,7 +46,7 @@ std::optional<PlacedFigure> thinnest_shell(const mesh::Mesh<Dim>& mesh,
 template <int Dim>
 bool melt_touches_bottom(const mesh::Mesh<Dim>& mesh, std::span<const char> solid);
 
-/// Smallest height of an isotherm above the bottom [m], interpolated linearly along the edges of
+/// Smallest height of an isotherm above the block [m], interpolated linearly along the edges of
 /// elements, so that it changes smoothly with time; thinnest_shell() works with whole elements. The
 /// location is on the bottom. If no metal is that hot, the height of the slab.
 /// @param temperature  (node) [°C]

@@ -345,7 +345,7 @@ double sump_depth(const mesh::Mesh<Dim>& mesh, std::span<const double> temperatu
     const double top = node_height(mesh, axis[i]), bottom = node_height(mesh, axis[i - 1]);
     return metal_level - (top + share * (bottom - top));
   }
-  return metal_level;
+  return metal_level - node_height(mesh, axis.front());
 }
 
 template std::optional<Slice<2>> slice_at(const mesh::Mesh<2>&, std::span<const double>, double,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -34,6 +35,23 @@ inline double temperature_of_fraction(const AlloyCard& card, double fraction) {
 /// @param temperature [°C] @return [1]
 inline double solid_fraction_at(const AlloyCard& card, double temperature) {
   return 1.0 - liquid_fraction_at(card, temperature);
+}
+
+/// Factor on the conductivity of the melt for its own convection, by the size of the section
+/// (docs/heat.md).
+///
+/// The buoyancy that drives the convection grows with the cube of the length over which the melt
+/// cools (Grashof number), so the gain does. It acts in the melt between the dendrites from a
+/// liquid fraction of 0.3 and fully from 0.8 on, as thermal models of casting use it.
+/// @param gain  [1] of the conductivity in a section 450 mm across
+/// @param size  [m] diameter of a billet, thickness of a slab
+/// @return      [1] against liquid fraction; at most 20, from where on the melt is isothermal
+inline Curve melt_stirring(double gain, double size) {
+  constexpr double reference_size = 0.45;  // [m] the billet in which the gain was measured
+  constexpr double largest_factor = 20.0;
+
+  const double factor = 1.0 + gain * std::pow(size / reference_size, 3);
+  return Curve(Abscissa::liquid_fraction, {0.3, 0.8}, {1.0, std::min(factor, largest_factor)});
 }
 
 /// A property of the mush, weighted by the fractions of solid and liquid: fs solid(T) + fl liquid.

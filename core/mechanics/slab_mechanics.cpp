@@ -145,7 +145,8 @@ template <int Dim>
 double SlabMechanics<Dim>::bottom_gap(const State& state, std::size_t place) const {
   const std::size_t node = std::size_t(bottom_nodes()[place]);
   const auto& initial = supports_.initial_gap();
-  return state.displacement[node * Dim + up<Dim>] + (initial.empty() ? 0.0 : initial[place]);
+  const double opening = supports_.by_unknown(state.displacement)[node * Dim + up<Dim>];
+  return opening + (initial.empty() ? 0.0 : initial[place]);
 }
 
 template <int Dim>
@@ -444,7 +445,7 @@ void SlabMechanics<Dim>::store_supports(State& state, StepUnknowns<Dim>& unknown
     const bool closed = !options_.contact || unknowns.contact[i] != 0;
     state.reaction[i] =
         closed ? work_.residual[std::size_t(bottom_nodes()[i] * Dim + up<Dim>)] : 0.0;
-    checks_.bottom_reaction += state.reaction[i];
+    checks_.bottom_reaction += state.reaction[i] * supports_.upward()[i];
     if (closed) checks_.contact_length += supports_.bottom_measure()[i];
   }
   for (std::size_t i = problem_.carrying(); i < problem_.contact.size(); ++i) {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/mechanics/slab_mechanics.hpp"
+#include "core/mesh/bottom_normals.hpp"
 
 namespace dccast::mechanics {
 
@@ -24,7 +25,8 @@ constexpr double round_off_of_turns = 16.0 * std::numeric_limits<double>::epsilo
 
 }  // namespace
 
-/// The faces that bound the slab at a node, as horizontal unit normals [1].
+/// The faces that bound the slab at a node, as unit normals [1]: horizontal ones of symmetry planes
+/// and sides, and the inward one of a block that is not flat there.
 template <int Dim>
 struct SlabSupports<Dim>::Normals {
   using Vector = Eigen::Matrix<double, Dim, 1>;
@@ -34,6 +36,7 @@ struct SlabSupports<Dim>::Normals {
   };
   std::vector<Vector> symmetry;
   std::vector<Side> sides;
+  Vector block = Vector::Unit(up);
 
   void add_side(const Vector& normal, double area) {
     for (Side& side : sides) {
@@ -49,7 +52,7 @@ struct SlabSupports<Dim>::Normals {
 template <int Dim>
 void SlabSupports<Dim>::find(const Mesh& mesh, const MechanicsForms<Dim>& forms) {
   find_bottom(mesh, forms);
-  find_walls(mesh, forms);
+  find_directions(mesh, forms);
 }
 
 template <int Dim>
@@ -73,8 +76,14 @@ void SlabSupports<Dim>::find_bottom(const Mesh& mesh, const MechanicsForms<Dim>&
 }
 
 template <int Dim>
-void SlabSupports<Dim>::find_walls(const Mesh& mesh, const MechanicsForms<Dim>& forms) {
+void SlabSupports<Dim>::find_directions(const Mesh& mesh, const MechanicsForms<Dim>& forms) {
   std::map<int, Normals> of_node;
+  const auto of_block = mesh::inward_normals(mesh, std::span<const int>(bottom_nodes_));
+  for (std::size_t i = 0; i < of_block.size(); ++i) {
+    if (of_block[i][up] >= along_axis) continue;
+    of_node[bottom_nodes_[i]].block = typename Normals::Vector(of_block[i].data());
+  }
+
   const auto horizontal = [](const std::array<double, Dim>& normal) {
     typename Normals::Vector n(normal.data());
     n(up) = 0.0;
@@ -93,14 +102,22 @@ void SlabSupports<Dim>::find_walls(const Mesh& mesh, const MechanicsForms<Dim>& 
       of_node[facet.node[k]].add_side(*normal, area[k]);
     }
   });
+
   side_nodes_.clear();
   symmetry_unknowns_.clear();
   frames_.clear();
   for (const auto& [node, normals] : of_node) add_node(node, mesh.point(node)[up], normals);
+
+  upward_.assign(bottom_nodes_.size(), 1.0);
+  for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
+    if (of_block[i][up] >= along_axis) continue;
+    const auto frame = std::ranges::find(frames_, bottom_nodes_[i], &NodalFrame<Dim>::node);
+    if (frame != frames_.end()) upward_[i] = frame->axis[up][up];
+  }
 }
 
 /// Orthogonal directions along which a node is held: first the symmetry planes, then the remaining
-/// components of the side normals.
+/// components of the side normals, and that of the block.
 template <int Dim>
 class SlabSupports<Dim>::HeldDirections {
 public:
@@ -112,24 +129,32 @@ public:
     for (const auto& side : normals.sides) {
       if (add(side.sum.normalized())) area.push_back(side.area);
     }
+    block_ = normals.block;
+    for (const Vector& d : direction) block_ -= d.dot(block_) * d;
+    block_.normalize();
   }
 
   /// Whether all directions are coordinate axes.
   bool along_axes() const {
-    return std::ranges::all_of(
-        direction, [](const Vector& d) { return d.cwiseAbs().maxCoeff() >= along_axis; });
+    return block_(up) >= along_axis && std::ranges::all_of(direction, [](const Vector& d) {
+             return d.cwiseAbs().maxCoeff() >= along_axis;
+           });
   }
-  /// Frame of these directions, completed by the remaining ones and the vertical.
+  /// Frame of these directions, completed by the remaining ones; its last axis is that of the block.
   NodalFrame<Dim> frame(int node) const {
     std::vector<Vector> axis = direction;
     if constexpr (Dim == 3) {
-      if (axis.size() == 1) axis.push_back(Vector::UnitZ().cross(axis[0]));
+      // A tangent of the block; where nothing else is held, the one across its slope.
+      if (axis.empty()) axis.push_back(Vector::UnitZ().cross(block_).normalized());
+      if (axis.size() == 1) axis.push_back(block_.cross(axis[0]));
+    } else {
+      if (axis.empty()) axis.push_back({block_(1), -block_(0)});
     }
+    axis.push_back(block_);
+
     NodalFrame<Dim> frame{node, {}};
-    for (std::size_t k = 0; k < axis.size(); ++k) {
+    for (std::size_t k = 0; k < axis.size(); ++k)
       std::copy(axis[k].begin(), axis[k].end(), frame.axis[k].begin());
-    }
-    frame.axis[up][up] = 1.0;
     return frame;
   }
 
@@ -144,6 +169,8 @@ private:
     direction.push_back(normal.normalized());
     return true;
   }
+
+  Vector block_;  ///< what the held directions leave of the block's normal
 };
 
 template <int Dim>

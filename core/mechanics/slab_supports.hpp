@@ -17,6 +17,10 @@ struct SlabState;
 /// displacement along the normal is one unknown. Sides that meet at less than 30 degrees are
 /// treated there as one, with their mean normal; otherwise a shared node is held along both
 /// normals.
+///
+/// The block pushes along the normal of its surface. Over the wall of a bowl that is oblique, too: the
+/// third axis of the frame is then the normal, less what the node's other held directions take of
+/// it.
 template <int Dim>
 class SlabSupports {
 public:
@@ -24,7 +28,7 @@ public:
 
   /// Finds the boundaries of a mesh. @pre the mesh is set in `forms`
   void find(const Mesh& mesh, const MechanicsForms<Dim>& forms);
-  /// Local frames of side nodes whose normal is oblique to the coordinate axes.
+  /// Local frames of nodes whose normals are oblique to the coordinate axes.
   const std::vector<NodalFrame<Dim>>& frames() const { return frames_; }
 
   /// Nodes of the lower boundary, in ascending order of their numbers.
@@ -33,6 +37,9 @@ public:
   const std::vector<double>& bottom_area() const { return bottom_area_; }
   /// The same without the radius of an axisymmetric section [m^(Dim-1)].
   const std::vector<double>& bottom_measure() const { return bottom_measure_; }
+
+  /// (bottom node) vertical part of the direction in which the block pushes [1]; 1 on a flat block.
+  const std::vector<double>& upward() const { return upward_; }
 
   /// Sets the initial distance of the block below each bottom node [m]; empty: flat. It is kept as
   /// long as the number of bottom nodes does not change.
@@ -82,8 +89,8 @@ private:
 
   /// Finds the nodes of the bottom, with their areas.
   void find_bottom(const Mesh& mesh, const MechanicsForms<Dim>& forms);
-  /// Finds the nodes of the sides and symmetry planes, and the directions that they hold.
-  void find_walls(const Mesh& mesh, const MechanicsForms<Dim>& forms);
+  /// Finds the directions in which block, sides and symmetry planes hold their nodes.
+  void find_directions(const Mesh& mesh, const MechanicsForms<Dim>& forms);
   /// @param height  [m] in the undeformed slab
   void add_node(int node, double height, const Normals& normals);
   /// @param gap  present gap to the wall [m]
@@ -93,6 +100,7 @@ private:
   std::vector<int> bottom_nodes_;
   std::vector<double> bottom_area_;     ///< (bottom node) @see bottom_area() [m^(Dim-1)], [m2/rad]
   std::vector<double> bottom_measure_;  ///< (bottom node) @see bottom_measure() [m^(Dim-1)]
+  std::vector<double> upward_;          ///< (bottom node) @see upward() [1]
   std::vector<double> initial_gap_;     ///< (bottom node) [m]
   std::vector<SideNode> side_nodes_;
   std::vector<int> symmetry_unknowns_;

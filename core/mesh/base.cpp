@@ -239,12 +239,25 @@ Base<2> base_of<2>(const SectionSpec& spec, Plan) {
   for (int c = 0; c < cells; ++c) base.cell_node.insert(base.cell_node.end(), {c, c + 1});
   base.walls.push_back({"symmetry", PatchKind::symmetry, {-1, 0}, {{0, 0}}});
   base.walls.push_back({"side", PatchKind::side, {1, 0}, {{cells - 1, 1}}});
+
+  if (spec.bowl)
+    for (const double x : base.node) base.depth.push_back(spec.bowl->depth_at(spec.half_width - x));
   return base;
 }
 
 template <>
 Base<3> base_of<3>(const SectionSpec& spec, Plan plan) {
-  return QuarterPlan(spec, plan).build();
+  Base<3> base = QuarterPlan(spec, plan).build();
+
+  // The distance from the edge of the block: from the nearer of the two faces.
+  if (spec.bowl) {
+    for (std::size_t n = 0; n < base.node.size(); n += 2) {
+      const double x = base.node[n], y = base.node[n + 1];
+      const double inward = std::min(spec.half_width - x, reach_of(base, x) - y);
+      base.depth.push_back(spec.bowl->depth_at(inward));
+    }
+  }
+  return base;
 }
 
 std::array<int, 2> corner_cells(const SectionSpec& spec) {

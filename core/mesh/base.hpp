@@ -55,6 +55,7 @@ struct Base {
   };
 
   std::vector<double> node;    ///< (node, Dim - 1) [m]
+  std::vector<double> depth;   ///< (node) [m] of the block below its lip; empty: flat
   std::vector<int> cell_node;  ///< (cell, nodes_per_cell), in 3D counterclockwise from above
   std::vector<Wall> walls;
 

@@ -58,7 +58,7 @@ std::array<double, Dim> usual_normal(PatchKind kind) {
 ///
 /// Axes: in 2D coordinate 0 points from the symmetry plane to the mould (the paper's x2); in 3D
 /// coordinates 0 and 1 point from the planes x = 0 and y = 0 to the narrow and the wide face. The
-/// last coordinate (x3) points upwards and is zero at the bottom block.
+/// last coordinate (x3) points upwards and is zero at the bottom block, or at the lip of its bowl.
 template <int Dim>
 struct Mesh {
   std::vector<double> node;  ///< (node, Dim) [m]

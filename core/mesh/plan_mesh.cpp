@@ -1,5 +1,6 @@
 #include "core/mesh/plan_mesh.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
@@ -38,7 +39,8 @@ Facet<Dim> make_facet(const typename CellDivision<Dim>::Part& part,
 }  // namespace
 
 template <int Dim>
-PlanMesh<Dim>::PlanMesh(Base<Dim> base, ElementKind kind) : base_(std::move(base)), kind_(kind) {}
+PlanMesh<Dim>::PlanMesh(Base<Dim> base, ElementKind kind, double flat_from)
+    : base_(std::move(base)), kind_(kind), flat_from_(flat_from) {}
 
 template <int Dim>
 int PlanMesh<Dim>::elements_per_row() const {
@@ -71,10 +73,12 @@ template <int Dim>
 void PlanMesh<Dim>::place_row_of_nodes(int row, double height) {
   const std::size_t nodes = std::size_t(base_.nodes()), first = std::size_t(row) * nodes;
   if (mesh_.node.size() < Dim * (first + nodes)) mesh_.node.resize(Dim * (first + nodes));
+  // Over a bowl the row sinks by a share of the block's depth.
+  const double sinking = base_.depth.empty() ? 0.0 : std::max(0.0, 1.0 - height / flat_from_);
   for (std::size_t i = 0; i < nodes; ++i) {
     double* x = mesh_.node.data() + Dim * (first + i);
     for (std::size_t d = 0; d + 1 < Dim; ++d) x[d] = base_.node[i * (Dim - 1) + d];
-    x[Dim - 1] = height;
+    x[Dim - 1] = base_.depth.empty() ? height : height - sinking * base_.depth[i];
   }
 }
 

@@ -15,10 +15,14 @@ namespace dccast::mesh {
 /// number of rows alone. Linear elements split each cell: a rectangle along its diagonal from lower
 /// left to upper right (the paper's SW-NE), a hexahedron into six tetrahedra around the diagonal
 /// from its first corner to the opposite one. Bilinear and trilinear elements use the whole cell.
+///
+/// Over a block with a bowl the height of a row is that over the lip; it sinks over the bowl by the
+/// block's depth, fully at the bottom and not at all from a given height on.
 template <int Dim>
 class PlanMesh {
 public:
-  PlanMesh(Base<Dim> base, ElementKind kind);
+  /// @param flat_from  [m] height from which on the rows are flat; below it they follow the block
+  PlanMesh(Base<Dim> base, ElementKind kind, double flat_from);
 
   const Mesh<Dim>& mesh() const { return mesh_; }
   int cells_per_row() const { return base_.cells(); }
@@ -41,6 +45,7 @@ private:
 
   Base<Dim> base_;
   ElementKind kind_;
+  double flat_from_;  ///< [m]
   Mesh<Dim> mesh_;
 };
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 
 #include "core/base/curve.hpp"
@@ -32,6 +35,22 @@ struct HeatCells {
   int per_layer = 1;
 };
 
+/// A bowl in the bottom block, which the first metal fills: flat in the middle, with a wall that
+/// rises to a flat lip along the edge of the block.
+struct Bowl {
+  double depth = 0.0;  ///< [m] of its middle below the lip
+  double lip = 0.0;    ///< [m] width of the lip
+  double wall = 0.0;   ///< [m] width of the wall, from the lip to the middle
+
+  /// Depth below the lip [m]. The wall is half a wave of a cosine: it joins lip and middle without
+  /// a kink.
+  /// @param inward  [m] distance from the edge of the block
+  double depth_at(double inward) const {
+    const double share = std::clamp((inward - lip) / wall, 0.0, 1.0);
+    return 0.5 * depth * (1.0 - std::cos(std::numbers::pi * share));
+  }
+};
+
 /// The simulated part of the slab and its mesh; tables `section` and `mesh` of a case. Columns are
 /// cells from the symmetry plane (x = 0) to the side, in a quarter slab to its narrow face; layers
 /// are cells from y = 0 to the wide face. They are those of the mechanics; the heat may divide
@@ -44,7 +63,8 @@ struct SectionSpec {
   /// convex.
   Curve half_thickness;
   double corner_radius = 0.0;  ///< [m] quarter slab only; 0 is a square corner
-  double initial_depth = 0.0;  ///< [m]
+  double initial_depth = 0.0;  ///< [m] over the block's lip
+  std::optional<Bowl> bowl;    ///< absent: the block is flat
   ElementKind element = ElementKind::p1;
   /// Cells before refinement.
   int columns = 0;

@@ -32,18 +32,34 @@ int first_grown(const std::vector<double>& row_heights) {
   return static_cast<int>(row_heights.size()) - 2;
 }
 
+/// Lowest row of nodes that is flat over the block's bowl, 0 without one: at least as high as the
+/// bowl is deep, so that no cell is more than twice as high over the bowl as over the lip. The row
+/// of cells that stretches with the metal level always lies above it.
+std::size_t first_flat_row(const SectionSpec& spec, const std::vector<double>& rows) {
+  if (!spec.bowl) return 0;
+  const auto high_enough = std::ranges::lower_bound(rows, spec.bowl->depth);
+  return std::min(std::size_t(high_enough - rows.begin()), rows.size() - 2);
+}
+
+/// Its height [m].
+double flat_from(const SectionSpec& spec) {
+  const std::vector<double> rows = initial_rows(spec);
+  return rows[first_flat_row(spec, rows)];
+}
+
 }  // namespace
 
 template <int Dim>
 SlabMesh<Dim>::SlabMesh(const SectionSpec& spec)
-    : mechanics_(base_of<Dim>(spec), spec.element),
+    : mechanics_(base_of<Dim>(spec), spec.element, flat_from(spec)),
       growth_cell_(growth_cell(spec)),
       merging_(refined_merging(spec)),
       plan_(initial_rows(spec)),
       first_grown_(first_grown(plan_)),
+      first_flat_(first_flat_row(spec, plan_)),
       heights_(plan_) {
   if (spec.heat_cells.per_column * spec.heat_cells.per_layer > 1)
-    heat_.emplace(base_of<Dim>(spec, Plan::heat), spec.element);
+    heat_.emplace(base_of<Dim>(spec, Plan::heat), spec.element, flat_from(spec));
   build();
 }
 
@@ -55,7 +71,8 @@ void SlabMesh<Dim>::build() {
 
 template <int Dim>
 void SlabMesh<Dim>::start_filling() {
-  heights_.resize(std::min(heights_.size(), first_rows + 1));
+  const std::size_t rows = std::max(first_rows, first_flat_ + 1);
+  heights_.resize(std::min(heights_.size(), rows + 1));
   build();
 }
 

@@ -37,7 +37,8 @@ public:
   double planned_level() const { return plan_.back(); }  ///< [m] once the mould is filled
   const std::vector<double>& row_heights() const { return heights_; }  ///< [m] of the rows of nodes
 
-  /// Begins with the lowest rows only, before the mould is filled. @pre nothing has grown yet
+  /// Begins with the lowest rows only, before the mould is filled: two, or those that follow the bowl
+  /// of the block and one more. @pre nothing has grown yet
   void start_filling();
 
   /// Raises the metal level.
@@ -68,6 +69,7 @@ private:
   RowMerging merging_;
   std::vector<double> plan_;     ///< [m] heights of the initial rows
   int first_grown_;              ///< row of nodes below the rows added by growth
+  std::size_t first_flat_;       ///< row of nodes from which on rows are flat
   std::vector<double> heights_;  ///< [m] of the rows of nodes
 };
 

@@ -109,8 +109,8 @@ struct BottomBlock {
   double wet_gap = 0.0;                     ///< [m]
   /// The same with a path from the edge, a mass flow and boiling; absent: the constant coefficient.
   std::optional<GapWater> gap_water{};
-  /// [m] initial distance of the block below the slab, against the distance from x = 0 and, in a
-  /// quarter slab, from y = 0; the two are added. Empty: flat.
+  /// [m] gap that is open between block and slab at the start, against the distance from x = 0 and, in a
+  /// quarter slab, from y = 0; the two are added. Empty: none.
   Curve profile_x, profile_y;
 };
 

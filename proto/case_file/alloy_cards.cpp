@@ -110,6 +110,8 @@ void complete_alloy(const v1::Alloy& card, v1::Alloy& overrides) {
     complete.clear_solid_conductivity_w_per_m_k();
     complete.clear_liquid_conductivity_w_per_m_k();
   }
+  if (overrides.has_melt_conductivity_factor()) complete.clear_melt_stirring();
+  if (overrides.has_melt_stirring()) complete.clear_melt_conductivity_factor();
 
   // The range of the card does not hold for a value of the case.
   complete.clear_uncertainty();

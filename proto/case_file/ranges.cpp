@@ -32,6 +32,14 @@ public:
           "give section.initial_depth, or section.block_above_water");
   }
 
+  /// The melt's conductivity is a table, or follows the size of the section.
+  void check_stirring(const v1::Alloy& alloy) {
+    if (alloy.has_melt_stirring() && alloy.has_melt_conductivity_factor())
+      add("alloy.melt_stirring", quantity_text(alloy.melt_stirring(), "1"),
+          "alloy.melt_conductivity_factor is given, too", "one of the two keys",
+          "give alloy.melt_stirring, or alloy.melt_conductivity_factor");
+  }
+
 private:
   /// Adds a fault.
   void add(const std::string& path, const std::string& value, const std::string& message,
@@ -123,7 +131,10 @@ private:
 std::vector<v1::Fault> check_ranges(const Message& message) {
   RangeCheck check;
   check.check_message(message, "");
-  if (const auto* c = dynamic_cast<const v1::Case*>(&message)) check.check_depth(*c);
+  if (const auto* c = dynamic_cast<const v1::Case*>(&message)) {
+    check.check_depth(*c);
+    check.check_stirring(c->alloy());
+  }
   return std::move(check.faults);
 }
 

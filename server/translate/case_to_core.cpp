@@ -31,6 +31,10 @@ mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
   to.half_thickness = to_core(from.section().half_thickness_m());
   to.corner_radius = from.section().corner_radius_m();
   to.initial_depth = from.section().initial_depth_m();
+  if (from.cooling().bottom_block().has_bowl()) {
+    const v1::Bowl& bowl = from.cooling().bottom_block().bowl();
+    to.bowl = {.depth = bowl.depth_m(), .lip = bowl.lip_m(), .wall = bowl.wall_m()};
+  }
 
   const v1::Mesh& mesh = from.mesh();
   to.element = to_core(mesh.element());
@@ -121,14 +125,24 @@ double fed_density(const v1::Alloy& from, const material::AlloyCard& card) {
   return material::density_at_solid_fraction(card, end);
 }
 
-material::AlloyCard alloy(const v1::Alloy& from) {
+/// Smallest horizontal size of a section [m]: diameter of a billet, thickness of a slab.
+double size_across(const mesh::SectionSpec& section) {
+  const double half = section.half_thickness.empty() ? section.half_width
+                                                     : section.half_thickness(0.0);
+  return 2.0 * std::min(half, section.half_width);
+}
+
+/// @param size  [m] of the section across, see `size_across`
+material::AlloyCard alloy(const v1::Alloy& from, double size) {
   material::AlloyCard to;
   to.name = from.card();
   to.liquidus = from.liquidus_c();
   to.solidus = from.solidus_c();
   to.latent_heat = from.latent_heat_j_per_kg();
   to.specific_heat = to_core(from.specific_heat_j_per_kg_k());
-  to.melt_conductivity_factor = to_core(from.melt_conductivity_factor());
+  to.melt_conductivity_factor = from.has_melt_stirring()
+                                    ? material::melt_stirring(from.melt_stirring(), size)
+                                    : to_core(from.melt_conductivity_factor());
   to.liquid_fraction = to_core(from.liquid_fraction());
 
   // These use liquidus, solidus and liquid fraction, which are set above.
@@ -384,7 +398,7 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   casting::Case to;
   to.title = complete.title();
   to.section = section(complete, attachments);
-  to.alloy = alloy(complete.alloy());
+  to.alloy = alloy(complete.alloy(), size_across(to.section));
   to.coherency_solid_fraction = given(complete.alloy().has_coherency_solid_fraction(),
                                       complete.alloy().coherency_solid_fraction());
 

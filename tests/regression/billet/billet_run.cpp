@@ -51,10 +51,10 @@ private:
   std::size_t columns_;
 };
 
-std::vector<double> depths(const Run& run) {
+std::vector<double> depths(const Run& run, const std::vector<Isotherm>& measured) {
   const Profile profile(run);
   std::vector<double> found;
-  for (const Isotherm& m : measured_isotherms()) {
+  for (const Isotherm& m : measured) {
     found.push_back(profile.depth(m.radius, m.temperature));
   }
   return found;
@@ -121,7 +121,19 @@ const std::vector<Isotherm>& measured_isotherms() {
   return table;
 }
 
-BilletRun run_billet(const casting::Case& billet) {
+const std::vector<Isotherm>& measured_in_aa6008() {
+  static const std::vector<Isotherm> table{
+      {0, 600, 0.1863},       {0, 550, 0.1916},        {0, 500, 0.1972},
+      {0, 450, 0.2045},       {0.0325, 600, 0.1738},   {0.0325, 550, 0.18065},
+      {0.0325, 500, 0.18755}, {0.0325, 450, 0.19515},  {0.0325, 400, 0.20375},
+      {0.062, 600, 0.1518},   {0.062, 550, 0.1568},    {0.062, 500, 0.16135},
+      {0.062, 450, 0.1666},   {0.062, 400, 0.1723},    {0.062, 350, 0.17965},
+      {0.062, 300, 0.1896},   {0.062, 250, 0.20285},
+  };
+  return table;
+}
+
+BilletRun run_billet(const casting::Case& billet, const std::vector<Isotherm>& measured) {
   Run run(billet);
   BilletRun result;
   std::vector<double> before;
@@ -134,13 +146,24 @@ BilletRun run_billet(const casting::Case& billet) {
       result.wall_heat += by_radian * report.time_step / averaged_over;
       result.top_heat += report.level_heat * billet.section.half_width * report.time_step / averaged_over;
     }
-    if (before.empty() && report.time >= billet.time.end - still_over) before = depths(run);
+    if (before.empty() && report.time >= billet.time.end - still_over) before = depths(run, measured);
   }
-  result.depth = depths(run);
+  result.depth = depths(run, measured);
   result.still = largest_relative_change(before, result.depth);
   result.metal_heat = heat_of_metal(run, billet);
   result.nodes = run.mesh().nodes();
   return result;
+}
+
+DepthError depth_error(const BilletRun& run, const std::vector<Isotherm>& measured) {
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const double error = run.depth[i] - measured[i].depth;
+    sum += error;
+    squares += error * error;
+  }
+  const double count = static_cast<double>(measured.size());
+  return {sum / count, std::sqrt(squares / count)};
 }
 
 casting::Case refined(casting::Case billet, int refinement) {

@@ -19,9 +19,14 @@ struct Isotherm {
 /// below the surface.
 const std::vector<Isotherm>& measured_isotherms();
 
+/// Subroto and others 2021, interpolated in their digitised traces: on the axis, and at 32.5 and
+/// 62 mm the mean of two traces, which differ by up to 9 mm. The level stands 100 mm above the
+/// mould ring, from which they measured.
+const std::vector<Isotherm>& measured_in_aa6008();
+
 /// A whole casting of the billet, as its end shows it.
 struct BilletRun {
-  std::vector<double> depth;  ///< [m] of `measured_isotherms()`, in their order
+  std::vector<double> depth;  ///< [m] of the measured isotherms, in their order
   double still = 0.0;         ///< largest relative change of these depths over the last 100 s
   double metal_heat = 0.0;  ///< [W/rad] what the metal brings in, less what it has left at the foot
   double top_heat = 0.0;    ///< [W/rad] conducted in at the metal level, mean of the last 50 s
@@ -35,8 +40,17 @@ struct BilletRun {
 };
 
 /// @param billet  a heat-only axisymmetric casting of bilinear quadrilaterals that grows
+/// @param measured  where the depths of the result are taken
 /// @throws SolveFailed  as the run does
-BilletRun run_billet(const casting::Case& billet);
+BilletRun run_billet(const casting::Case& billet,
+                     const std::vector<Isotherm>& measured = measured_isotherms());
+
+/// Mean, and root mean square, of computed less measured depth [m].
+struct DepthError {
+  double mean;
+  double root_mean_square;
+};
+DepthError depth_error(const BilletRun& run, const std::vector<Isotherm>& measured);
 
 /// The case at another `mesh.refinement`, its time step changed in proportion.
 casting::Case refined(casting::Case billet, int refinement);

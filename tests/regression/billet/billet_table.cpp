@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "core/material/thermal_properties.hpp"
 #include "tests/regression/billet/billet_run.hpp"
 #include "tests/support/load_case.hpp"
 
@@ -97,6 +98,31 @@ void print_stirring(casting::Case billet) {
   }
 }
 
+/// The law of size, its gain chosen on the billet of 450 mm, in both billets.
+void print_stirring_by_size(const casting::Case& wide, const casting::Case& narrow) {
+  std::puts(
+      "\n| gain at 450 mm | factor at 450 mm | chosen on these: rms [%] | judged on these: rms [%] "
+      "| factor at 155 mm | AA6008: mean; rms [mm] |\n|---|---|---|---|---|---|");
+  for (const double gain : {0.0, 3.0, 6.0, 9.0, 12.0, 19.0}) {
+    const auto stirred = [&](casting::Case billet) {
+      billet.alloy.melt_conductivity_factor =
+          material::melt_stirring(gain, 2.0 * billet.section.half_width);
+      return billet;
+    };
+    const casting::Case both[] = {stirred(wide), stirred(narrow)};
+    const BilletRun wide_run = regression::run_billet(both[0]);
+    const auto& measured = regression::measured_in_aa6008();
+    const regression::DepthError narrow_error =
+        regression::depth_error(regression::run_billet(both[1], measured), measured);
+
+    std::printf("| %g | %.1f | %.1f | %.1f | %.2f | %+.1f; %.1f |\n", gain,
+                both[0].alloy.melt_conductivity_factor(1.0), error_of_half(wide_run, 0),
+                error_of_half(wide_run, 1), both[1].alloy.melt_conductivity_factor(1.0),
+                1e3 * narrow_error.mean, 1e3 * narrow_error.root_mean_square);
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 /// dccast-billet [FINEST]: mesh.refinement 1, 2 (as shipped), 4 up to FINEST (default 2).
@@ -121,4 +147,6 @@ int main(int count, char** argument) {
   print_depths(run);
   print_variants(billet);
   print_stirring(regression::refined(billet, 1));
+  print_stirring_by_size(regression::refined(billet, 1),
+                         support::load_case("tests/regression/billet/aa6008.toml"));
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/material/thermal_properties.hpp"
 #include "tests/regression/billet/billet_run.hpp"
 #include "tests/support/load_case.hpp"
 
@@ -53,6 +54,28 @@ TEST(Billet, IsothermsMoveByLessThanOnePercentUnderRefinement) {
                 std::max(0.01 * shipped().depth[i], near_the_water_line))
         << "r = " << m.radius << " m, " << m.temperature << " degC";
   }
+}
+
+/// One law of stirring for both billets, its gain chosen on half of the depths of the wide one
+/// (cases/billet.toml). The narrow one's traces differ by 9 mm at the same radius.
+TEST(Aa6008, IsothermsLieWithinTheScatterOfTheThermocouplesWithTheGainOfTheWideBillet) {
+  const auto& measured = measured_in_aa6008();
+  casting::Case billet = support::load_case("tests/regression/billet/aa6008.toml");
+  billet.alloy.melt_conductivity_factor = material::melt_stirring(9.0, 0.45);
+  const BilletRun with_factor_of_wide = run_billet(billet, measured);
+
+  const casting::Case by_size = support::load_case("tests/regression/billet/aa6008.toml");
+  const BilletRun run = run_billet(by_size, measured);
+  for (std::size_t i = 0; i < measured.size(); ++i)
+    EXPECT_NEAR(run.depth[i], measured[i].depth, 9e-3)
+        << "r = " << measured[i].radius << " m, " << measured[i].temperature << " degC";
+
+  const double error = depth_error(run, measured).root_mean_square;
+  EXPECT_LT(error, 5e-3);
+  EXPECT_LT(error, depth_error(with_factor_of_wide, measured).root_mean_square)
+      << "one factor for both sizes";
+  EXPECT_LT(run.still, 1e-3);
+  EXPECT_LT(run.worst_balance, 1e-10);
 }
 
 }  // namespace

@@ -67,6 +67,16 @@ const Mistake mistakes[] = {
      }},
     {"BlockThatTouchesNowhereAlongY", "cooling.bottom_block.profile_y",
      [](Case& c) { c.cooling.bottom_block.profile_y = Curve(2e-3); }},
+    {"MonitorInAFlatBlock", "monitor[0].z", [](Case& c) { c.monitors[0].z = -0.01; }},
+    {"MonitorBelowTheBowl", "monitor[0].z",
+     [](Case& c) {
+       c.section.bowl = {.depth = 0.02, .lip = 0.02, .wall = 0.08};
+       c.monitors[0] = {.name = "too deep", .x = 0.0, .y = 0.0, .z = -0.021};
+     }},
+    {"BowlSteeperThanItsMesh", "cooling.bottom_block.bowl.wall",
+     [](Case& c) { c.section.bowl = {.depth = 0.04, .lip = 0.02, .wall = 0.03}; }},
+    {"BowlWiderThanTheBlock", "cooling.bottom_block.bowl.wall",
+     [](Case& c) { c.section.bowl = {.depth = 0.02, .lip = 0.10, .wall = 0.08}; }},
     {"CornerBeyondTheLastBreakPoint", "section.corner_radius",
      [](Case& c) { c.section.corner_radius = 0.17; }},
     {"CornerThatHoldsNoCells", "section.corner_radius",

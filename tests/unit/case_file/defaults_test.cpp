@@ -114,6 +114,19 @@ TEST(CompleteAlloy, ACoherencyReplacesThatOfTheCardHoweverItIsSaid) {
       << "a fault for the check";
 }
 
+TEST(CompleteAlloy, StirringOfTheCaseReplacesThatOfTheCardHoweverItIsSaid) {
+  v1::Alloy by_size;
+  by_size.set_melt_stirring(9.0);
+  complete_alloy(alloy_card("paper").alloy, by_size);
+  EXPECT_FALSE(by_size.has_melt_conductivity_factor());
+
+  v1::Alloy table;
+  table.mutable_melt_conductivity_factor()->add_at(0.0);
+  table.mutable_melt_conductivity_factor()->add_value(2.0);
+  complete_alloy(by_size, table);
+  EXPECT_FALSE(table.has_melt_stirring());
+}
+
 TEST(AlloyCard, AnUnknownNameIsAFaultWithTheNearestOne) {
   const AlloyCard card = alloy_card("aa5128");
   ASSERT_EQ(card.faults.size(), 1u);
@@ -160,6 +173,17 @@ TEST(CheckRanges, FindsEverythingInAMessageFromTheWire) {
         "schedule.casting_speed[1]: must be larger", "schedule.casting_speed[1]: out of range",
         "schedule.water_flow: as many values", "schedule.casting_temperature: an empty table"})
     EXPECT_THAT(all, HasSubstr(expected));
+}
+
+TEST(CheckRanges, RefusesTwoLawsOfStirring) {
+  v1::Case message = sound();
+  message.mutable_alloy()->set_melt_stirring(9.0);
+  EXPECT_EQ(ranges_of(message), "");
+
+  message.mutable_alloy()->mutable_melt_conductivity_factor()->add_at(0.0);
+  message.mutable_alloy()->mutable_melt_conductivity_factor()->add_value(2.0);
+  EXPECT_THAT(ranges_of(message),
+              HasSubstr("alloy.melt_stirring: alloy.melt_conductivity_factor is given, too"));
 }
 
 TEST(Defaults, OfACardThatIsCompletedTwiceAreThoseOfOnce) {

@@ -43,6 +43,7 @@ TEST(Shipped, EveryAlloyCardIsCompleteAndConsistent) {
     // Linear, 0.9 or the paper's where absent, or given in another way, see below.
     const std::set<std::string> may_be_absent{"liquid_fraction",
                                               "cell_mass",
+                                              "melt_stirring",
                                               "shell_solid_fraction",
                                               "coherency_c",
                                               "coherency_solid_fraction",

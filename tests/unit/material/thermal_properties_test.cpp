@@ -222,6 +222,14 @@ TEST(ThermalProperties, MeltFactorStandsAgainstLiquidFraction) {
   }
 }
 
+TEST(MeltStirring, GainGrowsWithTheCubeOfTheSizeUntilTheMeltIsIsothermal) {
+  EXPECT_DOUBLE_EQ(melt_stirring(9.0, 0.45)(1.0), 10.0);
+  EXPECT_DOUBLE_EQ(melt_stirring(9.0, 0.225)(0.9), 1.0 + 9.0 / 8.0);
+  EXPECT_DOUBLE_EQ(melt_stirring(9.0, 2.0)(1.0), 20.0);
+  EXPECT_DOUBLE_EQ(melt_stirring(0.0, 0.45)(1.0), 1.0) << "melt at rest";
+  EXPECT_DOUBLE_EQ(melt_stirring(9.0, 0.45)(0.2), 1.0) << "held by the dendrites";
+}
+
 /// Scheil-like: most of the latent heat close below the liquidus, an eutectic at the solidus.
 AlloyCard tabled_card() {
   AlloyCard card = mushy_card();

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "core/mesh/bottom_normals.hpp"
 #include "core/mesh/extrusion.hpp"
 #include "tests/support/print_kinds.hpp"
 
@@ -272,6 +273,54 @@ TEST_P(Slab, TheLevelCannotSink) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, Slab, ::testing::Values(ElementKind::p1, ElementKind::q1));
+
+/// The metal fills the bowl: the section below the metal level is larger by the bowl's own, and
+/// rows are flat from about its depth on.
+TEST(SlabMesh, LowestRowsFollowABowl) {
+  SectionSpec spec = small_section(ElementKind::q1_bending);
+  spec.refinement = 32;  // cells below 2 mm
+  spec.bowl = {.depth = 0.03, .lip = 0.04, .wall = 0.12};
+  SlabMesh2D slab(spec);
+  slab.grow_to(0.13);
+  const Mesh2D& mesh = slab.mesh();
+
+  double area = 0.0;
+  for (int e = 0; e < mesh.elements(); ++e) {
+    ASSERT_GT(polygon_area(mesh, e), 0.0) << "element " << e;
+    area += polygon_area(mesh, e);
+  }
+  const double bowl = 0.03 * (0.28 - 0.04 - 0.5 * 0.12);
+  EXPECT_NEAR(area, 0.28 * 0.13 + bowl, 1e-4 * bowl);
+
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const std::size_t row = std::size_t(n / slab.nodes_per_row());
+    const double over_lip = slab.row_heights()[row], height = mesh.point(n)[1];
+    const double deepest = -spec.bowl->depth_at(0.28 - mesh.point(n)[0]);
+    if (row == 0 || over_lip >= 0.04) {
+      EXPECT_DOUBLE_EQ(height, row == 0 ? deepest : over_lip);
+    }
+  }
+}
+
+TEST(SlabMesh, NormalsOfTheBottomAreThoseOfTheBowl) {
+  SectionSpec spec = small_section(ElementKind::q1);
+  spec.refinement = 32;  // cells below 2 mm
+  spec.bowl = {.depth = 0.03, .lip = 0.04, .wall = 0.12};
+  const SlabMesh2D slab(spec);
+  const std::vector<int> bottom = patch_nodes(slab.mesh(), PatchKind::bottom);
+  const auto normals = inward_normals(slab.mesh(), std::span<const int>(bottom));
+
+  for (std::size_t i = 0; i < bottom.size(); ++i) {
+    const double inward = 0.28 - slab.mesh().point(bottom[i])[0];
+    const double share = std::clamp((inward - 0.04) / 0.12, 0.0, 1.0);
+    const double slope = 0.5 * 0.03 * M_PI / 0.12 * std::sin(M_PI * share);  // the block rises along x
+    EXPECT_NEAR(normals[i][0], -slope / std::hypot(1.0, slope), 5e-3) << inward;
+    EXPECT_GT(normals[i][1], 0.9);
+    if (inward < 0.03) {
+      EXPECT_EQ(normals[i][1], 1.0) << "flat lip";
+    }
+  }
+}
 
 }  // namespace
 }  // namespace dccast::mesh
