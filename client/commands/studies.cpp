@@ -39,7 +39,7 @@ ExitCode list(const StudiesOptions& options, Program& program) {
   const std::size_t length = short_id_length(ids);
   render::Table table({"STUDY", "STATE", "RUNS", "PLAN", "CREATED", "TITLE"});
   for (const v1::Study& study : studies)
-    table.add({study.id().substr(0, length), render::state_text(study.state()),
+    table.add({study.id().substr(0, length), render::state_text(study),
                render::progress_text(study), render::plan_text(study),
                render::time_text(study.create_time()), study.title()});
   if (studies.empty())

@@ -31,16 +31,15 @@ std::string left_text(const v1::Study& study) {
 
 }  // namespace
 
-std::string state_text(v1::StudyState state) {
-  switch (state) {
+std::string state_text(const v1::Study& study) {
+  switch (study.state()) {
     case v1::STUDY_RUNNING:
       return "running";
-    case v1::STUDY_SUCCEEDED:
-      return "succeeded";
-    case v1::STUDY_FAILED:
-      return "failed";
     case v1::STUDY_CANCELLED:
       return "cancelled";
+    case v1::STUDY_SUCCEEDED:
+    case v1::STUDY_FAILED:
+      return study.succeeded() > 0 ? "answered" : "no answer";
     default:
       return "unknown";
   }
@@ -79,7 +78,7 @@ std::string progress_text(const v1::Study& study) {
 std::string study_sheet(const v1::Study& study) {
   std::string text = sheet_line("study", study.id()) + sheet_line("title", study.title()) +
                      sheet_line("plan", plan_text(study)) +
-                     sheet_line("state", state_text(study.state())) +
+                     sheet_line("state", state_text(study)) +
                      sheet_line("runs", progress_text(study)) +
                      sheet_line("created", time_text(study.create_time()));
   if (study.has_end_time()) text += sheet_line("ended", time_text(study.end_time()));

@@ -9,8 +9,9 @@
 
 namespace dccast::client::render {
 
-/// "running", "succeeded", ...
-std::string state_text(v1::StudyState state);
+/// "running", "answered", "no answer", "cancelled". A study has answered where a run has succeeded: in a
+/// search for remedies most of the runs may fail.
+std::string state_text(const v1::Study& study);
 
 /// "refinement", "sweep of 2 keys", "mould".
 std::string plan_text(const v1::Study& study);

@@ -104,7 +104,9 @@ std::string mm_with_errors(double metres, double lower_m, double upper_m) {
 
 std::string mm_errors(double lower_m, double upper_m, int decimals) {
   if (lower_m == upper_m) return "± " + mm(upper_m, decimals);
-  const auto side = [&](double error_m) { return error_m > 0.0 ? mm(error_m, decimals) : "0"; };
+  // An error that rounds to nothing reads as none: "-0 +0.01".
+  const double least_m = 0.5e-3 * std::pow(10.0, -decimals);
+  const auto side = [&](double error_m) { return error_m < least_m ? "0" : mm(error_m, decimals); };
   return fmt::format("-{} +{}", side(lower_m), side(upper_m));
 }
 

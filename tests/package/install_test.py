@@ -11,6 +11,7 @@ from debian_root import DebianRoot, Unit, until
 from packages import ROOT, made
 
 CASE = "cases/start-2d-thickness.toml"
+LONG_CASE = "cases/start-3d.toml"  # runs longer than an upgrade takes
 BEFORE, NOW = "0.0.1", "9.0.0"
 OLD_DATA = ROOT / "tests/service/data/folder-a60da8e.tar.xz"  # of an earlier dccastd, see README.md there
 
@@ -83,7 +84,8 @@ class Life(unittest.TestCase):
 
     def upgrade_under_a_job(self, daemon):
         """What the service manager does for postinst, which finds none here, is done by hand."""
-        self.dccast("submit", "--set", "quality=fine", "/tmp/case.toml")
+        shutil.copy(ROOT / LONG_CASE, self.root.path / "tmp/long.toml")
+        self.dccast("submit", "--set", "quality=engineering", "/tmp/long.toml")
         until(lambda: self.job("last").get("last_step"), 120)
         self.root.install(*self.versions[NOW])
         self.assertEqual((self.root.path / "etc/dccast/dccastd.toml").read_text(encoding="utf-8"), self.changed)

@@ -689,7 +689,8 @@ class RealPages(InBrowser):
         for _ in range(20):
             slider.send_keys(Keys.ARROW_LEFT)
         self.wait_for("Changed: corner", seconds=60)
-        self.assertIn("±", self.find(".what-if strong").text)
+        # An error has two digits and its curl as many decimals, as in the terminal.
+        self.assertRegex(self.find(".what-if strong").text, r"corner \d\.\d\d ± 0\.\d\d mm")
 
         self.wait_for("run 2, corner: ", "#difference")
         self.assertRegex(self.find("#difference").text, r"± \d[.\d]* mm, (real|within its error)\.")

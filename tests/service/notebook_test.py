@@ -18,7 +18,7 @@ class Notebooks(ServiceTest):
         os.environ["DCCAST_SERVER"] = self.daemon.address
         os.environ["DCCAST_PROGRAM"] = os.path.join(BIN, "dccast")
         paths = sorted(NOTEBOOKS.glob("*.ipynb"))
-        self.assertGreaterEqual(len(paths), 2)
+        self.assertGreaterEqual(len(paths), 6)
         for path in paths:
             with self.subTest(path.name):
                 notebook = nbformat.read(path, as_version=4)

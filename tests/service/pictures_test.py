@@ -1,21 +1,24 @@
 #!/usr/bin/python3
-"""Every picture of the documentation, made anew from real runs: in the folder DCCAST_PICTURES, from where they are
-copied to docs/images when what they show has changed. The script states which picture comes from where."""
+"""Every picture of the documentation, those of docs/tour.md among them, made anew from real runs: in the
+folder DCCAST_PICTURES, from where they are copied to docs/images when what they show has changed. The script
+states which picture comes from where."""
 import os
 import pathlib
 import re
 import subprocess
 import time
+import unittest
 
 import dccast
 import matplotlib
-import matplotlib.image
 import numpy as np
+import PIL.Image
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from dashboard_test import CASES, InBrowser
-from support import BIN, main
+from dccast.v1 import job_pb2
+from support import BIN, main, until
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MADE = os.environ.get("DCCAST_PICTURES", "pictures")
@@ -43,13 +46,27 @@ class Pictures(InBrowser):
         self.browser.get("file://" + os.path.join(self.folder, file))
         return self.find(selector)
 
-    def seen(self, name):
-        """A picture shows something: many colours, and no single one fills it."""
-        pixels = matplotlib.image.imread(self.made(name))[:, :, :3]
-        colours, counts = np.unique(pixels.reshape(-1, 3), axis=0, return_counts=True)
-        self.assertGreater(len(colours), 20, name)
+    def keep(self, name):
+        """Reduces a picture to 256 colours, which takes a third of the bytes. It shows something: many
+        colours, and no single one fills it."""
+        with PIL.Image.open(self.made(name)) as taken:
+            reduced = taken.convert("RGB").quantize(256, dither=PIL.Image.Dither.NONE)
+        reduced.save(self.made(name), optimize=True)
+        counts = np.array(reduced.histogram())
+        self.assertGreater(np.count_nonzero(counts), 20, name)
         self.assertLess(counts.max() / counts.sum(), 0.97, name)
-        return pixels.shape[1], pixels.shape[0]
+        self.assertLessEqual(reduced.width, 1200, name)
+
+    def take(self, name, selector=""):
+        """A picture of the page, or of a part of it, without the address of the test's own server."""
+        self.browser.execute_script(
+            "document.getElementById('server').style.visibility = 'hidden'")
+        self.assertNotRegex(self.find("main").text, r"/(home|root|tmp|work)/", name)
+        if selector:
+            self.find(selector).screenshot(self.made(name))
+        else:
+            self.browser.save_screenshot(self.made(name))
+        self.keep(name)
 
     def test_report_drawing_and_page(self):
         job = self.dccast("submit", "--set", "quality=engineering", os.path.join(CASES, "start-3d.toml"))
@@ -70,9 +87,9 @@ class Pictures(InBrowser):
         self.find(".cuts option[value='1']").click()
         self.find("canvas").click()
         time.sleep(1)
-        self.find(".job-parts").screenshot(self.made("dashboard-slab.png"))
-        for name in ("report.png", "quarter-slab.png", "casting-drawing.png", "dashboard-slab.png"):
-            self.seen(name)
+        self.take("dashboard-slab.png", ".job-parts")
+        for name in ("report.png", "quarter-slab.png", "casting-drawing.png"):
+            self.keep(name)
 
     def test_what_if(self):
         self.browser.set_window_size(1100, 800)
@@ -83,15 +100,51 @@ class Pictures(InBrowser):
             slider.send_keys(Keys.ARROW_RIGHT)
         self.wait_for("Changed: corner", seconds=60)
         time.sleep(1)
-        self.browser.save_screenshot(self.made("dashboard-what-if.png"))
-        self.seen("dashboard-what-if.png")
+        self.take("dashboard-what-if.png")
 
     def test_new_case(self):
         self.browser.set_window_size(1100, 1200)
         self.go("new")
         self.find("#found img.drawing", 60)
-        self.browser.save_screenshot(self.made("dashboard-new-case.png"))
-        self.seen("dashboard-new-case.png")
+        self.take("dashboard-new-case.png")
+
+    def test_jobs_studies_and_the_wall(self):
+        self.browser.set_window_size(1100, 1000)
+        thickness = os.path.join(CASES, "start-2d-thickness.toml")
+        with self.subTest("a job while it runs"):
+            slab = os.path.join(CASES, "start-3d.toml")
+            running = self.dccast("submit", "--set", "quality=engineering", slab)
+            until(lambda: self.client.job(running).last_step.time_s > 120.0, 200)
+            self.go(f"job/{running}")
+            self.find("canvas", 60)
+            self.take("dashboard-running.png")
+            self.assertEqual(self.client.job(running).state, job_pb2.RUNNING)
+            self.client.cancel(running)
+            self.client.until_state(running, job_pb2.CANCELLED)
+        with self.subTest("the wall, and what helps"):
+            short = self.dccast("submit", "--set", "schedule.hold=30 s", thickness)
+            self.client.until_state(short, job_pb2.SUCCEEDED, job_pb2.FAILED, seconds=120)
+            self.go("wall")
+            self.find(".verdict strong", 60)
+            self.take("dashboard-wall.png")
+            self.go(f"job/{short}")
+            self.press("Compute what helps", "main")
+            self.wait_for("shell_melted_through: hold", "#answer", 180)
+            until(lambda: "to come" not in self.find("#answer").text, 180)
+            self.take("dashboard-remedy.png", "main")
+        with self.subTest("a study"):
+            data = ("cooling.bottom_block.temperature", "alloy.conductivity", "cooling.water.temperature")
+            shown = self.dccast("uncertainty", thickness, "--runs", "24",
+                                *(word for datum in data for word in ("--only", datum)))
+            self.go("study/" + re.search(r"study ([0-9a-f-]{36})", shown)[1])
+            self.wait_for("castings have", "#answer", 60)
+            self.browser.set_window_size(1100, 1300)
+            self.take("dashboard-study.png", "main")
+        with self.subTest("the list"):
+            self.browser.set_window_size(1100, 620)
+            self.go("jobs")
+            self.find("tr.study")
+            self.take("dashboard-jobs.png")
 
     def test_python_excel_and_paraview(self):
         matplotlib.use("Agg")
@@ -100,7 +153,7 @@ class Pictures(InBrowser):
         axes = job.plot()
         axes.figure.set_size_inches(7, 4)
         axes.figure.savefig(self.made("python-curl.png"), dpi=110, bbox_inches="tight")
-        self.seen("python-curl.png")
+        self.keep("python-curl.png")
         frame = (1000 * job.curl_frame().drop(columns="beyond_validity")).round(3)
         frame.columns = [name.removesuffix("_m") + "_mm" for name in frame.columns]
         frame.iloc[:: len(frame) // 30].to_csv(os.path.join(self.folder, "curl.csv"))
@@ -110,7 +163,7 @@ class Pictures(InBrowser):
                           ["pdftoppm", "-png", "-singlefile", "-r", "100", "-x", "60", "-y", "60", "-W",
                            "640", "-H", "300", "curl.pdf", self.made("excel-curl")]):
                 subprocess.run(words, cwd=self.folder, capture_output=True, timeout=120, check=True)
-            self.seen("excel-curl.png")
+            self.keep("excel-curl.png")
         slab = self.dccast("submit", "--set", "quality=draft", os.path.join(CASES, "start-3d.toml"))
         self.dccast("wait", slab)
         self.dccast("fetch", slab, "-o", "run.h5")
@@ -118,10 +171,19 @@ class Pictures(InBrowser):
             subprocess.run(["xvfb-run", "-a", "pvpython", os.path.join(ROOT, "docs", "paraview_slab.py"),
                             "./run.xdmf", self.made("paraview-slab.png")], cwd=self.folder,
                            capture_output=True, timeout=180, check=True)
-            self.seen("paraview-slab.png")
+            self.keep("paraview-slab.png")
 
 
-class Pages(InBrowser):
+class Pages(unittest.TestCase):
+    def test_the_tour_has_ten_pictures_with_captions(self):
+        tour = (ROOT / "docs/tour.md").read_text(encoding="utf-8")
+        stops = re.findall(r"^## \d+\. .+\n\n(?:.+\n)+\n!\[.+\]\(images/([\w-]+\.png)\)$", tour, re.MULTILINE)
+        self.assertEqual(len(set(stops)), 10)
+
+    def test_pictures_keep_the_repository_small(self):
+        sizes = {path.name: path.stat().st_size for path in (ROOT / "docs" / "images").iterdir()}
+        self.assertLess(max(sizes.values()), 150_000, sizes)
+
     def test_pages_show_no_other_pictures(self):
         pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
         shown = {name for page in pages

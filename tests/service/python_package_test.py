@@ -292,6 +292,15 @@ class Steering(PackageTest):
         self.assertGreaterEqual(legend.y0, inside.y1 - 1.0)
         self.assertLessEqual(legend.y1, axes.figure.bbox.y1 + 1.0)
 
+    def test_a_chart_of_a_judgement_is_drawn_in_millimetres(self):
+        chart = self.service.compare(self.ended(), self.ended()).charts[0]
+        axes = dccast.plot_chart(chart)
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("time [s]", "curl [mm]"))
+        self.assertEqual(len(axes.lines), len(chart.lines))
+        for drawn, line in zip(axes.lines, chart.lines):
+            self.assertAlmostEqual(drawn.get_ydata()[-1], 1e3 * line.y[-1])
+        self.assertEqual(len(axes.collections), sum(1 for line in chart.lines if line.low))
+
     def test_a_probe_follows_a_point_and_a_line(self):
         job = self.ended()
         table = job.probe((0.28, 0.0))

@@ -16,12 +16,13 @@ from dccast.errors import DccastError, Fault
 from dccast.frames import Frame, Frames
 from dccast.jobs import Event, Job, Watch
 from dccast.judgements import Comparison, Difference, Judgement
-from dccast.plots import plot_curl
+from dccast.plots import plot_chart, plot_curl
 from dccast.runs import Answer, Band, Run
 from dccast.service import Service, connect
 from dccast.studies import Prediction, Study
 
 __all__ = [
     "Answer", "Band", "Case", "Comparison", "DccastError", "Difference", "Event", "Fault", "Frame", "Frames",
-    "Job", "Judgement", "Prediction", "Run", "Service", "Study", "Watch", "connect", "plot_curl",
+    "Job", "Judgement", "Prediction", "Run", "Service", "Study", "Watch", "connect",
+    "plot_chart", "plot_curl",
 ]

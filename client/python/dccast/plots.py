@@ -8,6 +8,7 @@ from dccast import errors
 
 if TYPE_CHECKING:
     from dccast.runs import Band
+    from dccast.v1 import judgement_pb2
 
 
 def plot_curl(bands: Mapping[str, Band], axes: Any = None, against: str = "time_s") -> Any:
@@ -22,12 +23,7 @@ def plot_curl(bands: Mapping[str, Band], axes: Any = None, against: str = "time_
     >>> axes.get_ylabel()
     'curl [mm]'
     """
-    if axes is None:
-        try:
-            from matplotlib import pyplot
-        except ImportError:
-            raise errors.missing("matplotlib", "apt install python3-matplotlib") from None
-        axes = pyplot.subplots(layout="constrained")[1]
+    axes = _axes() if axes is None else axes
     scale = {"time_s": 1.0, "cast_length_m": 1e3}[against]
     for label, band in bands.items():
         at = scale * getattr(band, against)
@@ -37,6 +33,53 @@ def plot_curl(bands: Mapping[str, Band], axes: Any = None, against: str = "time_
                           color=line.get_color(), alpha=0.2, linewidth=0)
     axes.set_xlabel({"time_s": "time [s]", "cast_length_m": "cast length [mm]"}[against])
     axes.set_ylabel("curl [mm]")
-    # Above the axes: inside it would cover curves and bands.
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
+    _add_legend(axes)
     return axes
+
+
+def plot_chart(chart: judgement_pb2.Chart, axes: Any = None) -> Any:
+    """Draws a chart of a judgement, lengths in mm. Returns the matplotlib axes.
+
+    @param chart  one of `Judgement.charts`
+
+    >>> service = dccast.connect()
+    >>> runs = [service.query("start-2d-thickness", quality="draft", time__end="20 s",
+    ...                       schedule__casting_speed=f"{speed} mm/min") for speed in (40, 80)]
+    >>> dccast.plot_chart(service.compare(*runs).charts[0]).get_xlabel()
+    'time [s]'
+    """
+    axes = _axes() if axes is None else axes
+    (x_scale, x_unit), (y_scale, y_unit) = (_drawn_unit(axis.unit) for axis in (chart.x, chart.y))
+
+    for line in chart.lines:
+        at = [x_scale * x for x in line.x]
+        drawn, = axes.plot(at, [y_scale * y for y in line.y], "o" if line.is_dotted else "-", label=line.name)
+        if line.low:
+            axes.fill_between(at, [y_scale * y for y in line.low], [y_scale * y for y in line.high],
+                              color=drawn.get_color(), alpha=0.2, linewidth=0)
+    if chart.HasField("region"):
+        axes.axhspan(y_scale * chart.region.low, y_scale * chart.region.high, color="grey", alpha=0.15,
+                     linewidth=0, label=chart.region.name)
+
+    axes.set_xlabel(f"{chart.x.quantity} [{x_unit}]")
+    axes.set_ylabel(f"{chart.y.quantity} [{y_unit}]")
+    _add_legend(axes)
+    return axes
+
+
+def _axes() -> Any:
+    try:
+        from matplotlib import pyplot
+    except ImportError:
+        raise errors.missing("matplotlib", "apt install python3-matplotlib") from None
+    return pyplot.subplots(layout="constrained")[1]
+
+
+def _add_legend(axes: Any) -> None:
+    """Above the axes: inside it would cover curves and bands."""
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
+
+
+def _drawn_unit(unit: str) -> tuple[float, str]:
+    """A unit as it is drawn, and the factor to it."""
+    return {"m": (1e3, "mm"), "degC": (1.0, "°C"), "1": (100.0, "%")}.get(unit, (1.0, unit))

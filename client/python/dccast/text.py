@@ -36,6 +36,8 @@ def millimetres(metres: float, lower_m: float = math.nan, upper_m: float = math.
     ('5.25 ± 0.21 mm', '0.00 mm')
     >>> millimetres(35.46e-3, 0.0, 4.96e-3)
     '35.5, -0 +5.0 mm'
+    >>> millimetres(0.041e-3, 0.002e-3, 0.008e-3)
+    '0.04, -0 +0.01 mm'
     """
     if not max(lower_m, upper_m) > 0.0:
         return f"{_rounded(1e3 * metres, 2):.2f} mm"
@@ -43,7 +45,8 @@ def millimetres(metres: float, lower_m: float = math.nan, upper_m: float = math.
         return with_error(1e3 * metres, 1e3 * upper_m, "mm", 2)
     curl, upper = with_error(1e3 * metres, 1e3 * max(lower_m, upper_m), "", 2).split(" ± ")
     decimals = len(upper.partition(".")[2])
-    lower, upper = (f"{1e3 * side:.{decimals}f}" if side > 0.0 else "0" for side in (lower_m, upper_m))
+    shown = [f"{1e3 * side:.{decimals}f}" for side in (lower_m, upper_m)]
+    lower, upper = ("0" if float(side) == 0.0 else side for side in shown)
     return f"{curl}, -{lower} +{upper} mm"
 
 

@@ -26,12 +26,23 @@ export function replace(parent, ...children) {
 export const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
 export const mm = (metres, digits = 1) => fixed(1e3 * metres, digits);
 
-/** "41.9 ± 2.1 mm", "35.5, -0 +4.9 mm"; without errors, in m, where none are known. */
+/** Decimals in mm of a curl with this error, which has two digits. No curl is known better than hundredths. */
+const decimalsFor = error => {
+  if (!(error > 0)) return 2;
+  const rounded = Number((1e3 * error).toPrecision(2));
+  return Math.min(2, Math.max(0, 1 - Math.floor(Math.log10(rounded))));
+};
+
+/** "5.25 ± 0.21 mm", "35.5, -0 +4.9 mm"; without errors, in m, where none are known. */
 export const curlText = (curl, lower, upper) => {
   if (!Number.isFinite(upper)) return `${mm(curl)} mm`;
-  if (lower === upper) return `${mm(curl)} ± ${mm(upper)} mm`;
-  const [below, above] = [lower, upper].map(error => (error === 0 ? '0' : mm(error)));
-  return `${mm(curl)}, -${below} +${above} mm`;
+  const digits = decimalsFor(Math.max(lower, upper));
+  if (lower === upper) return `${mm(curl, digits)} ± ${mm(upper, digits)} mm`;
+  const [below, above] = [lower, upper].map(error => {
+    const shown = mm(error, digits);
+    return Number(shown) === 0 ? '0' : shown;
+  });
+  return `${mm(curl, digits)}, -${below} +${above} mm`;
 };
 
 /** The end of a curl's history, with its errors. */

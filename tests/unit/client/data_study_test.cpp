@@ -11,6 +11,17 @@ using testing::HasSubstr;
 
 using support::add_axis, support::add_run;
 
+TEST(StudyState, AStudyWhoseRunsFailedInPartHasAnswered) {
+  v1::Study study;
+  study.set_state(v1::STUDY_FAILED);
+  study.set_failed(11);
+  EXPECT_EQ(render::state_text(study), "no answer");
+  study.set_succeeded(3);
+  EXPECT_EQ(render::state_text(study), "answered");
+  study.set_state(v1::STUDY_CANCELLED);
+  EXPECT_EQ(render::state_text(study), "cancelled");
+}
+
 TEST(Sweep, CsvHasTheErrorOfMeshAndStepsWhereItIsKnown) {
   v1::StudyResult result;
   result.add_monitors("corner");

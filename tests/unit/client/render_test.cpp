@@ -254,6 +254,7 @@ TEST(MmWithErrors, ShowsTheSidesApartWhereTheyDiffer) {
   EXPECT_EQ(mm_with_errors(4.8612e-3, 0.36e-3, 0.36e-3), "4.86 ± 0.36 mm");
   EXPECT_EQ(mm_with_errors(35.46e-3, 0.0, 4.96e-3), "35.5, -0 +5.0 mm");
   EXPECT_EQ(mm_with_errors(-35.46e-3, 4.96e-3, 0.0), "-35.5, -5.0 +0 mm");
+  EXPECT_EQ(mm_with_errors(0.041e-3, 0.002e-3, 0.008e-3), "0.04, -0 +0.01 mm");
   EXPECT_EQ(mm_with_errors(4.8612e-3, NAN, NAN), "4.86 mm");
 }
 
