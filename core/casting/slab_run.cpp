@@ -68,6 +68,8 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
                                                                      : 1.0),
       has_profile_(!c.cooling.bottom_block.profile_x.empty() ||
                    !c.cooling.bottom_block.profile_y.empty()),
+      bottom_nodes_(mesh::patch_nodes(mesh_.heat_mesh(), mesh::PatchKind::bottom)),
+      bottom_depth_(initial_gap(c.cooling.bottom_block, mesh_.heat_mesh(), bottom_nodes_)),
       meter_(case_) {
   mechanics_.set_mesh(mesh_.mesh());
   mechanics_.set_initial_gap(
@@ -266,25 +268,20 @@ std::vector<double> SlabRun<Dim>::displacement() const {
 }
 
 template <int Dim>
-std::vector<double> SlabRun<Dim>::bottom_gap() const {
-  const std::vector<int> nodes = mesh::patch_nodes(mesh_.heat_mesh(), mesh::PatchKind::bottom);
-  const auto initial = initial_gap(case_.cooling.bottom_block, mesh_.heat_mesh(), nodes);
-  const std::vector<double> u = displacement();
-
+std::vector<double> SlabRun<Dim>::bottom_gap(std::span<const double> u) const {
   std::vector<double> gap;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const double rise = u[std::size_t(nodes[i]) * Dim + Dim - 1];
-    gap.push_back(std::max(0.0, rise + (initial.empty() ? 0.0 : initial[i])));
+  for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
+    const double rise = u[std::size_t(bottom_nodes_[i]) * Dim + Dim - 1];
+    gap.push_back(std::max(0.0, rise + (bottom_depth_.empty() ? 0.0 : bottom_depth_[i])));
   }
   return gap;
 }
 
 /// (node) vertical displacement [m], if cooling zones act on the deformed side.
 template <int Dim>
-std::vector<double> SlabRun<Dim>::side_rise() const {
+std::vector<double> SlabRun<Dim>::side_rise(std::span<const double> u) const {
   std::vector<double> rise;
   if (!case_.coupling.deformed_zones || !state_.slab.started) return rise;
-  const std::vector<double> u = displacement();
   for (std::size_t i = Dim - 1; i < u.size(); i += Dim) rise.push_back(u[i]);
   return rise;
 }
@@ -292,13 +289,12 @@ std::vector<double> SlabRun<Dim>::side_rise() const {
 /// (node, face) displacement of the side away from the mould [m], if a zone follows the gap. At a
 /// corner each face has its own.
 template <int Dim>
-std::vector<double> SlabRun<Dim>::side_inward() const {
+std::vector<double> SlabRun<Dim>::side_inward(std::span<const double> u) const {
   std::vector<double> inward;
   const auto has_gap = [](const thermal::SideZone& zone) { return zone.gap.has_value(); };
   if (!state_.slab.started || std::ranges::none_of(case_.cooling.zones, has_gap)) return inward;
 
   // The wide face of a solid looks along y, its narrow face and the side of a section along x.
-  const std::vector<double> u = displacement();
   for (std::size_t i = 0; i < u.size(); i += Dim) {
     inward.push_back(-u[i + (Dim == 3 ? 1 : 0)]);
     inward.push_back(-u[i]);
@@ -308,8 +304,9 @@ std::vector<double> SlabRun<Dim>::side_inward() const {
 
 template <int Dim>
 bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry) {
+  const std::vector<double> u = displacement();
   std::vector<double> gap;
-  if (case_.coupling.gap_feedback && (state_.slab.started || has_profile_)) gap = bottom_gap();
+  if (case_.coupling.gap_feedback && (state_.slab.started || has_profile_)) gap = bottom_gap(u);
   thermal::HeatStepInput input;
   input.time = state_.time;
   input.time_step = tried.time_step;
@@ -318,9 +315,9 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   input.water_flow = schedule_.water_flow(state_.time, state_.cast_length);
   input.narrow_water_flow = schedule_.narrow_water_flow(state_.time, state_.cast_length);
   input.bottom_gap = gap;
-  const std::vector<double> rise = side_rise();
+  const std::vector<double> rise = side_rise(u);
   input.rise = rise;
-  const std::vector<double> inward = side_inward();
+  const std::vector<double> inward = side_inward(u);
   input.inward = inward;
   input.entry = entry;
   const Stopwatch watch(heat_seconds_);

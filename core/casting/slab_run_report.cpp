@@ -281,8 +281,8 @@ results::Frame SlabRun<Dim>::take_frame() {
     frame.tear_rate = std::move(tears.strain_rate);
     frame.tear_pressure = std::move(tears.pressure);
   }
-  frame.bottom_node = mesh::patch_nodes(mesh(), mesh::PatchKind::bottom);
-  frame.bottom_gap = bottom_gap();
+  frame.bottom_node = bottom_nodes_;
+  frame.bottom_gap = bottom_gap(frame.displacement);
   frame.bottom_pressure = bottom_pressure();
   return frame;
 }
