@@ -277,8 +277,7 @@ std::vector<double> SlabRun<Dim>::displacement() const {
 
 /// A place that has moved by u lies (u . normal) off the surface below it, to first order in u.
 template <int Dim>
-std::vector<double> SlabRun<Dim>::bottom_gap() const {
-  const std::vector<double> u = displacement();
+std::vector<double> SlabRun<Dim>::bottom_gap(std::span<const double> u) const {
   std::vector<double> gaps;
   for (std::size_t i = 0; i < block_.nodes.size(); ++i) {
     double gap = block_.initial_gap.empty() ? 0.0 : block_.initial_gap[i];
@@ -291,10 +290,9 @@ std::vector<double> SlabRun<Dim>::bottom_gap() const {
 
 /// (node) vertical displacement [m], if cooling zones act on the deformed side.
 template <int Dim>
-std::vector<double> SlabRun<Dim>::side_rise() const {
+std::vector<double> SlabRun<Dim>::side_rise(std::span<const double> u) const {
   std::vector<double> rise;
   if (!case_.coupling.deformed_zones || !state_.slab.started) return rise;
-  const std::vector<double> u = displacement();
   for (std::size_t i = Dim - 1; i < u.size(); i += Dim) rise.push_back(u[i]);
   return rise;
 }
@@ -302,13 +300,12 @@ std::vector<double> SlabRun<Dim>::side_rise() const {
 /// (node, face) displacement of the side away from the mould [m], if a zone follows the gap. At a
 /// corner each face has its own.
 template <int Dim>
-std::vector<double> SlabRun<Dim>::side_inward() const {
+std::vector<double> SlabRun<Dim>::side_inward(std::span<const double> u) const {
   std::vector<double> inward;
   const auto has_gap = [](const thermal::SideZone& zone) { return zone.gap.has_value(); };
   if (!state_.slab.started || std::ranges::none_of(case_.cooling.zones, has_gap)) return inward;
 
   // The wide face of a solid looks along y, its narrow face and the side of a section along x.
-  const std::vector<double> u = displacement();
   for (std::size_t i = 0; i < u.size(); i += Dim) {
     inward.push_back(-u[i + (Dim == 3 ? 1 : 0)]);
     inward.push_back(-u[i]);
@@ -318,9 +315,10 @@ std::vector<double> SlabRun<Dim>::side_inward() const {
 
 template <int Dim>
 bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalEntry>& entry) {
+  const std::vector<double> u = displacement();
   std::vector<double> gap;
   if (case_.coupling.gap_feedback && (state_.slab.started || !block_.initial_gap.empty()))
-    gap = bottom_gap();
+    gap = bottom_gap(u);
   thermal::HeatStepInput input;
   input.time = state_.time;
   input.time_step = tried.time_step;
@@ -329,9 +327,9 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   input.water_flow = schedule_.water_flow(state_.time, state_.cast_length);
   input.narrow_water_flow = schedule_.narrow_water_flow(state_.time, state_.cast_length);
   input.bottom_gap = gap;
-  const std::vector<double> rise = side_rise();
+  const std::vector<double> rise = side_rise(u);
   input.rise = rise;
-  const std::vector<double> inward = side_inward();
+  const std::vector<double> inward = side_inward(u);
   input.inward = inward;
   input.entry = entry;
   const Stopwatch watch(heat_seconds_);

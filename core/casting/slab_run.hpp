@@ -103,11 +103,15 @@ private:
   /// The slab on the heat's mesh. @param carried  storage for one that has to be carried there
   const mechanics::SlabState<Dim>& slab_of_results(
       std::optional<mechanics::SlabState<Dim>>& carried) const;
-  std::vector<double> bottom_gap() const;       ///< (bottom node of the heat's mesh) [m]
   std::vector<double> bottom_pressure() const;  ///< (bottom node of the heat's mesh) [Pa]
-  std::vector<double> side_rise() const;        ///< (node of the heat's mesh) [m]
-  std::vector<double> side_inward() const;      ///< (node of the heat's mesh, face) [m]
   double metal_level() const;                   ///< [m]
+
+  // Distances of the deformed slab from block, water lines and mould, on the heat's mesh.
+  // u is displacement().
+  std::vector<double> bottom_gap(std::span<const double> u) const;   ///< (bottom node) [m]
+  std::vector<double> side_rise(std::span<const double> u) const;    ///< (node) [m]
+  std::vector<double> side_inward(std::span<const double> u) const;  ///< (node, face) [m]
+
   /// [m] The level from which mould and water lines are counted, also while the mould is filled.
   double mould_level() const;
   /// Interpolates displacement and temperature at the monitors.

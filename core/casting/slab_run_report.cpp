@@ -282,7 +282,7 @@ results::Frame SlabRun<Dim>::take_frame() {
     frame.tear_pressure = std::move(tears.pressure);
   }
   frame.bottom_node = block_.nodes;
-  frame.bottom_gap = bottom_gap();
+  frame.bottom_gap = bottom_gap(frame.displacement);
   frame.bottom_pressure = bottom_pressure();
   return frame;
 }

@@ -12,7 +12,8 @@ namespace dccast::case_file {
 
 /// Fills missing keys of `mesh` and `time.step` according to quality and kind of section. Qualities
 /// define cell sizes, so that a wide section gets more cells; columns are uniform unless
-/// `mesh.side_cell` is given. Explicit keys take precedence. Keys that depend on a missing or
+/// `mesh.side_cell` is given. The heat of a quarter slab divides these cells, unless the case gives
+/// its own columns or layers. Explicit keys take precedence. Keys that depend on a missing or
 /// non-positive size of the section are not filled.
 void apply_quality(v1::Case& description);
 
@@ -21,11 +22,10 @@ void apply_quality(v1::Case& description);
 bool quality_matters(const v1::Case& description);
 
 /// How far mesh and time steps may have put the true curl below and above the computed one,
-/// relative to the computed one [1]: the band of docs/error-bars.md. A finer mesh of a quarter slab
-/// bends more, so there the lower error is 0; with the laws of the mush it is 5 %. Empty if no band was measured: it exists, with
-/// the built-in mesh and steps of the quality, for plane-strain thickness sections (half width 0.2
-/// to 0.4 m) and for the first 300 s of quarter slabs (half width 0.5 to 0.9 m, half thickness 0.2
-/// to 0.4 m).
+/// relative to the computed one [1]: the band of docs/error-bars.md. Empty if no band was measured:
+/// it exists, with the built-in mesh and steps of the quality, for plane-strain thickness sections
+/// (half width 0.2 to 0.4 m) and for the first 300 s of quarter slabs (half width 0.5 to 0.9 m,
+/// half thickness 0.2 to 0.4 m).
 /// @param complete  case with all its defaults
 std::optional<v1::RelativeError> relative_discretisation_error(const v1::Case& complete);
 

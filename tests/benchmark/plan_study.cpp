@@ -3,7 +3,8 @@
 //
 //   dccast-plan-study CASE QUALITY [KEY=NUMBER ...]
 //
-// One line: nodes, steps, iterations, processor seconds, and the corner at 60, 120 and 250 s.
+// One line: nodes, steps, iterations, processor seconds, the corner at 60, 120 and 250 s, and what
+// was found, with value and limit.
 
 #include <cstdio>
 #include <cstdlib>
@@ -17,6 +18,13 @@
 namespace {
 
 using namespace dccast;
+
+/// A table of time steps with every length divided.
+Curve divided(const Curve& steps, double parts) {
+  std::vector<double> lengths = steps.value();
+  for (double& length : lengths) length /= parts;
+  return {steps.abscissa(), steps.at(), lengths};
+}
 
 /// Sets a key of the study. @throws std::out_of_range  an unknown one
 void set(casting::Case& c, const std::string& key, double value) {
@@ -45,6 +53,8 @@ void set(casting::Case& c, const std::string& key, double value) {
   }
   if (key == "growth_cell")
     s.growth_cell = value;
+  else if (key == "divide_steps")
+    c.time.step = divided(c.time.step, value);
   else if (key == "water")
     c.schedule.water_flow_factor = Curve(value);
   else if (key == "speed")
@@ -87,6 +97,8 @@ int main(int count, char** values) {
               run.heat_seconds());
   for (const auto& [time, lift] : corner) std::printf(" %d s: %.3f", time, lift);
   std::printf(" findings");
-  for (const auto& finding : run.findings()) std::printf(" %s", finding.code.c_str());
+  for (const auto& f : run.findings())
+    std::printf(" %s at %.0f s: %.4g of %.4g %s", f.code.c_str(), f.time.value_or(0.0),
+                f.value.value_or(0.0), f.limit.value_or(0.0), f.unit.c_str());
   std::printf("\n");
 }

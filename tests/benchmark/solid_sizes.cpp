@@ -36,6 +36,7 @@ casting::Case case_of(double scale, const Request& request) {
   const auto cells = [scale](double n) { return static_cast<int>(std::lround(n * scale)); };
   c.section.columns = cells(11);
   c.section.layers = cells(5);
+  c.section.heat_cells = {};
   c.section.rows = cells(22);
   c.section.side_cell = c.section.wide_side_cell = 12e-3 / scale;
   c.section.bottom_cell = 3e-3 / scale;
