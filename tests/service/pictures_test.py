@@ -79,7 +79,7 @@ class Pictures(InBrowser):
         self.dccast("validate", os.path.join(CASES, "start-3d.toml"), "--drawing", "drawing.svg")
         self.show("drawing.svg", "svg").screenshot(self.made("casting-drawing.png"))
         self.browser.get(again)
-        self.browser.set_window_size(1100, 900)
+        self.browser.set_window_size(1100, 1050)
         self.go(f"job/{job}")
         self.find("canvas[aria-label^='Temperature']", 60)
         self.find("select[aria-label=Field] option[value=von_mises_pa]").click()
