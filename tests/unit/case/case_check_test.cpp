@@ -80,6 +80,17 @@ const Mistake mistakes[] = {
        c.alloy.cold_strength.emplace();
        c.mechanics.options.algorithm = mechanics::Algorithm::vnbm;
      }},
+    {"GapWaterBesideAWetCoefficient", "cooling.bottom_block.gap_water",
+     [](Case& c) {
+       c.cooling.water.boiling_follows_flow = true;
+       c.cooling.bottom_block.gap_water.emplace();
+       c.cooling.bottom_block.wet_coefficient = 2000.0;
+     }},
+    {"GapWaterUnderAFaceWithoutAFilm", "cooling.bottom_block.gap_water",
+     [](Case& c) {
+       c.cooling.water.boiling_follows_flow = false;
+       c.cooling.bottom_block.gap_water.emplace();
+     }},
     {"OnsetOfStressAboveRetention", "alloy.coherency_solid_fraction",
      [](Case& c) {
        c.alloy.mush.emplace();

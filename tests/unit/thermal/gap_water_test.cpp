@@ -163,15 +163,18 @@ TEST(Steam, RisesSteeplyInANarrowGap) {
 
 /// A section with a body of a block, whose gap opens to the edge.
 struct Butt {
-  Butt() : slab(testing::casting_section(mesh::ElementKind::q1)), solver(make()) {
+  /// @param wiped_at  [m] below the metal level, where a wiper takes the water off the face
+  explicit Butt(std::optional<double> wiped_at = std::nullopt)
+      : slab(testing::casting_section(mesh::ElementKind::q1)), solver(make(wiped_at)) {
     field = solver.uniform_field(640.0);
     gap.assign(solver.forms().bottom_nodes().size(), 8e-3);
   }
-  HeatSolver make() const {
+  HeatSolver make(std::optional<double> wiped_at) const {
     CoolingSpec cooling = testing::casting_cooling();
     cooling.top = Top::insulated;
     cooling.water = law();
     cooling.water.wetting.throw_off_length = 0.04;
+    cooling.water.wiped_at = wiped_at;
     cooling.bottom_block.body = aluminium;
     cooling.bottom_block.wet_gap = 3e-3;
     cooling.bottom_block.gap_water = gap_water;
@@ -233,6 +236,26 @@ TEST(GapWater, NeedsAnOpenEdge) {
   const HeatStepOutcome outcome = butt.step(1.0);
   EXPECT_EQ(outcome.gap_water.taken, 0.0);
   EXPECT_EQ(outcome.steam_force, 0.0);
+}
+
+/// Below the wiper the face is dry, so that it gives off less heat, and no water comes down to the
+/// edge.
+TEST(GapWater, DoesNotComeWhereAWiperTakesItOffTheFace) {
+  Butt wet, wiped(0.08);
+  double wet_heat = 0.0, wiped_heat = 0.0;
+  for (int k = 1; k <= 10; ++k) {
+    const HeatStepOutcome with = wet.step(k), without = wiped.step(k);
+    EXPECT_GT(with.gap_water.taken, 0.0);
+    EXPECT_EQ(without.gap_water.taken, 0.0);
+    EXPECT_LT(without.balance.error, 1e-10);
+    wet_heat += with.balance.side;
+    wiped_heat += without.balance.side;
+  }
+  EXPECT_LT(wiped_heat, 0.8 * wet_heat);
+
+  // A wiper below the butt changes nothing.
+  Butt below(0.2), same;
+  EXPECT_EQ(below.step(1.0).gap_water.taken, same.step(1.0).gap_water.taken);
 }
 
 }  // namespace
