@@ -58,9 +58,10 @@ class Pictures(InBrowser):
         again = self.another()
         self.show("report.html")
         self.browser.save_screenshot(self.made("report.png"))
-        self.find(".views").screenshot(self.made("quarter-slab.png"))
-        self.dccast("validate", os.path.join(CASES, "start-3d.toml"), "--drawing", "drawing.svg")
-        self.show("drawing.svg", "svg").screenshot(self.made("casting-drawing.png"))
+        self.find("body.complete", 60)
+        self.find(".drawn .stage").screenshot(self.made("quarter-slab.png"))
+        self.dccast("validate", os.path.join(CASES, "start-3d.toml"), "--drawing", "drawing.html")
+        self.show("drawing.html", ".drawn .pair").screenshot(self.made("casting-drawing.png"))
         self.browser.get(again)
         self.browser.set_window_size(1100, 900)
         self.go(f"job/{job}")
@@ -89,7 +90,7 @@ class Pictures(InBrowser):
     def test_new_case(self):
         self.browser.set_window_size(1100, 1200)
         self.go("new")
-        self.find("#found img.drawing", 60)
+        self.find("#found svg.casting", 60)
         self.browser.save_screenshot(self.made("dashboard-new-case.png"))
         self.seen("dashboard-new-case.png")
 
