@@ -196,7 +196,7 @@ ExitCode run(const ValidateOptions& options, Program& program) {
     print_verdict(checked, options.local);
   }
   if (!options.drawing.empty() && checked.read.ok())
-    write_output(options.drawing, render::casting_drawing(complete_case(checked)));
+    write_output(options.drawing, render::casting_page(complete_case(checked)));
   const bool implausible = options.strict && render::more_than_notes(checked.findings);
   return checked.faults.empty() && !implausible ? ExitCode::done : ExitCode::invalid;
 }
@@ -354,7 +354,7 @@ void add_validate(cli::CommandLine& line, Program& program) {
                "Do not ask the server: check keys, units and ranges only");
   command.flag("--ranges", options.ranges, "List the data with a range (docs/uncertainty.md)");
   command.option("--drawing", options.drawing,
-                 "Also write this SVG file: mould, water line, block, and the ramps");
+                 "Also write this HTML page: a drawing of mould, water line, block, and the ramps");
   add_force_flag(command, options.force);
   command.flag("--strict", options.strict,
                "Exit code 2 also for findings beyond notes (docs/findings.md)");

@@ -7,8 +7,6 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/html/html_parts.hpp"
-#include "client/html/judgement_parts.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
 #include "client/model/judgement_json.hpp"
@@ -238,19 +236,6 @@ Json comparison_json(const v1::Comparison& comparison) {
   return json;
 }
 
-/// The chart of curls as an SVG file.
-std::string comparison_svg(const v1::Judgement& judgement) {
-  std::vector<const v1::Chart*> curls;
-  for (const v1::JudgementPart& part : judgement.parts())
-    if (part.chart().key() == "curl") curls.push_back(&part.chart());
-  if (curls.size() != 1)
-    throw invalid(
-        fmt::format("an SVG holds one monitor and these runs have {}; give an HTML file: "
-                    "-o comparison.html",
-                    curls.size()));
-  return render::svg_file(render::chart_of(*curls.front()));
-}
-
 ExitCode run(const CompareOptions& options, Program& program) {
   require_runs(options);
   require_free(options.output, options.force);
@@ -258,9 +243,7 @@ ExitCode run(const CompareOptions& options, Program& program) {
   const v1::Comparison comparison = compare(connection, runs_of(options), options.paired);
 
   if (!options.output.empty())
-    write_output(options.output, options.output.ends_with(".svg")
-                                     ? comparison_svg(comparison.judgement())
-                                     : render::comparison_page(comparison));
+    write_output(options.output, render::comparison_page(comparison));
   if (options.json)
     print_line(comparison_json(comparison));
   else
@@ -294,7 +277,7 @@ void add_compare(cli::CommandLine& line, Program& program) {
   command.flag("--paired", options.paired,
                "Compute the case files at another quality too: the error of a difference then "
                "comes from the two pairs");
-  command.option("-o,--output", options.output, "Also write this HTML or SVG file");
+  command.option("-o,--output", options.output, "Also write this HTML page");
   add_force_flag(command, options.force);
   command.json(options.json, "As JSON, in metres and seconds");
 }

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "client/html/html_parts.hpp"
+#include "client/html/judgement_parts.hpp"
 #include "client/model/answer.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/plant_units.hpp"
@@ -16,11 +17,6 @@ namespace dccast::client::render {
 namespace {
 
 constexpr double unbounded = std::numeric_limits<double>::infinity();
-
-std::vector<double> millimetres(std::vector<double> metres) {
-  for (double& value : metres) value *= 1e3;
-  return metres;
-}
 
 /// How far the true curl of this run may lie below and above its end: by its study, else by its
 /// quality [m].
@@ -41,50 +37,57 @@ bool has_mesh_error(const ReportedRun& run) {
   return std::ranges::any_of(run.history.monitors, &CurlHistory::Series::has_error);
 }
 
-/// The plant's range [mm]; a missing end is infinite.
-std::optional<Chart::Wanted> plant_band(const v1::Case& input) {
+/// The range of curl that the plant wants [m]; a missing end is infinite.
+std::optional<v1::Chart::Region> plant_band(const v1::Case& input) {
   const v1::Plausibility& limits = input.plausibility();
   if (!limits.has_least_curl_m() && !limits.has_greatest_curl_m()) return std::nullopt;
-  const double low = limits.has_least_curl_m() ? 1e3 * limits.least_curl_m() : -unbounded,
-               high = limits.has_greatest_curl_m() ? 1e3 * limits.greatest_curl_m() : unbounded;
+  v1::Chart::Region band;
+  band.set_low(limits.has_least_curl_m() ? limits.least_curl_m() : -unbounded);
+  band.set_high(limits.has_greatest_curl_m() ? limits.greatest_curl_m() : unbounded);
+  const std::string low = plant_number(1e3 * band.low()), high = plant_number(1e3 * band.high());
+
   std::string name = "the plant's band, ";
-  if (std::isfinite(low)) name += plant_number(low) + (std::isfinite(high) ? " to " : " or more");
-  if (std::isfinite(high)) name += (std::isfinite(low) ? "" : "up to ") + plant_number(high);
-  return Chart::Wanted{low, high, name + " mm"};
+  if (limits.has_least_curl_m()) name += low + (limits.has_greatest_curl_m() ? " to " : " or more");
+  if (limits.has_greatest_curl_m()) name += (limits.has_least_curl_m() ? "" : "up to ") + high;
+  band.set_name(name + " mm");
+  return band;
 }
 
 /// "inside the plant's band, 35 to 45 mm", with a note if the error does not permit this
 /// conclusion.
-std::string against_band(const Chart::Wanted& band, double curl_mm, const EndError& error) {
+std::string against_band(const v1::Chart::Region& band, double curl_m, const EndError& error) {
   const auto where = [&](double value) {
-    return value < band.low ? "below " : value > band.high ? "above " : "inside ";
+    return value < band.low() ? "below " : value > band.high() ? "above " : "inside ";
   };
-  std::string text = std::string("It is ") + where(curl_mm) + html_escaped(band.name);
-  if (std::string(where(curl_mm - 1e3 * error.lower_m)) != where(curl_mm + 1e3 * error.upper_m))
+  std::string text = std::string("It is ") + where(curl_m) + html_escaped(band.name());
+  if (std::string(where(curl_m - error.lower_m)) != where(curl_m + error.upper_m))
     text += ", but its limit is within the error: this run cannot decide";
   return text + ".";
 }
 
-std::string curl_chart(const ReportedRun& run, bool against_length) {
-  Chart chart{against_length ? "Butt curl against cast length" : "Butt curl against time",
-              against_length ? "cast length, mm" : "time, s",
-              "curl, mm",
-              {}};
-  const auto x = against_length ? millimetres(run.history.cast_length_m) : run.history.time_s;
-  for (const auto& series : run.history.monitors) {
-    ChartLine line{series.name, x, millimetres(series.curl_m),
-                   curl_band(run.study.result(), series.name, against_length)};
-    if (run.study.result().limits().empty() && series.has_error())
-      line.band =
-          band_around(line, millimetres(series.lower_error_m), millimetres(series.upper_error_m));
-    chart.lines.push_back(std::move(line));
+v1::Chart curl_chart(const ReportedRun& run, bool against_length) {
+  const CurlHistory& history = run.history;
+  const auto& x = against_length ? history.cast_length_m : history.time_s;
+  const bool has_limits = !run.study.result().limits().empty();
+  v1::Chart chart =
+      chart_against(against_length ? "Curl against cast length" : "Curl against time",
+                    against_length ? Quantity{"cast length", "m"} : Quantity{"time", "s"},
+                    {"curl", "m"});
+
+  for (const auto& series : history.monitors) {
+    v1::Chart::Line& line = add_line(chart, series.name);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      add_point(line, x[i], series.curl_m[i]);
+      if (has_limits || !series.has_error()) continue;
+      line.add_low(series.curl_m[i] - series.lower_error_m[i]);
+      line.add_high(series.curl_m[i] + series.upper_error_m[i]);
+    }
   }
-  if (const auto first = run.history.first_beyond()) {
-    chart.beyond_from = x[*first];
-    chart.beyond_name = beyond_validity;
-  }
-  chart.wanted = plant_band(run.result.case_());
-  return svg_chart(chart);
+  add_limits(chart, run.study.result(), against_length);
+
+  if (const auto first = history.first_beyond()) chart.set_beyond_x(x[*first]);
+  if (const auto band = plant_band(run.result.case_())) *chart.mutable_region() = *band;
+  return chart;
 }
 
 std::string tile(const std::string& name, const std::string& value, const std::string& unit,
@@ -128,7 +131,7 @@ std::string curl_sentence(const ReportedRun& run) {
                 : "Its error from mesh and time steps has not been measured: <code>dccast "
                   "convergence</code> does that. ";
   if (const auto band = plant_band(run.result.case_()))
-    text += against_band(*band, 1e3 * curl_m, error.value_or(EndError{0.0, 0.0}));
+    text += against_band(*band, curl_m, error.value_or(EndError{0.0, 0.0}));
   return element("p class='answer'", text);
 }
 
@@ -208,22 +211,17 @@ std::string headline(const ReportedRun& run) {
 
 std::string curl_figure(const ReportedRun& run, bool against_length) {
   if (run.history.monitors.empty()) return {};
+  const v1::Chart chart = curl_chart(run, against_length);
+  const std::string region = chart.has_beyond_x() ? " Shaded red: beyond validity." : "";
+  if (against_length) return chart_figure(chart, "Against the travel of the bottom block." + region);
+
   const std::string of_the_band =
-      !run.study.result().limits().empty()
-          ? " Dashed: the limit of finer meshes; shaded: its uncertainty."
-      : has_mesh_error(run) ? " Shaded: what mesh and time steps leave uncertain."
-                            : "";
-  const std::string of_the_plant =
-      plant_band(run.result.case_()) ? " Green: the plant's band." : "";
-  const std::string of_the_region =
-      run.history.first_beyond() ? " Shaded red: beyond validity." : "";
-  const std::string picture = curl_chart(run, against_length);
-  if (against_length)
-    return figure("Curl against cast length", picture,
-                  "Against the travel of the bottom block." + of_the_plant + of_the_region);
-  return figure("Curl against time", picture,
-                "Upward displacement of each monitor; time zero is when the bottom block starts." +
-                    of_the_band + of_the_plant + of_the_region);
+      !run.study.result().limits().empty() ? " Shaded: the uncertainty of the limit."
+      : has_mesh_error(run)                ? " Shaded: what mesh and time steps leave uncertain."
+                                           : "";
+  return chart_figure(
+      chart, "Upward displacement of each monitor; time zero is when the bottom block starts." +
+                 of_the_band + region);
 }
 
 namespace {
@@ -255,22 +253,21 @@ struct Wording {
       : section(of_section), quarter(of_quarter) {}
 };
 
-/// A line of a chart: name (null if it has none), figure, and factor to its unit.
+/// A line of a chart: name (null if it has none) and figure.
 struct Course {
   Wording name;
-  double factor;
   FigureOf figure;
 };
 
 enum class Drawn {
   figures,
   with_monitors,     ///< and the temperatures of the monitors
-  heat_since_start,  ///< flows [kW] are summed from the start [MJ]
+  heat_since_start,  ///< flows [W] are summed from the start [J]
 };
 
 struct HistoryChart {
-  const char *heading, *title;
-  Wording unit;
+  const char* heading;
+  Wording quantity, unit;
   std::vector<Course> courses;
   Wording caption;
   Drawn drawn = Drawn::figures;
@@ -279,120 +276,114 @@ struct HistoryChart {
 const std::vector<HistoryChart>& history_charts() {
   static const std::vector<HistoryChart> charts{
       {"Shell",
-       "Shell thickness",
-       "thickness, mm",
-       {{"of the side at the water line", 1e3, &Step::shell_at_water_line_m},
-        {"of the side above it, thinnest", 1e3, &Step::least_shell_m},
-        {"over the bottom, thinnest", 1e3, &Step::bottom_shell_m}},
+       "thickness",
+       "m",
+       {{"of the side at the water line", &Step::shell_at_water_line_m},
+        {"of the side above it, thinnest", &Step::least_shell_m},
+        {"over the bottom, thinnest", &Step::bottom_shell_m}},
        "Smallest shell thickness; above the water line from the end of the mould contact on. Until "
        "the side leaves the mould: at the butt."},
       {"Sump",
-       "Sump depth",
-       "depth, mm",
-       {{"sump", 1e3, &Step::sump_depth_m}},
+       "depth",
+       "m",
+       {{"sump", &Step::sump_depth_m}},
        "Of the coherency isotherm in the middle of the slab, below the metal level."},
       {"Temperatures",
-       "Temperatures",
-       "°C",
-       {{"surface at the water line, hottest", 1.0,
-         &Step::maximum_surface_temperature_at_mould_exit_c},
-        {"surface of the bottom block, mean", 1.0, &Step::block_temperature_c}},
+       "temperature",
+       "degC",
+       {{"surface at the water line, hottest", &Step::maximum_surface_temperature_at_mould_exit_c},
+        {"surface of the bottom block, mean", &Step::block_temperature_c}},
        "At the monitors, the hottest surface at the water line, and the bottom block.",
        Drawn::with_monitors},
       {"Where the heat came from and went",
-       "Heat since the start",
-       {"MJ per metre", "MJ"},
-       {{"brought by the metal", 1e-3, &Section::metal_heat},
-        {"in the slab", 1e-3, &Section::stored_heat},
-        {{"out: side", "out: wide face"}, 1e-3, &Section::side_heat},
-        {{nullptr, "out: narrow face"}, 1e-3, &Section::narrow_heat},
-        {"out: block and gap", 1e-3, &Section::bottom_heat},
-        {"in through the metal level", 1e-3, &Section::level_heat}},
+       "heat since the start",
+       {"J/m", "J"},
+       {{"brought by the metal", &Section::metal_heat},
+        {"in the slab", &Section::stored_heat},
+        {{"out: side", "out: wide face"}, &Section::side_heat},
+        {{nullptr, "out: narrow face"}, &Section::narrow_heat},
+        {"out: block and gap", &Section::bottom_heat},
+        {"in through the metal level", &Section::level_heat}},
        "Above 0 °C, since the start of the run. Metal and level bring what the slab gains and what "
        "leaves through faces and bottom.",
        Drawn::heat_since_start},
       {"Heat through each face",
-       "Heat through each face",
-       {"kW per metre", "kW"},
-       {{{"side", "wide face"}, 1e-3, &Section::side_heat},
-        {{nullptr, "narrow face"}, 1e-3, &Section::narrow_heat},
-        {"bottom block", 1e-3, &Section::bottom_heat}},
+       "heat flow",
+       {"W/m", "W"},
+       {{{"side", "wide face"}, &Section::side_heat},
+        {{nullptr, "narrow face"}, &Section::narrow_heat},
+        {"bottom block", &Section::bottom_heat}},
        {"Per metre of face, out of the half that is computed.",
         "Out of the quarter that is computed; four times as much leaves the slab."}},
       {"Water on the faces",
-       "Water on the faces",
-       "%",
-       {{{"wetted", "wide face, wetted"}, 100.0, &Step::wetted_share},
-        {{"of the water's capacity", "wide face, of its water's capacity"},
-         100.0,
-         &Step::water_share},
-        {{nullptr, "narrow face, wetted"}, 100.0, &Step::narrow_wetted_share},
-        {{nullptr, "narrow face, of its water's capacity"}, 100.0, &Step::narrow_water_share}},
+       "share",
+       "1",
+       {{{"wetted", "wide face, wetted"}, &Step::wetted_share},
+        {{"of the water's capacity", "wide face, of its water's capacity"}, &Step::water_share},
+        {{nullptr, "narrow face, wetted"}, &Step::narrow_wetted_share},
+        {{nullptr, "narrow face, of its water's capacity"}, &Step::narrow_water_share}},
        "Share of the face under water that is not under a vapour film, and heat taken of all that "
        "warming and evaporating the water would take."},
       {"Contact with the block",
-       "Contact with the block",
-       {"length, mm", "area, cm²"},
-       {{{"length", nullptr}, 1e3, &Step::contact_length_m},
-        {{nullptr, "area"}, 1e4, &Step::contact_area_m2}},
+       {"length", "area"},
+       {"m", "m2"},
+       {{{"length", nullptr}, &Step::contact_length_m},
+        {{nullptr, "area"}, &Step::contact_area_m2}},
        {"Part of the bottom in contact with the block.",
         "Part of the quarter's bottom in contact with the block."}}};
   return charts;
 }
 
-ChartLine line_of(const v1::QueryResultResponse& result, const char* name, const Course& course) {
-  ChartLine line{name, {}, {}};
-  for (const Step& step : result.steps()) {
-    line.x.push_back(step.time_s());
-    line.y.push_back(course.factor * course.figure(step));
-  }
-  return line;
+void add_course(v1::Chart& chart, const v1::QueryResultResponse& result, const char* name,
+                const FigureOf& figure) {
+  v1::Chart::Line& line = add_line(chart, name);
+  for (const Step& step : result.steps()) add_point(line, step.time_s(), figure(step));
 }
 
 /// Temperatures of the monitors; a step without a value interrupts the line.
-std::vector<ChartLine> monitor_lines(const v1::QueryResultResponse& result) {
-  std::vector<ChartLine> lines;
+void add_monitors(v1::Chart& chart, const v1::QueryResultResponse& result) {
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   for (const Step& step : result.steps())
     for (const v1::MonitorValue& monitor : step.monitors()) {
-      auto line = std::ranges::find(lines, monitor.name(), &ChartLine::name);
-      if (line == lines.end()) line = lines.insert(lines.end(), {monitor.name(), {}, {}});
-      line->x.push_back(step.time_s());
-      line->y.push_back(monitor.has_temperature_c() ? monitor.temperature_c() : unknown);
+      auto& lines = *chart.mutable_lines();
+      const auto known = std::ranges::find(lines, monitor.name(), &v1::Chart::Line::name);
+      v1::Chart::Line& line = known == lines.end() ? add_line(chart, monitor.name()) : *known;
+      add_point(line, step.time_s(), monitor.has_temperature_c() ? monitor.temperature_c() : unknown);
     }
-  return lines;
 }
 
-/// Heat since the start [MJ], integrated from the flows [kW] of the steps.
-void sum_up(ChartLine& flow, double first_step) {
-  double sum = 0.0, before = flow.x.front() - first_step;
-  for (std::size_t i = 0; i < flow.x.size(); ++i) {
-    sum += flow.y[i] * (flow.x[i] - before) * 1e-3;
-    before = flow.x[i];
-    flow.y[i] = sum;
+/// Heat since the start [J], integrated from the flows [W] of the steps.
+void sum_up(v1::Chart::Line& flow, double first_step_s) {
+  double sum = 0.0, before = flow.x(0) - first_step_s;
+  for (int i = 0; i < flow.x_size(); ++i) {
+    sum += flow.y(i) * (flow.x(i) - before);
+    before = flow.x(i);
+    flow.set_y(i, sum);
   }
 }
 
 /// Empty if all its figures are zero.
-std::string history_figure(const v1::QueryResultResponse& result, const HistoryChart& chart) {
+std::string history_figure(const v1::QueryResultResponse& result, const HistoryChart& history) {
   const bool is_quarter = result.case_().section().kind() == v1::Section::QUARTER_SLAB;
   const auto wording = [&](const Wording& of) { return is_quarter ? of.quarter : of.section; };
-  std::vector<ChartLine> lines;
-  if (chart.drawn == Drawn::with_monitors) lines = monitor_lines(result);
-  for (const Course& course : chart.courses)
-    if (const char* const name = wording(course.name)) {
-      lines.push_back(line_of(result, name, course));
-      if (chart.drawn == Drawn::heat_since_start)
-        sum_up(lines.back(), result.steps(0).time_step_s());
-    }
-  std::erase_if(lines, [](const ChartLine& line) {
-    return std::ranges::none_of(line.y, [](double y) { return std::isfinite(y) && y != 0.0; });
-  });
-  if (lines.empty()) return {};
-  return figure(chart.heading,
-                svg_chart({std::string(chart.title) + " against time", "time, s",
-                           wording(chart.unit), std::move(lines)}),
-                wording(chart.caption));
+  v1::Chart chart = chart_against(history.heading, {"time", "s"},
+                                  {wording(history.quantity), wording(history.unit)});
+
+  if (history.drawn == Drawn::with_monitors) add_monitors(chart, result);
+  for (const Course& course : history.courses) {
+    const char* const name = wording(course.name);
+    if (name == nullptr) continue;
+    add_course(chart, result, name, course.figure);
+    if (history.drawn == Drawn::heat_since_start)
+      sum_up(*chart.mutable_lines(chart.lines_size() - 1), result.steps(0).time_step_s());
+  }
+
+  auto& lines = *chart.mutable_lines();
+  const auto is_empty = [](const v1::Chart::Line& line) {
+    return std::ranges::none_of(line.y(), [](double y) { return std::isfinite(y) && y != 0.0; });
+  };
+  lines.erase(std::remove_if(lines.begin(), lines.end(), is_empty), lines.end());
+  return chart.lines().empty() ? "" : chart_figure(chart, wording(history.caption));
 }
 
 }  // namespace
@@ -400,7 +391,7 @@ std::string history_figure(const v1::QueryResultResponse& result, const HistoryC
 std::string history_part(const v1::QueryResultResponse& result) {
   std::string html;
   if (result.steps_size() < 2) return html;
-  for (const HistoryChart& chart : history_charts()) html += history_figure(result, chart);
+  for (const HistoryChart& history : history_charts()) html += history_figure(result, history);
   return html;
 }
 

@@ -1,10 +1,14 @@
 #include <fmt/core.h>
 
-#include "client/html/frame_picture.hpp"
+#include <algorithm>
+#include <limits>
+
+#include "client/html/frame_bytes.hpp"
 #include "client/html/html_parts.hpp"
+#include "client/html/judgement_parts.hpp"
 #include "client/html/report_parts.hpp"
-#include "client/html/slab_charts.hpp"
 #include "client/text/table.hpp"
+#include "proto/frames/contraction.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -16,93 +20,152 @@ std::string frame_mark(const v1::Frame& frame, const CurlHistory& history) {
   return valid ? "" : "<strong>Beyond validity.</strong> ";
 }
 
-/// The same for a slider, which may show another frame.
-std::string moving_mark(const v1::Frame& frame, const CurlHistory& history) {
-  return "<span class='beyond-now'>" + frame_mark(frame, history) + "</span>";
+/// The frames as report.js reads them; empty if the last one cannot be drawn.
+std::optional<Json> slab_json(const FrameSeries& series, const CurlHistory& history) {
+  Json json{{"times", Json::array()},
+            {"fields", Json::array()},
+            {"frames", Json::array()},
+            {"values", Json::object()}};
+  for (const v1::Frame& frame : series.frames) {
+    const auto bytes = frame_bytes(frame, Precision::drawing);
+    const bool is_last = &frame == &series.frames.back();
+    if (!bytes && is_last) return std::nullopt;
+    if (!bytes) continue;
+    json["times"].push_back(frame.time_s());
+    json["frames"].push_back(packed(*bytes));
+  }
+
+  for (const v1::FrameField& field : series.fields) {
+    json["fields"].push_back(to_json(field));
+    json["values"][field.name()] = packed(float_bytes(field.values(), Precision::drawing));
+  }
+  if (const auto first = history.first_beyond()) json["beyond_s"] = history.time_s[*first];
+  return json;
 }
 
-/// "at 250.0 s, cast length 206.7 mm. Displacements are drawn 2 times as large; dashed:
-/// undeformed."
-std::string when_and_scale(const v1::Frame& frame, double scale) {
-  return fmt::format(
-      " at <span class='when'>{}</span>. Displacements are drawn <strong>{}</strong>; dashed: "
-      "undeformed.",
-      when_text(frame), scale == 1.0 ? "true to scale" : fixed(scale, 0) + " times as large");
+v1::Chart bottom_chart(const std::string& heading, const std::string& quantity,
+                       const std::string& unit) {
+  return chart_against(heading, {"distance from the symmetry plane", "m"}, {quantity, unit});
 }
 
-std::string section_figure(const v1::Frame& frame, const CurlHistory& history,
-                           const FramePictures& pictures, const std::string& frames) {
-  return figure("Deformed section and isotherms", pictures.pictures.front().svg + frames,
-                moving_mark(frame, history) + "Half section" +
-                    when_and_scale(frame, pictures.displacement_scale) +
-                    fmt::format(" Isotherms every 100 °C; heavy: solidus {} °C, heavy dashed: "
-                                "liquidus {} °C. The left edge is the symmetry plane.",
-                                fixed(frame.solidus_c(), 0), fixed(frame.liquidus_c(), 0)));
-}
-
-/// Position, gap and pressure of the bottom nodes, if their sizes agree.
+/// Gap and pressure along the bottom of a section, if their sizes agree.
 std::string contact_figures(const v1::Frame& frame, const CurlHistory& history) {
-  ChartLine gap{"gap", {}, {}}, pressure{"pressure", {}, {}};
+  v1::Chart gaps = bottom_chart("Gap along the bottom", "gap", "m");
+  v1::Chart pressures = bottom_chart("Contact pressure", "pressure", "Pa");
+  v1::Chart::Line& gap = add_line(gaps, "gap");
+  v1::Chart::Line& pressure = add_line(pressures, "pressure");
   for (int i = 0; i < frame.bottom_node_size(); ++i) {
     const int node = frame.bottom_node(i);
     if (node < 0 || 2 * node + 1 >= frame.node_m_size()) continue;
-    const double x = 1e3 * frame.node_m(2 * node);
-    if (i < frame.bottom_gap_m_size()) {
-      gap.x.push_back(x);
-      gap.y.push_back(1e3 * frame.bottom_gap_m(i));
-    }
-    if (i < frame.bottom_pressure_pa_size()) {
-      pressure.x.push_back(x);
-      pressure.y.push_back(1e-3 * frame.bottom_pressure_pa(i));
+    if (i < frame.bottom_gap_m_size()) add_point(gap, frame.node_m(2 * node), frame.bottom_gap_m(i));
+    if (i < frame.bottom_pressure_pa_size())
+      add_point(pressure, frame.node_m(2 * node), frame.bottom_pressure_pa(i));
+  }
+  if (gap.x().empty() && pressure.x().empty()) return {};
+
+  const std::string mark = frame_mark(frame, history);
+  return chart_figure(gaps, mark + "Distance between slab and bottom block at the last frame.") +
+         chart_figure(pressures, mark + "Zero where the slab has lifted off the block.");
+}
+
+/// The bottom of a quarter slab, drawn from the frames of the slab; its figures as text.
+std::string gap_figure(const v1::Frame& frame, const CurlHistory& history) {
+  int largest = -1;
+  for (int i = 0; i < std::min(frame.bottom_gap_m_size(), frame.bottom_node_size()); ++i) {
+    const int node = frame.bottom_node(i);
+    if (node < 0 || 3 * node + 2 >= frame.node_m_size()) return {};
+    if (largest < 0 || frame.bottom_gap_m(i) > frame.bottom_gap_m(largest)) largest = i;
+  }
+  if (largest < 0) return {};
+
+  const int node = frame.bottom_node(largest);
+  const auto contacts = std::ranges::count_if(frame.bottom_pressure_pa(),
+                                              [](double pressure) { return pressure > 0.0; });
+  return figure("Gap under the butt", "<div class='gap-map'></div>",
+                frame_mark(frame, history) +
+                    fmt::format("The bottom seen from below. Largest gap <strong>{} mm</strong> at "
+                                "x {} mm, y {} mm from the middle of the slab. In contact with the "
+                                "block: {} of {} nodes.",
+                                mm(frame.bottom_gap_m(largest)), mm(frame.node_m(3 * node), 0),
+                                mm(frame.node_m(3 * node + 1), 0), contacts,
+                                frame.bottom_node_size()));
+}
+
+/// The highest row of the wide face that is solid with all rows below it. The metal behind the face
+/// may be liquid there.
+const frames::FaceRow& highest_solid(const frames::Contraction& face, const v1::Section& section,
+                                     const v1::Frame& frame) {
+  constexpr double same_m = 1e-6;
+  double soft_m = std::numeric_limits<double>::infinity();
+  for (int n = 0; n < frame.temperature_c_size(); ++n) {
+    const double x = frame.node_m(3 * n), y = frame.node_m(3 * n + 1), z = frame.node_m(3 * n + 2);
+    const bool on_face = y > frames::half_opening_m(section, x) - same_m;
+    if (on_face && frame.temperature_c(n) > frames::shell_c(frame)) soft_m = std::min(soft_m, z);
+  }
+
+  const frames::FaceRow* highest = &face.rows.front();
+  for (const frames::FaceRow& row : face.rows)
+    if (row.height_m < soft_m - same_m) highest = &row;
+  return *highest;
+}
+
+struct NamedRow {
+  std::string name;
+  const frames::FaceRow& row;
+};
+
+v1::Chart pull_in_chart(const std::vector<NamedRow>& rows) {
+  v1::Chart chart =
+      chart_against("Pull-in of the wide face", {"distance from the middle of the wide face", "m"},
+                    {"pull-in", "m"});
+  for (const auto& [name, row] : rows) {
+    v1::Chart::Line& line = add_line(chart, fmt::format("{}, {} mm", name, mm(row.height_m, 0)));
+    for (const frames::FacePoint& point : row.points) add_point(line, point.x_m, point.pull_in_m());
+  }
+  return chart;
+}
+
+/// Each row at the middle, half way and at the end of the wide face.
+std::string pull_in_table(const std::vector<NamedRow>& rows) {
+  std::string head, body;
+  for (const char* const text :
+       {"", "height, mm", "x, mm", "mould, mm", "slab, mm", "pull-in, mm", "%"})
+    head += element("th", text);
+  for (const auto& [name, row] : rows) {
+    const std::size_t last = row.points.size() - 1;
+    for (const std::size_t i : {std::size_t{0}, last / 2, last}) {
+      const frames::FacePoint& point = row.points[i];
+      std::string cells = element("td", name);
+      for (const std::string& text :
+           {mm(row.height_m, 0), mm(point.x_m, 0), mm(point.mould_m), mm(point.now_m),
+            mm(point.pull_in_m()), fixed(100.0 * point.pull_in_m() / point.mould_m, 1)})
+        cells += element("td", text);
+      body += element("tr", cells);
     }
   }
-  if (gap.x.empty() && pressure.x.empty()) return {};
-  const std::string mark = frame_mark(frame, history);
-  const std::string place = "distance from the symmetry plane, mm";
-  return figure("Gap along the bottom",
-                svg_chart({"Gap along the bottom", place, "gap, mm", {gap}}),
-                mark + "Distance between slab and bottom block at the last frame.") +
-         figure(
-             "Contact pressure",
-             svg_chart({"Contact pressure along the bottom", place, "pressure, kPa", {pressure}}),
-             mark + "Zero where the slab has lifted off the block.");
+  return figures_table(element("tr", head), body);
 }
 
-std::string slab_figure(const v1::Frame& frame, const CurlHistory& history,
-                        const FramePictures& pictures, const std::string& frames) {
-  std::string views;
-  for (const Picture& picture : pictures.pictures)
-    views += "<div><h3>" + picture.name + "</h3>" + picture.svg + "</div>";
-  return "<section class='card wide'><h2>Deformed quarter slab</h2><figure><div class='views'>" +
-         views + "</div>" + frames + "<figcaption>" + moving_mark(frame, history) +
-         "Surface temperature" + when_and_scale(frame, pictures.displacement_scale) +
-         " x runs along the wide face, y across the thickness, z up.</figcaption></figure>"
-         "</section>";
-}
+std::string pull_in_figure(const v1::QueryResultResponse& result, const CurlHistory& history) try {
+  const frames::Contraction face = frames::contraction_of(result.case_(), result.frame());
+  const frames::FaceRow& head = highest_solid(face, result.case_().section(), result.frame());
+  const frames::FaceRow& butt = face.at(std::min(frames::butt_height_m, head.height_m));
+  std::vector<NamedRow> rows{{"head", head}};
+  if (butt.height_m < head.height_m) {
+    rows.push_back({"middle", face.at((butt.height_m + head.height_m) / 2.0)});
+    rows.push_back({"butt", butt});
+  }
+  if (head.points.empty()) return {};
 
-std::string gap_figure(const v1::Frame& frame, const CurlHistory& history) {
-  const GapMap map = draw_gap_map(frame);
-  if (map.svg.empty()) return {};
-  return figure(
-      "Gap under the butt", map.svg,
-      frame_mark(frame, history) +
-          fmt::format("Bottom of the quarter in plan, the middle of the slab at the lower left. "
-                      "Largest gap <strong>{} mm</strong> at x {} mm, y {} mm. White dots: in "
-                      "contact, {} of {} nodes; larger dots mean higher pressure.",
-                      mm(map.largest_gap_m), mm(map.largest_x_m, 0), mm(map.largest_y_m, 0),
-                      map.contacts, frame.bottom_node_size()));
-}
-
-std::string pull_in_figure(const v1::Frame& frame, const CurlHistory& history) {
-  const auto profiles = pull_in_profiles(frame);
-  if (profiles.empty()) return {};
-  return figure(
-      "Pull-in of the wide face", pull_in_chart(profiles) + pull_in_table(profiles),
-      frame_mark(frame, history) +
+  return chart_figure(
+      pull_in_chart(rows),
+      frame_mark(result.frame(), history) +
           "Half the opening of the mould minus half the thickness of the slab, in % of the former; "
-          "negative values are a bulge. Butt: 50 mm above the block; head: the greatest height "
-          "at which the whole face is solid; middle: half way. Heights in the undeformed "
-          "slab.");
+          "negative values are a bulge. Butt: 50 mm above the block; head: the greatest height at "
+          "which the whole face is solid; middle: half way. Heights in the undeformed slab." +
+          pull_in_table(rows));
+} catch (const frames::NoContraction&) {
+  return {};
 }
 
 }  // namespace
@@ -110,23 +173,32 @@ std::string pull_in_figure(const v1::Frame& frame, const CurlHistory& history) {
 std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory& history,
                        const FrameSeries& series) {
   if (!result.has_frame())
-    return card("Last frame", "<p>No stored frame: the run has not ended with a result.</p>");
+    return card("Slab", "<p>No stored frame: the run has not ended with a result.</p>");
   const v1::Frame& frame = result.frame();
-  const FrameSeries shown = series.frames.empty() ? FrameSeries{1, {frame}} : series;
-  const FramePictures pictures = pictures_of(frame, colour_range(shown).value_or(ColourBands{}));
-  const std::string frames = drawn_frames(shown, history, pictures);
-  const bool is_slab = frame.dimension() == 3;
-  if (pictures.pictures.empty() || frames.empty())
-    return card(is_slab ? "Quarter slab" : "Section",
-                "<p>The stored frame cannot be drawn: its arrays are inconsistent.</p>");
-  return (is_slab ? slab_figure : section_figure)(frame, history, pictures, frames);
+  const FrameSeries shown = series.frames.empty() ? FrameSeries{1, {frame}, {}} : series;
+  const auto json = slab_json(shown, history);
+  if (!json)
+    return card("Slab", "<p>The stored frame cannot be drawn: its arrays are inconsistent.</p>");
+
+  const auto count = static_cast<int>(shown.frames.size());
+  return element(
+      "section class='card wide slab'",
+      drawn("slab", *json) +
+          element("div class='caption'",
+                  fmt::format("{}The last frame is at {} s, cast length {} mm; {} stored frames are in "
+                              "this page. Grey lines: before the metal moved. Thin lines: the values "
+                              "named below the colours.",
+                              frame_mark(frame, history), fixed(frame.time_s(), 1),
+                              mm(frame.cast_length_m()),
+                              count == shown.stored ? fmt::format("all {}", count)
+                                                    : fmt::format("{} of {}", count, shown.stored))));
 }
 
 std::string bottom_part(const v1::QueryResultResponse& result, const CurlHistory& history) {
   if (!result.has_frame()) return {};
   const v1::Frame& frame = result.frame();
   if (frame.dimension() != 3) return contact_figures(frame, history);
-  return gap_figure(frame, history) + pull_in_figure(frame, history);
+  return gap_figure(frame, history) + pull_in_figure(result, history);
 }
 
 }  // namespace dccast::client::render

@@ -46,25 +46,6 @@ Vector3 outward_normal(const std::vector<int>& face, const std::vector<int>& ele
   return normal;
 }
 
-double length_at(const google::protobuf::RepeatedField<double>& values, int node, int dimension) {
-  double squares = 0.0;
-  for (int c = 0; c < dimension; ++c) {
-    const double value = values.Get(dimension * node + c);
-    squares += value * value;
-  }
-  return std::sqrt(squares);
-}
-
-/// Largest displacement of the bottom, or of all nodes if there are no bottom nodes.
-double displacement_to_show(const v1::Frame& frame, double largest) {
-  const int dimension = frame.dimension();
-  double shown = 0.0;
-  for (const int node : frame.bottom_node())
-    if (node >= 0 && dimension * (node + 1) <= frame.displacement_m_size())
-      shown = std::max(shown, length_at(frame.displacement_m(), node, dimension));
-  return shown > 0.0 ? shown : largest;
-}
-
 using Column = std::array<std::int64_t, 2>;
 
 /// Identifies the vertical line of a node by its place in plan.
@@ -138,24 +119,16 @@ std::vector<double> drawn_displacement(const v1::Frame& frame) {
   return drawn;
 }
 
-std::vector<double> coordinates_of(const v1::Frame& frame, double scale) {
-  std::vector<double> coordinates(frame.node_m().begin(), frame.node_m().end());
-  const std::vector<double> displacement = drawn_displacement(frame);
-  for (std::size_t i = 0; i < displacement.size(); ++i) coordinates[i] += scale * displacement[i];
-  return coordinates;
-}
-
-std::vector<Vector3> places_of(const v1::Frame& frame, double scale) {
-  const std::vector<double> coordinates = coordinates_of(frame, scale);
+std::vector<Vector3> places_of(const v1::Frame& frame) {
   std::vector<Vector3> place;
-  for (std::size_t i = 0; i + 2 < coordinates.size(); i += 3)
-    place.push_back({coordinates[i], coordinates[i + 1], coordinates[i + 2]});
+  for (int i = 0; i + 2 < frame.node_m_size(); i += 3)
+    place.push_back({frame.node_m(i), frame.node_m(i + 1), frame.node_m(i + 2)});
   return place;
 }
 
 std::vector<SurfaceFace> surface_of(const v1::Frame& frame) {
   const int corners = frame.nodes_per_element();
-  const std::vector<Vector3> place = places_of(frame, 0.0);
+  const std::vector<Vector3> place = places_of(frame);
   struct Found {
     int uses = 0, element = 0;
     std::vector<int> face;
@@ -178,35 +151,6 @@ std::vector<SurfaceFace> surface_of(const v1::Frame& frame) {
     surface.push_back({found.face, outward_normal(found.face, element, place)});
   }
   return surface;
-}
-
-std::vector<SurfaceFace> facing(const std::vector<SurfaceFace>& surface, const Vector3& direction,
-                                double least) {
-  std::vector<SurfaceFace> found;
-  for (const SurfaceFace& face : surface)
-    if (dot(face.normal, direction) >= least) found.push_back(face);
-  return found;
-}
-
-void add_triangles(const std::vector<int>& face, std::vector<std::array<int, 3>>& triangles) {
-  for (std::size_t i = 1; i + 1 < face.size(); ++i)
-    triangles.push_back({face[0], face[i], face[i + 1]});
-}
-
-double displacement_scale(const v1::Frame& frame) {
-  const int dimension = std::max(frame.dimension(), 1);
-  double largest = 0.0, extent = 0.0;
-  for (int i = 0; dimension * (i + 1) <= std::min(frame.displacement_m_size(), frame.node_m_size());
-       ++i) {
-    extent = std::max(extent, frame.node_m(dimension * i));
-    largest = std::max(largest, length_at(frame.displacement_m(), i, dimension));
-  }
-  if (!(largest > 0.0)) return 1.0;
-  const double wanted =
-      std::min(extent / (15.0 * displacement_to_show(frame, largest)), 0.25 * extent / largest);
-  if (wanted < 2.0) return 1.0;
-  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
-  return decade * (wanted / decade >= 5.0 ? 5.0 : wanted / decade >= 2.0 ? 2.0 : 1.0);
 }
 
 namespace {
@@ -253,7 +197,7 @@ FrameSkin section_skin(const v1::Frame& frame) {
 
 FrameSkin slab_skin(const v1::Frame& frame) {
   const auto surface = surface_of(frame);
-  const auto place = places_of(frame, 0.0);
+  const auto place = places_of(frame);
   FrameSkin skin{{}, creases_of(surface)};
   for (const SurfaceFace& face : surface) {
     skin.faces.push_back(face.node);

@@ -33,29 +33,11 @@ bool is_consistent(const v1::Frame& frame, int dimension);
 /// level; liquid with no node of the solid straight below it is drawn where it is poured.
 std::vector<double> drawn_displacement(const v1::Frame& frame);
 
-/// Coordinates of the nodes with that displacement, (node, coordinate) [m].
-/// @param scale  magnification of the displacements [1]; 0 for the undeformed slab
-std::vector<double> coordinates_of(const v1::Frame& frame, double scale);
-
-/// The same for a frame in three dimensions, by node.
-std::vector<Vector3> places_of(const v1::Frame& frame, double scale);
+/// The nodes of a frame in three dimensions, undeformed [m].
+std::vector<Vector3> places_of(const v1::Frame& frame);
 
 /// The outer surface of a frame that is consistent in three dimensions.
 std::vector<SurfaceFace> surface_of(const v1::Frame& frame);
-
-/// The faces whose outward normal points in a direction.
-/// @param direction  unit vector [1]
-/// @param least      smallest cosine of the angle between normal and direction [1]
-std::vector<SurfaceFace> facing(const std::vector<SurfaceFace>& surface, const Vector3& direction,
-                                double least);
-
-/// Adds a face as triangles around its first node.
-void add_triangles(const std::vector<int>& face, std::vector<std::array<int, 3>>& triangles);
-
-/// A round magnification (1, 2, 5, 10, ...) of the displacements [1] that makes the butt curl
-/// visible without distorting the rest of the picture: metal near the level may have moved much
-/// further than the bottom. For any dimension.
-double displacement_scale(const v1::Frame& frame);
 
 /// The visible part of a frame: all elements of a 2D section, the outer surface of a quarter slab.
 struct FrameSkin {

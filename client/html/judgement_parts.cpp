@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -12,15 +13,39 @@
 #include "client/text/findings.hpp"
 #include "client/text/judgement_text.hpp"
 #include "client/text/table.hpp"
-#include "proto/values/plant_units.hpp"
 
 namespace dccast::client::render {
 namespace {
 
-std::vector<double> scaled(const google::protobuf::RepeatedField<double>& values, double factor) {
-  std::vector<double> shown;
-  for (const double value : values) shown.push_back(factor * value);
+using Numbers = google::protobuf::RepeatedField<double>;
+
+/// Every so many numbers and the last one, with six digits: what a picture shows.
+Json thinned(const Numbers& values, int stride) {
+  Json shown = Json::array();
+  const int last = values.size() - 1;
+  const auto add = [&](double value) {
+    shown.push_back(std::isfinite(value) ? std::stod(fmt::format("{:.6g}", value)) : value);
+  };
+  for (int i = 0; i < last; i += stride) add(values[i]);
+  if (last >= 0) add(values[last]);
   return shown;
+}
+
+Json chart_json(const v1::Chart& chart) {
+  constexpr int most_points = 400;  // of a line, in a drawing 640 wide
+  Json json = to_json(chart);
+  Json lines = Json::array();
+  for (const v1::Chart::Line& line : chart.lines()) {
+    const int stride = (line.x_size() + most_points - 1) / most_points;
+    lines.push_back({{"name", line.name()},
+                     {"x", thinned(line.x(), stride)},
+                     {"y", thinned(line.y(), stride)},
+                     {"low", thinned(line.low(), stride)},
+                     {"high", thinned(line.high(), stride)},
+                     {"is_dotted", line.is_dotted()}});
+  }
+  json["lines"] = lines;
+  return json;
 }
 
 std::string capitalised(std::string text) {
@@ -35,15 +60,12 @@ std::string with_error(const std::string& value, const std::string& error) {
 }
 
 /// @param both  bars extend to both sides of zero; otherwise zero is at the left
-std::string bar_svg(const Bar& bar, bool both) {
-  constexpr double width = 120.0;
-  const double zero = both ? 0.5 * width : 0.0;
-  const double scale = width - zero;
-  return fmt::format(
-      "<svg viewBox='0 0 {0:.0f} 10' style='width:{0:.0f}px' aria-hidden='true'>"
-      "<rect x='{1:.1f}' y='1' width='{2:.1f}' height='8' style='fill:var(--line-0)'/>"
-      "<line class='zero' x1='{3:.0f}' x2='{3:.0f}' y1='0' y2='10'/></svg>",
-      width, zero + scale * bar.low, scale * (bar.high - bar.low), zero);
+std::string bar_part(const Bar& bar, bool both) {
+  const double zero = both ? 50.0 : 0.0;  // [%] of the width
+  const double scale = 100.0 - zero;
+  return fmt::format("<span class='scale{}' aria-hidden='true'><span style='left:{:.1f}%;"
+                     "width:{:.1f}%'></span></span>",
+                     both ? " both" : "", zero + scale * bar.low, scale * (bar.high - bar.low));
 }
 
 std::string findings_list(const v1::Comparison& comparison) {
@@ -60,28 +82,29 @@ std::string findings_list(const v1::Comparison& comparison) {
 
 }  // namespace
 
-Chart chart_of(const v1::Chart& chart) {
-  const double x_factor = values::plant_unit(chart.x().unit()).factor;
-  const double y_factor = values::plant_unit(chart.y().unit()).factor;
-  Chart shown{chart.heading(), axis_label(chart.x()), axis_label(chart.y()), {}};
-  for (const v1::Chart::Line& line : chart.lines()) {
-    ChartLine& drawn = shown.lines.emplace_back();
-    drawn.name = line.name();
-    drawn.dots = line.is_dotted();
-    drawn.x = scaled(line.x(), x_factor);
-    drawn.y = scaled(line.y(), y_factor);
-    if (!line.low().empty())
-      drawn.band = {drawn.x, drawn.y, scaled(line.low(), y_factor), scaled(line.high(), y_factor)};
-  }
+v1::Chart chart_against(const std::string& heading, const Quantity& x, const Quantity& y) {
+  v1::Chart chart;
+  chart.set_heading(heading);
+  chart.mutable_x()->set_quantity(x.name);
+  chart.mutable_x()->set_unit(x.unit);
+  chart.mutable_y()->set_quantity(y.name);
+  chart.mutable_y()->set_unit(y.unit);
+  return chart;
+}
 
-  if (chart.has_region())
-    shown.wanted = Chart::Wanted{y_factor * chart.region().low(), y_factor * chart.region().high(),
-                                 chart.region().name()};
-  if (chart.has_beyond_x()) {
-    shown.beyond_from = x_factor * chart.beyond_x();
-    shown.beyond_name = beyond_validity;
-  }
-  return shown;
+v1::Chart::Line& add_line(v1::Chart& chart, const std::string& name) {
+  v1::Chart::Line& line = *chart.add_lines();
+  line.set_name(name);
+  return line;
+}
+
+void add_point(v1::Chart::Line& line, double x, double y) {
+  line.add_x(x);
+  line.add_y(y);
+}
+
+std::string chart_figure(const v1::Chart& chart, const std::string& caption) {
+  return figure(capitalised(chart.heading()), drawn("chart", chart_json(chart)), caption);
 }
 
 std::string table_part(const v1::Table& table) {
@@ -103,7 +126,7 @@ std::string table_part(const v1::Table& table) {
         });
   if (const auto bars = bars_of(table); !bars.empty()) {
     const bool both = std::ranges::any_of(bars, [](const Bar& bar) { return bar.low < 0.0; });
-    add("", both ? "less | more" : "", [&](std::size_t row) { return bar_svg(bars[row], both); });
+    add("", both ? "less | more" : "", [&](std::size_t row) { return bar_part(bars[row], both); });
   }
 
   std::string body;
@@ -128,7 +151,7 @@ std::string judgement_parts(const v1::Judgement& judgement) {
   for (const v1::JudgementPart& part : judgement.parts()) {
     if (part.place() == v1::JudgementPart::TERMINAL) continue;
     if (part.has_chart()) {
-      charts += card(capitalised(part.chart().heading()), svg_chart(chart_of(part.chart())));
+      charts += chart_figure(part.chart(), "");
       continue;
     }
     close_charts();
@@ -136,15 +159,6 @@ std::string judgement_parts(const v1::Judgement& judgement) {
   }
   close_charts();
   return html;
-}
-
-std::string svg_file(const Chart& chart) {
-  const std::string svg = svg_chart(chart);
-  const std::string begin = "<svg ";
-  const std::string end = "</svg>";
-  const auto head = svg.find('>');
-  return svg_file(svg.substr(begin.size(), head - begin.size()),
-                  svg.substr(head + 1, svg.size() - end.size() - head - 1));
 }
 
 std::string judgement_page(const v1::StudyJudgement& study) {

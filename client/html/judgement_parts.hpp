@@ -2,17 +2,25 @@
 
 #include <string>
 
-#include "client/html/svg_chart.hpp"
 #include "dccast/v1/judgement.pb.h"
 
 /// What the server concludes (judgement.proto), as parts of a page.
 namespace dccast::client::render {
 
-/// In the units of a plant.
-Chart chart_of(const v1::Chart& chart);
+/// What an axis shows.
+struct Quantity {
+  std::string name;  ///< "cast length"
+  std::string unit;  ///< SI
+};
 
-/// A chart as a separate SVG file that includes the colours of the page.
-std::string svg_file(const Chart& chart);
+/// A chart without lines. @param x, y  quantities with their SI units
+v1::Chart chart_against(const std::string& heading, const Quantity& x, const Quantity& y);
+v1::Chart::Line& add_line(v1::Chart& chart, const std::string& name);
+/// @param x, y  in the units of the axes
+void add_point(v1::Chart::Line& line, double x, double y);
+
+/// A card with a chart, which a script of the page draws, and a caption below it.
+std::string chart_figure(const v1::Chart& chart, const std::string& caption);
 
 /// A table of a judgement as HTML, with its heading and units.
 std::string table_part(const v1::Table& table);

@@ -18,7 +18,7 @@ namespace dccast::client::render {
 /// and the basis of the figures. The page states which parts are missing in the result, such as
 /// frames. With a study of at least two successful runs, curls have their error, and charts show
 /// the limit with its interval; otherwise the page names the command that computes them.
-/// @param series  frames for the slider; the last one is that of the result
+/// @param series  frames to show; the last one is that of the result
 std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result,
                         const v1::StudyJudgement& study = {}, const FrameSeries& series = {});
 
@@ -34,9 +34,9 @@ std::string comparison_page(const v1::Comparison& comparison);
 /// What the server concludes from a study: its sentences, then the tables and charts they rest on.
 std::string judgement_page(const v1::StudyJudgement& study);
 
-/// The start of a case as an SVG file: the section through the middle of the wide face, to scale,
-/// with metal, mould, zones, water line and block, beside the ramps of speed and water.
+/// The start of a case: the section through the middle of the wide face, to scale, with metal,
+/// mould, zones, water line and block, beside the ramps of speed and water.
 /// @param complete  case with its defaults
-std::string casting_drawing(const v1::Case& complete);
+std::string casting_page(const v1::Case& complete);
 
 }  // namespace dccast::client::render

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "client/html/html_parts.hpp"
+#include "client/html/judgement_parts.hpp"
 #include "client/html/pages.hpp"
 #include "client/html/report_parts.hpp"
 #include "client/model/answer.hpp"
@@ -97,37 +98,44 @@ std::string recipe_table(const v1::Case& input) {
   return element("table", rows);
 }
 
-/// A table of the schedule with factor and shift, against time. @param acts  whether it takes
+/// Adds a table of the schedule with factor and shift, against time. @param acts  whether it takes
 /// effect at a time [s]; the value is zero where it does not
 template <class Acts>
-ChartLine course_of(const v1::QueryResultResponse& result, const std::string& name,
-                    const v1::Curve& table, const v1::Curve& factor, double shift_s, double unit,
-                    const Acts& acts) {
-  ChartLine line{name, {}, {}};
+void add_course(v1::Chart& chart, const std::string& name, const v1::QueryResultResponse& result,
+                const v1::Curve& table, const v1::Curve& factor, double shift_s, const Acts& acts) {
+  v1::Chart::Line& line = add_line(chart, name);
   for (const v1::StepReport& step : result.steps()) {
     const double t = step.time_s(), length = step.cast_length_m();
-    line.x.push_back(t);
-    line.y.push_back(acts(t) ? unit * frames::curve_value(factor, t, length, 1.0) *
-                                   frames::curve_value(table, t - shift_s, length, 0.0)
-                             : 0.0);
+    add_point(line, t,
+              acts(t) ? frames::curve_value(factor, t, length, 1.0) *
+                            frames::curve_value(table, t - shift_s, length, 0.0)
+                      : 0.0);
   }
-  return line;
 }
 
-ChartLine speed_line(const v1::QueryResultResponse& result) {
+v1::Chart speed_chart(const v1::QueryResultResponse& result) {
   const v1::Schedule& recipe = result.case_().schedule();
+  v1::Chart chart = chart_against("Casting speed", {"time", "s"}, {"casting speed", "m/s"});
   // The block does not move during the hold, independent of the table.
-  return course_of(result, "casting speed", recipe.casting_speed_m_per_s(),
-                   recipe.casting_speed_factor(), recipe.casting_speed_shift_s(), mm_per_min,
-                   [](double time_s) { return time_s > 0.0; });
+  add_course(chart, "casting speed", result, recipe.casting_speed_m_per_s(),
+             recipe.casting_speed_factor(), recipe.casting_speed_shift_s(),
+             [](double time_s) { return time_s > 0.0; });
+  return chart;
 }
 
-ChartLine water_line(const v1::QueryResultResponse& result, const std::string& name,
-                     const v1::Curve& flow, const v1::Water& water) {
-  const v1::Schedule& recipe = result.case_().schedule();
-  return course_of(result, name, flow, recipe.water_flow_factor(), recipe.water_flow_shift_s(),
-                   litres_per_min_per_m,
-                   [&](double time_s) { return water.enabled() && time_s >= water.start_s(); });
+v1::Chart water_chart(const v1::QueryResultResponse& result) {
+  const v1::Case& input = result.case_();
+  const v1::Schedule& recipe = input.schedule();
+  v1::Chart chart = chart_against("Water", {"time", "s"}, {"water", "m2/s"});
+  const auto add = [&](const std::string& name, const v1::Curve& flow, const v1::Water& water) {
+    add_course(
+        chart, name, result, flow, recipe.water_flow_factor(), recipe.water_flow_shift_s(),
+        [&](double time_s) { return water.enabled() && time_s >= water.start_s(); });
+  };
+  const bool two = narrow_differs(input);
+  add(two ? "wide face" : "water", recipe.water_flow_m2_per_s(), input.cooling().water());
+  if (two) add("narrow face", narrow_flow(input), narrow_water(input));
+  return chart;
 }
 
 std::string recipe_part(const v1::QueryResultResponse& result) {
@@ -138,20 +146,10 @@ std::string recipe_part(const v1::QueryResultResponse& result) {
 /// Charts of speed and water in this run. Empty with fewer than two steps.
 std::string recipe_charts(const v1::QueryResultResponse& result) {
   if (!result.has_case_() || result.steps_size() < 2) return {};
-  const v1::Case& input = result.case_();
-  const bool two = narrow_differs(input);
-  std::vector<ChartLine> water{water_line(result, two ? "wide face" : "water",
-                                          input.schedule().water_flow_m2_per_s(),
-                                          input.cooling().water())};
-  if (two)
-    water.push_back(water_line(result, "narrow face", narrow_flow(input), narrow_water(input)));
-  return figure(
-             "Casting speed",
-             svg_chart({"Casting speed against time", "time, s", "mm/min", {speed_line(result)}}),
-             "As this run had it, factors included.") +
-         figure("Water",
-                svg_chart({"Water against time", "time, s", "l/min per metre", std::move(water)}),
-                "Litres a minute on a metre of the slab's perimeter, as this run had it.");
+  return chart_figure(speed_chart(result), "As this run had it, factors included.") +
+         chart_figure(
+             water_chart(result),
+             "Litres a minute on a metre of the slab's perimeter, as this run had it.");
 }
 
 std::string scientific(double value) {
@@ -298,7 +296,7 @@ std::string first_sheet(const ReportedRun& run, const FrameSeries& series) {
 
 /// The histories of the run.
 std::string details(const ReportedRun& run) {
-  return "<div class='sheet'><div class='cards'>" + curl_figure(run, true) +
+  return "<div class='histories'><div class='cards'>" + curl_figure(run, true) +
          recipe_charts(run.result) + history_part(run.result) +
          bottom_part(run.result, run.history) + "</div></div>";
 }
@@ -332,18 +330,17 @@ v1::QueryResultResponse result_of(Connection& connection, const std::string& id,
   return query_result(connection, id);
 }
 
-/// As many frames as keep the page below half a megabyte, so that it can be mailed.
-FrameSeries frames_for_slider(Connection& connection, const std::string& id,
-                              const v1::QueryResultResponse& result) {
+/// As many frames as keep the page so small that it can be mailed.
+FrameSeries frames_of_page(Connection& connection, const std::string& id,
+                           const v1::QueryResultResponse& result) {
   constexpr int most_frames = 25;
-  constexpr double most_bytes = 500e3;
+  constexpr double most_bytes = 1e6;
   if (!result.has_frame()) return {};
-  // The slab grows, so a frame has half the nodes of the last one on average; for a quarter slab
-  // the surface counts. A node takes eleven characters.
+  // The slab grows, so a frame has half the nodes of the last one on average. A node takes some 25
+  // characters, with its share of the elements.
   const double nodes = result.frame().temperature_c_size();
-  const double seen = result.frame().dimension() == 3 ? 6.0 * std::pow(nodes, 2.0 / 3.0) : nodes;
-  const int fitting = static_cast<int>(most_bytes / (0.5 * 11.0 * seen + 1.0));
-  return fetch_frames(connection, id, result, std::clamp(fitting, 2, most_frames));
+  const int fitting = static_cast<int>(most_bytes / (0.5 * 25.0 * nodes + 1.0));
+  return fetch_frames(connection, id, result, std::clamp(fitting, 1, most_frames));
 }
 
 }  // namespace
@@ -356,11 +353,18 @@ std::string report_page(const v1::Job& job, const v1::QueryResultResponse& resul
                     first_sheet(run, series) + details(run) + evidence(run));
 }
 
+std::string casting_page(const v1::Case& complete) {
+  const std::string title = html_escaped(complete.title());
+  return whole_page(title, element("h1", title),
+                    element("p class='answer'", html_escaped(casting_summary(complete))) +
+                        card("Start of the casting", drawn("casting", to_json(complete))));
+}
+
 std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes,
                       grpc::Status& frame_status) {
   const v1::QueryResultResponse result = result_of(connection, job.id(), notes, frame_status);
   return report_page(job, result, judge_study_of(connection, job),
-                     frames_for_slider(connection, job.id(), result));
+                     frames_of_page(connection, job.id(), result));
 }
 
 }  // namespace dccast::client::render

@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 
-#include "client/html/svg_chart.hpp"
 #include "client/model/answer.hpp"
 #include "client/session/queries.hpp"
 #include "dccast/v1/judgement.pb.h"
@@ -43,8 +42,7 @@ std::string last_step_mark(const CurlHistory& history);
 /// fewer than two steps.
 std::string history_part(const v1::QueryResultResponse& result);
 
-/// The last stored frame: the picture of a 2D section, or three views of a quarter slab. A line
-/// reports that there is no frame. With several frames a slider shows the earlier ones.
+/// The stored frames, which a script of the page draws. A line reports that there is none.
 std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory& history,
                        const FrameSeries& series);
 
@@ -64,9 +62,8 @@ struct CurlError {
 std::optional<CurlError> curl_error(const v1::StudyResult& study, const std::string& monitor,
                                     double time_s, double curl_m);
 
-/// Limit and interval of a monitor [mm] against time [s] or cast length [mm], thinned to the
-/// resolution of a chart. Thinning may widen the interval but never narrows it.
-ChartBand curl_band(const v1::StudyResult& study, const std::string& monitor, bool against_length);
+/// Adds the limit of each monitor with its interval, against time or cast length.
+void add_limits(v1::Chart& chart, const v1::StudyResult& study, bool against_length);
 
 /// The card "How much of it is discretisation", or a line with the command that computes it where
 /// no error is known.

@@ -10,25 +10,6 @@
 namespace dccast::client::render {
 namespace {
 
-constexpr int band_instants = 80;  // of a chart about 560 wide
-
-/// A point of the band: the last of the instants [from, to), with the interval of all of them.
-void add_point(ChartBand& band, const v1::CurlCurve& curve, int from, int to, double x) {
-  const double middle = curve.curl_m(to - 1);
-  if (!std::isfinite(middle)) return;
-
-  double low = middle, high = middle;
-  for (int i = from; i < to; ++i) {
-    if (!std::isfinite(curve.curl_m(i))) continue;
-    low = std::min(low, curve.curl_m(i) - curve.uncertainty_m(i));
-    high = std::max(high, curve.curl_m(i) + curve.uncertainty_m(i));
-  }
-  band.x.push_back(x);
-  band.middle.push_back(1e3 * middle);
-  band.low.push_back(1e3 * low);
-  band.high.push_back(1e3 * high);
-}
-
 constexpr const char* explanation =
     "The same casting with cells and time steps divided by the refinement; curl at the end. The "
     "order is that of the whole history. The limit is extrapolated from the last three runs, with "
@@ -73,21 +54,16 @@ std::optional<CurlError> curl_error(const v1::StudyResult& study, const std::str
   return error;
 }
 
-ChartBand curl_band(const v1::StudyResult& study, const std::string& monitor, bool against_length) {
-  ChartBand band;
+void add_limits(v1::Chart& chart, const v1::StudyResult& study, bool against_length) {
   for (const v1::StudyResult::Limit& limit : study.limits()) {
     const v1::CurlCurve& curve = limit.curve();
-    if (curve.monitor() != monitor) continue;
-
-    const int count = curve.time_s_size();
-    const int stride = (count + band_instants - 1) / band_instants;
-    for (int from = 0; from < count; from += stride) {
-      const int to = std::min(from + stride, count);
-      add_point(band, curve, from, to,
-                against_length ? 1e3 * curve.cast_length_m(to - 1) : curve.time_s(to - 1));
+    v1::Chart::Line& line = add_line(chart, curve.monitor() + ", limit of finer meshes");
+    for (int i = 0; i < curve.time_s_size(); ++i) {
+      add_point(line, against_length ? curve.cast_length_m(i) : curve.time_s(i), curve.curl_m(i));
+      line.add_low(curve.curl_m(i) - curve.uncertainty_m(i));
+      line.add_high(curve.curl_m(i) + curve.uncertainty_m(i));
     }
   }
-  return band;
 }
 
 std::string study_part(const v1::StudyJudgement& study, const v1::Job& job) {

@@ -157,7 +157,7 @@ std::vector<int> evenly_chosen(int stored, int most) {
 
 FrameSeries fetch_frames(Connection& connection, const std::string& id,
                          const v1::QueryResultResponse& last, int most) {
-  FrameSeries series{.stored = last.frame_time_s_size(), .frames = {}};
+  FrameSeries series{.stored = last.frame_time_s_size(), .frames = {}, .fields = {}};
   v1::QueryResultRequest request;
   request.set_id(id);
   request.set_frame(true);
@@ -167,6 +167,12 @@ FrameSeries fetch_frames(Connection& connection, const std::string& id,
     series.frames.push_back(number == series.stored
                                 ? last.frame()
                                 : connection.call(&Stub::QueryResult, request).frame());
+  }
+
+  request.set_frame_number(series.stored);
+  for (const v1::FrameField& field : last.frame().fields()) {
+    request.set_field(field.name());
+    series.fields.push_back(connection.call(&Stub::QueryResult, request).frame().field());
   }
   return series;
 }

@@ -41,12 +41,13 @@ std::vector<std::optional<Answer>> ask_queries(
 struct FrameSeries {
   int stored = 0;                 ///< frames in the results
   std::vector<v1::Frame> frames;  ///< in the order of time
+  std::vector<v1::FrameField> fields;  ///< of the last frame, with their values
 };
 
 /// Selects at most `most` of `stored` frames, always including the last; numbers from 1.
 std::vector<int> evenly_chosen(int stored, int most);
 
-/// Fetches a limited number of frames one by one.
+/// Fetches a limited number of frames one by one, and the fields of the last one.
 /// @param last  a response with the last frame and the times of all frames
 FrameSeries fetch_frames(Connection& connection, const std::string& id,
                          const v1::QueryResultResponse& last, int most);

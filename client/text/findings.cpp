@@ -5,7 +5,7 @@
 
 #include <fmt/core.h>
 
-#include "client/html/svg_chart.hpp"
+#include "client/html/html_parts.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/table.hpp"
 

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <deque>
 #include <filesystem>
 #include <map>
@@ -15,8 +13,8 @@
 #include <sstream>
 #include <utility>
 
-#include "client/html/colour_bands.hpp"
-#include "client/html/frame_surface.hpp"
+#include "client/html/frame_bytes.hpp"
+#include "client/html/html_parts.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
 #include "client/model/json.hpp"
@@ -135,62 +133,6 @@ Json sketch_json(Connection& connection, const std::string& id) {
   return {{"time_s", time_s}, {"curl_m", curl_m}};
 }
 
-/// A stored frame in binary for drawing: a header of eight numbers of 32 bits (nodes, elements,
-/// nodes of an element, triangles of the skin, edges of the skin, dimension, 0, 0), then time,
-/// length, liquidus and solidus, places, displacements as drawn and temperatures of the nodes
-/// (32-bit floats; three coordinates whatever the dimension), elements, triangles, edges (32-bit).
-/// Little-endian, as this machine is.
-class FrameBytes {
-public:
-  explicit FrameBytes(const v1::Frame& frame) {
-    const auto skin = render::skin_of(frame);
-    if (!skin)
-      throw CommandFailed(ExitCode::invalid, "the stored frame is damaged and cannot be drawn");
-    std::vector<std::array<int, 3>> triangles;
-    for (const auto& face : skin->faces) render::add_triangles(face, triangles);
-    const int dimension = frame.dimension(), nodes = frame.temperature_c_size();
-    for (const std::size_t count :
-         {std::size_t(nodes), std::size_t(frame.element_node_size() / frame.nodes_per_element()),
-          std::size_t(frame.nodes_per_element()), triangles.size(), skin->edges.size(),
-          std::size_t(dimension), std::size_t(0), std::size_t(0)})
-      add(static_cast<std::int32_t>(count));
-    for (const double value :
-         {frame.time_s(), frame.cast_length_m(), frame.liquidus_c(), frame.solidus_c()})
-      add(static_cast<float>(value));
-    add_vectors(frame.node_m(), dimension, nodes);
-    add_vectors(render::drawn_displacement(frame), dimension, nodes);
-    for (const double value : frame.temperature_c()) add(static_cast<float>(value));
-    for (const int node : frame.element_node()) add(std::int32_t(node));
-    for (const auto& triangle : triangles)
-      for (const int node : triangle) add(std::int32_t(node));
-    for (const auto& edge : skin->edges)
-      for (const int node : edge) add(std::int32_t(node));
-  }
-  std::string take() { return std::move(bytes_); }
-
-private:
-  template <class Number>
-  void add(Number number) {
-    static_assert(sizeof(Number) == 4);
-    char raw[4];
-    std::memcpy(raw, &number, sizeof raw);
-    bytes_.append(raw, sizeof raw);
-  }
-  /// Vectors that are missing are zero.
-  template <class Values>
-  void add_vectors(const Values& values, int dimension, int nodes) {
-    const auto known = static_cast<int>(std::size(values));
-    for (int node = 0; node < nodes; ++node)
-      for (int c = 0; c < 3; ++c) {
-        // The last coordinate points upwards: of a section it is the second.
-        const int from = dimension == 3 ? c : c == 1 ? -1 : c / 2;
-        const int at = node * dimension + from;
-        add(from >= 0 && at < known ? static_cast<float>(values[at]) : 0.0F);
-      }
-  }
-  std::string bytes_;
-};
-
 /// @param field  name of a field, in place of mesh and temperature; empty: these
 v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, int number,
                                  const std::string& field = "") {
@@ -203,10 +145,12 @@ v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, 
   return connection.call(&Stub::QueryResult, request);
 }
 
-/// The values as 32-bit floats, little-endian, as this machine is.
-std::string float_bytes(const google::protobuf::RepeatedField<float>& values) {
-  return {reinterpret_cast<const char*>(values.data()),
-          static_cast<std::size_t>(values.size()) * sizeof(float)};
+/// The bytes of a stored frame.
+Reply frame_reply(const v1::Frame& frame) {
+  auto bytes = render::frame_bytes(frame, render::Precision::full);
+  if (!bytes)
+    throw CommandFailed(ExitCode::invalid, "the stored frame is damaged and cannot be drawn");
+  return {.body = std::move(*bytes), .type = "application/octet-stream"};
 }
 
 /// The times of all stored frames and the fields of the last one. A job without frames is no fault:
@@ -317,17 +261,17 @@ private:
   std::deque<std::pair<std::string, std::string>> given_;  ///< name and text, the newest first
 };
 
-/// Evaluates a case text: summary, drawing and faults. The case is not kept.
+/// Evaluates a case text: summary, faults, and the case with its defaults. It is not kept.
 Json case_json(const CaseUnderCheck& checked) {
   std::ostringstream faults;
   if (!checked.faults.empty()) print_faults(checked, faults);
-  Json json{{"faults", faults.str()}, {"summary", ""}, {"drawing", ""}};
+  Json json{{"faults", faults.str()}, {"summary", ""}, {"complete", Json()}};
   if (!checked.faults.empty()) return json;
 
   v1::Case complete = checked.description;
   case_file::apply_defaults(complete);
   json["summary"] = render::casting_summary(complete);
-  json["drawing"] = render::casting_drawing(complete);
+  json["complete"] = to_json(complete);
   return json;
 }
 
@@ -349,12 +293,12 @@ Json slab_json(const Request& request) {
                                  .alloy = request.value("alloy"),
                                  .speed = request.value("speed"),
                                  .water = request.value("water")});
-  Json json{{"text", made.text}, {"summary", made.summary}, {"drawing", ""}, {"faults", ""}};
+  Json json{{"text", made.text}, {"summary", made.summary}, {"complete", Json()}, {"faults", ""}};
   std::string faults;
   for (const std::string& fault : made.faults) faults += fault + "\n";
   json["faults"] = faults;
   if (made.faults.empty())
-    json["drawing"] = case_json(read_case_elsewhere(made.text, "slab"))["drawing"];
+    json["complete"] = case_json(read_case_elsewhere(made.text, "slab"))["complete"];
   return json;
 }
 
@@ -423,6 +367,8 @@ void add_pages(WebServer& server) {
   for (const Asset& asset : assets())
     server.file(asset.name == "index.html" ? "/" : "/" + asset.name, type_of(asset.name),
                 asset.text);
+  for (const render::PageAsset& asset : render::page_assets())
+    server.file("/" + asset.name, type_of(asset.name), asset.text);
 }
 
 /// A handler with its own connection for each request; the connection ends with the request.
@@ -450,13 +396,12 @@ void add_results(WebServer& server, const Connect& connect) {
   });
   get("/frame", [](Connection& connection, const Request& request) {
     const int number = std::atoi(request.value("number").c_str());
-    return Reply{.body = FrameBytes(frame_of(connection, request.name, number).frame()).take(),
-                 .type = "application/octet-stream"};
+    return frame_reply(frame_of(connection, request.name, number).frame());
   });
   get("/field", [](Connection& connection, const Request& request) {
     const int number = std::atoi(request.value("number").c_str());
     const auto result = frame_of(connection, request.name, number, request.value("name"));
-    return Reply{.body = float_bytes(result.frame().field().values()),
+    return Reply{.body = render::float_bytes(result.frame().field().values(), render::Precision::full),
                  .type = "application/octet-stream"};
   });
   get("/report", [](Connection& connection, const Request& request) {
@@ -472,12 +417,6 @@ void add_results(WebServer& server, const Connect& connect) {
     const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
     return Reply{
         Json{{"address", connection.server()}, {"role", v1::Role_Name(who.role())}}.dump()};
-  });
-  server.get("/colours", [](const Request&) {
-    const render::ColourBands bands;
-    std::vector<std::string> colours;
-    for (int band = 0; band < bands.count; ++band) colours.push_back(bands.colour(band));
-    return Reply{Json(colours).dump()};
   });
   server.events("/watch", [=](const Request& request) {
     return [=](const auto& gone, const Send& send) {

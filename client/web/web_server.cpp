@@ -29,7 +29,8 @@ constexpr const char* own_policy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src "
     "'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 constexpr const char* alone_policy =
-    "sandbox allow-scripts allow-modals; default-src 'none'; script-src 'unsafe-inline'; style-src "
+    "sandbox allow-scripts allow-modals allow-downloads; default-src 'none'; script-src "
+    "'unsafe-inline' data:; style-src "
     "'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// A browser sends a strict cookie only from a page of this origin, not with the redirection that

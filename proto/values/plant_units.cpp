@@ -21,6 +21,9 @@ constexpr std::array rows{
     Row{"m2/s2", {"l/min2/m", 3.6e6}},
     Row{"W", {"kW", 1e-3}},
     Row{"W/m", {"kW/m", 1e-3}},
+    Row{"J", {"MJ", 1e-6}},
+    Row{"J/m", {"MJ/m", 1e-6}},
+    Row{"Pa", {"kPa", 1e-3}},
     Row{"degC", {"°C", 1.0}},
 };
 

@@ -880,7 +880,7 @@ class RealPages(InBrowser):
             file.write(text.replace("casting_speed", "casting_sped", 1)
                        + '\n[mesh2]\nfile = "/etc/passwd"\n')
         self.go("new")
-        self.find("#found img.drawing", 40)  # of the form
+        self.find("#found svg.casting", 40)  # of the form
         upload = self.find("#new-file")
         upload.send_keys(faulty)
         self.wait_for("casting_sped", "#found")
@@ -888,7 +888,7 @@ class RealPages(InBrowser):
         upload.send_keys(own)
         WebDriverWait(self.browser, 20).until(
             lambda b: "casting_sped" not in b.find_element(By.ID, "found").text)
-        self.find("#found img.drawing")
+        self.find("#found svg.casting")
         self.press("Queue as a job", "#found")
         self.wait_for("Queued as", "#found")
         job = self.find("#found p[role=status] a").text

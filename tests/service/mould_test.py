@@ -154,7 +154,7 @@ class Mould(StudyTest):
 
         with open(page, encoding="utf-8") as file:
             text = file.read()
-        self.assertEqual(text.count("<svg"), 2)
+        self.assertEqual(text.count("data-kind='chart'"), 2)
         self.assertIn("mould", self.dccast("studies").stdout)
         self.assertIn("mould", self.dccast("studies", "show", study.id).stdout)
         self.assertIn("designs no mould", self.dccast(

@@ -12,7 +12,6 @@ import re
 import shutil
 import subprocess
 import threading
-import xml.etree.ElementTree
 
 import grpc
 
@@ -233,14 +232,15 @@ class Output(Commands):
         self.assertIn("25 -> 45 m3/h = 110.2 -> 198.4 l/min/m", made.stderr)
 
         said = self.dccast("validate", "--local", path, "--drawing",
-                           os.path.join(self.folder, "slab.svg"))
+                           os.path.join(self.folder, "slab.html"))
         words = ("slab 1320 x 570 mm of aa5182, speed 45 -> 55 mm/min from 60 s to 200 s (over "
                  "116.7 mm), water 110.2 -> 198.4 l/min/m = 25 -> 45 m3/h")
         self.assertEqual(said.stdout.splitlines()[0], words)
         self.assertEqual(json.loads(self.dccast("validate", "--local", "--json", path).stdout)["casting"],
                          words)
 
-        xml.etree.ElementTree.parse(os.path.join(self.folder, "slab.svg"))
+        with open(os.path.join(self.folder, "slab.html"), encoding="utf-8") as file:
+            self.assertIn("data-kind='casting'", file.read())
         self.assertIn("exists already", self.dccast("new", "--slab", "1320x570mm", "-o", path,
                                                     code=2).stderr)
         self.assertIn("not both", self.dccast("new", "start-3d", "--slab", "1320x570mm", code=2).stderr)

@@ -75,9 +75,10 @@ class Pictures(InBrowser):
         again = self.another()
         self.show("report.html")
         self.browser.save_screenshot(self.made("report.png"))
-        self.find(".views").screenshot(self.made("quarter-slab.png"))
-        self.dccast("validate", os.path.join(CASES, "start-3d.toml"), "--drawing", "drawing.svg")
-        self.show("drawing.svg", "svg").screenshot(self.made("casting-drawing.png"))
+        self.find("body.complete", 60)
+        self.find(".drawn .stage").screenshot(self.made("quarter-slab.png"))
+        self.dccast("validate", os.path.join(CASES, "start-3d.toml"), "--drawing", "drawing.html")
+        self.show("drawing.html", ".drawn .pair").screenshot(self.made("casting-drawing.png"))
         self.browser.get(again)
         self.browser.set_window_size(1100, 1050)
         self.go(f"job/{job}")
@@ -105,7 +106,7 @@ class Pictures(InBrowser):
     def test_new_case(self):
         self.browser.set_window_size(1100, 1200)
         self.go("new")
-        self.find("#found img.drawing", 60)
+        self.find("#found svg.casting", 60)
         self.take("dashboard-new-case.png")
 
     def test_jobs_studies_and_the_wall(self):

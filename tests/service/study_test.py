@@ -170,7 +170,7 @@ class RefinementStudy(ServiceTest):
         self.assertIn("How much of it is discretisation", page)
         self.assertIn(f"<td>{limit:.3f} ± {half:.3f}</td>", page)
         self.assertIn(f"<td>{ends[2]:.3f}</td>", page)
-        self.assertEqual(page.count("class='band'"), 6)  # three monitors in two charts
+        self.assertEqual(page.count(", limit of finer meshes"), 6)  # three monitors in two charts
         self.assertNotIn("is not known", page)
 
     def check_curl(self, job_id, found):

@@ -317,8 +317,8 @@ class Command(StudyTest):
         with open(os.path.join(self.folder, "out.html"), encoding="utf-8") as file:
             page = file.read()
         # The curl against each key, and against both.
-        self.assertEqual(page.count("<svg"), 3)
-        self.assertNotIn("nan", page)
+        self.assertEqual(page.count("data-kind='chart'"), 3)
+        self.assertNotIn(">nan", page)
 
         result = json.loads(self.dccast("sweep", "--study", study, "--json").stdout)
         self.assertEqual(len(result["runs"]), 4)

@@ -1,11 +1,19 @@
 // One job: its answer, its curl as it grows, its findings, its slab, its report.
-import {call, events, get, post, repeat} from './api.js';
+import {call, events, get, getBytes, post, repeat} from './api.js';
 import {cancelJobs} from './cancel.js';
 import {chart, curlFigures, curlLines, monitorOf, wantedBand} from './chart.js';
 import {durationText, endText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
 import {frameViewer} from './frame.js';
 
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
+
+/** The stored frames of a job, for the viewer. */
+const framesOf = job => ({
+  look: () => get(`/frames/${job}`),
+  frame: number => getBytes(`/frame/${job}?number=${number}`),
+  field: (number, name) =>
+    getBytes(`/field/${job}?number=${number}&name=${encodeURIComponent(name)}`),
+});
 
 /** Shows the address of a job's page, for colleagues. */
 function linkButton(job) {
@@ -252,7 +260,7 @@ export function jobPage(element, signal, id) {
       const last = ended.has(shown.job.state);
       try {
         if (viewer) await viewer.refresh();
-        else viewer = await frameViewer(slab, signal, id, shown.job.title);
+        else viewer = await frameViewer(slab, signal, framesOf(id), shown.job.title || shortId(id));
       } catch (fault) {
         if (!viewer) replace(slab, h('h2', {}, 'Slab'), h('p', {class: 'soft'}, fault.message));
       }

@@ -1,6 +1,7 @@
 // A new case: a file that is uploaded, or the start of a slab by a few figures, as dccast new
 // --slab has it.
 import {get, post, postText} from './api.js';
+import {castingDrawing} from './casting.js';
 import {h, replace} from './dom.js';
 import {fileName, saveBlob} from './save.js';
 
@@ -21,17 +22,12 @@ export function newCasePage(element, signal) {
     replace(found, h('div', {class: 'card'}, h('p', {class: 'bad lines', role: 'alert'}, text)));
 
   /** What a case casts, with its drawing. @param acts  buttons */
-  function show({summary, drawing}, acts) {
+  function show({summary, complete}, acts) {
     const said = h('p', {role: 'status'});
     replace(
       found,
       h('div', {class: 'card'}, h('p', {}, summary),
-        drawing ? h('img', {
-          class: 'drawing',
-          alt: 'Section through the start of the casting, with its ramps of speed and water',
-          src: `data:image/svg+xml,${encodeURIComponent(drawing)}`
-        })
-                : null,
+        complete ? castingDrawing(complete) : null,
         h('div', {class: 'bar'}, acts(said)), said));
   }
 

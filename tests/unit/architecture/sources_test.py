@@ -88,6 +88,7 @@ DEBIAN_PACKAGES = {
     "Boost": ["libboost-dev"],
     "OpenSSL": ["libssl-dev"],
     "Udunits2": ["libudunits2-dev"],
+    "ZLIB": ["zlib1g-dev"],
     "Boost": ["libboost-dev"],
     "Cholmod": ["libsuitesparse-dev", "libopenblas-pthread-dev", "libmetis-dev"],
     "GTest": ["libgtest-dev", "libgmock-dev"],

@@ -182,21 +182,26 @@ TEST(JudgementJson, OfAStudyStandsBesideItsFigures) {
   EXPECT_EQ(json["judgement"]["sentences"][0], "It is so.");
 }
 
-TEST(JudgementChart, IsDrawnInThePlantsUnits) {
-  v1::Chart chart;
-  chart.mutable_x()->set_quantity("cast length");
-  chart.mutable_x()->set_unit("m");
-  chart.mutable_y()->set_quantity("curl");
-  chart.mutable_y()->set_unit("m");
-  auto& line = *chart.add_lines();
-  line.add_x(0.1);
-  line.add_y(0.02);
+TEST(JudgementChart, HasItsLinesInTheDataOfThePageWithSixDigits) {
+  v1::Chart chart = chart_against("curl of the corner", {"cast length", "m"}, {"curl", "m"});
+  v1::Chart::Line& line = add_line(chart, "measured");
+  add_point(line, 0.1, 0.0212345678);
+  add_point(line, 0.2, NAN);
   line.set_is_dotted(true);
-  const Chart drawn = chart_of(chart);
-  EXPECT_EQ(drawn.x_label, "cast length, mm");
-  EXPECT_EQ(drawn.lines.at(0).x.at(0), 100.0);
-  EXPECT_EQ(drawn.lines.at(0).y.at(0), 20.0);
-  EXPECT_TRUE(drawn.lines.at(0).dots) << "readings are dots";
+  const std::string html = chart_figure(chart, "");
+  for (const char* const part :
+       {"<h2>Curl of the corner</h2>", "\"unit\":\"m\"", "\"x\":[0.1,0.2]",
+        "\"y\":[0.0212346,null]", "\"is_dotted\":true"})
+    EXPECT_THAT(html, HasSubstr(part));
+}
+
+TEST(JudgementChart, ALongLineIsThinnedAndKeepsItsEnds) {
+  v1::Chart chart;
+  v1::Chart::Line& line = add_line(chart, "");
+  for (int i = 0; i <= 1000; ++i) add_point(line, i, 0.0);
+  const std::string html = chart_figure(chart, "");
+  EXPECT_THAT(html, HasSubstr("\"x\":[0.0,3.0,6.0"));
+  EXPECT_THAT(html, HasSubstr("999.0,1000.0]"));
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ TEST_F(Query, AComparisonNamesKeysAndDifferences) {
 
   std::ostringstream text;
   text << std::ifstream(page).rdbuf();
-  EXPECT_THAT(text.str(), HasSubstr("<svg class='chart'"));
+  EXPECT_THAT(text.str(), HasSubstr("data-kind='chart'"));
   EXPECT_EQ(run({"compare", "-o", page, file, "job"}).code, 2) << "it would be overwritten";
 
   const ReadJson json = ReadJson::parse(run({"compare", "--json", file, "job"}).out);

@@ -5,10 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/colour_bands.hpp"
-#include "client/html/frame_picture.hpp"
+#include "client/html/html_parts.hpp"
 #include "client/html/pages.hpp"
-#include "client/html/svg_chart.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
@@ -20,26 +18,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-
-TEST(Isotherm, OfALinearFieldIsAStraightLineAcrossTheMesh) {
-  const std::vector<Point> node{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  const std::vector<double> value{0, 10, 20, 10};  // 10 (x + y)
-  const std::vector<std::array<int, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
-  ASSERT_EQ(triangles.size(), 2u);
-  double length = 0.0;
-  for (const Segment& s : isotherm(node, value, triangles, 5.0)) {
-    for (const Point& p : s) EXPECT_NEAR(p.x + p.y, 0.5, 1e-12);
-    length += std::hypot(s[1].x - s[0].x, s[1].y - s[0].y);
-  }
-  EXPECT_NEAR(length, std::sqrt(0.5), 1e-12);
-  EXPECT_TRUE(isotherm(node, value, triangles, 30.0).empty());
-}
-
-TEST(RoundTicks, CoverTheRangeInRoundSteps) {
-  EXPECT_THAT(round_ticks(0.0, 145.0, 7), testing::ElementsAre(0, 50, 100, 150));
-  EXPECT_THAT(round_ticks(-0.3, 3.1, 5), testing::ElementsAre(-1, 0, 1, 2, 3, 4));
-  EXPECT_GE(round_ticks(2.0, 2.0, 5).size(), 2u);
-}
 
 TEST(Braille, AStraightLineRunsFromBelowToAbove) {
   EXPECT_EQ(braille_curve({0, 1}, 2, 1).front(), "⡠⠊");
@@ -202,23 +180,6 @@ v1::Frame square() {
   return frame;
 }
 
-TEST(SectionPicture, HasAxesColoursAndARoundScale) {
-  const FramePictures found = pictures_of(square(), {50, 680});
-  ASSERT_EQ(found.pictures.size(), 1u);
-  EXPECT_DOUBLE_EQ(found.displacement_scale, 10.0);
-  for (const char* const part : {"<g class='now'></g>", "height, mm", ">600</text>", "°C"})
-    EXPECT_THAT(found.pictures[0].svg, HasSubstr(part));
-}
-
-TEST(SectionPicture, AFrameThatDoesNotFitIsNotDrawn) {
-  v1::Frame frame = square();
-  frame.set_element_node(0, 99);
-  EXPECT_TRUE(pictures_of(frame, {}).pictures.empty());
-  frame = square();
-  frame.clear_temperature_c();
-  EXPECT_TRUE(pictures_of(frame, {}).pictures.empty());
-}
-
 TEST(ReportPage, HoldsEveryPartAndLoadsNothing) {
   v1::Job job;
   job.set_id("0123456789");
@@ -231,12 +192,23 @@ TEST(ReportPage, HoldsEveryPartAndLoadsNothing) {
   result.mutable_case_()->mutable_schedule()->set_hold_s(60);
   const std::string page = report_page(job, result);
   for (const char* const part :
-       {"Curl against time", "Curl against cast length", "Deformed section", "Gap along the bottom",
+       {"Curl against time", "Curl against cast length", "data-kind='slab'", "Gap along the bottom",
         "Contact pressure", "Checks of the run", "Hold before the block moves", "<td>60 s</td>",
         "Mechanics starts", "Coherency", "prefers-color-scheme"})
     EXPECT_THAT(page, HasSubstr(part));
-  for (const char* const absent : {"<script>alert", "http://", "https://", "src=", "nan"})
+  for (const char* const absent : {"<script>alert", "http://", "https://", "src=", ">nan", "nan mm"})
     EXPECT_THAT(page, Not(HasSubstr(absent)));
+}
+
+TEST(Page, HasItsModulesInsideWhereSomethingIsDrawn) {
+  const std::string drawing = drawn("chart", Json{{"heading", "</script><b>"}});
+  EXPECT_THAT(drawing, Not(HasSubstr("</script><b>"))) << "a text does not end its element";
+  const std::string page = whole_page("", "", drawing);
+  for (const char* const part :
+       {"<script type='importmap'>{\"imports\":{", "\"chart.js\":\"data:text/javascript;base64,",
+        "import 'report.js'", "<noscript>"})
+    EXPECT_THAT(page, HasSubstr(part));
+  EXPECT_THAT(whole_page("", "", "text"), Not(HasSubstr("<script")));
 }
 
 TEST(ReportPage, OfAJobWithoutStepsSaysSo) {

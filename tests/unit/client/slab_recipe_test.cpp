@@ -152,10 +152,10 @@ TEST(CastingSummary, KnowsSectionsBilletsAndCastLengths) {
 TEST(CastingDrawing, NamesWhatItShows) {
   v1::Case c = shipped_case("start-3d");
   c.set_title("<b>");
-  const std::string svg = render::casting_drawing(c);
-  for (const char* name : {"metal level", "water line, 65 mm", "block at the start, 55 mm",
-                           "mould contact, 0 mm to 30 mm", "&lt;b&gt;", "l/min/m"})
-    EXPECT_THAT(svg, HasSubstr(name));
+  const std::string page = render::casting_page(c);
+  for (const char* name : {"data-kind='casting'", "\"name\":\"mould contact\"", "<h1>&lt;b&gt;</h1>",
+                           "speed 40 -&gt; 60 mm/min"})
+    EXPECT_THAT(page, HasSubstr(name));
 }
 
 }  // namespace

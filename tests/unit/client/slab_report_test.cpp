@@ -1,20 +1,19 @@
+#include <algorithm>
 #include <cmath>
-#include <regex>
+#include <cstring>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/colour_bands.hpp"
-#include "client/html/frame_picture.hpp"
+#include "client/html/frame_bytes.hpp"
 #include "client/html/frame_surface.hpp"
 #include "client/html/pages.hpp"
-#include "client/html/slab_charts.hpp"
-#include "client/html/svg_chart.hpp"
 #include "client/text/plant_units.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/frames/contraction.hpp"
+#include "tests/unit/frames/cooled_slab.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -64,12 +63,18 @@ v1::Frame quarter() {
   return frame;
 }
 
+/// Faces whose outward normal points in a direction.
+auto count_facing(const std::vector<SurfaceFace>& surface, const Vector3& direction) {
+  return std::ranges::count_if(
+      surface, [&](const SurfaceFace& face) { return dot(face.normal, direction) > 0.99; });
+}
+
 TEST(Surface, OfAQuarterHasEveryOuterFaceOnceAndNoInnerOne) {
   const auto surface = surface_of(quarter());
   ASSERT_EQ(surface.size(), 24u);  // four a side
   for (const Vector3& side : {Vector3{1, 0, 0}, Vector3{-1, 0, 0}, Vector3{0, 1, 0},
                               Vector3{0, -1, 0}, Vector3{0, 0, 1}, Vector3{0, 0, -1}})
-    EXPECT_EQ(facing(surface, side, 0.99).size(), 4u);
+    EXPECT_EQ(count_facing(surface, side), 4);
 }
 
 TEST(Surface, OfTwoTetrahedraLeavesTheFaceBetweenThemOut) {
@@ -83,41 +88,7 @@ TEST(Surface, OfTwoTetrahedraLeavesTheFaceBetweenThemOut) {
   const auto surface = surface_of(frame);
   ASSERT_EQ(surface.size(), 6u);
   for (const SurfaceFace& face : surface) EXPECT_NEAR(dot(face.normal, face.normal), 1.0, 1e-12);
-  EXPECT_EQ(facing(surface, {0, 0, -1}, 0.99).size(), 1u);
-  EXPECT_EQ(pictures_of(frame, {}).pictures.size(), 3u);
-}
-
-double area_of(const std::vector<Point>& p) {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    const Point &a = p[i], &b = p[(i + 1) % p.size()];
-    twice += a.x * b.y - b.x * a.y;
-  }
-  return std::abs(twice) / 2.0;
-}
-
-TEST(ColourBands, CutATriangleIntoPiecesThatCoverItOnce) {
-  const ColourBands bands{0.0, 10.0, 5};
-  double area = 0.0;
-  std::vector<int> found;
-  // The field is 10 x: the part below level v has the share 1 - (1 - v / 10)^2 of the triangle.
-  for (const BandPiece& piece : band_pieces({{{0, 0}, {1, 0}, {0, 1}}}, {0, 10, 0}, bands)) {
-    area += area_of(piece.outline);
-    found.push_back(piece.band);
-    const double low = 0.2 * piece.band, high = low + 0.2;
-    EXPECT_NEAR(area_of(piece.outline), 0.5 * ((1 - low) * (1 - low) - (1 - high) * (1 - high)),
-                1e-12);
-  }
-
-  EXPECT_THAT(found, ElementsAre(0, 1, 2, 3, 4));
-  EXPECT_NEAR(area, 0.5, 1e-12);
-}
-
-TEST(ColourBands, AValueOutsideTheRangeHasTheColourOfItsEnd) {
-  const auto pieces = band_pieces({{{0, 0}, {1, 0}, {0, 1}}}, {-5, -5, -5}, {0.0, 10.0, 5});
-  ASSERT_EQ(pieces.size(), 1u);
-  EXPECT_EQ(pieces[0].band, 0);
-  EXPECT_NEAR(area_of(pieces[0].outline), 0.5, 1e-12);
+  EXPECT_EQ(count_facing(surface, {0, 0, -1}), 1);
 }
 
 /// The metal level is level, and the liquid below it fills what the solid leaves.
@@ -140,79 +111,60 @@ TEST(DrawnDisplacement, LiquidStandsLevel) {
   for (std::size_t i = 2; i < all_liquid.size(); i += 3) EXPECT_EQ(all_liquid[i], 0.0);
 }
 
-TEST(SlabPicture, HasThreeViewsWithTheSidesThatAreSeen) {
-  const FramePictures found = pictures_of(quarter(), {100, 680});
-  ASSERT_EQ(found.pictures.size(), 3u);
-  EXPECT_DOUBLE_EQ(found.displacement_scale, 1.0);  // 0.6 m / 15 / 20 mm is less than a factor
-  EXPECT_EQ(found.pictures[1].name, "from outside, below");
-  const std::string& svg = found.pictures[1].svg;
-  EXPECT_THAT(svg, HasSubstr(">butt</text>"));
-  EXPECT_THAT(svg, Not(HasSubstr(">metal level</text>")));
-  EXPECT_THAT(found.pictures[2].svg, HasSubstr(">middle, x = 0</text>"));
+/// The number of 32 bits at this place of the bytes of a frame.
+template <class Number>
+Number number_at(const std::string& bytes, std::size_t index) {
+  Number number;
+  std::memcpy(&number, bytes.data() + 4 * index, sizeof number);
+  return number;
 }
 
-TEST(SlabPicture, SmallDisplacementsAreDrawnLargerByARoundFactor) {
-  v1::Frame frame = quarter();
-  for (double& u : *frame.mutable_displacement_m()) u *= 0.1;
-  EXPECT_DOUBLE_EQ(pictures_of(frame, {}).displacement_scale, 10.0);
+TEST(FrameBytes, HaveCountsThenPlacesDisplacementsAndTemperatures) {
+  const v1::Frame frame = quarter();
+  const std::string bytes = frame_bytes(frame, Precision::full).value();
+  const int counts[] = {27, 8, 8, 48, 24, 3};
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(number_at<std::int32_t>(bytes, i), counts[i]) << i;
+  EXPECT_EQ(number_at<float>(bytes, 8), 250.0F);
+  EXPECT_EQ(number_at<float>(bytes, 12 + 3 * 8), 0.6F) << "x of the corner of the butt";
+  EXPECT_EQ(number_at<float>(bytes, 12 + 3 * 27 + 3 * 8 + 2), 20e-3F) << "it has risen";
+  EXPECT_EQ(number_at<float>(bytes, 12 + 6 * 27 + 8), 100.0F);
+  EXPECT_EQ(bytes.size(), 4u * (12 + 7 * 27 + 8 * 8 + 3 * 48 + 2 * 24));
 }
 
-TEST(SlabPicture, AFrameThatDoesNotFitIsNotDrawn) {
+TEST(FrameBytes, ASectionLiesInThePlaneOfWidthAndHeight) {
+  v1::Frame frame;
+  frame.set_dimension(2);
+  frame.set_nodes_per_element(4);
+  for (const double x : {0., 0., 1., 0., 1., 2., 0., 2.}) frame.add_node_m(x);
+  for (const int node : {0, 1, 2, 3}) frame.add_element_node(node);
+  for (int i = 0; i < 4; ++i) frame.add_temperature_c(20.0);
+  const std::string bytes = frame_bytes(frame, Precision::full).value();
+  const float expected[] = {1.0F, 0.0F, 2.0F};
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(number_at<float>(bytes, 12 + 6 + c), expected[c]);
+}
+
+TEST(FrameBytes, OfADrawingAreRoundedToTwelveBits) {
+  google::protobuf::RepeatedField<float> values;
+  for (const float value : {660.1234F, -1e-3F, 0.0F, NAN}) values.Add(value);
+  const std::string bytes = float_bytes(values, Precision::drawing);
+  for (int i = 0; i < 3; ++i) {
+    const auto rounded = number_at<float>(bytes, std::size_t(i));
+    EXPECT_NEAR(rounded, values[i], std::abs(values[i]) / 4096.0);
+    EXPECT_EQ(number_at<std::uint32_t>(bytes, std::size_t(i)) % 4096, 0u);
+  }
+  EXPECT_TRUE(std::isnan(number_at<float>(bytes, 3)));
+}
+
+TEST(FrameBytes, ThereAreNoneOfAFrameThatDoesNotFit) {
   v1::Frame frame = quarter();
   frame.set_element_node(0, 27);
-  EXPECT_TRUE(pictures_of(frame, {}).pictures.empty());
-  EXPECT_EQ(draw_gap_map(frame).svg, "");
-  EXPECT_TRUE(pull_in_profiles(frame).empty());
+  EXPECT_FALSE(frame_bytes(frame, Precision::full));
   frame = quarter();
   frame.mutable_element_node()->RemoveLast();
-  EXPECT_TRUE(pictures_of(frame, {}).pictures.empty());
+  EXPECT_FALSE(frame_bytes(frame, Precision::full));
   frame = quarter();
   frame.set_dimension(2);
-  EXPECT_TRUE(pictures_of(frame, {}).pictures.empty());
-}
-
-TEST(GapMap, SaysWhereTheGapIsLargestAndMarksEveryContact) {
-  const GapMap map = draw_gap_map(quarter());
-  EXPECT_EQ(map.contacts, 2);
-  EXPECT_EQ(count_of(map.svg, "<circle class='contact'"), 2);
-  EXPECT_DOUBLE_EQ(map.largest_gap_m, 20e-3);
-  EXPECT_DOUBLE_EQ(map.largest_x_m, 0.6);
-  EXPECT_DOUBLE_EQ(map.largest_y_m, 0.4);
-  EXPECT_THAT(map.svg, HasSubstr("<title>10.0 mm</title>"));
-}
-
-TEST(GapMap, ABottomThatDoesNotFitIsNotDrawn) {
-  v1::Frame frame = quarter();
-  frame.mutable_bottom_gap_m()->RemoveLast();
-  EXPECT_EQ(draw_gap_map(frame).svg, "");
-  frame = quarter();
-  frame.set_bottom_node(0, -1);
-  EXPECT_EQ(draw_gap_map(frame).svg, "");
-}
-
-TEST(PullIn, IsMeasuredAtButtMiddleAndHeadOfTheSolidFace) {
-  const auto profiles = pull_in_profiles(quarter());
-  ASSERT_EQ(profiles.size(), 3u);
-  EXPECT_EQ(profiles[0].name, "head");  // the middle row: the upper one is liquid
-  EXPECT_NEAR(profiles[0].height_m, 0.1, 1e-8);
-  EXPECT_NEAR(profiles[1].height_m, 0.075, 1e-8);
-  EXPECT_EQ(profiles[2].height_m, 0.05) << "as dccast contraction";
-
-  const double expected[3] = {4e-3, 5e-3, 6e-3};
-  for (std::size_t k = 0; k < 3; ++k) {
-    ASSERT_GE(profiles[k].x_m.size(), 3u);
-    EXPECT_EQ(profiles[k].x_m.front(), 0.0);
-    EXPECT_NEAR(profiles[k].x_m.back(), 0.6, 1e-12);
-    for (std::size_t i = 0; i < profiles[k].x_m.size(); ++i) {
-      EXPECT_NEAR(profiles[k].mould_m[i], 0.4, 1e-12);
-      EXPECT_NEAR(profiles[k].pull_in_m(i), expected[k], 1e-9);
-      EXPECT_NEAR(profiles[k].percent(i), 100.0 * expected[k] / 0.4, 1e-6);
-    }
-  }
-
-  const std::string table = pull_in_table(profiles);
-  EXPECT_EQ(count_of(table, "<tr><td>"), 3);
-  EXPECT_EQ(count_of(table, "<td>394.0</td><td>6.0</td><td>1.5</td>"), 3);
+  EXPECT_FALSE(frame_bytes(frame, Precision::full));
 }
 
 TEST(PlantUnits, NumbersAreAsTheUserWroteThem) {
@@ -255,17 +207,6 @@ TEST(PlantUnits, TheWholeCaseHasNoDigitsNobodyWrote) {
   EXPECT_THAT(text, HasSubstr("case 0.12345678901234567 of m/s"));
 }
 
-TEST(Chart, LongNamesGoOnInFurtherRowsAndABandIsDrawnIn) {
-  Chart chart;
-  for (int i = 0; i < 4; ++i) chart.lines.push_back({"middle of the narrow face", {0, 1}, {0, 20}});
-  chart.wanted = Chart::Wanted{35.0, 45.0, "the plant's band"};
-  const std::string svg = svg_chart(chart);
-  EXPECT_THAT(svg, HasSubstr("viewBox='0 -17 640 337'"));  // two rows
-  EXPECT_EQ(count_of(svg, "class='wanted'"), 1);
-  EXPECT_EQ(count_of(svg, "class='edge'"), 2);
-  EXPECT_THAT(svg, HasSubstr(">40</text>"));  // the axis reaches the band above the curves
-}
-
 /// A run of the frame with a corner that ends at 40 mm.
 v1::QueryResultResponse run_with(double least_mm, double greatest_mm) {
   v1::QueryResultResponse result;
@@ -294,24 +235,36 @@ v1::QueryResultResponse run_with(double least_mm, double greatest_mm) {
 
 TEST(ReportPage, OfAQuarterSlabHasItsPicturesAndThePlantsFigures) {
   const std::string page = report_page(v1::Job(), run_with(35, 45));
-  EXPECT_EQ(count_of(page, "<svg class='slab'"), 3);
-  EXPECT_EQ(count_of(page, "<g class='now'></g>"), 3) << "for the script of the page";
-  EXPECT_EQ(count_of(page, "<svg class='map'"), 1);
-  EXPECT_EQ(count_of(page, "<svg class='section'"), 0);
+  EXPECT_EQ(count_of(page, "data-kind='slab'"), 1);
+  EXPECT_EQ(count_of(page, "<div class='gap-map'></div>"), 1);
   for (const char* const part :
-       {"Gap under the butt", "Pull-in of the wide face", "180 l/min/m", "Shell", "Sump",
+       {"Gap under the butt", "180 l/min/m", "Shell", "Sump",
         "Temperatures", "Heat through each face", "Contact with the block", "narrow face",
-        "2 of 9 nodes", "<strong>100</strong> cm²"})
+        "Largest gap <strong>20.0 mm</strong> at x 600 mm, y 400 mm", "2 of 9 nodes",
+        "<strong>100</strong> cm²"})
     EXPECT_THAT(page, HasSubstr(part));
-  for (const char* const absent : {"http://", "src=", "nan", "Gap along the bottom"})
+  for (const char* const absent : {"http://", "src=", ">nan", "nan mm", "Gap along the bottom"})
     EXPECT_THAT(page, Not(HasSubstr(absent)));
+}
+
+TEST(ReportPage, HasThePullInOfTheWideFaceAsFiguresAndAsLines) {
+  v1::QueryResultResponse result;
+  *result.mutable_case_() = frames::testing::quarter_slab();
+  *result.mutable_frame() = frames::testing::cooled(frames::testing::hot_above);
+  const std::string page = report_page(v1::Job(), result);
+  for (const char* const part :
+       {"<h2>Pull-in of the wide face</h2>", "\"quantity\":\"pull-in\"", "<th>pull-in, mm</th>",
+        "<td>head</td>", "<td>butt</td>"})
+    EXPECT_THAT(page, HasSubstr(part));
+  EXPECT_THAT(report_page(v1::Job(), run_with(35, 45)), Not(HasSubstr("Pull-in")))
+      << "of a frame whose case has no mould";
 }
 
 TEST(ReportPage, SaysHowTheCurlLiesInThePlantsBand) {
   const std::string inside = report_page(v1::Job(), run_with(35, 45));
   EXPECT_THAT(inside, HasSubstr("corner has risen <strong>40.0 mm</strong>"));
   EXPECT_THAT(inside, HasSubstr("It is inside the plant&#39;s band, 35 to 45 mm."));
-  EXPECT_EQ(count_of(inside, "class='wanted'"), 2);
+  EXPECT_EQ(count_of(inside, "\"region\":{\"low\":0.035,\"high\":0.045"), 2);
   EXPECT_THAT(report_page(v1::Job(), run_with(10, 20)), HasSubstr("It is above the plant"));
   EXPECT_THAT(report_page(v1::Job(), run_with(50, 60)), HasSubstr("It is below the plant"));
 }
@@ -333,7 +286,7 @@ TEST(ReportPage, TheFirstSheetIsTheOneToPinUp) {
        {"<div class='first'>", "has risen <strong>40.0 mm", "between 50 s and 150 s",
         "75 % of the heat left through the faces", "25 % through the bottom",
         "Water wetted 20 to 60 % of the side", "too hot", "Curl against time", "Recipe",
-        "<svg class='slab'", "<div class='sheet'>", "Curl against cast length", "Shell",
+        "data-kind='slab'", "<div class='histories'>", "Curl against cast length", "Shell",
         "Gap under the butt", "<div class='evidence'>"}) {
     const auto found = page.find(part, at);
     ASSERT_NE(found, std::string::npos) << part << ", in this order";
@@ -381,7 +334,7 @@ TEST(ReportPage, ACurlWithErrorsHasItsBand) {
   const std::string page = report_page(v1::Job(), result);
   EXPECT_THAT(page, HasSubstr("leave ± 1.6 mm of it uncertain"));
   EXPECT_THAT(page, HasSubstr("the band of the case's quality"));
-  EXPECT_EQ(count_of(page, "<path class='band'"), 2) << "in both charts of the curl";
+  EXPECT_EQ(count_of(page, "\"low\":[0.00768,"), 2) << "in both charts of the curl";
   EXPECT_THAT(page, Not(HasSubstr("discretisation is not known")));
 }
 

@@ -115,45 +115,34 @@ TEST(StudyPart, TheErrorOfARunReachesBeyondTheIntervalOfTheLimit) {
   EXPECT_FALSE(render::curl_error({}, "corner", 4.0, 4.0e-3));
 }
 
-TEST(StudyPart, TheBandIsTheIntervalOfTheLimit) {
-  const render::ChartBand band = render::curl_band(clean_study().result, "corner", false);
-  EXPECT_THAT(band.x, ElementsAre(1, 2, 3, 4));
-  EXPECT_NEAR(band.low[3], 4.55, 1e-9);
-  EXPECT_NEAR(band.middle[3], 4.8, 1e-9);
-  EXPECT_NEAR(band.high[3], 5.05, 1e-9);
-  EXPECT_NEAR(render::curl_band(clean_study().result, "corner", true).x[2], 3.0,
-              1e-9);  // mm of cast length
-}
+TEST(StudyPart, ALimitIsALineWithItsInterval) {
+  v1::Chart chart;
+  render::add_limits(chart, clean_study().result, false);
+  ASSERT_EQ(chart.lines_size(), 2) << "corner and centre";
+  const v1::Chart::Line& limit = chart.lines(0);
+  EXPECT_EQ(limit.name(), "corner, limit of finer meshes");
+  EXPECT_THAT(limit.x(), ElementsAre(1, 2, 3, 4));
+  EXPECT_NEAR(limit.low(3), 4.55e-3, 1e-12);
+  EXPECT_NEAR(limit.y(3), 4.8e-3, 1e-12);
+  EXPECT_NEAR(limit.high(3), 5.05e-3, 1e-12);
 
-TEST(StudyPart, AThinnedBandStillHoldsEveryInterval) {
-  v1::StudyResult study;
-  v1::CurlCurve& curve = *study.add_limits()->mutable_curve();
-  curve.set_monitor("corner");
-  for (int i = 0; i < 1000; ++i) {
-    curve.add_time_s(i);
-    curve.add_curl_m(0.0);
-    curve.add_uncertainty_m(i == 503 ? 7e-3 : 1e-3);
-  }
-  const render::ChartBand band = render::curl_band(study, "corner", false);
-
-  EXPECT_LE(band.x.size(), 80u);
-  EXPECT_GE(band.x.size(), 40u);
-  EXPECT_EQ(band.x.back(), 999.0);
-  EXPECT_NEAR(*std::max_element(band.high.begin(), band.high.end()), 7.0, 1e-9);
-  EXPECT_NEAR(*std::min_element(band.low.begin(), band.low.end()), -7.0, 1e-9);
+  v1::Chart against_length;
+  render::add_limits(against_length, clean_study().result, true);
+  EXPECT_NEAR(against_length.lines(0).x(2), 3e-3, 1e-12);
 }
 
 TEST(StudyPart, TheReportOfARunOfAStudyHasItsErrorItsBandAndTheTables) {
   const std::string page = clean_study().report(0);
   for (const char* const part :
-       {"<strong>4.00</strong> mm", "± 1.05 mm", "limit 4.80 ± 0.25</small>", "class='band'",
+       {"<strong>4.00</strong> mm", "± 1.05 mm", "limit 4.80 ± 0.25</small>",
+        "corner, limit of finer meshes",
         "How much of it is discretisation", "This run has refinement 1.", "<td>4.600</td>",
         "<td>1.00</td>", "<td>4.800 ± 0.250</td>",
         "The curl of the corner at the end tends to 4.800 ± 0.250 mm, with order 1.00."})
     EXPECT_THAT(page, HasSubstr(part));
   EXPECT_THAT(page, Not(HasSubstr("is not known")));
   EXPECT_THAT(page, Not(HasSubstr("has not been measured")));
-  EXPECT_THAT(page, Not(HasSubstr("nan")));
+  EXPECT_THAT(page, Not(HasSubstr(">nan")));
 
   v1::QueryResultResponse run;
   *run.add_steps() = clean_study().jobs[0].last_step();
@@ -181,7 +170,7 @@ TEST(StudyPart, TheReportOfAnyOtherRunNamesTheCommandThatComputesTheError) {
   *run.add_steps() = study.jobs[0].last_step();
   const std::string page = render::report_page(study.jobs[0], run);
   EXPECT_THAT(page, HasSubstr("<code>dccast convergence CASE</code>"));
-  EXPECT_THAT(page, Not(HasSubstr("class='band'")));
+  EXPECT_THAT(page, Not(HasSubstr("limit of finer meshes")));
   EXPECT_THAT(page, Not(HasSubstr("How much of it")));
 }
 

@@ -1,8 +1,8 @@
 // Line charts in SVG: lines, bands around them, a wanted range, a value under the pointer.
 import {fixed, h} from './dom.js';
-import {canvasOfSvg, fileName, saveCsv, savePng} from './save.js';
+import {canvasOfSvg, fileName, saveCsv, savePng, saveSvg} from './save.js';
 
-const width = 900, height = 320, left = 52, right = 12, top = 22, bottom = 40;
+const height = 320, left = 52, right = 12, top = 22, bottom = 40;
 
 /** Round values that divide a range. */
 export function ticks(low, high, about = 6) {
@@ -30,20 +30,36 @@ const path = points => {
   return d;
 };
 
+/** The range that is wanted, with dashed edges where it ends. */
+function wantedRegion({low, high, name}, py, right) {
+  const [foot, head] = [py(low), py(high)];
+  const edges = [[low, foot], [high, head]].filter(([value]) => Number.isFinite(value));
+  return [h('rect', {class: 'wanted', x: left, width: right - left, y: head, height: foot - head}),
+    edges.map(([, y]) => h('line', {class: 'edge', x1: left, x2: right, y1: y, y2: y})),
+    name ? h('text', {x: left + 6, y: head + 14}, name) : null].flat();
+}
+
+/** Where the model of a run is no longer valid. */
+const beyondRegion = (from, right) => [
+  h('rect', {class: 'beyond', x: from, width: right - from, y: top, height: height - bottom - top}),
+  h('text', {x: right - 4, y: height - bottom - 6, 'text-anchor': 'end'}, 'beyond validity')];
+
 /**
  * @param lines   [{name, x, y, low and high (its band), dashed, dots (a dot for each point, no line), colour (0 to 5)}]
- * @param options {title, xLabel, yLabel, wanted: [low, high] as y, unit of y}
+ * @param options {title, xLabel, yLabel, unit of y, wanted: {low, high, name} as y, infinite where it has no end;
+ *   beyond: x from which on the model is not valid; width: of the drawing}
  */
-export function chart(lines, {title, xLabel, yLabel, wanted = [], unit = 'mm'}) {
+export function chart(lines, {title, xLabel, yLabel, wanted = null, beyond = Infinity, unit = 'mm', width = 900}) {
   const colour = (line, i) => `line-${(line.colour ?? i) % 6}`;
   const bands = lines.map(line => (line.low ? [line.low, line.high] : null));
   const [x0, x1] = range(lines.flatMap(line => line.x));
-  const [y0, y1] = range([0, ...lines.flatMap(line => line.y), ...bands.flatMap(b => (b ? b.flat() : [])), ...wanted]);
+  const [y0, y1] = range([0, ...lines.flatMap(line => line.y), ...bands.flatMap(b => (b ? b.flat() : [])), ...(wanted ? [wanted.low, wanted.high] : [])]);
   const px = x => left + (x - x0) / (x1 - x0) * (width - left - right);
-  const py = y => height - bottom - (y - y0) / (y1 - y0) * (height - top - bottom);
+  const placed = y => height - bottom - (y - y0) / (y1 - y0) * (height - top - bottom);
+  const py = y => Math.max(top, Math.min(height - bottom, placed(y)));  // an infinite end is that of the axis
   const parts = [];
-  if (wanted.length === 2)
-    parts.push(h('rect', {class: 'wanted', x: left, width: width - left - right, y: py(wanted[1]), height: py(wanted[0]) - py(wanted[1])}));
+  if (beyond < x1) parts.push(...beyondRegion(px(Math.max(beyond, x0)), width - right));
+  if (wanted) parts.push(...wantedRegion(wanted, py, width - right));
   const across = ticks(x0, x1), up = ticks(y0, y1, 5);
   for (const v of up.values)
     parts.push(h('line', {class: v === 0 ? 'zero' : 'grid', x1: left, x2: width - right, y1: py(v), y2: py(v)}),
@@ -77,7 +93,7 @@ export function chart(lines, {title, xLabel, yLabel, wanted = [], unit = 'mm'}) 
   };
   svg.addEventListener('pointermove', show);
   svg.addEventListener('pointerleave', () => { cursor.setAttribute('x1', -9); cursor.setAttribute('x2', -9); values.forEach(v => { v.textContent = ''; }); });
-  return h('figure', {}, svg, legend, h('figcaption', {}, title, savers(svg, lines, {title, xLabel, yLabel})));
+  return h('figure', {}, svg, legend, h('figcaption', {}, h('span', {class: 'title'}, title), savers(svg, lines, {title, xLabel, yLabel})));
 }
 
 /** Lines as CSV: side by side where all have the same points, else one below the other. */
@@ -92,6 +108,7 @@ function savers(svg, lines, labels) {
   const name = fileName(labels.title);
   const button = (text, act) => h('button', {type: 'button', onclick: act, 'aria-label': `${text} of ${labels.title}`}, text);
   return h('span', {class: 'savers'}, button('PNG', async () => savePng(`${name}.png`, await canvasOfSvg(svg))),
+    button('SVG', () => saveSvg(`${name}.svg`, svg)),
     button('CSV', () => saveCsv(`${name}.csv`, csvRows(lines, labels))));
 }
 
@@ -102,7 +119,6 @@ export function valueAt({x, y}, at) {
   return NaN;
 }
 
-/** The curl of every monitor of a history, for chart(). */
 /** What a history has of a monitor, by instant. */
 export const curlFigures = ['curl_m', 'lower_error_m', 'upper_error_m'];
 
@@ -129,8 +145,12 @@ export const curlLines = (history, suffix = '') => history.monitors.map(monitor 
   };
 });
 
-export const wantedBand = wanted => (wanted && wanted.least_m !== null && wanted.greatest_m !== null
-  ? [1e3 * wanted.least_m, 1e3 * wanted.greatest_m] : []);
+/** The range of curl that a case accepts, in mm; null where it accepts every one. */
+export function wantedBand(wanted) {
+  const {least_m: least, greatest_m: greatest} = wanted || {};
+  if ((least ?? greatest ?? null) === null) return null;
+  return {low: least === null ? -Infinity : 1e3 * least, high: greatest === null ? Infinity : 1e3 * greatest};
+}
 
 /** A small line without axes. */
 export function spark(x, y) {

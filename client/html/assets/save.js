@@ -27,9 +27,9 @@ export const fileName = text =>
 const drawn =
   ['fill', 'stroke', 'stroke-width', 'stroke-dasharray', 'opacity', 'font-size', 'font-family'];
 
-/** An SVG of the page as a canvas, with the colours that it has there. */
-export async function canvasOfSvg(svg) {
-  const copy = svg.cloneNode(true), factor = 2;
+/** An SVG of the page as a file of its own, with the colours that it has there. */
+function textOfSvg(svg) {
+  const copy = svg.cloneNode(true);
   const {width, height} = svg.viewBox.baseVal;
   // Outside of the page there is no style sheet: what it says becomes attributes.
   const originals = svg.querySelectorAll('*');
@@ -40,10 +40,17 @@ export async function canvasOfSvg(svg) {
   copy.setAttribute('xmlns', 'http://www.w3.org/2000/svg');
   copy.setAttribute('width', width);
   copy.setAttribute('height', height);
+  return new XMLSerializer().serializeToString(copy);
+}
 
+export const saveSvg = (name, svg) =>
+  saveBlob(name, new Blob([textOfSvg(svg)], {type: 'image/svg+xml'}));
+
+/** An SVG of the page as a canvas. */
+export async function canvasOfSvg(svg) {
+  const factor = 2, {width, height} = svg.viewBox.baseVal;
   const image = new Image();
-  image.src =
-    `data:image/svg+xml,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
+  image.src = `data:image/svg+xml,${encodeURIComponent(textOfSvg(svg))}`;
   await image.decode();
   const canvas = h('canvas', {width: factor * width, height: factor * height}),
         context = canvas.getContext('2d');

@@ -1,7 +1,5 @@
 // A stored frame: its arrays, its fields, and values between its nodes.
-import {getBytes} from './api.js';
-
-/** The arrays of /frame, as dashboard.cpp writes them. */
+/** The arrays of a frame, as frame_bytes.cpp writes them. */
 export function readFrame(buffer) {
   const [nodes, elements, perElement, triangles, edges, dimension] = new Int32Array(buffer, 0, 8);
   let at = 32;
@@ -93,13 +91,13 @@ function averaged(frame, ofElements) {
 /**
  * A field on the nodes of a frame, in its unit; NaN where it has no value. Fields are kept with
  * the frame.
+ * @param read  called without arguments for the bytes of the field, 32-bit floats
  */
-export async function fieldValues(frame, job, number, field) {
+export async function fieldValues(frame, field, read) {
   frame.fields ||= new Map([[temperature.name, frame.warm]]);
   if (frame.fields.has(field.name)) return frame.fields.get(field.name);
 
-  const address = `/field/${job}?number=${number}&name=${encodeURIComponent(field.name)}`;
-  const given = new Float32Array(await getBytes(address));
+  const given = new Float32Array(await read());
   const values =
     (field.on_nodes ? given : averaged(frame, given)).map(v => v * shown(field).factor);
   frame.fields.set(field.name, values);
@@ -121,6 +119,24 @@ export function spreadFromBottom(frame, values) {
       if (!Number.isFinite(values[n])) spread[n] = mean;
   }
   return spread;
+}
+
+/**
+ * A round magnification (1, 2, 5, 10, 20) of the displacements that makes the motion of the bottom
+ * visible without distorting the rest: metal near the level may have moved much further.
+ */
+export function magnification({nodes, place, moved}) {
+  let lowest = Infinity, extent = 0, largest = 0, shown = 0;
+  for (let n = 0; n < nodes; n++) lowest = Math.min(lowest, place[3 * n + 2]);
+  for (let n = 0; n < nodes; n++) {
+    const length = Math.hypot(...moved.subarray(3 * n, 3 * n + 3));
+    extent = Math.max(extent, place[3 * n]);
+    largest = Math.max(largest, length);
+    if (place[3 * n + 2] < lowest + 1e-6) shown = Math.max(shown, length);
+  }
+  if (largest === 0) return 1;
+  const wanted = Math.min(extent / (15 * (shown || largest)), 0.25 * extent / largest);
+  return [20, 10, 5, 2].find(scale => scale <= wanted) || 1;
 }
 
 // ---- Inside the elements

@@ -39,6 +39,19 @@ export function fit(eye, low, high, canvas) {
   eye.size = margin * Math.max(height, width * canvas.height / canvas.width);
 }
 
+/** The bands of colour from low to high: cold blue over violet to hot yellow, in even lightness. */
+export const colours = (() => {
+  const stops = [
+    [43, 58, 125], [73, 97, 184], [143, 92, 177], [214, 89, 120], [243, 142, 79], [252, 216, 106]
+  ];
+  const bands = 28, hex = v => Math.round(v).toString(16).padStart(2, '0');
+  return Array.from({length: bands}, (_, band) => {
+    const place = (band + 0.5) / bands * (stops.length - 1), from = Math.floor(place);
+    const mixed = stops[from].map((v, c) => v + (place - from) * (stops[from + 1][c] - v));
+    return `#${mixed.map(hex).join('')}`;
+  });
+})();
+
 const quarter = Math.PI / 2;
 /** Views by name; the wide face looks along y, the narrow one along x. */
 export const views = {
@@ -48,6 +61,7 @@ export const views = {
   'Middle plane': {yaw: 0, pitch: 0},
   'From below': {yaw: 2.4, pitch: -0.6},
   'From above': {yaw: Math.PI, pitch: quarter},
+  'Butt': {yaw: 0, pitch: -quarter},
 };
 /** The view that looks straight at a cut across an axis. */
 export const viewOfCut =
@@ -67,12 +81,14 @@ void main() {
 // seen.
 const fragment = `#extension GL_OES_standard_derivatives : enable
 precision highp float; varying float t; varying vec3 p; varying float side;
-uniform vec2 front; uniform float flat_; uniform vec4 line; uniform sampler2D bands;
+uniform vec2 front; uniform float flat_; uniform vec4 line; uniform vec2 contour; uniform sampler2D bands;
 void main() {
   if (side < 0.) discard;
   if (line.a > 0.) { gl_FragColor = line; return; }
   vec3 c = texture2D(bands, vec2(clamp(t, 0., .9999), .5)).rgb;
   float w = fwidth(t);
+  float from_line = abs(fract((t - contour.x) / contour.y + .5) - .5) * contour.y;
+  if (from_line < .5 * w) c = mix(c, vec3(1.), .45);
   if (abs(t - front.x) < w || abs(t - front.y) < w) c = vec3(1.);
   if (t < -10.) c = vec3(.72);
   float light = flat_ > .5 ? 1. : .8 + .2 * abs(normalize(cross(dFdx(p), dFdy(p))).z);
@@ -94,8 +110,7 @@ function programOf(gl) {
   return program;
 }
 
-/** The bands of colour of a report, from low to high, as a texture. */
-function setBands(gl, colours) {
+function setBands(gl) {
   const bytes =
     new Uint8Array(colours.flatMap(c => [1, 3, 5].map(i => parseInt(c.slice(i, i + 2), 16))));
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
@@ -109,14 +124,14 @@ function setBands(gl, colours) {
 
 /** Draws a frame, and a cut through it, on a canvas. Throws where the browser has no WebGL. */
 export class Painter {
-  constructor(canvas, colours) {
+  constructor(canvas) {
     this.canvas = canvas;
     const gl = this.gl = canvas.getContext('webgl', {antialias: true, preserveDrawingBuffer: true});
     if (
       !gl || !gl.getExtension('OES_standard_derivatives') ||
       !gl.getExtension('OES_element_index_uint'))
       throw new Error('This browser has no WebGL.');
-    setBands(gl, colours);
+    setBands(gl);
     this.program = programOf(gl);
     this.buffers = {};
     this.capCount = 0;
@@ -158,8 +173,9 @@ export class Painter {
   /**
    * @param keep  [a, b, c, d]: the half space ax + by + cz <= d is shown @param fronts  values of
    *   white lines, scaled
+   * @param contours  evenly spaced values of thin lines, two or more, scaled
    */
-  draw({eye, scale, keep, fronts}) {
+  draw({eye, scale, keep, fronts, contours}) {
     const {gl, program, canvas, frame, buffers} = this;
     const uniform = name => gl.getUniformLocation(program, name);
     const attribute = (name, buffer, size, stride = 0, offset = 0) => {
@@ -177,6 +193,7 @@ export class Painter {
     gl.uniformMatrix4fv(uniform('view'), false, viewOf(eye, canvas.width / canvas.height));
     gl.uniform1f(uniform('scale'), scale);
     gl.uniform2f(uniform('front'), ...fronts);
+    gl.uniform2f(uniform('contour'), contours[0], contours[1] - contours[0]);
     gl.uniform4fv(uniform('keep'), keep);
 
     // The skin, then its edges in front of it.
@@ -192,6 +209,12 @@ export class Painter {
     gl.uniform4f(uniform('line'), 0.05, 0.07, 0.1, 1);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffers.edge);
     gl.drawElements(gl.LINES, frame.edge.length, gl.UNSIGNED_INT, 0);
+    if (scale > 0) {  // as it was before it moved
+      gl.uniform1f(uniform('scale'), 0);
+      gl.uniform4f(uniform('line'), 0.55, 0.6, 0.66, 1);
+      gl.drawElements(gl.LINES, frame.edge.length, gl.UNSIGNED_INT, 0);
+      gl.uniform1f(uniform('scale'), scale);
+    }
 
     if (this.capCount === 0) return;
     gl.uniform4f(uniform('line'), 0, 0, 0, 0);
@@ -215,7 +238,7 @@ export function numberText(value, span) {
 }
 
 /** The colours from low to high with round values below, as SVG. */
-export function colourBar(colours, title, unit, [low, high]) {
+export function colourBar(title, unit, [low, high]) {
   const width = 900, left = 10, inner = width - 2 * left, span = high - low;
   const at = value => left + (value - low) / span * inner;
   const step = inner / colours.length;

@@ -1,20 +1,20 @@
 // The slab of a job: fields of its stored frames in WebGL, cut, turned, in time, at a point and
 // along a line.
-import {get, getBytes} from './api.js';
-import {chart} from './chart.js';
+import {chart, ticks} from './chart.js';
 import {fixed, h, replace} from './dom.js';
 import {
-  cut, fieldsOf, fieldValues, locate, readFrame, shown, spreadFromBottom, temperature, valueAtPlace
+  cut, fieldsOf, fieldValues, locate, magnification, readFrame, shown, spreadFromBottom, temperature,
+  valueAtPlace
 } from './frame_data.js';
-import {colourBar, fit, numberText, Painter, viewOf, viewOfCut, views} from './frame_view.js';
+import {colourBar, colours, fit, numberText, Painter, viewOf, viewOfCut, views} from './frame_view.js';
 import {canvasOfSvg, fileName, saveCsv, savePng} from './save.js';
 
 const mostKept = 40;  // frames in memory
 
-/** The frames of a job as they are asked for. */
+/** The frames of a source as they are asked for. */
 class Frames {
-  constructor(job) {
-    this.job = job;
+  constructor(source) {
+    this.source = source;
     this.kept = new Map();
     this.times = [];
     this.fields = [temperature];
@@ -22,22 +22,25 @@ class Frames {
 
   /** Asks which frames there are. @return whether there are more than before */
   async look() {
-    const {times, fields, reason} = await get(`/frames/${this.job}`);
+    const {times, fields, reason, beyond} = await this.source.look();
     const more = times.length > this.times.length;
     if (times.length) [this.times, this.fields] = [times, fieldsOf(fields)];
     this.reason = reason;
+    this.beyond = beyond ?? Infinity;
     return more;
   }
 
   async frame(number) {
     if (!this.kept.has(number)) {
       if (this.kept.size >= mostKept) this.kept.delete(this.kept.keys().next().value);
-      this.kept.set(number, readFrame(await getBytes(`/frame/${this.job}?number=${number}`)));
+      this.kept.set(number, readFrame(await this.source.frame(number)));
     }
     return this.kept.get(number);
   }
 
-  values(frame, number, field) { return fieldValues(frame, this.job, number, field); }
+  values(frame, number, field) {
+    return fieldValues(frame, field, () => this.source.field(number, field.name));
+  }
 }
 
 function boundsOf(frame) {
@@ -61,16 +64,19 @@ function rangeOf(values) {
 }
 
 /**
- * Fills `box` with the slab of a job.
- * @return {refresh}, which looks for further frames
+ * Fills `box` with the slab of a run.
+ * @param source  where its frames are: look() gives {times, fields, reason: why there are none,
+ *   beyond: time from which on the model is not valid}, frame(number) and field(number, name) bytes
+ * @param title  of the run, for pictures
+ * @return {is3d, refresh, copy}: refresh() looks for further frames, copy() draws another view
  */
-export async function frameViewer(box, signal, job, title) {
-  const frames = new Frames(job);
+export async function frameViewer(box, signal, source, title) {
+  const frames = new Frames(source);
   await frames.look();
   if (frames.times.length === 0) throw new Error(frames.reason || 'No frame is stored.');
 
   const canvas = h('canvas', {width: 900, height: 620, tabindex: 0, role: 'img'});
-  const colours = await get('/colours/'), painter = new Painter(canvas, colours);
+  const painter = new Painter(canvas);
   signal.addEventListener('abort', () => painter.release());
   const aspect = () => canvas.width / canvas.height;
   const marker = h('span', {class: 'marker', hidden: true}),
@@ -90,17 +96,21 @@ export async function frameViewer(box, signal, job, title) {
     const {low, high} = boundsOf(frame);
     return low[axis] + depth * (high[axis] - low[axis]);
   };
-  function draw() {
-    asked = 0;
+  /** @param shownField, between  what the painter has, and the range of its colours */
+  function paint(shownField, between) {
     const keep = [0, 0, 0, 1];
     if (axis >= 0) {
       keep[axis] = 1;
       keep[3] = plane() + 1e-6;
     }
-    const scaled = v => (v - range[0]) / (range[1] - range[0]);
+    const scaled = v => (v - between[0]) / (between[1] - between[0]);
     const fronts =
-      field() === temperature ? [scaled(frame.solidus), scaled(frame.liquidus)] : [-5, -5];
-    painter.draw({eye, scale, keep, fronts});
+      shownField === temperature ? [scaled(frame.solidus), scaled(frame.liquidus)] : [-5, -5];
+    painter.draw({eye, scale, keep, fronts, contours: ticks(...between).values.map(scaled)});
+  }
+  function draw() {
+    asked = 0;
+    paint(field(), range);
     placeMarker();
   }
   const redraw = () => {
@@ -135,7 +145,8 @@ export async function frameViewer(box, signal, job, title) {
   const field = () => frames.fields.find(f => f.name === choice.value) || temperature;
   async function show(wanted) {
     number = wanted;
-    time.output.textContent = `${fixed(frames.times[wanted - 1], 1)} s`;
+    const seconds = frames.times[wanted - 1], beyond = seconds >= frames.beyond;
+    time.output.textContent = `${fixed(seconds, 1)} s${beyond ? ', beyond validity' : ''}`;
     const chosen = field(), next = await frames.frame(wanted);
     const own = await frames.values(next, wanted, chosen);
     if (signal.aborted || number !== wanted || field() !== chosen)
@@ -152,7 +163,7 @@ export async function frameViewer(box, signal, job, title) {
     painter.setFrame(frame, spreadFromBottom(frame, values), range);
     if (first) begin();
     cutNow();
-    replace(bar, colourBar(colours, name, unit, range));
+    replace(bar, colourBar(name, unit, range));
     lines.hidden = chosen !== temperature;
     lines.textContent = `White lines: solidus ${fixed(frame.solidus, 0)} and liquidus ${
       fixed(frame.liquidus, 0)} °C.`;
@@ -271,7 +282,7 @@ export async function frameViewer(box, signal, job, title) {
   // ---- Files
 
   const file = () =>
-    fileName(`${title || job.slice(0, 8)}-${shown(field()).title}-${fixed(frame.time, 0)}s`);
+    fileName(`${title}-${shown(field()).title}-${fixed(frame.time, 0)}s`);
   async function savePicture() {
     draw();
     const below = await canvasOfSvg(bar.firstChild), head = 40;
@@ -284,7 +295,7 @@ export async function frameViewer(box, signal, job, title) {
     context.fillStyle = style.getPropertyValue('--ink');
     context.font = '18px sans-serif';
     context.fillText(
-      `${title || job}, ${fixed(frame.time, 1)} s, ${fixed(1e3 * frame.length, 0)} mm cast`, 10, 26,
+      `${title}, ${fixed(frame.time, 1)} s, ${fixed(1e3 * frame.length, 0)} mm cast`, 10, 26,
       whole.width - 20);
     context.drawImage(canvas, 0, head);
     context.drawImage(below, 0, head + canvas.height, canvas.width, height);
@@ -394,11 +405,13 @@ export async function frameViewer(box, signal, job, title) {
     'Time', {min: 1, max: frames.times.length, step: 1, value: frames.times.length},
     n => show(n).catch(failed));
   const bent = slider('Deformation', {min: 0, max: 20, step: 1, value: 1}, value => {
-    scale = value;
-    bent.output.textContent = `× ${value}`;
+    bend(value);
     redraw();
   });
-  bent.output.textContent = '× 1';
+  function bend(value) {
+    scale = value;
+    bent.output.textContent = `× ${value}`;
+  }
 
   const deep =
     slider('Place of the cut', {min: 0, max: 1, step: 0.01, value: 0.5, disabled: true}, value => {
@@ -437,6 +450,8 @@ export async function frameViewer(box, signal, job, title) {
   const solidOnly = [look.label, h('div', {class: 'cuts'}, across.label, deep.label)];
 
   function begin() {
+    bend(magnification(frame));
+    bent.input.value = scale;
     if (!is3d()) Object.assign(eye, views['Middle plane']);
     for (const part of solidOnly) part.hidden = !is3d();
     for (const input of [pointBox, endBox])
@@ -457,6 +472,29 @@ export async function frameViewer(box, signal, job, title) {
   await show(number);
 
   return {
+    is3d: is3d(),
+    /**
+     * Draws the frame into another canvas, as seen from elsewhere.
+     * @return range of the colours
+     */
+    async copy(target, view, wanted = field()) {
+      const own = await frames.values(frame, number, wanted);
+      const between = wanted === field() ? range : rangeOf(own), kept = {...eye};
+      const height = canvas.height;
+      Object.assign(eye, views[view]);
+      fillCanvas();
+      painter.setFrame(frame, spreadFromBottom(frame, own), between);
+      paint(wanted, between);
+      Object.assign(target, {width: canvas.width, height: canvas.height});
+      target.getContext('2d').drawImage(canvas, 0, 0);
+
+      Object.assign(eye, kept);
+      canvas.height = height;
+      painter.setFrame(frame, spreadFromBottom(frame, values), range);
+      cutNow();
+      draw();
+      return between;
+    },
     /** Looks for further frames; the last one stays the one that is shown. */
     async refresh() {
       if (!await frames.look() || signal.aborted) return;

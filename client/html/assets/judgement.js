@@ -4,7 +4,7 @@ import {fixed, h, sheet} from './dom.js';
 
 // Plant unit and factor from SI, as proto/values/plant_units.cpp has them.
 const plantUnits = {1: ['%', 1e2], m: ['mm', 1e3], m2: ['dm²', 1e2], 'm/s': ['mm/min', 60e3], 'm2/s': ['l/min/m', 60e3], 'm/s2': ['mm/min²', 3.6e6],
-  'm2/s2': ['l/min²/m', 3.6e6], W: ['kW', 1e-3], 'W/m': ['kW/m', 1e-3], degC: ['°C', 1]};
+  'm2/s2': ['l/min²/m', 3.6e6], W: ['kW', 1e-3], 'W/m': ['kW/m', 1e-3], J: ['MJ', 1e-6], 'J/m': ['MJ/m', 1e-6], Pa: ['kPa', 1e-3], degC: ['°C', 1]};
 const plant = unit => plantUnits[unit] || [unit || '', 1];
 const capital = text => text && text[0].toUpperCase() + text.slice(1);
 
@@ -44,12 +44,14 @@ function axisLabel({quantity, unit}) {
   return plant(unit)[0] ? `${quantity}, ${plant(unit)[0]}` : quantity;
 }
 
-export function picture({heading, x, y, lines, region}) {
+/** @param width  of the drawing; smaller ones have larger letters */
+export function picture({heading, x, y, lines, region, beyond_x: beyond}, width = 900) {
   const scaled = (values, factor) => values.map(v => (v === null ? NaN : factor * v)), fx = plant(x.unit)[1], fy = plant(y.unit)[1];
   const drawn = lines.map((line, i) => ({name: line.name, x: scaled(line.x, fx), y: scaled(line.y, fy), colour: i, dots: line.is_dotted,
     ...(line.low.length ? {low: scaled(line.low, fy), high: scaled(line.high, fy)} : {})}));
-  return chart(drawn, {title: `${capital(heading)}${region ? `; shaded: ${region.name}` : ''}`, xLabel: axisLabel(x), yLabel: axisLabel(y), unit: plant(y.unit)[0],
-    wanted: region ? [fy * region.low, fy * region.high] : []});
+  return chart(drawn, {title: capital(heading), xLabel: axisLabel(x), yLabel: axisLabel(y), unit: plant(y.unit)[0],
+    wanted: region ? {low: fy * (region.low ?? -Infinity), high: fy * (region.high ?? Infinity), name: region.name} : null,
+    beyond: fx * (beyond ?? Infinity), width});
 }
 
 /** Sentences, then the parts that are worth their space on a page. @param wanted  (part) whether it is shown here */

@@ -1,0 +1,146 @@
+#!/usr/bin/python3
+"""Pages to keep, opened from a file in a real Chromium: the report of a job, a comparison, the start of
+a case. They load nothing, draw with the modules of the dashboard, print, fit a phone, and show their
+figures without scripts."""
+import base64
+import os
+import re
+import subprocess
+
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import Select, WebDriverWait
+
+from dashboard_test import CASES, InBrowser
+from support import BIN, main
+
+
+class Reports(InBrowser):
+    worker = "dccast-worker"
+
+    def dccast(self, *words):
+        done = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
+                              capture_output=True, text=True, timeout=300, check=False, cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout.strip()
+
+    def cast(self, case, *changes):
+        words = [word for change in ("quality=draft", *changes) for word in ("--set", change)]
+        job = self.dccast("submit", *words, os.path.join(CASES, case))
+        self.dccast("wait", job)
+        return job
+
+    def show(self, page):
+        self.complaints()  # those of the page before
+        self.browser.get("file://" + os.path.join(self.folder, page))
+
+    def drawn(self, page):
+        """Opens a page and waits until all is drawn."""
+        self.show(page)
+        self.find("body.complete", 60)
+        self.assertEqual(self.complaints(), [])
+        loaded = self.browser.execute_script(
+            "return performance.getEntriesByType('resource').map(e => e.name)")
+        self.assertEqual([name for name in loaded if not name.startswith("data:")], [])
+
+    def charts(self):
+        return [svg.get_attribute("aria-label").split(":")[0] for svg in self.browser.find_elements(
+            By.CSS_SELECTOR, ".drawn figure > svg")]
+
+    def colours(self, canvas):
+        """Number of colours in a canvas."""
+        return self.browser.execute_script("""
+            const copy = document.createElement('canvas'), of = arguments[0];
+            copy.width = of.width; copy.height = of.height;
+            const context = copy.getContext('2d'); context.drawImage(of, 0, 0);
+            const bytes = context.getImageData(0, 0, copy.width, copy.height).data, seen = new Set();
+            for (let i = 0; i < bytes.length; i += 4)
+              if (bytes[i + 3]) seen.add(bytes[i] << 16 | bytes[i + 1] << 8 | bytes[i + 2]);
+            return seen.size;""", canvas)
+
+    def check_phone(self):
+        """Tables of figures scroll in their own box; nothing else is wider than the screen."""
+        self.on_phone()
+        wide = [found for found in self.hidden_sideways() if not found.startswith("DIV scroll")]
+        self.assertEqual(wide, [])
+
+    def sheets(self):
+        """Sheets of A4 that the page prints to."""
+        pdf = base64.b64decode(self.browser.execute_cdp_cmd(
+            "Page.printToPDF", {"preferCSSPageSize": True, "printBackground": True})["data"])
+        self.assertEqual(pdf[:5], b"%PDF-")
+        return len(re.findall(rb"/Type\s*/Page\b", pdf))
+
+    def test_the_report_of_a_quarter_slab(self):
+        job = self.cast("start-3d.toml", "time.end=20 s")
+        self.dccast("report", job, "-o", "report.html")
+        self.assertLess(os.path.getsize(os.path.join(self.folder, "report.html")), 2_000_000)
+        self.drawn("report.html")
+        for title in ("Curl against time", "Curl against cast length", "Casting speed", "Water", "Shell",
+                      "Heat through each face", "Pull-in of the wide face"):
+            self.assertIn(title, self.charts())
+        self.assertGreater(self.colours(self.find(".stage canvas")), 20)
+        self.assertGreater(self.colours(self.find(".gap-map canvas")), 1)
+
+        with self.subTest("another field, then another time"):
+            Select(self.find("select[aria-label=Field]")).select_by_value("von_mises_pa")
+            self.find("canvas[aria-label^='Stress']")
+            self.wait_for("MPa", "svg.colours")
+            Select(self.find("select[aria-label=Field]")).select_by_value("temperature_c")
+            self.browser.execute_script("""
+                const time = document.querySelector('.levers input'); time.value = 1;
+                time.dispatchEvent(new Event('input'));""")
+            self.find("canvas[aria-label^='Temperature of the slab at 0.0 s']")
+
+        with self.subTest("paper has three views in place of one, and no button"):
+            sheets = self.sheets()
+            self.assertGreaterEqual(sheets, 2)
+            self.assertLessEqual(sheets, 5)
+            self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+            views = self.browser.find_elements(By.CSS_SELECTOR, ".views canvas")
+            self.assertEqual([view.is_displayed() for view in views], 3 * [True])
+            self.assertFalse(self.find(".stage").is_displayed())
+            self.assertFalse(any(button.is_displayed() for button in self.browser.find_elements(
+                By.CSS_SELECTOR, "main button")))
+            self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
+        self.check_phone()
+
+    def test_without_scripts_the_figures_are_text(self):
+        job = self.cast("start-2d-thickness.toml", "time.end=60 s")
+        self.dccast("report", job, "-o", "report.html")
+        self.browser.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
+        self.show("report.html")
+        text = self.find("main").text
+        for part in ("drawn by the script in this page", "has risen", "Casting speed", "Checks of the run",
+                     "Curl against time"):
+            self.assertIn(part, text)
+        self.assertEqual(self.charts(), [])
+
+    def test_a_section_a_comparison_and_the_start_of_a_case(self):
+        case = os.path.join(CASES, "start-2d-thickness.toml")
+        jobs = [self.cast("start-2d-thickness.toml", "time.end=60 s", f"schedule.hold={hold} s")
+                for hold in (60, 90)]
+        self.dccast("report", jobs[0], "-o", "report.html")
+        self.drawn("report.html")
+        self.assertGreater(self.colours(self.find(".stage canvas")), 20)
+        self.assertIn("Gap along the bottom", self.charts())
+        self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, ".views"), [])
+
+        self.dccast("compare", *jobs, "-o", "comparison.html")
+        self.drawn("comparison.html")
+        self.assertTrue(any(title.startswith("Curl of") for title in self.charts()))
+        self.dccast("validate", "--local", case, "--drawing", "start.html")
+        self.drawn("start.html")
+        self.assertIn("water line", self.find("svg.casting").text)
+        self.assertEqual(len(self.charts()), 2)
+        self.check_phone()
+
+    def test_the_dashboard_shows_the_report_in_a_sandbox(self):
+        job = self.cast("start-2d-thickness.toml", "time.end=20 s")
+        self.browser.get(self.browser.current_url.split("#")[0] + f"report/{job}")
+        self.find("body.complete", 60)
+        WebDriverWait(self.browser, 10).until(lambda _: "Curl against time" in self.charts())
+
+
+if __name__ == "__main__":
+    main()
