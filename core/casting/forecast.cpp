@@ -11,8 +11,7 @@ namespace dccast::casting {
 
 namespace {
 
-// Resolution that gives the shell at the mould exit to a few millimetres (docs/findings.md has the
-// runs).
+// Resolution that gives the shell at the mould exit to a few millimetres.
 constexpr int columns = 14;
 constexpr int rows = 10;
 constexpr int growth_rows = 20;
@@ -22,6 +21,7 @@ constexpr int steps = 70;
 void take_thickness_section(Case& c) {
   c.section.kind = mesh::SectionKind::plane_strain;
   c.section.half_width = c.section.half_thickness(0.0);
+  c.section.heat_cells = {};
   c.cooling.bottom_block.profile_x = c.cooling.bottom_block.profile_y = {};
   c.cooling.narrow_water.reset();
   std::erase_if(c.cooling.zones,

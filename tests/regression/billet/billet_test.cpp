@@ -60,11 +60,11 @@ TEST(Billet, IsothermsMoveByLessThanOnePercentUnderRefinement) {
 /// (cases/billet.toml). The narrow one's traces differ by 9 mm at the same radius.
 TEST(Aa6008, IsothermsLieWithinTheScatterOfTheThermocouplesWithTheGainOfTheWideBillet) {
   const auto& measured = measured_in_aa6008();
-  casting::Case billet = support::load_case("tests/regression/billet/aa6008.toml");
+  casting::Case billet = support::load_case(DCCAST_AA6008);
   billet.alloy.melt_conductivity_factor = material::melt_stirring(9.0, 0.45);
   const BilletRun with_factor_of_wide = run_billet(billet, measured);
 
-  const casting::Case by_size = support::load_case("tests/regression/billet/aa6008.toml");
+  const casting::Case by_size = support::load_case(DCCAST_AA6008);
   const BilletRun run = run_billet(by_size, measured);
   for (std::size_t i = 0; i < measured.size(); ++i)
     EXPECT_NEAR(run.depth[i], measured[i].depth, 9e-3)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/casting/forecast.hpp"
 #include "core/casting/slab_run.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_quarter_slab.hpp"
@@ -73,6 +74,18 @@ TEST(TwoMeshes, AFrameHasAllFieldsOnTheHeatsMesh) {
     EXPECT_NEAR(last.displacement[3 * n + 2], corner[2], 1e-12);
     EXPECT_NEAR(last.temperature[n], recorder.reports.back().monitor_temperature[0], 1e-9);
   }
+}
+
+/// The forecast computes the thickness section, whose heat has no cells of its own.
+TEST(TwoMeshes, AreLeftOutOfTheForecast) {
+  Case one_mesh = two_meshes();
+  one_mesh.section.heat_cells = {};
+  const auto codes = [](const std::vector<results::Finding>& findings) {
+    std::vector<std::string> found;
+    for (const results::Finding& finding : findings) found.push_back(finding.code);
+    return found;
+  };
+  EXPECT_EQ(codes(forecast(two_meshes())), codes(forecast(one_mesh)));
 }
 
 /// Without mechanics only the heat's mesh counts, whatever cells it was divided from.
