@@ -240,7 +240,7 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   StepFigures f;
   f.time = view.time;
   f.time_step = view.time_step;
-  f.moves = f.time > 0.0;
+  f.moves = f.time > 0.0 && f.time <= case_.time.end;
   f.last = view.last;
   f.mechanical = view.slab.started;
   f.solid_model = Dim == 3;

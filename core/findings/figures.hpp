@@ -54,7 +54,7 @@ struct StepView {
 struct StepFigures {
   double time = 0.0;                  ///< [s]
   double time_step = 0.0;             ///< [s]
-  bool moves = false;                 ///< the block moves: the hold is over
+  bool moves = false;                 ///< the hold is over, the casting is not
   bool last = false;                  ///< the casting ends with this step
   bool mechanical = false;            ///< displacements are computed
   bool solid_model = false;           ///< three dimensions: forces are those of the whole quarter

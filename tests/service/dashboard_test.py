@@ -902,7 +902,7 @@ class RealPages(InBrowser):
 
     def test_a_case_by_a_form(self):
         self.go("new")
-        self.find("#found img.drawing", 40)
+        self.find("#found svg.casting", 40)
         box = self.find("#new-slab")
         box.clear()
         box.send_keys("1200mm", Keys.TAB)
@@ -910,9 +910,7 @@ class RealPages(InBrowser):
         box.clear()
         box.send_keys("1600x500mm", Keys.TAB)
         self.wait_for("1600", "#found p")
-        natural = WebDriverWait(self.browser, 20).until(lambda b: b.execute_script(
-            "return document.querySelector('#found img.drawing')?.naturalWidth"))
-        self.assertGreater(natural, 100)
+        self.assertGreater(self.find("#found svg.casting").size["width"], 100)
         self.press("Queue as a job", "#found")
         self.wait_for("Queued as", "#found", seconds=60)
         job = self.find("#found p[role=status] a").text

@@ -89,7 +89,7 @@ class Reports(InBrowser):
             self.browser.execute_script("""
                 const time = document.querySelector('.levers input'); time.value = 1;
                 time.dispatchEvent(new Event('input'));""")
-            self.find("canvas[aria-label^='Temperature of the slab at 0.0 s']")
+            self.find("canvas[aria-label^='Temperature of the slab at -60.0 s']")
 
         with self.subTest("paper has three views in place of one, and no button"):
             sheets = self.sheets()

@@ -221,6 +221,20 @@ Case with_band() {
 
 class OfStep : public ::testing::TestWithParam<StepRow> {};
 
+/// The last melt of the head sinks into a pipe while the slab cools down.
+TEST(LiquidPressure, IsNotJudgedOnceTheCastingHasEnded) {
+  StepFigures f = sound_step();
+  f.liquid_pressure_error = {0.5, {0.1, 0.05}};
+  Case c = with_band();
+  FindingsState during, after;
+  judge(c, f, during);
+  EXPECT_NE(find(during.raised, "liquid_pressure_lost"), nullptr);
+
+  c.time.end = f.time - 1.0;
+  judge(c, f, after);
+  EXPECT_EQ(find(after.raised, "liquid_pressure_lost"), nullptr);
+}
+
 TEST_P(OfStep, IsRaisedBeyondItsLimitAndJustNotAtIt) {
   const StepRow& row = GetParam();
   StepFigures beyond = sound_step(), within = sound_step();
