@@ -305,10 +305,11 @@ void check_bowl(CaseFindings& found) {
                 "has no effect: the bottom of mesh.file is the surface of the block",
                 "absent with mesh.file", "leave it out, and mesh the bowl");
 
-  // A steeper wall would leave cells without a height.
+  // The cells over a steeper wall would be too oblique.
   if (s.bowl->wall < s.bowl->depth)
     found.fault("cooling.bottom_block.bowl.wall", with_unit(s.bowl->wall, "m"),
-                "is narrower than the bowl is deep", fmt::format("at least {}", with_unit(s.bowl->depth, "m")),
+                "is narrower than the bowl is deep",
+                fmt::format("at least {}", with_unit(s.bowl->depth, "m")),
                 "widen the wall, or make the bowl less deep");
 
   const double half = found.solid() ? std::min(s.half_width, s.half_thickness(s.half_width))

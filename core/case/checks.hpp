@@ -106,7 +106,7 @@ void check_section(CaseFindings& found);
 void check_quarter_slab(CaseFindings& found);
 /// Water under the butt follows one law, and boils as that of the faces.
 void check_gap_water(CaseFindings& found);
-/// A bowl must fit into the block and leave the cells over it a height.
+/// A bowl must fit into the block, and its wall must be at least as wide as it is deep.
 void check_bowl(CaseFindings& found);
 /// A block with a gap at the start must touch the slab somewhere.
 void check_block_profile(CaseFindings& found);

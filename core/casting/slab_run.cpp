@@ -59,7 +59,7 @@ BlockSurface<Dim> surface_of_block(const thermal::BottomBlock& block,
                                    const mesh::Mesh<Dim>& heat_mesh) {
   BlockSurface<Dim> surface;
   surface.nodes = mesh::patch_nodes(heat_mesh, mesh::PatchKind::bottom);
-  surface.normal = mesh::inward_normals(heat_mesh, std::span<const int>(surface.nodes));
+  surface.normal = mesh::inward_normals(heat_mesh, surface.nodes);
   surface.initial_gap = initial_gap(block, heat_mesh, surface.nodes);
   return surface;
 }
@@ -162,27 +162,33 @@ results::StepReport SlabRun<Dim>::advance() {
   const double start = processor_seconds();
   const double process_start = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
   const RunState<Dim> saved = state_;
+
   for (int failed = 0;; ++failed) {
     const double dt = control_.choose(schedule_.step_at(state_.time));
     const Attempt tried = attempt(dt);
+
     if (tried.converged()) {
       control_.accepted();
       state_.step_limit = control_.limit();
       ++state_.step;
+
       state_.superheat += tried.superheat;
       state_.level_heat += tried.heat.balance.top;
       state_.solver_seconds += processor_seconds() - start;
       state_.process_seconds += seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process_start;
+
       MonitorReadings monitors = read_monitors();
       const StepFigures figures = measure(tried, monitors);
       judge(figures);
       return report(tried, failed, figures, std::move(monitors));
     }
+    // go_back_to() also restores the limit of the step, which rejected() has just made smaller.
     const bool smaller = control_.rejected(dt);
     const double limit = control_.limit();
     go_back_to(saved);
     control_.restore(limit);
     if (smaller) continue;
+
     const bool heat = tried.diverged == Diverged::heat;
     char text[256];
     std::snprintf(

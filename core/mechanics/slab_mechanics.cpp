@@ -83,6 +83,8 @@ void SlabMechanics<Dim>::new_pattern() {
   for (int n : mesh_->element_node) {
     for (int d = 0; d < Dim; ++d) unknown.push_back(n * Dim + d);
   }
+
+  // Growth appends elements, so that the pattern of the known ones is kept.
   const int unknowns = mesh_->nodes() * Dim;
   const bool grown = !element_unknown_.empty() && element_unknown_.size() < unknown.size() &&
                      std::equal(element_unknown_.begin(), element_unknown_.end(), unknown.begin());
@@ -93,6 +95,8 @@ void SlabMechanics<Dim>::new_pattern() {
   }
   element_unknown_ = std::move(unknown);
   if (Dim == 3) parts_ = ElementParts::of(*mesh_);
+
+  // Fields by element, then by unknown; a step sets their values.
   for (auto* field :
        {&problem_.bulk, &problem_.shear, &problem_.kappa, &problem_.thermal, &problem_.prestress,
         &problem_.volumetric_kappa, &problem_.melt_pressure, &problem_.linear_below}) {
@@ -105,8 +109,10 @@ void SlabMechanics<Dim>::new_pattern() {
   problem_.external_force.assign(std::size_t(unknowns), 0.0);
   problem_.fixed.assign(std::size_t(unknowns), 0);
   problem_.target.assign(std::size_t(unknowns), 0.0);
+
   find_supports();
   supports_.place_on_block(problem_, options_.contact);
+
   const auto fronts = mesh::edges_to_sweep_from(*mesh_, Dim);
   choose_solver();
   work_.resize(pattern_, Dim == 2 ? linalg::Geometry::plane : linalg::Geometry::solid, fronts);

@@ -78,7 +78,7 @@ void SlabSupports<Dim>::find_bottom(const Mesh& mesh, const MechanicsForms<Dim>&
 template <int Dim>
 void SlabSupports<Dim>::find_directions(const Mesh& mesh, const MechanicsForms<Dim>& forms) {
   std::map<int, Normals> of_node;
-  const auto of_block = mesh::inward_normals(mesh, std::span<const int>(bottom_nodes_));
+  const auto of_block = mesh::inward_normals(mesh, bottom_nodes_);
   for (std::size_t i = 0; i < of_block.size(); ++i) {
     if (of_block[i][up] >= along_axis) continue;
     of_node[bottom_nodes_[i]].block = typename Normals::Vector(of_block[i].data());

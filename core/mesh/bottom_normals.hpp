@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include "core/mesh/mesh.hpp"
@@ -15,7 +14,7 @@ namespace dccast::mesh {
 /// @param nodes  of the bottom
 template <int Dim>
 std::vector<std::array<double, Dim>> inward_normals(const Mesh<Dim>& mesh,
-                                                    std::span<const int> nodes) {
+                                                    const std::vector<int>& nodes) {
   std::vector<std::array<double, Dim>> sum(std::size_t(mesh.nodes()));
   for_each_facet(mesh, PatchKind::bottom, [&](const Facet<Dim>& facet, const auto&) {
     // Facets turn counterclockwise seen from outside, so that this vector points outward. Its length

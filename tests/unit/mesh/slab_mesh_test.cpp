@@ -308,7 +308,7 @@ TEST(SlabMesh, NormalsOfTheBottomAreThoseOfTheBowl) {
   spec.bowl = {.depth = 0.03, .lip = 0.04, .wall = 0.12};
   const SlabMesh2D slab(spec);
   const std::vector<int> bottom = patch_nodes(slab.mesh(), PatchKind::bottom);
-  const auto normals = inward_normals(slab.mesh(), std::span<const int>(bottom));
+  const auto normals = inward_normals(slab.mesh(), bottom);
 
   for (std::size_t i = 0; i < bottom.size(); ++i) {
     const double inward = 0.28 - slab.mesh().point(bottom[i])[0];
