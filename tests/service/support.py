@@ -87,12 +87,17 @@ class Daemon:
         self.end_workers()
 
     def end_workers(self):
-        """Ends the workers of a daemon that has gone."""
+        """Ends the workers of a daemon that has gone, and waits until they have released their files:
+        a process that ends loses its descriptors in /proc before the locks that it holds."""
+        killed = set()
+
         def ended():
             for process in self.worker_processes():
+                killed.add((process, start_ticks(process)))
                 with contextlib.suppress(ProcessLookupError):
                     os.kill(process, signal.SIGKILL)
-            return not self.worker_processes()
+            return not self.worker_processes() and not any(
+                ticks and start_ticks(process) == ticks for process, ticks in killed)
         until(ended, 10)
 
     def wait(self):
