@@ -42,6 +42,7 @@ bool ConstrainedSystem::hold_and_factorize(std::span<const char> fixed) {
     if (fixed[c] != 0 && !(values[diagonal] > 0.0)) values[diagonal] = 1.0;
   }
   held_.assign(fixed.begin(), fixed.end());
+  work_->secants.clear();
   renewed_ = false;
   factor_is_exact_ = work_->two_grid == nullptr;
   if (!factor_is_exact_) return work_->two_grid->factorize(*pattern_, values, fixed);
@@ -58,6 +59,7 @@ bool ConstrainedSystem::changes_only_last_rows(std::span<const char> fixed) cons
 }
 
 bool ConstrainedSystem::change(std::span<const char> fixed, std::span<const double> step_of_fixed) {
+  work_->secants.clear();
   const bool done = work_->is_solid                 ? change_solid(fixed)
                     : changes_only_last_rows(fixed) ? hold_and_factorize(fixed)
                                                     : condensation_.change(fixed);
@@ -101,6 +103,16 @@ bool ConstrainedSystem::solve_free(std::span<const char> fixed, double tolerance
   return true;
 }
 
+void ConstrainedSystem::learn(std::span<const char> fixed, double length) {
+  auto &step = work_->direction, &change = work_->last_residual;
+  for (std::size_t i = 0; i < step.size(); ++i) {
+    const bool free = fixed[i] == 0;
+    step[i] = free ? length * step[i] : 0.0;
+    change[i] = free ? work_->residual[i] - change[i] : 0.0;
+  }
+  work_->secants.add(step, change);
+}
+
 bool ConstrainedSystem::solve(std::span<const char> fixed, std::span<const double> step_of_fixed,
                               double tolerance) {
   const Stopwatch watch(work_->cost.solution);
@@ -108,7 +120,9 @@ bool ConstrainedSystem::solve(std::span<const char> fixed, std::span<const doubl
   for (std::size_t i = 0; i < d.size(); ++i) {
     d[i] = fixed[i] != 0 ? 0.0 : -work_->residual[i] - (lifting_ ? work_->lifted[i] : 0.0);
   }
+  work_->secants.before_solution(d);
   const bool solved = solve_free(fixed, tolerance);
+  work_->secants.after_solution(d);
   for (std::size_t i = 0; i < d.size(); ++i) {
     if (fixed[i] != 0) d[i] = step_of_fixed[i];
   }

@@ -43,6 +43,12 @@ public:
   /// @return false in 2D, where this does not pay: a new factorisation is needed
   [[nodiscard]] bool renew(std::span<const char> fixed, std::span<const double> step_of_fixed);
 
+  /// Updates the kept factor by the last iteration, which has moved the free unknowns along
+  /// `work.direction` and changed `work.last_residual` to `work.residual`. The updates end with the
+  /// next change of held unknowns or stiffness. @see linalg::SecantUpdates
+  /// @param length  share of the direction that was taken [1]
+  void learn(std::span<const char> fixed, double length);
+
   /// Solves K d = -residual on the free unknowns, with d = step_of_fixed on the held ones, and
   /// stores d in `work.direction`. Refactorises if conjugate gradients do not converge.
   /// @param step_of_fixed  displacement that the held unknowns still have to make [m]

@@ -24,6 +24,10 @@ constexpr double release_from_residual = 1e-3;
 constexpr int further_iterations = 200;
 // A factorisation is kept while it still reduces the residual by this ratio.
 constexpr double chord_reduction = 0.25;
+// In 3D an iteration with a kept factor costs a fifth of one with a new factor. Secants improve the
+// kept one, until two iterations reduce the residual by less than this ratio.
+constexpr double secant_reduction = 0.7;
+constexpr int slow_iterations = 2;
 // For solids too large for a band solver every iteration has its own tangent, solved by conjugate
 // gradients only as accurately as the iteration can use: the forcing terms of Eisenstat and Walker
 // (1996, choice 2).
@@ -86,15 +90,31 @@ private:
     }
   }
 
-  /// Chord steps: the factor is kept while it reduces the residual.
+  /// The factor is kept while it reduces the residual: by chord steps in 2D, with secants in 3D.
   bool find_direction(double relative, double last, bool moved,
                       std::span<const double> step_of_fixed) {
+    const bool first = outcome_.iterations == 1;
+    const bool slow = first || (!moved && is_slow(relative, last));
+
     // The tangent is kept when the set changes near equilibrium:
     // docs/developers/contact-factorisation.md.
-    const bool slow = outcome_.iterations == 1 || (!moved && relative > chord_reduction * last);
     const bool kept = !slow && (!moved || system_.change(constraints_.fixed(), step_of_fixed));
     if (!kept && !factorize(step_of_fixed)) return false;
+    if (!kept) slow_since_factor_ = 0;
+
+    work_.last_residual = work_.residual;
     return system_.solve(constraints_.fixed(), step_of_fixed);
+  }
+
+  /// Whether a new factorisation is better than the kept one. In 3D also updates the kept one.
+  bool is_slow(double relative, double last) {
+    if (Dim == 2) return relative > chord_reduction * last;
+
+    if (relative > secant_reduction * last) ++slow_since_factor_;
+    if (relative > last || slow_since_factor_ == slow_iterations || work_.secants.full())
+      return true;
+    system_.learn(constraints_.fixed(), length_);
+    return false;
   }
 
   /// Whether a factorisation costs as much as many solutions. A band factorisation does not, so
@@ -196,7 +216,8 @@ private:
   bool search(double most) {
     const double start = slope();
     advance(most);
-    double at = most, low = 0.0, low_slope = start, high = 0.0, high_slope = 0.0;
+    double& at = length_ = most;
+    double low = 0.0, low_slope = start, high = 0.0, high_slope = 0.0;
     for (int i = 0; i < line_search_steps; ++i) {
       const double now = slope();
       if (std::isfinite(now) && now <= -line_search_slope * start) return at == most;
@@ -252,6 +273,8 @@ private:
   StepOutcome outcome_;
   double least_acting_;
   double acting_ = 0.0;
+  double length_ = 0.0;        ///< share of the last direction that was taken [1]
+  int slow_since_factor_ = 0;  ///< iterations that hardly reduced the residual
   bool descending_ = false;   ///< the contact set moves by feasible descent
   bool blocked_ = false;      ///< the last step ended at a pair that closed
   bool pushed_back_ = false;  ///< that step had zero length

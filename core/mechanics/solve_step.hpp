@@ -7,6 +7,7 @@
 
 #include "core/base/stopwatch.hpp"
 #include "core/linalg/direct_solver.hpp"
+#include "core/linalg/secant_updates.hpp"
 #include "core/linalg/two_grid.hpp"
 #include "core/mechanics/options.hpp"
 #include "core/mechanics/step_constraints.hpp"
@@ -59,7 +60,9 @@ struct Workspace {
   std::vector<double> unheld_stiffness;  ///< [force/m] before any unknown was held
   std::vector<double> residual;          ///< [force]
   std::vector<double> direction;         ///< [m]
-  std::vector<double> lifted;    ///< [force] caused by held unknowns that still have to move
+  std::vector<double> last_residual;  ///< [force] of the iteration before
+  std::vector<double> lifted;  ///< [force] caused by held unknowns that still have to move
+  linalg::SecantUpdates secants;  ///< of the factor in `solver`
   bool is_solid = false;         ///< geometry of the mesh
   long gradient_iterations = 0;  ///< of conjugate gradients, total
   CostSplit cost;
@@ -73,9 +76,10 @@ struct Workspace {
     if (two_grid == nullptr) solver.analyze(pattern, geometry, fronts);
     is_solid = geometry == linalg::Geometry::solid;
     stiffness.assign(pattern.entries(), 0.0);
-    for (auto* v : {&residual, &direction, &lifted}) {
+    for (auto* v : {&residual, &last_residual, &direction, &lifted}) {
       v->assign(std::size_t(pattern.unknowns()), 0.0);
     }
+    if (two_grid == nullptr) secants.resize(std::size_t(pattern.unknowns()));
   }
 };
 

@@ -3,8 +3,9 @@
 //
 //   dccast-plan-study CASE QUALITY [KEY=NUMBER ...]
 //
-// One line: nodes, steps, iterations, processor seconds, the corner at 60, 120 and 250 s, and what
-// was found, with value and limit.
+// One line: nodes of the heat's mesh, steps, iterations, processor
+// seconds and their profile, the corner at 60, 120 and 250 s, and what was found, with value and
+// limit.
 
 #include <cstdio>
 #include <cstdlib>
@@ -92,9 +93,12 @@ int main(int count, char** values) {
   }
 
   for (int i = 1; i < count; ++i) std::printf("%s ", values[i]);
-  std::printf("| nodes %lld steps %d iterations %d seconds %.2f heat %.2f |",
-              static_cast<long long>(last.nodes), steps, iterations, last.solver_seconds,
-              run.heat_seconds());
+  std::printf("| nodes %lld steps %d iterations %d seconds %.2f |",
+              static_cast<long long>(last.nodes), steps, iterations,
+              last.solver_seconds);
+  const mechanics::CostSplit& cost = run.mechanics_cost();
+  std::printf(" heat %.2f tangents %.2f forces %.2f factors %.2f solutions %.2f |",
+              run.heat_seconds(), cost.stiffness, cost.forces, cost.preconditioner, cost.solution);
   for (const auto& [time, lift] : corner) std::printf(" %d s: %.3f", time, lift);
   std::printf(" findings");
   for (const auto& f : run.findings())
