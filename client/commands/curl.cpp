@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <cmath>
 #include <iostream>
 
@@ -5,8 +7,10 @@
 #include "client/commands/commands.hpp"
 #include "client/model/answer.hpp"
 #include "client/session/jobs.hpp"
+#include "client/session/queries.hpp"
 #include "client/session/studies.hpp"
 #include "client/text/findings.hpp"
+#include "client/text/judgement_text.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/frames/contraction.hpp"
@@ -21,11 +25,11 @@ struct CurlOptions {
   bool json = false;
 };
 
-/// All data that the command prints for a job.
+/// A job with its curl.
 struct JobCurl {
   v1::Job job;
   CurlHistory history;
-  v1::StudyResult study;  ///< without limits if the job belongs to no refinement study
+  v1::StudyResult study{};  ///< without limits if the job belongs to no refinement study
 };
 
 /// Error of mesh and time steps at the steps of the job, from its study, which also has a limit, or
@@ -111,12 +115,12 @@ void print_json(const JobCurl& curl) {
   print_line(json);
 }
 
-void print_table(const JobCurl& curl) {
-  const CurlHistory& history = curl.history;
+void print_table(const CurlHistory& history) {
   const bool lost = history.first_beyond().has_value();
   std::vector<std::string> headings{">time s", ">cast mm"};
   for (const auto& series : history.monitors) headings.push_back(">" + series.name + " mm");
   if (lost) headings.push_back("validity");
+
   render::Table table(headings);
   for (std::size_t i = 0; i < history.time_s.size(); ++i) {
     std::vector<std::string> row{render::fixed(history.time_s[i], 2),
@@ -127,37 +131,37 @@ void print_table(const JobCurl& curl) {
     table.add(std::move(row));
   }
   std::cout << table.text() << std::flush;
-  for (const auto& series : history.monitors)
-    if (series.has_error())
-      std::cerr << "mesh and time steps: " << series.name << " ends at "
-                << render::mm_with_errors(series.curl_m.back(), series.lower_error_m.back(),
-                                          series.upper_error_m.back())
-                << " (docs/error-bars.md)\n";
-  for (const v1::Finding& finding : curl.job.findings())
-    std::cerr << render::finding_line(finding) << '\n';
-  if (curl.job.has_validity_loss())
-    std::cerr << render::validity_text(curl.job.validity_loss()) << '\n';
 }
 
-JobCurl curl_of_job(const std::string& id, bool with_study, Connection& connection) {
-  JobCurl curl;
-  curl.job = connection.call(&Stub::GetJob, id);
-  const auto result = query_result(connection, id);
-  curl.history = curl_history(curl.job, result);
-  if (with_study) curl.study = judge_study_of(connection, curl.job).result();
-  return curl;
+/// What the server concludes from the run, and its findings: on standard error, beside the table.
+void print_judgement(Connection& connection, const v1::Job& job) {
+  constexpr int columns = 100;
+  const v1::Judgement judgement = judge_run(connection, job.id());
+  std::cerr << render::parts_text(judgement, render::terminal_of(STDERR_FILENO))
+            << render::sentences_text(judgement, columns, 2);
+
+  for (const v1::Finding& finding : job.findings())
+    std::cerr << render::finding_line(finding) << '\n';
+  if (job.has_validity_loss()) std::cerr << render::validity_text(job.validity_loss()) << '\n';
 }
 
 ExitCode run(const CurlOptions& options, Program& program) {
   Connection connection = program.connect();
-  const JobCurl curl =
-      curl_of_job(resolve_job(connection, options.id), options.csv || options.json, connection);
-  if (options.csv)
-    print_csv(curl);
-  else if (options.json)
-    print_json(curl);
-  else
-    print_table(curl);
+  const std::string id = resolve_job(connection, options.id);
+  JobCurl curl{connection.call(&Stub::GetJob, id), {}, {}};
+  curl.history = curl_history(curl.job, query_result(connection, id));
+
+  if (options.csv || options.json) {
+    curl.study = judge_study_of(connection, curl.job).result();
+    if (options.csv)
+      print_csv(curl);
+    else
+      print_json(curl);
+    return ExitCode::done;
+  }
+
+  print_table(curl.history);
+  if (!curl.history.time_s.empty()) print_judgement(connection, curl.job);
   return ExitCode::done;
 }
 

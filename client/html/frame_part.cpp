@@ -43,21 +43,38 @@ std::optional<Json> slab_json(const FrameSeries& series, const CurlHistory& hist
   return json;
 }
 
-v1::Chart bottom_chart(const std::string& heading, const std::string& quantity,
-                       const std::string& unit) {
-  return chart_against(heading, {"distance from the symmetry plane", "m"}, {quantity, unit});
+/// A chart without lines, against a distance along the slab. @param quantity  [`unit`]
+v1::Chart chart_along(const std::string& distance, const std::string& heading,
+                      const std::string& quantity, const std::string& unit) {
+  v1::Chart chart;
+  chart.set_heading(heading);
+  chart.mutable_x()->set_quantity(distance);
+  chart.mutable_x()->set_unit("m");
+  chart.mutable_y()->set_quantity(quantity);
+  chart.mutable_y()->set_unit(unit);
+  return chart;
+}
+
+void add_point(v1::Chart::Line& line, double x, double y) {
+  line.add_x(x);
+  line.add_y(y);
 }
 
 /// Gap and pressure along the bottom of a section, if their sizes agree.
 std::string contact_figures(const v1::Frame& frame, const CurlHistory& history) {
-  v1::Chart gaps = bottom_chart("Gap along the bottom", "gap", "m");
-  v1::Chart pressures = bottom_chart("Contact pressure", "pressure", "Pa");
-  v1::Chart::Line& gap = add_line(gaps, "gap");
-  v1::Chart::Line& pressure = add_line(pressures, "pressure");
+  constexpr const char* distance = "distance from the symmetry plane";
+  v1::Chart gaps = chart_along(distance, "Gap along the bottom", "gap", "m");
+  v1::Chart pressures = chart_along(distance, "Contact pressure", "pressure", "Pa");
+  v1::Chart::Line& gap = *gaps.add_lines();
+  v1::Chart::Line& pressure = *pressures.add_lines();
+  gap.set_name("gap");
+  pressure.set_name("pressure");
+
   for (int i = 0; i < frame.bottom_node_size(); ++i) {
     const int node = frame.bottom_node(i);
     if (node < 0 || 2 * node + 1 >= frame.node_m_size()) continue;
-    if (i < frame.bottom_gap_m_size()) add_point(gap, frame.node_m(2 * node), frame.bottom_gap_m(i));
+    if (i < frame.bottom_gap_m_size())
+      add_point(gap, frame.node_m(2 * node), frame.bottom_gap_m(i));
     if (i < frame.bottom_pressure_pa_size())
       add_point(pressure, frame.node_m(2 * node), frame.bottom_pressure_pa(i));
   }
@@ -81,14 +98,14 @@ std::string gap_figure(const v1::Frame& frame, const CurlHistory& history) {
   const int node = frame.bottom_node(largest);
   const auto contacts = std::ranges::count_if(frame.bottom_pressure_pa(),
                                               [](double pressure) { return pressure > 0.0; });
-  return figure("Gap under the butt", "<div class='gap-map'></div>",
-                frame_mark(frame, history) +
-                    fmt::format("The bottom seen from below. Largest gap <strong>{} mm</strong> at "
-                                "x {} mm, y {} mm from the middle of the slab. In contact with the "
-                                "block: {} of {} nodes.",
-                                mm(frame.bottom_gap_m(largest)), mm(frame.node_m(3 * node), 0),
-                                mm(frame.node_m(3 * node + 1), 0), contacts,
-                                frame.bottom_node_size()));
+  return figure(
+      "Gap under the butt", "<div class='gap-map'></div>",
+      frame_mark(frame, history) +
+          fmt::format("The bottom seen from below. Largest gap <strong>{} mm</strong> at "
+                      "x {} mm, y {} mm from the middle of the slab. In contact with the "
+                      "block: {} of {} nodes.",
+                      mm(frame.bottom_gap_m(largest)), mm(frame.node_m(3 * node), 0),
+                      mm(frame.node_m(3 * node + 1), 0), contacts, frame.bottom_node_size()));
 }
 
 /// The highest row of the wide face that is solid with all rows below it. The metal behind the face
@@ -115,11 +132,11 @@ struct NamedRow {
 };
 
 v1::Chart pull_in_chart(const std::vector<NamedRow>& rows) {
-  v1::Chart chart =
-      chart_against("Pull-in of the wide face", {"distance from the middle of the wide face", "m"},
-                    {"pull-in", "m"});
+  v1::Chart chart = chart_along("distance from the middle of the wide face",
+                                "Pull-in of the wide face", "pull-in", "m");
   for (const auto& [name, row] : rows) {
-    v1::Chart::Line& line = add_line(chart, fmt::format("{}, {} mm", name, mm(row.height_m, 0)));
+    v1::Chart::Line& line = *chart.add_lines();
+    line.set_name(fmt::format("{}, {} mm", name, mm(row.height_m, 0)));
     for (const frames::FacePoint& point : row.points) add_point(line, point.x_m, point.pull_in_m());
   }
   return chart;
@@ -184,14 +201,15 @@ std::string frame_part(const v1::QueryResultResponse& result, const CurlHistory&
   return element(
       "section class='card wide slab'",
       drawn("slab", *json) +
-          element("div class='caption'",
-                  fmt::format("{}The last frame is at {} s, cast length {} mm; {} stored frames are in "
-                              "this page. Grey lines: before the metal moved. Thin lines: the values "
-                              "named below the colours.",
-                              frame_mark(frame, history), fixed(frame.time_s(), 1),
-                              mm(frame.cast_length_m()),
-                              count == shown.stored ? fmt::format("all {}", count)
-                                                    : fmt::format("{} of {}", count, shown.stored))));
+          element(
+              "div class='caption'",
+              fmt::format("{}The last frame is at {} s, cast length {} mm; {} stored frames are in "
+                          "this page. Grey lines: before the metal moved. Thin lines: the values "
+                          "named below the colours.",
+                          frame_mark(frame, history), fixed(frame.time_s(), 1),
+                          mm(frame.cast_length_m()),
+                          count == shown.stored ? fmt::format("all {}", count)
+                                                : fmt::format("{} of {}", count, shown.stored))));
 }
 
 std::string bottom_part(const v1::QueryResultResponse& result, const CurlHistory& history) {

@@ -63,9 +63,10 @@ std::string with_error(const std::string& value, const std::string& error) {
 std::string bar_part(const Bar& bar, bool both) {
   const double zero = both ? 50.0 : 0.0;  // [%] of the width
   const double scale = 100.0 - zero;
-  return fmt::format("<span class='scale{}' aria-hidden='true'><span style='left:{:.1f}%;"
-                     "width:{:.1f}%'></span></span>",
-                     both ? " both" : "", zero + scale * bar.low, scale * (bar.high - bar.low));
+  return fmt::format(
+      "<span class='scale{}' aria-hidden='true'><span style='left:{:.1f}%;"
+      "width:{:.1f}%'></span></span>",
+      both ? " both" : "", zero + scale * bar.low, scale * (bar.high - bar.low));
 }
 
 std::string findings_list(const v1::Comparison& comparison) {
@@ -82,29 +83,21 @@ std::string findings_list(const v1::Comparison& comparison) {
 
 }  // namespace
 
-v1::Chart chart_against(const std::string& heading, const Quantity& x, const Quantity& y) {
-  v1::Chart chart;
-  chart.set_heading(heading);
-  chart.mutable_x()->set_quantity(x.name);
-  chart.mutable_x()->set_unit(x.unit);
-  chart.mutable_y()->set_quantity(y.name);
-  chart.mutable_y()->set_unit(y.unit);
-  return chart;
-}
-
-v1::Chart::Line& add_line(v1::Chart& chart, const std::string& name) {
-  v1::Chart::Line& line = *chart.add_lines();
-  line.set_name(name);
-  return line;
-}
-
-void add_point(v1::Chart::Line& line, double x, double y) {
-  line.add_x(x);
-  line.add_y(y);
-}
-
 std::string chart_figure(const v1::Chart& chart, const std::string& caption) {
   return figure(capitalised(chart.heading()), drawn("chart", chart_json(chart)), caption);
+}
+
+std::string chart_figure(const v1::Chart& chart, const v1::Judgement& judgement) {
+  for (const v1::Table::Row& row : find_table(judgement, "notes").rows())
+    if (row.cells(0).text() == chart.key())
+      return chart_figure(chart, html_escaped(row.cells(1).text()));
+  return chart_figure(chart, "");
+}
+
+const v1::Table& find_table(const v1::Judgement& judgement, const std::string& key) {
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.has_table() && part.table().key() == key) return part.table();
+  return v1::Table::default_instance();
 }
 
 std::string table_part(const v1::Table& table) {
@@ -134,6 +127,10 @@ std::string table_part(const v1::Table& table) {
   return figures_table(element("tr", head), body) + note;
 }
 
+std::string table_card(const v1::Table& table) {
+  return card(capitalised(table.heading()), table_part(table));
+}
+
 std::string sentences_part(const v1::Judgement& judgement) {
   std::string html;
   for (const std::string& sentence : judgement.sentences())
@@ -149,13 +146,13 @@ std::string judgement_parts(const v1::Judgement& judgement) {
   };
 
   for (const v1::JudgementPart& part : judgement.parts()) {
-    if (part.place() == v1::JudgementPart::TERMINAL) continue;
+    if (part.place() == v1::JudgementPart::TERMINAL || part.table().key() == "notes") continue;
     if (part.has_chart()) {
-      charts += chart_figure(part.chart(), "");
+      charts += chart_figure(part.chart(), judgement);
       continue;
     }
     close_charts();
-    html += card(capitalised(part.table().heading()), table_part(part.table()));
+    html += table_card(part.table());
   }
   close_charts();
   return html;

@@ -7,23 +7,20 @@
 /// What the server concludes (judgement.proto), as parts of a page.
 namespace dccast::client::render {
 
-/// What an axis shows.
-struct Quantity {
-  std::string name;  ///< "cast length"
-  std::string unit;  ///< SI
-};
-
-/// A chart without lines. @param x, y  quantities with their SI units
-v1::Chart chart_against(const std::string& heading, const Quantity& x, const Quantity& y);
-v1::Chart::Line& add_line(v1::Chart& chart, const std::string& name);
-/// @param x, y  in the units of the axes
-void add_point(v1::Chart::Line& line, double x, double y);
-
 /// A card with a chart, which a script of the page draws, and a caption below it.
 std::string chart_figure(const v1::Chart& chart, const std::string& caption);
 
+/// The same with the caption that the judgement has for it, in its table "notes".
+std::string chart_figure(const v1::Chart& chart, const v1::Judgement& judgement);
+
+/// A table of a judgement by its key; an empty one where there is none.
+const v1::Table& find_table(const v1::Judgement& judgement, const std::string& key);
+
 /// A table of a judgement as HTML, with its heading and units.
 std::string table_part(const v1::Table& table);
+
+/// That in a card.
+std::string table_card(const v1::Table& table);
 
 /// The sentences as they open a page.
 std::string sentences_part(const v1::Judgement& judgement);

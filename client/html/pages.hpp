@@ -13,14 +13,20 @@
 /// What the client writes to be opened in a browser. Every page is one file that loads nothing.
 namespace dccast::client::render {
 
+/// The run that a report is about.
+struct ReportedRun {
+  /// The job of the report, and its history with case and last frame.
+  const v1::Job& job;
+  const v1::QueryResultResponse& result;
+  v1::Judgement judgement{};  ///< of the run alone; empty before its first step
+  FrameSeries series{};       ///< frames to show; the last one is that of the result
+};
+
 /// A page about a job, see docs/report.md. The first sheet is one page of A4 for the plant: the
 /// curl, its error and cause, findings, recipe, the last frame. The next ones have the histories
 /// and the basis of the figures. The page states which parts are missing in the result, such as
-/// frames. With a study of at least two successful runs, curls have their error, and charts show
-/// the limit with its interval; otherwise the page names the command that computes them.
-/// @param series  frames to show; the last one is that of the result
-std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result,
-                        const v1::StudyJudgement& study = {}, const FrameSeries& series = {});
+/// frames.
+std::string report_page(const ReportedRun& run);
 
 /// That page with all that the server has for the job: result, study, frames. Throws CommandFailed.
 /// @param notes  receives what the page lacks, a line each

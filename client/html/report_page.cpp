@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ostream>
+#include <string_view>
 
 #include <fmt/core.h>
 
@@ -10,13 +12,13 @@
 #include "client/html/report_parts.hpp"
 #include "client/model/answer.hpp"
 #include "client/session/jobs.hpp"
-#include "client/session/studies.hpp"
+#include "client/session/queries.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
+#include "client/text/judgement_text.hpp"
 #include "client/text/plant_units.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
-#include "proto/frames/contraction.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -98,58 +100,14 @@ std::string recipe_table(const v1::Case& input) {
   return element("table", rows);
 }
 
-/// Adds a table of the schedule with factor and shift, against time. @param acts  whether it takes
-/// effect at a time [s]; the value is zero where it does not
-template <class Acts>
-void add_course(v1::Chart& chart, const std::string& name, const v1::QueryResultResponse& result,
-                const v1::Curve& table, const v1::Curve& factor, double shift_s, const Acts& acts) {
-  v1::Chart::Line& line = add_line(chart, name);
-  for (const v1::StepReport& step : result.steps()) {
-    const double t = step.time_s(), length = step.cast_length_m();
-    add_point(line, t,
-              acts(t) ? frames::curve_value(factor, t, length, 1.0) *
-                            frames::curve_value(table, t - shift_s, length, 0.0)
-                      : 0.0);
-  }
-}
-
-v1::Chart speed_chart(const v1::QueryResultResponse& result) {
-  const v1::Schedule& recipe = result.case_().schedule();
-  v1::Chart chart = chart_against("Casting speed", {"time", "s"}, {"casting speed", "m/s"});
-  // The block does not move during the hold, independent of the table.
-  add_course(chart, "casting speed", result, recipe.casting_speed_m_per_s(),
-             recipe.casting_speed_factor(), recipe.casting_speed_shift_s(),
-             [](double time_s) { return time_s > 0.0; });
-  return chart;
-}
-
-v1::Chart water_chart(const v1::QueryResultResponse& result) {
-  const v1::Case& input = result.case_();
-  const v1::Schedule& recipe = input.schedule();
-  v1::Chart chart = chart_against("Water", {"time", "s"}, {"water", "m2/s"});
-  const auto add = [&](const std::string& name, const v1::Curve& flow, const v1::Water& water) {
-    add_course(
-        chart, name, result, flow, recipe.water_flow_factor(), recipe.water_flow_shift_s(),
-        [&](double time_s) { return water.enabled() && time_s >= water.start_s(); });
-  };
-  const bool two = narrow_differs(input);
-  add(two ? "wide face" : "water", recipe.water_flow_m2_per_s(), input.cooling().water());
-  if (two) add("narrow face", narrow_flow(input), narrow_water(input));
-  return chart;
-}
-
 std::string recipe_part(const v1::QueryResultResponse& result) {
   if (!result.has_case_()) return {};
   return card("Recipe", recipe_table(result.case_()));
 }
 
-/// Charts of speed and water in this run. Empty with fewer than two steps.
-std::string recipe_charts(const v1::QueryResultResponse& result) {
-  if (!result.has_case_() || result.steps_size() < 2) return {};
-  return chart_figure(speed_chart(result), "As this run had it, factors included.") +
-         chart_figure(
-             water_chart(result),
-             "Litres a minute on a metre of the slab's perimeter, as this run had it.");
+/// The remark beside a figure of the last step; empty while the model is valid.
+std::string last_step_mark(const CurlHistory& history) {
+  return !history.beyond.empty() && history.beyond.back() ? beyond_validity : "";
 }
 
 std::string scientific(double value) {
@@ -159,34 +117,42 @@ std::string scientific(double value) {
 
 using Step = v1::StepReport;
 
+/// The largest value of a check in all steps.
+std::string worst_row(const v1::QueryResultResponse& result, const std::string& name,
+                      double (Step::*figure_of)() const, const std::string& note) {
+  double largest = 0.0;
+  for (const Step& step : result.steps())
+    largest = std::max(largest, std::abs((step.*figure_of)()));
+  return row(name, scientific(largest), note);
+}
+
 std::string checks_table(const v1::QueryResultResponse& result, const CurlHistory& history) {
   if (result.steps_size() == 0) return {};
-  const v1::StepReport& last = result.steps(result.steps_size() - 1);
+
+  std::string rows =
+      worst_row(result, "Equilibrium residual", &Step::equilibrium_residual,
+                "largest of all steps, relative") +
+      worst_row(result, "Energy balance", &Step::energy_balance_error,
+                "largest of all steps, relative") +
+      worst_row(result, "Complementarity", &Step::complementarity_error,
+                "gap times pressure, relative") +
+      worst_row(result, "Constitutive residual", &Step::constitutive_residual, "relative");
+
+  // Forces and heat flows at the end, of the computed part of the slab.
+  const Step& last = result.steps(result.steps_size() - 1);
   const std::string mark = last_step_mark(history);
   const std::string of_last_step = "last step" + (mark.empty() ? "" : ", " + mark);
   const bool quarter = is_quarter(result.case_());
   const std::string per_metre = quarter ? "" : "/m";
-  const auto worst = [&](const std::string& name, double (Step::*figure_of)() const,
-                         const std::string& note) {
-    double largest = 0.0;
-    for (const Step& step : result.steps())
-      largest = std::max(largest, std::abs((step.*figure_of)()));
-    return row(name, scientific(largest), note);
-  };
-  const double reaction = last.section().bottom_reaction();
-  const double weight = last.section().weight();
-  const double heat = last.section().wall_heat_flux();
-  const std::string rows =
-      worst("Equilibrium residual", &Step::equilibrium_residual, "largest of all steps, relative") +
-      worst("Energy balance", &Step::energy_balance_error, "largest of all steps, relative") +
-      worst("Complementarity", &Step::complementarity_error, "gap times pressure, relative") +
-      worst("Constitutive residual", &Step::constitutive_residual, "relative") +
-      row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
-          "against the metallostatic one, relative, " + of_last_step) +
-      row("Bottom reaction", fixed(reaction, 1) + " N" + per_metre,
-          "weight " + fixed(weight, 1) + " N" + per_metre + ", " + of_last_step) +
-      row("Heat through side and bottom", fixed(1e-3 * heat, 1) + " kW" + per_metre,
-          (quarter ? "of the quarter, " : "per metre of face, ") + of_last_step);
+  rows += row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
+              "against the metallostatic one, relative, " + of_last_step) +
+          row("Bottom reaction",
+              fmt::format("{} N{}", fixed(last.section().bottom_reaction(), 1), per_metre),
+              fmt::format("weight {} N{}, {}", fixed(last.section().weight(), 1), per_metre,
+                          of_last_step)) +
+          row("Heat through side and bottom",
+              fmt::format("{} kW{}", fixed(1e-3 * last.section().wall_heat_flux(), 1), per_metre),
+              (quarter ? "of the quarter, " : "per metre of face, ") + of_last_step);
   return card("Checks of the run", element("table", rows));
 }
 
@@ -286,35 +252,90 @@ std::string page_header(const v1::Job& job, const std::string& title) {
       html_escaped(job.id().substr(0, 8)), state_text(job.state()), findings_mark(job), title);
 }
 
+/// What the server concludes: the answer, then its cause.
+std::string sentences(const v1::Judgement& judgement) {
+  std::string html;
+  for (const std::string& sentence : judgement.sentences())
+    html += element(html.empty() ? "p class='answer'" : "p class='cause'", html_escaped(sentence));
+  return html;
+}
+
+/// A box for each number of a table, with its error; the text of its row is part of its name.
+std::string boxes(const v1::Table& table) {
+  std::string html;
+  const std::vector<ShownColumn> columns = shown_columns(table);
+  for (std::size_t row = 0; row < static_cast<std::size_t>(table.rows_size()); ++row) {
+    std::string row_name;
+    for (const ShownColumn& column : columns) {
+      if (!column.is_number) row_name = ", " + column.cells[row];
+      if (!column.is_number || column.cells[row].empty()) continue;
+
+      const std::string error = column.has_error ? column.errors[row] : "";
+      html += fmt::format("<div class='tile'><span>{}</span><strong>{}</strong> {}{}</div>",
+                          html_escaped(column.heading + row_name), column.cells[row], column.unit,
+                          error.empty()
+                              ? ""
+                              : fmt::format("<em>{}{} {}</em>", error.starts_with('-') ? "" : "± ",
+                                            error, column.unit));
+    }
+  }
+  return html;
+}
+
+/// The figures of the last step.
+std::string headline(const v1::Judgement& judgement) {
+  const v1::Table& end = find_table(judgement, "end");
+  if (end.rows().empty()) return "<p>The job has no step yet.</p>";
+  return element("div class='tiles'", boxes(find_table(judgement, "curls")) + boxes(end)) +
+         (end.note().empty() ? "" : element("p class='note'", html_escaped(end.note())));
+}
+
+constexpr const char* chart_of_first_sheet = "curl";
+
+/// The chart of the curl against time.
+std::string curl_figure(const v1::Judgement& judgement) {
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.chart().key() == chart_of_first_sheet) return chart_figure(part.chart(), judgement);
+  return {};
+}
+
+/// All other charts.
+std::string history_figures(const v1::Judgement& judgement) {
+  std::string html;
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.has_chart() && part.chart().key() != chart_of_first_sheet)
+      html += chart_figure(part.chart(), judgement);
+  return html;
+}
+
 /// The part for the plant, printed on one sheet.
-std::string first_sheet(const ReportedRun& run, const FrameSeries& series) {
-  return "<div class='first'>" + failure_banner(run.job) + validity_banner(run.job, run.history) +
-         curl_sentence(run) + cause_sentence(run) + findings_part(run.job.findings()) +
-         headline(run) + "<div class='cards'>" + curl_figure(run, false) + recipe_part(run.result) +
-         frame_part(run.result, run.history, series) + "</div></div>";
+std::string first_sheet(const ReportedRun& run, const CurlHistory& history) {
+  return "<div class='first'>" + failure_banner(run.job) + validity_banner(run.job, history) +
+         sentences(run.judgement) + findings_part(run.job.findings()) + headline(run.judgement) +
+         "<div class='cards'>" + curl_figure(run.judgement) + recipe_part(run.result) +
+         frame_part(run.result, history, run.series) + "</div></div>";
 }
 
 /// The histories of the run.
-std::string details(const ReportedRun& run) {
-  return "<div class='histories'><div class='cards'>" + curl_figure(run, true) +
-         recipe_charts(run.result) + history_part(run.result) +
-         bottom_part(run.result, run.history) + "</div></div>";
+std::string details(const ReportedRun& run, const CurlHistory& history) {
+  return "<div class='histories'><div class='cards'>" + history_figures(run.judgement) +
+         bottom_part(run.result, history) + "</div></div>";
 }
 
-/// Known discretisation error, from the study or else from the quality of the case.
-std::string discretisation_part(const ReportedRun& run) {
-  if (run.history.monitors.empty()) return {};
-  if (run.study.result().limits().empty() &&
-      std::ranges::any_of(run.history.monitors, &CurlHistory::Series::has_error))
-    return "<p class='note'>The ± beside a curl is the band of the case's quality "
-           "(docs/error-bars.md). <code>dccast convergence CASE</code> shows it for this case.</p>";
-  return study_part(run.study, run.job);
+/// How much of the curl is discretisation: the tables that have no place of their own.
+std::string discretisation_part(const v1::Judgement& judgement) {
+  constexpr std::array<std::string_view, 3> elsewhere{"curls", "end", "notes"};
+  std::string html;
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.has_table() && std::ranges::find(elsewhere, part.table().key()) == elsewhere.end())
+      html += table_card(part.table());
+  return html;
 }
 
 /// The evidence: error, checks of the run, progress, assumptions and the whole case.
-std::string evidence(const ReportedRun& run) {
-  return "<div class='evidence'>" + discretisation_part(run) + "<div class='cards'>" +
-         checks_table(run.result, run.history) + run_table(run.job, run.result) +
+std::string evidence(const ReportedRun& run, const CurlHistory& history) {
+  return "<div class='evidence'>" + discretisation_part(run.judgement) + "<div class='cards'>" +
+         checks_table(run.result, history) + run_table(run.job, run.result) +
          inputs_table(run.result) + "</div></div>";
 }
 
@@ -345,12 +366,12 @@ FrameSeries frames_of_page(Connection& connection, const std::string& id,
 
 }  // namespace
 
-std::string report_page(const v1::Job& job, const v1::QueryResultResponse& result,
-                        const v1::StudyJudgement& study, const FrameSeries& series) {
-  const ReportedRun run{job, result, study, curl_history(job, result)};
-  const std::string title = html_escaped(job.title().empty() ? "Casting " + job.id() : job.title());
-  return whole_page(title, page_header(job, title),
-                    first_sheet(run, series) + details(run) + evidence(run));
+std::string report_page(const ReportedRun& run) {
+  const CurlHistory history = curl_history(run.job, run.result);
+  const std::string title =
+      html_escaped(run.job.title().empty() ? "Casting " + run.job.id() : run.job.title());
+  return whole_page(title, page_header(run.job, title),
+                    first_sheet(run, history) + details(run, history) + evidence(run, history));
 }
 
 std::string casting_page(const v1::Case& complete) {
@@ -363,8 +384,12 @@ std::string casting_page(const v1::Case& complete) {
 std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes,
                       grpc::Status& frame_status) {
   const v1::QueryResultResponse result = result_of(connection, job.id(), notes, frame_status);
-  return report_page(job, result, judge_study_of(connection, job),
-                     frames_of_page(connection, job.id(), result));
+  const v1::Judgement judgement =
+      result.steps().empty() ? v1::Judgement() : judge_run(connection, job.id());
+  return report_page({.job = job,
+                      .result = result,
+                      .judgement = judgement,
+                      .series = frames_of_page(connection, job.id(), result)});
 }
 
 }  // namespace dccast::client::render

@@ -91,20 +91,28 @@ Diagnosis judge_certificate(SSL* session, const values::HostAndPort& to) {
   const long verdict = SSL_get_verify_result(session);
   X509* shown = SSL_get0_peer_certificate(session);
   if (verdict == X509_V_OK || shown == nullptr) return {};
-  const std::string here = "; this machine's clock has " + utc_text(::time(nullptr));
+
   switch (verdict) {
+    // Its time: the clock of either machine may be wrong.
     case X509_V_ERR_CERT_HAS_EXPIRED:
-      return {"the server's certificate has expired on " + date(X509_get0_notAfter(shown)) + here,
+      return {fmt::format("the server's certificate has expired on {}; this machine's clock has {}",
+                          date(X509_get0_notAfter(shown)), utc_text(::time(nullptr))),
               "have it renewed (dccastd pki renew), or set the clock right"};
     case X509_V_ERR_CERT_NOT_YET_VALID:
-      return {"the server's certificate is not yet valid, but from " +
-                  date(X509_get0_notBefore(shown)) + " on" + here,
+      return {fmt::format("the server's certificate is not yet valid, but from {} on; this "
+                          "machine's clock has {}",
+                          date(X509_get0_notBefore(shown)), utc_text(::time(nullptr))),
               "set the clock of this machine right, or wait until then"};
+
+    // Its names.
     case X509_V_ERR_HOSTNAME_MISMATCH:
     case X509_V_ERR_IP_ADDRESS_MISMATCH:
-      return {"the server's certificate is not for " + to.host + ", but for " + names_of(shown),
+      return {fmt::format("the server's certificate is not for {}, but for {}", to.host,
+                          names_of(shown)),
               "use one of these names, or have it renewed for this one: dccastd pki renew --name " +
                   to.host};
+
+    // Its signature: this machine does not trust who made it.
     case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
     case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
@@ -114,6 +122,7 @@ Diagnosis judge_certificate(SSL* session, const values::HostAndPort& to) {
           "the server's certificate is of a CA that is unknown here: another server, a proxy that "
           "reads along, or a CA made anew",
           "ask an admin whether the CA was changed; if so log in again with a new line"};
+
     default:
       return {std::string("the server's certificate is refused: ") +
                   X509_verify_cert_error_string(verdict),
@@ -169,34 +178,48 @@ Diagnosis secure(const Socket& socket, const values::HostAndPort& to, const Endp
   return {};
 }
 
+/// Why a server does not answer who the caller is.
+Diagnosis judge_answer(const grpc::Status& status, const ProbeOptions& options) {
+  if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
+    return {fmt::format("the server is of an earlier version than this client, {}, and knows no "
+                        "users",
+                        options.version),
+            "use a client of the server's version"};
+
+  // gRPC refuses a caller who has proved nothing before the service does: its text is all there is.
+  if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED)
+    return {reason_of(status), "do as the cause says, or log in again"};
+  return {"the server does not answer a call: " + reason_of(status), "look into its log"};
+}
+
+/// The least role that will do. Every user may read.
+v1::Role wanted_role(const ProbeOptions& options) {
+  if (options.role.empty() || options.role == "viewer") return v1::ROLE_UNSPECIFIED;
+  return options.role == "admin" ? v1::ADMIN : v1::SUBMITTER;
+}
+
 /// Makes a call: token, version, role.
 Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
                std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
   Connection connection(endpoint, std::move(interruption));
   v1::WhoAmIResponse who;
   const grpc::Status status = connection.try_once(&Stub::WhoAmI, v1::WhoAmIRequest(), who);
-  if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
-    return {"the server is of an earlier version than this client, " + options.version +
-                ", and knows no users",
-            "use a client of the server's version"};
-  // gRPC refuses a caller who has proved nothing before the service does: its text is all there is.
-  if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED)
-    return {reason_of(status), "do as the cause says, or log in again"};
-  if (!status.ok())
-    return {"the server does not answer a call: " + reason_of(status), "look into its log"};
-  found.push_back("you are " + (who.name().empty() ? "a local user" : who.name()) + ", " +
-                  role_text(who.role()) + ", by " + who.proof());
+  if (!status.ok()) return judge_answer(status, options);
+  found.push_back(fmt::format("you are {}, {}, by {}",
+                              who.name().empty() ? "a local user" : who.name(),
+                              role_text(who.role()), who.proof()));
+
   v1::GetServerInfoResponse info;
   if (connection.try_once(&Stub::GetServerInfo, v1::GetServerInfoRequest(), info).ok() &&
       info.version() != options.version)
-    return {"the server is dccastd " + info.version() + ", and this client is dccast " +
-                options.version,
+    return {fmt::format("the server is dccastd {}, and this client is dccast {}", info.version(),
+                        options.version),
             "use a client of the server's version"};
-  if (!options.role.empty() && who.role() < (options.role == "admin" ? v1::ADMIN : v1::SUBMITTER) &&
-      options.role != "viewer")
-    return {"the role of " + who.name() + " is " + role_text(who.role()) + ", which is below " +
-                options.role,
-            "ask an admin: dccastd user role " + who.name() + " " + options.role};
+
+  if (who.role() < wanted_role(options))
+    return {fmt::format("the role of {} is {}, which is below {}", who.name(),
+                        role_text(who.role()), options.role),
+            fmt::format("ask an admin: dccastd user role {} {}", who.name(), options.role)};
   return {};
 }
 

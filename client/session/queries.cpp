@@ -91,12 +91,15 @@ std::optional<Answer> ask_query(
   put_case(checked, connection, request);
   request.set_keep(mode.keep);
   request.set_one_of_several(mode.one_of_several);
-  Answer answer;
-  answer.changes = checked.changes;
+
+  // An interruption cancels the call, and with it the run on the server.
   grpc::ClientContext context;
   const Interruption::Call call(connection.interruption(), context);
   const auto begin = Clock::now();
   const auto reader = connection.stub().QueryButtCurl(&context, request);
+
+  Answer answer;
+  answer.changes = checked.changes;
   v1::QueryButtCurlResponse response;
   while (reader->Read(&response)) {
     take(response, begin, answer);
@@ -104,10 +107,13 @@ std::optional<Answer> ask_query(
   }
   const grpc::Status status = reader->Finish();
   answer.elapsed_s = seconds_since(begin);
+
   if (connection.interruption().came()) throw Interrupted("the run has ended with it");
   checked.faults = faults_of(status);
   if (!checked.faults.empty()) return std::nullopt;
   check(status, connection.server());
+
+  // The stream can end properly without an end of the run, where the server is shutting down.
   if (answer.state == v1::JOB_STATE_UNSPECIFIED)
     throw CommandFailed(ExitCode::unreachable,
                         connection.server() + " ended the answer before its end; ask again");
@@ -123,6 +129,12 @@ v1::ComparedRun compared_run(const Answer& answer) {
     run.set_job(answer.job);
   run.set_name(values::shortened(values::escaped(answer.name), longest_name));
   return run;
+}
+
+v1::Judgement judge_run(Connection& connection, const std::string& job) {
+  v1::CompareRunsRequest request;
+  request.add_runs()->set_job(job);
+  return connection.call(&Stub::CompareRuns, request).judgement();
 }
 
 std::vector<std::optional<Answer>> ask_queries(

@@ -27,6 +27,9 @@ std::optional<Answer> ask_query(
 /// Names an answer to CompareRuns, under its own name.
 v1::ComparedRun compared_run(const Answer& answer);
 
+/// What the server concludes from one run of a job that has a step. Throws CommandFailed.
+v1::Judgement judge_run(Connection& connection, const std::string& job);
+
 /// Queries several cases, a few at a time: the daemon runs as many as it has cores, and the others
 /// wait there. Throws CommandFailed, Interrupted; the runs end with their calls.
 /// @param on_wait  called when a run has to wait, with the index of its case; from any thread, by
@@ -39,8 +42,8 @@ std::vector<std::optional<Answer>> ask_queries(
 
 /// An evenly spaced selection of the stored frames of a job, including the first and the last.
 struct FrameSeries {
-  int stored = 0;                 ///< frames in the results
-  std::vector<v1::Frame> frames;  ///< in the order of time
+  int stored = 0;                      ///< frames in the results
+  std::vector<v1::Frame> frames;       ///< in the order of time
   std::vector<v1::FrameField> fields;  ///< of the last frame, with their values
 };
 

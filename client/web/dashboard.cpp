@@ -381,16 +381,12 @@ WebServer::Handler connected(const Connect& connect, Handler handler) {
   };
 }
 
-void add_results(WebServer& server, const Connect& connect) {
+/// The frames of a job, and fields of theirs.
+void add_frames(WebServer& server, const Connect& connect) {
   const auto get = [&](const std::string& path, const auto& handler) {
     server.get(path, connected(connect, handler));
   };
-  get("/job", [](Connection& connection, const Request& request) {
-    return Reply{job_json(connection, request.name).dump()};
-  });
-  get("/sketch", [](Connection& connection, const Request& request) {
-    return Reply{sketch_json(connection, request.name).dump()};
-  });
+
   get("/frames", [](Connection& connection, const Request& request) {
     return Reply{frames_json(connection, request.name).dump()};
   });
@@ -404,12 +400,29 @@ void add_results(WebServer& server, const Connect& connect) {
     return Reply{.body = render::float_bytes(result.frame().field().values(), render::Precision::full),
                  .type = "application/octet-stream"};
   });
+}
+
+/// Jobs as pages show them, alone or beside each other.
+void add_results(WebServer& server, const Connect& connect) {
+  const auto get = [&](const std::string& path, const auto& handler) {
+    server.get(path, connected(connect, handler));
+  };
+
+  // Histories and pages of single jobs, and their comparison.
+  get("/job", [](Connection& connection, const Request& request) {
+    return Reply{job_json(connection, request.name).dump()};
+  });
+  get("/sketch", [](Connection& connection, const Request& request) {
+    return Reply{sketch_json(connection, request.name).dump()};
+  });
   get("/report", [](Connection& connection, const Request& request) {
     return report(connection, request.name);
   });
   get("/compare", [](Connection& connection, const Request& request) {
     return comparison(connection, request.values("job"));
   });
+
+  // The study that looks for a remedy.
   server.post("/remedy", connected(connect, [](Connection& connection, const Request& request) {
                 return Reply{Json{{"study", remedy_of(connection, request.name).id()}}.dump()};
               }));
@@ -418,6 +431,8 @@ void add_results(WebServer& server, const Connect& connect) {
     return Reply{
         Json{{"address", connection.server()}, {"role", v1::Role_Name(who.role())}}.dump()};
   });
+
+  // Events of a job as they come.
   server.events("/watch", [=](const Request& request) {
     return [=](const auto& gone, const Send& send) {
       Connection connection = connect(gone);
@@ -467,6 +482,7 @@ void add_dashboard(WebServer& server, const Connect& connect,
     return Reply{Json{{"address", server.address()}}.dump()};
   });
   add_results(server, connect);
+  add_frames(server, connect);
   add_what_if(server, connect, cases);
 }
 

@@ -1,4 +1,5 @@
-// The call that compares runs: of jobs, and of queries whose answers are kept.
+// The call that judges runs, one alone or several against the first: runs of jobs, and of queries
+// whose answers are kept.
 #include <fmt/format.h>
 
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/judging/judged_comparison.hpp"
+#include "server/judging/run_judgement.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
 #include "server/service/simulation_service.hpp"
@@ -23,6 +25,7 @@ constexpr std::size_t length_of_short_id = 8;
 struct FoundRun {
   JudgedRun judged;
   Summary summary;
+  std::string study;  ///< that of the job; empty: none
 };
 
 /// @throws Refusal  also where the caller may not read the job
@@ -45,6 +48,7 @@ FoundRun find_job_run(Context& context, const Call& call, const std::string& id)
            "job {} has gone back to a checkpoint", id);
   run.judged.steps = std::move(*steps);
 
+  run.study = job.study();
   run.judged.name = id.substr(0, length_of_short_id);
   run.summary.set_job(id);
   run.summary.set_title(job.title());
@@ -108,31 +112,62 @@ FoundRun find_run(Context& context, const Call& call, const v1::ComparedRun& ask
   run.summary.set_name(run.judged.name);
 
   if (run.judged.steps.empty())
-    refuse(ErrorInfo::WRONG_STATE, Remedy{"compare it when it has begun"}, "{} has no step yet",
+    refuse(ErrorInfo::WRONG_STATE, Remedy{"ask when it has begun"}, "{} has no step yet",
            run.judged.name);
   return run;
 }
 
-void compare(Context& context, const Call& call, const v1::CompareRunsRequest& request,
-             v1::Comparison& comparison) {
-  if (request.runs_size() < 2 || request.runs_size() > most_runs ||
-      request.companions_size() > most_runs)
-    refuse("a comparison takes 2 to {} runs and at most as many companions; there are {} and {}",
-           most_runs, request.runs_size(), request.companions_size());
+/// The refinement study of a run, evaluated; empty where there is none that the caller may read.
+v1::StudyResult refinement_of(Context& context, const Call& call, const std::string& study) {
+  if (study.empty()) return {};
 
+  // Jobs can share a study id that no study of the server has, or that of another owner.
+  const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
+  if (!context.gate.permit_touch(call.caller, reading, study).ok()) return {};
+  const auto found = context.studies.find(study);
+  if (!found || !found->has_refinement()) return {};
+
+  v1::EvaluateStudyRequest request;
+  request.set_id(study);
+  return context.studies.evaluate(request).value_or(v1::StudyResult{});
+}
+
+v1::Judgement judge_alone(Context& context, const Call& call, FoundRun run) {
+  judging::RunToJudge judged{std::move(run.judged)};
+  if (run.summary.has_validity_loss()) judged.valid_until_s = run.summary.validity_loss().time_s();
+  judged.refinement = refinement_of(context, call, run.study);
+  return judging::judge_run(judged);
+}
+
+v1::Judgement judge_together(Context& context, const Call& call, std::vector<FoundRun> found,
+                             const v1::CompareRunsRequest& request) {
   std::vector<JudgedRun> runs;
-  for (const v1::ComparedRun& asked : request.runs()) {
-    FoundRun run = find_run(context, call, asked);
-    *comparison.add_runs() = std::move(run.summary);
-    runs.push_back(std::move(run.judged));
-  }
+  for (FoundRun& run : found) runs.push_back(std::move(run.judged));
 
   // Companions only give errors: they do not appear in the answer.
   std::vector<JudgedRun> companions;
   for (const v1::ComparedRun& asked : request.companions())
     companions.push_back(find_run(context, call, asked).judged);
 
-  *comparison.mutable_judgement() = judging::judge_comparison(runs, companions);
+  return judging::judge_comparison(runs, companions);
+}
+
+void compare(Context& context, const Call& call, const v1::CompareRunsRequest& request,
+             v1::Comparison& comparison) {
+  if (request.runs().empty() || request.runs_size() > most_runs ||
+      request.companions_size() > most_runs)
+    refuse("a comparison takes 1 to {} runs and at most as many companions; there are {} and {}",
+           most_runs, request.runs_size(), request.companions_size());
+
+  std::vector<FoundRun> runs;
+  for (const v1::ComparedRun& asked : request.runs()) {
+    runs.push_back(find_run(context, call, asked));
+    *comparison.add_runs() = runs.back().summary;
+  }
+
+  *comparison.mutable_judgement() = runs.size() == 1
+                                        ? judge_alone(context, call, std::move(runs.front()))
+                                        : judge_together(context, call, std::move(runs), request);
   if (const std::size_t size = comparison.ByteSizeLong(); size > answer_bytes)
     refuse(ErrorInfo::ANSWER_TOO_LARGE, Remedy{"compare fewer runs"},
            "the comparison has {} bytes, more than an answer of 4 MiB holds", size);

@@ -66,11 +66,23 @@ class Comparisons(ServiceTest):
         first, *_ = self.client.stub.QueryButtCurl(question("steps=20", 33), timeout=30)
         self.assertEqual((first.accepted.job, first.accepted.answer), (job, ""))
 
+    def test_a_run_alone_is_judged(self):
+        for run in ({"job": self.finished_job()}, {"answer": self.ask(columns=35)}):
+            with self.subTest(run=run):
+                judged = self.compare(run)
+                self.assertEqual(len(judged.runs), 1)
+                self.assertIn("corner has", judged.judgement.sentences[0])
+                corner = tables(judged)["curls"].rows[0].cells
+                self.assertEqual(corner[0].text, "corner")
+                charts = [part.chart for part in judged.judgement.parts if part.HasField("chart")]
+                self.assertEqual(charts[0].key, "curl")
+                self.assertEqual(charts[0].lines[0].y[-1], corner[1].value)
+
     def test_what_cannot_be_compared_is_refused_with_the_remedy(self):
         job = self.finished_job()
         nothing = "00000000-0000-4000-8000-000000000000"
         for code, runs, word in (
-                (grpc.StatusCode.INVALID_ARGUMENT, [{"job": job}], "2 to 100 runs"),
+                (grpc.StatusCode.INVALID_ARGUMENT, [], "1 to 100 runs"),
                 (grpc.StatusCode.INVALID_ARGUMENT, [{"job": job}, {}], "neither a job nor"),
                 (grpc.StatusCode.INVALID_ARGUMENT, [{"job": job}, {"job": "x"}], "UUID"),
                 (grpc.StatusCode.NOT_FOUND, [{"job": job}, {"job": nothing}], nothing),

@@ -46,10 +46,13 @@ class PackageTest(ServiceTest):
         return self.service.submit(CASE, {**QUICK, **changes}).wait()
 
     def command(self, *words):
+        return self.ended_command(*words).stdout
+
+    def ended_command(self, *words):
         ended = subprocess.run([os.path.join(BIN, "dccast"), *words], capture_output=True, text=True,
                                timeout=60, check=False)
         self.assertEqual(ended.returncode, 0, ended.stderr)
-        return ended.stdout
+        return ended
 
 
 class Examples(PackageTest):
@@ -155,6 +158,14 @@ class Figures(PackageTest):
         self.assertEqual((difference.monitor, difference.difference_m, difference.verdict),
                          (row["monitor"], row["difference_m"], row["verdict"]))
         self.assertEqual(list(found.tables["keys"]["key"]), [row["key"] for row in printed["keys"]])
+
+    def test_a_run_is_judged_as_the_command_line_prints(self):
+        job = self.ended()
+        found = self.service.judge(job)
+        printed = self.ended_command("curl", job.id).stderr
+        self.assertIn(" ".join(found.sentences[0].split()), " ".join(printed.split()))
+        self.assertAlmostEqual(found.tables["end"]["time_s"][0], job.curl["time_s"][-1])
+        self.assertEqual(found.charts[0].key, "curl")
 
     def test_answers_and_cases_are_compared_without_jobs(self):
         answer = self.service.query(CASE, QUICK)

@@ -10,7 +10,7 @@ import grpc
 from dccast import errors
 from dccast.cases import Case, Changes, Source, Value, changes_of, read_case, written
 from dccast.jobs import Job
-from dccast.judgements import Comparison
+from dccast.judgements import Comparison, Judgement
 from dccast.runs import Answer
 from dccast.studies import Study
 from dccast.transport import Transport, endpoint
@@ -290,6 +290,20 @@ class Service:
         """Studies, newest first; at most 1000."""
         page = self._transport.call("ListStudies", study_pb2.ListStudiesRequest(page_size=limit))
         return [Study(self._transport, message) for message in page.studies]
+
+    def judge(self, run: Job | Answer | Source) -> Judgement:
+        """What the server concludes from one run: the largest curl with its error, when it came and where
+        the heat left meanwhile; tables "curls" and "end"; charts of its histories. A case is run, as by
+        `query`.
+
+        >>> service = dccast.connect()
+        >>> answer = service.query("start-2d-thickness", quality="draft", time__end="20 s")
+        >>> service.judge(answer).charts[0].heading
+        'curl against time'
+        """
+        found = run if isinstance(run, (Job, Answer)) else self.query(run)
+        request = judgement_pb2.CompareRunsRequest(runs=[_compared(found, "")])
+        return Judgement(self._transport.call("CompareRuns", request).judgement)
 
     def compare(self, *runs: Job | Answer | Source, paired: bool = False) -> Comparison:
         """Compares runs with the first one: what differs, whether it is real, that is, larger than its

@@ -10,6 +10,7 @@
 #include <grpcpp/server_builder.h>
 
 #include "server/judging/judged_comparison.hpp"
+#include "server/judging/run_judgement.hpp"
 
 namespace dccast::client {
 
@@ -112,7 +113,7 @@ grpc::Status FakeService::QueryButtCurl(grpc::ServerContext*,
   return grpc::Status::OK;
 }
 
-/// Compares as the server does; every run has the steps of `result`.
+/// Judges as the server does; every run has the steps of `result`.
 grpc::Status FakeService::CompareRuns(grpc::ServerContext*, const v1::CompareRunsRequest* request,
                                       v1::Comparison* comparison) {
   std::vector<judging::JudgedRun> runs;
@@ -121,7 +122,13 @@ grpc::Status FakeService::CompareRuns(grpc::ServerContext*, const v1::CompareRun
     runs.push_back({asked.name(), description, {result.steps().begin(), result.steps().end()}});
     comparison->add_runs()->set_name(asked.name());
   }
-  *comparison->mutable_judgement() = judging::judge_comparison(runs, {});
+  if (runs.size() > 1) {
+    *comparison->mutable_judgement() = judging::judge_comparison(runs, {});
+    return grpc::Status::OK;
+  }
+  judging::RunToJudge alone{runs.front()};
+  if (job.has_validity_loss()) alone.valid_until_s = job.validity_loss().time_s();
+  *comparison->mutable_judgement() = judging::judge_run(alone);
   return grpc::Status::OK;
 }
 

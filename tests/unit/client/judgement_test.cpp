@@ -183,22 +183,41 @@ TEST(JudgementJson, OfAStudyStandsBesideItsFigures) {
 }
 
 TEST(JudgementChart, HasItsLinesInTheDataOfThePageWithSixDigits) {
-  v1::Chart chart = chart_against("curl of the corner", {"cast length", "m"}, {"curl", "m"});
-  v1::Chart::Line& line = add_line(chart, "measured");
-  add_point(line, 0.1, 0.0212345678);
-  add_point(line, 0.2, NAN);
+  v1::Chart chart;
+  chart.set_heading("curl of the corner");
+  chart.mutable_x()->set_unit("m");
+  v1::Chart::Line& line = *chart.add_lines();
+  for (const double x : {0.1, 0.2}) line.add_x(x);
+  for (const double y : {0.0212345678, static_cast<double>(NAN)}) line.add_y(y);
   line.set_is_dotted(true);
   const std::string html = chart_figure(chart, "");
-  for (const char* const part :
-       {"<h2>Curl of the corner</h2>", "\"unit\":\"m\"", "\"x\":[0.1,0.2]",
-        "\"y\":[0.0212346,null]", "\"is_dotted\":true"})
+  for (const char* const part : {"<h2>Curl of the corner</h2>", "\"unit\":\"m\"", "\"x\":[0.1,0.2]",
+                                 "\"y\":[0.0212346,null]", "\"is_dotted\":true"})
     EXPECT_THAT(html, HasSubstr(part));
+}
+
+TEST(JudgementChart, ItsNoteIsItsCaption) {
+  v1::Judgement judgement;
+  v1::Chart& chart = *judgement.add_parts()->mutable_chart();
+  chart.set_key("sump");
+  v1::Table& notes = *judgement.add_parts()->mutable_table();
+  notes.set_key("notes");
+  v1::Table::Row& row = *notes.add_rows();
+  row.add_cells()->set_text("sump");
+  row.add_cells()->set_text("Below <the> level.");
+
+  const std::string html = judgement_parts(judgement);
+  EXPECT_THAT(html, HasSubstr("<div class='caption'>Below &lt;the&gt; level.</div>"));
+  EXPECT_THAT(html, Not(HasSubstr("<table"))) << "notes are no table of the page";
 }
 
 TEST(JudgementChart, ALongLineIsThinnedAndKeepsItsEnds) {
   v1::Chart chart;
-  v1::Chart::Line& line = add_line(chart, "");
-  for (int i = 0; i <= 1000; ++i) add_point(line, i, 0.0);
+  v1::Chart::Line& line = *chart.add_lines();
+  for (int i = 0; i <= 1000; ++i) {
+    line.add_x(i);
+    line.add_y(0.0);
+  }
   const std::string html = chart_figure(chart, "");
   EXPECT_THAT(html, HasSubstr("\"x\":[0.0,3.0,6.0"));
   EXPECT_THAT(html, HasSubstr("999.0,1000.0]"));

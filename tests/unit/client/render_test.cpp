@@ -12,6 +12,7 @@
 #include "client/text/terminal.hpp"
 #include "fake_service.hpp"
 #include "json_reading.hpp"
+#include "server/judging/run_judgement.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -190,13 +191,17 @@ TEST(ReportPage, HoldsEveryPartAndLoadsNothing) {
     if (event.has_step()) *result.add_steps() = event.step();
   *result.mutable_frame() = square();
   result.mutable_case_()->mutable_schedule()->set_hold_s(60);
-  const std::string page = report_page(job, result);
+  judging::RunToJudge judged{
+      .run = {"run", result.case_(), {result.steps().begin(), result.steps().end()}}};
+  const std::string page =
+      report_page({.job = job, .result = result, .judgement = judging::judge_run(judged)});
   for (const char* const part :
        {"Curl against time", "Curl against cast length", "data-kind='slab'", "Gap along the bottom",
         "Contact pressure", "Checks of the run", "Hold before the block moves", "<td>60 s</td>",
         "Mechanics starts", "Coherency", "prefers-color-scheme"})
     EXPECT_THAT(page, HasSubstr(part));
-  for (const char* const absent : {"<script>alert", "http://", "https://", "src=", ">nan", "nan mm"})
+  for (const char* const absent :
+       {"<script>alert", "http://", "https://", "src=", ">nan", "nan mm"})
     EXPECT_THAT(page, Not(HasSubstr(absent)));
 }
 
@@ -212,7 +217,8 @@ TEST(Page, HasItsModulesInsideWhereSomethingIsDrawn) {
 }
 
 TEST(ReportPage, OfAJobWithoutStepsSaysSo) {
-  EXPECT_THAT(report_page(v1::Job(), v1::QueryResultResponse()), HasSubstr("no step yet"));
+  EXPECT_THAT(report_page({.job = v1::Job(), .result = v1::QueryResultResponse()}),
+              HasSubstr("no step yet"));
 }
 
 TEST(CurlOf, IsUnknownWhereTheServerHasNone) {

@@ -69,7 +69,7 @@ SlabPage page_with(const FrameSeries& series, const v1::Job& job = {}) {
   v1::QueryResultResponse result;
   if (!series.frames.empty()) *result.mutable_frame() = series.frames.back();
   for (const double time_s : {0.0, 10.0, 30.0}) result.add_steps()->set_time_s(time_s);
-  SlabPage page{report_page(job, result, {}, series), {}};
+  SlabPage page{report_page({.job = job, .result = result, .series = series}), {}};
   std::smatch found;
   if (std::regex_search(page.html, found, std::regex("data-kind='slab'><script[^>]*>([^<]*)<")))
     page.data = ReadJson::parse(found.str(1));

@@ -4,13 +4,11 @@
 #include <optional>
 
 #include "client/html/pages.hpp"
-#include "client/html/report_parts.hpp"
-#include "server/judging/judged_study.hpp"
+#include "server/judging/run_judgement.hpp"
 
 namespace dccast::client {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -18,19 +16,14 @@ using testing::Not;
 struct Refinement {
   v1::StudyResult result;
   std::vector<v1::Job> jobs;
-
-  v1::StudyJudgement judgement() const {
-    v1::StudyJudgement answer;
-    *answer.mutable_study() = result.study();
-    *answer.mutable_judgement() = judging::judge_study({result});
-    *answer.mutable_result() = result;
-    return answer;
-  }
   /// The report of the run of a level.
   std::string report(std::size_t level) const {
     v1::QueryResultResponse run;
     *run.add_steps() = jobs[level].last_step();
-    return render::report_page(jobs[level], run, judgement());
+    judging::RunToJudge judged{.run = {"run", {}, {jobs[level].last_step()}}};
+    judged.refinement = result;
+    return render::report_page(
+        {.job = jobs[level], .result = run, .judgement = judging::judge_run(judged)});
   }
 };
 
@@ -104,38 +97,11 @@ Refinement study_with_a_loss() {
   return study;
 }
 
-TEST(StudyPart, TheErrorOfARunReachesBeyondTheIntervalOfTheLimit) {
-  const auto error = render::curl_error(clean_study().result, "corner", 4.0, 4.0e-3);
-  ASSERT_TRUE(error);
-  EXPECT_NEAR(error->limit_m, 4.8e-3, 1e-12);
-  EXPECT_NEAR(error->this_run_m, 0.8e-3 + 0.25e-3, 1e-12);
-  EXPECT_TRUE(error->extrapolated);
-  EXPECT_FALSE(render::curl_error(clean_study().result, "corner", 9.0, 4.0e-3));
-  EXPECT_FALSE(render::curl_error(clean_study().result, "elsewhere", 4.0, 4.0e-3));
-  EXPECT_FALSE(render::curl_error({}, "corner", 4.0, 4.0e-3));
-}
-
-TEST(StudyPart, ALimitIsALineWithItsInterval) {
-  v1::Chart chart;
-  render::add_limits(chart, clean_study().result, false);
-  ASSERT_EQ(chart.lines_size(), 2) << "corner and centre";
-  const v1::Chart::Line& limit = chart.lines(0);
-  EXPECT_EQ(limit.name(), "corner, limit of finer meshes");
-  EXPECT_THAT(limit.x(), ElementsAre(1, 2, 3, 4));
-  EXPECT_NEAR(limit.low(3), 4.55e-3, 1e-12);
-  EXPECT_NEAR(limit.y(3), 4.8e-3, 1e-12);
-  EXPECT_NEAR(limit.high(3), 5.05e-3, 1e-12);
-
-  v1::Chart against_length;
-  render::add_limits(against_length, clean_study().result, true);
-  EXPECT_NEAR(against_length.lines(0).x(2), 3e-3, 1e-12);
-}
-
 TEST(StudyPart, TheReportOfARunOfAStudyHasItsErrorItsBandAndTheTables) {
   const std::string page = clean_study().report(0);
   for (const char* const part :
-       {"<strong>4.00</strong> mm", "± 1.05 mm", "limit 4.80 ± 0.25</small>",
-        "corner, limit of finer meshes",
+       {"<strong>4.00</strong> mm<em>± 1.05 mm</em>", "<span>limit, corner</span>",
+        "<strong>4.80</strong> mm<em>± 0.25 mm</em>", "corner, limit of finer meshes",
         "How much of it is discretisation", "This run has refinement 1.", "<td>4.600</td>",
         "<td>1.00</td>", "<td>4.800 ± 0.250</td>",
         "The curl of the corner at the end tends to 4.800 ± 0.250 mm, with order 1.00."})
@@ -143,18 +109,15 @@ TEST(StudyPart, TheReportOfARunOfAStudyHasItsErrorItsBandAndTheTables) {
   EXPECT_THAT(page, Not(HasSubstr("is not known")));
   EXPECT_THAT(page, Not(HasSubstr("has not been measured")));
   EXPECT_THAT(page, Not(HasSubstr(">nan")));
-
-  v1::QueryResultResponse run;
-  *run.add_steps() = clean_study().jobs[0].last_step();
-  EXPECT_THAT(render::report_page(clean_study().jobs[0], run),
-              HasSubstr("has not been measured: <code>dccast convergence"));
 }
 
 TEST(StudyPart, TheReportNamesALevelThatFailed) {
   const std::string page = study_with_a_loss().report(0);
   EXPECT_THAT(page, HasSubstr("Refinement 4 is left out: "));
   EXPECT_THAT(page, HasSubstr("did not converge"));
-  EXPECT_THAT(page, HasSubstr("finest 4.40 ± 0.50</small>"));
+  EXPECT_THAT(
+      page,
+      HasSubstr("<span>finest mesh, corner</span><strong>4.40</strong> mm<em>± 0.50 mm</em>"));
 }
 
 TEST(StudyPart, TheReportOfAnyOtherRunNamesTheCommandThatComputesTheError) {
@@ -162,16 +125,14 @@ TEST(StudyPart, TheReportOfAnyOtherRunNamesTheCommandThatComputesTheError) {
   add_run(study, 1, 4.0e-3);
   add_run(study, 2, 4.4e-3, v1::RUNNING);
   EXPECT_THAT(study.report(0),
-              HasSubstr("of the runs of its study 1 succeeded, two are needed. <code>dccast "
-                        "convergence --study " +
+              HasSubstr("of the runs of its study 1 succeeded, two are needed. dccast convergence "
+                        "--study " +
                         study.jobs[0].study()));
 
-  v1::QueryResultResponse run;
-  *run.add_steps() = study.jobs[0].last_step();
-  const std::string page = render::report_page(study.jobs[0], run);
-  EXPECT_THAT(page, HasSubstr("<code>dccast convergence CASE</code>"));
+  study.result = {};
+  const std::string page = study.report(0);
+  EXPECT_THAT(page, HasSubstr("this run stands alone. dccast convergence CASE shows it."));
   EXPECT_THAT(page, Not(HasSubstr("limit of finer meshes")));
-  EXPECT_THAT(page, Not(HasSubstr("How much of it")));
 }
 
 }  // namespace
