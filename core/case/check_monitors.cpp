@@ -27,17 +27,17 @@ void above(CaseFindings& found, const std::string& field, double height) {
 /// Depth of the bowl below the block's lip at the place of a monitor [m]. @pre there is a bowl
 double depth_of_block(const CaseFindings& found, const Monitor& m) {
   const mesh::SectionSpec& section = found.casting.section;
-  const double from_narrow_face = section.half_width - m.x;
-  const double inward = found.solid()
-                            ? std::min(from_narrow_face, section.half_thickness(m.x) - m.y)
-                            : from_narrow_face;
+  const double inward =
+      found.solid()
+          ? mesh::distance_from_edge(section, mesh::base_of<3>(section, mesh::Plan::heat), m.x, m.y)
+          : mesh::distance_from_edge(section, m.x);
   return section.bowl->depth_at(inward);
 }
 
 /// Whether a point lies in the block.
 void below(CaseFindings& found, const std::string& field, const Monitor& m, double height) {
   const bool is_flat = !found.casting.section.bowl;
-  if (!is_flat && !found.sound({"section.half_width", "section.half_thickness"})) return;
+  if (!is_flat && !found.sound(plan_keys)) return;
   const double depth = is_flat ? 0.0 : depth_of_block(found, m);
   if (height < -depth - round_off)
     lies_outside(found, field, height, "at least " + with_unit(-depth, "m") + ", the block there");

@@ -241,7 +241,8 @@ Base<2> base_of<2>(const SectionSpec& spec, Plan) {
   base.walls.push_back({"side", PatchKind::side, {1, 0}, {{cells - 1, 1}}});
 
   if (spec.bowl)
-    for (const double x : base.node) base.depth.push_back(spec.bowl->depth_at(spec.half_width - x));
+    for (const double x : base.node)
+      base.depth.push_back(spec.bowl->depth_at(distance_from_edge(spec, x)));
   return base;
 }
 
@@ -249,15 +250,21 @@ template <>
 Base<3> base_of<3>(const SectionSpec& spec, Plan plan) {
   Base<3> base = QuarterPlan(spec, plan).build();
 
-  // The distance from the edge of the block: from the nearer of the two faces.
   if (spec.bowl) {
     for (std::size_t n = 0; n < base.node.size(); n += 2) {
-      const double x = base.node[n], y = base.node[n + 1];
-      const double inward = std::min(spec.half_width - x, reach_of(base, x) - y);
+      const double inward = distance_from_edge(spec, base, base.node[n], base.node[n + 1]);
       base.depth.push_back(spec.bowl->depth_at(inward));
     }
   }
   return base;
+}
+
+double distance_from_edge(const SectionSpec& spec, double x) {
+  return spec.half_width - x;
+}
+
+double distance_from_edge(const SectionSpec& spec, const Base<3>& plan, double x, double y) {
+  return std::min(distance_from_edge(spec, x), reach_of(plan, x) - y);
 }
 
 std::array<int, 2> corner_cells(const SectionSpec& spec) {

@@ -84,6 +84,11 @@ Base<3> base_of<3>(const SectionSpec& spec, Plan plan);
 /// Extent in y of the plan of a quarter slab at a position x [m] along its wide face [m].
 double reach_of(const Base<3>& plan, double x);
 
+/// Distance of a place from the edge of the block, that of a section or of a quarter slab's plan [m]: from
+/// the nearer face, along x or y; negative outside.
+double distance_from_edge(const SectionSpec& spec, double x);
+double distance_from_edge(const SectionSpec& spec, const Base<3>& plan, double x, double y);
+
 /// Numbers of cells of a quarter slab's plan between the ends of its rounded corner, along the wide
 /// and along the narrow face; zero without a corner radius.
 std::array<int, 2> corner_cells(const SectionSpec& spec);
