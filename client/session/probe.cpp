@@ -45,7 +45,7 @@ Diagnosis without_connection(const Socket& socket, const values::HostAndPort& to
             "ask for a direct way to that port, or go through ssh: --server ssh://" + to.host};
   if (outcome == Outcome::refused)
     return {"the machine answers, but no program listens at " + where,
-            "start dccastd there with listen_tls at this port, or give the port that it has (its "
+            "start dccastd there with listen.tls at this port, or give the port that it has (its "
             "log names it)"};
   if (outcome == Outcome::timed_out)
     return {"nothing answers from " + where + " within " +
@@ -141,20 +141,20 @@ Diagnosis no_handshake(const values::HostAndPort& to, const std::string& address
     case Speaks::http2:
       return {"the server speaks no TLS at " + address +
                   ", without which dccast calls Unix sockets alone",
-              "give the port of listen_tls, which the log of dccastd names, or on its own machine "
+              "give the port of listen.tls, which the log of dccastd names, or on its own machine "
               "no address"};
     case Speaks::tls:
       return {"the server at " + address + " speaks TLS and refuses this client's greeting",
               "it may be too old, or ask for a certificate: ask an admin"};
     case Speaks::http1:
       return {"a web server without TLS answers at " + address + ", not dccastd",
-              "give the port of listen_tls; the log of dccastd names it"};
+              "give the port of listen.tls; the log of dccastd names it"};
     case Speaks::nothing:
       return {"the server at " + address + " closes the connection without an answer",
               "it may have too many of them; try again later"};
     default:
       return {"what answers at " + address + " does not speak TLS",
-              "give the port of listen_tls; the log of dccastd names it"};
+              "give the port of listen.tls; the log of dccastd names it"};
   }
 }
 
@@ -174,7 +174,7 @@ Diagnosis secure(const Socket& socket, const values::HostAndPort& to, const Endp
   SSL_get0_alpn_selected(hands.session.get(), &protocol, &size);
   if (size != 2)
     return {"what answers at " + endpoint.address + " speaks TLS, but not HTTP/2",
-            "give the port of listen_tls; a proxy in between has to let HTTP/2 through"};
+            "give the port of listen.tls; a proxy in between has to let HTTP/2 through"};
   return {};
 }
 
@@ -278,7 +278,7 @@ Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
   const values::HostAndPort to = values::host_and_port(address);
   if (to.port.empty())
     return {"the address " + address + " names no port",
-            "write " + address + ":7118, or the port of listen_tls that the log of dccastd names"};
+            "write " + address + ":7118, or the port of listen.tls that the log of dccastd names"};
   Socket socket(to, options.timeout);
   if (!socket.is_connected()) return without_connection(socket, to, options);
   found.push_back("connected to " + address);

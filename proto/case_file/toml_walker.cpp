@@ -7,6 +7,8 @@
 #include <system_error>
 #include <utility>
 
+#include "dccast/v1/case.pb.h"
+#include "dccast/v1/config.pb.h"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/text_checks.hpp"
 #include "proto/case_file/uncertainty.hpp"
@@ -125,13 +127,20 @@ void read_array_of_tables(const Entry& entry, Message& message) {
   }
 }
 
+std::vector<std::string> keys_of(const Descriptor& descriptor) {
+  std::vector<std::string> keys;
+  for (const FieldDescriptor* const field : fields_of(descriptor)) keys.push_back(toml_key(*field));
+  return keys;
+}
+
 void read_nested(const Entry& entry, Message& message) {
   if (const toml::table* const table = entry.node.as_table())
     return read_table(entry.walk, *table,
                       *message.GetReflection()->MutableMessage(&message, &entry.field), entry.path);
 
   entry.refuse(fmt::format("{} where a table is expected", type_name(entry.node)), "",
-               fmt::format("write [{}] and its keys below it", entry.path));
+               fmt::format("write [{}] and below it its keys: {}", entry.path,
+                           joined(keys_of(*entry.field.message_type()))));
 }
 
 /// Reads the lines KEY = RANGE of a table; they are checked on the complete case.
@@ -164,12 +173,23 @@ void read_ranges(const Entry& entry, Message& message) {
   }
 }
 
-/// A path of the schema that ends in `key`, for a key that is in the wrong table.
-std::string find_in_other_table(const Message& message, const std::string& key) {
-  const Descriptor& root = *v1::Case::descriptor();
-  if (message.GetDescriptor()->file() != root.file()) return {};
-  for (const KeyReference& known : reference(root))
-    if (known.path.ends_with(fmt::format(".{}", key))) return known.path;
+/// Whether the table is one of the settings of dccastd.
+bool is_setting(const Descriptor& table) {
+  return table.file() == v1::DaemonConfig::descriptor()->file();
+}
+
+/// A path of the schema for a key that is in the wrong table, or in the outermost one with an
+/// underscore for the point: "log_level" for log.level.
+std::string find_in_other_table(const Descriptor& table, const std::string& key) {
+  const Descriptor& root =
+      is_setting(table) ? *v1::DaemonConfig::descriptor() : *v1::Case::descriptor();
+  if (table.file() != root.file()) return {};
+
+  for (const KeyReference& known : reference(root)) {
+    std::string underscored = known.path;
+    std::ranges::replace(underscored, '.', '_');
+    if (known.path.ends_with(fmt::format(".{}", key)) || underscored == key) return known.path;
+  }
   return {};
 }
 
@@ -226,15 +246,13 @@ void read_field(const Entry& entry, Message& message) {
 void add_unknown(Walk& walk, const toml::node& node, const Message& message,
                  const std::string& path, const std::string& key) {
   if (walk.outcome.faults.size() >= maximum_faults) return;
-  std::vector<std::string> keys;
-  for (const FieldDescriptor* const field : fields_of(*message.GetDescriptor()))
-    keys.push_back(toml_key(*field));
+  const Descriptor& table = *message.GetDescriptor();
 
-  std::string remedy = "see `dccast schema`";
-  if (const std::string near = nearest(key, keys); !near.empty())
-    remedy = fmt::format("did you mean '{}'?", near);
-  else if (const std::string place = find_in_other_table(message, key); !place.empty())
+  std::string remedy = is_setting(table) ? "see `dccast schema --daemon`" : "see `dccast schema`";
+  if (const std::string place = find_in_other_table(table, key); !place.empty())
     remedy = fmt::format("there is a key {}", place);
+  else if (const std::string near = nearest(key, keys_of(table)); !near.empty())
+    remedy = fmt::format("did you mean '{}'?", near);
 
   walk.refuse(node, join_path(path, values::shortened(key)), "unknown key", "", remedy);
 }

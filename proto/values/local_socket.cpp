@@ -54,7 +54,7 @@ std::string make_place_of_socket() {
   if (!belongs_to_this_user(folder))
     throw std::runtime_error(
         fmt::format("{} is not a folder that this user alone may write to; remove it, or set "
-                    "listen = \"unix:PATH\"",
+                    "listen.socket to another unix:PATH",
                     folder));
   return fmt::format("{}/{}", folder, socket_name);
 }

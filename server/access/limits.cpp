@@ -43,12 +43,12 @@ void OpenCount::enter(const std::string& user, const std::string& kind) {
   const std::size_t own = found == by_user_.end() ? 0 : found->second;
   if (own >= limit_per_user_)
     throw refusal::LimitReached({.cause = fmt::format("{} has {} {} open", user, own, kind),
-                                 .limit = fmt::format("maximum_{}_per_user", kind),
+                                 .limit = fmt::format("per_user.maximum_{}", kind),
                                  .permitted = std::to_string(limit_per_user_),
                                  .remedy = "end one, then try again"});
   if (total_ >= limit_)
     throw refusal::LimitReached({.cause = fmt::format("{} {} of all users are open", total_, kind),
-                                 .limit = fmt::format("maximum_{}", kind),
+                                 .limit = fmt::format("limits.maximum_{}", kind),
                                  .permitted = std::to_string(limit_),
                                  .remedy = "end one, then try again"});
 

@@ -80,7 +80,7 @@ bool is_any_address(const std::string& host) {
 /// Names for the certificate: those of this machine and of the settings.
 std::vector<std::string> server_names(const v1::DaemonConfig& config) {
   auto names = access::names_of_this_machine();
-  for (const std::string& address : {config.listen_tls(), config.public_address()}) {
+  for (const std::string& address : {config.listen().tls(), config.listen().public_address()}) {
     const std::string host = values::host_and_port(address).host;
     if (!is_any_address(host) && std::find(names.begin(), names.end(), host) == names.end())
       names.insert(names.begin(), host);
@@ -90,12 +90,13 @@ std::vector<std::string> server_names(const v1::DaemonConfig& config) {
 
 /// Host and port by which users reach the daemon.
 std::string login_address(const v1::DaemonConfig& config) {
-  if (!config.public_address().empty()) return config.public_address();
-  const std::string& listen = config.listen_tls();
+  if (!config.listen().public_address().empty()) return config.listen().public_address();
+  const std::string& listen = config.listen().tls();
   if (listen.empty())
     throw Refused(
-        "listen_tls is not set: no one could log in. Set it in the settings, e.g. listen_tls = "
-        "\"0.0.0.0:7118\", restart dccastd, and name the settings here, too (--config)");
+        "listen.tls is not set: no one could log in. Set it in the settings, e.g. tls = "
+        "\"0.0.0.0:7118\" below [listen], restart dccastd, and name the settings here, too "
+        "(--config)");
   if (!is_any_address(values::host_and_port(listen).host)) return listen;
   return access::names_of_this_machine().front() + listen.substr(listen.rfind(':'));
 }
@@ -108,7 +109,7 @@ std::string login_line(const std::string& address, const TlsFiles& files,
 
 void print_line(const AdministrationCommand& command, const v1::DaemonConfig& config,
                 const std::string& secret, std::ostream& out) {
-  const std::int64_t seconds = std::llround(config.enrolment_lifetime_s());
+  const std::int64_t seconds = std::llround(config.access().enrolment_lifetime_s());
   const std::int64_t days = seconds / day_s;
   const std::string lifetime =
       days > 0 ? fmt::format("{} days", days) : fmt::format("{} s", seconds);
@@ -143,7 +144,7 @@ void run_user(const AdministrationCommand& command, const v1::DaemonConfig& conf
 
   const bool gives_line = verb == "add" || verb == "rotate";
   const std::int64_t now = std::time(nullptr);
-  const std::int64_t ends = now + std::llround(config.enrolment_lifetime_s());
+  const std::int64_t ends = now + std::llround(config.access().enrolment_lifetime_s());
   std::string change = fmt::format("{} {}", verb, name);
   if (gives_line) {
     login_address(config);  // may be refused, before anything is changed
@@ -184,11 +185,11 @@ void run_pki(const AdministrationCommand& command, const v1::DaemonConfig& confi
   const fs::path directory = data_directory(config);
   const access::Pki pki(directory);
   const std::string verb = command.verb.substr(4);
-  if (verb != "show" && !config.certificate().empty())
+  if (verb != "show" && !config.tls().certificate().empty())
     throw Refused(
         fmt::format("the settings name a certificate of their own: {}; its issuer renews it, and "
                     "dccastd takes it up within seconds",
-                    config.certificate()));
+                    config.tls().certificate()));
   if (verb == "init") pki.init();
   if (verb != "init" && verb != "show" && !pki.exists())
     throw Refused("there is no CA yet; create it with dccastd pki init");
@@ -204,7 +205,7 @@ void run_pki(const AdministrationCommand& command, const v1::DaemonConfig& confi
     pki.issue_user(command.name, command.days > 0 ? command.days : user_days, command.directory);
     out << fmt::format(
         "wrote {}.pem and .key; the user needs a role (dccastd user add), and the settings "
-        "client_ca = \"{}\"\n",
+        "client_ca = \"{}\" below [tls]\n",
         (fs::path(command.directory) / command.name).string(), pki.ca().string());
   }
 
@@ -219,12 +220,12 @@ void run_pki(const AdministrationCommand& command, const v1::DaemonConfig& confi
 }  // namespace
 
 TlsFiles prepare_tls(const v1::DaemonConfig& config) {
-  if (!config.certificate().empty()) {
-    if (config.certificate_key().empty() || config.certificate_ca().empty())
-      throw Refused("certificate is set: set certificate_key and certificate_ca, too");
+  if (!config.tls().certificate().empty()) {
+    if (config.tls().key().empty() || config.tls().ca().empty())
+      throw Refused("tls.certificate is set: set tls.key and tls.ca, too");
 
-    TlsFiles files{config.certificate(), config.certificate_key(), config.certificate_ca(),
-                   config.client_ca()};
+    TlsFiles files{config.tls().certificate(), config.tls().key(), config.tls().ca(),
+                   config.tls().client_ca()};
 
     for (const std::string& file : {files.certificate, files.ca}) read(file);
     return files;
@@ -236,7 +237,7 @@ TlsFiles prepare_tls(const v1::DaemonConfig& config) {
   const bool exists = fs::exists(pki.server());
   if (!exists || read(pki.server()).ends_unix - std::time(nullptr) < renewed_before_s)
     pki.issue_server(exists ? read(pki.server()).names : server_names(config), server_days);
-  return {pki.server(), pki.server_key(), pki.ca(), config.client_ca(), true};
+  return {pki.server(), pki.server_key(), pki.ca(), config.tls().client_ca(), true};
 }
 
 void administrate(const AdministrationCommand& command, const v1::DaemonConfig& config,

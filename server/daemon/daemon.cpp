@@ -60,12 +60,12 @@ private:
 };
 
 fs::path worker_program(const v1::DaemonConfig& config) {
-  const fs::path program = config.worker_program().empty()
+  const fs::path program = config.workers().program().empty()
                                ? fs::read_symlink("/proc/self/exe").parent_path() / "dccast-worker"
-                               : fs::absolute(config.worker_program());
+                               : fs::absolute(config.workers().program());
   if (::access(program.c_str(), X_OK) != 0)
     throw std::runtime_error(
-        fmt::format("the worker program {} cannot be run; set worker_program", program.string()));
+        fmt::format("the worker program {} cannot be run; set workers.program", program.string()));
   return program;
 }
 
@@ -84,7 +84,7 @@ rlim_t raise_descriptor_limit() {
 int connection_count(int wanted) {
   const auto possible = raise_descriptor_limit() / 6;
   if (static_cast<rlim_t>(wanted) <= possible) return wanted;
-  log::warn("maximum_connections = {} is lowered to {}: more exceed the limit on open files",
+  log::warn("limits.maximum_connections = {} is lowered to {}: more exceed the limit on open files",
             wanted, possible);
   return static_cast<int>(possible);
 }
@@ -93,14 +93,21 @@ int connection_count(int wanted) {
 v1::DaemonConfig resolve(v1::DaemonConfig settings) {
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const auto number = [](int wanted, int otherwise) { return wanted > 0 ? wanted : otherwise; };
-  settings.set_workers(number(settings.workers(), cores));
-  settings.set_checkers(number(settings.checkers(), cores));
-  settings.set_query_workers(number(settings.query_workers(), cores));
+
+  v1::DaemonConfig::Workers& workers = *settings.mutable_workers();
+  workers.set_count(number(workers.count(), cores));
+  v1::DaemonConfig::Checks& checks = *settings.mutable_checks();
+  checks.set_workers(number(checks.workers(), cores));
+  v1::DaemonConfig::Queries& queries = *settings.mutable_queries();
+  queries.set_workers(number(queries.workers(), cores));
   // A query usually has the machine to itself.
-  settings.set_query_threads(number(settings.query_threads(), std::min(2, cores)));
-  if (settings.maximum_memory_bytes() <= 0.0)
-    settings.set_maximum_memory_bytes(intake::memory_per_worker(settings.workers()));
-  settings.set_maximum_connections(connection_count(settings.maximum_connections()));
+  queries.set_threads(number(queries.threads(), std::min(2, cores)));
+
+  v1::DaemonConfig::PerCase& per_case = *settings.mutable_per_case();
+  if (per_case.maximum_memory_bytes() <= 0.0)
+    per_case.set_maximum_memory_bytes(intake::memory_per_worker(workers.count()));
+  v1::DaemonConfig::Limits& limits = *settings.mutable_limits();
+  limits.set_maximum_connections(connection_count(limits.maximum_connections()));
   return settings;
 }
 
@@ -117,45 +124,46 @@ std::unique_ptr<jobs::SlurmExecutor> slurm_executor(const v1::DaemonConfig& conf
                                                     const DataDirectory& directory,
                                                     jobs::Executor& local) {
   if (config.executor() != v1::SLURM) return nullptr;
-  std::istringstream words(config.slurm_options());
+  std::istringstream words(config.slurm().options());
   return std::make_unique<jobs::SlurmExecutor>(
-      local,
-      jobs::SlurmOptions{.jobs_directory = fs::absolute(directory.jobs()),
-                         .worker_program = worker_program(config),
-                         .jobs = config.slurm_jobs(),
-                         .options = {std::istream_iterator<std::string>(words), {}},
-                         .time_limit = whole_seconds(config.slurm_time_limit_s()),
-                         .checkpoint_before = whole_seconds(config.slurm_checkpoint_before_s()),
-                         .memory_bytes = config.slurm_memory_bytes(),
-                         .interval = milliseconds(config.slurm_interval_s()),
-                         .silence = std::max(jobs::SlurmOptions().silence,
-                                             4 * milliseconds(config.heartbeat_interval_s()))});
+      local, jobs::SlurmOptions{
+                 .jobs_directory = fs::absolute(directory.jobs()),
+                 .worker_program = worker_program(config),
+                 .jobs = config.slurm().jobs(),
+                 .options = {std::istream_iterator<std::string>(words), {}},
+                 .time_limit = whole_seconds(config.slurm().time_limit_s()),
+                 .checkpoint_before = whole_seconds(config.slurm().checkpoint_before_s()),
+                 .memory_bytes = config.slurm().memory_bytes(),
+                 .interval = milliseconds(config.slurm().interval_s()),
+                 .silence = std::max(jobs::SlurmOptions().silence,
+                                     4 * milliseconds(config.workers().heartbeat_interval_s()))});
 }
 
 jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
                                          const WorkerPolicy& workers,
                                          const DataDirectory& directory,
                                          const std::string& solver) {
-  return {.attempts = {.jobs_directory = directory.jobs(),
-                       .worker_restarts = config.worker_restarts(),
-                       .stop_grace = milliseconds(config.stop_grace_s()),
-                       .daemon_patience = milliseconds(workers.patience_s),
-                       .heartbeat_interval = milliseconds(config.heartbeat_interval_s()),
-                       .watchdog = {.hello = milliseconds(config.worker_hello_timeout_s()),
-                                    .heartbeat = milliseconds(config.heartbeat_timeout_s()),
-                                    .stall = milliseconds(config.stall_timeout_s())},
-                       .other_version = config.other_version(),
-                       .solver = solver,
-                       .job_threads = config.job_threads(),
-                       .first_threads = config.query_threads(),
-                       .maximum_time_s = config.maximum_time_s(),
-                       .worker_memory_bytes = std::llround(config.worker_memory_bytes()),
-                       .worker_file_bytes = std::llround(config.worker_file_bytes())},
-          .maximum_queued = config.maximum_queued(),
-          .maximum_waiting_bytes = std::llround(config.maximum_waiting_bytes()),
-          .minimum_free_bytes = std::llround(config.minimum_free_bytes()),
-          .share_half_life = whole_seconds(config.share_half_life_s()),
-          .maximum_running_per_user = config.maximum_running_per_user()};
+  return {
+      .attempts = {.jobs_directory = directory.jobs(),
+                   .worker_restarts = config.workers().restarts(),
+                   .stop_grace = milliseconds(config.workers().stop_grace_s()),
+                   .daemon_patience = milliseconds(workers.patience_s),
+                   .heartbeat_interval = milliseconds(config.workers().heartbeat_interval_s()),
+                   .watchdog = {.hello = milliseconds(config.workers().start_timeout_s()),
+                                .heartbeat = milliseconds(config.workers().heartbeat_timeout_s()),
+                                .stall = milliseconds(config.workers().stall_timeout_s())},
+                   .other_version = config.workers().other_version(),
+                   .solver = solver,
+                   .job_threads = config.workers().threads(),
+                   .first_threads = config.queries().threads(),
+                   .maximum_time_s = config.per_case().maximum_time_s(),
+                   .worker_memory_bytes = std::llround(config.workers().memory_bytes()),
+                   .worker_file_bytes = std::llround(config.workers().file_size_bytes())},
+      .maximum_queued = config.limits().maximum_queued(),
+      .maximum_waiting_bytes = std::llround(config.limits().maximum_waiting_bytes()),
+      .minimum_free_bytes = std::llround(config.limits().minimum_free_bytes()),
+      .share_half_life = whole_seconds(config.per_user().share_half_life_s()),
+      .maximum_running_per_user = config.per_user().maximum_running()};
 }
 
 /// Asks a worker for the identity of its solver, by which stored answers are found, and for its
@@ -177,26 +185,27 @@ v1::WorkerAnswer identify_worker(jobs::WarmWorkers& workers) {
 
 /// Address for the users of this machine: "unix:PATH".
 std::string local_address(const v1::DaemonConfig& config) {
-  return config.listen().empty() ? values::unix_scheme + values::make_place_of_socket()
-                                 : config.listen();
+  return config.listen().socket().empty() ? values::unix_scheme + values::make_place_of_socket()
+                                          : config.listen().socket();
 }
 
 /// Listens over TLS if the settings give an address.
 class TlsListener {
 public:
   explicit TlsListener(const v1::DaemonConfig& config) : config_(config) {
-    if (config.listen_tls().empty()) return;
+    if (config.listen().tls().empty()) return;
     files_ = prepare_tls(config);
-    listener_.emplace(config.listen_tls());
+    listener_.emplace(config.listen().tls());
     if (files_.own)
       renewer_ = std::jthread([this](const std::stop_token& stop) { run_renewer(stop); });
   }
 
   std::optional<service::TlsListening> listening() {
     if (!listener_) return std::nullopt;
-    return service::TlsListening{*listener_,
-                                 static_cast<std::size_t>(config_.maximum_connections_per_peer()),
-                                 {files_.certificate, files_.key, files_.client_ca}};
+    return service::TlsListening{
+        *listener_,
+        static_cast<std::size_t>(config_.limits().maximum_connections_per_peer()),
+        {files_.certificate, files_.key, files_.client_ca}};
   }
   std::string address() const { return listener_ ? listener_->address() : ""; }
   const std::string& certificate() const { return files_.certificate; }
@@ -265,19 +274,20 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
     : directory(settings.data_directory()),
       warm_workers(worker_program(settings),
                    {.scratch = directory.check(),
-                    .kept = settings.checkers() + settings.query_workers() + 1}),
+                    .kept = settings.checks().workers() + settings.queries().workers() + 1}),
       worker(identify_worker(warm_workers)),
       intake(warm_workers, settings.alloy_directory(), directory.check(),
-             {settings.maximum_nodes(), settings.maximum_steps(), settings.maximum_memory_bytes()}),
+             {settings.per_case().maximum_nodes(), settings.per_case().maximum_steps(),
+              settings.per_case().maximum_memory_bytes()}),
       uploads(directory.uploads(),
-              {.largest = std::llround(settings.maximum_attachment_bytes()),
-               .of_user = std::llround(settings.maximum_uploads_per_user_bytes()),
-               .all = std::llround(settings.maximum_uploads_bytes()),
-               .minimum_free = std::llround(settings.minimum_free_bytes()),
-               .lifetime = milliseconds(settings.upload_lifetime_s())}),
+              {.largest = std::llround(settings.per_case().maximum_attachment_bytes()),
+               .of_user = std::llround(settings.per_user().maximum_uploads_bytes()),
+               .all = std::llround(settings.limits().maximum_uploads_bytes()),
+               .minimum_free = std::llround(settings.limits().minimum_free_bytes()),
+               .lifetime = milliseconds(settings.retention().upload_lifetime_s())}),
       store(state::open_store(directory)),
       logs(directory.jobs()),
-      local(warm_workers, settings.workers(), precedence),
+      local(warm_workers, settings.workers().count(), precedence),
       slurm(slurm_executor(settings, directory, local)),
       executor(slurm ? static_cast<jobs::Executor&>(*slurm) : local),
       end_hook(settings.job_end_hook()),
@@ -286,7 +296,7 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
       study_store(directory.store()),
       studies({.directory = directory.studies(),
                .jobs_directory = directory.jobs(),
-               .check_timeout = milliseconds(settings.check_timeout_s())},
+               .check_timeout = milliseconds(settings.checks().timeout_s())},
               study_store, scheduler, intake) {
   scheduler.observe_transitions([this](const v1::Job& job, v1::JobState from) {
     tally.count(job, from);
@@ -309,13 +319,13 @@ struct AccessSide {
 AccessSide::AccessSide(const v1::DaemonConfig& config, JobSide& jobs)
     : users(jobs.directory.path()),
       audit(jobs.directory.path()),
-      authority(users, {.local_role = config.local_role(),
+      authority(users, {.local_role = config.access().local_role(),
                         .own_user = service::user_name(::geteuid()),
-                        .reads_own_only = config.read() == v1::OWN}),
+                        .reads_own_only = config.access().read() == v1::OWN}),
       gate(authority, audit,
-           {.calls_per_s = config.maximum_calls_per_s(),
-            .streams = static_cast<std::size_t>(config.maximum_streams()),
-            .streams_per_user = static_cast<std::size_t>(config.maximum_streams_per_user())},
+           {.calls_per_s = config.per_user().maximum_calls_per_s(),
+            .streams = static_cast<std::size_t>(config.limits().maximum_streams()),
+            .streams_per_user = static_cast<std::size_t>(config.per_user().maximum_streams())},
            {.job = [&jobs](const std::string& id) { return owner(jobs.scheduler.find(id)); },
             .study = [&jobs](const std::string& id) { return owner(jobs.studies.find(id)); }}) {}
 
@@ -337,25 +347,27 @@ service::Context make_context(const v1::DaemonConfig& config, JobSide& jobs, ser
           .query_directory = jobs.directory.check(),
           .jobs_directory = jobs.directory.jobs(),
           .version = DCCAST_VERSION,
-          .workers = by_slurm ? config.slurm_jobs() : config.workers()};
+          .workers = by_slurm ? config.slurm().jobs() : config.workers().count()};
 }
 
 /// @return the endpoint, which ends with the last reference; null if the settings name none
 std::shared_ptr<void> serve_metrics_if_set(const v1::DaemonConfig& config, JobSide& jobs,
                                            service::Context& context, const TlsListener& tls) {
-  if (config.metrics().empty()) return nullptr;
-  return serve_metrics(config.metrics(), {.context = context,
-                                          .tally = jobs.tally,
-                                          .data_directory = jobs.directory.path(),
-                                          .certificate = tls.certificate(),
-                                          .shows_owners = config.read() != v1::OWN});
+  if (config.listen().metrics().empty()) return nullptr;
+  return serve_metrics(config.listen().metrics(),
+                       {.context = context,
+                        .tally = jobs.tally,
+                        .data_directory = jobs.directory.path(),
+                        .certificate = tls.certificate(),
+                        .shows_owners = config.access().read() != v1::OWN});
 }
 
 void log_start(const v1::DaemonConfig& config, const std::string& local, const std::string& tls,
                const service::Context& context, const fs::path& data) {
-  if (!config.port_file().empty())
-    storage::replace_file(config.port_file(), tls.empty() ? fmt::format("{}\n", local)
-                                                          : fmt::format("{}\n{}\n", local, tls));
+  if (!config.listen().port_file().empty())
+    storage::replace_file(config.listen().port_file(), tls.empty()
+                                                           ? fmt::format("{}\n", local)
+                                                           : fmt::format("{}\n{}\n", local, tls));
 
   log::info("dccastd {} serves on {}{}, data in {}, {} workers", DCCAST_VERSION, local,
             tls.empty() ? "" : ", over TLS on " + tls, data.string(), context.workers);
@@ -416,7 +428,7 @@ void serve_until_signal(service::PublicServer& server, service::Context& context
 
   manager.stopping(consequence);
   stop_serving(server, context, side, at_end);
-  if (!config.port_file().empty()) ::unlink(config.port_file().c_str());
+  if (!config.listen().port_file().empty()) ::unlink(config.listen().port_file().c_str());
   log::info("dccastd has stopped");
 }
 
@@ -446,8 +458,8 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   jobs.scheduler.start();
   jobs.studies.start();
   const jobs::Retention retention({.jobs_directory = jobs.directory.jobs(),
-                                   .time = whole_seconds(config.keep_time_s()),
-                                   .bytes = std::llround(config.keep_size_bytes())},
+                                   .time = whole_seconds(config.retention().keep_time_s()),
+                                   .bytes = std::llround(config.retention().keep_size_bytes())},
                                   *jobs.store, jobs.scheduler);
   const auto metrics = serve_metrics_if_set(config, jobs, context, tls);
 

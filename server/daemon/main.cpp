@@ -90,9 +90,9 @@ int main(int argc, char** argv) {
 
   try {
     const auto config = dccast::daemon::read_config(line.config_file, line.overrides);
-    spdlog::set_level(spdlog::level::from_str(config.log_level()));
-    if (config.log_format() != dccast::v1::TEXT)
-      dccast::log::set_format(config.log_format() == dccast::v1::JSON
+    spdlog::set_level(spdlog::level::from_str(config.log().level()));
+    if (config.log().format() != dccast::v1::TEXT)
+      dccast::log::set_format(config.log().format() == dccast::v1::JSON
                                   ? dccast::log::Format::json
                                   : dccast::log::Format::journal);
 

@@ -212,7 +212,7 @@ void add_disk(Exposition& to, const MetricSources& from) {
   const auto certificate = access::read_certificate(
       storage::read_file(from.certificate, storage::Links::follow), from.certificate);
   to.gauge("dccast_certificate_expires_timestamp_seconds",
-           "When the certificate of listen_tls ends, since 1970.", certificate.ends_unix);
+           "When the certificate of listen.tls ends, since 1970.", certificate.ends_unix);
 }
 
 std::string metrics_text(const MetricSources& sources) {
@@ -260,10 +260,10 @@ private:
 
 std::shared_ptr<void> serve_metrics(const std::string& address, MetricSources sources) {
   if (!values::is_loopback(address))
-    throw std::runtime_error(
-        fmt::format("metrics = \"{}\" can be reached from other machines; permitted: a loopback "
-                    "address such as 127.0.0.1:9117",
-                    address));
+    throw std::runtime_error(fmt::format(
+        "listen.metrics = \"{}\" can be reached from other machines; permitted: a loopback "
+        "address such as 127.0.0.1:9117",
+        address));
 
   const auto at = values::host_and_port(address);
   std::shared_ptr<http::Server> server;

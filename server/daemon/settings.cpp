@@ -22,7 +22,7 @@ void add_settings(CLI::App& app, CommandLine& line) {
   app.add_option("--config", line.config_file,
                  "Settings, TOML; every key has a default, see deploy/config/dccastd.toml");
   app.add_option("--set", line.overrides,
-                 "One setting over the file's, e.g. --set workers=2; may be repeated")
+                 "One setting over the file's, e.g. --set workers.count=2; may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
 }
@@ -169,7 +169,9 @@ void override_key(const std::string& override_text, v1::DaemonConfig& config, st
   if (!outcome.ok()) {
     one.Clear();
     const auto quoted = case_file::read_text(key + " = '" + value + "'", where, one);
-    if (!quoted.ok()) return add(quoted.faults, where, faults);
+    // A fault of a key is about a value that is TOML.
+    const bool is_toml = !outcome.faults.front().field().empty();
+    if (!quoted.ok()) return add(is_toml ? outcome.faults : quoted.faults, where, faults);
   }
   config.MergeFrom(one);
 }
@@ -178,9 +180,10 @@ void override_key(const std::string& override_text, v1::DaemonConfig& config, st
 void check_listen(const std::string& listen, std::string& faults) {
   if (listen.empty() || listen.starts_with(values::unix_scheme)) return;
   faults += fmt::format(
-      "listen = {}: permitted: unix:PATH of a socket, or nothing for the usual one, where local "
+      "listen.socket = {}: permitted: unix:PATH of a socket, or nothing for the usual one, where "
+      "local "
       "clients look first; TCP needs TLS and a token: for other users write the address as "
-      "listen_tls, see docs/remote.md\n",
+      "listen.tls, see docs/remote.md\n",
       listen);
 }
 
@@ -196,7 +199,7 @@ void check_host_and_port(const std::string& key, const std::string& listen, std:
   const auto [rest, error] = std::from_chars(listen.data() + colon + 1, end, port);
   if (error == std::errc() && rest == end && port <= 65535) return;
   faults += key + " = " + listen + ": the port is out of range; permitted: 0 to 65535; 0 takes a " +
-            "free one, see port_file\n";
+            "free one, see listen.port_file\n";
 }
 
 }  // namespace
@@ -214,7 +217,7 @@ CommandLine read_command_line(int argc, char** argv) {
 
   app.set_version_flag("--version", "dccastd " DCCAST_VERSION);
   app.footer(
-      "Example: dccastd --config deploy/config/dccastd.toml --set workers=2\n"
+      "Example: dccastd --config deploy/config/dccastd.toml --set workers.count=2\n"
       "SIGTERM and SIGINT stop running jobs at a checkpoint; the next start goes on with them. "
       "SIGUSR1 "
       "leaves them running for it.\n"
@@ -241,16 +244,18 @@ v1::DaemonConfig read_config(const std::string& file, const std::vector<std::str
   case_file::apply_defaults(config);
   if (faults.empty()) add(case_file::check_ranges(config), "settings", faults);
 
-  if (std::ranges::find(log_levels, config.log_level()) == log_levels.end())
+  if (std::ranges::find(log_levels, config.log().level()) == log_levels.end())
     faults +=
-        "log_level = " + config.log_level() + ": permitted: trace, debug, info, warn, error\n";
+        "log.level = " + config.log().level() + ": permitted: trace, debug, info, warn, error\n";
 
-  check_listen(config.listen(), faults);
-  if (!config.metrics().empty()) check_host_and_port("metrics", config.metrics(), faults);
+  check_listen(config.listen().socket(), faults);
+  if (!config.listen().metrics().empty())
+    check_host_and_port("listen.metrics", config.listen().metrics(), faults);
   if (const std::string& hook = config.job_end_hook();
       !hook.empty() && (hook.front() != '/' || ::access(hook.c_str(), X_OK) != 0))
     faults += "job_end_hook = " + hook + ": permitted: the absolute path of a program\n";
-  if (!config.listen_tls().empty()) check_host_and_port("listen_tls", config.listen_tls(), faults);
+  if (!config.listen().tls().empty())
+    check_host_and_port("listen.tls", config.listen().tls(), faults);
 
   if (!faults.empty()) throw InvalidConfig(faults.substr(0, faults.size() - 1));
   return config;

@@ -67,14 +67,14 @@ void hold_against(const Ceilings& ceilings, v1::ValidateCaseResponse& verdict) {
   const char* coarser = "make the mesh coarser";
   if (estimate.nodes() > ceilings.nodes)
     add_fault(verdict, "mesh", fmt::format("{} nodes at its end", estimate.nodes()),
-              fmt::to_string(ceilings.nodes), "maximum_nodes", coarser);
+              fmt::to_string(ceilings.nodes), "per_case.maximum_nodes", coarser);
   if (estimate.steps() > ceilings.steps)
     add_fault(verdict, "time", fmt::format("{} steps", estimate.steps()),
-              fmt::to_string(ceilings.steps), "maximum_steps", "take longer steps");
+              fmt::to_string(ceilings.steps), "per_case.maximum_steps", "take longer steps");
   if (estimate.memory_bytes() > ceilings.memory_bytes)
     add_fault(verdict, "mesh",
               fmt::format("{} of estimated memory", gigabytes(estimate.memory_bytes())),
-              gigabytes(ceilings.memory_bytes), "maximum_memory", coarser);
+              gigabytes(ceilings.memory_bytes), "per_case.maximum_memory", coarser);
 
   if (verdict.faults_size() > 0) verdict.clear_estimate();
 }

@@ -112,10 +112,11 @@ bool Uploads::renew(const std::string& user, const v1::Attachment& announced) {
 std::unique_ptr<Uploads::Upload> Uploads::begin(const std::string& user,
                                                 const v1::Attachment& announced) {
   if (announced.size_bytes() > limits_.largest)
-    throw refuse(announced, "maximum_attachment", megabytes(limits_.largest),
-                 "is larger than a file of a case may be",
-                 "make the mesh coarser, or have maximum_attachment raised in the settings of "
-                 "dccastd");
+    throw refuse(
+        announced, "per_case.maximum_attachment", megabytes(limits_.largest),
+        "is larger than a file of a case may be",
+        "make the mesh coarser, or have per_case.maximum_attachment raised in the settings "
+        "of dccastd");
   jobs::require_free_space(directory_, limits_.minimum_free + announced.size_bytes());
 
   const std::lock_guard lock(mutex_);
@@ -158,7 +159,7 @@ void Uploads::make_room(const std::string& user, const v1::Attachment& announced
 
   while (held_->of(user) + announced.size_bytes() > limits_.of_user)
     if (!remove_oldest_used(&user))
-      throw refuse(announced, "maximum_uploads_per_user",
+      throw refuse(announced, "per_user.maximum_uploads",
                    fmt::format("{} together", megabytes(limits_.of_user)),
                    fmt::format("does not fit beside the {} that {} has uploaded and not used",
                                megabytes(held_->of(user)), user),
@@ -166,9 +167,9 @@ void Uploads::make_room(const std::string& user, const v1::Attachment& announced
 
   while (held_->all() + announced.size_bytes() > limits_.all)
     if (!remove_oldest_used(nullptr))
-      throw refuse(announced, "maximum_uploads", fmt::format("{} together", megabytes(limits_.all)),
-                   fmt::format("does not fit beside the {} of all users", megabytes(held_->all())),
-                   remedy);
+      throw refuse(
+          announced, "limits.maximum_uploads", fmt::format("{} together", megabytes(limits_.all)),
+          fmt::format("does not fit beside the {} of all users", megabytes(held_->all())), remedy);
 }
 
 /// Removes the least recently used file, unless a call is reading it.

@@ -81,7 +81,7 @@ void Listener::listen_at_path(const std::string& path) {
   if (path.empty() || path.size() >= sizeof place.sun_path)
     throw std::runtime_error(
         fmt::format("cannot listen on {}: the path of a Unix socket has 1 to {} bytes; set "
-                    "listen = \"unix:PATH\" to a shorter one",
+                    "listen.socket to a shorter unix:PATH",
                     address_, sizeof place.sun_path - 1));
   path.copy(place.sun_path, path.size());
   const auto* name = reinterpret_cast<const sockaddr*>(&place);

@@ -24,7 +24,7 @@ Unary* SimulationService::ValidateCase(Wire* wire, const v1::ValidateCaseRequest
     auto examined = context_.intake.examine(
         request->case_(), uploaded_files(context_, call, request->attachments()),
         {request->faulty_keys().begin(), request->faulty_keys().end()},
-        waiting_time(call, context_.settings.check_timeout_s()), true);
+        waiting_time(call, context_.settings.checks().timeout_s()), true);
     *response = std::move(examined.verdict);
     if (response->faults().empty()) *response->mutable_complete() = std::move(examined.complete);
   });
@@ -93,7 +93,7 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
 
     // Load of the server, and what the operator must repair.
     response->set_maximum_message_bytes(request_bytes);
-    response->set_maximum_queued(context_.settings.maximum_queued());
+    response->set_maximum_queued(context_.settings.limits().maximum_queued());
     response->set_storage_fault(context_.scheduler.held());
     response->set_quarantined(
         static_cast<int>(jobs::quarantined_folders(context_.jobs_directory).size()));
@@ -125,7 +125,8 @@ Unary* SimulationService::Enrol(Wire* wire, const v1::EnrolRequest* request,
     const std::int64_t now = std::time(nullptr);
     const access::Caller user = context_.gate.authority().users().enrol(
         request->secret(), request->machine(), now,
-        now + std::llround(context_.settings.token_lifetime_s()), *response->mutable_token());
+        now + std::llround(context_.settings.access().token_lifetime_s()),
+        *response->mutable_token());
 
     if (!user.proven()) throw Refusal{make_status(*user.refusal)};
     call.note->set_user(user.name);

@@ -66,7 +66,7 @@ grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& 
         {.reason = ErrorInfo::LIMIT_REACHED,
          .cause = fmt::format("{} makes more calls a second than {} may", user,
                               proven ? "one user" : "one who has proved nothing (a tenth)"),
-         .limit = "maximum_calls_per_s",
+         .limit = "per_user.maximum_calls_per_s",
          .permitted = fmt::format("{:f}", rate_.per_s()),
          .remedy = "wait a moment, then try again"});
 

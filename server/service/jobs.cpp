@@ -29,7 +29,8 @@ void check_time_limit(double seconds, double most) {
   const bool within = seconds > 0.0 && std::isfinite(seconds) && (most == 0.0 || seconds <= most);
   if (within || seconds == 0.0) return;
   refuse("time_limit_s must be positive{}",
-         most > 0.0 ? fmt::format(" and at most maximum_time = {} s", std::lround(most)) : "");
+         most > 0.0 ? fmt::format(" and at most per_case.maximum_time = {} s", std::lround(most))
+                    : "");
 }
 
 /// The address becomes an argument of a command: no blank, and nothing that looks like an option.
@@ -99,7 +100,7 @@ SoundSubmission examine(Context& context, const Call& call, const v1::SubmitJobR
   check_text("request_id", request.request_id());
   check_labels(request.labels());
   check_changes(request.changes());
-  check_time_limit(request.time_limit_s(), context.settings.maximum_time_s());
+  check_time_limit(request.time_limit_s(), context.settings.per_case().maximum_time_s());
   check_mail(request.mail());
   check_case_file(request.case_file());
   check_jobs_before(context, call.caller, request.after());

@@ -256,7 +256,7 @@ private:
     *order.mutable_case_() = examined_.complete;
 
     order.set_directory(folder);
-    order.set_threads(context_.settings.query_threads());
+    order.set_threads(context_.settings.queries().threads());
     order.set_nice(jobs::nice_value(urgency()));
 
     // No one resumes this run.

@@ -120,8 +120,8 @@ grpc::Status refuse_for_worker(const jobs::WorkerDidNotAnswer& error) {
     case Why::too_slow:
       return make_status(
           {.reason = ErrorInfo::LIMIT_REACHED,
-           .cause = fmt::format("{} (check_timeout in the settings of dccastd)", cause),
-           .limit = "check_timeout",
+           .cause = fmt::format("{} (checks.timeout in the settings of dccastd)", cause),
+           .limit = "checks.timeout",
            .remedy = "try again, or make mesh and tables of the case smaller"});
     case Why::too_large:
       return make_status({.reason = ErrorInfo::CASE_TOO_LARGE,
@@ -372,7 +372,7 @@ jobs::Attachments uploaded_files(Context& context, const Call& call,
 intake::ExaminedCase sound_case(Context& context, const Call& call, const v1::Case& submitted,
                                 const jobs::Attachments& attachments, const RunOfPlan& run) {
   auto examined = context.intake.examine(submitted, attachments, {},
-                                         waiting_time(call, context.settings.check_timeout_s()));
+                                         waiting_time(call, context.settings.checks().timeout_s()));
   check_verdict(examined.verdict, run);
   return examined;
 }
@@ -390,20 +390,20 @@ void check_may_queue(Context& context, const Call& call, const std::string& requ
            "another user has submitted a job with this request_id");
   }
 
-  if (const double most = settings.maximum_disk_per_user_bytes(); most > 0.0)
+  if (const double most = settings.per_user().maximum_disk_bytes(); most > 0.0)
     if (const auto held = context.store.bytes_of(caller.name); static_cast<double>(held) >= most)
       throw refusal::LimitReached(
           {.cause = fmt::format("the jobs of {} hold {} bytes on the server", caller.name, held),
-           .limit = "maximum_disk_per_user",
+           .limit = "per_user.maximum_disk",
            .permitted = fmt::format("{} bytes", std::llround(most)),
            .remedy = "delete some (dccast delete)"});
 
   const int unfinished = context.store.unfinished_of(caller.name);
-  if (unfinished >= settings.maximum_queued_per_user())
+  if (unfinished >= settings.per_user().maximum_queued())
     throw refusal::LimitReached(
         {.cause = fmt::format("{} has {} jobs that have not ended", caller.name, unfinished),
-         .limit = "maximum_queued_per_user",
-         .permitted = std::to_string(settings.maximum_queued_per_user()),
+         .limit = "per_user.maximum_queued",
+         .permitted = std::to_string(settings.per_user().maximum_queued()),
          .remedy = "submit again when some have ended"});
 }
 

@@ -72,7 +72,7 @@ void add_frame(Context& context, const Call& call, const v1::QueryResultRequest&
   const v1::Artifact* results = artifact_of(job, "results.h5");
   const auto folder = context.jobs_directory / request.id();
   const intake::FrameChoice choice{.number = number, .field = request.field()};
-  const auto waiting = waiting_time(call, context.settings.check_timeout_s());
+  const auto waiting = waiting_time(call, context.settings.checks().timeout_s());
   const v1::QueryResultResponse stored =
       results ? context.intake.stored_frame(folder, *results, choice, waiting)
               : context.intake.frame_so_far(folder, choice, waiting);
@@ -264,7 +264,7 @@ SentFile open_study(Context& context, const Call& call, const v1::FetchStudyRequ
   const jobs::CheckFolder folder(context.query_directory, {});
   const auto path = folder.path() / "study.h5";
   asked.mutable_write_table()->set_path(path);
-  context.warm_workers.ask(asked, waiting_time(call, context.settings.check_timeout_s()));
+  context.warm_workers.ask(asked, waiting_time(call, context.settings.checks().timeout_s()));
 
   SentFile sent{.file = storage::File(path, O_RDONLY),
                 .name = "the table of study " + request.id(),
@@ -297,9 +297,9 @@ SimulationService::Unary* SimulationService::ProbeResult(Wire* wire,
   return answer(wire, *request, lanes_.checks, [=, this](const Call& call) {
     check_points(*request);
     const v1::Job job = find_job(context_, request->id());
-    *response = context_.intake.probe(context_.jobs_directory / job.id(),
-                                      artifact_of(job, "results.h5"), *request,
-                                      waiting_time(call, context_.settings.check_timeout_s()));
+    *response =
+        context_.intake.probe(context_.jobs_directory / job.id(), artifact_of(job, "results.h5"),
+                              *request, waiting_time(call, context_.settings.checks().timeout_s()));
     check_probed(job, *request, *response);
   });
 }

@@ -144,7 +144,8 @@ PublicServer::PublicServer(Context& context, const relay::Listener& local,
   for (const auto& [name, value] : channel_arguments) builder.AddChannelArgument(name, value);
   builder.SetResourceQuota(grpc::ResourceQuota("dccastd").Resize(memory_of_transports));
 
-  const auto connections = static_cast<std::size_t>(context.settings.maximum_connections());
+  const auto connections =
+      static_cast<std::size_t>(context.settings.limits().maximum_connections());
   relay_.emplace(context.gate.peers(), std::move(serve), memory_bounds);
   relay_->add(local, {.connections = connections}, std::nullopt);
   if (tls)

@@ -8,8 +8,8 @@ namespace dccast::service {
 
 SimulationService::SimulationService(Context& context)
     : context_(context),
-      lanes_(context.settings.checkers(), context.settings.query_workers(),
-             context.settings.maximum_waiting_checks()) {}
+      lanes_(context.settings.checks().workers(), context.settings.queries().workers(),
+             context.settings.checks().maximum_waiting()) {}
 
 /// A call on its way through its stages.
 struct SimulationService::UnaryCall {

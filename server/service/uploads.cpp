@@ -203,7 +203,8 @@ private:
 grpc::ServerReadReactor<Request>* SimulationService::UploadAttachment(
     Wire* wire, v1::UploadAttachmentResponse* response) {
   constexpr double longest_silence_s = 60.0;
-  const double silence_s = std::min(longest_silence_s, context_.settings.upload_lifetime_s());
+  const double silence_s =
+      std::min(longest_silence_s, context_.settings.retention().upload_lifetime_s());
   const auto stream = std::make_shared<UploadStream>(
       lanes_.uploads, origin_of(wire, Request::default_instance()), context_.uploads,
       std::chrono::milliseconds(std::llround(1000.0 * silence_s)), *response);

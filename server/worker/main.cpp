@@ -135,11 +135,11 @@ void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
   write_run_facts(order, order.directory(), begin);
   if (end.outcome() == v1::RunEnd::FAILED && met_file_bound())
     // Not a storage failure, for which the queue would wait: the file will never fit.
-    end = failed_run(
-        v1::Finding::INVALID_CASE,
-        fmt::format("the case makes a file larger than {}: store fewer frames, or have worker_file "
-                    "raised in the settings of dccastd",
-                    storage::megabytes(order.file_bytes())));
+    end =
+        failed_run(v1::Finding::INVALID_CASE,
+                   fmt::format("the case makes a file larger than {}: store fewer frames, or have "
+                               "workers.file_size raised in the settings of dccastd",
+                               storage::megabytes(order.file_bytes())));
 
   end.set_attempt(order.attempt());
   end.set_solver(casting::solver_identity());
@@ -249,8 +249,9 @@ v1::QueryResultResponse read_frame(const v1::ReadFrame& asked) {
   if (number < 1 || number > count) return found;
 
   stored.visit(number - 1, 1, [&](const results::Frame& frame) {
-    *found.mutable_frame() = asked.field().empty() ? translate::to_proto(frame, stored.header())
-                                                   : translate::field_to_proto(frame, asked.field());
+    *found.mutable_frame() = asked.field().empty()
+                                 ? translate::to_proto(frame, stored.header())
+                                 : translate::field_to_proto(frame, asked.field());
   });
   return found;
 }
@@ -270,9 +271,8 @@ v1::ProbeResultResponse probe_frames(const v1::ProbeFrames& asked) {
     first = request.last() ? count - 1 : stored.nearest(request.time_s());
     count = 1;
   }
-  stored.visit(first, count, [&](const results::Frame& frame) {
-    translate::add_probed(frame, request, found);
-  });
+  stored.visit(first, count,
+               [&](const results::Frame& frame) { translate::add_probed(frame, request, found); });
   return found;
 }
 

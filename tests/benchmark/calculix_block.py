@@ -84,8 +84,8 @@ class Service:
         self.bin = os.path.join(os.path.abspath(build), "bin")
         self.folder = folder
         port = os.path.join(folder, "port")
-        settings = {"listen": f"unix:{folder}/socket", "port_file": port,
-                    "data_directory": os.path.join(folder, "data"), "workers": 1}
+        settings = {"listen.socket": f"unix:{folder}/socket", "listen.port_file": port,
+                    "data_directory": os.path.join(folder, "data"), "workers.count": 1}
         words = [word for item in settings.items() for word in ("--set", "%s=%s" % item)]
         with open(os.path.join(folder, "daemon.log"), "wb") as log:
             self.daemon = subprocess.Popen([os.path.join(self.bin, "dccastd"), *words], stderr=log)

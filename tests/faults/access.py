@@ -15,16 +15,14 @@ from dccast.v1 import service_pb2, service_pb2_grpc
 from fault import Fault
 from oracle import must
 from scene import Scene, limit
-from support import BIN, connected, until
+from support import BIN, connected, setting_options, until
 
 LONG = "steps=400 sleep_ms=10"
 
 
 def admin(scene, *words):
     """A command of dccastd on the scene's settings, beside the daemon."""
-    command = [os.path.join(BIN, "dccastd"), *words]
-    for key, value in scene.daemon.settings.items():
-        command += ["--set", f"{key}={value}"]
+    command = [os.path.join(BIN, "dccastd"), *words, *setting_options(scene.daemon.settings)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
     return done.stdout
 
@@ -76,7 +74,7 @@ class RemoteFault(Fault):
 
     def scene(self, chance):
         return Scene(chance, self.worker, prepare=self.prepare, options=self.options,
-                     listen_tls="127.0.0.2:0", public_address="127.0.0.2:7118", **self.settings)
+                     listen__tls="127.0.0.2:0", listen__public_address="127.0.0.2:7118", **self.settings)
 
     def prepare(self, scene):
         """Before the daemon starts."""
@@ -109,7 +107,7 @@ class ClientCertificateExpiresUnderWatch(RemoteFault):
 
     def prepare(self, scene):
         self.own = TestCa(scene.folder)
-        scene.daemon.settings["client_ca"] = self.own.certificate
+        scene.daemon.settings["tls__client_ca"] = self.own.certificate
 
     def disturb(self, scene, count):
         admin(scene, "user", "add", "anna", "--role", "viewer")
@@ -130,9 +128,9 @@ class ServerCertificateExpiresUnderWatch(RemoteFault):
     def prepare(self, scene):
         self.own = TestCa(scene.folder)
         self.issue(5)
-        scene.daemon.settings.update(certificate=os.path.join(scene.folder, "server.pem"),
-                                     certificate_key=self.own.key,
-                                     certificate_ca=self.own.certificate)
+        scene.daemon.settings.update(tls__certificate=os.path.join(scene.folder, "server.pem"),
+                                     tls__key=self.own.key,
+                                     tls__ca=self.own.certificate)
 
     def issue(self, ends):
         self.own.issue("server.pem", name="IP:127.0.0.2", ends=openssl_time(ends))

@@ -197,7 +197,7 @@ class KillCheck(Fault):
     worker = REAL
     # Any worker without a job may be the one that checks; one that has just been handed a job looks the same, and
     # three deaths of it would be a fault of the case.
-    settings = {"workers": 1, "worker_restarts": 100}
+    settings = {"workers__count": 1, "workers__restarts": 100}
 
     def disturb(self, scene, count):
         """Kills a process that checks cases while a submission is on its way."""

@@ -29,7 +29,7 @@ class Template:
         self.folder = tempfile.mkdtemp(prefix="dccast-faults-template-")
         atexit.register(shutil.rmtree, self.folder, ignore_errors=True)
         # A folder of the daemon's, not the scene's own, which goes with it.
-        with Scene(None, worker, workers=1) as scene:
+        with Scene(None, worker, workers__count=1) as scene:
             self.fill(scene)
             scene.kill_daemon() if kill else scene.daemon.terminate()
             shutil.copytree(scene.data(), self.folder, dirs_exist_ok=True, ignore=sockets)
@@ -55,7 +55,7 @@ class Template:
         def put_in_place(scene):
             shutil.copytree(self.folder, scene.data())
             scene.acknowledged = dict(self.acknowledged)
-        return Scene(chance, self.worker, prepare=put_in_place, workers=2)
+        return Scene(chance, self.worker, prepare=put_in_place, workers__count=2)
 
 
 def back_up(store, target):

@@ -31,7 +31,7 @@ class FailingDisk(Scene):
 
     def __init__(self, chance, **settings):
         super().__init__(chance, FAKE, prepare=self.preload,
-                         **{"workers": 1, "minimum_free": "0 bytes", **settings})
+                         **{"workers__count": 1, "limits__minimum_free": "0 bytes", **settings})
 
     def preload(self, _):
         self.order = os.path.join(self.folder, "order")
@@ -120,7 +120,7 @@ class SlowDisk(Fault):
     slowest = 0.05
 
     def scene(self, chance):
-        return FailingDisk(chance, workers=2)
+        return FailingDisk(chance, workers__count=2)
 
     def disturb(self, scene, count):
         waiting = [scene.submit(fake(HOLDING), state) for state in (job_pb2.CANCELLED, None)]
@@ -181,7 +181,7 @@ class FilledDisk(Fault):
     def scene(self, chance):
         folder = os.path.join(self.disk, "scene")
         os.mkdir(folder)
-        return Scene(chance, FAKE, folder=folder, workers=1, minimum_free="1 MB")
+        return Scene(chance, FAKE, folder=folder, workers__count=1, limits__minimum_free="1 MB")
 
     def disturb(self, scene, count):
         waiting = queue_up(scene)
@@ -240,7 +240,7 @@ class LimitedDescriptors(Fault):
     short, long = 1, 10
     seconds = 40.0
     patience = 40.0
-    settings = {"workers": 1, "worker_hello_timeout": "3 s"}
+    settings = {"workers__count": 1, "workers__start_timeout": "3 s"}
 
     def disturb(self, scene, count):
         process = scene.daemon.process.pid

@@ -12,8 +12,8 @@ from scene import Scene, alive, at_some_step, pause, signal_process
 from support import BIN, until
 
 # Short times, and still long against a machine that does other things too.
-WATCHFUL = {"heartbeat_interval": "0.2 s", "heartbeat_timeout": "2 s",
-            "worker_hello_timeout": "2 s", "worker_restarts": 20}
+WATCHFUL = {"workers__heartbeat_interval": "0.2 s", "workers__heartbeat_timeout": "2 s",
+            "workers__start_timeout": "2 s", "workers__restarts": 20}
 PATIENCE = 12.0  # seconds until the watchdog must have acted
 
 
@@ -44,7 +44,7 @@ class StopWorker(TwoCastings):
 class WorkerTakenOver(Fault):
     """A worker taken over by its file attacks its daemon and takes memory past its bound"""
     short, long = 1, 5
-    settings = {"workers": 1, "worker_memory": "300 MB"}
+    settings = {"workers__count": 1, "workers__memory": "300 MB"}
     attack = "steps=20 attack=600000000"
 
     def disturb(self, scene, count):
@@ -66,12 +66,12 @@ class WorkerTakenOver(Fault):
 
 
 class LimitedMemory(Fault):
-    """Real castings with a random part of the memory they need (worker_memory)"""
+    """Real castings with a random part of the memory they need (workers.memory)"""
     short, long = 2, 20
     worker = REAL
 
     def scene(self, chance):
-        return Scene(chance, REAL, worker_memory=f"{chance.randint(1, 40)} MB")
+        return Scene(chance, REAL, workers__memory=f"{chance.randint(1, 40)} MB")
 
     def disturb(self, scene, count):
         castings = [scene.submit(coarse()) for _ in range(2)]
@@ -90,7 +90,7 @@ class SilentWorker(Fault):
     patience = 30.0
 
     def scene(self, chance):
-        return FailingDisk(chance, **{**WATCHFUL, "worker_hello_timeout": "1 s"})
+        return FailingDisk(chance, **{**WATCHFUL, "workers__start_timeout": "1 s"})
 
     def disturb(self, scene, count):
         """Its claim on the folder takes 2 s, until three were killed for that."""
@@ -105,7 +105,7 @@ class StalledWorker(Fault):
     """A worker that lives and makes no step: its job fails with that cause"""
     short, long = 1, 5
     patience = 10.0
-    settings = {**WATCHFUL, "worker_restarts": 1, "stall_timeout": "1 s"}
+    settings = {**WATCHFUL, "workers__restarts": 1, "workers__stall_timeout": "1 s"}
 
     def disturb(self, scene, count):
         stalled = scene.submit(fake("steps=5 sleep_ms=100000"), job_pb2.FAILED)
@@ -116,7 +116,7 @@ class StalledWorker(Fault):
 class RunsThatEnd(Fault):
     """Runs end while no daemon follows them, and their workers are killed after that."""
     short, long = 1, 10
-    settings = {"worker_restarts": 0}
+    settings = {"workers__restarts": 0}
     case = "steps=30 checkpoint=7 sleep_ms=5 wait_at=20"
 
     def begin(self, scene):
@@ -171,7 +171,7 @@ class KillDaemonWhileRunsEnd(RunsThatEnd):
 class StopWorkerAndLeave(TwoCastings):
     """SIGSTOP of a worker, then SIGTERM of the daemon"""
     short, long = 1, 10
-    settings = {**WATCHFUL, "stop_grace": "1 s"}
+    settings = {**WATCHFUL, "workers__stop_grace": "1 s"}
 
     def disturb(self, scene, count):
         for worker in scene.busy_workers()[:1]:

@@ -21,7 +21,7 @@ class Kill(Fault):
     at_once = 6
     seconds = 30.0
     worker = REAL
-    settings = {"worker_restarts": 100}  # so many kills in one run are no fault of the case
+    settings = {"workers__restarts": 100}  # so many kills in one run are no fault of the case
 
     def disturb(self, scene, count):
         at_some_step(scene, self.keep_busy(scene), len(undisturbed(REAL, coarse()).steps))

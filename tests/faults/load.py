@@ -35,8 +35,8 @@ def measure(options):
     from cases import FAKE, coarse, fake
     from scene import Scene
     case = coarse()
-    with Scene(random.Random(1), FAKE, workers=1, maximum_queued=100000,
-               stall_timeout="0 s") as scene:
+    with Scene(random.Random(1), FAKE, workers__count=1, limits__maximum_queued=100000,
+               workers__stall_timeout="0 s") as scene:
         scene.submit(fake("steps=1000000 sleep_ms=1000"))
         case.title = "steps=3"
         process = scene.daemon.process.pid

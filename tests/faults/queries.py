@@ -175,7 +175,7 @@ def main():
     from cases import REAL
     from scene import Scene
     columns, loads = [], [load()]
-    with Scene(random.Random(1), REAL, workers=0, checkers=0) as scene:
+    with Scene(random.Random(1), REAL, workers__count=0, checks__workers=0) as scene:
         for full in (False, True):
             if full:
                 fill_batch_lane(scene)

@@ -38,7 +38,7 @@ class Scene:
         self.worker = worker
         self.folder = folder or tempfile.mkdtemp(prefix="dccast-faults-")
         self.daemon = Daemons(self.folder, worker, options=options,
-                              **{"stop_grace": "5 s", **settings})
+                              **{"workers__stop_grace": "5 s", **settings})
         self.daemon.through = through
         self.acknowledged = {}  # id of a job -> Expected
         self.unsure = []        # submissions whose answer never came

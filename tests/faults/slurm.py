@@ -17,7 +17,7 @@ RUNS = "steps=40 checkpoint=5 sleep_ms=20"
 class SlurmScene(Scene):
     def __init__(self, *arguments, **settings):
         super().__init__(*arguments, prepare=SlurmScene.start_cluster, executor="slurm",
-                         slurm_interval="0.5 s", heartbeat_interval="0.5 s", **settings)
+                         slurm__interval="0.5 s", workers__heartbeat_interval="0.5 s", **settings)
 
     def start_cluster(self):
         self.cluster = Cluster(os.path.join(self.folder, "slurm"))
@@ -40,7 +40,7 @@ class OfSlurm(Fault):
     long = 20
     seconds = 60.0
     patience = 240.0
-    settings = {"worker_restarts": 100}
+    settings = {"workers__restarts": 100}
 
     def attempt(self, chance, most):
         if missing := missing_programs():

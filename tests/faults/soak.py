@@ -21,7 +21,7 @@ class Soak(KilledStudy):
     """Castings, a sweep, queries and kills, round after round; the daemon is killed at half time"""
     worker = REAL
     hours = 1.0
-    settings = {"workers": 2, "worker_restarts": 100}
+    settings = {"workers__count": 2, "workers__restarts": 100}
     # Of a daemon between a quarter of its time, when caches are full, and its end.
     most_grown_mb = 16.0
     most_grown_descriptors = 8

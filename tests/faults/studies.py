@@ -15,7 +15,7 @@ class KilledStudy(Fault):
     """A study that is killed on its way."""
     at_once = 3
     seconds = 30.0
-    settings = {"worker_restarts": 100}  # so many kills in one run are no fault of the case
+    settings = {"workers__restarts": 100}  # so many kills in one run are no fault of the case
     request = "a study"
 
     def plan(self):

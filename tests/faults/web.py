@@ -21,7 +21,7 @@ MOST_MEMORY = 150e6
 class WebPeers(Fault):
     """Peers of one kind at the metrics port, then at the dashboard, before they have shown a key."""
     short = long = at_once = 2
-    settings = {"metrics": "127.0.0.1:0"}
+    settings = {"listen__metrics": "127.0.0.1:0"}
     connections, lasts = 8, 5.0
     begins = b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n"
     goes_on = b""

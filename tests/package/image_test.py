@@ -50,8 +50,8 @@ class Image(unittest.TestCase):
 
     def start(self, config):
         command = ["buildah", "run", self.container, "--", *config["Entrypoint"], *config.get("Cmd", ()),
-                   "--set", "listen_tls=127.0.0.1:0",
-                   "--set", "port_file=/var/lib/dccast/port"]
+                   "--set", "listen.tls=127.0.0.1:0",
+                   "--set", "listen.port_file=/var/lib/dccast/port"]
         runner = subprocess.Popen(command, env=self.environment)
         self.addCleanup(self.end, runner)
 
@@ -82,7 +82,7 @@ class Image(unittest.TestCase):
         job = json.loads(self.inside("dccast", "--server", local, "show", "last", "--json"))
         self.assertEqual((job["state"], job["owner"]), ("SUCCEEDED", "dccast"))
         line = self.inside("dccastd", "user", "add", "anna", "--role", "submitter", "--set",
-                           "public_address=casthouse:7118", "--config", "/etc/dccast/dccastd.toml")
+                           "listen.public_address=casthouse:7118", "--config", "/etc/dccast/dccastd.toml")
         self.assertIn("dccast login casthouse:7118/sha256:", line)
         self.assertEqual(self.end(runner), 0)
 

@@ -66,13 +66,14 @@ class Life(unittest.TestCase):
     def start_and_run_a_job(self):
         settings = self.root.path / "etc/dccast/dccastd.toml"
         text = settings.read_text(encoding="utf-8")
-        self.changed = text + 'port_file = "/var/lib/dccast/address"\n'
+        self.changed = text.replace("[listen]", '[listen]\nport_file = "/var/lib/dccast/address"')
         settings.write_text(self.changed, encoding="utf-8")
         self.assertEqual((self.root.path / "var/lib/dccast").stat().st_mode & 0o777, 0o700)
         daemon = Unit(self.root, "dccastd").start()
         self.addCleanup(daemon.kill)
-        self.root.run("dccastd", "user", "add", "anna", "--role", "submitter", "--set", "public_address=casthouse:7118",
-                      "--set", "listen_tls=127.0.0.1:0", "--config", "/etc/dccast/dccastd.toml")
+        self.root.run("dccastd", "user", "add", "anna", "--role", "submitter",
+                      "--set", "listen.public_address=casthouse:7118",
+                      "--set", "listen.tls=127.0.0.1:0", "--config", "/etc/dccast/dccastd.toml")
         users = self.root.path / "var/lib/dccast/users.toml"
         self.assertEqual(users.stat().st_uid, users.parent.stat().st_uid, "root writes for the service")
         shutil.copy(ROOT / CASE, self.root.path / "tmp/case.toml")

@@ -15,7 +15,7 @@ import unittest
 import grpc
 
 from dccast.v1 import access_pb2, job_pb2, judgement_pb2, service_pb2, service_pb2_grpc, study_pb2
-from support import BIN, Daemon, ServiceTest, connected, fake_case as fake, until
+from support import BIN, Daemon, ServiceTest, connected, fake_case as fake, setting_options, until
 
 NOBODY = 65534
 
@@ -25,7 +25,7 @@ class Remote:
 
     def __init__(self, daemon, token="", certificate=None):
         own = os.path.join(daemon.settings["data_directory"], "pki", "ca.pem")
-        with open(daemon.settings.get("certificate_ca", own), "rb") as file:
+        with open(daemon.settings.get("tls__ca", own), "rb") as file:
             ca = file.read()
         key, chain = certificate or (None, None)
         credentials = grpc.ssl_channel_credentials(ca, key, chain)
@@ -52,15 +52,13 @@ class AccessTest(ServiceTest):
         self.clients = []
 
     def start(self, **settings):
-        settings.setdefault("listen_tls", "127.0.0.2:0")
-        settings.setdefault("public_address", "127.0.0.2:7118")
+        settings.setdefault("listen__tls", "127.0.0.2:0")
+        settings.setdefault("listen__public_address", "127.0.0.2:7118")
         self.daemon = Daemon(self.folder, **settings).start()
         return self.daemon
 
     def admin(self, *words, code=0):
-        command = [os.path.join(BIN, "dccastd"), *words]
-        for key, value in self.daemon.settings.items():
-            command += ["--set", f"{key}={value}"]
+        command = [os.path.join(BIN, "dccastd"), *words, *setting_options(self.daemon.settings)]
         done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=False)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout + done.stderr
@@ -135,7 +133,7 @@ class StudiesOfOthers(AccessTest):
         self.submit_into(anna, "steps=4")
 
     def test_castings_of_others_are_not_read_by_way_of_an_own_study(self):
-        self.start(read="own")
+        self.start(access__read="own")
         anna, bert = (self.remote(self.token_of(name)) for name in ("anna", "bert"))
         self.study_of(anna)
         own = self.study_of(bert, request_id="of-bert").id
@@ -238,7 +236,7 @@ class Tokens(AccessTest):
         self.refusal(grpc.StatusCode.UNAUTHENTICATED, anna.ListJobs, service_pb2.ListJobsRequest())
 
     def test_a_token_expires(self):
-        self.start(token_lifetime="2 s")
+        self.start(access__token_lifetime="2 s")
         anna = self.remote(self.token_of("anna"))
         anna.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
         until(lambda: self.is_refused(anna), 10)
@@ -299,7 +297,7 @@ class Lapses(AccessTest):
         self.assertNotEqual(of_bert.get("code"), grpc.StatusCode.UNAUTHENTICATED)
 
     def test_a_token_that_expires_ends_its_watch(self):
-        self.start(token_lifetime="4 s")
+        self.start(access__token_lifetime="4 s")
         anna = self.remote(self.token_of("anna"))
         job = self.submit(anna, "steps=100000 sleep_ms=20")
         self.assertIn("expired", self.lapses(self.watch(anna, job), job))
@@ -337,21 +335,21 @@ class Owners(AccessTest):
         kalle.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
 
     def test_who_holds_too_much_of_the_disk_submits_no_more(self):
-        self.start(maximum_disk_per_user="2 kB")
+        self.start(per_user__maximum_disk="2 kB")
         anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
         job = self.submit(anna)
         until(lambda: anna.GetJob(service_pb2.GetJobRequest(id=job.id),
                                   timeout=10).state == job_pb2.SUCCEEDED, 20)
         details = self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, anna.SubmitJob,
                                service_pb2.SubmitJobRequest(case=fake("steps=3")))
-        for part in ("anna", "maximum_disk_per_user = 2000 bytes", "dccast delete"):
+        for part in ("anna", "per_user.maximum_disk = 2000 bytes", "dccast delete"):
             self.assertIn(part, details)
         self.submit(bert)
         anna.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
         self.submit(anna)
 
     def test_own_jobs_alone_are_read_where_the_settings_have_it(self):
-        self.start(read="own")
+        self.start(access__read="own")
         anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
         job = self.submit(anna)
         listed = service_pb2.ListJobsRequest()
@@ -395,7 +393,7 @@ class Certificates(AccessTest):
         self.daemon.terminate()
         self.daemon.end_workers()
         ca = os.path.join(self.daemon.settings["data_directory"], "pki", "ca.pem")
-        self.start(client_ca=ca)
+        self.start(tls__client_ca=ca)
         self.admin("pki", "issue", "anna", "--to", self.folder)
         self.admin("pki", "issue", "carl", "--to", self.folder)
         anna = self.remote(certificate=self.pair("anna"))
@@ -439,21 +437,21 @@ class Certificates(AccessTest):
 
     def test_without_tls_no_port_is_served(self):
         for address in ("0.0.0.0:0", "127.0.0.1:7117"):
-            daemon = Daemon(self.folder, listen=address)
+            daemon = Daemon(self.folder, listen__socket=address)
             with self.assertRaises(RuntimeError) as caught:
                 daemon.start()
-            self.assertIn("listen_tls", str(caught.exception))
+            self.assertIn("listen.tls", str(caught.exception))
 
 
 class Limits(AccessTest):
     def test_jobs_of_one_user(self):
-        self.start(maximum_queued_per_user=2)
+        self.start(per_user__maximum_queued=2)
         anna = self.remote(self.token_of("anna"))
         jobs = [self.submit(anna, "steps=100000 sleep_ms=20") for _ in range(2)]
         details = self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, anna.SubmitJob,
                                service_pb2.SubmitJobRequest(case=fake("steps=3")))
         self.assertIn("anna has 2 jobs", details)
-        self.assertIn("maximum_queued_per_user = 2", details)
+        self.assertIn("per_user.maximum_queued = 2", details)
         self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, lambda *request, **rest: list(
             anna.QueryButtCurl(*request, **rest)), service_pb2.QueryButtCurlRequest(
                 case=fake("steps=3"), keep=True))
@@ -462,14 +460,14 @@ class Limits(AccessTest):
             anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)
 
     def test_streams_of_one_user(self):
-        self.start(maximum_streams_per_user=2)
+        self.start(per_user__maximum_streams=2)
         anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
         job = self.submit(anna, "steps=100000 sleep_ms=20")
         request = service_pb2.WatchJobRequest(id=job.id)
         held = [anna.WatchJob(request, timeout=60) for _ in range(2)]
         for watch in held:
             next(watch)
-        self.assertIn("maximum_streams_per_user = 2", self.refusal(
+        self.assertIn("per_user.maximum_streams = 2", self.refusal(
             grpc.StatusCode.RESOURCE_EXHAUSTED, anna.WatchJob, request))
         next(bert.WatchJob(request, timeout=60))
         held[0].cancel()
@@ -482,7 +480,7 @@ class Limits(AccessTest):
         return False
 
     def test_calls_a_second(self):
-        self.start(maximum_calls_per_s=2)
+        self.start(per_user__maximum_calls_per_s=2)
         anna = self.remote(self.token_of("anna"))
         codes = []
         for _ in range(40):
@@ -540,7 +538,7 @@ class LocalSocket(AccessTest):
     def test_the_users_of_a_unix_socket_are_known(self):
         path = os.path.join(self.folder, "socket")
         os.chmod(self.folder, 0o755)
-        self.start(listen="unix:" + path)
+        self.start(listen__socket="unix:" + path)
         self.assertEqual(self.daemon.address, "unix:" + path)
 
         own = self.local().WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
@@ -559,7 +557,7 @@ class LocalSocket(AccessTest):
         self.assertEqual(self.audit("--job", job.id)[0]["from"], "unix:")
 
     def test_a_socket_of_a_killed_daemon_is_replaced(self):
-        self.start(listen="unix:" + os.path.join(self.folder, "socket"))
+        self.start(listen__socket="unix:" + os.path.join(self.folder, "socket"))
         self.daemon.kill()
         self.daemon.end_workers()
         self.daemon.start()
@@ -570,7 +568,7 @@ class LocalSocket(AccessTest):
 
 class Silence(AccessTest):
     def test_silent_connections_give_way(self):
-        self.start(maximum_connections=50)
+        self.start(limits__maximum_connections=50)
         silent = []
         self.addCleanup(lambda: [one.close() for one in silent])
         for number in range(200):

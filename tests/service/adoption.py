@@ -27,7 +27,7 @@ def sum_of(*values):
 
 
 class AdoptionTest(ServiceTest):
-    settings = {"worker_restarts": 2}
+    settings = {"workers__restarts": 2}
     options = ("--worker-patience", "60")
 
     def expected_curve(self, steps=60):

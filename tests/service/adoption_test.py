@@ -31,11 +31,11 @@ class KilledDaemon(AdoptionTest):
         with socket.socket(socket.AF_UNIX) as taken:
             taken.bind(os.path.join(self.folder, "taken"))
             taken.listen()
-            free = self.daemon.settings["listen"]
-            self.daemon.settings["listen"] = f"unix:{taken.getsockname()}"
+            free = self.daemon.settings["listen__socket"]
+            self.daemon.settings["listen__socket"] = f"unix:{taken.getsockname()}"
             with self.assertRaises(RuntimeError):
                 self.daemon.start()
-        self.daemon.settings["listen"] = free
+        self.daemon.settings["listen__socket"] = free
         self.restart()
         self.assertEqual(self.daemon.worker_processes(), [worker])
         self.ended_untouched(job_id, 60)
@@ -108,7 +108,7 @@ class KilledDaemon(AdoptionTest):
         self.resumed_once(job_id, expected)
 
     def test_a_worker_that_hangs_meanwhile_is_replaced(self):
-        self.daemon.settings.update(heartbeat_timeout="1 s", heartbeat_interval="0.2 s")
+        self.daemon.settings.update(workers__heartbeat_timeout="1 s", workers__heartbeat_interval="0.2 s")
         expected = self.expected_curve()
         job_id, worker = self.running_job()
         self.daemon.kill()

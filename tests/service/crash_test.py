@@ -13,7 +13,7 @@ from support import BIN, TERMINAL, ServiceTest, curve, fake_case, main, until
 
 
 class Crash(ServiceTest):
-    settings = {"worker_restarts": 2}
+    settings = {"workers__restarts": 2}
 
     def expected_curve(self):
         """Of an uninterrupted run."""

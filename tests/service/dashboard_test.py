@@ -583,7 +583,7 @@ class Pages(InBrowser):
         self.daemon.terminate()
         WebDriverWait(self.browser, 30).until(
             lambda b: "bad" in b.find_element(By.ID, "server").get_attribute("class"))
-        self.daemon.settings["listen"] = self.daemon.address
+        self.daemon.settings["listen__socket"] = self.daemon.address
         self.restart()
         WebDriverWait(self.browser, 30).until(
             lambda b: "bad" not in b.find_element(By.ID, "server").get_attribute("class"))

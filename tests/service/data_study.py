@@ -20,7 +20,7 @@ DATA = ("schedule.casting_temperature", "cooling.bottom_block.temperature", "all
 
 class DataStudyCase(ServiceTest):
     worker = "dccast-worker"
-    settings = {"workers": 2}
+    settings = {"workers__count": 2}
 
     def case_file(self, *more):
         with open(CASE, encoding="utf-8") as shipped:

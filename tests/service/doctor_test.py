@@ -20,7 +20,7 @@ class ClientTest(ServiceTest):
 
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="dccast-service-")
-        self.daemon = Daemon(self.folder, listen_tls="127.0.0.2:0")
+        self.daemon = Daemon(self.folder, listen__tls="127.0.0.2:0")
         self.clients = []
 
     def start(self, **settings):
@@ -37,7 +37,7 @@ class ClientTest(ServiceTest):
     def admin(self, *words):
         command = [os.path.join(BIN, "dccastd"), *words, "--set",
                    f"data_directory={self.daemon.settings['data_directory']}", "--set",
-                   f"public_address={self.daemon.tls_address}", "--set", "listen_tls=127.0.0.2:1"]
+                   f"listen.public_address={self.daemon.tls_address}", "--set", "listen.tls=127.0.0.2:1"]
         return subprocess.run(command, capture_output=True, text=True, timeout=30, check=True).stdout
 
     def line_for(self, name, role="submitter"):
@@ -173,14 +173,14 @@ class Doctor(ClientTest):
             connection.sendall(bytes([0, 0, 0, 4, 0, 0, 0, 0, 0]))  # settings of HTTP/2
         with self.serving(answer) as address:
             self.edit("address", address)
-            self.doctor(cause="speaks no TLS", remedy="listen_tls")
+            self.doctor(cause="speaks no TLS", remedy="listen.tls")
 
     def test_a_web_server(self):
         def answer(connection):
             connection.recv(1000)
             connection.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n")
         with self.serving(answer) as address:
-            self.doctor(address, cause="a web server", remedy="port of listen_tls")
+            self.doctor(address, cause="a web server", remedy="port of listen.tls")
 
     def test_a_server_that_says_nothing(self):
         with self.serving(lambda connection: None) as address:
@@ -199,7 +199,7 @@ class Doctor(ClientTest):
         self.doctor(cause="token is unknown", remedy="log in again")
 
     def test_a_token_that_has_expired(self):
-        self.start(token_lifetime="1 s")
+        self.start(access__token_lifetime="1 s")
         self.log_in("anna")
         until(lambda: "expired" in self.dccast("doctor").stdout, 10)
         self.doctor(cause="has expired", remedy="log in again")
@@ -209,7 +209,7 @@ class Doctor(ClientTest):
         self.log_in("anna")
         self.daemon.terminate()
         shutil.rmtree(os.path.join(self.daemon.settings["data_directory"], "pki"))
-        self.daemon.settings["listen_tls"] = self.daemon.tls_address
+        self.daemon.settings["listen__tls"] = self.daemon.tls_address
         self.start()
         self.doctor(cause="CA that is unknown", remedy="new line")
 
@@ -221,7 +221,7 @@ class Doctor(ClientTest):
                 (dict(begins="20200101000000Z", ends="20200201000000Z"), "has expired on 2020-02-01",
                  "renew"),
                 (dict(begins="20700101000000Z", ends="20710101000000Z"), "not yet valid", "clock"),
-                ({}, "not HTTP/2", "listen_tls")):
+                ({}, "not HTTP/2", "listen.tls")):
             with self.subTest(cause=cause), self.serving_tls(self.ca.issue(**what)) as address:
                 self.edit("address", address)
                 self.doctor(cause=cause, remedy=remedy)

@@ -12,7 +12,7 @@ SCRIPT = "steps=60 checkpoint=7 sleep_ms=20 finding_at=10"
 
 
 class Findings(ServiceTest):
-    settings = {"worker_restarts": 2}
+    settings = {"workers__restarts": 2}
 
     def dccast(self, *words, code=0):
         ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],

@@ -12,7 +12,7 @@ from support import TERMINAL, ServiceTest, curve, fake_case, main
 
 
 class Lifecycle(ServiceTest):
-    settings = {"stop_grace": "1 s"}
+    settings = {"workers__stop_grace": "1 s"}
 
     def test_two_clients_see_the_same_job_to_its_end(self):
         job = self.client.submit(fake_case("steps=30 sleep_ms=5"))

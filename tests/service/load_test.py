@@ -55,7 +55,7 @@ def resident_mb(pid):
 
 
 class Load(ServiceTest):
-    settings = {"workers": 1, "stop_grace": "1 s"}
+    settings = {"workers__count": 1, "workers__stop_grace": "1 s"}
 
     def info(self):
         return self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=60)
@@ -105,7 +105,7 @@ class Checks(Load):
 class IdleConnections(Load):
     """More of them than the daemon has file descriptors."""
     descriptors = 1024
-    settings = {**Load.settings, "workers": 2}
+    settings = {**Load.settings, "workers__count": 2}
 
     @staticmethod
     def before_exec():

@@ -30,7 +30,7 @@ def forget_places(test):
 
 class LocalSocket(ServiceTest):
     """A daemon whose settings name no address."""
-    settings = {"listen": ""}
+    settings = {"listen__socket": ""}
 
     def setUp(self):
         forget_places(self)
@@ -69,7 +69,7 @@ class LocalSocket(ServiceTest):
         folder = os.path.join(self.folder, "second")
         os.mkdir(folder)
         with self.assertRaises(RuntimeError) as refused:
-            Daemon(folder, listen="").start()
+            Daemon(folder, listen__socket="").start()
         self.assertIn(f"cannot listen on unix:{self.path}", str(refused.exception))
         self.assertIn("is another dccastd there?", str(refused.exception))
         self.assertIn(job.id, self.dccast("list", "--json").stdout)  # it is still there
@@ -91,7 +91,7 @@ class LocalSocket(ServiceTest):
         with self.assertRaises(RuntimeError) as refused:
             self.daemon.start()
         self.assertIn("1 to 107 bytes", str(refused.exception))
-        self.assertIn('listen = "unix:PATH"', str(refused.exception))
+        self.assertIn("listen.socket", str(refused.exception))
 
     def test_an_address_of_earlier_versions_is_answered_with_the_remedy(self):
         said = self.dccast("--server", "127.0.0.1:7117", "list")
@@ -121,7 +121,7 @@ def without_netlink():
 
 @unittest.skipUnless(platform.machine() == "x86_64", "the numbers of calls are those of x86-64")
 class NoNetlink(ServiceTest):
-    settings = {"listen_tls": "127.0.0.1:0"}
+    settings = {"listen__tls": "127.0.0.1:0"}
     before_exec = staticmethod(without_netlink)
 
     def test_no_netlink_socket_is_opened(self):
@@ -136,7 +136,7 @@ class NoNetlink(ServiceTest):
 @unittest.skipUnless(os.getuid() == 0, "root alone starts programs of other users")
 class WithoutRuntimeDirectory(ServiceTest):
     """A daemon of another user, who has no runtime directory and sets nothing."""
-    settings = {"listen": ""}
+    settings = {"listen__socket": ""}
 
     @staticmethod
     def before_exec():

@@ -37,8 +37,8 @@ def family(name):
 
 
 class MetricsTest(ServiceTest):
-    settings = {"metrics": "127.0.0.1:0", "listen_tls": "127.0.0.2:0", "workers": 1,
-                "maximum_streams_per_user": 1}
+    settings = {"listen__metrics": "127.0.0.1:0", "listen__tls": "127.0.0.2:0", "workers__count": 1,
+                "per_user__maximum_streams": 1}
 
     def page(self):
         address = re.findall(r"metrics on (http://\S+)", self.daemon.said())[-1]
@@ -115,7 +115,7 @@ class Scrape(MetricsTest):
         self.assertEqual(self.value("dccast_streams_open"), 1)
         self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.new_client().watch, running)
         self.assertEqual(
-            self.value('dccast_refused_calls_total{limit="maximum_streams_per_user"}'), 1)
+            self.value('dccast_refused_calls_total{limit="per_user.maximum_streams"}'), 1)
         watch.cancel()
         until(lambda: self.value("dccast_streams_open") == 0, 10)
 
@@ -132,7 +132,7 @@ class Scrape(MetricsTest):
                 silent.enter_context(socket.create_connection((host, int(port)), 10))
             self.assertIn("dccast_jobs", self.wait_for_page())
         self.daemon.terminate()
-        self.daemon.settings["metrics"] = "0.0.0.0:0"
+        self.daemon.settings["listen__metrics"] = "0.0.0.0:0"
         with self.assertRaises(RuntimeError) as refused:
             self.daemon.start()
         self.assertIn("loopback", str(refused.exception))
@@ -145,7 +145,7 @@ class Scrape(MetricsTest):
 
 class Guarded(MetricsTest):
     """What the port does not do for strangers on the machine."""
-    settings = {**MetricsTest.settings, "read": "own"}
+    settings = {**MetricsTest.settings, "access__read": "own"}
 
     def test_other_names_are_refused(self):
         address = re.findall(r"metrics on (http://\S+)", self.daemon.said())[-1]
@@ -228,7 +228,7 @@ class Logs(ServiceTest):
 
 
 class JsonLogs(Logs):
-    settings = {"log_format": "json"}
+    settings = {"log__format": "json"}
 
     def test_text(self):
         events = [json.loads(line) for line in self.lines_after_hostile_texts()]
@@ -239,7 +239,7 @@ class JsonLogs(Logs):
 
 
 class JournalLogs(Logs):
-    settings = {"log_format": "journal"}
+    settings = {"log__format": "journal"}
 
     def test_text(self):
         for line in self.lines_after_hostile_texts():

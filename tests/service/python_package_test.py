@@ -264,7 +264,7 @@ class Steering(PackageTest):
         self.assertEqual(self.service.jobs(), [])
 
     def test_a_watch_goes_on_when_the_server_comes_back(self):
-        self.daemon.settings["listen"] = self.daemon.address
+        self.daemon.settings["listen__socket"] = self.daemon.address
         job = self.long_job()
         numbers = []
         for event in job.watch():

@@ -117,7 +117,7 @@ class Queries(QueryTest):
 
 
 class Cancelling(QueryTest):
-    settings = {"query_workers": 1}
+    settings = {"queries__workers": 1}
 
     def test_cancelling_the_call_ends_the_run_at_once(self):
         waiting = len(self.daemon.answering_processes())
@@ -157,7 +157,7 @@ class Cancelling(QueryTest):
 
 
 class SeveralAtOnce(QueryTest):
-    settings = {"checkers": 1, "query_workers": 3}
+    settings = {"checks__workers": 1, "queries__workers": 3}
 
     def test_as_many_run_at_once_as_the_settings_say(self):
         calls = [self.ask("steps=100000 sleep_ms=5", columns=50 + number) for number in range(3)]
@@ -233,7 +233,7 @@ class Kept(QueryTest):
 
 
 class Beside(QueryTest):
-    settings = {"query_workers": 1, "maximum_waiting_checks": 1, "workers": 2}
+    settings = {"queries__workers": 1, "checks__maximum_waiting": 1, "workers__count": 2}
 
     def test_a_kept_query_does_not_wait_for_the_queue(self):
         for number in range(4):
@@ -290,7 +290,7 @@ ENDLESS = "steps=1000000 sleep_ms=5 estimate_s=60"
 
 class BesideAComparison(QueryTest):
     """A comparison of 3D runs has every thread for queries, and jobs have every worker."""
-    settings = {"query_workers": 2, "workers": 2}
+    settings = {"queries__workers": 2, "workers__count": 2}
 
     def compare(self, *titles):
         """Starts `dccast compare` for cases of these titles."""
@@ -436,7 +436,8 @@ class StoppedWorkers(QueryTest):
 
 
 class TimersOfStoppedWorkers(QueryTest):
-    settings = {"heartbeat_interval": "0.2 s", "heartbeat_timeout": "1 s", "stall_timeout": "1 s"}
+    settings = {"workers__heartbeat_interval": "0.2 s", "workers__heartbeat_timeout": "1 s",
+                "workers__stall_timeout": "1 s"}
 
     def test_a_worker_that_stands_still_for_a_query_is_not_taken_to_hang(self):
         job = self.client.submit(fake_case(ENDLESS, mesh={"columns": 60}))

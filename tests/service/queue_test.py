@@ -249,7 +249,7 @@ class Marks(QueueTest):
 
 
 class Retention(QueueTest):
-    settings = {"keep_time": "1 s"}
+    settings = {"retention__keep_time": "1 s"}
 
     def test_old_jobs_go_and_pinned_ones_stay(self):
         old, pinned, awaited = [self.client.submit(fake_case("steps=5")).id for _ in range(3)]
@@ -276,13 +276,13 @@ class RetentionBySize(QueueTest):
         folders = os.path.join(self.daemon.settings["data_directory"], "jobs")
         sizes = [sum(os.path.getsize(os.path.join(at, name)) for name in names)
                  for at, _, names in os.walk(os.path.join(folders, jobs[3]))]
-        self.daemon.settings["keep_size"] = f"{int(2.5 * sum(sizes))} bytes"
+        self.daemon.settings["retention__keep_size"] = f"{int(2.5 * sum(sizes))} bytes"
         self.restart()
         until(lambda: self.dccast("list", "--ids").split() == jobs[:1:-1], 30)
 
 
 class Limits(QueueTest):
-    settings = {"maximum_time": "60 s"}
+    settings = {"per_case__maximum_time": "60 s"}
 
     def test_a_job_ends_at_its_time_limit_and_says_what_to_do(self):
         path = self.case_file("a.toml", "steps=100000 sleep_ms=20")
@@ -308,7 +308,7 @@ class Limits(QueueTest):
     def test_a_limit_beyond_that_of_the_server_is_refused(self):
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit,
                              fake_case("steps=5"), time_limit_s=61)
-        self.assertIn("maximum_time = 60", error.details())
+        self.assertIn("per_case.maximum_time = 60", error.details())
         for wrong in (-1.0, float("nan"), float("inf")):
             self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.submit, fake_case("steps=5"),
                          time_limit_s=wrong)
@@ -316,20 +316,20 @@ class Limits(QueueTest):
 
 
 class RunningLimit(QueueTest):
-    settings = {"maximum_running_per_user": 1, "stop_grace": "0.5 s"}
+    settings = {"per_user__maximum_running": 1, "workers__stop_grace": "0.5 s"}
 
     def test_one_user_leaves_workers_to_others(self):
         first, second = [self.client.submit(fake_case("steps=1000 wait_at=3")).id for _ in range(2)]
         self.client.until_step(first, 3)
         job = self.client.job(second)
         self.assertEqual(job.state, job_pb2.QUEUED)
-        self.assertIn("maximum_running_per_user = 1", job.held)
+        self.assertIn("per_user.maximum_running = 1", job.held)
         self.client.cancel(first)
         self.client.until_step(second, 3)
 
 
 class Times(QueueTest):
-    settings = {"workers": 1}
+    settings = {"workers__count": 1}
 
     def test_start_and_end_are_foreseen_from_jobs_before(self):
         for _ in range(2):

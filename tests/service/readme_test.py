@@ -57,7 +57,8 @@ class NextCommands(unittest.TestCase):
         command = line.removesuffix(" &")
         self.assertNotEqual(command, line, "the daemon of README keeps the terminal")
         self.daemon = subprocess.Popen(
-            [*command.split(), "--set", f"listen=unix:{self.folder}/socket", "--set", f"port_file={port_file}"],
+            [*command.split(), "--set", f"listen.socket=unix:{self.folder}/socket",
+             "--set", f"listen.port_file={port_file}"],
             cwd=self.folder, env=self.environment, stderr=subprocess.DEVNULL)
         until(lambda: port_file.exists() or self.daemon.poll() is not None, 15)
         self.environment["DCCAST_SERVER"] = port_file.read_text(encoding="ascii").split()[0]

@@ -14,7 +14,7 @@ CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-th
 
 class RealSteering(ServiceTest):
     worker = "dccast-worker"
-    settings = {"workers": 1}
+    settings = {"workers__count": 1}
 
     def dccast(self, *words):
         return subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],

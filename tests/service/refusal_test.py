@@ -17,7 +17,8 @@ from support import BIN, ServiceTest, connected, fake_case, main, until, work_of
 
 
 class Refusal(ServiceTest):
-    settings = {"maximum_queued": 3, "workers": 1, "maximum_attachment": "65536 bytes"}
+    settings = {"limits__maximum_queued": 3, "workers__count": 1,
+                "per_case__maximum_attachment": "65536 bytes"}
 
     def tearDown(self):
         self.assertTrue(self.daemon.running())
@@ -69,8 +70,8 @@ class Refusal(ServiceTest):
         info, _ = self.details(error)
         self.assertEqual((info.reason, info.domain), ("LIMIT_REACHED", "dccast"))
         self.assertEqual(dict(info.metadata), {
-            "cause": "the queue is full", "limit": "maximum_queued",
-            "permitted": str(self.settings["maximum_queued"]), "remedy": "submit again later"})
+            "cause": "the queue is full", "limit": "limits.maximum_queued",
+            "permitted": str(self.settings["limits__maximum_queued"]), "remedy": "submit again later"})
         self.assertEqual(error.details(), "{cause}; {limit} = {permitted}; {remedy}".format(**info.metadata))
 
     def test_a_case_with_faults(self):
@@ -174,7 +175,7 @@ class Refusal(ServiceTest):
     def test_an_attachment_too_large(self):
         error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.upload, "slab.msh",
                              b"x" * 100000)
-        self.assertIn("maximum_attachment", error.details())
+        self.assertIn("per_case.maximum_attachment", error.details())
 
     def test_garbage_on_the_socket(self):
         for garbage in (b"", b"GET / HTTP/1.1\r\n\r\n", os.urandom(5000),
@@ -251,7 +252,7 @@ class RealWorker(ServiceTest):
 class LittleMemory(ServiceTest):
     """A worker whose memory is bounded: the job fails and says what it lacks."""
     worker = "dccast-worker"
-    settings = {"workers": 1, "worker_memory": "250 MB"}
+    settings = {"workers__count": 1, "workers__memory": "250 MB"}
 
     def test_a_run_that_gets_no_more_memory_fails_with_words_about_memory(self):
         case = fake_case("large")
@@ -267,8 +268,8 @@ class LittleMemory(ServiceTest):
 
 class Checks(ServiceTest):
     """What one check costs the others."""
-    settings = {"checkers": 1, "query_workers": 1, "maximum_waiting_checks": 2,
-                "check_timeout": "20 s"}
+    settings = {"checks__workers": 1, "queries__workers": 1, "checks__maximum_waiting": 2,
+                "checks__timeout": "20 s"}
 
     def validate(self, title):
         return self.client.stub.ValidateCase.future(
@@ -331,17 +332,18 @@ class Checks(ServiceTest):
 
 
 class SlowChecks(ServiceTest):
-    settings = {"check_timeout": "0.3 s"}
+    settings = {"checks__timeout": "0.3 s"}
 
     def test_a_check_beyond_its_time(self):
         error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit,
                              fake_case("check_ms=15000"))
-        self.assertIn("check_timeout", error.details())
+        self.assertIn("checks.timeout", error.details())
         self.assertIn("try again", error.details())
 
 
 class Ceilings(ServiceTest):
-    settings = {"maximum_nodes": 1000, "maximum_steps": 50, "maximum_memory": "1 MB"}
+    settings = {"per_case__maximum_nodes": 1000, "per_case__maximum_steps": 50,
+                "per_case__maximum_memory": "1 MB"}
 
     def test_a_case_may_not_permit_itself_more_than_the_daemon_does(self):
         case = fake_case("steps=51 nodes=1001 memory=1100000")
@@ -428,22 +430,22 @@ class CommandLine(ServiceTest):
 
     def test_a_port_for_local_users_is_refused_with_the_remedy(self):
         for address in ("0.0.0.0:0", "127.0.0.1:7117"):
-            ended = self.run_daemon("--set", f"listen={address}", "--set", "data_directory=other")
+            ended = self.run_daemon("--set", f"listen.socket={address}", "--set", "data_directory=other")
             self.assertEqual(ended.returncode, 2)
-            for text in (f"listen = {address}", "unix:PATH", "listen_tls", "TLS and a token"):
+            for text in (f"listen.socket = {address}", "unix:PATH", "listen.tls", "TLS and a token"):
                 self.assertIn(text, ended.stderr)
 
     def test_a_path_that_is_too_long(self):
-        ended = self.run_daemon("--set", "listen=unix:/tmp/" + "x" * 103, "--set",
+        ended = self.run_daemon("--set", "listen.socket=unix:/tmp/" + "x" * 103, "--set",
                                 "data_directory=other", "--set",
-                                f"worker_program={self.daemon.settings['worker_program']}")
+                                f"workers.program={self.daemon.settings['workers__program']}")
         self.assertEqual(ended.returncode, 4)
         self.assertIn("1 to 107 bytes", ended.stderr)
 
     def test_an_address_in_use(self):
-        ended = self.run_daemon("--set", f"listen={self.daemon.address}", "--set",
+        ended = self.run_daemon("--set", f"listen.socket={self.daemon.address}", "--set",
                                 "data_directory=other", "--set",
-                                f"worker_program={self.daemon.settings['worker_program']}")
+                                f"workers.program={self.daemon.settings['workers__program']}")
         self.assertEqual(ended.returncode, 4)
         self.assertIn("cannot listen on " + self.daemon.address, ended.stderr)
         self.assertIn("in use", ended.stderr)
@@ -451,16 +453,16 @@ class CommandLine(ServiceTest):
 
     def test_a_port_that_is_none(self):
         for port in ("65536", "99999", "-1", "", "7117x"):
-            ended = self.run_daemon("--set", f"listen_tls=127.0.0.1:{port}")
+            ended = self.run_daemon("--set", f"listen.tls=127.0.0.1:{port}")
             self.assertEqual(ended.returncode, 2)
-            self.assertIn(f"listen_tls = 127.0.0.1:{port}", ended.stderr)
+            self.assertIn(f"listen.tls = 127.0.0.1:{port}", ended.stderr)
             self.assertIn("0 to 65535", ended.stderr)
 
     def test_settings_with_faults(self):
-        ended = self.run_daemon("--set", "workers=-1", "--set", "wrokers=2")
+        ended = self.run_daemon("--set", "workers.count=-1", "--set", "wrokers=2")
         self.assertEqual(ended.returncode, 2)
-        self.assertIn("workers", ended.stderr)
-        self.assertIn("wrokers", ended.stderr)
+        self.assertIn("workers.count = -1: out of range; permitted: 0 to 4096", ended.stderr)
+        self.assertIn("wrokers = 2: unknown key; did you mean 'workers'?", ended.stderr)
         self.assertEqual(self.run_daemon("--nonsense").returncode, 2)
         self.assertEqual(self.run_daemon("--help").returncode, 0)
         self.assertIn("dccastd 1.", self.run_daemon("--version").stdout)

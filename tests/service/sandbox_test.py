@@ -22,7 +22,7 @@ def status_of(process):
 
 
 class Sandbox(ServiceTest):
-    settings = {"workers": 1, "worker_memory": "1 GB", "worker_file": "50 MB"}
+    settings = {"workers__count": 1, "workers__memory": "1 GB", "workers__file_size": "50 MB"}
 
     @staticmethod
     def landlock():

@@ -32,8 +32,8 @@ def setUpModule():
 
 
 class SlurmTest(ServiceTest):
-    settings = {"executor": "slurm", "slurm_interval": "0.5 s", "heartbeat_interval": "0.5 s",
-                "slurm_jobs": 8}
+    settings = {"executor": "slurm", "slurm__interval": "0.5 s", "workers__heartbeat_interval": "0.5 s",
+                "slurm__jobs": 8}
 
     def tearDown(self):
         until(cluster.node_is_ready, 60)
@@ -116,12 +116,12 @@ class OneJob(SlurmTest):
 
     def test_a_refused_submission_holds_the_queue_with_slurms_reason(self):
         self.daemon.terminate()
-        self.daemon.settings["slurm_options"] = "--partition=nowhere"
+        self.daemon.settings["slurm__options"] = "--partition=nowhere"
         self.restart()
         job = self.client.submit(fake_case("steps=60"))
         until(lambda: "invalid partition" in self.client.job(job.id).held, 30)
         self.daemon.terminate()
-        self.daemon.settings["slurm_options"] = "--partition=batch"
+        self.daemon.settings["slurm__options"] = "--partition=batch"
         self.restart()
         self.succeeds(job.id)
 
@@ -204,11 +204,11 @@ class RealCasting(SlurmTest, RealRunTest):
 
 @unittest.skipUnless(NIGHTLY, "nightly")
 class Nightly(SlurmTest):
-    settings = {**SlurmTest.settings, "worker_restarts": 100}
+    settings = {**SlurmTest.settings, "workers__restarts": 100}
 
     def test_a_time_limit_stops_it_at_a_checkpoint_and_it_goes_on(self):
         self.daemon.terminate()
-        self.daemon.settings.update(slurm_time_limit="60 s", slurm_checkpoint_before="30 s")
+        self.daemon.settings.update(slurm__time_limit="60 s", slurm__checkpoint_before="30 s")
         self.restart()
         job = self.client.submit(fake_case("steps=80 sleep_ms=1000 checkpoint=1000"))
         job = self.client.until_state(job.id, SUCCEEDED, seconds=300)

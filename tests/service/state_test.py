@@ -34,7 +34,7 @@ def all_datasets(file):
 
 
 class StateTest(ServiceTest):
-    settings = {"workers": 1}
+    settings = {"workers__count": 1}
 
     def setUp(self):
         super().setUp()
@@ -401,7 +401,7 @@ class ChangedResults(StateTest):
 
 
 class Backup(StateTest):
-    settings = {"workers": 2}
+    settings = {"workers__count": 2}
 
     def submit_until(self, stop, ids):
         client = self.new_client()
@@ -438,7 +438,7 @@ class Backup(StateTest):
         self.assertEqual(self.command("check", "--deep", data=restored)[0], 0)
         other = os.path.join(self.folder, "other")
         os.mkdir(other)
-        self.daemon = Daemon(other, workers=4, data_directory=restored).start()
+        self.daemon = Daemon(other, workers__count=4, data_directory=restored).start()
         self.client = self.new_client()
         for job_id in acknowledged:
             self.client.until_state(job_id, SUCCEEDED)

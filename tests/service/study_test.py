@@ -53,7 +53,7 @@ def extrapolated(time, curves):
 
 class RefinementStudy(ServiceTest):
     worker = "dccast-worker"
-    settings = {"workers": 1, "worker_restarts": 0}
+    settings = {"workers__count": 1, "workers__restarts": 0}
 
     def command(self, *words):
         return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
@@ -290,7 +290,7 @@ class RefinementStudy(ServiceTest):
 
 class Repair(ServiceTest):
     """Levels that are lost, on the fake worker: what is done again, and what is not."""
-    settings = {"workers": 1, "worker_restarts": 0}
+    settings = {"workers__count": 1, "workers__restarts": 0}
     command, dccast, study = (RefinementStudy.command, RefinementStudy.dccast,
                               RefinementStudy.study)
     case_file, begin_study = RefinementStudy.case_file, RefinementStudy.begin_study

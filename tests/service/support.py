@@ -34,16 +34,13 @@ class Daemon:
         self.options = options
         self.before_exec = before_exec  # called in its process, e.g. to limit it
         self.port_file = os.path.join(folder, "port")
-        self.settings = {"listen": socket_in(folder), "port_file": self.port_file,
+        self.settings = {"listen__socket": socket_in(folder), "listen__port_file": self.port_file,
                          "data_directory": os.path.join(folder, "data"),
-                         "worker_program": os.path.join(BIN, worker), "workers": 2, **settings}
+                         "workers__program": os.path.join(BIN, worker), "workers__count": 2, **settings}
         self.process = None
 
     def command(self):
-        words = [os.path.join(BIN, "dccastd"), *self.options]
-        for key, value in self.settings.items():
-            words += ["--set", f"{key}={value}"]
-        return words
+        return [os.path.join(BIN, "dccastd"), *self.options, *setting_options(self.settings)]
 
     def start(self):
         if os.path.exists(self.port_file):
@@ -128,6 +125,12 @@ class Daemon:
             except OSError:
                 pass  # it ended while we looked
         return found
+
+
+def setting_options(settings):
+    """Options of dccastd for settings whose names have two underscores for the dot: listen__tls."""
+    return [word for key, value in settings.items()
+            for word in ("--set", f"{key.replace('__', '.')}={value}")]
 
 
 def socket_in(folder):

@@ -416,7 +416,7 @@ class Command(StudyTest):
 class Predicted(StudyTest):
     """On the real solver: what was not run, against a run of it."""
     worker = "dccast-worker"
-    settings = {"workers": 2}
+    settings = {"workers__count": 2}
     # Two keys that the curl follows smoothly. Against the casting speed it jumps, on a coarse mesh by
     # 0.4 mm from 57 to 58 mm/min, where a row of cells is put in another step.
     AXES = {"cooling.bottom_block.temperature": ["50 degC", "110 degC"],

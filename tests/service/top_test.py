@@ -15,7 +15,7 @@ ENTER, LEAVE = b"\033[?1049h\033[?25l", b"\033[?25h\033[?1049l"
 
 
 class TopTest(ServiceTest):
-    settings = {"workers": 1, "stop_grace": "0.5 s"}
+    settings = {"workers__count": 1, "workers__stop_grace": "0.5 s"}
 
     def setUp(self):
         super().setUp()

@@ -21,7 +21,7 @@ def case_with(*attachments):
 
 
 class Uploads(ServiceTest):
-    settings = {"workers": 1, "maximum_uploads_per_user": "2 GB"}
+    settings = {"workers__count": 1, "per_user__maximum_uploads": "2 GB"}
 
     def uploaded(self):
         return os.listdir(os.path.join(self.folder, "data", "uploads"))
@@ -126,20 +126,20 @@ class Uploads(ServiceTest):
 
 
 class Quota(ServiceTest):
-    settings = {"workers": 1, "maximum_uploads_per_user": "1 MB", "maximum_uploads": "2 MB",
-                "upload_lifetime": "2 s"}
+    settings = {"workers__count": 1, "per_user__maximum_uploads": "1 MB", "limits__maximum_uploads": "2 MB",
+                "retention__upload_lifetime": "2 s"}
 
     def test_the_refusal_names_the_quota_and_used_files_give_way(self):
         first = self.client.upload("first.msh", b"a" * 600_000)
         error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.upload, "second.msh",
                              b"b" * 600_000)
-        self.assertIn("maximum_uploads_per_user = 1 MB", error.details())
+        self.assertIn("per_user.maximum_uploads = 1 MB", error.details())
         info, verdict = self.details(error)
-        self.assertEqual(info.metadata["limit"], "maximum_uploads_per_user")
+        self.assertEqual(info.metadata["limit"], "per_user.maximum_uploads")
         [fault] = verdict.faults
         self.assertEqual(fault.field, "attachments")
         self.assertIn("second.msh", fault.value)
-        self.assertIn("maximum_uploads_per_user", fault.permitted)
+        self.assertIn("per_user.maximum_uploads", fault.permitted)
         self.assertIn("submit", fault.remedy)
 
         self.client.submit(**case_with(first))
@@ -163,7 +163,7 @@ class Quota(ServiceTest):
 
 
 class Viewer(ServiceTest):
-    settings = {"workers": 1, "local_role": "viewer"}
+    settings = {"workers__count": 1, "access__local_role": "viewer"}
 
     def test_a_viewer_is_refused_before_the_first_chunk(self):
         """As nobody, as root is an admin."""

@@ -43,7 +43,7 @@ class DccastError(Exception):
                  remedy: str = "", reason: str = "", limit: str = "") -> None:
         super().__init__(message)
         self.reason = reason  #: of a refused call, e.g. "LIMIT_REACHED", as in refusal.proto; else empty
-        self.limit = limit  #: setting of the server that refuses, e.g. "maximum_queued"; else empty
+        self.limit = limit  #: setting of the server that refuses, e.g. "limits.maximum_queued"; else empty
         self.code = code  #: of a call its status, e.g. "NOT_FOUND"; of a run, e.g. "SOLVE_FAILED"
         self.faults = tuple(faults)  #: all that is wrong with the case
         first = self.faults[0] if self.faults else None

@@ -118,8 +118,9 @@ void Retention::delete_old_jobs() {
     if (job.pinned || scheduler_.is_awaited(job.id)) continue;
 
     // It may have been pinned since it was listed.
-    const auto reply = scheduler_.remove(job.id, too_old ? "keep_time" : "keep_size",
-                                         [](const v1::Job& found) { return !found.pinned(); });
+    const auto reply =
+        scheduler_.remove(job.id, too_old ? "retention.keep_time" : "retention.keep_size",
+                          [](const v1::Job& found) { return !found.pinned(); });
     if (reply.kind == Reply::Kind::done) bytes -= job.bytes;
   }
 }

@@ -25,7 +25,7 @@ v1::Job JobViews::view(JobRecord record) {
   else if (state_.dependents.contains(job.id()))
     job.set_held(fmt::format("waits for {}", fmt::join(job.after(), ", ")));
   else if (!state_.user_may_start(job.owner()))
-    job.set_held(fmt::format("{} has {} jobs running; maximum_running_per_user = {}", job.owner(),
+    job.set_held(fmt::format("{} has {} jobs running; per_user.maximum_running = {}", job.owner(),
                              state_.attempts.count_queued(job.owner()),
                              state_.options.maximum_running_per_user));
   else

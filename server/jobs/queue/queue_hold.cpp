@@ -39,12 +39,12 @@ FreeSpaceShort::FreeSpaceShort(const std::filesystem::path& directory, std::int6
                                std::int64_t minimum)
     : std::system_error(
           ENOSPC, std::generic_category(),
-          fmt::format("only {} are free in {}, and minimum_free is {}", storage::megabytes(free),
-                      directory.string(), storage::megabytes(minimum))),
+          fmt::format("only {} are free in {}, and limits.minimum_free is {}",
+                      storage::megabytes(free), directory.string(), storage::megabytes(minimum))),
       facts_{.reason = v1::ErrorInfo::STORAGE_FULL,
              .cause = fmt::format("only {} are free in the server's data directory",
                                   storage::megabytes(free)),
-             .limit = "minimum_free",
+             .limit = "limits.minimum_free",
              .permitted = storage::megabytes(minimum),
              .remedy = "free space there, then try again"} {}
 

@@ -16,7 +16,7 @@ namespace dccast::jobs {
 /// passes, and no fault of a job. @return a description of the lack; nothing for any other error
 std::optional<std::string> daemon_lacks(const std::exception& error);
 
-/// Less of a disk is free than the setting `minimum_free`.
+/// Less of a disk is free than the setting `limits.minimum_free`.
 class FreeSpaceShort : public std::system_error {
 public:
   FreeSpaceShort(const std::filesystem::path& directory, std::int64_t free, std::int64_t minimum);

@@ -64,7 +64,7 @@ v1::Job Submissions::submit(const NewJob& new_job, const Attachments& attachment
     if (state_.shutting_down) throw ShuttingDown("dccastd is shutting down");
     if (state_.waiting() + under_way_ >= state_.options.maximum_queued)
       throw refusal::LimitReached({.cause = "the queue is full",
-                                   .limit = "maximum_queued",
+                                   .limit = "limits.maximum_queued",
                                    .permitted = std::to_string(state_.options.maximum_queued),
                                    .remedy = "submit again later"});
     reservation.emplace(state_.mutex, under_way_);
@@ -107,7 +107,7 @@ void Submissions::require_room(std::int64_t bytes) {
         {.cause = fmt::format("cases and attachments of the jobs that have not ended take {} "
                               "bytes, this one {}",
                               waiting, bytes),
-         .limit = "maximum_waiting",
+         .limit = "limits.maximum_waiting",
          .permitted = fmt::format("{} bytes", state_.options.maximum_waiting_bytes),
          .remedy = "submit again when some have ended"});
 }

@@ -42,10 +42,10 @@ TEST(OpenCount, NamesTheLimitItsValueAndWhoseItIs) {
   EXPECT_EQ(refusal_of(open, "anna"), "");
   EXPECT_EQ(refusal_of(open, "anna"), "");
   EXPECT_EQ(refusal_of(open, "anna"),
-            "anna has 2 streams open; maximum_streams_per_user = 2; end one, then try again");
+            "anna has 2 streams open; per_user.maximum_streams = 2; end one, then try again");
   EXPECT_EQ(refusal_of(open, "bert"), "");
   EXPECT_EQ(refusal_of(open, "carl"),
-            "3 streams of all users are open; maximum_streams = 3; end one, then try again");
+            "3 streams of all users are open; limits.maximum_streams = 3; end one, then try again");
   open.leave("anna");
   EXPECT_EQ(refusal_of(open, "carl"), "");
 }

@@ -76,7 +76,7 @@ TEST(SizeBounds, ATextBeyondItsBoundIsAFaultThatHoldsOnlyItsBeginning) {
 
 TEST(SizeBounds, AFaultNeverCutsACharacter) {
   v1::DaemonConfig config;
-  config.set_log_level("x\u00b0\u00b0\u00b0\u00b0\u00b0\u00b0\u00b0\u00b0\u00b0");
+  config.mutable_log()->set_level("x\u00b0\u00b0\u00b0\u00b0\u00b0\u00b0\u00b0\u00b0\u00b0");
   EXPECT_EQ(only_fault(config).value(), "\"x\u00b0\u00b0\u00b0\u00b0\u00b0\u00b0\u00b0...\"");
 }
 

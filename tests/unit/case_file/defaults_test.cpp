@@ -53,8 +53,8 @@ TEST(Defaults, OfTheDaemonPassItsChecks) {
   v1::DaemonConfig config;
   apply_defaults(config);
   EXPECT_TRUE(check_ranges(config).empty());
-  EXPECT_DOUBLE_EQ(config.maximum_attachment_bytes(), 64e6);
-  EXPECT_EQ(config.log_level(), "info");
+  EXPECT_DOUBLE_EQ(config.per_case().maximum_attachment_bytes(), 64e6);
+  EXPECT_EQ(config.log().level(), "info");
 }
 
 TEST(Defaults, DoNotHideWhatTheAlloyCardSays) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dccast/v1/case.pb.h"
+#include "dccast/v1/config.pb.h"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/case_file/text_checks.hpp"
@@ -107,6 +108,31 @@ TEST(Reader, CollectsEveryFaultWithItsPlace) {
         "must be larger than that of the point before it", "my.toml:11:1: mesh.columns",
         "there is a key time.end", "my.toml:13:2: time.end: required key is missing"})
     EXPECT_THAT(all, HasSubstr(expected));
+}
+
+TEST(Reader, AKeyOfTheSettingsInTheWrongPlaceIsToldItsTable) {
+  const std::string text =
+      "stall_timeout = \"1 s\"\n"
+      "log_level = \"info\"\n"
+      "workers = 4\n"
+      "nonsense = 1\n"
+      "[slurm]\n"
+      "job = 8\n";
+  v1::DaemonConfig settings;
+  const ReadOutcome outcome = read_text(text, "dccastd.toml", settings);
+  std::string faults;
+  for (const v1::Fault& fault : outcome.faults) faults += describe(fault, outcome.source) + "\n";
+
+  EXPECT_EQ(outcome.faults.size(), 5u) << faults;
+  for (const char* const expected :
+       {"dccastd.toml:1:1: stall_timeout = \"1 s\": unknown key; there is a key "
+        "workers.stall_timeout",
+        "log_level = \"info\": unknown key; there is a key log.level",
+        "workers = 4: a number where a table is expected; write [workers] and below it its keys: "
+        "count, program,",
+        "nonsense = 1: unknown key; see `dccast schema --daemon`",
+        "slurm.job = 8: unknown key; did you mean 'jobs'?"})
+    EXPECT_THAT(faults, HasSubstr(expected));
 }
 
 TEST(Reader, ATableThatIsAbsentAltogetherIsReportedByItsRequiredKeys) {

@@ -113,7 +113,7 @@ TEST(Refusals, AreTakenByTheirReasonNotByTheirText) {
                              .limit = "l",
                              .permitted = "p",
                              .remedy = "r"};
-  for (const char* text : {"", "no such file", "maximum_queued = 3; submit again"}) {
+  for (const char* text : {"", "no such file", "limits.maximum_queued = 3; submit again"}) {
     const grpc::Status status = refused(grpc::ABORTED, facts, text);
     EXPECT_TRUE(is_refused(status, v1::ErrorInfo::ATTACHMENT_MISSING));
     EXPECT_FALSE(is_refused(status, v1::ErrorInfo::LIMIT_REACHED));

@@ -86,7 +86,7 @@ TEST_F(After, AUserAtTheLimitLeavesWorkersToOthers) {
   EXPECT_TRUE(becomes(daemon, of_ben, v1::RUNNING));
   EXPECT_EQ(daemon.scheduler.find(second)->state(), v1::QUEUED);
   EXPECT_EQ(daemon.scheduler.find(second)->held(),
-            "anna has 1 jobs running; maximum_running_per_user = 1");
+            "anna has 1 jobs running; per_user.maximum_running = 1");
   daemon.scheduler.shut_down();
 }
 

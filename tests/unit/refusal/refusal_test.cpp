@@ -12,15 +12,16 @@ constexpr int resource_exhausted = 8;
 Facts full_queue() {
   return {.reason = v1::ErrorInfo::LIMIT_REACHED,
           .cause = "the queue is full",
-          .limit = "maximum_queued",
+          .limit = "limits.maximum_queued",
           .permitted = "3",
           .remedy = "submit again later"};
 }
 
 TEST(Refusal, ItsMessageHasEveryPart) {
-  EXPECT_EQ(full_queue().message(), "the queue is full; maximum_queued = 3; submit again later");
+  EXPECT_EQ(full_queue().message(),
+            "the queue is full; limits.maximum_queued = 3; submit again later");
   EXPECT_EQ((Facts{.cause = "the case has no monitor"}).message(), "the case has no monitor");
-  EXPECT_EQ((Facts{.cause = "too slow", .limit = "check_timeout", .remedy = "wait"}).message(),
+  EXPECT_EQ((Facts{.cause = "too slow", .limit = "checks.timeout", .remedy = "wait"}).message(),
             "too slow; wait");
 }
 
@@ -28,7 +29,7 @@ TEST(Refusal, ItsPartsAreReadAsTheyWereWritten) {
   const auto read = read_details(write_details(resource_exhausted, full_queue())).value();
   EXPECT_EQ(read.reason, v1::ErrorInfo::LIMIT_REACHED);
   EXPECT_EQ(read.cause, "the queue is full");
-  EXPECT_EQ(read.limit, "maximum_queued");
+  EXPECT_EQ(read.limit, "limits.maximum_queued");
   EXPECT_EQ(read.permitted, "3");
   EXPECT_EQ(read.remedy, "submit again later");
 }
@@ -81,8 +82,8 @@ TEST(Refusal, DetailsOfOthersAreNone) {
 
 TEST(LimitReached, SaysWhatItsFactsSay) {
   const LimitReached limit(
-      {.cause = "the queue is full", .limit = "maximum_queued", .permitted = "3"});
-  EXPECT_STREQ(limit.what(), "the queue is full; maximum_queued = 3");
+      {.cause = "the queue is full", .limit = "limits.maximum_queued", .permitted = "3"});
+  EXPECT_STREQ(limit.what(), "the queue is full; limits.maximum_queued = 3");
   EXPECT_EQ(limit.facts().reason, v1::ErrorInfo::LIMIT_REACHED);
 }
 

@@ -60,27 +60,28 @@ TEST_F(GateTest, EveryChangeIsRecorded) {
 /// The label of the metric is the limit that the refusal names, whatever its text.
 TEST_F(GateTest, ARefusalIsCountedByItsLimitNotByItsText) {
   const refusal::Facts full{
-      .reason = v1::ErrorInfo::LIMIT_REACHED, .cause = "full", .limit = "maximum_queued"};
+      .reason = v1::ErrorInfo::LIMIT_REACHED, .cause = "full", .limit = "limits.maximum_queued"};
   const refusal::Facts no_limit{.reason = v1::ErrorInfo::STORAGE_FULL,
-                                .cause = "maximum_queued and minimum_free"};
-  for (const char* text : {"", "maximum_streams = 3", "anything"})
+                                .cause = "limits.maximum_queued and limits.minimum_free"};
+  for (const char* text : {"", "limits.maximum_streams = 3", "anything"})
     gate_.count(
         "SubmitJob",
         {grpc::RESOURCE_EXHAUSTED, text, refusal::write_details(grpc::RESOURCE_EXHAUSTED, full)},
         {});
   gate_.count("SubmitJob", make_status(no_limit), {});
-  gate_.count("SubmitJob", {grpc::RESOURCE_EXHAUSTED, "maximum_queued = 3"}, {});
-  EXPECT_EQ(gate_.figures().refused, (std::map<std::string, std::uint64_t>{{"maximum_queued", 3}}));
+  gate_.count("SubmitJob", {grpc::RESOURCE_EXHAUSTED, "limits.maximum_queued = 3"}, {});
+  EXPECT_EQ(gate_.figures().refused,
+            (std::map<std::string, std::uint64_t>{{"limits.maximum_queued", 3}}));
 }
 
 TEST(MakeStatus, GivesCodeTextAndPartsByTheReason) {
   const grpc::Status status = make_status({.reason = v1::ErrorInfo::LIMIT_REACHED,
                                            .cause = "the queue is full",
-                                           .limit = "maximum_queued",
+                                           .limit = "limits.maximum_queued",
                                            .permitted = "3",
                                            .remedy = "wait"});
   EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED);
-  EXPECT_EQ(status.error_message(), "the queue is full; maximum_queued = 3; wait");
+  EXPECT_EQ(status.error_message(), "the queue is full; limits.maximum_queued = 3; wait");
   const auto facts = refusal::read_details(status.error_details()).value();
   EXPECT_EQ(facts.cause, "the queue is full");
   EXPECT_EQ(facts.permitted, "3");
