@@ -1,6 +1,7 @@
 #include <cstdlib>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -22,6 +23,7 @@ struct ListOptions {
   std::string since;
   std::string name;
   bool mine = false;
+  bool all = false;
   int limit = 50;
   bool ids = false;
   bool json = false;
@@ -42,6 +44,54 @@ v1::ListJobsRequest request_of(Connection& connection, const ListOptions& option
   return request;
 }
 
+/// How a list shows the runs of studies: not, below a line of their study, or as jobs like others.
+enum class View { folded, below_study, flat };
+
+/// Who asks for certain jobs, or writes for another program, gets these jobs.
+View view_of(const ListOptions& options) {
+  if (options.all) return View::below_study;
+  const bool asks_for_some = !options.study.empty() || !options.states.empty() ||
+                             !options.labels.empty() || !options.name.empty();
+  return asks_for_some || options.ids || options.json ? View::flat : View::folded;
+}
+
+/// The studies of the jobs by id.
+std::map<std::string, v1::Study> studies_of(Connection& connection,
+                                            const std::vector<v1::Job>& jobs) {
+  std::map<std::string, v1::Study> studies;
+  for (const v1::Job& job : jobs)
+    if (!job.study().empty()) studies[job.study()].set_id(job.study());
+  if (studies.empty()) return studies;
+
+  for (const v1::Study& study : list_studies(connection, std::numeric_limits<int>::max()))
+    if (const auto found = studies.find(study.id()); found != studies.end()) found->second = study;
+  return studies;
+}
+
+/// The lines of a list. A study stands where its newest run does.
+std::vector<render::ListLine> lines_of(Connection& connection, const std::vector<v1::Job>& jobs,
+                                       View view) {
+  std::vector<render::ListLine> lines;
+  std::map<std::string, std::vector<render::ListLine>> runs;
+  for (const v1::Job& job : jobs)
+    if (!job.study().empty()) runs[job.study()].push_back({.job = job, .below_study = true});
+
+  const bool has_studies = view != View::flat && !runs.empty();
+  const auto studies =
+      has_studies ? studies_of(connection, jobs) : std::map<std::string, v1::Study>{};
+  for (const v1::Job& job : jobs) {
+    if (!has_studies || job.study().empty()) {
+      lines.push_back({.job = job});
+    } else if (const auto found = runs.find(job.study()); found != runs.end()) {
+      lines.push_back({.study = studies.at(job.study())});
+      if (view == View::below_study)
+        lines.insert(lines.end(), found->second.begin(), found->second.end());
+      runs.erase(found);
+    }
+  }
+  return lines;
+}
+
 /// Reasons for which jobs are held, without repetition.
 void print_holds(const std::vector<v1::Job>& jobs) {
   std::set<std::string> reasons;
@@ -52,16 +102,19 @@ void print_holds(const std::vector<v1::Job>& jobs) {
 
 ExitCode run(const ListOptions& options, Program& program) {
   Connection connection = program.connect();
-  const JobListing listing = list_jobs(connection, request_of(connection, options), options.limit);
+  const View view = view_of(options);
+  const JobListing listing = list_jobs(connection, request_of(connection, options), options.limit,
+                                       view == View::folded ? Runs::together : Runs::each);
   if (options.json)
     print_line(json_list(listing.jobs, to_json));
   else if (options.ids)
     for (const v1::Job& job : listing.jobs) std::cout << job.id() << '\n';
   else if (!listing.jobs.empty())
-    std::cout << render::job_table(listing.jobs, options.columns) << std::flush;
+    std::cout << render::job_table(lines_of(connection, listing.jobs, view), options.columns)
+              << std::flush;
   if (listing.jobs.empty()) std::cerr << "no jobs\n";
   if (listing.more)
-    std::cerr << "these are the newest " << listing.jobs.size() << "; there are more: --limit\n";
+    std::cerr << "these are the newest " << options.limit << "; there are more: --limit\n";
   if (!options.json) print_holds(listing.jobs);
   return ExitCode::done;
 }
@@ -69,6 +122,7 @@ ExitCode run(const ListOptions& options, Program& program) {
 constexpr const char* list_examples =
     R"(dccast list --state running,queued
   dccast list --mine --since yesterday --name 'line 3*'
+  dccast list --all
   dccast list --label trial-7 --columns job,curl,changes
   dccast list --json | jq -r '.[] | select(.findings | length > 0) | .id'
 
@@ -250,6 +304,7 @@ void add_list(cli::CommandLine& line, Program& program) {
                  "Only jobs submitted since: today, yesterday, \"3 h\", \"2 d\", 2026-11-20");
   command.option("--name", options.name, "Only jobs with this title; * and ? as in a shell");
   command.option("--study", options.study, "Only the jobs of this study");
+  command.flag("--all", options.all, "Each run of a study too, below the line of its study");
   command.option("-c,--columns", options.columns, "Columns to show",
                  {.comma_separated = true, .one_of = render::job_columns()});
   command.number("-n,--limit", options.limit, 1, 1000000, "At most this many");

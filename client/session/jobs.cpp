@@ -204,16 +204,24 @@ std::size_t short_id_length(const std::vector<std::string>& ids) {
   return id_length;
 }
 
-JobListing list_jobs(Connection& connection, v1::ListJobsRequest request, int limit) {
+JobListing list_jobs(Connection& connection, v1::ListJobsRequest request, int limit, Runs runs) {
   constexpr int largest_page = 1000;  // service.proto
   JobListing listing;
-  std::vector<v1::Job>& jobs = listing.jobs;
+  std::set<std::string> studies;
+  int entries = 0;
+
   do {
-    request.set_page_size(std::min(largest_page, limit - static_cast<int>(jobs.size())));
+    request.set_page_size(std::min(largest_page, limit - entries));
     const auto page = connection.call(&Stub::ListJobs, request);
-    jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
+    for (const v1::Job& job : page.jobs()) {
+      listing.jobs.push_back(job);
+      const bool is_known =
+          runs == Runs::together && !job.study().empty() && !studies.insert(job.study()).second;
+      if (!is_known) ++entries;
+    }
     request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty() && static_cast<int>(jobs.size()) < limit);
+  } while (!request.page_token().empty() && entries < limit);
+
   listing.more = !request.page_token().empty();
   return listing;
 }

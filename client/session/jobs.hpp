@@ -40,10 +40,13 @@ struct JobListing {
   std::vector<v1::Job> jobs;
   bool more = false;
 };
-/// Lists the jobs of a request, newest first, at most `limit`; reads all pages that are needed.
-/// Throws CommandFailed, Interrupted.
+/// How the runs of a study count: each is a job like others, or they are one entry together.
+enum class Runs { each, together };
+/// Lists the jobs of a request, newest first, at most `limit` entries; reads all pages that are
+/// needed. Throws CommandFailed, Interrupted.
 /// @param request  its page size and token are set here
-JobListing list_jobs(Connection& connection, v1::ListJobsRequest request, int limit);
+JobListing list_jobs(Connection& connection, v1::ListJobsRequest request, int limit,
+                     Runs runs = Runs::each);
 
 /// Reads the whole history of a job, page by page, with the case and, on request, the last stored
 /// frame. If the job is resumed from an earlier step meanwhile, the history is read again.

@@ -15,6 +15,7 @@
 #include "client/session/jobs.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/progress.hpp"
+#include "client/text/study_text.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 
@@ -58,12 +59,14 @@ std::string start_text(double starts_in_s) {
 }
 
 using Row = const v1::Job&;
+using StudyRow = const v1::Study&;
 
 struct Column {
   const char* name;
   const char* heading;
   std::string (*cell)(Row);
   Shown shown = Shown::always;
+  std::string (*study_cell)(StudyRow) = [](StudyRow) { return std::string(); };
 };
 
 std::string done_cell(Row job) {
@@ -74,29 +77,48 @@ std::string left_cell(Row job) {
   return job.has_ends_in_s() ? duration_text(job.ends_in_s()) : "";
 }
 
+std::string study_title(StudyRow study) {
+  const std::string title = study.title().empty() ? plan_text(study) : study.title();
+  return fmt::format("{} (study, {})", title, runs_text(study));
+}
+
 const std::array columns{
-    Column{"job", "JOB", [](Row job) { return job.id(); }},
-    Column{"state", "STATE", full_state_text},
-    Column{"done", ">DONE", done_cell},
-    Column{"curl", ">CURL mm", largest_curl_text},
+    Column{"job", "JOB", [](Row job) { return job.id(); }, Shown::always,
+           [](StudyRow study) { return study.id(); }},
+    Column{"state", "STATE", full_state_text, Shown::always,
+           [](StudyRow study) { return state_text(study); }},
+    Column{"done", ">DONE", done_cell, Shown::always,
+           [](StudyRow study) { return fixed(100.0 * study.progress(), 0) + " %"; }},
+    Column{"curl", ">CURL mm", largest_curl_text, Shown::always,
+           [](StudyRow) { return std::string("-"); }},
     Column{"findings", "FINDINGS", [](Row job) { return findings_count(job.findings()); },
            Shown::if_any},
     Column{"left", ">LEFT", left_cell, Shown::if_any},
-    Column{"created", "CREATED", [](Row job) { return time_text(job.create_time()); }},
-    Column{"labels", "LABELS", [](Row job) { return joined(job.labels(), ","); }, Shown::if_any},
+    Column{"created", "CREATED", [](Row job) { return time_text(job.create_time()); },
+           Shown::always, [](StudyRow study) { return time_text(study.create_time()); }},
+    Column{"labels", "LABELS", [](Row job) { return joined(job.labels(), ","); }, Shown::if_any,
+           [](StudyRow study) { return joined(study.labels(), ","); }},
     Column{"changes", "CHANGES", [](Row job) { return changes_text(job.changes()); },
            Shown::on_request},
-    Column{"owner", "OWNER", [](Row job) { return job.owner(); }, Shown::on_request},
-    Column{"study", "STUDY", [](Row job) { return job.study(); }, Shown::on_request},
-    Column{"title", "TITLE", [](Row job) { return job.title(); }},
+    Column{"owner", "OWNER", [](Row job) { return job.owner(); }, Shown::on_request,
+           [](StudyRow study) { return study.owner(); }},
+    Column{"study", "STUDY", [](Row job) { return job.study(); }, Shown::on_request,
+           [](StudyRow study) { return study.id(); }},
+    Column{"title", "TITLE", [](Row job) { return job.title(); }, Shown::always, study_title},
 };
 
-std::vector<std::string> usual_columns(const std::vector<v1::Job>& jobs) {
+std::string cell_of(const Column& column, const ListLine& line) {
+  return line.study ? column.study_cell(*line.study) : column.cell(line.job);
+}
+
+std::vector<std::string> usual_columns(const std::vector<ListLine>& lines) {
   std::vector<std::string> names;
   for (const Column& column : columns) {
-    const auto says_something = [&](Row job) { return !column.cell(job).empty(); };
+    const auto says_something = [&](const ListLine& line) {
+      return !cell_of(column, line).empty();
+    };
     if (column.shown == Shown::always ||
-        (column.shown == Shown::if_any && std::ranges::any_of(jobs, says_something)))
+        (column.shown == Shown::if_any && std::ranges::any_of(lines, says_something)))
       names.emplace_back(column.name);
   }
   return names;
@@ -233,18 +255,19 @@ std::vector<std::string> job_columns() {
   return names;
 }
 
-std::string job_table(const std::vector<v1::Job>& jobs, std::vector<std::string> names) {
-  if (names.empty()) names = usual_columns(jobs);
+std::string job_table(const std::vector<ListLine>& lines, std::vector<std::string> names) {
+  if (names.empty()) names = usual_columns(lines);
   std::vector<std::string> headings, ids;
   for (const std::string& name : names) headings.emplace_back(column_of(name).heading);
-  for (const v1::Job& job : jobs) ids.push_back(job.id());
+  for (const ListLine& line : lines) ids.push_back(line.study ? line.study->id() : line.job.id());
   const std::size_t length = short_id_length(ids);
+
   Table table(headings);
-  for (const v1::Job& job : jobs) {
+  for (const ListLine& line : lines) {
     std::vector<std::string> row;
     for (const std::string& name : names) {
-      const std::string cell = column_of(name).cell(job);
-      row.push_back(name == "job" ? cell.substr(0, length) : cell);
+      const std::string cell = cell_of(column_of(name), line);
+      row.push_back(name == "job" ? (line.below_study ? "  " : "") + cell.substr(0, length) : cell);
     }
     table.add(std::move(row));
   }

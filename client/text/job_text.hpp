@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "dccast/v1/service.pb.h"
+#include "dccast/v1/study.pb.h"
 
 namespace dccast::client::render {
 
@@ -35,10 +37,17 @@ std::string job_sheet(const v1::Job& job);
 /// Names of the available columns of a list of jobs.
 std::vector<std::string> job_columns();
 
-/// A table of jobs; no text is truncated.
+/// A line of a list: a job, or a study, which stands for its runs or above them.
+struct ListLine {
+  v1::Job job{};
+  std::optional<v1::Study> study{};
+  bool below_study = false;  ///< a run, indented below the line of its study
+};
+
+/// A table of such lines; no text is truncated.
 /// @param columns  from job_columns(); empty: the usual ones, plus curl, findings and labels if one
 ///                 of the jobs has them
-std::string job_table(const std::vector<v1::Job>& jobs, std::vector<std::string> columns);
+std::string job_table(const std::vector<ListLine>& lines, std::vector<std::string> columns);
 
 /// What `dccast top` shows at one moment.
 struct TopView {

@@ -63,7 +63,7 @@ std::string plan_text(const v1::Study& study) {
   return "sweep of " + joined(study.sweep().axes(), ", ", &v1::SweepPlan::Axis::key);
 }
 
-std::string progress_text(const v1::Study& study) {
+std::string runs_text(const v1::Study& study) {
   const int ended = study.succeeded() + study.failed() + study.cancelled();
   std::string text = fmt::format("{} of {} runs", ended, study.runs());
   const auto add = [&text](int count, const char* state) {
@@ -72,13 +72,16 @@ std::string progress_text(const v1::Study& study) {
   add(study.running(), "running");
   add(study.failed(), "failed");
   add(study.cancelled(), "cancelled");
-  return text + ", " + fixed(100.0 * study.progress(), 0) + " %";
+  return text;
+}
+
+std::string progress_text(const v1::Study& study) {
+  return runs_text(study) + ", " + fixed(100.0 * study.progress(), 0) + " %";
 }
 
 std::string study_sheet(const v1::Study& study) {
   std::string text = sheet_line("study", study.id()) + sheet_line("title", study.title()) +
-                     sheet_line("plan", plan_text(study)) +
-                     sheet_line("state", state_text(study)) +
+                     sheet_line("plan", plan_text(study)) + sheet_line("state", state_text(study)) +
                      sheet_line("runs", progress_text(study)) +
                      sheet_line("created", time_text(study.create_time()));
   if (study.has_end_time()) text += sheet_line("ended", time_text(study.end_time()));

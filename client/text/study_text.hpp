@@ -9,12 +9,15 @@
 
 namespace dccast::client::render {
 
-/// "running", "answered", "no answer", "cancelled". A study has answered where a run has succeeded: in a
-/// search for remedies most of the runs may fail.
+/// "running", "answered", "no answer", "cancelled". A study has answered where a run has succeeded:
+/// in a search for remedies most of the runs may fail.
 std::string state_text(const v1::Study& study);
 
 /// "refinement", "sweep of 2 keys", "mould".
 std::string plan_text(const v1::Study& study);
+
+/// "120 of 200 runs, 2 running, 3 failed".
+std::string runs_text(const v1::Study& study);
 
 /// "120 of 200 runs, 2 running, 3 failed, 61 %".
 std::string progress_text(const v1::Study& study);

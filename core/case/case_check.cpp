@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/case/checks.hpp"
+#include "core/mesh/plan_file.hpp"
 
 namespace dccast::casting {
 
@@ -51,6 +52,20 @@ CheckedCase CaseFindings::answer() {
   return {std::move(faults), std::move(warnings_), estimate};
 }
 
+namespace {
+
+void check_mesh(CaseFindings& found) {
+  const mesh::SectionSpec& section = found.casting.section;
+  if (mesh::has_plan_file(section))
+    check_plan_file(found);
+  else if (mesh::has_mesh_file(section))
+    check_imported_mesh(found);
+  else
+    check_built_in_size(found);
+}
+
+}  // namespace
+
 CheckedCase check(const Case& casting_case, const std::vector<std::string>& faulty_keys) {
   CaseFindings found(casting_case, faulty_keys);
 
@@ -69,7 +84,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>& faul
 
   // These compute the course of the casting and its mesh, on which the last checks rest.
   check_course(found);
-  casting_case.section.file.empty() ? check_built_in_size(found) : check_imported_mesh(found);
+  check_mesh(found);
   check_temperature_file(found);
 
   check_monitors(found);

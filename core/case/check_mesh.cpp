@@ -5,6 +5,7 @@
 
 #include "core/case/checks.hpp"
 #include "core/mesh/gmsh_reader.hpp"
+#include "core/mesh/plan_file.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "core/results/temperature_file.hpp"
 
@@ -12,36 +13,33 @@ namespace dccast::casting {
 
 namespace {
 
-/// Keys that determine the number of cells of the built-in mesh, besides course_keys.
-const Keys grid_keys = {"section.kind",
-                        "mesh.columns",
-                        "mesh.layers",
-                        "mesh.rows",
-                        "mesh.growth_cell",
-                        "mesh.refinement",
-                        "mesh.heat_cells_per_column",
-                        "mesh.heat_cells_per_layer",
-                        "mesh.element",
-                        "limits.maximum_nodes"};
+/// Keys that determine the number of rows, besides course_keys.
+const Keys row_keys = {"section.kind",    "mesh.rows",    "mesh.growth_cell",
+                       "mesh.refinement", "mesh.element", "limits.maximum_nodes"};
+/// Keys that determine the number of cells in a row of the built-in mesh.
+const Keys grid_keys = {"mesh.columns", "mesh.layers", "mesh.heat_cells_per_column",
+                        "mesh.heat_cells_per_layer"};
 
 /// Keys that determine the positions of its nodes, besides their number.
 const Keys place_keys = {"section.half_width",   "section.half_thickness", "section.initial_depth",
                          "mesh.side_cell",       "mesh.wide_side_cell",    "mesh.bottom_cell",
                          "section.corner_radius"};
 
-void too_many_nodes(CaseFindings& found, double nodes) {
-  found.fault(
-      "mesh.columns", std::to_string(found.casting.section.columns),
-      "leads to " + with_unit(nodes, "nodes at the end"),
-      "at most limits.maximum_nodes = " + std::to_string(found.casting.limits.maximum_nodes),
-      "use fewer or larger cells, or raise the limit");
-}
-
-/// Tolerance of width and depth of a mesh relative to those of the case: drawings are rounded.
+/// Tolerance of the size of a mesh relative to that of the case: drawings are rounded.
 constexpr double size_tolerance = 0.01;
 
 std::string name_of(const CaseFindings& found) {
   return found.casting.section.file.filename().string();
+}
+
+void too_many_nodes(CaseFindings& found, double nodes) {
+  const mesh::SectionSpec& s = found.casting.section;
+  const bool is_own = !s.file.empty();
+  found.fault(
+      is_own ? "mesh.file" : "mesh.columns", is_own ? name_of(found) : std::to_string(s.columns),
+      "leads to " + with_unit(nodes, "nodes at the end"),
+      "at most limits.maximum_nodes = " + std::to_string(found.casting.limits.maximum_nodes),
+      "use fewer or larger cells, or raise the limit");
 }
 
 bool beyond_the_axis(CaseFindings& found, const mesh::Mesh2D& mesh) {
@@ -55,33 +53,41 @@ bool beyond_the_axis(CaseFindings& found, const mesh::Mesh2D& mesh) {
   return true;
 }
 
+/// Whether a length that was drawn is that of the case within the tolerance.
+bool fits(double drawn, double metres) {
+  return std::abs(drawn - metres) <= size_tolerance * metres;
+}
+
 /// Names the unit in which a length that should be `metres` was probably drawn.
-std::string remedy_for_size(double drawn, double metres) {
+/// @param key  that gives the length
+std::string remedy_for_size(double drawn, double metres, const std::string& key) {
   for (const auto& [unit, factor, in_metres] : {std::tuple{"millimetres", "0.001", 1e-3},
                                                 {"centimetres", "0.01", 1e-2},
                                                 {"inches", "0.0254", 0.0254}})
     if (std::abs(drawn * in_metres - metres) <= 2.0 * size_tolerance * metres)
       return std::string("it is in ") + unit +
              ": export it in metres, in Gmsh with Mesh.ScalingFactor = " + factor;
-  return "export the mesh in metres, or correct section.half_width";
+  return "export the mesh in metres, or correct " + key;
+}
+
+/// Whether a mesh is as wide as the section, as far as that is known; else there is a fault.
+/// @param width  of the mesh [m]
+bool is_as_wide(CaseFindings& found, double width) {
+  const double half_width = found.casting.section.half_width;
+  if (!found.sound({"section.half_width"}) || fits(width, half_width)) return true;
+  found.fault("mesh.file", name_of(found), "is " + with_unit(width, "m") + " wide",
+              "section.half_width = " + with_unit(half_width, "m") + ", within 1 %",
+              remedy_for_size(width, half_width, "section.half_width"));
+  return false;
 }
 
 template <int Dim>
 void check_size(CaseFindings& found, const mesh::Mesh<Dim>& mesh) {
-  const double width = mesh.largest(0), depth = mesh.largest(Dim - 1);
-  const double half_width = found.casting.section.half_width;
-  if (found.sound({"section.half_width"}) &&
-      std::abs(width - half_width) > size_tolerance * half_width) {
-    found.fault("mesh.file", name_of(found), "is " + with_unit(width, "m") + " wide",
-                "section.half_width = " + with_unit(half_width, "m") + ", within 1 %",
-                remedy_for_size(width, half_width));
-    return;
-  }
+  if (!is_as_wide(found, mesh.largest(0))) return;
 
   // The depth is the level of the metal, for which any value can be meant: only a warning.
-  const double expected = found.casting.section.initial_depth;
-  if (found.sound({"section.initial_depth"}) &&
-      std::abs(depth - expected) > size_tolerance * expected) {
+  const double depth = mesh.largest(Dim - 1), expected = found.casting.section.initial_depth;
+  if (found.sound({"section.initial_depth"}) && !fits(depth, expected)) {
     found.warning("mesh.file", name_of(found),
                   "is " + with_unit(depth, "m") + " high, and that is how deep the metal is",
                   "section.initial_depth = " + with_unit(expected, "m"), "make the two agree");
@@ -186,11 +192,78 @@ void check_mesh(CaseFindings& found) {
   estimate_effort(found);
 }
 
+/// Checks that a plan ends at the faces that the case gives: at the narrow face, and at the wide
+/// face in the middle and at the break points of the opening.
+void check_plan_size(CaseFindings& found, const mesh::Base<3>& plan) {
+  const mesh::SectionSpec& s = found.casting.section;
+  if (!is_as_wide(found, mesh::flat_mesh(plan).largest(0))) return;
+  if (!found.sound({"section.half_width", "section.half_thickness"})) return;
+
+  std::vector<double> places{0.0};
+  for (const double point : s.half_thickness.at())
+    if (point > 0.0 && !fits(point, s.half_width)) places.push_back(point);
+
+  for (const double x : places) {
+    const double drawn = mesh::reach_of(plan, x), opening = s.half_thickness(x);
+    if (fits(drawn, opening)) continue;
+    found.fault("mesh.file", name_of(found),
+                "reaches to y = " + with_unit(drawn, "m") + " at x = " + with_unit(x, "m"),
+                "section.half_thickness = " + with_unit(opening, "m") + " there, within 1 %",
+                remedy_for_size(drawn, opening, "section.half_thickness"));
+    return;
+  }
+}
+
+/// Nodes and cells of a row of the mesh that has all results.
+struct RowSize {
+  std::int64_t nodes = 0, cells = 0;
+};
+
+RowSize built_in_row(const CaseFindings& found) {
+  const mesh::SectionSpec& s = found.casting.section;
+  const std::int64_t columns = std::int64_t(s.columns) * s.refinement * s.heat_cells.per_column;
+  if (!found.solid()) return {columns + 1, columns};
+  const std::int64_t layers = std::int64_t(s.layers) * s.refinement * s.heat_cells.per_layer;
+  return {(columns + 1) * (layers + 1), columns * layers};
+}
+
+/// Of a plan as it is drawn, before its cells are divided. New nodes lie on sides and in cells.
+RowSize divided_row(const mesh::Base<3>& plan, int refinement) {
+  std::int64_t rim = 0;
+  for (const auto& wall : plan.walls) rim += std::int64_t(wall.pieces.size());
+
+  const std::int64_t cells = plan.cells(), sides = (4 * cells + rim) / 2, added = refinement - 1;
+  return {plan.nodes() + sides * added + cells * added * added, cells * refinement * refinement};
+}
+
+/// Checks the number of nodes at the end, and estimates the effort.
+void check_rows(CaseFindings& found, const RowSize& row) {
+  const mesh::SectionSpec& s = found.casting.section;
+  found.nodes_per_row = row.nodes;
+  const double cell = s.growth_cell.value_or(s.initial_depth / s.rows) / s.refinement;
+
+  // Checked before any mesh is built: a growth cell of micrometres would exhaust the memory.
+  const double rough = (s.rows * s.refinement + (*found.final_level - s.initial_depth) / cell) *
+                       static_cast<double>(row.nodes);
+  if (rough > 2.0 * static_cast<double>(found.casting.limits.maximum_nodes))
+    return too_many_nodes(found, rough);
+
+  const std::int64_t rows = mesh::rows_at(s, *found.final_level);
+  const std::int64_t in_a_cell = s.element != mesh::ElementKind::p1 ? 1 : found.solid() ? 6 : 2;
+
+  found.estimate.nodes = (rows + 1) * row.nodes;
+  found.estimate.elements = rows * row.cells * in_a_cell;
+  if (found.estimate.nodes > found.casting.limits.maximum_nodes)
+    too_many_nodes(found, static_cast<double>(found.estimate.nodes));
+  estimate_effort(found);
+}
+
 /// Number of nodes at the start; empty if another fault prevents counting them.
 std::optional<std::size_t> nodes_at_the_start(CaseFindings& found) {
   if (const auto& plane = std::get<0>(found.imported)) return std::size_t(plane->nodes());
   if (const auto& solid = std::get<1>(found.imported)) return std::size_t(solid->nodes());
-  if (!found.sound({"mesh.file"}) || !found.sound(grid_keys) || !found.sound(place_keys))
+  if (!found.sound({"mesh.file"}) || !found.sound(row_keys) || !found.sound(grid_keys) ||
+      !found.sound(place_keys))
     return std::nullopt;
   const mesh::SectionSpec& s = found.casting.section;
   return std::size_t(found.solid() ? mesh::SlabMesh3D(s).heat_mesh().nodes()
@@ -210,33 +283,29 @@ void temperature_range(CaseFindings& found, const results::TemperatureHistory& h
 }  // namespace
 
 void check_built_in_size(CaseFindings& found) {
-  const mesh::SectionSpec& s = found.casting.section;
-  if (!found.sound(grid_keys) || !found.sound(course_keys)) return;
+  if (!found.sound(row_keys) || !found.sound(grid_keys) || !found.sound(course_keys)) return;
+  check_rows(found, built_in_row(found));
+}
 
-  const double cell = s.growth_cell.value_or(s.initial_depth / s.rows) / s.refinement;
-  // Cells of a row of the heat's plan, which has all those of the results.
-  const std::int64_t columns = std::int64_t(s.columns) * s.refinement * s.heat_cells.per_column;
-  const std::int64_t layers =
-      found.solid() ? std::int64_t(s.layers) * s.refinement * s.heat_cells.per_layer : 1;
-  const double per_row = static_cast<double>((columns + 1) * (found.solid() ? layers + 1 : 1));
-  // Checked before any mesh is built: a growth cell of micrometres would exhaust the memory.
-  const double rough =
-      (s.rows * s.refinement + (*found.final_level - s.initial_depth) / cell) * per_row;
-  if (rough > 2.0 * static_cast<double>(found.casting.limits.maximum_nodes))
-    return too_many_nodes(found, rough);
+void check_plan_file(CaseFindings& found) {
+  mesh::SectionSpec drawn = found.casting.section;
+  if (!found.sound({"mesh.file", "mesh.element"})) return;
+  if (drawn.element == mesh::ElementKind::p1)
+    return found.fault("mesh.element", "p1", "needs tetrahedra, but a plan is built up of bricks",
+                       "q1_bending or q1 with a plan in mesh.file",
+                       "write element = \"q1_bending\"");
 
-  const std::int64_t rows = mesh::rows_at(s, *found.final_level);
-  const std::int64_t in_a_cell = s.element != mesh::ElementKind::p1 ? 1 : found.solid() ? 6 : 2;
+  drawn.refinement = 1;
+  found.plan = mesh::read_plan(drawn, found.faults);
+  if (!found.plan) return;
 
-  found.estimate.nodes = (rows + 1) * (columns + 1) * (found.solid() ? layers + 1 : 1);
-  found.estimate.elements = rows * columns * layers * in_a_cell;
-  if (found.estimate.nodes > found.casting.limits.maximum_nodes)
-    too_many_nodes(found, static_cast<double>(found.estimate.nodes));
-  estimate_effort(found);
+  check_plan_size(found, *found.plan);
+  if (!found.sound(row_keys) || !found.sound(course_keys)) return;
+  check_rows(found, divided_row(*found.plan, found.casting.section.refinement));
 }
 
 void check_imported_mesh(CaseFindings& found) {
-  if (!found.sound({"mesh.file", "mesh.element", "section.kind"})) return;
+  if (!found.sound({"mesh.file", "mesh.element", "section.kind", "mesh.growth"})) return;
   found.solid() ? check_mesh<3>(found) : check_mesh<2>(found);
 }
 

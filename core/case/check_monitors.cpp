@@ -4,6 +4,7 @@
 #include "core/case/checks.hpp"
 #include "core/fem/point_location.hpp"
 #include "core/mesh/base.hpp"
+#include "core/mesh/plan_file.hpp"
 
 namespace dccast::casting {
 
@@ -34,13 +35,18 @@ double depth_of_block(const CaseFindings& found, const Monitor& m) {
   return section.bowl->depth_at(inward);
 }
 
-/// Whether a point lies in the block.
-void below(CaseFindings& found, const std::string& field, const Monitor& m, double height) {
-  const bool is_flat = !found.casting.section.bowl;
-  if (!is_flat && !found.sound(plan_keys)) return;
-  const double depth = is_flat ? 0.0 : depth_of_block(found, m);
+/// Whether a point lies in the block. @param depth  of the block there [m]
+void below(CaseFindings& found, const std::string& field, double height, double depth) {
   if (height < -depth - round_off)
     lies_outside(found, field, height, "at least " + with_unit(-depth, "m") + ", the block there");
+}
+
+/// The same under the built-in mesh.
+void below_built_in(CaseFindings& found, const std::string& field, const Monitor& m,
+                    double height) {
+  const bool is_flat = !found.casting.section.bowl;
+  if (!is_flat && !found.sound(plan_keys)) return;
+  below(found, field, height, is_flat ? 0.0 : depth_of_block(found, m));
 }
 
 /// Whether a point of a quarter slab lies beyond the wide face.
@@ -63,11 +69,27 @@ void beside_or_above(CaseFindings& found, const std::string& field, const Monito
                  "0 m to section.half_width = " + with_unit(half_width, "m"));
   if (!found.solid()) {
     above(found, field + ".y", m.y);
-    return below(found, field + ".y", m, m.y);
+    return below_built_in(found, field + ".y", m, m.y);
   }
   behind(found, field, m);
   above(found, field + ".z", m.z.value_or(0.0));
-  below(found, field + ".z", m, m.z.value_or(0.0));
+  below_built_in(found, field + ".z", m, m.z.value_or(0.0));
+}
+
+/// Whether a point lies beside the plan of a file, above the metal or in the block.
+void outside_the_plan(CaseFindings& found, const std::string& field, const Monitor& m) {
+  if (!found.sound({field + ".x", field + ".y", "mesh.file", "mesh.element"}) || !found.plan)
+    return;
+  const mesh::Mesh2D cells = mesh::flat_mesh(*found.plan);
+  const auto place = fem::locate(cells, {m.x, m.y});
+  if (!place)
+    return lies_outside(found, field + ".y", m.y, "a point of the plan in mesh.file",
+                        "move the monitor; its height is z");
+
+  const double height = m.z.value_or(0.0);
+  const auto& depth = found.plan->depth;
+  above(found, field + ".z", height);
+  below(found, field + ".z", height, depth.empty() ? 0.0 : fem::interpolate(cells, *place, depth));
 }
 
 /// A quarter slab has three coordinates, a section two.
@@ -98,7 +120,8 @@ void check_monitor(CaseFindings& found, std::size_t index) {
       found.fault(field + ".name", m.name, "is the name of an earlier monitor", "a name of its own",
                   "rename it");
   check_coordinates(found, field, m);
-  if (found.casting.section.file.empty()) return beside_or_above(found, field, m);
+  if (mesh::has_plan_file(found.casting.section)) return outside_the_plan(found, field, m);
+  if (!mesh::has_mesh_file(found.casting.section)) return beside_or_above(found, field, m);
   found.solid() ? outside_the_mesh<3>(found, field, m) : outside_the_mesh<2>(found, field, m);
 }
 

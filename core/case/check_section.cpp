@@ -5,6 +5,7 @@
 
 #include "core/case/checks.hpp"
 #include "core/mesh/base.hpp"
+#include "core/mesh/plan_file.hpp"
 #include "core/mesh/slab_mesh.hpp"
 
 namespace dccast::casting {
@@ -12,11 +13,14 @@ namespace dccast::casting {
 void check_section(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
 
-  // Nodes of an imported mesh and of given temperatures are fixed: the slab cannot grow.
+  // Rows grow over the plan of a quarter slab. The plan of a section is a line, and all cells of
+  // its mesh file are fixed, as are the nodes of given temperatures.
   const bool growth_known = found.sound({"mesh.growth"});
-  if (!s.file.empty() && s.growth && growth_known) {
-    found.fault("mesh.growth", "true", "an imported mesh cannot grow", "false with mesh.file",
-                "write growth = false, or leave mesh.file out");
+  if (mesh::has_mesh_file(s) && s.growth && growth_known && found.sound({"section.kind"})) {
+    found.fault("mesh.growth", "true", "the mesh of a section cannot grow: it has no rows",
+                "false with mesh.file, or a plan with section.kind = \"quarter_slab\"",
+                "leave mesh.file out and set mesh.columns, mesh.side_cell and mesh.rows, or write "
+                "growth = false");
   }
   if (!found.casting.thermal.file.empty() && s.growth && growth_known) {
     found.fault("thermal.file", found.casting.thermal.file.filename().string(),
@@ -40,7 +44,7 @@ void check_section(CaseFindings& found) {
                 "choose a smaller cell");
   }
 
-  if (s.file.empty() && found.sound({"mesh.bottom_cell", "section.initial_depth"}) &&
+  if (!mesh::has_mesh_file(s) && found.sound({"mesh.bottom_cell", "section.initial_depth"}) &&
       s.bottom_cell > s.initial_depth) {
     found.fault("mesh.bottom_cell", with_unit(s.bottom_cell, "m"), "is higher than the metal",
                 "at most section.initial_depth = " + with_unit(s.initial_depth, "m"),
@@ -213,7 +217,7 @@ void check_corner(CaseFindings& found) {
 /// a merged one.
 void check_merging(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
-  if (s.merging.below <= 0.0 || !s.file.empty() ||
+  if (s.merging.below <= 0.0 || mesh::has_mesh_file(s) ||
       !found.sound({"mesh.merge_below", "mesh.element"}))
     return;
 
@@ -300,7 +304,7 @@ void check_bowl(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   if (!s.bowl || !found.sound({"section.half_width", "section.half_thickness"})) return;
 
-  if (!s.file.empty())
+  if (mesh::has_mesh_file(s))
     found.fault("cooling.bottom_block.bowl", "given",
                 "has no effect: the bottom of mesh.file is the surface of the block",
                 "absent with mesh.file", "leave it out, and mesh the bowl");
@@ -312,8 +316,8 @@ void check_bowl(CaseFindings& found) {
                 fmt::format("at least {}", with_unit(s.bowl->depth, "m")),
                 "widen the wall, or make the bowl less deep");
 
-  const double half = found.solid() ? std::min(s.half_width, s.half_thickness(s.half_width))
-                                    : s.half_width;
+  const double half =
+      found.solid() ? std::min(s.half_width, s.half_thickness(s.half_width)) : s.half_width;
   if (s.bowl->lip + s.bowl->wall > half)
     found.fault("cooling.bottom_block.bowl.wall", with_unit(s.bowl->wall, "m"),
                 "does not fit between the lip and the middle of the block",

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/case/case_check.hpp"
+#include "core/mesh/base.hpp"
 #include "core/mesh/mesh.hpp"
 
 namespace dccast::casting {
@@ -56,6 +57,9 @@ public:
   std::int64_t mechanical_steps = 0;  ///< of the estimate's steps
   /// The mesh of the section's dimension, set if mesh.file is sound.
   std::tuple<std::optional<mesh::Mesh2D>, std::optional<mesh::Mesh3D>> imported;
+  /// The plan of a plan file as it is drawn, without refinement; set if mesh.file is sound.
+  std::optional<mesh::Base<3>> plan;
+  std::int64_t nodes_per_row = 0;  ///< of a mesh of rows, where the results are
 
 private:
   const std::vector<std::string>& faulty_keys_;
@@ -118,6 +122,8 @@ void check_mechanics(CaseFindings& found);
 void check_course(CaseFindings& found);
 /// Nodes of the built-in mesh at the end against `limits`.
 void check_built_in_size(CaseFindings& found);
+/// A plan from a file: readable, in metres, as large as the section, and its nodes at the end.
+void check_plan_file(CaseFindings& found);
 /// An imported mesh: readable, in metres, with the patches that the case needs.
 void check_imported_mesh(CaseFindings& found);
 /// Prescribed temperatures: readable, and as many as the mesh has nodes.

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/case/checks.hpp"
-#include "core/mesh/slab_mesh.hpp"
+#include "core/mesh/plan_file.hpp"
 
 namespace dccast::casting {
 
@@ -55,36 +55,20 @@ double algorithm_factor(const Case& c) {
   return 1.0;
 }
 
-/// Nodes of a row of the built-in mesh, in the section of a slab.
-double nodes_of_row(const mesh::SectionSpec& s) {
-  return s.columns * s.refinement + 1.0;
-}
-
-/// Nodes of a row of the two meshes of a quarter slab.
-struct PlanNodes {
-  double mechanics, heat;
-};
-
-PlanNodes nodes_of_plans(const mesh::SectionSpec& s) {
-  const double columns = s.columns * s.refinement, layers = s.layers * s.refinement;
-  return {(columns + 1.0) * (layers + 1.0),
-          (columns * s.heat_cells.per_column + 1.0) * (layers * s.heat_cells.per_layer + 1.0)};
-}
-
 /// Of the nodes of the heat, those that the mechanics has too [1].
-double mechanics_share(const mesh::SectionSpec& s) {
+double mechanics_share(const CaseFindings& found) {
+  const mesh::SectionSpec& s = found.casting.section;
   if (s.kind != mesh::SectionKind::quarter_slab || !s.file.empty()) return 1.0;
-  const PlanNodes nodes = nodes_of_plans(s);
-  return nodes.mechanics / nodes.heat;
+  const double columns = s.columns * s.refinement, layers = s.layers * s.refinement;
+  return (columns + 1.0) * (layers + 1.0) / static_cast<double>(found.nodes_per_row);
 }
 
 /// Number of nodes of the heat, mean over the run.
 double mean_nodes(const CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   const auto at_end = static_cast<double>(found.estimate.nodes);
-  if (!s.file.empty()) return at_end;
-  const double in_a_row = found.solid() ? nodes_of_plans(s).heat : nodes_of_row(s);
-  return 0.5 * (in_a_row * (s.rows * s.refinement + 1.0) + at_end);
+  if (mesh::has_mesh_file(s)) return at_end;
+  return 0.5 * (static_cast<double>(found.nodes_per_row) * (s.rows * s.refinement + 1.0) + at_end);
 }
 
 /// Shorter steps need fewer iterations.
@@ -104,7 +88,8 @@ struct StepSeconds {
 StepSeconds in_a_section(const CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   const double nodes = mean_nodes(found);
-  const double band = nodes * (s.file.empty() ? nodes_of_row(s) : std::sqrt(nodes));
+  const double band = nodes * (mesh::has_mesh_file(s) ? std::sqrt(nodes)
+                                                      : static_cast<double>(found.nodes_per_row));
   StepSeconds seconds{heat_by_node * nodes + heat_by_band * band, 0.0};
   if (found.mechanical_steps == 0) return seconds;
   seconds.mechanics = mechanics_by_band * band * step_factor(found);
@@ -115,7 +100,7 @@ StepSeconds in_a_section(const CaseFindings& found) {
 /// Whether a mesh with this number of nodes is solved by two grids.
 bool by_two_grids(const CaseFindings& found, double nodes) {
   const Case& c = found.casting;
-  const bool lines = c.section.file.empty() && c.section.element != mesh::ElementKind::p1;
+  const bool lines = !mesh::has_mesh_file(c.section) && c.section.element != mesh::ElementKind::p1;
   return lines && c.mechanics.options.algorithm == mechanics::Algorithm::newton &&
          3.0 * nodes >= c.mechanics.options.two_grids_from_unknowns;
 }
@@ -124,7 +109,7 @@ StepSeconds in_a_solid(const CaseFindings& found) {
   const double heat_nodes = mean_nodes(found);
   StepSeconds seconds{solid_heat_by_node * heat_nodes, 0.0};
   if (found.mechanical_steps == 0) return seconds;
-  const double nodes = mechanics_share(found.casting.section) * heat_nodes;
+  const double nodes = mechanics_share(found) * heat_nodes;
   const double factor = factor_seconds * std::pow(3.0 * nodes / factor_unknowns, factor_time_power);
   seconds.mechanics = by_two_grids(found, nodes) ? grids_seconds_by_node * nodes
                                                  : factor + solid_mechanics_by_node * nodes;
@@ -135,7 +120,7 @@ double memory(const CaseFindings& found) {
   const auto all_nodes = static_cast<double>(found.estimate.nodes);
   if (!found.solid()) return memory_base + memory_by_node * all_nodes;
 
-  const double nodes = mechanics_share(found.casting.section) * all_nodes;
+  const double nodes = mechanics_share(found) * all_nodes;
   const double of_heat = solid_heat_memory_by_node * (all_nodes - nodes);
   if (by_two_grids(found, nodes))
     return std::max(memory_base + grids_memory_by_node * nodes, memory_before_grids) + of_heat;

@@ -6,6 +6,7 @@
 #include "core/base/errors.hpp"
 #include "core/case/casting_schedule.hpp"
 #include "core/casting/slab_run.hpp"
+#include "core/mesh/plan_file.hpp"
 
 namespace dccast::casting {
 
@@ -20,6 +21,7 @@ constexpr int steps = 70;
 /// The thickness section of a quarter slab, in the middle of the wide face.
 void take_thickness_section(Case& c) {
   c.section.kind = mesh::SectionKind::plane_strain;
+  c.section.file.clear();
   c.section.half_width = c.section.half_thickness(0.0);
   c.section.heat_cells = {};
   c.cooling.bottom_block.profile_x = c.cooling.bottom_block.profile_y = {};
@@ -55,7 +57,7 @@ Case coarse(Case c) {
 }  // namespace
 
 std::vector<results::Finding> forecast(const Case& c) {
-  if (!c.section.file.empty() || !c.thermal.file.empty()) return {};
+  if (mesh::has_mesh_file(c.section) || !c.thermal.file.empty()) return {};
 
   SlabRun<2> run(coarse(c));
   try {

@@ -8,13 +8,14 @@
 #include "core/case/case.hpp"
 #include "core/case/casting_schedule.hpp"
 #include "core/mesh/gmsh_reader.hpp"
+#include "core/mesh/plan_file.hpp"
 #include "core/mesh/plan_transfer.hpp"
 #include "core/mesh/slab_mesh.hpp"
 
 namespace dccast::casting {
 
-/// The mesh of a run: the built-in one, which grows, or an imported one, which does not. The heat
-/// of a quarter slab may have a mesh of its own; all results are on it.
+/// The mesh of a run: one of rows, which grows, or an imported one, which does not. The heat of a
+/// quarter slab may have a mesh of its own; all results are on it.
 template <int Dim>
 class RunMesh {
 public:
@@ -27,15 +28,16 @@ public:
   /// Between the two.
   const mesh::PlanTransfer& transfer() const { return transfer_; }
   bool grows() const { return slab_.has_value() && grows_; }
-  /// @pre built_in() is not null
+  /// @pre in_rows() is not null
   mesh::SlabMesh<Dim>& slab() { return *slab_; }
-  const mesh::SlabMesh<Dim>* built_in() const { return slab_ ? &*slab_ : nullptr; }
+  /// The mesh of rows; null for an imported one.
+  const mesh::SlabMesh<Dim>* in_rows() const { return slab_ ? &*slab_ : nullptr; }
   double initial_level() const { return initial_level_; }  ///< [m] when the mould is filled
   /// Metal level [m] at a time [s] and cast length [m].
   double level_at(const CastingSchedule& schedule, double time, double length) const;
 
 private:
-  /// Whether the case lets the built-in mesh grow.
+  /// Whether the case lets a mesh of rows grow.
   bool grows_;
   double initial_level_ = 0.0;  ///< [m]
   double first_level_ = 0.0;    ///< [m] with which filling begins
@@ -44,10 +46,25 @@ private:
   mesh::Mesh<Dim> imported_;
 };
 
+/// The mesh of rows of a section, over the plan of its file or the built-in one.
+/// @throws InvalidCase  the file cannot be read
+template <int Dim>
+mesh::SlabMesh<Dim> make_rows(const mesh::SectionSpec& section) {
+  if constexpr (Dim == 3) {
+    if (mesh::has_plan_file(section)) {
+      Faults faults;
+      auto plan = mesh::read_plan(section, faults);
+      if (!plan) throw InvalidCase(faults);
+      return mesh::SlabMesh<3>(section, std::move(*plan));
+    }
+  }
+  return mesh::SlabMesh<Dim>(section);
+}
+
 template <int Dim>
 RunMesh<Dim>::RunMesh(const Case& c) : grows_(c.section.growth) {
-  if (c.section.file.empty()) {
-    slab_.emplace(c.section);
+  if (!mesh::has_mesh_file(c.section)) {
+    slab_.emplace(make_rows<Dim>(c.section));
     transfer_ = mesh::PlanTransfer(c.section);
     initial_level_ = slab_->level();
     if (c.schedule.filling > 0.0) slab_->start_filling();

@@ -268,7 +268,7 @@ void fit_course(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& r
 template <int Dim>
 void fit_rows(const RunState<Dim>& state, const RunShape<Dim>& run, Reasons& reasons) {
   const auto& heights = state.row_heights;
-  const mesh::SlabMesh<Dim>* slab = run.mesh.built_in();
+  const mesh::SlabMesh<Dim>* slab = run.mesh.in_rows();
   if (slab == nullptr) {
     reasons.require(heights.empty(), "it has rows, but the mesh has none");
     return;
@@ -291,7 +291,7 @@ Shapes shapes_of(const RunState<Dim>& state, const RunShape<Dim>& run) {
   };
   Shapes shapes{of_mesh(run.mesh.heat_mesh()), of_mesh(run.mesh.mesh())};
 
-  if (const mesh::SlabMesh<Dim>* slab = run.mesh.built_in()) {
+  if (const mesh::SlabMesh<Dim>* slab = run.mesh.in_rows()) {
     const std::size_t rows = state.row_heights.size();
     shapes.heat.nodes = rows * std::size_t(slab->heat_nodes_per_row());
     shapes.heat.elements = (rows - 1) * std::size_t(slab->heat_elements_per_row());

@@ -90,7 +90,7 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
       c.thermal.initial_temperature.value_or(schedule_.casting_temperature(state_.time, 0.0)));
   state_.slab = mechanics_.initial_state();
   state_.superheat = heat_.superheat(state_.heat);
-  if (mesh_.built_in()) state_.row_heights = mesh_.built_in()->row_heights();
+  if (mesh_.in_rows()) state_.row_heights = mesh_.in_rows()->row_heights();
   state_.findings.raised = findings_of_case(c);
 }
 
@@ -104,7 +104,7 @@ template <int Dim>
 void SlabRun<Dim>::go_back_to(const RunState<Dim>& state) {
   state_ = state;
   control_.restore(state.step_limit);
-  if (mesh_.built_in()) mesh_.slab().restore(state.row_heights);
+  if (mesh_.in_rows()) mesh_.slab().restore(state.row_heights);
   heat_.update_mesh();
   mechanics_.set_mesh(mesh_.mesh());
 }
@@ -148,7 +148,7 @@ double SlabRun<Dim>::mould_level() const {
 
 template <int Dim>
 int SlabRun<Dim>::growth_row() const {
-  return mesh_.built_in() ? mesh_.built_in()->nodes_per_row() : 0;
+  return mesh_.in_rows() ? mesh_.in_rows()->nodes_per_row() : 0;
 }
 
 template <int Dim>

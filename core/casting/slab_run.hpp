@@ -76,7 +76,7 @@ public:
   /// Computing time of the heat [s] and of the mechanics.
   double heat_seconds() const { return heat_seconds_; }
   const mechanics::CostSplit& mechanics_cost() const { return mechanics_.cost(); }
-  /// Nodes per row of the built-in mesh; 0 for an imported one.
+  /// Nodes per row of a mesh of rows; 0 for an imported one.
   int growth_row() const;
 
 private:

@@ -183,7 +183,7 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
 /// rises.
 template <int Dim>
 int SlabRun<Dim>::growing_elements(const mesh::Mesh<Dim>& of) const {
-  return mesh_.grows() ? of.elements() / mesh_.built_in()->rows() : 0;
+  return mesh_.grows() ? of.elements() / mesh_.in_rows()->rows() : 0;
 }
 
 /// Mean surface temperature of the block [°C].
@@ -211,8 +211,7 @@ std::vector<double> SlabRun<Dim>::bottom_pressure() const {
 
   const std::vector<double> carried = mesh_.transfer().at_heat_nodes(std::move(at_nodes));
   std::vector<double> pressure;
-  for (const int n : block_.nodes)
-    pressure.push_back(carried[std::size_t(n)]);
+  for (const int n : block_.nodes) pressure.push_back(carried[std::size_t(n)]);
   return pressure;
 }
 

@@ -45,6 +45,15 @@ int nearest_index(double target, const std::vector<double>& position) {
                           position.begin());
 }
 
+/// Outward unit normal of a piece of the rim [1]. Cells turn counterclockwise, so that the outside
+/// is to the right of their sides.
+std::array<double, 3> outward_normal(const Base<3>& base, const Base<3>::Piece& piece) {
+  const auto [from, to] = ends_of(base, piece);
+  const double along = to[0] - from[0], rise = to[1] - from[1];
+  const double length = std::hypot(along, rise);
+  return {rise / length, -along / length, 0.0};
+}
+
 /// The plan of a quarter slab under construction: a grid of columns along x and layers along y.
 class QuarterPlan {
 public:
@@ -162,42 +171,16 @@ private:
   void add_wide_faces(Base<3>& base) const {
     const std::size_t first = base.walls.size();
     for (int i = 0; i < patch_column_; ++i)
-      add_piece(base, first, "side_y", {cell(i, cells_y() - 1), 2},
-                {at(i, cells_y()), at(i + 1, cells_y())});
+      add_piece(base, first, "side_y", {cell(i, cells_y() - 1), 2});
   }
 
   /// One wall for each chord of a rounded corner, from the wide to the narrow face.
   void add_corner(Base<3>& base) const {
     const std::size_t first = base.walls.size();
     for (int i = patch_column_; i < cells_x(); ++i)
-      add_piece(base, first, "side_corner", {cell(i, cells_y() - 1), 2},
-                {at(i, cells_y()), at(i + 1, cells_y())});
+      add_piece(base, first, "side_corner", {cell(i, cells_y() - 1), 2});
     for (int j = cells_y() - 1; j >= patch_layer_; --j)
-      add_piece(base, first, "side_corner", {cell(cells_x() - 1, j), 1},
-                {at(cells_x(), j + 1), at(cells_x(), j)});
-  }
-
-  /// Adds a piece to the last wall, or to a new one if its direction differs.
-  /// @param first  index of the first wall with this name
-  /// @param ends   nodes of the piece, clockwise seen from above
-  void add_piece(Base<3>& base, std::size_t first, const std::string& name,
-                 const Base<3>::Piece& piece, const std::array<int, 2>& ends) const {
-    constexpr double same_direction = 1e-9;
-    const auto normal = outward_normal(ends);
-    const auto* wall = base.walls.size() == first ? nullptr : &base.walls.back();
-    if (wall == nullptr || std::abs(wall->normal[0] - normal[0]) > same_direction) {
-      const std::size_t count = base.walls.size() - first + 1;
-      base.walls.push_back(
-          {count == 1 ? name : fmt::format("{}_{}", name, count), PatchKind::side, normal, {}});
-    }
-    base.walls.back().pieces.push_back(piece);
-  }
-
-  std::array<double, 3> outward_normal(const std::array<int, 2>& ends) const {
-    const double *from = &place_[2 * std::size_t(ends[0])], *to = &place_[2 * std::size_t(ends[1])];
-    const double along = to[0] - from[0], rise = to[1] - from[1];
-    const double length = std::hypot(along, rise);
-    return {-rise / length, along / length, 0.0};
+      add_piece(base, first, "side_corner", {cell(cells_x() - 1, j), 1});
   }
 
   const SectionSpec& spec_;
@@ -267,6 +250,30 @@ double distance_from_edge(const SectionSpec& spec, const Base<3>& plan, double x
   return std::min(distance_from_edge(spec, x), reach_of(plan, x) - y);
 }
 
+std::array<const double*, 2> ends_of(const Base<3>& plan, const Base<3>::Piece& piece) {
+  const int* corner = &plan.cell_node[std::size_t(4 * piece.cell)];
+  const auto point = [&](int k) { return &plan.node[2 * std::size_t(corner[k % 4])]; };
+  return {point(piece.side), point(piece.side + 1)};
+}
+
+void add_piece(Base<3>& base, std::size_t first, const std::string& name,
+               const Base<3>::Piece& piece) {
+  constexpr double same_direction = 1e-9;
+  const auto normal = outward_normal(base, piece);
+  const auto has_direction = [&](const Base<3>::Wall& wall) {
+    return std::hypot(wall.normal[0] - normal[0], wall.normal[1] - normal[1]) <= same_direction;
+  };
+  const auto begin = base.walls.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto same = std::find_if(begin, base.walls.end(), has_direction);
+  if (same != base.walls.end()) return same->pieces.push_back(piece);
+
+  // A wall of another group may already have the next name.
+  std::size_t count = base.walls.size() - first + 1;
+  const auto numbered = [&] { return count == 1 ? name : fmt::format("{}_{}", name, count); };
+  while (std::ranges::count(base.walls, numbered(), &Base<3>::Wall::name) > 0) ++count;
+  base.walls.push_back({numbered(), PatchKind::side, normal, {piece}});
+}
+
 std::array<int, 2> corner_cells(const SectionSpec& spec) {
   return QuarterPlan(spec, Plan::mechanics).corner_cells();
 }
@@ -278,10 +285,7 @@ double reach_of(const Base<3>& plan, double x) {
     if (wall.kind != PatchKind::side) continue;
 
     for (const auto& piece : wall.pieces) {
-      const auto corner = [&](int k) {
-        return &plan.node[2 * std::size_t(plan.cell_node[std::size_t(4 * piece.cell + k % 4)])];
-      };
-      const double *a = corner(piece.side), *b = corner(piece.side + 1);
+      const auto [a, b] = ends_of(plan, piece);
       if (x < std::min(a[0], b[0]) - round_off || x > std::max(a[0], b[0]) + round_off) continue;
 
       const bool along_y = a[0] == b[0];

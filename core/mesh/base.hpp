@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,15 @@ template <>
 Base<2> base_of<2>(const SectionSpec& spec, Plan plan);
 template <>
 Base<3> base_of<3>(const SectionSpec& spec, Plan plan);
+
+/// Ends of a piece of the rim [m], the first at the corner with the number of its side.
+std::array<const double*, 2> ends_of(const Base<3>& plan, const Base<3>::Piece& piece);
+
+/// Adds a piece of the rim to the walls of its name, of which each has one direction: to the one
+/// with the direction of the piece, or to a new one. The walls are NAME, NAME_2, NAME_3 and so on.
+/// @param first  index of the first wall with this name
+void add_piece(Base<3>& base, std::size_t first, const std::string& name,
+               const Base<3>::Piece& piece);
 
 /// Extent in y of the plan of a quarter slab at a position x [m] along its wide face [m].
 double reach_of(const Base<3>& plan, double x);

@@ -42,28 +42,36 @@ std::array<double, 3> mean_normal(const Mesh<3>& mesh, const std::vector<Facet<3
   return sum;
 }
 
+/// What a file is read as.
+enum class Content { section, plan, solid };
+
 /// A mesh under construction from a Gmsh file.
 template <int Dim>
 class GmshImport {
 public:
   /// @param name  of the file, for faults
-  GmshImport(const gmsh::File& file, const std::string& name, ElementKind kind, Faults& faults)
+  GmshImport(const gmsh::File& file, const std::string& name, Content content, ElementKind kind,
+             Faults& faults)
       : file_(file),
         name_(name),
+        content_(content),
         shape_(cell_shape(Dim, kind)),
         faults_(faults),
         faults_before_(faults.list().size()) {}
 
   /// The mesh; empty if there is a fault.
   std::optional<Mesh<Dim>> convert() {
+    check_dimension();
+    if (!is_valid()) return std::nullopt;
     number_nodes();
     check_shapes();
     if (is_valid()) add_elements();
     if (is_valid()) find_boundary();
     if (is_valid()) add_patches();
+    if (is_valid()) check_patches();
     if (!is_valid()) return std::nullopt;
 
-    sort_patches();
+    if (content_ != Content::plan) sort_patches();
     find_normals();
     return std::move(mesh_);
   }
@@ -101,14 +109,31 @@ private:
     return true;
   }
 
+  /// A flat mesh and a solid one are different castings, between which mesh.growth decides.
+  void check_dimension() {
+    int highest = 0;
+    for (const gmsh::Element& element : file_.elements)
+      highest = std::max(highest, gmsh::dimension_of(element.shape));
+
+    if (content_ == Content::plan && highest == 3)
+      add_fault("is a solid mesh, which has no rows that could grow",
+                "a flat mesh of the plan with mesh.growth = true",
+                "mesh the plan alone (docs/own-mesh.md), or write mesh.growth = false");
+    if (content_ == Content::solid && highest == 2)
+      add_fault("is a flat mesh without a solid element", "a solid mesh with mesh.growth = false",
+                "write mesh.growth = true to cast on this plan, or mesh the volume");
+  }
+
   void number_nodes() {
     for (std::size_t i = 0; i < file_.node_tag.size(); ++i)
       if (!number_.emplace(file_.node_tag[i], static_cast<int>(i)).second)
         return add_fault(fmt::format("has node {} twice", file_.node_tag[i]));
 
     for (const auto& position : file_.node) {
-      if (Dim == 2 && position[2] != 0.0)
+      if (content_ == Content::section && position[2] != 0.0)
         return add_fault("has nodes with z other than 0", "a section in the x-y plane, in m");
+      if (content_ == Content::plan && position[2] != file_.node.front()[2])
+        return add_fault("has nodes at several heights", "a plan with one z, in m");
       mesh_.node.insert(mesh_.node.end(), position.begin(), position.begin() + Dim);
     }
   }
@@ -122,9 +147,13 @@ private:
     // Other elements than the wanted ones, or none: say what was found.
     std::vector<const char*> names;
     for (const int shape : found) names.push_back(find_gmsh_shape(shape)->plural);
+    const std::string message =
+        names.empty() ? "has no elements" : fmt::format("has {}", fmt::join(names, " and "));
+    if (content_ == Content::plan)
+      return add_fault(message, fmt::format("only {} in a plan", shape_.plural),
+                       "in Gmsh, Recombine Surface {...}");
     add_fault(
-        names.empty() ? "has no elements" : fmt::format("has {}", fmt::join(names, " and ")),
-        fmt::format("only {} with this mesh.element", shape_.plural),
+        message, fmt::format("only {} with this mesh.element", shape_.plural),
         Dim == 2
             ? "mesh.element = \"p1\" for triangles, \"q1_bending\" or \"q1\" for quadrilaterals"
             : "");
@@ -242,9 +271,11 @@ private:
     }
   }
 
-  /// The kind of a patch by its name. In 3D there may be several planes of symmetry and several
-  /// sides: symmetry_x, side_2.
-  static std::optional<PatchKind> find_kind(const std::string& name) {
+  /// The kind of a patch by its name. A section has one of each; a solid may have several planes of
+  /// symmetry and several sides, as symmetry_x, side_2.
+  std::optional<PatchKind> find_kind(const std::string& name) const {
+    if (content_ == Content::plan) return find_kind_of_outline(name);
+
     for (std::size_t k = 0; k < patch_kinds; ++k) {
       const PatchKind kind = PatchKind(k);
       const std::string plain = name_of(kind);
@@ -252,6 +283,26 @@ private:
       if (name == plain || (Dim == 3 && several && name.starts_with(plain + "_"))) return kind;
     }
     return std::nullopt;
+  }
+
+  /// The outline of a plan has the two middle planes and sides.
+  static std::optional<PatchKind> find_kind_of_outline(const std::string& name) {
+    if (name == "symmetry_x" || name == "symmetry_y") return PatchKind::symmetry;
+    if (name.starts_with("side_")) return PatchKind::side;
+    return std::nullopt;
+  }
+
+  /// The names that find_kind() knows.
+  const char* known_names() const {
+    switch (content_) {
+      case Content::section:
+        return "symmetry, bottom, side, top";
+      case Content::plan:
+        return "symmetry_x, symmetry_y, side_x, side_y, or side_ and any name";
+      case Content::solid:
+        return "symmetry_x, symmetry_y, bottom, side_x, side_y, top, or side_ and any name";
+    }
+    return "";
   }
 
   /// The index of the patch of a physical group; -1, with one fault, if its name is unknown.
@@ -272,9 +323,7 @@ private:
     // A group may be met once for each of its facets.
     if (unknown_.insert(name).second)
       add_fault(fmt::format("has the unknown physical group '{}'", name.substr(0, 60)),
-                Dim == 2
-                    ? "symmetry, bottom, side, top"
-                    : "symmetry_x, symmetry_y, bottom, side_x, side_y, top, or side_ and any name");
+                known_names());
     return -1;
   }
 
@@ -311,10 +360,34 @@ private:
         if (faults_.list().size() != faults_before) return;  // the following would be the same
       }
     }
+  }
 
+  /// A plan is cooled or held all around; other meshes stand on the block and may have a free
+  /// boundary.
+  void check_patches() {
+    if (content_ == Content::plan) return need_groups_all_around();
     if (mesh_.facets(PatchKind::bottom).empty())
       add_fault("has no physical group 'bottom'",
                 "the part of the boundary that stands on the block");
+  }
+
+  void need_groups_all_around() {
+    int sides = 0;
+    const Facet<Dim>* first = nullptr;
+    for (const auto& [key, boundary] : boundary_) {
+      if (boundary.elements != 1 || boundary.patch >= 0) continue;
+      if (sides++ == 0) first = &boundary.facet;
+    }
+
+    if (sides == 0) return;
+    const double *a = mesh_.point(first->node[0]), *b = mesh_.point(first->node[1]);
+    add_fault(
+        fmt::format("has {} {} of cells at the outline without a group, at first that from "
+                    "({:.6g}, {:.6g}) to ({:.6g}, {:.6g}) m",
+                    sides, sides == 1 ? "side" : "sides", a[0], a[1], b[0], b[1]),
+        fmt::format("each side of the outline in a physical group {}", known_names()),
+        "name its line in Gmsh with Physical Curve; if it lies inside the outline, a node hangs "
+        "there: let neighbouring cells share whole sides");
   }
 
   /// Orders the facets of each patch: bottom and top from the symmetry plane, the others upwards.
@@ -342,6 +415,7 @@ private:
 
   const gmsh::File& file_;
   const std::string& name_;
+  Content content_;
   const CellShape& shape_;  ///< required of the elements
   Faults& faults_;
   std::size_t faults_before_;
@@ -351,14 +425,12 @@ private:
   std::set<std::string> unknown_;  ///< names of groups that have a fault
 };
 
-}  // namespace
-
 template <int Dim>
-std::optional<Mesh<Dim>> parse_gmsh(std::string_view text, const std::string& name,
-                                    ElementKind kind, Faults& faults) {
+std::optional<Mesh<Dim>> parse(std::string_view text, const std::string& name, Content content,
+                               ElementKind kind, Faults& faults) {
   try {
     const gmsh::File file = gmsh::parse(text);
-    return GmshImport<Dim>(file, name, kind, faults).convert();
+    return GmshImport<Dim>(file, name, content, kind, faults).convert();
   } catch (const gmsh::FormatError& error) {
     faults.add("mesh.file", name, error.what(), "MSH 2.2 or 4.1, ASCII",
                "export it from Gmsh as MSH 4.1 or 2.2 in ASCII");
@@ -366,22 +438,45 @@ std::optional<Mesh<Dim>> parse_gmsh(std::string_view text, const std::string& na
   }
 }
 
-template <int Dim>
-std::optional<Mesh<Dim>> read_gmsh(const std::filesystem::path& path, ElementKind kind,
-                                   Faults& faults) {
-  const std::string name = path.filename().string();
+/// The text of a file; empty, with a fault, if it cannot be read.
+std::optional<std::string> read_text(const std::filesystem::path& path, Faults& faults) {
   std::ifstream stream;
 
   // A folder can be opened, but not read.
   if (!std::filesystem::is_directory(path)) stream.open(path, std::ios::binary);
   if (!stream.is_open()) {
-    faults.add("mesh.file", name, "cannot be read", "a readable Gmsh mesh",
+    faults.add("mesh.file", path.filename().string(), "cannot be read", "a readable Gmsh mesh",
                "name an existing file, or leave mesh.file out");
     return std::nullopt;
   }
+  return std::string{std::istreambuf_iterator<char>(stream), {}};
+}
 
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  return parse_gmsh<Dim>(text, name, kind, faults);
+}  // namespace
+
+template <int Dim>
+std::optional<Mesh<Dim>> parse_gmsh(std::string_view text, const std::string& name,
+                                    ElementKind kind, Faults& faults) {
+  return parse<Dim>(text, name, Dim == 2 ? Content::section : Content::solid, kind, faults);
+}
+
+template <int Dim>
+std::optional<Mesh<Dim>> read_gmsh(const std::filesystem::path& path, ElementKind kind,
+                                   Faults& faults) {
+  const auto text = read_text(path, faults);
+  if (!text) return std::nullopt;
+  return parse_gmsh<Dim>(*text, path.filename().string(), kind, faults);
+}
+
+std::optional<Mesh<2>> parse_gmsh_plan(std::string_view text, const std::string& name,
+                                       Faults& faults) {
+  return parse<2>(text, name, Content::plan, ElementKind::q1, faults);
+}
+
+std::optional<Mesh<2>> read_gmsh_plan(const std::filesystem::path& path, Faults& faults) {
+  const auto text = read_text(path, faults);
+  if (!text) return std::nullopt;
+  return parse_gmsh_plan(*text, path.filename().string(), faults);
 }
 
 template std::optional<Mesh<2>> read_gmsh(const std::filesystem::path&, ElementKind, Faults&);

@@ -32,4 +32,16 @@ template <int Dim>
 std::optional<Mesh<Dim>> parse_gmsh(std::string_view text, const std::string& name,
                                     ElementKind kind, Faults& faults);
 
+/// Reads the plan of a quarter slab: a flat mesh of quadrilaterals, and the lines of its outline in
+/// groups named symmetry_x, symmetry_y and any name that begins with side_. Each side of the
+/// outline must be in a group.
+/// @param path    the file
+/// @param faults  receives all faults, under the field "mesh.file"
+/// @return        in x and y; empty if there is a fault
+std::optional<Mesh<2>> read_gmsh_plan(const std::filesystem::path& path, Faults& faults);
+
+/// Reads the content of such a file. @param name  file name for the messages
+std::optional<Mesh<2>> parse_gmsh_plan(std::string_view text, const std::string& name,
+                                       Faults& faults);
+
 }  // namespace dccast::mesh

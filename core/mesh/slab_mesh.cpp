@@ -50,16 +50,21 @@ double flat_from(const SectionSpec& spec) {
 }  // namespace
 
 template <int Dim>
-SlabMesh<Dim>::SlabMesh(const SectionSpec& spec)
-    : mechanics_(base_of<Dim>(spec), spec.element, flat_from(spec)),
+SlabMesh<Dim>::SlabMesh(const SectionSpec& spec) : SlabMesh(spec, base_of<Dim>(spec)) {
+  if (spec.heat_cells.per_column * spec.heat_cells.per_layer == 1) return;
+  heat_.emplace(base_of<Dim>(spec, Plan::heat), spec.element, flat_from(spec));
+  heat_->build(heights_);
+}
+
+template <int Dim>
+SlabMesh<Dim>::SlabMesh(const SectionSpec& spec, Base<Dim> base)
+    : mechanics_(std::move(base), spec.element, flat_from(spec)),
       growth_cell_(growth_cell(spec)),
       merging_(refined_merging(spec)),
       plan_(initial_rows(spec)),
       first_grown_(first_grown(plan_)),
       first_flat_(first_flat_row(spec, plan_)),
       heights_(plan_) {
-  if (spec.heat_cells.per_column * spec.heat_cells.per_layer > 1)
-    heat_.emplace(base_of<Dim>(spec, Plan::heat), spec.element, flat_from(spec));
   build();
 }
 

@@ -9,8 +9,8 @@
 
 namespace dccast::mesh {
 
-/// The built-in mesh of a section: rows of cells, graded from the bottom block, which grow upwards.
-/// Heat and mechanics of a quarter slab may have plans of their own, over the same rows.
+/// A mesh of rows of cells over a base, graded from the bottom block, which grow upwards. Heat and
+/// mechanics of a quarter slab may have plans of their own, over the same rows.
 ///
 /// The top row stretches with the metal level. When it is higher than 1.5 growth cells it is
 /// divided: its lower part becomes one growth cell, the rest the new top row. Rows added by growth
@@ -20,8 +20,10 @@ namespace dccast::mesh {
 template <int Dim>
 class SlabMesh {
 public:
-  /// @param spec  section and division; `file` must be empty
+  /// The built-in mesh. @param spec  section and division; `file` must be empty
   explicit SlabMesh(const SectionSpec& spec);
+  /// Over a given base, for heat and mechanics. @param spec  of the rows
+  SlabMesh(const SectionSpec& spec, Base<Dim> base);
 
   /// The present mesh of the mechanics. References to it stay valid; its arrays grow.
   const Mesh<Dim>& mesh() const { return mechanics_.mesh(); }
@@ -37,8 +39,8 @@ public:
   double planned_level() const { return plan_.back(); }  ///< [m] once the mould is filled
   const std::vector<double>& row_heights() const { return heights_; }  ///< [m] of the rows of nodes
 
-  /// Begins with the lowest rows only, before the mould is filled: two, or those that follow the bowl
-  /// of the block and one more. @pre nothing has grown yet
+  /// Begins with the lowest rows only, before the mould is filled: two, or those that follow the
+  /// bowl of the block and one more. @pre nothing has grown yet
   void start_filling();
 
   /// Raises the metal level.
@@ -76,10 +78,10 @@ private:
 using SlabMesh2D = SlabMesh<2>;
 using SlabMesh3D = SlabMesh<3>;
 
-/// Height of the rows that growth adds to the built-in mesh [m].
+/// Height of the rows that growth adds [m].
 double growth_cell(const SectionSpec& spec);
 
-/// Number of rows of the built-in mesh when the metal level is at `level` [m].
+/// Number of rows of a slab's mesh when the metal level is at `level` [m].
 int rows_at(const SectionSpec& spec, double level);
 
 }  // namespace dccast::mesh

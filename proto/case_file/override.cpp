@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <set>
 #include <span>
 #include <string>
 
+#include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/toml_walker.hpp"
@@ -21,6 +24,12 @@ enum class Action {
   recipe,     ///< sets the table of a factor: "0.8 until 100 mm"
   scale,      ///< multiplies the present value, a table as a whole
   offset      ///< adds to the present value
+};
+
+/// To what a change may be relative.
+enum class Relative {
+  to_case,  ///< to values of the case alone
+  to_card   ///< to a value of the alloy card too, where the case leaves it to the card
 };
 
 /// The key that a path leads to.
@@ -147,8 +156,8 @@ void collect_files(const Message& message, std::set<std::string>& names) {
 /// Applies the changes of one call to a message.
 class Changes {
 public:
-  Changes(Message& root, ReadOutcome& read, const std::filesystem::path* folder)
-      : root_(root), read_(read), folder_(folder) {}
+  Changes(v1::Case& root, ReadOutcome& read, const std::filesystem::path* folder, Relative relative)
+      : root_(root), read_(read), folder_(folder), relative_(relative) {}
 
   void apply(const v1::CaseChange& change) {
     ReadOutcome outcome;
@@ -158,7 +167,7 @@ public:
     // are reported at the untyped value.
     Walk walk{folder_, outcome};
     const ChangeValue untyped = change_value(change.value(), nullptr);
-    const auto target = find(walk, untyped.node(), change);
+    const auto target = find(walk, untyped.node(), change, root_);
     const ChangeValue value = change_value(change.value(), target ? target->field : nullptr);
     if (target && begin(walk, value.node(), *target)) set(walk, value.node(), *target, change);
 
@@ -177,9 +186,10 @@ private:
     return static_cast<int>(change.key().size()) + 1 + column;
   }
 
-  std::optional<Target> find(Walk& walk, const toml::node& value, const v1::CaseChange& change) {
+  static std::optional<Target> find(Walk& walk, const toml::node& value,
+                                    const v1::CaseChange& change, Message& root) {
     if (const auto segments = segments_of(change.key()); !segments.empty())
-      return Finder(walk, value).find(root_, segments);
+      return Finder(walk, value).find(root, segments);
     walk.add(make_fault(change.key(), change.value(), "not the path of a key", "",
                         "e.g. schedule.hold or monitor[0].x"),
              value);
@@ -217,12 +227,12 @@ private:
                   [&](const AttachedFile& file) { return !names.contains(file.name); });
   }
 
-  static void set(Walk& walk, const toml::node& value, const Target& target,
-                  const v1::CaseChange& change) {
+  void set(Walk& walk, const toml::node& value, const Target& target,
+           const v1::CaseChange& change) const {
     const Entry entry{walk, value, *target.field, target.path};
     if (target.action == Action::set || (target.action == Action::recipe && value.is_array()))
       return read_field(entry, *target.message);
-    if (target.action != Action::recipe) return adjust(entry, target);
+    if (target.action != Action::recipe) return adjust(entry, target, change);
     set_curve(target, read_scale(walk, change.value(), *target.field, target.path));
   }
 
@@ -233,7 +243,7 @@ private:
   }
 
   /// Applies the number of a change to the present values: scale, offset or one point.
-  static void adjust(const Entry& entry, const Target& target) {
+  void adjust(const Entry& entry, const Target& target, const v1::CaseChange& change) const {
     const std::string& own_unit = key_of(entry.field).unit();
     const std::string unit = target.action == Action::scale                          ? "1"
                              : target.action == Action::offset && own_unit == "degC" ? "K"
@@ -243,8 +253,9 @@ private:
     if (!number) return;
 
     v1::Curve curve = present_values(target);
+    if (curve.value().empty()) curve = values_of_card(entry, change);
     if (target.point >= static_cast<std::size_t>(curve.value_size()))
-      return entry.refuse("there is no value here to change", "", "give the key in the case");
+      return entry.refuse("there is no value here to change", "", remedy_without_value(change));
 
     for (int i = 0; i < curve.value_size(); ++i) {
       double value = curve.value(i);
@@ -271,6 +282,41 @@ private:
     return curve;
   }
 
+  static bool is_of_alloy(const v1::CaseChange& change) {
+    return change.key().starts_with("alloy.");
+  }
+
+  static std::string remedy_without_value(const v1::CaseChange& change) {
+    return is_of_alloy(change)
+               ? "give the key in the case; `dccast alloys CARD` prints those of a card"
+               : "give the key in the case";
+  }
+
+  /// The values of a key that the case leaves to its alloy card; empty if the card is not at hand.
+  v1::Curve values_of_card(const Entry& entry, const v1::CaseChange& change) const {
+    if (relative_ == Relative::to_case || !is_of_alloy(change)) return {};
+
+    v1::Case resolved = root_;
+    apply_defaults(*resolved.mutable_alloy());
+    const AlloyCard card = card_of(resolved.alloy().card(), entry.walk.outcome.attachments);
+    if (!card.ok()) return {};
+
+    *resolved.mutable_alloy() = root_.alloy();
+    complete_alloy(card.alloy, *resolved.mutable_alloy());
+    const auto target = find(entry.walk, entry.node, change, resolved);
+    return target ? present_values(*target) : v1::Curve{};
+  }
+
+  /// A card of one's own, which the case brings, or one that the program knows.
+  static AlloyCard card_of(const std::string& name, const std::vector<AttachedFile>& attachments) {
+    const auto brought = std::ranges::find(attachments, name, &AttachedFile::name);
+    if (brought == attachments.end()) return alloy_card(name);
+
+    std::ifstream file(brought->path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    return own_card(name, text);
+  }
+
   /// Adds the faults of a change to those of the case, with their positions in KEY=VALUE.
   void report(const ReadOutcome& outcome, const v1::CaseChange& change, const ChangeValue& value,
               bool is_scale) {
@@ -283,16 +329,17 @@ private:
     }
   }
 
-  Message& root_;
+  v1::Case& root_;
   ReadOutcome& read_;
   const std::filesystem::path* folder_;  // null: no files
+  Relative relative_;
   std::set<std::string> changed_;
 };
 
 /// Applies changes in order. @param folder  of files; null: a change that names one is refused
 void apply_all(v1::Case& description, const std::vector<v1::CaseChange>& changes, ReadOutcome& read,
-               const std::filesystem::path* folder) {
-  Changes applied(description, read, folder);
+               const std::filesystem::path* folder, Relative relative) {
+  Changes applied(description, read, folder, relative);
   for (const v1::CaseChange& change : changes) {
     applied.apply(change);
 
@@ -323,18 +370,18 @@ std::optional<v1::CaseChange> parse_change(std::string_view text) {
 std::vector<v1::Fault> apply_changes(v1::Case& description,
                                      const std::vector<v1::CaseChange>& changes) {
   ReadOutcome read;
-  apply_all(description, changes, read, nullptr);
+  apply_all(description, changes, read, nullptr, Relative::to_case);
   return std::move(read.faults);
 }
 
 void apply_changes(v1::Case& description, const std::vector<v1::CaseChange>& changes,
                    ReadOutcome& read, const std::filesystem::path& folder) {
-  apply_all(description, changes, read, &folder);
+  apply_all(description, changes, read, &folder, Relative::to_card);
 }
 
 void apply_changes_elsewhere(v1::Case& description, const std::vector<v1::CaseChange>& changes,
                              ReadOutcome& read) {
-  apply_all(description, changes, read, nullptr);
+  apply_all(description, changes, read, nullptr, Relative::to_card);
 }
 
 }  // namespace dccast::case_file

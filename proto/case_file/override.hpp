@@ -19,7 +19,8 @@
 ///       `from` and `until` (times or cast lengths) may be absent; outside them the factor is 1
 ///   `schedule.water_flow.shift = "5 s"` sets `schedule.water_flow_shift`
 ///
-/// Any other quantity, number or table that the case gives can be changed relative to its value:
+/// Any other quantity, number or table that the case gives can be changed relative to its value,
+/// and of its alloy card where a case is read:
 ///   `alloy.specific_heat.scale = 0.95` multiplies it, a table as a whole
 ///   `schedule.casting_temperature.offset = "5 K"` adds to it
 ///   `alloy.melt_conductivity_factor[1] = 4` sets one point of a table

@@ -182,6 +182,12 @@ void fill_merging(const Discretisation& d, bool own_rows, v1::Mesh& mesh) {
         std::max(2.0 * mesh.growth_cell_m(), std::min(highest, 4.0 * mesh.growth_cell_m())));
 }
 
+/// Whether the file of a mesh is a plan with rows of cells above it, or there is no file.
+bool has_rows(const v1::Case& c) {
+  const bool grows = !c.mesh().has_growth() || c.mesh().growth();
+  return c.mesh().file().empty() || (grows && c.section().kind() == v1::Section::QUARTER_SLAB);
+}
+
 /// Adds the steps of a ladder that begins at a time. Tables are interpolated linearly, and steps
 /// end at their points; therefore each length is repeated one step before the next one begins.
 void add_steps(double begin, const Ladder& ladder, double end, v1::Curve& curve) {
@@ -285,7 +291,7 @@ void apply_quality(v1::Case& c) {
     fill_heat_cells(d, own_plan, mesh);
     if (c.section().half_thickness_m().value_size() > 0)
       fill_layers(d, c.section().half_thickness_m(), mesh);
-    if (mesh.file().empty()) fill_merging(d, own_rows, mesh);
+    if (has_rows(c)) fill_merging(d, own_rows, mesh);
   }
 
   if (c.time().step_s().value_size() == 0) *c.mutable_time()->mutable_step_s() = make_steps(d, c);
@@ -377,7 +383,7 @@ v1::Case divided(const v1::Case& description, int parts) {
 }
 
 std::string reason_against_dividing(const v1::Case& description) {
-  if (!description.mesh().file().empty())
+  if (!has_rows(description))
     return "mesh.file: the cells of a mesh file cannot be divided here; make finer files and "
            "compare "
            "their runs, or use the built-in mesh";

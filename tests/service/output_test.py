@@ -223,6 +223,34 @@ class Output(Commands):
             for entry in json.loads(self.dccast(*words).stdout):
                 self.assertEqual(entry["state"], "SUCCEEDED")
 
+    def test_a_list_folds_the_runs_of_a_study(self):
+        case = self.write_case("case.toml", title='"steps=3"')
+        alone = self.client.submit(fake_case("steps=3"))
+        self.dccast("sweep", case, "--grid", "schedule.casting_speed=50 mm/min,60 mm/min",
+                    "--grid", "schedule.hold=10 s,20 s")
+        self.client.until_state(alone.id, job_pb2.SUCCEEDED)
+        study = json.loads(self.dccast("studies", "--json").stdout)[0]["id"]
+        runs = self.dccast("list", "--study", "last", "--ids").stdout.split()
+
+        lines = self.dccast("list").stdout.splitlines()[1:]
+        self.assertEqual(len(lines), 2, lines)
+        self.assertTrue(study.startswith(lines[0].split()[0]))
+        self.assertRegex(lines[0], r"answered +100 % .*\(study, 4 of 4 runs\)$")
+        self.assertTrue(alone.id.startswith(lines[1].split()[0]))
+        self.assertEqual(len(self.dccast("list", "--limit", "1").stdout.splitlines()), 2)
+
+        lines = self.dccast("list", "--all").stdout.splitlines()[1:]
+        self.assertTrue(study.startswith(lines[0].split()[0]))
+        for run, line in zip(runs, lines[1:5], strict=True):
+            self.assertRegex(line, "^  [0-9a-f]")
+            self.assertTrue(run.startswith(line.split()[0]))
+        self.assertFalse(lines[5].startswith(" "))
+
+        # Who asks for certain jobs gets jobs.
+        for words in (("--state", "succeeded"), ("--json",), ("--ids",)):
+            self.assertNotIn("(study", self.dccast("list", *words).stdout)
+        self.assertEqual(len(json.loads(self.dccast("list", "--json").stdout)), 5)
+
     # -- cases
 
     def test_a_slab_becomes_a_case(self):

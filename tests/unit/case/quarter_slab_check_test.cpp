@@ -4,6 +4,8 @@
 #include <functional>
 #include <ostream>
 
+#include "core/mesh/base.hpp"
+#include "tests/support/drawn_plan.hpp"
 #include "tests/unit/casting/small_quarter_slab.hpp"
 
 namespace dccast::casting {
@@ -129,6 +131,79 @@ TEST(QuarterSlabCheck, TheEstimateGrowsWithThePlan) {
   const Estimate one = check(coarse).estimate, other = check(fine).estimate;
   EXPECT_GT(other.solver_seconds, 10.0 * one.solver_seconds);
   EXPECT_GT(other.memory_bytes, 2.0 * one.memory_bytes);
+}
+
+/// A casting over the plan of a cross: an arm of 0.28 by 0.06 m, and a stem 0.12 m wide up to 0.15
+/// m.
+class OwnPlanFault : public QuarterSlabFault {
+protected:
+  Case casting() {
+    const auto cross =
+        dccast::testing::draw_plan({0, 0.06, 0.12, 0.2, 0.28}, {0, 0.06, 0.1, 0.15},
+                                   [](double x, double y) { return x < 0.12 || y < 0.06; });
+    dccast::testing::write_text(dccast::testing::gmsh_text(cross), folder_ / "cross.msh");
+
+    Case c = small_quarter_slab();
+    c.section.file = folder_ / "cross.msh";
+    c.section.half_thickness = Curve(0.15);
+    c.monitors = {{"arm", 0.28, 0.06, 0.0}, {"stem", 0.0, 0.15, 0.0}};
+    return c;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_P(OwnPlanFault, IsFoundAndSaysHowToMendIt) {
+  Case c = casting();
+  ASSERT_TRUE(check(c).faults.empty()) << testing::all(check(c).faults);
+  GetParam().make(c);
+  const CheckedCase checked = check(c);
+  ASSERT_EQ(checked.faults.list().size(), 1u) << testing::all(checked.faults);
+  const Fault& fault = checked.faults.list().front();
+  EXPECT_EQ(fault.field, GetParam().field) << fault.message;
+  EXPECT_FALSE(fault.permitted.empty());
+  EXPECT_FALSE(fault.remedy.empty());
+}
+
+const Mistake plan_mistakes[] = {
+    {"AnotherWidth", "mesh.file", [](Case& c) { c.section.half_width = 0.29; }},
+    {"AnotherOpeningInTheMiddle", "mesh.file",
+     [](Case& c) { c.section.half_thickness = Curve(0.153); }},
+    {"AnotherOpeningAtABreakPoint", "mesh.file",
+     [](Case& c) {
+       c.section.half_thickness = {Abscissa::distance, {0.0, 0.2, 0.28}, {0.15, 0.148, 0.14}};
+     }},
+    {"Tetrahedra", "mesh.element", [](Case& c) { c.section.element = mesh::ElementKind::p1; }},
+    {"HeatCells", "mesh.heat_cells_per_column",
+     [](Case& c) { c.section.heat_cells.per_column = 2; }},
+    {"CornerRadius", "section.corner_radius", [](Case& c) { c.section.corner_radius = 0.03; }},
+    {"TooManyNodes", "mesh.file", [](Case& c) { c.limits.maximum_nodes = 100; }},
+    {"RefinedBeyondTheLimit", "mesh.file", [](Case& c) { c.section.refinement = 32; }},
+    {"NoGrowth", "mesh.file", [](Case& c) { c.section.growth = false; }},
+    {"MissingFile", "mesh.file", [](Case& c) { c.section.file = "nowhere.msh"; }},
+    {"MonitorBesideTheArm", "monitor[0].y", [](Case& c) { c.monitors[0].y = 0.07; }},
+    {"MonitorAboveTheMetal", "monitor[1].z", [](Case& c) { c.monitors[1].z = 0.1; }},
+    {"MonitorInTheBlock", "monitor[0].z", [](Case& c) { c.monitors[0].z = -0.01; }},
+    {"MonitorUnderTheFaceBesideABowl", "monitor[1].z",
+     [](Case& c) {
+       c.section.bowl = {.depth = 0.02, .lip = 0.02, .wall = 0.04};
+       c.monitors[1].z = -0.01;
+     }},
+};
+INSTANTIATE_TEST_SUITE_P(Mistakes, OwnPlanFault, ::testing::ValuesIn(plan_mistakes),
+                         [](const auto& mistake) { return mistake.param.name; });
+
+/// A drawing in millimetres is refused with its factor.
+TEST(OwnPlan, InMillimetresIsRefusedWithTheFactor) {
+  const TemporaryFolder folder;
+  const auto plan =
+      dccast::testing::draw_plan({0, 140, 280}, {0, 75, 150}, [](double, double) { return true; });
+  dccast::testing::write_text(dccast::testing::gmsh_text(plan), folder / "plan.msh");
+  Case c = small_quarter_slab();
+  c.section.file = folder / "plan.msh";
+  c.monitors.clear();
+  const CheckedCase checked = check(c);
+  ASSERT_EQ(checked.faults.list().size(), 1u) << testing::all(checked.faults);
+  EXPECT_NE(checked.faults.list()[0].remedy.find("millimetres"), std::string::npos);
 }
 
 }  // namespace

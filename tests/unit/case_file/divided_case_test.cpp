@@ -58,6 +58,12 @@ TEST(DividedCase, SaysWhyACaseCannotBeDivided) {
   description.mutable_mesh()->set_file("slab.msh");
   EXPECT_THAT(reason_against_dividing(description), HasSubstr("mesh.file"));
 
+  // A plan has cells and rows, which can be divided.
+  description.mutable_section()->set_kind(v1::Section::QUARTER_SLAB);
+  EXPECT_EQ(reason_against_dividing(description), "");
+  description.mutable_mesh()->set_growth(false);
+  EXPECT_THAT(reason_against_dividing(description), HasSubstr("mesh.file"));
+
   description = some_case();
   description.mutable_thermal()->set_file("temperatures.h5");
   EXPECT_THAT(reason_against_dividing(description), HasSubstr("thermal.file"));

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/override.hpp"
 
 namespace dccast::case_file {
@@ -172,6 +173,80 @@ TEST(Override, AnotherCardTakesThePlaceOfOnesOwn) {
   EXPECT_THAT(read.attachments, SizeIs(0));
   EXPECT_THAT(apply_changes(description, changes({"alloy.card=aa6063"})), SizeIs(0));
   EXPECT_THAT(apply_changes(description, changes({"alloy.card=./mine.toml"})), SizeIs(1));
+}
+
+/// The values of a case that leaves them to a card, after changes.
+v1::Alloy alloy_with(const std::string& card, const std::vector<std::string>& texts) {
+  v1::Case description;
+  description.mutable_alloy()->set_card(card);
+  ReadOutcome read;
+  apply_changes(description, changes(texts), read);
+  for (const v1::Fault& fault : read.faults) ADD_FAILURE() << describe(fault, read.source);
+  complete_alloy(alloy_card(card).alloy, *description.mutable_alloy());
+  return description.alloy();
+}
+
+TEST(Override, IsRelativeToTheCardWhereTheCaseLeavesAKeyToIt) {
+  const v1::Alloy before = alloy_with("aa5182", {});
+  const v1::Alloy after =
+      alloy_with("aa5182", {"alloy.latent_heat.scale=0.95", "alloy.specific_heat.scale=1.1",
+                            "alloy.solidus.offset=-2 K"});
+  EXPECT_DOUBLE_EQ(after.latent_heat_j_per_kg(), 0.95 * before.latent_heat_j_per_kg());
+  EXPECT_DOUBLE_EQ(after.solidus_c(), before.solidus_c() - 2.0);
+  const auto &old_heat = before.specific_heat_j_per_kg_k(),
+             &heat = after.specific_heat_j_per_kg_k();
+  ASSERT_EQ(heat.value_size(), old_heat.value_size());
+  EXPECT_THAT(heat.at(), testing::ElementsAreArray(old_heat.at()));
+  for (int i = 0; i < heat.value_size(); ++i)
+    EXPECT_DOUBLE_EQ(heat.value(i), 1.1 * old_heat.value(i));
+
+  // The rest is that of the card; a default is a value, too.
+  EXPECT_EQ(after.young_modulus_pa().value_size(), before.young_modulus_pa().value_size());
+  EXPECT_DOUBLE_EQ(
+      alloy_with("paper", {"alloy.shell_solid_fraction.scale=0.9"}).shell_solid_fraction(), 0.81);
+}
+
+/// Every number and table of a card, those in its tables too.
+TEST(Override, ScalesEachNumberOfTheCards) {
+  int scaled = 0;
+  for (const std::string& name : alloy_names()) {
+    const v1::Alloy card = alloy_card(name).alloy;
+    std::vector<std::string> keys;
+    if (card.has_latent_heat_j_per_kg()) keys.push_back("latent_heat");
+    if (card.has_density_kg_per_m3()) keys.push_back("density");
+    if (card.has_solid_density_kg_per_m3()) keys.push_back("solid_density");
+    if (card.has_young_modulus_pa()) keys.push_back("young_modulus");
+    if (card.has_norton_hoff()) keys.push_back("norton_hoff.exponent");
+    if (card.has_reference_creep()) keys.push_back("reference_creep.stress");
+    if (card.cold_strength().has_yield_stress_pa()) keys.push_back("cold_strength.yield_stress");
+    for (const std::string& key : keys) {
+      alloy_with(name, {"alloy." + key + ".scale=0.99"});
+      ++scaled;
+    }
+  }
+  EXPECT_GT(scaled, 20);
+}
+
+TEST(Override, IsRelativeToTheCardOfOnesOwn) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "override_scale";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "mine.toml") << "solidus = \"620 degC\"\nlatent_heat = \"400 kJ/kg\"\n";
+  v1::Case description;
+  ReadOutcome read;
+  apply_changes(description, changes({"alloy.card=./mine.toml", "alloy.latent_heat.scale=0.5"}),
+                read, folder);
+  for (const v1::Fault& fault : read.faults) ADD_FAILURE() << describe(fault, read.source);
+  EXPECT_DOUBLE_EQ(description.alloy().latent_heat_j_per_kg(), 2e5);
+}
+
+TEST(Override, SaysWhereToFindAValueThatIsNotAtHand) {
+  EXPECT_THAT(fault_of("alloy.melt_stirring.scale=2"), HasSubstr("`dccast alloys CARD` prints"));
+  v1::Case description;
+  description.mutable_alloy()->set_card("of-the-server");
+  ReadOutcome read;
+  apply_changes(description, changes({"alloy.latent_heat.scale=0.5"}), read);
+  ASSERT_THAT(read.faults, SizeIs(1));
+  EXPECT_THAT(read.faults[0].remedy(), HasSubstr("dccast alloys"));
 }
 
 TEST(Override, NoTextHarmsTheReader) {

@@ -96,6 +96,13 @@ TEST(Quality, MergesTheRowsOfAQuarterSlabThatItHasChosen) {
   EXPECT_EQ(mesh_of([](v1::Mesh& m) { m.set_growth_cell_m(5e-3); }).merge_below_m(), 0.0);
   EXPECT_EQ(mesh_of([](v1::Mesh& m) { m.set_element(v1::P1); }).merge_below_m(), 0.0);
   EXPECT_EQ(complete(casting(v1::DRAFT)).mesh().merge_below_m(), 0.0) << "of a section";
+  EXPECT_DOUBLE_EQ(mesh_of([](v1::Mesh& m) { m.set_file("plan.msh"); }).merge_below_m(), 0.1);
+  EXPECT_EQ(mesh_of([](v1::Mesh& m) {
+              m.set_file("slab.msh");
+              m.set_growth(false);
+            }).merge_below_m(),
+            0.0)
+      << "of a mesh without rows";
 
   const auto own = mesh_of([](v1::Mesh& m) {
     m.set_growth_cell_m(12e-3);
