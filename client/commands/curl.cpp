@@ -152,7 +152,7 @@ ExitCode run(const CurlOptions& options, Program& program) {
   curl.history = curl_history(curl.job, query_result(connection, id));
 
   if (options.csv || options.json) {
-    curl.study = judge_study_of(connection, curl.job).result();
+    curl.study = refinement_of(connection, curl.job);
     if (options.csv)
       print_csv(curl);
     else

@@ -213,7 +213,7 @@ void print(const v1::Prediction& prediction) {
     // The larger of the two errors determines the number of digits of the curl.
     const double curl_m = curve.curl_m(last), surface_m = curve.uncertainty_m(last);
     const auto mesh = case_file::curl_error(prediction.mesh_error(), curl_m);
-    const int decimals = render::mm_decimals(curl_m, std::max(surface_m, mesh.larger_m()));
+    const int decimals = render::mm_decimals(std::max(surface_m, mesh.larger_m()));
     std::vector<std::string> row{curve.monitor(), render::mm(curl_m, decimals),
                                  render::mm(surface_m, decimals)};
     if (has_error) row.push_back(render::mm_errors(mesh.lower_m, mesh.upper_m, decimals));

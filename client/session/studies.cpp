@@ -169,13 +169,12 @@ v1::StudyResult find_study(Connection& connection, const std::string& id) {
   return result;
 }
 
-v1::StudyJudgement judge_study_of(Connection& connection, const v1::Job& job) {
+v1::StudyResult refinement_of(Connection& connection, const v1::Job& job) {
   if (job.study().empty()) return {};
 
   // Jobs can share a study id that no study of the server has.
-  const v1::StudyResult result = find_study(connection, job.study());
-  if (!result.study().has_refinement()) return {};
-  return judge_study(connection, {.id = job.study()});
+  v1::StudyResult result = find_study(connection, job.study());
+  return result.study().has_refinement() ? result : v1::StudyResult();
 }
 
 }  // namespace dccast::client

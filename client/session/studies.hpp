@@ -65,8 +65,7 @@ v1::StudyJudgement judge_study(Connection& connection, const StudyQuestion& ques
 /// As evaluate_study(); an empty result where the server has no such study.
 v1::StudyResult find_study(Connection& connection, const std::string& id);
 
-/// What the server concludes from the refinement study to which a job belongs; an empty answer if
-/// it belongs to none.
-v1::StudyJudgement judge_study_of(Connection& connection, const v1::Job& job);
+/// The results so far of the refinement study to which a job belongs; empty if it belongs to none.
+v1::StudyResult refinement_of(Connection& connection, const v1::Job& job);
 
 }  // namespace dccast::client

@@ -209,6 +209,8 @@ std::string job_sheet(const v1::Job& job) {
   const auto add_any = [&](const char* name, const std::string& value) {
     if (!value.empty()) add(name, value);
   };
+
+  // Its state, and where it stands in the queue.
   add("job", job.id());
   add("title", job.title());
   add("state", state_text(job.state()));
@@ -218,10 +220,13 @@ std::string job_sheet(const v1::Job& job) {
   if (job.has_starts_in_s()) add("starts in", start_text(job.starts_in_s()));
   if (job.has_ends_in_s()) add("ends in", duration_text(job.ends_in_s()));
   add("priority", lower_words(v1::Priority_Name(job.priority())));
+
   add("created", time_text(job.create_time()));
   add("started", time_text(job.start_time()));
   add("ended", time_text(job.end_time()));
   add("attempts", std::to_string(job.attempts()));
+
+  // Whose it is, and what it belongs to.
   add("request id", job.request_id());
   add_any("owner", job.owner());
   add_any("study", job.study());
@@ -230,9 +235,12 @@ std::string job_sheet(const v1::Job& job) {
   if (job.time_limit_s() > 0.0) add("time limit", duration_text(job.time_limit_s()));
   add_any("mail", job.mail());
   for (const std::string& before : job.after()) add("after", before);
+
   for (const v1::CaseChange& change : job.changes())
     add("changed", change.key() + " = " + change.value());
   add("case sha256", job.case_sha256());
+
+  // How far it has come, and what came of it.
   if (job.has_last_step()) {
     const v1::StepReport& step = job.last_step();
     add("progress", fixed(100.0 * step.progress(), 1) + " %");
@@ -240,6 +248,7 @@ std::string job_sheet(const v1::Job& job) {
     add("mesh", fmt::format("{} nodes, {} elements", step.nodes(), step.elements()));
     add("solver time", duration_text(step.solver_s()));
   }
+
   for (const v1::Finding& finding : job.findings()) add("finding", finding_line(finding));
   if (job.has_validity_loss()) add("validity", validity_text(job.validity_loss()));
   if (job.has_failure()) add("failure", failure_text(job.failure()));

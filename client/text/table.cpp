@@ -58,44 +58,21 @@ std::string fixed(double value, int decimals) {
   return fmt::format("{:.{}f}", std::abs(value) < 0.5 * step ? 0.0 : value, std::max(decimals, 0));
 }
 
-int decimals_for(double value, const std::optional<double>& error) {
-  const bool known = error && std::isfinite(*error) && *error > 0.0;
-  const double leading = std::abs(known ? *error : value);
-  if (!std::isfinite(leading) || leading == 0.0) return 0;
-
-  const int digits = known ? 2 : 3;
-  const int decimals = digits - 1 - static_cast<int>(std::floor(std::log10(leading)));
-  // 0.996 is rounded to 1.0, which has one decimal less.
-  const bool carries =
-      std::round(leading * std::pow(10.0, decimals)) >= std::pow(10.0, digits) - 0.5;
-  return carries ? decimals - 1 : decimals;
-}
-
-std::string with_error(double value, const std::optional<double>& error, const std::string& unit,
-                       int most_decimals) {
-  if (!std::isfinite(value)) return "-";
-  const int decimals = std::min(decimals_for(value, error), most_decimals);
-  const double step = std::pow(10.0, -decimals);
-  const auto shown = [&](double number) {
-    return fixed(decimals < 0 ? step * std::round(number / step) : number, decimals);
-  };
-
-  std::string text = shown(value);
-  if (error && std::isfinite(*error) && *error > 0.0) text += " ± " + shown(*error);
-  return unit.empty() ? text : text + " " + unit;
-}
-
-int mm_decimals(double metres, const std::optional<double>& error_m) {
+int mm_decimals(const std::optional<double>& error_m) {
   constexpr int hundredths = 2;  // no curl is known better
-  const bool known = error_m && std::isfinite(*error_m) && *error_m > 0.0;
-  if (!known) return hundredths;
-  return std::clamp(decimals_for(1e3 * metres, 1e3 * *error_m), 0, hundredths);
+  if (!error_m || !std::isfinite(*error_m) || *error_m <= 0.0) return hundredths;
+
+  const double error_mm = 1e3 * *error_m;
+  const int decimals = 1 - static_cast<int>(std::floor(std::log10(error_mm)));
+  // 0.996 is rounded to 1.0, which has one decimal less.
+  const bool carries = std::round(error_mm * std::pow(10.0, decimals)) >= 99.5;
+  return std::clamp(carries ? decimals - 1 : decimals, 0, hundredths);
 }
 
 std::string mm_with_errors(double metres, double lower_m, double upper_m) {
   const bool known = std::isfinite(lower_m) && std::isfinite(upper_m);
   const double larger_m = std::max(lower_m, upper_m);
-  const int decimals = mm_decimals(metres, known ? std::optional(larger_m) : std::nullopt);
+  const int decimals = mm_decimals(known ? std::optional(larger_m) : std::nullopt);
   const std::string curl = mm(metres, decimals);
   if (!known) return curl + " mm";
   return fmt::format("{}{} {} mm", curl, lower_m == upper_m ? "" : ",",

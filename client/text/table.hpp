@@ -34,17 +34,9 @@ std::string csv_text(const std::string& text);
 /// A number [any unit] with a fixed number of decimals; "-" if it is not finite.
 std::string fixed(double value, int decimals);
 
-/// Decimals that a value is shown with: an error has two digits and its value as many decimals;
-/// without an error the value has three digits. Negative: of tens, hundreds, ...
-/// @param error  empty, zero or not finite: not known
-int decimals_for(double value, const std::optional<double>& error);
-
-/// "58 ± 12 mm", "5.25 ± 0.21 mm"; without an error "35.5 mm"; "-" if the value is not finite.
-std::string with_error(double value, const std::optional<double>& error,
-                       const std::string& unit = {}, int most_decimals = 15);
-
-/// Decimals of a curl [m] in millimetres, 0 to 2, by the same rule; 2 without an error.
-int mm_decimals(double metres, const std::optional<double>& error_m);
+/// Decimals of a curl in millimetres, 0 to 2: its error [m] has two digits, and it has as many
+/// decimals; 2 without an error.
+int mm_decimals(const std::optional<double>& error_m);
 
 /// A curl [m] with its errors: "4.86 ± 0.36 mm", "35.5, -0 +4.9 mm" where the sides differ; without
 /// known errors "4.86 mm".

@@ -159,6 +159,9 @@ void compare(Context& context, const Call& call, const v1::CompareRunsRequest& r
     refuse("a comparison takes 1 to {} runs and at most as many companions; there are {} and {}",
            most_runs, request.runs_size(), request.companions_size());
 
+  if (request.runs_size() == 1 && !request.companions().empty())
+    refuse("companions give the errors of differences, and a run alone has none");
+
   std::vector<FoundRun> runs;
   for (const v1::ComparedRun& asked : request.runs()) {
     runs.push_back(find_run(context, call, asked));

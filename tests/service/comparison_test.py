@@ -92,6 +92,10 @@ class Comparisons(ServiceTest):
             with self.subTest(word=word):
                 error = self.refused(code, self.compare, *runs)
                 self.assertIn(word, error.details())
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.compare, {"job": job},
+                             companions=[judgement_pb2.ComparedRun(job=job)])
+        self.assertIn("companions give the errors of differences", error.details())
+
         waiting = self.client.submit(fake_case("steps=20 hang_once_at=1", mesh={"columns": 34}))
         self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.compare, {"job": job},
                      {"job": waiting.id})

@@ -438,6 +438,7 @@ class Pages(InBrowser):
         self.find(f"a[href='#/job/{jobs[0]}']").click()
         WebDriverWait(self.browser, 20).until(lambda browser: browser.title == "Job · dccast")
         self.wait_for("succeeded")
+        self.wait_for("since the block started", "p.answer")
         self.assertEqual(self.complaints(), [])
 
     def test_a_running_job_grows_and_is_cancelled(self):

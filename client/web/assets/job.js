@@ -83,8 +83,9 @@ function remedyButton(job) {
 export function jobPage(element, signal, id) {
   const head = h('div'), curves = h('div', {class: 'card'}), findings = h('div', {class: 'card'}),
         slab = h('div', {class: 'card'}), solver = h('div'), details = h('div');
+  const answer = h('div');
   replace(
-    element, head, curves, h('div', {class: 'job-parts'}, slab, findings), solver, details);
+    element, head, answer, curves, h('div', {class: 'job-parts'}, slab, findings), solver, details);
 
   // Buttons stay as they are while the state does: one that is replaced under the pointer is not
   // pressed.
@@ -268,6 +269,13 @@ export function jobPage(element, signal, id) {
     });
   }
 
+  /** What the server concludes from the run, once it has ended. */
+  async function conclude() {
+    if (!ended.has(shown.job.state) || !shown.job.last_step) return;
+    const {judgement} = await call('CompareRuns', {runs: [{job: id}]});
+    replace(answer, judgement.sentences.map(text => h('p', {class: 'answer'}, text)));
+  }
+
   let asked = 0, answered = 0;
   async function load() {
     const question = ++asked, seen = await get(`/job/${id}`);
@@ -279,6 +287,7 @@ export function jobPage(element, signal, id) {
       details, h('details', {}, h('summary', {}, 'The case, complete'), h('pre', {}, shown.case)));
     if (!ended.has(shown.job.state) && !watched) watch();
     if (!seesSlab) watchSlab();
+    conclude().catch(fault => replace(answer, h('p', {class: 'soft'}, fault.message)));
   }
   load().catch(fault => replace(element, h('p', {class: 'bad', role: 'alert'}, fault.message)));
 }
