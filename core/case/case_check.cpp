@@ -71,6 +71,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>& faul
   check_course(found);
   casting_case.section.file.empty() ? check_built_in_size(found) : check_imported_mesh(found);
   check_temperature_file(found);
+  check_drain_holes(found);
 
   check_monitors(found);
   check_plausibility(found);
