@@ -86,6 +86,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>& faul
   check_course(found);
   check_mesh(found);
   check_temperature_file(found);
+  check_drain_holes(found);
 
   check_monitors(found);
   check_plausibility(found);

@@ -325,6 +325,57 @@ void check_bowl(CaseFindings& found) {
                 "make the wall or the lip narrower");
 }
 
+namespace {
+
+/// A hole that a plane of symmetry cuts beside its centre would not be round.
+void check_symmetry_of_hole(CaseFindings& found, const std::string& field, double centre,
+                            double diameter) {
+  if (centre <= round_off || centre >= 0.5 * diameter - round_off) return;
+  found.fault(field, with_unit(centre, "m"), "lies so near the plane of symmetry that it cuts the hole",
+              "0 m, or at least half the diameter, " + with_unit(0.5 * diameter, "m"),
+              "move the hole onto the plane, or away from it");
+}
+
+/// Distance from the centre of a hole to the edge of the block [m]; of an imported mesh to its end.
+double distance_from_edge(const CaseFindings& found, const thermal::DrainHole& hole) {
+  const mesh::SectionSpec& s = found.casting.section;
+  const auto& imported = std::get<std::optional<mesh::Mesh3D>>(found.imported);
+  if (imported) return std::min(imported->largest(0) - hole.x, imported->largest(1) - hole.y);
+  return mesh::distance_from_edge(s, mesh::base_of<3>(s, mesh::Plan::heat), hole.x, hole.y);
+}
+
+}  // namespace
+
+void check_drain_holes(CaseFindings& found) {
+  const thermal::BottomBlock& block = found.casting.cooling.bottom_block;
+  if (block.drain_holes.empty()) return;
+
+  if (!found.solid())
+    return only_of_a_quarter_slab(found, "cooling.bottom_block.drain_hole", true);
+  if (!block.gap_water)
+    found.fault("cooling.bottom_block.drain_hole", "given",
+                "has no effect: no water with a flow gets into the gap",
+                "with the table cooling.bottom_block.gap_water",
+                "add this table in place of wet_coefficient, or leave the holes out");
+
+  for (std::size_t i = 0; i < block.drain_holes.size(); ++i) {
+    const thermal::DrainHole& hole = block.drain_holes[i];
+    const std::string field = fmt::format("cooling.bottom_block.drain_hole[{}]", i);
+    if (!found.sound({field})) continue;
+    check_symmetry_of_hole(found, field + ".x", hole.x, hole.diameter);
+    check_symmetry_of_hole(found, field + ".y", hole.y, hole.diameter);
+
+    if (!found.sound(plan_keys) || !found.sound({"mesh.file"})) continue;
+    const double inward = distance_from_edge(found, hole);
+    if (inward < 0.5 * hole.diameter - round_off)
+      found.fault(field, fmt::format("x = {}, y = {}", with_unit(hole.x, "m"), with_unit(hole.y, "m")),
+                  "does not lie in the block",
+                  fmt::format("a centre at least half the diameter, {}, from the edge of the block",
+                              with_unit(0.5 * hole.diameter, "m")),
+                  "move the hole inwards, or make it smaller");
+  }
+}
+
 void check_block_profile(CaseFindings& found) {
   const mesh::SectionSpec& s = found.casting.section;
   const thermal::BottomBlock& block = found.casting.cooling.bottom_block;

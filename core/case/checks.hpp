@@ -112,6 +112,8 @@ void check_quarter_slab(CaseFindings& found);
 void check_gap_water(CaseFindings& found);
 /// A bowl must fit into the block, and its wall must be at least as wide as it is deep.
 void check_bowl(CaseFindings& found);
+/// Drain holes lie in the block of a quarter slab, and let out the water that gap_water lets in.
+void check_drain_holes(CaseFindings& found);
 /// A block with a gap at the start must touch the slab somewhere.
 void check_block_profile(CaseFindings& found);
 /// End and steps against the times of the schedule.

@@ -94,6 +94,14 @@ struct GapWater {
   double steam_reach = 0.0;  ///< [m] of unbroken vapour film from which on steam keeps water out
 };
 
+/// A round hole through the bottom block of a quarter slab. On a plane of symmetry it stands for a
+/// whole one.
+struct DrainHole {
+  double x = 0.0;         ///< [m] its centre from the planes of symmetry
+  double y = 0.0;         ///< [m]
+  double diameter = 0.0;  ///< [m]
+};
+
 /// The bottom block and what lies between it and the butt; table `cooling.bottom_block` of a case.
 struct BottomBlock {
   /// [W/(m2 K)] against the time since the first metal: the shell shrinks away from the block after
@@ -109,6 +117,7 @@ struct BottomBlock {
   double wet_gap = 0.0;                     ///< [m]
   /// The same with a path from the edge, a mass flow and boiling; absent: the constant coefficient.
   std::optional<GapWater> gap_water{};
+  std::vector<DrainHole> drain_holes{};  ///< through which water and steam leave the gap
   /// [m] gap that is open between block and slab at the start, against the distance from x = 0 and, in a
   /// quarter slab, from y = 0; the two are added. Empty: none.
   Curve profile_x, profile_y;

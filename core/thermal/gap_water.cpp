@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <queue>
 #include <utility>
 
@@ -48,7 +50,6 @@ public:
 
   void add(std::size_t node, const GapSurface& at, double distance) {
     node_.push_back(node);
-    place_.push_back({at.open * at.area, distance, at.gap});
 
     // The block's surface cools while it warms the water: 1 / (1 + compliance h) of the heat that
     // its temperature at the start would give.
@@ -63,58 +64,114 @@ public:
                       .wall_temperature = at.block.block});
   }
 
+  /// Lets the stream run over a hole behind the places so far, once.
+  void drain(const GapHole& hole) {
+    if (std::ranges::find(hole_, &hole) != hole_.end()) return;
+    hole_.push_back(&hole);
+    drain_.push_back({piece_.size(), std::min(1.0, hole.across / width_)});
+  }
+
+  /// @param steam  (bottom node) [kg/s] that water gives off; 2D per metre
   void run(double instant, double time_step, std::span<const GapSurface> bottom,
-           GapStreams& streams) {
+           GapStreams& streams, std::span<double> steam) {
     for (WetPiece& piece : piece_) piece.at.time = instant;
-    std::vector<WaterPlace> water;
-    const FilmEnd end = march_film(law_, film_, touched_width_, time_step, piece_, water);
+    streams.water.capacity += film_capacity(film_, touched_width_);
 
-    FaceWater& total = streams.water;
-    total.capacity += film_capacity(film_, touched_width_);
-    total.boiled_away = total.boiled_away || end.boiled_away;
-    total.thrown_off = total.thrown_off || end.thrown_off;
-
-    for (std::size_t i = 0; i < water.size(); ++i) {
-      const GapSurface& at = bottom[node_[i]];
-      const double share = gap_.touching_share * at.open;
-      streams.place[node_[i]] = {share, water[i], share * water[i].wall_flux};
-      total.taken += share * at.area * water[i].wall_flux;
-      total.area += piece_[i].area;
-      total.wetted += piece_[i].area * water[i].wetted;
+    // One march from hole to hole, and one from the last hole on.
+    std::size_t first = 0;
+    for (const Drain& drain : drain_) {
+      if (!run_reach(first, drain.pieces, 1.0 - drain.share, time_step, bottom, streams, steam))
+        return;
+      first = drain.pieces;
     }
-    add_steam(water, end, streams);
+    run_reach(first, piece_.size(), 0.0, time_step, bottom, streams, steam);
   }
 
 private:
-  void add_steam(std::span<const WaterPlace> water, const FilmEnd& end, GapStreams& streams) const {
-    std::vector<double> steam;
-    for (std::size_t i = 0; i < water.size(); ++i) {
-      const double left = i + 1 < water.size() ? water[i + 1].film.flow : end.film.flow;
-      steam.push_back(water_density * touched_width_ * (water[i].film.flow - left));
-    }
+  /// A hole that takes a share [1] of the water behind the first `pieces`.
+  struct Drain {
+    std::size_t pieces = 0;
+    double share = 0.0;
+  };
 
-    const std::vector<double> pressure = steam_pressure(place_, steam, width_);
-    for (std::size_t i = 0; i < pressure.size(); ++i) {
-      streams.steam_pressure = std::max(streams.steam_pressure, pressure[i]);
-      streams.steam_force += pressure[i] * place_[i].area;
+  /// @param onward  [1] share of the water that runs on at the end of the reach
+  /// @return        whether any does
+  bool run_reach(std::size_t first, std::size_t last, double onward, double time_step,
+                 std::span<const GapSurface> bottom, GapStreams& streams, std::span<double> steam) {
+    const std::span<const WetPiece> reach = std::span(piece_).subspan(first, last - first);
+    std::vector<WaterPlace> water;
+    const FilmEnd end = march_film(law_, film_, touched_width_, time_step, reach, water);
+
+    film_ = {end.film.temperature, onward * end.film.flow};
+    const bool runs_on =
+        !end.boiled_away && !end.thrown_off && film_.flow >= law_.wetting.least_flow;
+    if (runs_on && !water.empty())
+      reserve_heat(film_capacity(film_, touched_width_), reach, water);
+
+    FaceWater& total = streams.water;
+    total.boiled_away = total.boiled_away || end.boiled_away;
+    total.thrown_off = total.thrown_off || end.thrown_off;
+    for (std::size_t i = 0; i < water.size(); ++i) {
+      const std::size_t node = node_[first + i];
+      const GapSurface& at = bottom[node];
+      const double share = gap_.touching_share * at.open;
+      streams.place[node] = {share, water[i], share * water[i].wall_flux};
+      total.taken += share * at.area * water[i].wall_flux;
+      total.area += reach[i].area;
+      total.wetted += reach[i].area * water[i].wetted;
+
+      const double left = i + 1 < water.size() ? water[i + 1].film.flow : end.film.flow;
+      steam[node] = water_density * touched_width_ * (water[i].film.flow - left);
     }
+    return runs_on;
   }
 
   const GapWater& gap_;
   const Water& law_;
   double width_;          ///< [m] of the edge
   double touched_width_;  ///< [m] of it that water covers
-  Film film_;
+  Film film_;             ///< at the edge, then behind the last hole that it has run over
   std::vector<std::size_t> node_;
-  std::vector<GapPiece> place_;
   std::vector<WetPiece> piece_;
+  std::vector<const GapHole*> hole_;  ///< that it runs over
+  std::vector<Drain> drain_;          ///< (hole)
 };
+
+/// The places that have a route, from their openings inwards.
+std::vector<std::size_t> sort_by_distance(std::span<const std::optional<GapRoute>> route) {
+  std::vector<std::size_t> order;
+  for (std::size_t n = 0; n < route.size(); ++n)
+    if (route[n]) order.push_back(n);
+  std::ranges::stable_sort(order, {}, [&](std::size_t n) { return route[n]->distance; });
+  return order;
+}
+
+/// Adds the pressure of the steam that flows to one opening from all places nearest to it.
+/// @param places  from the opening inwards @param steam  (bottom node) [kg/s]
+void add_steam(std::span<const std::size_t> places,
+               std::span<const std::optional<GapRoute>> route, const GapPassage& passage,
+               std::span<const GapSurface> bottom, std::span<const double> steam,
+               GapStreams& streams) {
+  std::vector<GapPiece> pieces;
+  std::vector<double> given_off;
+  for (const std::size_t n : places) {
+    const GapSurface& at = bottom[n];
+    pieces.push_back({at.open * at.area, route[n]->distance, at.gap});
+    given_off.push_back(steam[n]);
+  }
+
+  const std::vector<double> pressure = steam_pressure(pieces, given_off, passage);
+  for (std::size_t i = 0; i < pressure.size(); ++i) {
+    streams.steam_pressure = std::max(streams.steam_pressure, pressure[i]);
+    streams.steam_force += pressure[i] * pieces[i].area;
+  }
+}
 
 }  // namespace
 
 std::vector<std::optional<GapRoute>> find_gap_routes(std::size_t nodes,
                                                      std::span<const BottomPath> paths,
-                                                     std::span<const std::size_t> edge,
+                                                     std::span<const GapOpening> openings,
                                                      const std::vector<char>& open) {
   std::vector<std::vector<std::pair<std::size_t, double>>> neighbours(nodes);
   for (const BottomPath& path : paths) {
@@ -122,14 +179,14 @@ std::vector<std::optional<GapRoute>> find_gap_routes(std::size_t nodes,
     neighbours[path.second].emplace_back(path.first, path.length);
   }
 
-  // Dijkstra's search from all open places of the edge at once; ties go to the lower number.
+  // Dijkstra's search from all openings at once; ties go to the lower number.
   using Arrival = std::pair<double, std::size_t>;
   std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> next;
   std::vector<std::optional<GapRoute>> route(nodes);
-  for (const std::size_t n : edge) {
-    if (open[n] == 0) continue;
-    route[n] = GapRoute{n, 0.0};
-    next.emplace(0.0, n);
+  for (const auto& [n, opening, distance] : openings) {
+    if (open[n] == 0 || (route[n] && route[n]->distance <= distance)) continue;
+    route[n] = GapRoute{opening, distance};
+    next.emplace(distance, n);
   }
 
   while (!next.empty()) {
@@ -141,66 +198,124 @@ std::vector<std::optional<GapRoute>> find_gap_routes(std::size_t nodes,
       if (open[neighbour] == 0) continue;
       const double there = distance + length;
       if (route[neighbour] && route[neighbour]->distance <= there) continue;
-      route[neighbour] = GapRoute{route[n]->edge, there};
+      route[neighbour] = GapRoute{route[n]->opening, there};
       next.emplace(there, neighbour);
     }
   }
   return route;
 }
 
+double GapPassage::mean_width(double from, double to) const {
+  const double narrow = width + spread * from, wide = width + spread * to;
+  return narrow == wide ? narrow : (wide - narrow) / std::log(wide / narrow);
+}
+
 std::vector<double> steam_pressure(std::span<const GapPiece> pieces, std::span<const double> steam,
-                                   double width) {
+                                   const GapPassage& passage) {
   // Through a piece flows what it and all pieces behind it give off.
-  std::vector<double> flow(steam.begin(), steam.end());  // [kg/s per metre of width]
+  std::vector<double> flow(steam.begin(), steam.end());  // [kg/s per metre of the opening]
   for (std::size_t i = flow.size(); i-- > 0;) {
-    flow[i] /= width;
+    flow[i] /= passage.width;
     if (i + 1 < flow.size()) flow[i] += flow[i + 1];
   }
 
+  const auto head_at = [](double flow_per_width, double gap) {
+    const double velocity = flow_per_width / (steam_density * gap);
+    return 0.5 * steam_density * velocity * velocity;
+  };
+
   std::vector<double> pressure(pieces.size(), 0.0);
-  double from = 0.0, sum = 0.0;  // [m] from the edge, [Pa]
+  double from = 0.0, sum = 0.0;  // [m] from the opening, [Pa]
   for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const GapPiece& piece = pieces[i];
     if (i < flow.size() && flow[i] > 0.0) {
-      const double velocity = flow[i] / (steam_density * pieces[i].gap);
-      const double head = 0.5 * steam_density * velocity * velocity;
-      const double reynolds = 2.0 * flow[i] / steam_viscosity;
-      if (i == 0) sum = head;
-      sum += friction_factor(reynolds) * head / (2.0 * pieces[i].gap) *
-             (pieces[i].distance - from);
+      if (i == 0) sum = head_at(flow[i], piece.gap);
+
+      const double there = flow[i] * (passage.width / passage.mean_width(from, piece.distance));
+      const double reynolds = 2.0 * there / steam_viscosity;
+      sum += friction_factor(reynolds) * head_at(there, piece.gap) / (2.0 * piece.gap) *
+             (piece.distance - from);
     }
-    from = pieces[i].distance;
+    from = piece.distance;
     pressure[i] = sum;
   }
   return pressure;
 }
 
+std::vector<GapHole> find_gap_holes(std::span<const DrainHole> holes,
+                                    std::span<const std::array<double, 2>> places) {
+  constexpr double round_off = 1e-9;  // [m]
+  std::vector<GapHole> found;
+  for (const DrainHole& hole : holes) {
+    // A plane of symmetry leaves half of the hole in the quarter, both leave a quarter of it.
+    const int planes = (hole.x < round_off ? 1 : 0) + (hole.y < round_off ? 1 : 0);
+    const double radius = 0.5 * hole.diameter;
+    const double angle = 2.0 * std::numbers::pi / (1 << planes);
+
+    GapHole at{.nodes = {},
+               .across = planes > 0 ? radius : hole.diameter,
+               .passage = {angle * radius, angle}};
+    GapHole::Node nearest{0, std::numeric_limits<double>::infinity()};
+    for (std::size_t n = 0; n < places.size(); ++n) {
+      const double from_rim = std::hypot(places[n][0] - hole.x, places[n][1] - hole.y) - radius;
+      if (from_rim <= round_off) at.nodes.push_back({n, 0.0});
+      if (from_rim < nearest.distance) nearest = {n, from_rim};
+    }
+    if (at.nodes.empty() && !places.empty()) at.nodes.push_back(nearest);
+    found.push_back(at);
+  }
+  return found;
+}
+
 GapStreams lay_gap_water(const GapWater& gap, const Water& law,
                          std::span<const BottomPath> paths, std::span<const GapSurface> bottom,
-                         std::span<const EdgeSupply> supplies, double instant, double time_step) {
+                         std::span<const EdgeSupply> supplies, std::span<const GapHole> holes,
+                         double instant, double time_step) {
   GapStreams streams;
   streams.place.resize(bottom.size());
-  const auto supply = join(supplies);
-  if (supply.empty()) return streams;
+  const auto joined = join(supplies);
+  if (joined.empty()) return streams;
 
-  std::vector<std::size_t> edge;
-  for (const auto& [node, unused] : supply) edge.push_back(node);
+  // The openings: the places of the edge, then the holes.
+  std::vector<EdgeSupply> supply;
+  std::vector<GapOpening> openings;
+  std::vector<GapPassage> passage;
+  for (const auto& [node, at] : joined) {
+    openings.push_back({node, supply.size(), 0.0});
+    passage.push_back({at.width});
+    supply.push_back(at);
+  }
+  const std::size_t edges = openings.size();
+  std::vector<std::vector<const GapHole*>> holes_at(bottom.size());
+  for (const GapHole& hole : holes) {
+    for (const auto& [node, distance] : hole.nodes) {
+      openings.push_back({node, passage.size(), distance});
+      holes_at[node].push_back(&hole);
+    }
+    passage.push_back(hole.passage);
+  }
+
+  // Water enters at the edge alone. Each stream meets its places in the order of their distance.
   std::vector<char> open;
   for (const GapSurface& at : bottom) open.push_back(at.open > 0.0 ? 1 : 0);
-  const auto route = find_gap_routes(bottom.size(), paths, edge, open);
-
-  // Each stream meets its places in the order of their distance from the edge.
-  std::vector<std::size_t> order;
-  for (std::size_t n = 0; n < route.size(); ++n)
-    if (route[n]) order.push_back(n);
-  std::ranges::stable_sort(order, {}, [&](std::size_t n) { return route[n]->distance; });
-
-  std::map<std::size_t, GapStream> by_edge;
-  for (const std::size_t n : order) {
-    const std::size_t from = route[n]->edge;
-    by_edge.try_emplace(from, gap, law, supply.at(from))
-        .first->second.add(n, bottom[n], route[n]->distance);
+  auto route = find_gap_routes(bottom.size(), paths, std::span(openings).first(edges), open);
+  std::map<std::size_t, GapStream> stream;
+  for (const std::size_t n : sort_by_distance(route)) {
+    const std::size_t from = route[n]->opening;
+    GapStream& through = stream.try_emplace(from, gap, law, supply[from]).first->second;
+    through.add(n, bottom[n], route[n]->distance);
+    for (const GapHole* hole : holes_at[n]) through.drain(*hole);
   }
-  for (auto& [node, stream] : by_edge) stream.run(instant, time_step, bottom, streams);
+
+  std::vector<double> steam(bottom.size(), 0.0);  // [kg/s]
+  for (auto& [number, each] : stream) each.run(instant, time_step, bottom, streams, steam);
+
+  // Steam takes the way to the nearest opening.
+  if (!holes.empty()) route = find_gap_routes(bottom.size(), paths, openings, open);
+  std::vector<std::vector<std::size_t>> places(passage.size());
+  for (const std::size_t n : sort_by_distance(route)) places[route[n]->opening].push_back(n);
+  for (std::size_t i = 0; i < passage.size(); ++i)
+    add_steam(places[i], route, passage[i], bottom, steam, streams);
   return streams;
 }
 

@@ -104,7 +104,14 @@ private:
     bottom_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::bottom);
     top_nodes_ = mesh::patch_nodes(mesh_, mesh::PatchKind::top);
     find_side_columns();
+    find_bottom_places();
     find_bottom_paths();
+  }
+
+  void find_bottom_places() {
+    bottom_places_.clear();
+    for (const int n : bottom_nodes_)
+      bottom_places_.push_back({mesh_.point(n)[0], dim == 3 ? mesh_.point(n)[1] : 0.0});
   }
 
   void find_bottom_paths() {

@@ -102,6 +102,8 @@ public:
   const std::vector<int>& bottom_nodes() const { return bottom_nodes_; }
   /// Integral of the shape function over the bottom, by bottom node [m^(Dim-1)], [m2/rad].
   const std::vector<double>& bottom_weight() const { return bottom_weight_; }
+  /// (bottom node) [m] place in the plan; y is 0 in a section.
+  const std::vector<std::array<double, 2>>& bottom_places() const { return bottom_places_; }
   const std::vector<int>& top_nodes() const { return top_nodes_; }
   /// Integral of the shape function over the top, by top node [m^(Dim-1)], [m2/rad].
   const std::vector<double>& top_weight() const { return top_weight_; }
@@ -143,6 +145,7 @@ protected:
   std::vector<double> volume_;     ///< (node) [m^Dim], [m3/rad]
   std::vector<int> bottom_nodes_;
   std::vector<double> bottom_weight_;  ///< (bottom node) [m^(Dim-1)], [m2/rad]
+  std::vector<std::array<double, 2>> bottom_places_;  ///< (bottom node) [m]
   std::vector<BottomPath> bottom_paths_;
   std::vector<int> top_nodes_;
   std::vector<double> top_weight_;  ///< (top node) [m^(Dim-1)], [m2/rad]

@@ -233,10 +233,7 @@ void SurfaceCooling::reserve_for_gap(const FilmEnd& end, double width,
   const auto& gap = cooling_.bottom_block.gap_water;
   if (!gap || film_.empty()) return;
 
-  double area = 0.0;
-  for (std::size_t i = 0; i < film_.size(); ++i) area += pieces[i].area;
-  const double reserved = gap->inflow_share * film_capacity(end.film, width) / area;
-  for (WaterPlace& place : film_) place.largest_flux -= reserved;
+  reserve_heat(gap->inflow_share * film_capacity(end.film, width), pieces, film_);
 }
 
 /// Whether water has met the butt on some face: it can then run into the gap, and stays there while
@@ -310,9 +307,10 @@ void SurfaceCooling::lay_gap(const HeatForms& forms, const material::ThermalProp
                        .block = bottom_[i]});
   }
 
+  const auto holes = find_gap_holes(cooling_.bottom_block.drain_holes, forms.bottom_places());
   gap_streams_ =
       lay_gap_water(*cooling_.bottom_block.gap_water, gap_law_, forms.bottom_paths(), surface,
-                    edge_supply_, input.time, input.time_step);
+                    edge_supply_, holes, input.time, input.time_step);
 
   // The heat from block to water is fixed for the step: it lowers the block's own temperature.
   for (std::size_t i = 0; i < bottom_.size(); ++i) {

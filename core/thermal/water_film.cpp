@@ -59,6 +59,13 @@ double film_capacity(const Film& film, double width) {
   return heat_to_vapour(water_density * film.flow * width, film.temperature);
 }
 
+void reserve_heat(double heat, std::span<const WetPiece> pieces, std::span<WaterPlace> place) {
+  double area = 0.0;
+  for (std::size_t i = 0; i < place.size(); ++i) area += pieces[i].area;
+  const double reserved = heat / area;
+  for (WaterPlace& at : place) at.largest_flux -= reserved;
+}
+
 double wetted_after(const Wetting& wetting, double before, double in_the_end, double time_step) {
   return in_the_end + (before - in_the_end) * std::exp(-time_step / wetting.lag);
 }

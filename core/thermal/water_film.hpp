@@ -68,6 +68,11 @@ double film_capacity(const Film& supply, double width);
 FilmEnd march_film(const Water& water, const Film& supply, double width, double time_step,
                    std::span<const WetPiece> pieces, std::vector<WaterPlace>& place);
 
+/// Keeps a part of what a film has left at its end for places that it runs on to.
+/// @param heat    [W] @param pieces  of the film
+/// @param place   what march_film() gave, one or more
+void reserve_heat(double heat, std::span<const WetPiece> pieces, std::span<WaterPlace> place);
+
 /// Wetted share of a surface [1] after a step. @param before  [1] @param in_the_end  [1]
 /// @param time_step  [s]
 double wetted_after(const Wetting& wetting, double before, double in_the_end, double time_step);

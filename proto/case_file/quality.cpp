@@ -265,8 +265,11 @@ bool has_quality_mesh(const v1::Case& complete) {
 }
 
 /// Whether the bands were measured for such a casting: a section through the thickness of a slab,
-/// or the start of a quarter slab.
+/// or the start of a quarter slab, on a flat block without holes.
 bool is_measured_casting(const v1::Case& c) {
+  const v1::BottomBlock& block = c.cooling().bottom_block();
+  if (block.has_bowl() || block.drain_hole_size() > 0) return false;
+
   const double half_width = c.section().half_width_m();
   if (c.section().kind() == v1::Section::PLANE_STRAIN)
     return half_width >= 0.2 && half_width <= 0.4;

@@ -281,6 +281,9 @@ thermal::CoolingSpec cooling(const v1::Cooling& from, double first_metal) {
                      .profile_x = to_core(block.profile_x_m()),
                      .profile_y = to_core(block.profile_y_m())};
 
+  for (const v1::DrainHole& hole : block.drain_hole())
+    to.bottom_block.drain_holes.push_back({hole.x_m(), hole.y_m(), hole.diameter_m()});
+
   to.dry_coefficient = from.dry_coefficient_w_per_m2_k();
   to.ambient_temperature = from.ambient_temperature_c();
   to.top = to_core(from.top());

@@ -38,6 +38,14 @@ TEST_P(QuarterSlabFault, IsFoundAndSaysHowToMendIt) {
   EXPECT_FALSE(fault.remedy.empty());
 }
 
+/// Drills holes into the block of a case with water in the gap.
+void drill(Case& c, std::vector<thermal::DrainHole> holes) {
+  c.cooling.bottom_block.wet_coefficient.reset();
+  c.cooling.bottom_block.gap_water.emplace();
+  c.cooling.water.boiling_follows_flow = true;
+  c.cooling.bottom_block.drain_holes = std::move(holes);
+}
+
 const Mistake mistakes[] = {
     {"NoOpening", "section.half_thickness", [](Case& c) { c.section.half_thickness = {}; }},
     {"OpeningThatWidens", "section.half_thickness",
@@ -79,6 +87,18 @@ const Mistake mistakes[] = {
      [](Case& c) { c.section.bowl = {.depth = 0.04, .lip = 0.02, .wall = 0.03}; }},
     {"BowlWiderThanTheBlock", "cooling.bottom_block.bowl.wall",
      [](Case& c) { c.section.bowl = {.depth = 0.02, .lip = 0.10, .wall = 0.08}; }},
+    {"HoleBesideTheBlock", "cooling.bottom_block.drain_hole[1]",
+     [](Case& c) { drill(c, {{0.1, 0.1, 0.02}, {0.275, 0.1, 0.02}}); }},
+    {"HoleInTheRoundedCorner", "cooling.bottom_block.drain_hole[0]",
+     [](Case& c) {
+       c.section.corner_radius = 0.06;
+       c.monitors.erase(c.monitors.begin());
+       drill(c, {{0.265, 0.125, 0.02}});
+     }},
+    {"HoleCutByAPlaneOfSymmetry", "cooling.bottom_block.drain_hole[0].x",
+     [](Case& c) { drill(c, {{0.005, 0.1, 0.02}}); }},
+    {"HoleWithoutWaterInTheGap", "cooling.bottom_block.drain_hole",
+     [](Case& c) { c.cooling.bottom_block.drain_holes = {{0.1, 0.1, 0.02}}; }},
     {"CornerBeyondTheLastBreakPoint", "section.corner_radius",
      [](Case& c) { c.section.corner_radius = 0.17; }},
     {"CornerThatHoldsNoCells", "section.corner_radius",
@@ -105,6 +125,7 @@ TEST(QuarterSlabCheck, WhatIsOfAQuarterSlabOnlyIsRefusedInASection) {
   c.section.corner_radius = 0.03;
   c.section.heat_cells = {.per_column = 2, .per_layer = 2};
   c.cooling.bottom_block.profile_y = Curve(0.0);
+  c.cooling.bottom_block.drain_holes = {{0.1, 0.1, 0.02}};
   c.monitors[0].z = 0.0;
   std::vector<std::string> fields;
   const CheckedCase checked = check(c);
@@ -112,7 +133,8 @@ TEST(QuarterSlabCheck, WhatIsOfAQuarterSlabOnlyIsRefusedInASection) {
   EXPECT_EQ(fields,
             (std::vector<std::string>{"section.half_thickness", "section.corner_radius",
                                       "mesh.heat_cells_per_column", "mesh.heat_cells_per_layer",
-                                      "cooling.bottom_block.profile_y", "monitor[0].z"}));
+                                      "cooling.bottom_block.profile_y",
+                                      "cooling.bottom_block.drain_hole", "monitor[0].z"}));
 }
 
 /// A table that reaches beyond the slab may be zero out there alone: the slab is not.

@@ -260,6 +260,18 @@ TEST(DiscretisationError, OfAQuarterSlabIsUnknownBeyondItsStartAndOnAnotherMesh)
     EXPECT_FALSE(relative_discretisation_error(complete(c)));
 }
 
+/// The bands were measured on flat blocks.
+TEST(DiscretisationError, IsUnknownOfABlockWithABowlOrHoles) {
+  for (const auto make : {&casting, &quarter_slab}) {
+    v1::Case bowl = make(v1::ENGINEERING), hole = bowl;
+    ASSERT_TRUE(relative_discretisation_error(complete(bowl)));
+    bowl.mutable_cooling()->mutable_bottom_block()->mutable_bowl()->set_depth_m(0.02);
+    hole.mutable_cooling()->mutable_bottom_block()->add_drain_hole()->set_diameter_m(0.03);
+    EXPECT_FALSE(relative_discretisation_error(complete(bowl)));
+    EXPECT_FALSE(relative_discretisation_error(complete(hole)));
+  }
+}
+
 TEST(DiscretisationError, IsUnknownWhereItWasNotMeasured) {
   v1::Case other_mesh = casting(v1::ENGINEERING), other_steps = other_mesh, billet = other_mesh,
            triangles = other_mesh, wide = other_mesh, file = other_mesh;

@@ -33,6 +33,10 @@ TEST(CaseToCore, TakesTheKeysOfAQuarterSlab) {
   from.mutable_cooling()->add_zone()->set_face(v1::SideZone::NARROW);
   from.mutable_cooling()->mutable_bottom_block()->mutable_profile_y_m()->add_at(0.0);
   from.mutable_cooling()->mutable_bottom_block()->mutable_profile_y_m()->add_value(0.0);
+  v1::DrainHole& hole = *from.mutable_cooling()->mutable_bottom_block()->add_drain_hole();
+  hole.set_x_m(0.1);
+  hole.set_y_m(0.2);
+  hole.set_diameter_m(0.03);
   from.mutable_mechanics()->set_hold(v1::Mechanics::PENALTY);
   from.mutable_mechanics()->set_mould_penalty_pa_per_m(1e11);
   from.mutable_mechanics()->set_mould_wall(true);
@@ -52,6 +56,10 @@ TEST(CaseToCore, TakesTheKeysOfAQuarterSlab) {
   EXPECT_EQ(to.cooling.zones.at(0).face, thermal::Face::narrow);
   EXPECT_TRUE(to.cooling.bottom_block.profile_x.empty());
   EXPECT_FALSE(to.cooling.bottom_block.profile_y.empty());
+  const thermal::DrainHole& drilled = to.cooling.bottom_block.drain_holes.at(0);
+  EXPECT_EQ(drilled.x, 0.1);
+  EXPECT_EQ(drilled.y, 0.2);
+  EXPECT_EQ(drilled.diameter, 0.03);
   EXPECT_EQ(to.mechanics.options.confinement_by, mechanics::Confinement::penalty);
   EXPECT_EQ(to.mechanics.options.confinement_stiffness, 1e11);
   EXPECT_TRUE(to.mechanics.options.mould_wall);
