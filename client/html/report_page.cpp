@@ -98,14 +98,18 @@ std::string recipe_table(const v1::Case& input) {
   return element("table", rows);
 }
 
-/// Adds a table of the schedule with factor and shift, against time. @param acts  whether it takes
-/// effect at a time [s]; the value is zero where it does not
+/// Adds a table of the schedule with factor and shift, against time, until the casting ends: a slab
+/// that cools down is neither cast nor sprayed. @param acts  whether it takes effect at a time [s];
+/// the value is zero where it does not
 template <class Acts>
 void add_course(v1::Chart& chart, const std::string& name, const v1::QueryResultResponse& result,
                 const v1::Curve& table, const v1::Curve& factor, double shift_s, const Acts& acts) {
+  constexpr double round_off = 1e-6;  // [s] of summed time steps
+  const double casting_end_s = result.case_().time().end_s() + round_off;
   v1::Chart::Line& line = add_line(chart, name);
   for (const v1::StepReport& step : result.steps()) {
     const double t = step.time_s(), length = step.cast_length_m();
+    if (t > casting_end_s) break;
     add_point(line, t,
               acts(t) ? frames::curve_value(factor, t, length, 1.0) *
                             frames::curve_value(table, t - shift_s, length, 0.0)

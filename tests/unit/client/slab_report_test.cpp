@@ -216,6 +216,7 @@ v1::QueryResultResponse run_with(double least_mm, double greatest_mm) {
   input.mutable_plausibility()->set_least_curl_m(1e-3 * least_mm);
   input.mutable_plausibility()->set_greatest_curl_m(1e-3 * greatest_mm);
   input.mutable_schedule()->mutable_water_flow_m2_per_s()->add_value(3e-3);
+  input.mutable_time()->set_end_s(250.0);
   for (int i = 1; i <= 5; ++i) {
     v1::StepReport& step = *result.add_steps();
     step.set_step(i);
@@ -245,6 +246,26 @@ TEST(ReportPage, OfAQuarterSlabHasItsPicturesAndThePlantsFigures) {
     EXPECT_THAT(page, HasSubstr(part));
   for (const char* const absent : {"http://", "src=", ">nan", "nan mm", "Gap along the bottom"})
     EXPECT_THAT(page, Not(HasSubstr(absent)));
+}
+
+/// The drawn lines of a chart, by its title.
+std::string chart_data(const std::string& page, const std::string& title) {
+  const auto heading = page.find("\"heading\":\"" + title + "\"");
+  const auto from = page.find("\"lines\":", heading);
+  return page.substr(from, page.find("}]", from) - from);
+}
+
+/// A slab that cools down after 150 s is no longer cast, and no water runs.
+TEST(ReportPage, SpeedAndWaterEndWithTheCasting) {
+  v1::QueryResultResponse result = run_with(35, 45);
+  EXPECT_THAT(chart_data(report_page(v1::Job(), result), "Casting speed"), HasSubstr("250"));
+
+  result.mutable_case_()->mutable_time()->set_end_s(150.0);
+  const std::string page = report_page(v1::Job(), result);
+  for (const char* const title : {"Casting speed", "Water"}) {
+    EXPECT_THAT(chart_data(page, title), HasSubstr("150")) << title;
+    EXPECT_THAT(chart_data(page, title), Not(HasSubstr("200"))) << title;
+  }
 }
 
 TEST(ReportPage, HasThePullInOfTheWideFaceAsFiguresAndAsLines) {
