@@ -204,10 +204,18 @@ struct Ramp {
   }
 };
 
+/// Draws a ramp until the casting ends: a slab that cools down is neither cast nor sprayed.
 void add_ramp(const JudgedRun& run, const std::string& name, const Ramp& ramp, v1::Chart& chart) {
-  std::vector<double> values;
-  for (const Step& step : run.steps) values.push_back(ramp.at(step));
-  add_line(chart, name, run.time_s(), values);
+  constexpr double round_off_s = 1e-6;  // of summed time steps
+  const double casting_end_s = run.description.time().end_s() + round_off_s;
+
+  std::vector<double> times_s, values;
+  for (const Step& step : run.steps) {
+    if (step.time_s() > casting_end_s) break;
+    times_s.push_back(step.time_s());
+    values.push_back(ramp.at(step));
+  }
+  add_line(chart, name, times_s, values);
 }
 
 void add_speed(const JudgedRun& run, v1::Judgement& judgement) {

@@ -129,9 +129,11 @@ class Reports(InBrowser):
         self.dccast("compare", *jobs, "-o", "comparison.html")
         self.drawn("comparison.html")
         self.assertTrue(any(title.startswith("Curl of") for title in self.charts()))
-        self.dccast("validate", "--local", case, "--drawing", "start.html")
+        self.dccast("validate", "--local", case, "--set", "cooling.bottom_block.bowl.depth=30 mm", "--drawing",
+                    "start.html")
         self.drawn("start.html")
-        self.assertIn("water line", self.find("svg.casting").text)
+        for label in ("water line", "bowl, 30 mm deep"):
+            self.assertIn(label, self.find("svg.casting").text)
         self.assertEqual(len(self.charts()), 2)
         self.check_phone()
 

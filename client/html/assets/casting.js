@@ -1,5 +1,5 @@
 // The start of a case: the section through the middle of the wide face, to scale, with metal, mould,
-// zones, water line and block, and the ramps of speed and water.
+// zones, water line and block with its bowl and holes, and the ramps of speed and water.
 import {chart} from './chart.js';
 import {h} from './dom.js';
 
@@ -12,22 +12,58 @@ const rect = (kind, x, y, wide, high) => h('rect', {class: kind, x, y, width: wi
 const line = (kind, x1, y1, x2, y2) => h('line', {class: kind, x1, y1, x2, y2});
 const centred = (x, y, text) => h('text', {x, y, 'text-anchor': 'middle'}, text);
 
+/**
+ * Depth of a bowl below the lip [m], as in core/mesh/section_spec.hpp.
+ * @param inward  distance from the edge of the block [m]
+ */
+function bowlDepth(bowl, inward) {
+  if (!bowl) return 0;
+  const share = Math.max(0, Math.min(1, (inward - bowl.lip_m) / bowl.wall_m));
+  return 0.5 * bowl.depth_m * (1 - Math.cos(Math.PI * share));
+}
+
 /** Depths at the start, below the metal level [m], and the scale of the drawing. */
 function startOf({section, cooling}) {
   const half = section.half_thickness_m?.value?.[0] ?? section.half_width_m;
-  const water = cooling.water.from_m;
-  const block = section.initial_depth_m ?? water - section.block_above_water_m;
-  const foot = Math.max(water, block) + 0.12;  // of what is shown of the block
+  const water = cooling.water.from_m, bowl = cooling.bottom_block.bowl;
+  const block = section.initial_depth_m ?? water - section.block_above_water_m;  // its lip
+  const foot = Math.max(water, block + bowlDepth(bowl, half)) + 0.12;  // of what is shown of the block
   const scale = Math.min((face - axis) / half, (lowest - level) / foot);
-  return {half, water, block, foot, y: depth => level + scale * depth, x: face - scale * half};
+  return {half, water, block, foot, bowl, scale, y: depth => level + scale * depth, x: face - scale * half};
 }
 
+/** The surface of the block as points of the drawing, from the plane of symmetry to the edge. */
+function blockSurface({half, block, bowl, scale, y}) {
+  const points = [], parts = bowl ? 60 : 1;
+  for (let i = 0; i <= parts; i++) {
+    const inward = half * (1 - i / parts);
+    points.push([face - scale * inward, y(block + bowlDepth(bowl, inward))]);
+  }
+  return points;
+}
+
+/** The holes through the block, seen along the wide face; dashed: beside the section. */
+function holesOf(start, holes) {
+  const {half, block, bowl, scale, y} = start;
+  return holes.map(({x_m: x, y_m: across, diameter_m: diameter}) => {
+    const left = Math.max(0, across - diameter / 2), right = across + diameter / 2;
+    const top = y(block + bowlDepth(bowl, half - across));
+    const kind = x < diameter / 2 ? 'hole' : 'hole dashed';
+    return rect(kind, start.x + scale * left, top, scale * (right - left), y(start.foot) - top);
+  });
+}
+
+const corners = points => points.map(point => point.map(v => v.toFixed(1)).join()).join(' ');
+
 /** Names beside the mould, from top to bottom without overlap. */
-function labels(start, zones) {
+function labels(start, zones, holes) {
+  const {bowl} = start, widths = [...new Set(holes.map(hole => lengthText(hole.diameter_m)))];
   const wanted = [
     [level, 'metal level'],
     [start.y(start.water), `water line, ${lengthText(start.water)}`],
     [start.y(start.block), `block at the start, ${lengthText(start.block)}`],
+    ...(bowl ? [[start.y(start.block + bowl.depth_m), `bowl, ${lengthText(bowl.depth_m)} deep`]] : []),
+    ...(holes.length ? [[start.y(start.foot) - 8, `drain holes of ${widths.join(' and ')}`]] : []),
     ...zones.map(zone => [
       start.y((zone.from_m + zone.to_m) / 2),
       `${zone.name}, ${lengthText(zone.from_m)} to ${lengthText(zone.to_m)}`
@@ -44,6 +80,8 @@ function labels(start, zones) {
 
 function sectionDrawing(given) {
   const start = startOf(given), {x, y} = start, zones = given.cooling.zone || [];
+  const holes = given.cooling.bottom_block.drain_hole || [], surface = blockSurface(start);
+  const ofBlock = surface.map(([px, py]) => [Math.min(px, face - 3), py]);  // a gap to the mould
   const [foot, block, end] = [y(start.water), y(start.block), y(start.foot)];
   const middle = (x + face) / 2;
   const plane = given.section.kind === 'AXISYMMETRIC' ? 'axis' : 'symmetry plane';
@@ -55,14 +93,18 @@ function sectionDrawing(given) {
       role: 'img',
       'aria-label': 'Section through the start of the casting'
     },
-    rect('metal', x, level, face - x, block - level), rect('block', x, block, face - x - 3, end - block),
+    h('polyline', {class: 'metal', points: corners([[x, level], ...surface, [face, level]])}),
+    h('polyline', {class: 'block', points: corners([[x, end], ...ofBlock, [face - 3, end]])}),
+    holesOf(start, holes),
     rect('mould', face, level - 25, mould, foot - level + 25),
     zones.map(zone => line('border', face, y(zone.to_m), face + mould, y(zone.to_m))),
     // The jet leaves the foot of the mould, and the film runs down face and block.
     line('water', face + mould, foot - 6, face, foot), line('water', face + 1, foot, face + 1, end),
     line('dashed zero', x, level - 30, x, end + 8), line('line-1', x, level, face, level),
-    centred(middle, (level + block) / 2 + 4, 'metal'), centred(middle, (block + end) / 2 + 4, 'bottom block'),
-    centred(middle, end + 24, `${lengthText(start.half)} to the ${plane}`), labels(start, zones).flat());
+    centred(middle, (level + block) / 2 + 4, 'metal'),
+    centred(middle, (surface[0][1] + end) / 2 + 4, 'bottom block'),
+    centred(middle, end + 24, `${lengthText(start.half)} to the ${plane}`),
+    labels(start, zones, holes).flat());
 }
 
 /** A table of the schedule over the start. @param from, end  times at which it takes effect and ends [s] */

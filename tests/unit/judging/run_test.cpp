@@ -21,6 +21,7 @@ RunToJudge even_rise() {
   RunToJudge judged{.run = {"run", {}, {}}};
   v1::Case& description = judged.run.description;
   description.mutable_section()->set_kind(v1::Section::QUARTER_SLAB);
+  description.mutable_time()->set_end_s(250.0);
   description.mutable_plausibility()->set_least_curl_m(35e-3);
   description.mutable_plausibility()->set_greatest_curl_m(45e-3);
 
@@ -77,6 +78,11 @@ v1::Chart chart(const v1::Judgement& judgement, const std::string& key) {
                                        [](const auto& part) { return part.chart().key(); });
   EXPECT_NE(found, judgement.parts().end()) << key;
   return found == judgement.parts().end() ? v1::Chart() : found->chart();
+}
+
+double last_time_s(const v1::Judgement& judgement, const std::string& key) {
+  const auto& times_s = chart(judgement, key).lines(0).x();
+  return *times_s.rbegin();
 }
 
 /// The corner's figure in the table of curls, the first part.
@@ -231,6 +237,17 @@ TEST(JudgeRun, EveryChartIsExplained) {
   std::vector<std::string> explained;
   for (const v1::Table::Row& row : notes->table().rows()) explained.push_back(row.cells(0).text());
   EXPECT_EQ(explained, chart_keys(judgement));
+}
+
+TEST(JudgeRun, SpeedAndWaterEndWithTheCasting) {
+  RunToJudge judged = even_rise();
+  for (const char* const key : {"casting_speed", "water"})
+    EXPECT_EQ(last_time_s(judge_run(judged), key), 250.0) << key;
+
+  // From 150 s on the slab cools down: it is neither cast nor sprayed.
+  judged.run.description.mutable_time()->set_end_s(150.0);
+  for (const char* const key : {"casting_speed", "water"})
+    EXPECT_EQ(last_time_s(judge_run(judged), key), 150.0) << key;
 }
 
 }  // namespace
