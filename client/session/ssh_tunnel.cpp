@@ -243,21 +243,31 @@ void SshTunnel::note_end(int wait_status) {
 SshTunnel::Login SshTunnel::wait_for_login(Clock::time_point end) {
   constexpr milliseconds between_looks{10};
   std::unique_lock lock(mutex_);
-  // ssh makes the socket once it has logged in.
-  for (std::error_code ignored; !std::filesystem::exists(socket_, ignored);) {
+  // ssh makes the socket once it has logged in, and refuses callers until it listens.
+  int caller = -1;
+  while ((caller = connect_to_socket()) < 0) {
     if (changed_.wait_for(lock, between_looks, [this] { return exit_code_.has_value(); }))
       return Login::failed;
     if (Clock::now() >= end) return Login::timed_out;
   }
+  ::close(caller);
   has_logged_in_ = true;
   return Login::made;
 }
 
-std::string SshTunnel::greet(const std::string& greeting, Clock::time_point end) const {
+int SshTunnel::connect_to_socket() const {
   const int caller = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (caller < 0) fail("socket");
+
   const sockaddr_un address = address_at(socket_);
-  ::connect(caller, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  if (::connect(caller, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
+    return caller;
+  ::close(caller);
+  return -1;
+}
+
+std::string SshTunnel::greet(const std::string& greeting, Clock::time_point end) const {
+  const int caller = connect_to_socket();
   ::send(caller, greeting.data(), greeting.size(), MSG_NOSIGNAL);
 
   pollfd awaited{caller, POLLIN, 0};

@@ -56,7 +56,9 @@ private:
   void run();
   /// Keeps why ssh has ended. @param wait_status  as of waitpid()
   void note_end(int wait_status);
-  /// Waits until the forwarded socket exists or ssh has ended.
+  /// A connection to the forwarded socket; -1 if there is none yet.
+  int connect_to_socket() const;
+  /// Waits until ssh listens at the forwarded socket or has ended.
   Login wait_for_login(Clock::time_point end);
   /// Sends a greeting through the tunnel. @return the first bytes of the answer; empty if there are
   /// none

@@ -340,11 +340,14 @@ class Output(Commands):
 
     def test_the_sample_settings_have_every_key(self):
         keys = json.loads(self.dccast("schema", "--daemon", "--json", "").stdout)
+        shown, table = set(), ""
         with open(CONFIG, encoding="utf-8") as file:
-            text = file.read()
-        for key in keys:
-            if key["type"] != "table":
-                self.assertRegex(text, rf"(?m)^(# )?{re.escape(key['path'])} = ")
+            for line in file:
+                if heading := re.match(r"\[(\w+)\]", line):
+                    table = heading[1] + "."
+                elif key := re.match(r"(?:# )?(\w+) = ", line):
+                    shown.add(table + key[1])
+        self.assertEqual(shown, {key["path"] for key in keys if key["type"] != "table"})
 
 
 class Results(Commands):

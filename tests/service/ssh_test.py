@@ -12,7 +12,7 @@ from dccast.v1 import job_pb2
 from support import BIN, ServiceTest, fake_case, main, start_ticks, until
 
 STAND_IN = """#!/usr/bin/python3
-import os, signal, socket, sys, threading
+import os, signal, socket, sys, threading, time
 def carry(source, target):
     while data := source.recv(65536):
         target.sendall(data)
@@ -23,6 +23,7 @@ if "nowhere" in sys.argv:
     sys.exit("ssh: Could not resolve hostname nowhere")
 listener = socket.socket(socket.AF_UNIX)
 listener.bind(sys.argv[sys.argv.index("-L") + 1].split(":")[0])
+time.sleep(0.2)  # a client that calls now is refused
 listener.listen()
 while True:
     client = listener.accept()[0]
