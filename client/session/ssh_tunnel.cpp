@@ -177,7 +177,13 @@ SshTunnel::~SshTunnel() {
 
 void SshTunnel::open() {
   start();
-  if (wait_for_login(Clock::time_point::max()) == Login::made) return;
+  if (wait_for_login(Clock::time_point::max()) == Login::made) {
+    // A caller between the making of the socket and listening is refused, and gRPC pauses then.
+    constexpr std::chrono::seconds longest{1};
+    ::close(connect_to_socket(Clock::now() + longest));
+    return;
+  }
+
   const Diagnosis why = without_login(*exit_code_, "", login_);
   throw CommandFailed(ExitCode::unreachable, fmt::format("{}; {}", why.cause, why.remedy));
 }
@@ -243,31 +249,31 @@ void SshTunnel::note_end(int wait_status) {
 SshTunnel::Login SshTunnel::wait_for_login(Clock::time_point end) {
   constexpr milliseconds between_looks{10};
   std::unique_lock lock(mutex_);
-  // ssh makes the socket once it has logged in, and refuses callers until it listens.
-  int caller = -1;
-  while ((caller = connect_to_socket()) < 0) {
+  // ssh makes the socket once it has logged in.
+  for (std::error_code ignored; !std::filesystem::exists(socket_, ignored);) {
     if (changed_.wait_for(lock, between_looks, [this] { return exit_code_.has_value(); }))
       return Login::failed;
     if (Clock::now() >= end) return Login::timed_out;
   }
-  ::close(caller);
   has_logged_in_ = true;
   return Login::made;
 }
 
-int SshTunnel::connect_to_socket() const {
+int SshTunnel::connect_to_socket(Clock::time_point end) const {
   const int caller = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (caller < 0) fail("socket");
 
+  constexpr milliseconds between_attempts{10};
   const sockaddr_un address = address_at(socket_);
-  if (::connect(caller, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
-    return caller;
-  ::close(caller);
-  return -1;
+  while (::connect(caller, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    if (errno != ECONNREFUSED || Clock::now() >= end) break;
+    std::this_thread::sleep_for(between_attempts);
+  }
+  return caller;
 }
 
 std::string SshTunnel::greet(const std::string& greeting, Clock::time_point end) const {
-  const int caller = connect_to_socket();
+  const int caller = connect_to_socket(end);
   ::send(caller, greeting.data(), greeting.size(), MSG_NOSIGNAL);
 
   pollfd awaited{caller, POLLIN, 0};

@@ -56,10 +56,10 @@ private:
   void run();
   /// Keeps why ssh has ended. @param wait_status  as of waitpid()
   void note_end(int wait_status);
-  /// A connection to the forwarded socket; -1 if there is none yet.
-  int connect_to_socket() const;
-  /// Waits until ssh listens at the forwarded socket or has ended.
+  /// Waits until the forwarded socket exists or ssh has ended.
   Login wait_for_login(Clock::time_point end);
+  /// A socket that is connected to ssh's; not connected if ssh does not listen until `end`.
+  int connect_to_socket(Clock::time_point end) const;
   /// Sends a greeting through the tunnel. @return the first bytes of the answer; empty if there are
   /// none
   std::string greet(const std::string& greeting, Clock::time_point end) const;

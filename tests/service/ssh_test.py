@@ -23,7 +23,7 @@ if "nowhere" in sys.argv:
     sys.exit("ssh: Could not resolve hostname nowhere")
 listener = socket.socket(socket.AF_UNIX)
 listener.bind(sys.argv[sys.argv.index("-L") + 1].split(":")[0])
-time.sleep(0.2)  # a client that calls now is refused
+time.sleep({pause_s})
 listener.listen()
 while True:
     client = listener.accept()[0]
@@ -75,7 +75,11 @@ class StandIn(SshTest):
     def setUp(self):
         super().setUp()
         self.notes = os.path.join(self.folder, "notes")
-        self.write_ssh(STAND_IN.format(notes=self.notes, path=self.socket))
+        self.stand_in(pause_s=0)
+
+    def stand_in(self, pause_s):
+        """@param pause_s  from the making of the socket until it listens"""
+        self.write_ssh(STAND_IN.format(notes=self.notes, path=self.socket, pause_s=pause_s))
 
     def calls(self):
         """Words of each ssh without the name of its folder, and its process id."""
@@ -126,6 +130,10 @@ class StandIn(SshTest):
         os.remove(os.path.join(self.folder, "ssh"))
         self.programs = self.folder
         self.doctor("ssh://casthouse", ["ssh cannot be started"], ["openssh-client"])
+
+    def test_a_socket_that_does_not_listen_yet_is_waited_for(self):
+        self.stand_in(pause_s=0.3)
+        self.dccast("ssh://casthouse", "info")
 
     def test_no_option_gets_through_as_a_host(self):
         for server in ("ssh://-oProxyCommand=id", "ssh://a@-oProxyCommand=id", "ssh://", "ssh://a b",
