@@ -3,9 +3,8 @@
 //
 //   dccast-plan-study CASE QUALITY [KEY=NUMBER ...]
 //
-// One line: nodes of the heat's mesh, steps, iterations, processor
-// seconds and their profile, the corner at 60, 120 and 250 s, and what was found, with value and
-// limit.
+// One line: nodes of the heat's mesh, steps, iterations, processor seconds, wall seconds by task, the
+// corner at 60, 120 and 250 s, and what was found, with value and limit.
 
 #include <cstdio>
 #include <cstdlib>
