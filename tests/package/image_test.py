@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import tomllib
 import unittest
 
 from debian_root import until
@@ -75,7 +76,8 @@ class Image(unittest.TestCase):
         self.assertEqual(config["User"], "dccast")
         self.assertIn("/var/lib/dccast", config["Volumes"])
         self.assertIn("7118/tcp", config["ExposedPorts"])
-        self.assertIn('\nlisten_tls = "0.0.0.0:7118"\n', self.inside("cat", "/etc/dccast/dccastd.toml"))
+        settings = tomllib.loads(self.inside("cat", "/etc/dccast/dccastd.toml"))
+        self.assertEqual(settings["listen"]["tls"], "0.0.0.0:7118")
         runner, (local, _over_tls) = self.start(config)
         self.buildah("copy", self.container, ROOT / CASE, "/tmp/case.toml")
         self.inside("dccast", "--server", local, "submit", "--watch", "--set", "quality=draft", "/tmp/case.toml")
