@@ -102,13 +102,13 @@ private:
     if (!kept && !factorize(step_of_fixed)) return false;
     if (!kept) slow_since_factor_ = 0;
 
-    work_.last_residual = work_.residual;
+    if (work_.has_secants()) work_.last_residual = work_.residual;
     return system_.solve(constraints_.fixed(), step_of_fixed);
   }
 
   /// Whether a new factorisation is better than the kept one. In 3D also updates the kept one.
   bool is_slow(double relative, double last) {
-    if (Dim == 2) return relative > chord_reduction * last;
+    if (!work_.has_secants()) return relative > chord_reduction * last;
 
     if (relative > secant_reduction * last) ++slow_since_factor_;
     if (relative > last || slow_since_factor_ == slow_iterations || work_.secants.full())
@@ -216,18 +216,18 @@ private:
   bool search(double most) {
     const double start = slope();
     advance(most);
-    double& at = length_ = most;
+    length_ = most;
     double low = 0.0, low_slope = start, high = 0.0, high_slope = 0.0;
     for (int i = 0; i < line_search_steps; ++i) {
       const double now = slope();
-      if (std::isfinite(now) && now <= -line_search_slope * start) return at == most;
-      high = at, high_slope = now;
+      if (std::isfinite(now) && now <= -line_search_slope * start) return length_ == most;
+      high = length_, high_slope = now;
       const double secant = std::isfinite(now)
                                 ? low - low_slope * (high - low) / (high_slope - low_slope)
                                 : 0.1 * high;
       const double next = std::clamp(secant, low + 0.05 * (high - low), low + 0.7 * (high - low));
-      advance(next - at);
-      at = next;
+      advance(next - length_);
+      length_ = next;
     }
     return false;
   }

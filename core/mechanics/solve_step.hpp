@@ -60,7 +60,7 @@ struct Workspace {
   std::vector<double> unheld_stiffness;  ///< [force/m] before any unknown was held
   std::vector<double> residual;          ///< [force]
   std::vector<double> direction;         ///< [m]
-  std::vector<double> last_residual;  ///< [force] of the iteration before
+  std::vector<double> last_residual;  ///< [force] of the iteration before, for the secants
   std::vector<double> lifted;  ///< [force] caused by held unknowns that still have to move
   linalg::SecantUpdates secants;  ///< of the factor in `solver`
   bool is_solid = false;         ///< geometry of the mesh
@@ -76,10 +76,15 @@ struct Workspace {
     if (two_grid == nullptr) solver.analyze(pattern, geometry, fronts);
     is_solid = geometry == linalg::Geometry::solid;
     stiffness.assign(pattern.entries(), 0.0);
-    for (auto* v : {&residual, &last_residual, &direction, &lifted}) {
+    for (auto* v : {&residual, &direction, &lifted}) {
       v->assign(std::size_t(pattern.unknowns()), 0.0);
     }
-    if (two_grid == nullptr) secants.resize(std::size_t(pattern.unknowns()));
+    if (has_secants()) secants.resize(std::size_t(pattern.unknowns()));
+  }
+
+  /// Whether a kept factor learns from the iterations: that of a band in 3D, which is expensive.
+  bool has_secants() const {
+    return is_solid && two_grid == nullptr && solver.uses_band();
   }
 };
 

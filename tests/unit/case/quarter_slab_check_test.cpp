@@ -23,19 +23,23 @@ void PrintTo(const Mistake& m, std::ostream* out) {
   *out << m.name;
 }
 
-class QuarterSlabFault : public ::testing::TestWithParam<Mistake> {};
-
-TEST_P(QuarterSlabFault, IsFoundAndSaysHowToMendIt) {
-  Case c = small_quarter_slab();
+/// A sound case with a mistake has this one fault, which says what is permitted and the remedy.
+void expect_one_fault(Case c, const Mistake& mistake) {
   ASSERT_TRUE(check(c).faults.empty()) << testing::all(check(c).faults);
-  GetParam().make(c);
+  mistake.make(c);
   const CheckedCase checked = check(c);
   ASSERT_EQ(checked.faults.list().size(), 1u) << testing::all(checked.faults);
   const Fault& fault = checked.faults.list().front();
-  EXPECT_EQ(fault.field, GetParam().field) << fault.message;
+  EXPECT_EQ(fault.field, mistake.field) << fault.message;
   EXPECT_FALSE(fault.message.empty());
   EXPECT_FALSE(fault.permitted.empty());
   EXPECT_FALSE(fault.remedy.empty());
+}
+
+class QuarterSlabFault : public ::testing::TestWithParam<Mistake> {};
+
+TEST_P(QuarterSlabFault, IsFoundAndSaysHowToMendIt) {
+  expect_one_fault(small_quarter_slab(), GetParam());
 }
 
 /// Drills holes into the block of a case with water in the gap.
@@ -175,15 +179,7 @@ protected:
 };
 
 TEST_P(OwnPlanFault, IsFoundAndSaysHowToMendIt) {
-  Case c = casting();
-  ASSERT_TRUE(check(c).faults.empty()) << testing::all(check(c).faults);
-  GetParam().make(c);
-  const CheckedCase checked = check(c);
-  ASSERT_EQ(checked.faults.list().size(), 1u) << testing::all(checked.faults);
-  const Fault& fault = checked.faults.list().front();
-  EXPECT_EQ(fault.field, GetParam().field) << fault.message;
-  EXPECT_FALSE(fault.permitted.empty());
-  EXPECT_FALSE(fault.remedy.empty());
+  expect_one_fault(casting(), GetParam());
 }
 
 const Mistake plan_mistakes[] = {
