@@ -336,12 +336,15 @@ void check_symmetry_of_hole(CaseFindings& found, const std::string& field, doubl
               "move the hole onto the plane, or away from it");
 }
 
-/// Distance from the centre of a hole to the edge of the block [m]; of an imported mesh to its end.
+/// Distance from the centre of a hole to the edge of the block [m]: to that of the plan, whether it
+/// is built in or from a file; of an imported mesh to its end.
 double distance_from_edge(const CaseFindings& found, const thermal::DrainHole& hole) {
   const mesh::SectionSpec& s = found.casting.section;
   const auto& imported = std::get<std::optional<mesh::Mesh3D>>(found.imported);
   if (imported) return std::min(imported->largest(0) - hole.x, imported->largest(1) - hole.y);
-  return mesh::distance_from_edge(s, mesh::base_of<3>(s, mesh::Plan::heat), hole.x, hole.y);
+
+  const mesh::Base<3> plan = found.plan ? *found.plan : mesh::base_of<3>(s, mesh::Plan::heat);
+  return mesh::distance_from_edge(s, plan, hole.x, hole.y);
 }
 
 }  // namespace

@@ -201,6 +201,8 @@ const Mistake plan_mistakes[] = {
     {"MonitorBesideTheArm", "monitor[0].y", [](Case& c) { c.monitors[0].y = 0.07; }},
     {"MonitorAboveTheMetal", "monitor[1].z", [](Case& c) { c.monitors[1].z = 0.1; }},
     {"MonitorInTheBlock", "monitor[0].z", [](Case& c) { c.monitors[0].z = -0.01; }},
+    {"HoleBesideTheArm", "cooling.bottom_block.drain_hole[0]",
+     [](Case& c) { drill(c, {{.x = 0.2, .y = 0.1, .diameter = 0.02}}); }},
     {"MonitorUnderTheFaceBesideABowl", "monitor[1].z",
      [](Case& c) {
        c.section.bowl = {.depth = 0.02, .lip = 0.02, .wall = 0.04};
