@@ -1,0 +1,131 @@
+#include "core/statistics/trajectory_forecast.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/statistics/gaussian_process.hpp"
+#include "core/statistics/sampling.hpp"
+
+namespace dccast::statistics {
+
+namespace {
+
+/// Over which errors of mesh and model are alike [s].
+constexpr double memory = 60.0;
+
+void require(bool holds, const char* what) {
+  if (!holds) throw std::invalid_argument(what);
+}
+
+/// exp(-|t - s| / memory).
+Eigen::MatrixXd exponential_correlation(const Eigen::VectorXd& time) {
+  const Eigen::Index n = time.size();
+  Eigen::MatrixXd correlation(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    correlation.col(i) = (-(time.array() - time(i)).abs() / memory).exp();
+  return correlation;
+}
+
+Eigen::MatrixXd covariance_of_misfit(const TrajectoryEnsemble& ensemble) {
+  const Eigen::MatrixXd sample = covariance(ensemble.misfits);
+  const Eigen::VectorXd deviation = sample.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd smooth = deviation.asDiagonal() *
+                                 exponential_correlation(ensemble.time) * deviation.asDiagonal();
+  return 0.5 * sample + 0.5 * smooth;
+}
+
+}  // namespace
+
+TrajectoryPrior prior_of(const TrajectoryEnsemble& e) {
+  const Eigen::Index instants = e.time.size();
+  require(instants >= 2, "a trajectory needs two instants");
+  require(e.nominal.size() == instants, "the nominal run has other instants");
+  require(e.members.rows() >= 2, "an ensemble needs two members");
+  require(e.members.cols() == instants, "the members have other instants");
+  require(e.misfits.rows() == 0 || e.misfits.cols() == instants, "the pairs have other instants");
+
+  const Eigen::VectorXd mean = e.members.colwise().mean();
+  const double members = static_cast<double>(e.members.rows());
+  TrajectoryPrior prior{e.time, e.nominal, mean - e.nominal,
+                        (1.0 + 1.0 / members) * covariance(e.members)};
+
+  if (e.misfits.rows() >= 2) {
+    prior.deviation += e.misfits.colwise().mean();
+    prior.covariance += covariance_of_misfit(e);
+  }
+
+  const Eigen::VectorXd error = e.model_error * mean;
+  const Eigen::VectorXd length = Eigen::VectorXd::Constant(1, memory);
+  prior.covariance += error.asDiagonal() * correlation(e.time, e.time, length) * error.asDiagonal();
+  return prior;
+}
+
+TrajectoryForecast::TrajectoryForecast(const TrajectoryPrior& prior, const Gauge& gauge)
+    : time_(prior.time), noise_(gauge.noise) {
+  const Eigen::Index instants = time_.size();
+  require(instants >= 2, "a trajectory needs two instants");
+  require(prior.deviation.size() == instants, "the deviation has other instants");
+  require(prior.covariance.rows() == instants && prior.covariance.cols() == instants,
+          "the covariance has other instants");
+  replace_nominal(prior.nominal);
+
+  mean_ = Eigen::VectorXd::Zero(instants + 1);
+  mean_.head(instants) = prior.deviation;
+  covariance_ = Eigen::MatrixXd::Zero(instants + 1, instants + 1);
+  covariance_.topLeftCorner(instants, instants) = prior.covariance;
+  covariance_(instants, instants) = gauge.zero * gauge.zero;
+}
+
+void TrajectoryForecast::replace_nominal(const Eigen::VectorXd& nominal) {
+  require(nominal.size() == time_.size(), "the nominal run has other instants");
+  nominal_ = nominal;
+}
+
+Eigen::VectorXd TrajectoryForecast::weights_at(double time) const {
+  const Eigen::Index last = time_.size() - 1;
+  const double within = std::clamp(time, time_(0), time_(last));
+  const double* next = std::upper_bound(time_.data(), time_.data() + last, within);
+  const Eigen::Index right = std::max<Eigen::Index>(next - time_.data(), 1);
+  const double share = (within - time_(right - 1)) / (time_(right) - time_(right - 1));
+
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(mean_.size());
+  weights(right - 1) = 1.0 - share;
+  weights(right) = share;
+  return weights;
+}
+
+double TrajectoryForecast::nominal_at(double time) const {
+  return weights_at(time).head(nominal_.size()).dot(nominal_);
+}
+
+Estimated TrajectoryForecast::expected_reading(double time) const {
+  Eigen::VectorXd weights = weights_at(time);
+  weights(weights.size() - 1) = 1.0;
+  const double variance = weights.dot(covariance_ * weights) + noise_ * noise_;
+  return {nominal_at(time) + weights.dot(mean_), std::sqrt(variance)};
+}
+
+void TrajectoryForecast::learn(double time, double value) {
+  Eigen::VectorXd weights = weights_at(time);
+  weights(weights.size() - 1) = 1.0;
+
+  const Eigen::VectorXd with_reading = covariance_ * weights;
+  const double variance = weights.dot(with_reading) + noise_ * noise_;
+  if (variance <= 0.0) return;  // the reading was known beforehand
+  mean_ += with_reading * ((value - nominal_at(time) - weights.dot(mean_)) / variance);
+  covariance_.noalias() -= with_reading * with_reading.transpose() / variance;
+}
+
+Estimated TrajectoryForecast::at(double time) const {
+  const Eigen::VectorXd weights = weights_at(time);
+  const double variance = weights.dot(covariance_ * weights);
+  return {nominal_at(time) + weights.dot(mean_), std::sqrt(std::max(variance, 0.0))};
+}
+
+Estimated TrajectoryForecast::zero() const {
+  const Eigen::Index last = mean_.size() - 1;
+  return {mean_(last), std::sqrt(std::max(covariance_(last, last), 0.0))};
+}
+
+}  // namespace dccast::statistics

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace dccast::statistics {
+
+/// What is known of a quantity over time before it is measured: a nominal trajectory, how much the
+/// truth is expected to lie above it, and how these deviations vary together.
+struct TrajectoryPrior {
+  Eigen::VectorXd time;        ///< (instant) [s] increasing, two or more
+  Eigen::VectorXd nominal;     ///< (instant) [unit of the quantity]
+  Eigen::VectorXd deviation;   ///< (instant) expected truth minus nominal [unit]
+  Eigen::MatrixXd covariance;  ///< (instant, instant) of the deviation [unit^2]
+};
+
+/// Members of an ensemble and the runs that show how far its model is off.
+struct TrajectoryEnsemble {
+  Eigen::VectorXd time;     ///< (instant) [s] increasing, two or more
+  Eigen::VectorXd nominal;  ///< (instant) the run with nominal data [unit]
+  Eigen::MatrixXd members;  ///< (member, instant) data drawn from their ranges, two or more [unit]
+  /// (pair, instant) a finer run minus a member with the same data [unit]; fewer than two pairs
+  /// leave the error of the mesh out
+  Eigen::MatrixXd misfits;
+  double model_error = 0.05;  ///< [1] standard deviation of the model's error, share of the mean
+};
+
+/// The prior of an ensemble:
+///
+///     deviation  = mean(members) - nominal + mean(misfits)
+///     covariance = (1 + 1/N) cov(members) + C + model_error^2 m m' k
+///
+/// m is the mean of the members, k the Matern correlation of smoothness 5/2 over 60 s. C is half
+/// the covariance of the misfits and half their variances with an exponential correlation over
+/// 60 s, since some twenty pairs do not determine a covariance of hundreds of instants.
+/// @throws std::invalid_argument  sizes that do not belong together, or too few members
+TrajectoryPrior prior_of(const TrajectoryEnsemble& ensemble);
+
+/// How a quantity is measured.
+struct Gauge {
+  double noise = 1.0;  ///< standard deviation of a reading [unit]
+  double zero = 0.0;   ///< standard deviation of a constant error of all readings [unit]
+};
+
+/// An estimate and its standard deviation [unit].
+struct Estimated {
+  double value = 0.0;
+  double deviation = 0.0;
+};
+
+/// Forecasts a quantity from readings by conditioning Gaussian trajectories (Rasmussen and
+/// Williams 2006, eq. 2.25 and 2.26, one reading at a time). The unknown zero of the gauge is
+/// estimated with them. A reading costs the square of the number of instants. Between instants all
+/// is interpolated linearly; before the first and after the last it is that of the end.
+class TrajectoryForecast {
+public:
+  /// @throws std::invalid_argument  sizes that do not belong together
+  TrajectoryForecast(const TrajectoryPrior& prior, const Gauge& gauge);
+
+  /// Another nominal trajectory, as the levers are moved. What has been learned of the deviation
+  /// stays. @param nominal  (instant) [unit]
+  void replace_nominal(const Eigen::VectorXd& nominal);
+
+  /// What a gauge is expected to show at a time [s], noise and zero included.
+  Estimated expected_reading(double time) const;
+  /// Learns from a reading. @param time  [s]  @param value  [unit]
+  void learn(double time, double value);
+  /// The quantity itself at a time [s], given all readings so far.
+  Estimated at(double time) const;
+  /// The constant error of the gauge, given all readings so far [unit].
+  Estimated zero() const;
+
+private:
+  /// Weights of the instants around a time, and none of the zero.
+  Eigen::VectorXd weights_at(double time) const;
+  double nominal_at(double time) const;
+
+  Eigen::VectorXd time_;     ///< (instant) [s]
+  Eigen::VectorXd nominal_;  ///< (instant) [unit]
+  double noise_;             ///< [unit]
+  // The deviation at all instants, then the zero of the gauge.
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXd covariance_;
+};
+
+}  // namespace dccast::statistics
