@@ -118,7 +118,7 @@ const std::vector<Group>& groups() {
       {"Commands to prepare a case", {add_new, add_validate, add_schema, add_alloys}},
       {"Commands to ask at once", {add_query, add_compare}},
       {"Commands to run jobs",
-       {add_submit, add_watch, add_wait, add_list, add_show, add_top, add_cancel, add_pause,
+       {add_submit, add_follow, add_forecast, add_watch, add_wait, add_list, add_show, add_top, add_cancel, add_pause,
         add_resume, add_label, add_pin, add_unpin, add_delete}},
       {"Commands to read results",
        {add_curl, add_report, add_dashboard, add_probe, add_contraction, add_fetch, add_case,

@@ -1,9 +1,8 @@
 #include "client/model/measured_csv.hpp"
 
-#include <charconv>
-#include <cmath>
 #include <optional>
 
+#include "client/model/csv_line.hpp"
 #include "proto/case_file/quantity.hpp"
 
 namespace dccast::client {
@@ -11,35 +10,6 @@ namespace {
 
 constexpr std::size_t most_faults = 10;  // that are reported
 constexpr const char* header_form = "\"time [s], curl corner [mm], thermocouple [degC]\"";
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r\"");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
-}
-
-std::vector<std::string> cells_of(const std::string& line, char separator) {
-  std::vector<std::string> cells;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(separator, begin), line.size());
-    cells.push_back(trimmed(line.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  return cells;
-}
-
-/// "curl corner [mm]" as its name and unit.
-struct Heading {
-  std::string name, unit;
-};
-
-std::optional<Heading> heading_of(const std::string& cell) {
-  const auto open = cell.find_last_of("[(");
-  if (open == std::string::npos || !(cell.ends_with(']') || cell.ends_with(')')))
-    return std::nullopt;
-  return Heading{trimmed(cell.substr(0, open)),
-                 trimmed(cell.substr(open + 1, cell.size() - open - 2))};
-}
 
 std::string monitor_of(std::string name) {
   for (const char* kind : {"curl ", "gap ", "temperature "})
@@ -89,11 +59,7 @@ private:
   }
 
   void read_header(const std::string& line) {
-    for (const char separator : {'\t', ';', ','})
-      if (line.find(separator) != std::string::npos) {
-        separator_ = separator;
-        break;
-      }
+    separator_ = separator_of(line);
     const auto cells = cells_of(line, separator_);
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const auto heading = heading_of(cells[i]);
@@ -136,14 +102,12 @@ private:
 
   std::optional<double> number(const std::string& cell, const std::string& unit, const char* to,
                                std::size_t column) {
-    double value = 0.0;
-    const char* const end = cell.data() + cell.size();
-    const auto [rest, error] = std::from_chars(cell.data(), end, value);
-    if (error != std::errc() || rest != end || !std::isfinite(value)) {
+    const auto value = number_in(cell);
+    if (!value) {
       fault(column, "\"" + cell + "\" is no number; permitted: digits with a point, e.g. 12.5");
       return std::nullopt;
     }
-    return case_file::convert(value, unit, to);
+    return case_file::convert(*value, unit, to);
   }
 
   void read_readings(const std::string& line) {

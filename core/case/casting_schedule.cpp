@@ -88,7 +88,7 @@ bool CastingSchedule::cools_down(double time) const {
   return end_ > end_of_casting_ && time >= end_of_casting_ - same_time;
 }
 
-double CastingSchedule::speed(double time, double length) const {
+double CastingSchedule::planned_speed(double time, double length) const {
   return value(schedule_.casting_speed_factor, time, length) *
          value(schedule_.casting_speed, time - schedule_.casting_speed_shift, length);
 }
@@ -102,8 +102,18 @@ double CastingSchedule::cast_length(double length, double time, double step) con
   // Not cut by rounding: steps end at the end of the casting.
   double to = time + step;
   if (to > end_of_casting_ + same_time) to = end_of_casting_;
-  if (to <= std::max(time, 0.0)) return length;
-  const double from = std::max(time, 0.0), h = to - from;
+  if (measured_.empty()) return planned_length(length, time, to);
+
+  for (const LeverStretch& stretch : measured_.stretches(Lever::casting_speed, time, to))
+    length = stretch.integral ? length + *stretch.integral
+                              : planned_length(length, stretch.from, stretch.to);
+  return length;
+}
+
+double CastingSchedule::planned_length(double length, double from, double to) const {
+  if (to <= std::max(from, 0.0)) return length;
+  from = std::max(from, 0.0);
+  const double h = to - from;
 
   if (speed_follows_time()) {
     return length + integral_of_product(schedule_.casting_speed, schedule_.casting_speed_shift,
@@ -111,8 +121,10 @@ double CastingSchedule::cast_length(double length, double time, double step) con
   }
 
   // Classical Runge-Kutta for a speed against cast length.
-  const double k1 = speed(from, length), k2 = speed(from, length + 0.5 * h * k1);
-  const double k3 = speed(from, length + 0.5 * h * k2), k4 = speed(from, length + h * k3);
+  const double k1 = planned_speed(from, length);
+  const double k2 = planned_speed(from, length + 0.5 * h * k1);
+  const double k3 = planned_speed(from, length + 0.5 * h * k2);
+  const double k4 = planned_speed(from, length + h * k3);
   return length + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
 }
 
@@ -131,25 +143,31 @@ double CastingSchedule::filled_share(double time) const {
 }
 
 double CastingSchedule::casting_temperature(double time, double length) const {
-  return value(schedule_.casting_temperature, time, length);
+  const auto measured = measured_.at(Lever::casting_temperature, time);
+  return measured ? *measured : value(schedule_.casting_temperature, time, length);
 }
 
 double CastingSchedule::water_flow(double time, double length) const {
-  return flow(schedule_.water_flow, cooling_.water, time, length);
+  const auto measured = measured_.at(Lever::water_flow, time);
+  return measured ? *measured : planned_flow(schedule_.water_flow, cooling_.water, time, length);
 }
 
 double CastingSchedule::narrow_water_flow(double time, double length) const {
+  // Who measures one flow measures that of all faces, as long as the plan has one for all.
+  auto measured = measured_.at(Lever::narrow_water_flow, time);
   const Curve& own = schedule_.narrow_water_flow;
-  return flow(own.empty() ? schedule_.water_flow : own, cooling_.water_of(thermal::Face::narrow),
-              time, length);
+  if (!measured && own.empty()) measured = measured_.at(Lever::water_flow, time);
+  return measured ? *measured
+                  : planned_flow(own.empty() ? schedule_.water_flow : own,
+                                 cooling_.water_of(thermal::Face::narrow), time, length);
 }
 
-double CastingSchedule::flow(const Curve& table, const thermal::Water& water, double time,
-                             double length) const {
-  return runs(water, time) && time <= end_of_casting_ + same_time
-             ? value(schedule_.water_flow_factor, time, length) *
-                                 value(table, time - schedule_.water_flow_shift, length)
-                           : 0.0;
+double CastingSchedule::planned_flow(const Curve& table, const thermal::Water& water, double time,
+                                     double length) const {
+  const bool on = runs(water, time) && time <= end_of_casting_ + same_time;
+  return on ? value(schedule_.water_flow_factor, time, length) *
+                  value(table, time - schedule_.water_flow_shift, length)
+            : 0.0;
 }
 
 double CastingSchedule::next_frame(double time) const {

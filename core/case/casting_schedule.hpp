@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/case/case.hpp"
+#include "core/case/lever_record.hpp"
 
 namespace dccast::casting {
 
@@ -16,13 +17,18 @@ struct Leap {
   double to = 0.0;  ///< [s] time at its end
 };
 
-/// The operating conditions of the casting as functions of time and cast length.
+/// The operating conditions of the casting as functions of time and cast length: those that the case
+/// plans and, of a casting under way, those that were measured up to the last reading.
 ///
 /// Units: in all functions time [s] and (cast) length [m].
 class CastingSchedule {
 public:
   /// @param casting_case  checked; its tables are copied
   explicit CastingSchedule(const Case& casting_case);
+
+  /// Adds what was measured: from now on it holds wherever it is known.
+  /// @throws std::invalid_argument  the reading is not later than the last one
+  void append(const LeverReading& reading) { measured_.append(reading); }
 
   /// Start of the simulation: minus the hold [s].
   double begin() const { return begin_; }
@@ -66,10 +72,13 @@ public:
   double cast_length_over(double length, double time, double to, std::int64_t most_pieces) const;
 
 private:
-  double speed(double time, double length) const;  ///< [m/s]
+  double planned_speed(double time, double length) const;  ///< [m/s]
+  /// Cast length at the end of a period by the plan [m].
+  double planned_length(double length, double from, double to) const;
   bool cools_down(double time) const;
   /// [m2/s]
-  double flow(const Curve& table, const thermal::Water& water, double time, double length) const;
+  double planned_flow(const Curve& table, const thermal::Water& water, double time,
+                      double length) const;
   /// Time of the next sudden change [s], and of the next sudden change or frame [s]; infinite after
   /// the end.
   double next_change(double time) const;
@@ -86,6 +95,7 @@ private:
   double end_of_casting_;       ///< [s]
   double end_;                  ///< [s] with the cool-down
   std::vector<double> events_;  ///< [s] increasing
+  LeverRecord measured_;
 };
 
 /// The ranges of time, cast length and depth that a casting passes through.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/case/case.hpp"
+#include "core/case/lever_record.hpp"
 #include "core/findings/run_failure.hpp"
 #include "core/results/checkpoint_file.hpp"
 #include "core/results/frame.hpp"
@@ -48,6 +49,22 @@ public:
   virtual void on_message(std::string_view text) = 0;
 };
 
+/// Where a run that follows a casting gets its levers from. Called from the thread of the run.
+class LeverFeed {
+public:
+  virtual ~LeverFeed() = default;
+
+  /// What has arrived since the last call, in the order of time; all from the beginning at first.
+  struct Arrived {
+    std::vector<LeverReading> readings;
+    bool closed = false;          ///< no more will come
+    Order order = Order::go_on;  ///< what the run does instead of waiting any longer
+  };
+  /// Waits until there is a reading of a time [s] or later, the record is closed, or the run has to
+  /// stop.
+  virtual Arrived wait_until(double time) = 0;
+};
+
 /// One casting, step by step, in two or three dimensions. Does not read or write result files.
 class CastingRun {
 public:
@@ -59,6 +76,11 @@ public:
   /// @throws SolveFailed  not converged at the smallest time step
   virtual results::StepReport advance() = 0;
   virtual double time() const = 0;  ///< [s] end of the last accepted step
+  /// End of the next step if it converges at once; otherwise it ends earlier [s].
+  virtual double next_time() const = 0;
+  /// Follows what was measured: the reading replaces the plan up to its time.
+  /// @throws std::invalid_argument  the reading is not later than the last one
+  virtual void append(const LeverReading& reading) = 0;
 
   /// Whether the fields at the present time are to be stored.
   virtual bool frame_is_due() const = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <system_error>
@@ -20,6 +21,8 @@
 namespace dccast::casting {
 
 namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 const char* checkpoint_name = "checkpoint.bin";
 const char* results_name = "results.h5";
@@ -79,9 +82,11 @@ private:
 /// A run with its files and its observer.
 class Driver {
 public:
-  Driver(const Case& c, const RunDirectory& directory, StepObserver& observer, int threads)
+  Driver(const Case& c, const RunDirectory& directory, StepObserver& observer, int threads,
+         LeverFeed* feed)
       : directory_(directory),
         observer_(observer),
+        feed_(feed),
         run_(make_run(c, threads)),
         clock_(c.checkpoint),
         header_(header_of(c)),
@@ -91,6 +96,8 @@ public:
     try {
       if (const auto refused = begin()) return *refused;
       while (!run_->finished() && !over()) {
+        if (const auto end = await_levers()) return *end;
+        if (record_ended_) break;
         if (const auto end = after(run_->advance())) return *end;
       }
     } catch (const SolveFailed& error) {
@@ -121,6 +128,7 @@ private:
   }
 
   void store_frame() {
+    frame_time_ = run_->time();
     if (!writer_) return;
     writer_->append(run_->take_frame());
     writer_->flush();
@@ -165,6 +173,41 @@ private:
     return {fails ? RunEnd::failed : RunEnd::other_version, {failure}};
   }
 
+  /// Takes the levers of a casting under way up to the end of the next step.
+  /// @return the outcome if the run ends before that step
+  std::optional<RunOutcome> await_levers() {
+    while (feed_ && levers_until() < run_->next_time()) {
+      const LeverFeed::Arrived arrived = feed_->wait_until(run_->next_time());
+      for (const LeverReading& reading : arrived.readings) {
+        run_->append(reading);
+        keep(reading);
+      }
+      if (arrived.order == Order::cancel) return cancelled();
+      if (arrived.order == Order::stop_at_checkpoint) return stopped();
+
+      record_ended_ = arrived.closed && levers_until() < run_->next_time();
+      if (!record_ended_) continue;
+      if (frame_time_ < run_->time()) store_frame();
+      break;
+    }
+    return std::nullopt;
+  }
+
+  /// Time up to which the levers are known [s].
+  double levers_until() const { return levers_.time.empty() ? -infinity : levers_.time.back(); }
+
+  /// Keeps a reading for the results.
+  void keep(const LeverReading& reading) {
+    const auto value_of = [&](Lever lever) {
+      return reading.of(lever).value_or(std::numeric_limits<double>::quiet_NaN());
+    };
+    levers_.time.push_back(reading.time);
+    levers_.casting_speed.push_back(value_of(Lever::casting_speed));
+    levers_.casting_temperature.push_back(value_of(Lever::casting_temperature));
+    levers_.water_flow.push_back(value_of(Lever::water_flow));
+    levers_.narrow_water_flow.push_back(value_of(Lever::narrow_water_flow));
+  }
+
   /// Stores and reports a step. @return the outcome if the observer ends the run here
   std::optional<RunOutcome> after(const results::StepReport& report) {
     if (writer_) writer_->append(report);
@@ -174,11 +217,18 @@ private:
     if (run_->frame_is_due() || over()) store_frame();
     const Order order = observer_.on_step(report);
     if (order == Order::cancel) return cancelled();
-    const bool stop = order == Order::stop_at_checkpoint && !run_->finished() && !over();
-    if (writer_ && (stop || clock_.due(report.step))) write_checkpoint();
-    if (!stop) return std::nullopt;
-    if (writer_) writer_->wait();
-    return RunOutcome{RunEnd::stopped, {}};
+    if (order == Order::stop_at_checkpoint && !run_->finished() && !over()) return stopped();
+    if (writer_ && clock_.due(report.step)) write_checkpoint();
+    return std::nullopt;
+  }
+
+  /// Ends the run where it can be resumed.
+  RunOutcome stopped() {
+    if (writer_) {
+      write_checkpoint();
+      writer_->wait();
+    }
+    return {RunEnd::stopped, {}};
   }
 
   /// Reports the findings that the observer has not received yet.
@@ -214,7 +264,7 @@ private:
     const RunFailures& failures = run_->failures();
     report_worst_exceedances();
     try {
-      if (writer_) writer_->publish(summary_of(*run_));
+      if (writer_) writer_->publish(summary_of(*run_), levers_);
     } catch (const std::system_error& error) {
       return with_storage_failure(error);
     }
@@ -249,18 +299,24 @@ private:
 
   RunDirectory directory_;
   StepObserver& observer_;
+  LeverFeed* feed_;  ///< none where the case alone is computed
   std::unique_ptr<CastingRun> run_;
   CheckpointClock clock_;
   results::RunHeader header_;
   results::RunFiles files_;
   std::unique_ptr<results::ResultWriter> writer_;  ///< none where nothing is kept
   std::vector<results::Finding> reported_;         ///< findings as the observer has them
+
+  results::MeasuredLevers levers_;  ///< readings of the levers so far
+  bool record_ended_ = false;        ///< the levers of the next step will never be known
+  double frame_time_ = -infinity;    ///< [s] of the last frame
 };
 
 }  // namespace
 
-RunOutcome run(const Case& c, const RunDirectory& directory, StepObserver& observer, int threads) {
-  return Driver(c, directory, observer, threads).drive();
+RunOutcome run(const Case& c, const RunDirectory& directory, StepObserver& observer, int threads,
+               LeverFeed* feed) {
+  return Driver(c, directory, observer, threads, feed).drive();
 }
 
 }  // namespace dccast::casting

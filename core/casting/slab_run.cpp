@@ -164,7 +164,7 @@ results::StepReport SlabRun<Dim>::advance() {
   const RunState<Dim> saved = state_;
 
   for (int failed = 0;; ++failed) {
-    const double dt = control_.choose(schedule_.step_at(state_.time));
+    const double dt = next_step();
     const Attempt tried = attempt(dt);
 
     if (tried.converged()) {

@@ -61,6 +61,8 @@ public:
   bool finished() const override;
   results::StepReport advance() override;
   double time() const override { return state_.time; }
+  double next_time() const override { return state_.time + next_step(); }
+  void append(const LeverReading& reading) override { schedule_.append(reading); }
   bool frame_is_due() const override;
   results::Frame take_frame() override;
   void fail(RunFailure failure) override { add_failure(state_.failures, std::move(failure)); }
@@ -82,6 +84,8 @@ public:
 private:
   /// Processor time of the calling thread and of the team so far [s].
   double processor_seconds() const;
+  /// Time step to try next [s].
+  double next_step() const { return control_.choose(schedule_.step_at(state_.time)); }
   /// Restores state and mesh after an attempt that did not converge.
   void go_back_to(const RunState<Dim>& state);
   /// @param dt  time step [s]

@@ -172,7 +172,8 @@ void ResultFileBuilder::add(const Record& record) {
   journal_end_ = record.end;
 }
 
-void ResultFileBuilder::finish(const RunSummary& summary, const std::vector<StepReport>& history) {
+void ResultFileBuilder::finish(const RunSummary& summary, const MeasuredLevers& levers,
+                               const std::vector<StepReport>& history) {
   // The journal must end with a whole record: a cut one means that steps are lost.
   follow();
   if (journal_end_ != static_cast<std::int64_t>(std::filesystem::file_size(journal_)))
@@ -189,6 +190,7 @@ void ResultFileBuilder::finish(const RunSummary& summary, const std::vector<Step
   file_.write_attribute("/", "message", summary.message);
   if (summary.validity_lost) write_validity_loss(file_, *summary.validity_lost);
   write_findings(file_, summary.findings);
+  write_levers(file_, levers);
   file_.write_attribute("/frames", "count", static_cast<std::int64_t>(frames_.size()));
   file_.close();
 }

@@ -6,6 +6,7 @@
 #include "core/results/frame.hpp"
 #include "core/results/hdf5_file.hpp"
 #include "core/results/journal.hpp"
+#include "core/results/levers_group.hpp"
 #include "core/results/step_report.hpp"
 #include "core/results/xdmf.hpp"
 
@@ -24,7 +25,8 @@ public:
   void follow();
   /// Calls follow(), writes the data that are known only at the end, and closes the file.
   /// @param history  one report per accepted step
-  void finish(const RunSummary& summary, const std::vector<StepReport>& history);
+  void finish(const RunSummary& summary, const MeasuredLevers& levers,
+              const std::vector<StepReport>& history);
 
   /// Outlines of the frames so far, for the sidecar.
   const std::vector<FrameOutline>& frames() const { return frames_; }

@@ -123,6 +123,10 @@ RunSummary ResultReader::summary() const {
           read_validity_loss(*file_), read_findings(*file_)};
 }
 
+MeasuredLevers ResultReader::levers() const {
+  return read_levers(*file_);
+}
+
 std::vector<StepReport> ResultReader::history() const {
   const char* object = "/monitors/displacement_m";
   const auto shape = file_->shape_of(object);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/results/frame.hpp"
+#include "core/results/levers_group.hpp"
 #include "core/results/step_report.hpp"
 
 /// Names in results.h5, shared by writer, reader and sidecar. SCHEMA.md is the specification.
@@ -41,6 +42,7 @@ public:
   /// Data stored once per run. @throws storage::StorageError  the file is damaged
   RunHeader header() const;
   RunSummary summary() const;
+  MeasuredLevers levers() const;  ///< of a casting that the run followed
   /// All accepted steps. Computing times are not stored, so they are zero.
   std::vector<StepReport> history() const;
   std::size_t frames() const { return frames_; }

@@ -97,9 +97,9 @@ void ResultWriter::follow() {
   builder_ = std::move(result_file);
 }
 
-void ResultWriter::finish(const RunSummary& summary) {
+void ResultWriter::finish(const RunSummary& summary, const MeasuredLevers& levers) {
   const auto result_file = take_builder();
-  result_file->finish(summary, history_);
+  result_file->finish(summary, levers, history_);
 
   const std::string name = files_.results.filename().string();
   const fs::path sidecar = fs::path(files_.results).replace_extension(".xdmf");
@@ -151,9 +151,9 @@ void ResultWriter::wait() {
   background_.wait();
 }
 
-void ResultWriter::publish(const RunSummary& summary) {
+void ResultWriter::publish(const RunSummary& summary, const MeasuredLevers& levers) {
   journal_.write();
-  background_.post([this, summary] { finish(summary); });
+  background_.post([this, summary, levers] { finish(summary, levers); });
   background_.wait();
 }
 

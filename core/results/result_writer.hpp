@@ -9,6 +9,7 @@
 
 #include "core/results/frame.hpp"
 #include "core/results/journal.hpp"
+#include "core/results/levers_group.hpp"
 #include "core/results/step_report.hpp"
 #include "core/storage/background.hpp"
 
@@ -75,7 +76,8 @@ public:
 
   /// Completes `results`.part and renames it to its final name; does the same with the XDMF
   /// sidecars, `results` with extension .xdmf and "-end.xdmf". The journal remains.
-  void publish(const RunSummary& summary);
+  /// @param levers  of a casting that was followed
+  void publish(const RunSummary& summary, const MeasuredLevers& levers = {});
 
 private:
   /// Continues with the records that the journal and the reports still hold.
@@ -87,7 +89,7 @@ private:
   // Called by the background thread.
   void follow();
   /// Writes the result file beside its final name and publishes it.
-  void finish(const RunSummary& summary);
+  void finish(const RunSummary& summary, const MeasuredLevers& levers);
   std::unique_ptr<ResultFileBuilder> take_builder();
 
   RunFiles files_;

@@ -259,6 +259,7 @@ struct JobSide {
   intake::Uploads uploads;
   const std::unique_ptr<jobs::JobStore> store;
   jobs::EventLogs logs;
+  jobs::ReadingsLogs readings;
   jobs::Precedence precedence;
   jobs::LocalExecutor local;
   const std::unique_ptr<jobs::SlurmExecutor> slurm;
@@ -287,6 +288,7 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
                .lifetime = milliseconds(settings.retention().upload_lifetime_s())}),
       store(state::open_store(directory)),
       logs(directory.jobs()),
+      readings(directory.jobs()),
       local(warm_workers, settings.workers().count(), precedence),
       slurm(slurm_executor(settings, directory, local)),
       executor(slurm ? static_cast<jobs::Executor&>(*slurm) : local),
@@ -300,6 +302,7 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
               study_store, scheduler, intake) {
   scheduler.observe_transitions([this](const v1::Job& job, v1::JobState from) {
     tally.count(job, from);
+    if (jobs::is_terminal(job.state())) readings.close(job.id());
     end_hook.on_transition(job, from);
   });
   scheduler.recover();
@@ -335,6 +338,7 @@ service::Context make_context(const v1::DaemonConfig& config, JobSide& jobs, ser
   return {.settings = config,
           .scheduler = jobs.scheduler,
           .logs = jobs.logs,
+          .readings = jobs.readings,
           .store = *jobs.store,
           .studies = jobs.studies,
           .intake = jobs.intake,

@@ -10,6 +10,7 @@
 #include "server/intake/uploads.hpp"
 #include "server/jobs/executors/precedence.hpp"
 #include "server/jobs/logs/event_logs.hpp"
+#include "server/jobs/logs/readings_log.hpp"
 #include "server/jobs/logs/step_index.hpp"
 #include "server/jobs/queue/scheduler.hpp"
 #include "server/jobs/recent.hpp"
@@ -40,6 +41,7 @@ struct Context {
   /// Jobs: queue, event logs and index.
   jobs::Scheduler& scheduler;
   jobs::EventLogs& logs;
+  jobs::ReadingsLogs& readings;
   jobs::JobStore& store;
   studies::Studies& studies;
   /// Checks of cases, and files that cases name.

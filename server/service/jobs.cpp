@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "proto/values/printable.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/service/message_stream.hpp"
@@ -59,6 +60,32 @@ void change_labels(const v1::UpdateJobRequest& request, v1::Job& job) {
   job.mutable_labels()->Assign(labels.begin(), labels.end());
 }
 
+/// Checks the gauges of a job that follows a casting, and that its caller may read the ensemble.
+void check_following(Context& context, const Call& call, const v1::SubmitJobRequest& request) {
+  constexpr double largest_m = 1.0;
+  for (const v1::Gauge& gauge : request.following().gauges()) {
+    const auto& monitors = request.case_().monitor();
+    if (std::ranges::find(monitors, gauge.monitor(), &v1::Monitor::name) == monitors.end())
+      refuse(Remedy{"name a monitor of the case"}, "the case has no monitor \"{}\"",
+             values::shortened(gauge.monitor()));
+    const bool sound = gauge.noise_m() > 0.0 && gauge.noise_m() <= largest_m &&
+                       gauge.zero_m() >= 0.0 && gauge.zero_m() <= largest_m;
+    if (!sound)
+      refuse(Remedy{"give standard deviations in metres"},
+             "the gauge at \"{}\" has a noise of {:g} m and a zero of {:g} m; above 0 to 1 m and "
+             "0 to 1 m are permitted",
+             values::shortened(gauge.monitor()), gauge.noise_m(), gauge.zero_m());
+  }
+
+  const std::string& ensemble = request.following().ensemble();
+  if (ensemble.empty()) return;
+  check_study_id(ensemble);
+  const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
+  if (const auto status = context.gate.permit_touch(call.caller, reading, ensemble); !status.ok())
+    throw Refusal{status};
+  if (!context.studies.find(ensemble)) refuse_unknown_study(ensemble);
+}
+
 /// Refuses a job that could never start. Permission is checked for each predecessor, so that the
 /// refusal reveals nothing of jobs that the caller may not read.
 void check_jobs_before(Context& context, const access::Caller& caller,
@@ -104,6 +131,7 @@ SoundSubmission examine(Context& context, const Call& call, const v1::SubmitJobR
   check_mail(request.mail());
   check_case_file(request.case_file());
   check_jobs_before(context, call.caller, request.after());
+  if (request.has_following()) check_following(context, call, request);
 
   auto attachments = uploaded_files(context, call, request.attachments());
   auto examined = sound_case(context, call, request.case_(), attachments);
@@ -127,6 +155,11 @@ v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& r
   job.time_limit_s = request.time_limit_s();
   job.mail = request.mail();
 
+  if (request.has_following()) {
+    job.following = request.following();
+    job.goes_first = true;
+    job.answer_key.clear();  // its results are those of the casting, not of the case alone
+  }
   return context.scheduler.submit(job, sound.attachments);
 }
 

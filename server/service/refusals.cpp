@@ -12,6 +12,7 @@
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/logs/readings_log.hpp"
 #include "server/service/call.hpp"
 #include "server/service/context.hpp"
 
@@ -252,6 +253,8 @@ grpc::Status guarded(const std::function<void()>& handler) {
     return refuse_for_worker(error);
   } catch (const jobs::UnsoundResult& unsound) {
     return make_status({.reason = ErrorInfo::DAMAGED, .cause = unsound.what()});
+  } catch (const jobs::DamagedReadings& damaged) {
+    return make_status({.reason = ErrorInfo::DAMAGED, .cause = damaged.what()});
   } catch (const std::system_error& error) {
     return refuse_for_file(error);
   } catch (const std::bad_alloc&) {

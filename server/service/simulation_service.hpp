@@ -48,6 +48,11 @@ public:
   Unary* DeleteJob(Wire*, const v1::DeleteJobRequest*, v1::DeleteJobResponse*) override;
   Stream<v1::JobEvent>* WatchJob(Wire*, const v1::WatchJobRequest*) override;
 
+  // readings.cpp
+  Unary* AppendReadings(Wire*, const v1::AppendReadingsRequest*,
+                        v1::AppendReadingsResponse*) override;
+  Unary* ForecastJob(Wire*, const v1::ForecastJobRequest*, v1::Forecast*) override;
+
   // uploads.cpp
   grpc::ServerReadReactor<v1::UploadAttachmentRequest>* UploadAttachment(
       Wire*, v1::UploadAttachmentResponse*) override;

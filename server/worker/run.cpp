@@ -22,6 +22,7 @@
 #include "server/jobs/logs/step_index.hpp"
 #include "server/translate/enumerations.hpp"
 #include "server/translate/translate.hpp"
+#include "server/worker/followed_levers.hpp"
 #include "server/worker/run_facts.hpp"
 
 namespace dccast::worker {
@@ -155,13 +156,18 @@ v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
 
   ReportingObserver observer(link, casting_case,
                              case_file::relative_discretisation_error(order.case_()));
+  std::optional<FollowedLevers> levers;
+  if (!order.job_id().empty() && jobs::follows_readings(directory))
+    levers.emplace(directory, [&link] { return link.order(); });
+
   const auto outcome = casting::run(casting_case,
                                     {.path = directory,
                                      .resume = order.resume(),
                                      .other_version = translate::to_core(order.other_version()),
                                      .leaves_run_files = true,
                                      .keeps_nothing = order.job_id().empty()},
-                                    observer, std::max(order.threads(), 1));
+                                    observer, std::max(order.threads(), 1),
+                                    levers ? &*levers : nullptr);
 
   return make_run_end(outcome, order);
 }
@@ -181,6 +187,8 @@ v1::RunEnd run_job(const v1::SolveCase& order, RunLink& link) {
     return run(order, link);
   } catch (const InvalidCase& error) {
     return failed_run(v1::Finding::INVALID_CASE, translate::describe(error.faults()));
+  } catch (const jobs::DamagedReadings& error) {
+    return failed_run(v1::Finding::STORAGE, error.what());
   } catch (const std::system_error& error) {
     if (storage::is_memory_fault(error.code()))
       return failed_run(v1::Finding::OUT_OF_MEMORY, jobs::out_of_memory_text);

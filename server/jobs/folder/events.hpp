@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "dccast/v1/follow.pb.h"
 #include "dccast/v1/job.pb.h"
 #include "server/jobs/folder/job_folder.hpp"
 
@@ -45,6 +47,7 @@ struct NewJob {
   std::string answer_key{};               ///< see JobRecord
   /// Starts at once, in addition to the jobs of the queue. A restarted daemon queues it normally.
   bool goes_first = false;
+  std::optional<v1::Following> following{};  ///< goes as far as its record (logs/readings_log.hpp)
 };
 
 /// Creates the first record of a job: queued, with a new id, created now.

@@ -11,6 +11,7 @@
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/logs/readings_log.hpp"
 #include "server/jobs/queue/queue_hold.hpp"
 
 namespace dccast::jobs {
@@ -68,7 +69,7 @@ SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& l
   const SilenceDeadline heartbeat{
       attempt.last_sign + limits.heartbeat,
       fmt::format("gave no sign of life for {:g} s", seconds(limits.heartbeat))};
-  if (limits.stall.count() == 0) return heartbeat;
+  if (limits.stall.count() == 0 || attempt.waits_for_readings) return heartbeat;
 
   const SilenceDeadline stall{
       attempt.last_progress + limits.stall,
@@ -160,6 +161,7 @@ std::shared_ptr<Attempt> Attempts::add(JobRecord record, std::shared_ptr<EventLo
   attempt->sequence = log->last_sequence();
   attempt->log = std::move(log);
   attempt->record = std::move(record);
+  attempt->waits_for_readings = follows_readings(folder(*attempt));
   attempt->sign = signs_in(folder(*attempt)).claimed_ns;
 
   forgive_silence(*attempt, Clock::now());

@@ -27,6 +27,7 @@ struct Attempt {
   std::shared_ptr<EventLog> log;
   bool adopted = false;     ///< its worker was started by an earlier daemon
   bool goes_first = false;  ///< runs in addition to the capacity of the executor
+  bool waits_for_readings = false;  ///< it follows a casting: a silence of any length is no stall
   JobRecord record;
 
   Clock::time_point since;  ///< when it got its machine

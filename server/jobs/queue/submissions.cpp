@@ -7,6 +7,7 @@
 
 #include "core/storage/file.hpp"
 #include "proto/refusal/refusal.hpp"
+#include "server/jobs/logs/readings_log.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
 
@@ -125,6 +126,7 @@ std::optional<v1::Job> Submissions::write_new_job(const JobRecord& record, const
     v1::JobEvent event = state_event(record.job, "submitted");
     log->append(event);
     log->sync();
+    if (new_job.following) create_readings_log(folder, *new_job.following);
     storage::sync_directory(folder);
 
     const auto existing = state_.store.insert(record);

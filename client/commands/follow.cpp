@@ -1,0 +1,236 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+#include <thread>
+
+#include "client/cli/common_options.hpp"
+#include "client/commands/commands.hpp"
+#include "client/model/answer.hpp"
+#include "client/model/readings_csv.hpp"
+#include "client/session/case_faults.hpp"
+#include "client/session/jobs.hpp"
+#include "client/session/readings.hpp"
+#include "client/session/studies.hpp"
+#include "client/text/table.hpp"
+#include "proto/case_file/quantity.hpp"
+#include "proto/values/digests.hpp"
+#include "proto/values/interpolation.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct FollowOptions {
+  std::string file;
+  std::string job;
+  std::string readings = "-";
+  std::vector<std::string> set;
+  std::vector<std::string> labels;
+  std::string ensemble;
+  std::string noise = "1 mm", zero = "0 mm";
+  bool growing = false;
+  bool json = false;
+  bool strict = false;
+};
+
+void remark(const std::string& text) {
+  std::cerr << "readings: " << text << std::endl;
+}
+
+/// What lines of the source hold.
+std::vector<v1::Reading> readings_in(const std::vector<std::string>& lines, ReadingsTable& table) {
+  std::vector<v1::Reading> readings;
+  for (const std::string& text : lines) {
+    ReadingsTable::Line line = table.take(text);
+    for (const std::string& each : line.remarks) remark(each);
+    if (line.reading) readings.push_back(std::move(*line.reading));
+  }
+  return readings;
+}
+
+/// How the job follows: each curl of the source has a gauge.
+v1::Following following_of(const FollowOptions& options, const ReadingsTable& table,
+                           Connection& connection) {
+  v1::Following following;
+  if (!options.ensemble.empty())
+    following.set_ensemble(resolve_study(connection, options.ensemble));
+  for (const std::string& monitor : table.gauges()) {
+    v1::Gauge& gauge = *following.add_gauges();
+    gauge.set_monitor(monitor);
+    gauge.set_noise_m(case_file::parse_quantity(options.noise, "m").value.value());
+    gauge.set_zero_m(case_file::parse_quantity(options.zero, "m").value.value());
+  }
+  return following;
+}
+
+/// Submits the case as a job that follows readings. Throws CommandFailed.
+std::string submit(const FollowOptions& options, const ReadingsTable& table,
+                   Connection& connection) {
+  CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
+  check_with_server(checked, connection);
+  if (!checked.faults.empty()) {
+    print_faults(checked, std::cerr);
+    throw invalid("the case has faults; nothing was submitted");
+  }
+
+  v1::SubmitJobRequest request = submission_of(checked, connection);
+  request.set_request_id(values::random_uuid());
+  request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
+  *request.mutable_following() = following_of(options, table, connection);
+  v1::Job job;
+  check(submit_with_retries(connection, request, job), connection.server());
+  std::cerr << "job " << job.id() << " follows the casting" << std::endl;
+  return job.id();
+}
+
+/// Sends what the source holds until it ends, the job takes no more, or the stop is requested.
+void send_all(RecordSender& sender, LineSource& source, ReadingsTable& table,
+              std::vector<v1::Reading> first, const std::stop_token& stop) {
+  bool takes_more = sender.send(std::move(first));
+  while (takes_more) {
+    const auto lines = source.next(stop);
+    if (lines.empty()) break;
+    takes_more = sender.send(readings_in(lines, table));
+  }
+  if (takes_more && !stop.stop_requested()) sender.close();
+}
+
+ExitCode run(const FollowOptions& options, Program& program) {
+  if (options.file.empty() == options.job.empty()) throw invalid("give either FILE or --job JOB");
+  if (options.file == "-" && options.readings == "-")
+    throw invalid("standard input holds the readings; give the case as a file");
+
+  // The header is read before anything is submitted: a source that cannot be used makes no job.
+  LineSource source(options.readings, options.growing);
+  ReadingsTable table;
+  auto first = readings_in(source.next({}), table);
+  if (!table.has_header()) throw invalid("the source of the readings is empty");
+
+  Connection connection = program.connect();
+  const std::string id = options.job.empty() ? submit(options, table, connection)
+                                             : resolve_job(connection, options.job);
+
+  const auto interruption = std::make_shared<Interruption>();
+  Connection of_sender = connection.another(interruption);
+  RecordSender sender(of_sender, id, remark);
+  std::jthread sending([&](const std::stop_token& stop) {
+    const std::stop_callback cancel(stop, [&] { interruption->come(); });
+    try {
+      send_all(sender, source, table, std::move(first), stop);
+    } catch (const Interrupted&) {  // the job has ended, or the user has left
+    } catch (const std::exception& error) {
+      remark(fmt::format("no more are sent: {}. The job waits for them: dccast follow --job {}",
+                         error.what(), id));
+    }
+  });
+  return watch_job(connection, id, 1, options.json, false, options.strict);
+}
+
+constexpr const char* examples = R"(plant-logger | dccast follow my.toml
+  dccast follow my.toml --readings today.csv --growing
+  dccast follow my.toml --readings casting-41.csv        # one that was cast, computed again
+  plant-logger | dccast follow --job JOB                 # after this program was stopped
+
+The source is a table whose first line names the columns:
+  time [s], speed [mm/min], water [l/min/m], narrow water [l/min/m], metal [degC], curl corner [mm]
+A measured curl gives a forecast: dccast forecast JOB.)";
+
+struct ForecastOptions {
+  std::string id;
+  bool json = false;
+};
+
+/// The value of a curve at a time within its range.
+double value_at(const google::protobuf::RepeatedField<double>& time_s,
+                const google::protobuf::RepeatedField<double>& values, double at_s) {
+  return values::at_instants({at_s}, {time_s.begin(), time_s.end()},
+                             {values.begin(), values.end()})
+      .front();
+}
+
+void add_rows(const v1::ForecastCurl& curl, double now_s, render::Table& table) {
+  constexpr double nine_of_ten = 1.645;
+  const double end_s = *curl.time_s().rbegin();
+  const auto add = [&](const std::string& when, double at_s) {
+    const double metres = value_at(curl.time_s(), curl.curl_m(), at_s);
+    const double width = nine_of_ten * value_at(curl.time_s(), curl.deviation_m(), at_s);
+    table.add({curl.monitor(), when, render::fixed(at_s, 0), render::fixed(1e3 * metres, 1),
+               render::fixed(1e3 * (metres - width), 1), render::fixed(1e3 * (metres + width), 1)});
+  };
+
+  add("now", std::clamp(now_s, 0.0, end_s));
+  for (const double ahead_s : {30.0, 60.0, 120.0})
+    if (now_s + ahead_s < end_s && now_s + ahead_s > 0.0)
+      add(fmt::format("in {:.0f} s", ahead_s), now_s + ahead_s);
+  add("end", end_s);
+}
+
+void print_forecast(const v1::Forecast& forecast) {
+  render::Table table({"curl of", "when", ">at s", ">mm", ">5 %", ">95 %"});
+  for (const v1::ForecastCurl& curl : forecast.curls()) add_rows(curl, forecast.time_s(), table);
+  std::cout << table.text();
+  for (const v1::ForecastCurl& curl : forecast.curls()) {
+    std::cout << fmt::format("{}: {} readings, {} left out; {} members\n", curl.monitor(),
+                             curl.readings(), curl.left_out(), curl.members());
+    if (curl.zero_deviation_m() > 0.0)
+      std::cout << fmt::format("{}: the gauge shows {:.1f} ± {:.1f} mm too much\n", curl.monitor(),
+                               1e3 * curl.zero_m(), 1e3 * curl.zero_deviation_m());
+  }
+}
+
+ExitCode run(const ForecastOptions& options, Program& program) {
+  Connection connection = program.connect();
+  const v1::Forecast forecast =
+      connection.call(&Stub::ForecastJob, resolve_job(connection, options.id));
+  if (options.json)
+    print_line(to_json(forecast));
+  else
+    print_forecast(forecast);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_follow(cli::CommandLine& line, Program& program) {
+  const auto [command, options] = declare<FollowOptions>(
+      line, program, run, "follow",
+      "Compute a casting while it is cast: measured speed, water and metal temperature replace the "
+      "plan of the case up to the last reading. Ctrl-C ends the sending alone, the job waits",
+      examples);
+  command.option("FILE", options.file, "Case file: the plan");
+  command.option("--job", options.job, "Instead of a FILE: go on with this job, which waits",
+                 {.placeholder = "JOB"});
+  command.option("--readings", options.readings,
+                 "File with the readings; - for standard input (default)",
+                 {.placeholder = "SOURCE"});
+  command.flag("--growing", options.growing,
+               "The file grows: wait for further lines at its end. Otherwise its end is that of the "
+               "casting");
+  const cli::Rules length{.fault = [](const std::string& text) {
+    return case_file::parse_quantity(text, "m").message;
+  }};
+  command.option("--ensemble", options.ensemble,
+                 "Study of uncertainty of this plan, for `dccast forecast`",
+                 {.placeholder = "STUDY"});
+  command.option("--noise", options.noise,
+                 "Standard deviation of a measured curl; default \"1 mm\"", length);
+  command.option("--zero", options.zero,
+                 "Standard deviation of the unknown zero of its gauge; default \"0 mm\"", length);
+  add_set_option(command, options.set);
+  command.repeatable("--label", options.labels, "Label for finding the job; repeatable",
+                     {.comma_separated = true});
+  command.flag("--strict", options.strict,
+               "Exit code 3 also for a job with findings beyond notes (docs/findings.md)");
+  command.json(options.json, "One JSON object per event and line");
+}
+
+void add_forecast(cli::CommandLine& line, Program& program) {
+  const auto [command, options] = declare<ForecastOptions>(
+      line, program, run, "forecast",
+      "The curl to come of a casting that a job follows, from the curl measured so far",
+      "dccast forecast last\n  watch -n 2 dccast forecast JOB");
+  command.option("JOB", options.id, job_help, cli::required);
+  command.json(options.json);
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,163 @@
+#include "server/jobs/logs/readings_log.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+
+#include "server/jobs/log.hpp"
+
+namespace dccast::jobs {
+
+using storage::short_records;
+
+namespace {
+
+constexpr std::int64_t header_size = 16;      // [bytes]
+constexpr std::uint64_t largest_entry = 1 << 16;  // [bytes]
+
+std::string header() {
+  return "DCCASTRD" + storage::little_endian(1) + storage::little_endian(0);
+}
+
+std::filesystem::path path_in(const std::filesystem::path& job_folder) {
+  return job_folder / readings_file;
+}
+
+/// Cuts off what follows the last whole reading. A crash leaves the readings of one call there, which
+/// were not acknowledged; anything else is damage, so the bytes are kept in a file.
+void cut_tail(storage::RecordLog& log, std::int64_t end) {
+  const storage::File& file = log.file();
+  std::string tail(static_cast<std::size_t>(file.size() - end), '\0');
+  tail.resize(file.read_at(end, tail));
+  if (tail.empty()) return;
+
+  const std::string aside = fmt::format("{}.cut-{}", file.path().string(), end);
+  storage::replace_file(aside, tail);
+  log::warn("{}: {} bytes after byte {} are no readings; they were moved to {}",
+            file.path().string(), tail.size(), end, aside);
+  log.cut(end);
+}
+
+}  // namespace
+
+void create_readings_log(const std::filesystem::path& job_folder, const v1::Following& following) {
+  v1::RecordEntry entry;
+  *entry.mutable_following() = following;
+  storage::create_durably(path_in(job_folder),
+                          header() + short_records.framed(entry.SerializeAsString()));
+}
+
+bool follows_readings(const std::filesystem::path& job_folder) {
+  return storage::kind_of_entry(path_in(job_folder)) == storage::regular_file;
+}
+
+ReadingsReader::ReadingsReader(const std::filesystem::path& job_folder)
+    : file_(path_in(job_folder), O_RDONLY), end_(header_size) {
+  std::string start(header_size, '\0');
+  start.resize(file_.read_at(0, start));
+  if (start != header())
+    throw DamagedReadings(fmt::format("{}: the header is damaged", readings_file));
+
+  storage::FileWindow window(file_);
+  auto first = next(window);
+  if (!first || !first->has_following())
+    throw DamagedReadings(fmt::format("{}: the first entry is damaged", readings_file));
+  following_ = std::move(*first->mutable_following());
+}
+
+std::optional<v1::RecordEntry> ReadingsReader::next(storage::FileWindow& window) {
+  const auto record = short_records.at(window, end_, largest_entry);
+  if (!record) return std::nullopt;
+
+  v1::RecordEntry entry;
+  if (!entry.ParseFromArray(record->payload.data(), static_cast<int>(record->payload.size())))
+    throw DamagedReadings(
+        fmt::format("{} is damaged after reading {}", readings_file, number_));
+  end_ += record->size;
+  return entry;
+}
+
+std::vector<v1::Reading> ReadingsReader::read_new() {
+  std::vector<v1::Reading> readings;
+  storage::FileWindow window(file_);
+  while (auto entry = next(window)) {
+    if (entry->reading().number() != number_ + 1)
+      throw DamagedReadings(
+          fmt::format("{} is damaged after reading {}", readings_file, number_));
+    ++number_;
+    readings.push_back(std::move(*entry->mutable_reading()));
+  }
+  return readings;
+}
+
+ReadingsLog::ReadingsLog(const std::filesystem::path& job_folder)
+    : log_(storage::File(path_in(job_folder), O_RDWR)) {
+  ReadingsReader reader(job_folder);
+  following_ = reader.following();
+  for (const v1::Reading& reading : reader.read_new()) advance(state_, reading);
+  cut_tail(log_, reader.end());
+}
+
+v1::AppendReadingsResponse ReadingsLog::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+void ReadingsLog::advance(v1::AppendReadingsResponse& state, const v1::Reading& reading) {
+  if (reading.number() != state.number() + 1)
+    throw MissingReading(fmt::format("reading {} follows reading {}", reading.number(),
+                                     state.number()));
+  if (state.closed())
+    throw UnfitReading(fmt::format("reading {} comes after the end of the record",
+                                   reading.number()));
+
+  state.set_number(reading.number());
+  if (reading.closes()) return state.set_closed(true);
+  if (state.has_time_s() && !(reading.time_s() > state.time_s()))
+    throw UnfitReading(fmt::format("reading {} is of {:g} s, the one before of {:g} s",
+                                   reading.number(), reading.time_s(), state.time_s()));
+  state.set_time_s(reading.time_s());
+}
+
+void ReadingsLog::append(const google::protobuf::RepeatedPtrField<v1::Reading>& readings) {
+  const std::lock_guard lock(mutex_);
+  v1::AppendReadingsResponse state = state_;
+  std::string records;
+  for (const v1::Reading& reading : readings) {
+    if (reading.number() <= state_.number()) continue;
+    advance(state, reading);
+    v1::RecordEntry entry;
+    *entry.mutable_reading() = reading;
+    records += short_records.framed(entry.SerializeAsString());
+  }
+  if (records.empty()) return;
+
+  const std::int64_t before = log_.append(records);
+  try {
+    log_.sync();
+  } catch (...) {
+    log_.cut(before);  // not acknowledged: the sender repeats it
+    throw;
+  }
+  state_ = state;
+}
+
+std::shared_ptr<ReadingsLog> ReadingsLogs::open(const std::string& job_id) {
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<ReadingsLog>& log = logs_[job_id];
+  if (!log) {
+    try {
+      log = std::make_shared<ReadingsLog>(jobs_directory_ / job_id);
+    } catch (...) {
+      logs_.erase(job_id);
+      throw;
+    }
+  }
+  return log;
+}
+
+void ReadingsLogs::close(const std::string& job_id) {
+  const std::lock_guard lock(mutex_);
+  logs_.erase(job_id);
+}
+
+}  // namespace dccast::jobs

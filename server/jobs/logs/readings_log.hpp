@@ -1,0 +1,117 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/storage/record_log.hpp"
+#include "dccast/v1/follow.pb.h"
+
+namespace dccast::jobs {
+
+/// The record of a job that follows a casting, in its folder. Only such a job has it.
+///
+/// Format: 8 bytes "DCCASTRD", version 1 and zero as in EVENT_LOG.md, then a frame for each
+/// RecordEntry: how the casting is followed, and the readings in the order of their numbers. The daemon appends, the worker reads.
+inline constexpr const char* readings_file = "readings.log";
+
+/// Creates a record without readings, synced to disk. @throws std::system_error
+void create_readings_log(const std::filesystem::path& job_folder, const v1::Following& following);
+
+/// Whether a job follows readings.
+bool follows_readings(const std::filesystem::path& job_folder);
+
+/// The record is damaged: a reading that was acknowledged cannot be read.
+class DamagedReadings : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a record from its beginning, while another process may append to it.
+class ReadingsReader {
+public:
+  /// @throws std::system_error, DamagedReadings
+  explicit ReadingsReader(const std::filesystem::path& job_folder);
+
+  /// The readings that were added since the last call.
+  /// @throws std::system_error, DamagedReadings
+  std::vector<v1::Reading> read_new();
+
+  const v1::Following& following() const { return following_; }
+  std::int64_t end() const { return end_; }  ///< byte after the last reading that was read
+
+private:
+  /// The next whole entry, if there is one.
+  std::optional<v1::RecordEntry> next(storage::FileWindow& window);
+
+  storage::File file_;
+  v1::Following following_;
+  std::int64_t end_;
+  std::int64_t number_ = 0;  ///< of the last reading
+};
+
+/// A call breaks the rule that numbers have no holes.
+class MissingReading : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A reading is not later than the one before it, or follows the one that closes the record.
+class UnfitReading : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The record of a job, as the daemon adds to it. Safe to use from several threads.
+class ReadingsLog {
+public:
+  /// Moves what follows the last whole reading to a file of its own: a crash leaves there what was
+  /// not acknowledged.
+  /// @throws std::system_error, DamagedReadings
+  explicit ReadingsLog(const std::filesystem::path& job_folder);
+
+  /// How far the record goes.
+  v1::AppendReadingsResponse state() const;
+  const v1::Following& following() const { return following_; }
+
+  /// Adds what is new among readings, all or nothing, and syncs it to disk.
+  /// @throws MissingReading, UnfitReading, std::system_error  nothing was added
+  void append(const google::protobuf::RepeatedPtrField<v1::Reading>& readings);
+
+private:
+  /// The state after a reading. @throws MissingReading, UnfitReading
+  static void advance(v1::AppendReadingsResponse& state, const v1::Reading& reading);
+
+  mutable std::mutex mutex_;
+  storage::RecordLog log_;
+  v1::Following following_;
+  v1::AppendReadingsResponse state_;  ///< of what is on the disk
+};
+
+/// The open records; each file is opened once. Safe to use from several threads.
+class ReadingsLogs {
+public:
+  /// @param jobs_directory  holds one folder per job
+  explicit ReadingsLogs(std::filesystem::path jobs_directory)
+      : jobs_directory_(std::move(jobs_directory)) {}
+
+  /// The record of a job that follows readings, opened if it is not open yet.
+  /// @throws as ReadingsLog's constructor
+  std::shared_ptr<ReadingsLog> open(const std::string& job_id);
+  /// Closes the file of a job that has ended.
+  void close(const std::string& job_id);
+
+private:
+  std::filesystem::path jobs_directory_;
+  std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<ReadingsLog>> logs_;
+};
+
+}  // namespace dccast::jobs

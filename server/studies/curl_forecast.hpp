@@ -1,0 +1,35 @@
+#pragma once
+
+#include <stdexcept>
+#include <vector>
+
+#include "dccast/v1/follow.pb.h"
+#include "dccast/v1/job.pb.h"
+#include "dccast/v1/study.pb.h"
+
+namespace dccast::studies {
+
+/// There is no forecast yet; the text is the reason.
+class CannotForecast : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Runs of an ensemble that a forecast needs at least: bands of fewer hold too seldom.
+inline constexpr int fewest_members = 16;
+
+/// What a forecast rests on.
+struct ForecastBasis {
+  const v1::StudyResult& ensemble;  ///< with curves; runs that succeeded and stayed valid count
+  v1::RelativeError mesh_error;     ///< of its runs
+  const v1::Following& following;
+  const std::vector<v1::Reading>& readings;
+};
+
+/// Forecasts the curl at each gauge by conditioning the trajectories of the ensemble on the curls
+/// measured so far (core/statistics/trajectory_forecast.hpp). The error of the mesh moves the mean
+/// and widens the band. A reading farther from what was expected than four standard deviations is
+/// left out. @throws CannotForecast
+v1::Forecast forecast_curls(const ForecastBasis& basis);
+
+}  // namespace dccast::studies

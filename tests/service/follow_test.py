@@ -1,0 +1,332 @@
+#!/usr/bin/python3
+"""A job that follows a casting: its record, its levers, kills of client, daemon and worker."""
+import json
+import os
+import random
+import signal
+import subprocess
+import time
+
+import grpc
+import numpy
+
+from dccast.v1 import case_pb2, follow_pb2, job_pb2, service_pb2, study_pb2
+from support import BIN, WAIT_FACTOR, ServiceTest, main, until
+
+CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
+END = 40  # s of casting: a second of computing at draft
+
+
+def levers(t):
+    """A casting that is a fifth faster and wetter than its plan by turns."""
+    share = 1.2 if (t // 15) % 2 else 0.9
+    speed = 0.0 if t <= 0 else 40e-3 / 60 * share
+    return speed, 1.5e-3 * share, 680.0
+
+
+def readings(begin=-60, end=END, first=1):
+    made = []
+    for number, t in enumerate(range(begin, end + 1), first):
+        speed, water, metal = levers(t)
+        made.append(follow_pb2.Reading(number=number, time_s=t, casting_speed_m_per_s=speed,
+                                       water_flow_m2_per_s=water, casting_temperature_c=metal))
+    return made
+
+
+def table(begin=-60, end=END):
+    lines = ["time [s], speed [mm/min], water [l/min/m], metal [degC], operator [1]"]
+    for t in range(begin, end + 1):
+        speed, water, metal = levers(t)
+        lines.append(f"{t}, {speed * 6e4!r}, {water * 6e4!r}, {metal}, 3")
+    return "\n".join(lines) + "\n"
+
+
+def physics(steps):
+    for step in steps:
+        step.ClearField("solver_s")
+        step.ClearField("process_s")
+    return [step.SerializeToString(deterministic=True) for step in steps]
+
+
+class FollowTest(ServiceTest):
+    worker = "dccast-worker"
+
+    def dccast(self, *words, **rest):
+        return subprocess.Popen([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
+                                 *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                text=True, **rest)
+
+    def follow(self, end=END, **following):
+        """A job that follows readings, without any so far."""
+        with open(CASE, encoding="utf-8") as file:
+            text = file.read().replace('\nend = "145 s"', f'\nend = "{end} s"')
+        answer = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=text), timeout=20)
+        answer.case.quality = case_pb2.DRAFT
+        return self.client.submit(answer.case, following=follow_pb2.Following(**following)).id
+
+    def append(self, job_id, *added):
+        return self.client.stub.AppendReadings(
+            follow_pb2.AppendReadingsRequest(id=job_id, readings=added), timeout=20)
+
+    def finished_steps(self, job_id):
+        events = self.sound_events(list(self.client.watch(job_id, timeout=120)))
+        self.assertEqual(events[-1].state_change.state, job_pb2.SUCCEEDED, events[-1])
+        return self.client.steps(job_id)
+
+    def until_time(self, job_id, time_s):
+        until(lambda: self.client.job(job_id).last_step.time_s >= time_s, 30)
+
+
+class Record(FollowTest):
+    def test_a_job_goes_as_far_as_its_readings_and_ends_with_them(self):
+        job_id = self.follow()
+        first = readings(end=-40)
+        kept = self.append(job_id, *first)
+        self.assertEqual((kept.number, kept.time_s, kept.closed), (21, -40, False))
+        self.until_time(job_id, -44)
+        time.sleep(0.5)  # it would go on in this time
+        job = self.client.job(job_id)
+        self.assertEqual(job.state, job_pb2.RUNNING)
+        self.assertLessEqual(job.last_step.time_s, -40)
+
+        self.append(job_id, *readings(begin=-39, end=20, first=22))
+        self.append(job_id, follow_pb2.Reading(number=82, closes=True))
+        steps = self.finished_steps(job_id)
+        self.assertLessEqual(steps[-1].time_s, 20)
+        self.assertGreater(steps[-1].time_s, 15)
+
+        # Trapezia between the readings: 10 s at 0.9 of 40 mm/min, a second up from none, and so on.
+        measured = numpy.array([(r.time_s, r.casting_speed_m_per_s) for r in readings(end=20)])
+        times = numpy.linspace(-60, steps[-1].time_s, 200001)
+        length = numpy.trapz(numpy.interp(times, *measured.T), times)
+        self.assertAlmostEqual(steps[-1].cast_length_m, length, delta=1e-8)
+
+    def test_readings_count_once_and_in_order(self):
+        job_id = self.follow()
+        made = readings()
+        self.append(job_id, *made[:10])
+        self.assertEqual(self.append(job_id, *made[:12]).number, 12)
+        self.assertEqual(self.append(job_id).number, 12)
+        self.refused(grpc.StatusCode.OUT_OF_RANGE, self.append, job_id, made[13])
+
+        back = follow_pb2.Reading(number=13, time_s=-70)
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, back)
+        fast = follow_pb2.Reading(number=13, time_s=-40, casting_speed_m_per_s=0.7)
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, fast)
+        for word in ("reading 13", "casting speed", "0.7", "0 to 0.1 m/s", "unit"):
+            self.assertIn(word, error.details())
+        nothing = follow_pb2.Reading(number=13, time_s=float("nan"))
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, nothing)
+        self.assertEqual(self.append(job_id).number, 12)
+
+        self.append(job_id, follow_pb2.Reading(number=13, closes=True))
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id,
+                     follow_pb2.Reading(number=14, time_s=0))
+
+    def test_other_jobs_and_ended_ones_take_no_readings(self):
+        with open(CASE, encoding="utf-8") as file:
+            case = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()),
+                                             timeout=20).case
+        plain = self.client.submit(case).id
+        error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.append, plain, *readings()[:1])
+        self.assertIn("dccast follow", error.details())
+
+        job_id = self.follow()
+        self.append(job_id, *readings())
+        self.finished_steps(job_id)
+        self.assertEqual(self.append(job_id).number, len(readings()))
+        self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.append, job_id,
+                     follow_pb2.Reading(number=200, time_s=200))
+
+    def test_pause_cancel_and_deletion_work_while_it_waits(self):
+        job_id = self.follow()
+        self.append(job_id, *readings(end=-30))
+        self.until_time(job_id, -35)
+        self.client.stub.PauseJob(service_pb2.PauseJobRequest(id=job_id), timeout=10)
+        self.client.until_state(job_id, job_pb2.PAUSED)
+        self.append(job_id, *readings(begin=-29, first=32))
+        self.client.stub.ResumeJob(service_pb2.ResumeJobRequest(id=job_id), timeout=10)
+        self.finished_steps(job_id)
+
+        waiting = self.follow()
+        self.client.until_state(waiting, job_pb2.RUNNING)
+        self.client.cancel(waiting)
+        self.client.until_state(waiting, job_pb2.CANCELLED)
+        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=waiting), timeout=10)
+
+
+class Kills(FollowTest):
+    def test_kills_of_worker_and_daemon_lose_nothing_and_use_nothing_twice(self):
+        undisturbed = self.follow()
+        made = readings()
+        self.append(undisturbed, *made)
+        expected = physics(self.finished_steps(undisturbed))
+
+        shots = random.Random(4)
+        job_id = self.follow()
+        sent = 0
+        while sent < len(made):
+            count = shots.randint(1, 12)
+            sent = self.append(job_id, *made[sent:sent + count]).number
+            shot = shots.choice(["worker", "daemon", "none", "daemon and worker"])
+            if shot == "worker":
+                for worker in self.daemon.worker_processes():
+                    os.kill(worker, signal.SIGKILL)
+            elif shot == "daemon":
+                self.daemon.kill()
+                self.restart()
+            elif shot == "daemon and worker":
+                self.daemon.kill_with_workers()
+                self.restart()
+            self.assertEqual(self.append(job_id).number, sent)
+        self.assertEqual(physics(self.finished_steps(job_id)), expected)
+
+    def test_a_torn_reading_was_not_acknowledged_and_is_sent_again(self):
+        job_id = self.follow()
+        made = readings()
+        self.append(job_id, *made[:20])
+        self.daemon.kill_with_workers()
+        path = os.path.join(self.folder, "data", "jobs", job_id, "readings.log")
+        with open(path, "r+b") as record:
+            record.truncate(os.path.getsize(path) - 3)
+        self.restart()
+        self.assertEqual(self.append(job_id).number, 19)
+        self.append(job_id, *made[19:])
+        self.finished_steps(job_id)
+
+
+class Forecast(FollowTest):
+    def test_a_measured_curl_tells_the_curl_to_come(self):
+        """The hidden casting is one of another seed: what its curl shows narrows the ensemble."""
+        studies = [self.study(seed, runs) for seed, runs in ((0, 24), (9, 4))]
+        request = study_pb2.EvaluateStudyRequest(id=studies[1], curves=True)
+        run = self.client.stub.EvaluateStudy(request, timeout=30).runs[0]
+        curve = next(each for each in run.curves if each.monitor == "corner")
+
+        gauge = follow_pb2.Gauge(monitor="corner", noise_m=5e-4)
+        job_id = self.follow(ensemble=studies[0], gauges=[gauge])
+        before = self.forecast(job_id)
+        self.assertEqual((before.members, before.readings), (24, 0))
+
+        self.append(job_id, *[
+            follow_pb2.Reading(number=t + 1, time_s=t, curls=[follow_pb2.MeasuredCurl(
+                monitor="corner",
+                curl_m=numpy.interp(t, curve.time_s, numpy.nan_to_num(curve.curl_m)))])
+            for t in range(0, 26)])
+        after = self.forecast(job_id)
+        self.assertEqual((after.readings, after.left_out, after.time_s[0]), (26, 0, 25))
+        end = numpy.interp(after.time_s[-1], curve.time_s, curve.curl_m)
+        self.assertLess(abs(after.curl_m[-1] - end), 2.6 * after.deviation_m[-1])
+        self.assertLess(after.deviation_m[-1], 0.8 * before.deviation_m[-1])
+
+        shown = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
+                                "forecast", job_id], capture_output=True, text=True, check=False)
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        self.assertIn("26 readings, 0 left out; 24 members", shown.stdout)
+
+    def test_a_job_without_an_ensemble_has_no_forecast(self):
+        request = follow_pb2.ForecastJobRequest(id=self.follow())
+        error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.client.stub.ForecastJob,
+                             request)
+        self.assertIn("--ensemble", error.details())
+
+        gauge = follow_pb2.Gauge(monitor="cornr", noise_m=1e-3)
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, gauges=[gauge])
+        gauge = follow_pb2.Gauge(monitor="corner", noise_m=0)
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, gauges=[gauge])
+        nobody = "00000000-0000-4000-8000-000000000000"
+        self.refused(grpc.StatusCode.NOT_FOUND, self.follow, ensemble=nobody)
+
+    def forecast(self, job_id):
+        return self.client.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job_id),
+                                            timeout=30).curls[0]
+
+    def study(self, seed, runs):
+        out = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
+                              "uncertainty", CASE, "--set", f"time.end={END} s", "--runs",
+                              str(max(runs, 8)), "--seed", str(seed), "--json"],
+                             capture_output=True, text=True, timeout=120, check=False)
+        listed = self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10)
+        self.assertEqual(out.returncode, 0, out.stderr)
+        return listed.studies[0].id
+
+
+class Client(FollowTest):
+    def case_file(self):
+        path = os.path.join(self.folder, "plan.toml")
+        with open(CASE, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as plan:
+            plan.write(file.read().replace('\nend = "145 s"', f'\nend = "{END} s"'))
+        return path
+
+    def ended(self, process, code=0, **rest):
+        out, err = process.communicate(timeout=60 * WAIT_FACTOR, **rest)
+        self.assertEqual(process.returncode, code, out + err)
+        return out, err
+
+    def test_a_recorded_casting_is_computed_again(self):
+        path = os.path.join(self.folder, "casting.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(table())
+        process = self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings",
+                              path, "--label", "casting-41", "--json")
+        out, err = self.ended(process)
+        self.assertIn("columns that are left out: \"operator [1]\"", err)
+        events = [json.loads(line) for line in out.splitlines()]
+        self.assertEqual(events[-1]["state"], "SUCCEEDED")
+
+        direct = self.follow()
+        self.append(direct, *readings())
+        self.assertAlmostEqual(self.finished_steps(direct)[-1].monitors[0].curl_m,
+                               events[-1]["monitors"][0]["displacement_m"][1], delta=1e-9)
+
+    def test_the_client_bridges_bad_lines_and_says_so(self):
+        lines = table().splitlines()
+        lines[5] = "nonsense"
+        lines[9] = "-52, abc, 80, 680, 3"
+        lines[12] = lines[11]
+        del lines[30:45]
+        process = self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings", "-",
+                              stdin=subprocess.PIPE)
+        _, err = self.ended(process, input="\n".join(lines))
+        for word in ("line 6: left out: it has 1 columns", "line 10: \"abc\" of speed is no number",
+                     "line 13: left out: -50 s is not later than -50 s",
+                     "no reading for 16 s: the plan of the case holds there"):
+            self.assertIn(word, err)
+
+    def test_a_source_that_cannot_be_used_makes_no_job(self):
+        for header, word in (("time [s], colour [1]", "one for a lever"),
+                             ("time [s], speed [kg]", "cannot be converted to m/s"), ("", "empty")):
+            process = self.dccast("follow", self.case_file(), stdin=subprocess.PIPE)
+            _, err = self.ended(process, code=2, input=header + ("\n" if header else ""))
+            self.assertIn(word, err)
+        self.assertFalse(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs)
+
+    def test_a_killed_client_and_a_restarted_daemon_lose_nothing(self):
+        lines = table().splitlines(keepends=True)
+        first = self.dccast("follow", self.case_file(), "--set", "quality=draft",
+                            stdin=subprocess.PIPE)
+        first.stdin.write("".join(lines[:40]))
+        first.stdin.flush()
+        until(lambda: self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs, 30)
+        job_id = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id
+        until(lambda: self.append(job_id).number >= 39, 20)
+        first.kill()
+        first.communicate(timeout=10)
+
+        second = self.dccast("follow", "--job", job_id, stdin=subprocess.PIPE)
+        second.stdin.write("".join(lines[:60]))
+        second.stdin.flush()
+        until(lambda: self.append(job_id).number >= 59, 20)
+        self.daemon.kill()
+        second.stdin.write("".join(lines[60:70]))
+        second.stdin.flush()
+        self.restart()
+        second.stdin.write("".join(lines[70:]))
+        _, err = self.ended(second)
+        self.assertIn("39 readings are on the server already", err)
+        self.assertEqual(self.append(job_id).number, len(lines))  # readings, and the end
+        self.assertAlmostEqual(self.client.job(job_id).last_step.time_s, END)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,114 @@
+#include "server/jobs/logs/readings_log.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+
+#include "core/storage/file.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace dccast::jobs {
+namespace {
+
+using Readings = google::protobuf::RepeatedPtrField<v1::Reading>;
+
+Readings readings(std::int64_t first, std::int64_t last) {
+  Readings made;
+  for (std::int64_t number = first; number <= last; ++number) {
+    v1::Reading& reading = *made.Add();
+    reading.set_number(number);
+    reading.set_time_s(static_cast<double>(number));
+    reading.set_casting_speed_m_per_s(1e-3);
+  }
+  return made;
+}
+
+class ReadingsLogTest : public ::testing::Test {
+protected:
+  void SetUp() override { create_readings_log(folder(), following()); }
+  static v1::Following following() {
+    v1::Following with;
+    with.set_ensemble("study");
+    return with;
+  }
+  std::filesystem::path folder() const { return folder_ / ""; }
+  std::filesystem::path path() const { return folder_ / readings_file; }
+
+private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(ReadingsLogTest, IsReadWhileItGrows) {
+  EXPECT_TRUE(follows_readings(folder()));
+  ReadingsLog log(folder());
+  ReadingsReader reader(folder());
+  EXPECT_TRUE(reader.read_new().empty());
+  EXPECT_EQ(reader.following().ensemble(), "study");
+
+  log.append(readings(1, 3));
+  EXPECT_EQ(reader.read_new().size(), 3u);
+  log.append(readings(2, 5));
+  const auto added = reader.read_new();
+  ASSERT_EQ(added.size(), 2u) << "two and three were there already";
+  EXPECT_EQ(added[0].number(), 4);
+  EXPECT_EQ(added[1].time_s(), 5.0);
+  EXPECT_EQ(log.state().number(), 5);
+  EXPECT_EQ(log.state().time_s(), 5.0);
+}
+
+TEST_F(ReadingsLogTest, KeepsAllOrNothingOfACall) {
+  ReadingsLog log(folder());
+  log.append(readings(1, 2));
+  EXPECT_THROW(log.append(readings(4, 5)), MissingReading);
+
+  Readings back = readings(3, 4);
+  back.Mutable(1)->set_time_s(3.0);
+  EXPECT_THROW(log.append(back), UnfitReading);
+  EXPECT_EQ(log.state().number(), 2);
+  EXPECT_EQ(ReadingsReader(folder()).read_new().size(), 2u);
+}
+
+TEST_F(ReadingsLogTest, TakesNothingAfterItsEnd) {
+  ReadingsLog log(folder());
+  log.append(readings(1, 1));
+  Readings end;
+  end.Add()->set_number(2);
+  end.Mutable(0)->set_closes(true);
+  log.append(end);
+  EXPECT_TRUE(log.state().closed());
+  EXPECT_THROW(log.append(readings(3, 3)), UnfitReading);
+  log.append(readings(1, 1));  // a repeated call
+}
+
+TEST_F(ReadingsLogTest, GoesOnBehindTheLastWholeReading) {
+  ReadingsLog(folder()).append(readings(1, 4));
+  std::filesystem::resize_file(path(), std::filesystem::file_size(path()) - 1);
+
+  ReadingsLog log(folder());
+  EXPECT_EQ(log.state().number(), 3);
+  log.append(readings(4, 6));
+  EXPECT_EQ(ReadingsReader(folder()).read_new().size(), 6u);
+  const auto is_aside = [](const auto& entry) {
+    return entry.path().filename().string().starts_with("readings.log.cut-");
+  };
+  EXPECT_EQ(std::ranges::count_if(std::filesystem::directory_iterator(folder()), is_aside), 1);
+}
+
+TEST_F(ReadingsLogTest, RefusesAFileThatIsNone) {
+  storage::write_file(path(), "nothing of ours, but long enough");
+  EXPECT_THROW(ReadingsReader{folder()}, DamagedReadings);
+  EXPECT_THROW(ReadingsLog{folder()}, DamagedReadings);
+}
+
+TEST_F(ReadingsLogTest, OpensEachFileOnce) {
+  const std::filesystem::path jobs = folder().parent_path().parent_path();
+  ReadingsLogs logs(jobs);
+  const std::string id = folder().parent_path().filename();
+  const auto log = logs.open(id);
+  EXPECT_EQ(logs.open(id), log);
+  logs.close(id);
+  EXPECT_NE(logs.open(id), log);
+  EXPECT_THROW(logs.open("no job"), std::system_error);
+}
+
+}  // namespace
+}  // namespace dccast::jobs

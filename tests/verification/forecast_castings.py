@@ -1,0 +1,131 @@
+#!/usr/bin/python3
+"""How good is the forecast of a casting that is followed? (docs/following.md)
+
+    forecast_castings.py CASE [--castings 60] [--members 64] [--quality draft] [--server ADDRESS]
+
+Hidden castings are runs of the plan with data drawn from their ranges by another seed. Their curl is
+read every second with noise; every 10 s the forecast for 30, 60 and 120 s ahead is compared with what
+came, beside the mean of the ensemble and that mean plus the last difference. The daemon must be
+running; both studies are kept and taken up again by the same command.
+"""
+import argparse
+import random
+import subprocess
+import sys
+
+import grpc
+import numpy
+
+from dccast.v1 import case_pb2, follow_pb2, service_pb2, service_pb2_grpc, study_pb2
+
+AHEAD = (30, 60, 120)
+PHASES = (("all", 20, 1e9), ("20..60 s", 20, 61), ("70..100 s", 70, 101), ("110 s on", 110, 1e9))
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("case")
+    parser.add_argument("--castings", type=int, default=60)
+    parser.add_argument("--members", type=int, default=64)
+    parser.add_argument("--quality", default="draft", help="of the hidden castings")
+    parser.add_argument("--monitor", default="corner")
+    parser.add_argument("--noise-mm", type=float, default=1.0)
+    parser.add_argument("--zero-mm", type=float, default=0.0, help="standard deviation, hidden")
+    parser.add_argument("--model-error", type=float, default=0.0,
+                        help="standard deviation of a factor on the hidden curl")
+    parser.add_argument("--server", default="unix:/run/dccast/dccastd.sock")
+    parser.add_argument("--dccast", default="dccast")
+    return parser.parse_args()
+
+
+def study(options, seed, runs, quality):
+    """Runs of the plan with drawn data. Returns (id, curves of those that count)."""
+    key = f"forecast-{seed}-{runs}-{quality}"
+    subprocess.run([options.dccast, "--server", options.server, "uncertainty", options.case, "--set",
+                    f"quality={quality}", "--runs", str(runs), "--seed", str(seed), "--label", key,
+                    "--json"], check=True, stdout=subprocess.DEVNULL)
+    stub = options.stub
+    listed = stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=30).studies
+    found = next(each for each in listed if key in each.labels)
+    result = stub.EvaluateStudy(study_pb2.EvaluateStudyRequest(id=found.id, curves=True), timeout=120)
+    curves = [curve for run in result.runs if run.state == 4 and not run.beyond_validity
+              for curve in run.curves if curve.monitor == options.monitor]
+    return found.id, [(numpy.array(c.time_s), numpy.nan_to_num(numpy.array(c.curl_m))) for c in curves]
+
+
+def followed(options, ensemble):
+    """A job that holds the record of a casting; its own run is cancelled at once."""
+    with open(options.case, encoding="utf-8") as file:
+        case = options.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=30).case
+    case.quality = case_pb2.DRAFT
+    gauge = follow_pb2.Gauge(monitor=options.monitor, noise_m=1e-3 * options.noise_mm,
+                             zero_m=1e-3 * options.zero_mm)
+    return options.stub.SubmitJob(service_pb2.SubmitJobRequest(
+        case=case, following=follow_pb2.Following(ensemble=ensemble, gauges=[gauge])), timeout=60).id
+
+
+def errors_of(options, ensemble, mean, truth, shots):
+    """(t, ahead, forecast, plan, last difference, within its band) of one hidden casting [mm]."""
+    at = lambda t: numpy.interp(t, *truth)
+    plan = lambda t: numpy.interp(t, *mean)
+    zero = shots.gauss(0, 1e-3 * options.zero_mm)
+    factor = 1 + shots.gauss(0, options.model_error)
+    job = followed(options, ensemble)
+    rows = []
+    end = int(truth[0][-1])
+    for t in range(0, end - min(AHEAD)):
+        measured = factor * at(t) + zero + shots.gauss(0, 1e-3 * options.noise_mm)
+        curl = follow_pb2.MeasuredCurl(monitor=options.monitor, curl_m=measured)
+        options.stub.AppendReadings(follow_pb2.AppendReadingsRequest(
+            id=job, readings=[follow_pb2.Reading(number=t + 1, time_s=t, curls=[curl])]), timeout=30)
+        if t < 20 or t % 10:
+            continue
+        forecast = options.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job), timeout=30).curls[0]
+        for ahead in AHEAD:
+            s = t + ahead
+            if s > end:
+                continue
+            come = factor * at(s)
+            value = numpy.interp(s, forecast.time_s, forecast.curl_m)
+            width = 1.645 * numpy.interp(s, forecast.time_s, forecast.deviation_m)
+            rows.append((t, ahead, value - come, plan(s) - come,
+                         plan(s) + measured - plan(t) - come, abs(value - come) <= width, 2 * width))
+    options.stub.CancelJob(service_pb2.CancelJobRequest(id=job), timeout=30)
+    return rows
+
+
+def main():
+    options = arguments()
+    channel = grpc.insecure_channel(options.server)
+    options.stub = service_pb2_grpc.SimulationServiceStub(channel)
+    ensemble, members = study(options, 0, options.members, "draft")
+    _, truths = study(options, 1, options.castings, options.quality)
+    times = numpy.arange(0, members[0][0][-1])
+    mean = (times, numpy.mean([numpy.interp(times, *member) for member in members], axis=0))
+
+    shots = random.Random(1)
+    castings = [numpy.array(errors_of(options, ensemble, mean, truth, shots), dtype=float)
+                for truth in truths]
+    print(f"{len(castings)} castings, {len(members)} members")
+    print("rms mm at 30 / 60 / 120 s ahead; share of 90 % bands that hold, and their width in mm, at 60 s")
+    for name, begin, stop in PHASES:
+        cells = []
+        for column in (2, 3, 4):
+            values = []
+            for ahead in AHEAD:
+                chosen = numpy.concatenate([c[(c[:, 1] == ahead) & (c[:, 0] >= begin) & (c[:, 0] < stop),
+                                              column] for c in castings])
+                values.append(f"{1e3 * numpy.sqrt(numpy.mean(chosen ** 2)):.1f}" if len(chosen) else "-")
+            cells.append(" / ".join(values))
+        at_60 = [c[(c[:, 1] == 60) & (c[:, 0] >= begin) & (c[:, 0] < stop)] for c in castings]
+        held = [numpy.mean(c[:, 5]) for c in at_60 if len(c)]
+        width = 1e3 * numpy.mean(numpy.concatenate([c[:, 6] for c in at_60]))
+        print(f"{name:10} forecast {cells[0]:18} plan {cells[1]:18} last difference {cells[2]:18} "
+              f"{100 * numpy.mean(held):.0f} +- {164.5 * numpy.std(held) / len(held) ** 0.5:.0f} %, "
+              f"{width:.1f} mm")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
