@@ -10,7 +10,7 @@ import time
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2, study_pb2
-from support import SANITIZED, BIN, ServiceTest, fake_case, main, until
+from support import BIN, SANITIZED, ServiceTest, fake_case, main, until
 
 
 def case_with(*attachments):
