@@ -97,7 +97,7 @@ private:
     const bool slow = first || (!moved && is_slow(relative, last));
 
     // The tangent is kept when the set changes near equilibrium:
-    // docs/developers/contact-factorisation.md.
+    // docs/developers/factorisation.md.
     const bool kept = !slow && (!moved || system_.change(constraints_.fixed(), step_of_fixed));
     if (!kept && !factorize(step_of_fixed)) return false;
     if (!kept) slow_since_factor_ = 0;

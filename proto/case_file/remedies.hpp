@@ -10,7 +10,7 @@
 #include "dccast/v1/study.pb.h"
 
 /// What a plant changes against a finding: the levers, their direction and the steps that are
-/// tried. docs/findings.md has the table.
+/// tried. docs/findings.md explains how `dccast remedy` uses them.
 namespace dccast::case_file {
 
 /// Which way a lever is moved.

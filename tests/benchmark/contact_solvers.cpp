@@ -1,6 +1,6 @@
 // What a contact iteration costs when only the contact set changes and the stiffness stays, on a
 // square of 1.3k, 20k and 80k triangles: a factorisation anew against condensation.
-// docs/developers/contact-factorisation.md holds the table.
+// docs/developers/factorisation.md has the figures.
 
 #include <benchmark/benchmark.h>
 

@@ -11,7 +11,7 @@ import h5py
 import numpy
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, main
+from support import BIN, WAIT_FACTOR, ServiceTest, main
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 CHECK = os.path.join(os.path.dirname(__file__), "..", "unit", "results", "check_results_file.py")
@@ -38,7 +38,7 @@ class RealRunTest(ServiceTest):
         return json.loads(ended.stdout)["id"]
 
     def finished_steps(self, job_id):
-        events = self.sound_events(list(self.client.watch(job_id, timeout=120)))
+        events = self.sound_events(list(self.client.watch(job_id, timeout=120 * WAIT_FACTOR)))
         self.assertEqual(events[-1].state_change.state, job_pb2.SUCCEEDED, events[-1])
         return events, self.client.steps(job_id)
 

@@ -81,8 +81,8 @@ v1::Chart chart(const v1::Judgement& judgement, const std::string& key) {
 }
 
 double last_time_s(const v1::Judgement& judgement, const std::string& key) {
-  const auto& times_s = chart(judgement, key).lines(0).x();
-  return *times_s.rbegin();
+  const v1::Chart of_key = chart(judgement, key);
+  return *of_key.lines(0).x().rbegin();
 }
 
 /// The corner's figure in the table of curls, the first part.
