@@ -196,6 +196,20 @@ private:
   /// Time up to which the levers are known [s].
   double levers_until() const { return levers_.time.empty() ? -infinity : levers_.time.back(); }
 
+  /// The readings that the run has used, up to the first one at or after its end: later ones may
+  /// have arrived or not.
+  results::MeasuredLevers used_levers() const {
+    results::MeasuredLevers used = levers_;
+    const auto end = std::ranges::lower_bound(used.time, run_->time());
+    const auto count = std::min(used.time.size(),
+                                static_cast<std::size_t>(end - used.time.begin()) + 1);
+    for (std::vector<double>* column :
+         {&used.time, &used.casting_speed, &used.casting_temperature, &used.water_flow,
+          &used.narrow_water_flow})
+      column->resize(count);
+    return used;
+  }
+
   /// Keeps a reading for the results.
   void keep(const LeverReading& reading) {
     const auto value_of = [&](Lever lever) {
@@ -264,7 +278,7 @@ private:
     const RunFailures& failures = run_->failures();
     report_worst_exceedances();
     try {
-      if (writer_) writer_->publish(summary_of(*run_), levers_);
+      if (writer_) writer_->publish(summary_of(*run_), used_levers());
     } catch (const std::system_error& error) {
       return with_storage_failure(error);
     }
