@@ -1,4 +1,4 @@
-#include "client/model/readings_csv.hpp"
+#include "client/session/readings_csv.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
