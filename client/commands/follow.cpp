@@ -197,15 +197,23 @@ void add_follow(cli::CommandLine& line, Program& program) {
       "Compute a casting while it is cast: measured speed, water and metal temperature replace the "
       "plan of the case up to the last reading. Ctrl-C ends the sending alone, the job waits",
       examples);
+
   command.option("FILE", options.file, "Case file: the plan");
   command.option("--job", options.job, "Instead of a FILE: go on with this job, which waits",
                  {.placeholder = "JOB"});
+  add_set_option(command, options.set);
+  command.repeatable("--label", options.labels, "Label for finding the job; repeatable",
+                     {.comma_separated = true});
+
+  // Where the readings come from.
   command.option("--readings", options.readings,
                  "File with the readings; - for standard input (default)",
                  {.placeholder = "SOURCE"});
   command.flag("--growing", options.growing,
                "The file grows: wait for further lines at its end. Otherwise its end is that of the "
                "casting");
+
+  // What the forecast rests on.
   const cli::Rules length{.fault = [](const std::string& text) {
     return case_file::parse_quantity(text, "m").message;
   }};
@@ -216,9 +224,7 @@ void add_follow(cli::CommandLine& line, Program& program) {
                  "Standard deviation of a measured curl; default \"1 mm\"", length);
   command.option("--zero", options.zero,
                  "Standard deviation of the unknown zero of its gauge; default \"0 mm\"", length);
-  add_set_option(command, options.set);
-  command.repeatable("--label", options.labels, "Label for finding the job; repeatable",
-                     {.comma_separated = true});
+
   command.flag("--strict", options.strict,
                "Exit code 3 also for a job with findings beyond notes (docs/findings.md)");
   command.json(options.json, "One JSON object per event and line");

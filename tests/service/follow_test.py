@@ -11,7 +11,8 @@ import grpc
 import numpy
 
 from dccast.v1 import case_pb2, follow_pb2, job_pb2, service_pb2, study_pb2
-from support import BIN, WAIT_FACTOR, ServiceTest, main, until
+from real_run_test import RealRunTest, physics
+from support import BIN, WAIT_FACTOR, main, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 END = 40  # s of casting: a second of computing at draft
@@ -41,16 +42,7 @@ def table(begin=-60, end=END):
     return "\n".join(lines) + "\n"
 
 
-def physics(steps):
-    for step in steps:
-        step.ClearField("solver_s")
-        step.ClearField("process_s")
-    return [step.SerializeToString(deterministic=True) for step in steps]
-
-
-class FollowTest(ServiceTest):
-    worker = "dccast-worker"
-
+class FollowTest(RealRunTest):
     def dccast(self, *words, **rest):
         return subprocess.Popen([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
                                  *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -68,10 +60,8 @@ class FollowTest(ServiceTest):
         return self.client.stub.AppendReadings(
             follow_pb2.AppendReadingsRequest(id=job_id, readings=added), timeout=20)
 
-    def finished_steps(self, job_id):
-        events = self.sound_events(list(self.client.watch(job_id, timeout=120)))
-        self.assertEqual(events[-1].state_change.state, job_pb2.SUCCEEDED, events[-1])
-        return self.client.steps(job_id)
+    def steps_at_end(self, job_id):
+        return self.finished_steps(job_id)[1]
 
     def until_time(self, job_id, time_s):
         until(lambda: self.client.job(job_id).last_step.time_s >= time_s, 30)
@@ -91,7 +81,7 @@ class Record(FollowTest):
 
         self.append(job_id, *readings(begin=-39, end=20, first=22))
         self.append(job_id, follow_pb2.Reading(number=82, closes=True))
-        steps = self.finished_steps(job_id)
+        steps = self.steps_at_end(job_id)
         self.assertLessEqual(steps[-1].time_s, 20)
         self.assertGreater(steps[-1].time_s, 15)
 
@@ -133,7 +123,7 @@ class Record(FollowTest):
 
         job_id = self.follow()
         self.append(job_id, *readings())
-        self.finished_steps(job_id)
+        self.steps_at_end(job_id)
         self.assertEqual(self.append(job_id).number, len(readings()))
         self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.append, job_id,
                      follow_pb2.Reading(number=200, time_s=200))
@@ -146,7 +136,7 @@ class Record(FollowTest):
         self.client.until_state(job_id, job_pb2.PAUSED)
         self.append(job_id, *readings(begin=-29, first=32))
         self.client.stub.ResumeJob(service_pb2.ResumeJobRequest(id=job_id), timeout=10)
-        self.finished_steps(job_id)
+        self.steps_at_end(job_id)
 
         waiting = self.follow()
         self.client.until_state(waiting, job_pb2.RUNNING)
@@ -160,7 +150,7 @@ class Kills(FollowTest):
         undisturbed = self.follow()
         made = readings()
         self.append(undisturbed, *made)
-        expected = physics(self.finished_steps(undisturbed))
+        expected = physics(self.steps_at_end(undisturbed))
 
         shots = random.Random(4)
         job_id = self.follow()
@@ -179,7 +169,7 @@ class Kills(FollowTest):
                 self.daemon.kill_with_workers()
                 self.restart()
             self.assertEqual(self.append(job_id).number, sent)
-        self.assertEqual(physics(self.finished_steps(job_id)), expected)
+        self.assertEqual(physics(self.steps_at_end(job_id)), expected)
 
     def test_a_torn_reading_was_not_acknowledged_and_is_sent_again(self):
         job_id = self.follow()
@@ -192,13 +182,13 @@ class Kills(FollowTest):
         self.restart()
         self.assertEqual(self.append(job_id).number, 19)
         self.append(job_id, *made[19:])
-        self.finished_steps(job_id)
+        self.steps_at_end(job_id)
 
 
 class Forecast(FollowTest):
     def test_a_measured_curl_tells_the_curl_to_come(self):
         """The hidden casting is one of another seed: what its curl shows narrows the ensemble."""
-        studies = [self.study(seed, runs) for seed, runs in ((0, 24), (9, 4))]
+        studies = [self.study(seed, runs) for seed, runs in ((0, 24), (9, 8))]
         request = study_pb2.EvaluateStudyRequest(id=studies[1], curves=True)
         run = self.client.stub.EvaluateStudy(request, timeout=30).runs[0]
         curve = next(each for each in run.curves if each.monitor == "corner")
@@ -244,7 +234,7 @@ class Forecast(FollowTest):
     def study(self, seed, runs):
         out = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
                               "uncertainty", CASE, "--set", f"time.end={END} s", "--runs",
-                              str(max(runs, 8)), "--seed", str(seed), "--json"],
+                              str(runs), "--seed", str(seed), "--json"],
                              capture_output=True, text=True, timeout=120, check=False)
         listed = self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10)
         self.assertEqual(out.returncode, 0, out.stderr)
@@ -276,7 +266,7 @@ class Client(FollowTest):
 
         direct = self.follow()
         self.append(direct, *readings())
-        self.assertAlmostEqual(self.finished_steps(direct)[-1].monitors[0].curl_m,
+        self.assertAlmostEqual(self.steps_at_end(direct)[-1].monitors[0].curl_m,
                                events[-1]["monitors"][0]["displacement_m"][1], delta=1e-9)
 
     def test_the_client_bridges_bad_lines_and_says_so(self):
