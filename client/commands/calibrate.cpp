@@ -124,9 +124,9 @@ std::string joined(const std::vector<CastingStudies>& castings) {
 }
 
 /// Computes runs at the calibrated values and along the ridge until they agree with the surface.
-v1::StudyJudgement checked(Connection& connection, std::vector<CastingStudies> castings,
+v1::StudyJudgement checked(Connection& connection, std::vector<CastingStudies>& castings,
                            const std::string& come_back) {
-  v1::StudyJudgement answer = judge_calibration(connection, castings);
+  v1::StudyJudgement answer = connection.call(&Stub::JudgeStudy, question_about(castings));
   const v1::SweepPlan plan = answer.study().sweep();
   for (int round = 1; round <= most_rounds && answer.result().has_calibration(); ++round) {
     std::cerr << "runs at the calibrated values and along the ridge, round " << round << " of "
@@ -135,7 +135,7 @@ v1::StudyJudgement checked(Connection& connection, std::vector<CastingStudies> c
     if (added.empty()) break;  // none of them counts: they failed
 
     for (const std::string& id : added) follow_with_progress(connection, id, come_back);
-    answer = judge_calibration(connection, castings);
+    answer = connection.call(&Stub::JudgeStudy, question_about(castings));
     if (std::ranges::all_of(answer.result().calibration().curves(),
                             &v1::Calibration::Curve::is_confirmed))
       break;
@@ -143,23 +143,11 @@ v1::StudyJudgement checked(Connection& connection, std::vector<CastingStudies> c
   return answer;
 }
 
-void write_case(Connection& connection, const CalibrateOptions& options,
-                const v1::StudyResult& result) {
-  const CaseUnderCheck read = read_case(options.base.file, changes_of(options.base.set));
-  if (!read.faults.empty()) {
-    print_faults(read, std::cerr);
-    throw invalid(options.base.file + " has faults");
-  }
-  v1::CreateStudyRequest request;
-  put_case(read, connection, request);
-  write_output(options.output, calibrated_case(connection, request, result));
-}
-
 void print(Connection& connection, const CalibrateOptions& options,
-           const v1::StudyJudgement& answer) {
+           const std::vector<CastingStudies>& castings, const v1::StudyJudgement& answer) {
   print_answer(options, answer, options.output);
   if (!options.output.empty() && answer.result().has_calibration())
-    write_case(connection, options, answer.result());
+    write_output(options.output, found_case(connection, question_about(castings), options.base));
 }
 
 void require_sense(const CalibrateOptions& options) {
@@ -173,7 +161,7 @@ void require_sense(const CalibrateOptions& options) {
 ExitCode run(const CalibrateOptions& options, Program& program) {
   require_sense(options);
   Connection connection = program.connect();
-  const auto castings =
+  auto castings =
       options.study.empty() ? create(connection, options) : castings_of(connection, options.study);
   if (castings.empty()) return ExitCode::invalid;
   const std::string come_back = "dccast calibrate --study " + joined(castings);
@@ -183,13 +171,14 @@ ExitCode run(const CalibrateOptions& options, Program& program) {
     return ExitCode::done;
   }
   if (options.no_wait) {
-    print(connection, options, judge_calibration(connection, castings));
+    print(connection, options, castings,
+          connection.call(&Stub::JudgeStudy, question_about(castings)));
     return ExitCode::done;
   }
   for (const CastingStudies& casting : castings)
     follow_with_progress(connection, casting.front(), come_back);
   const v1::StudyJudgement answer = checked(connection, castings, come_back);
-  print(connection, options, answer);
+  print(connection, options, castings, answer);
   return answer.result().has_calibration() ? ExitCode::done : ExitCode::solve_failed;
 }
 

@@ -7,21 +7,23 @@
 #include "client/commands/commands.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
-#include "client/model/slab_recipe.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/text/findings.hpp"
-#include "client/text/plant_units.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 #include "dccast/v1/config.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/shipped.hpp"
+#include "proto/case_file/slab_recipe.hpp"
 #include "proto/case_file/text_checks.hpp"
 
 namespace dccast::client::commands {
 namespace {
+
+using case_file::NewCase, case_file::new_case, case_file::SlabRecipe;
 
 struct NewOptions {
   std::string name;
@@ -134,7 +136,7 @@ struct ValidateOptions {
   bool json = false;
   bool strict = false;
   bool ranges = false;
-  std::string drawing;  ///< SVG file
+  std::string drawing;  ///< HTML page to be written; empty: none
   bool force = false;
 };
 
@@ -185,10 +187,10 @@ ExitCode run(const ValidateOptions& options, Program& program) {
   }
   if (options.json) {
     Json json = faults_json(checked);
-    if (checked.read.ok()) json["casting"] = render::casting_summary(complete_case(checked));
+    if (checked.read.ok()) json["casting"] = case_file::casting_summary(complete_case(checked));
     print_line(json);
   } else {
-    if (checked.read.ok()) std::cout << render::casting_summary(complete_case(checked)) << '\n';
+    if (checked.read.ok()) std::cout << case_file::casting_summary(complete_case(checked)) << '\n';
     print_faults(checked, std::cout);
     for (const v1::Finding& finding : checked.findings)
       std::cout << render::finding_line(finding) << '\n';

@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <cmath>
 #include <iostream>
 
@@ -10,7 +8,6 @@
 #include "client/session/queries.hpp"
 #include "client/session/studies.hpp"
 #include "client/text/findings.hpp"
-#include "client/text/judgement_text.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/frames/contraction.hpp"
@@ -133,13 +130,8 @@ void print_table(const CurlHistory& history) {
   std::cout << table.text() << std::flush;
 }
 
-/// What the server concludes from the run, and its findings: on standard error, beside the table.
-void print_judgement(Connection& connection, const v1::Job& job) {
-  constexpr int columns = 100;
-  const v1::Judgement judgement = judge_run(connection, job.id());
-  std::cerr << render::parts_text(judgement, render::terminal_of(STDERR_FILENO))
-            << render::sentences_text(judgement, columns, 2);
-
+/// The findings of a job, on standard error beside the table.
+void print_findings(const v1::Job& job) {
   for (const v1::Finding& finding : job.findings())
     std::cerr << render::finding_line(finding) << '\n';
   if (job.has_validity_loss()) std::cerr << render::validity_text(job.validity_loss()) << '\n';
@@ -161,7 +153,9 @@ ExitCode run(const CurlOptions& options, Program& program) {
   }
 
   print_table(curl.history);
-  if (!curl.history.time_s.empty()) print_judgement(connection, curl.job);
+  if (curl.history.time_s.empty()) return ExitCode::done;
+  print_judgement(connection, run_of_job(id), std::cerr);
+  print_findings(curl.job);
   return ExitCode::done;
 }
 
@@ -253,7 +247,7 @@ ExitCode run(const ContractionOptions& options, Program& program) {
   Connection connection = program.connect();
   const std::string id = resolve_job(connection, options.id);
   v1::QueryResultResponse result;
-  check(try_query_result(connection, id, true, result), connection.server());
+  check(try_query_result(connection, id, LastFrame::computed, result), connection.server());
   try {
     const Contraction contraction = frames::contraction_of(result.case_(), result.frame());
     if (options.json)

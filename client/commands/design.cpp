@@ -2,12 +2,8 @@
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
-#include "client/model/answer.hpp"
-#include "client/session/case_faults.hpp"
 #include "client/session/plan_requests.hpp"
 #include "client/session/studies.hpp"
-#include "client/text/plant_units.hpp"
-#include "proto/case_file/override.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -81,16 +77,15 @@ struct RecipeOptions : StudyOptions {
   std::string output;
 };
 
-/// The case of the file with the changes of the chosen recipe.
-void write_chosen(const RecipeOptions& options, const v1::RecipeFound& found) {
-  if (found.chosen() < 0) {
+/// Writes the case of the file with the changes of the chosen recipe, if there is one.
+void write_chosen(Connection& connection, const RecipeOptions& options, const std::string& id) {
+  v1::JudgeStudyRequest question;
+  question.set_id(id);
+  const std::string chosen = found_case(connection, question, options.base);
+  if (chosen.empty())
     std::cerr << options.output << " is not written: no recipe is confirmed\n";
-    return;
-  }
-  CaseUnderCheck chosen = read_case(options.base.file, changes_of(options.base.set));
-  const auto& changes = found.front(found.chosen()).changes();
-  case_file::apply_changes(chosen.description, {changes.begin(), changes.end()});
-  write_output(options.output, render::readable_toml(chosen.description));
+  else
+    write_output(options.output, chosen);
 }
 
 ExitCode print(Connection& connection, const RecipeOptions& options, const std::string& id) {
@@ -98,7 +93,7 @@ ExitCode print(Connection& connection, const RecipeOptions& options, const std::
   if (!answer.study().has_recipe())
     throw invalid("study " + id + " designs no recipe; dccast studies show " + id +
                   " shows what it is");
-  if (!options.output.empty()) write_chosen(options, answer.result().recipe());
+  if (!options.output.empty()) write_chosen(connection, options, id);
   print_answer(options, answer, options.output);
   const bool open = answer.study().state() == v1::STUDY_RUNNING;
   return open || answer.result().recipe().chosen() >= 0 ? ExitCode::done : ExitCode::solve_failed;

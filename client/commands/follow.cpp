@@ -149,13 +149,13 @@ double value_at(const google::protobuf::RepeatedField<double>& time_s,
 }
 
 void add_rows(const v1::ForecastCurl& curl, double now_s, render::Table& table) {
-  constexpr double nine_of_ten = 1.645;
   const double end_s = *curl.time_s().rbegin();
   const auto add = [&](const std::string& when, double at_s) {
-    const double metres = value_at(curl.time_s(), curl.curl_m(), at_s);
-    const double width = nine_of_ten * value_at(curl.time_s(), curl.deviation_m(), at_s);
-    table.add({curl.monitor(), when, render::fixed(at_s, 0), render::fixed(1e3 * metres, 1),
-               render::fixed(1e3 * (metres - width), 1), render::fixed(1e3 * (metres + width), 1)});
+    const auto mm = [&](const auto& values) {
+      return render::fixed(1e3 * value_at(curl.time_s(), values, at_s), 1);
+    };
+    table.add({curl.monitor(), when, render::fixed(at_s, 0), mm(curl.curl_m()), mm(curl.lower_m()),
+               mm(curl.upper_m())});
   };
 
   add("now", std::clamp(now_s, 0.0, end_s));
@@ -172,9 +172,10 @@ void print_forecast(const v1::Forecast& forecast) {
   for (const v1::ForecastCurl& curl : forecast.curls()) {
     std::cout << fmt::format("{}: {} readings, {} left out; {} members\n", curl.monitor(),
                              curl.readings(), curl.left_out(), curl.members());
-    if (curl.zero_deviation_m() > 0.0)
-      std::cout << fmt::format("{}: the gauge shows {:.1f} ± {:.1f} mm too much\n", curl.monitor(),
-                               1e3 * curl.zero_m(), 1e3 * curl.zero_deviation_m());
+    if (curl.zero_upper_m() > curl.zero_lower_m())
+      std::cout << fmt::format("{}: the gauge shows {:.1f} mm too much ({:.1f} to {:.1f})\n",
+                               curl.monitor(), 1e3 * curl.zero_m(), 1e3 * curl.zero_lower_m(),
+                               1e3 * curl.zero_upper_m());
   }
 }
 

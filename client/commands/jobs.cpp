@@ -7,6 +7,7 @@
 
 #include "client/commands/commands.hpp"
 #include "client/session/jobs.hpp"
+#include "client/session/queries.hpp"
 #include "client/session/studies.hpp"
 #include "client/text/job_text.hpp"
 #include "proto/values/printable.hpp"
@@ -260,6 +261,27 @@ cli::Command add_job_command(cli::CommandLine& line, Program& program, const Job
   return command;
 }
 
+struct ShowOptions {
+  std::string id;
+  bool json = false;
+};
+
+ExitCode run(const ShowOptions& options, Program& program) {
+  Connection connection = program.connect();
+  const v1::Job job = connection.call(&Stub::GetJob, resolve_job(connection, options.id));
+  if (options.json) {
+    print_line(to_json(job));
+    return ExitCode::done;
+  }
+
+  std::cout << render::job_sheet(job);
+  if (job.has_last_step()) {
+    std::cout << '\n';
+    print_judgement(connection, run_of_job(job.id()), std::cout);
+  }
+  return ExitCode::done;
+}
+
 /// "0f2b9a4e-... line=3 (pinned)": output of commands that mark a job.
 std::string marks_of(const v1::Job& job) {
   std::string text = job.id();
@@ -364,8 +386,12 @@ void add_unpin(cli::CommandLine& line, Program& program) {
 }
 
 void add_show(cli::CommandLine& line, Program& program) {
-  add_job_command(line, program, {"show", "Everything about one job", "dccast show JOB"},
-                  &Stub::GetJob, std::make_shared<v1::GetJobRequest>(), render::job_sheet);
+  const auto [command, options] =
+      declare<ShowOptions>(line, program, run, "show",
+                           "Everything about one job, and what follows from its run so far",
+                           "dccast show JOB");
+  command.option("JOB", options.id, job_help, cli::required);
+  command.json(options.json);
 }
 
 void add_cancel(cli::CommandLine& line, Program& program) {

@@ -57,6 +57,13 @@ std::optional<Answer> ask(Connection& connection, CaseUnderCheck& checked,
   return answer;
 }
 
+void print(Connection& connection, const Answer& answer) {
+  std::cout << render::answer_text(answer);
+  if (!answer.history.time_s.empty())
+    print_judgement(connection, compared_run(answer), std::cout);
+  std::cout << std::flush;
+}
+
 ExitCode run(const QueryOptions& options, Program& program) {
   CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
   if (!checked.faults.empty()) return refuse(checked, options.json);
@@ -64,9 +71,10 @@ ExitCode run(const QueryOptions& options, Program& program) {
   auto answer = ask(connection, checked, options);
   if (!answer) return refuse(checked, options.json);
   answer->name = checked.read.source.file();
-  std::cout << (options.json ? render::answer_json(*answer).dump() + "\n"
-                             : render::answer_text(*answer))
-            << std::flush;
+  if (options.json)
+    print_line(render::answer_json(*answer));
+  else
+    print(connection, *answer);
   std::cerr << render::origin_text(*answer) << '\n';
   return exit_code_of(answer->state);
 }
@@ -252,6 +260,18 @@ ExitCode run(const CompareOptions& options, Program& program) {
 }
 
 }  // namespace
+
+void print_judgement(Connection& connection, const v1::ComparedRun& run, std::ostream& stream) try {
+  constexpr int columns = 100;  // of text that is read, tables may be wider
+  const int descriptor = &stream == &std::cout ? STDOUT_FILENO : STDERR_FILENO;
+  const v1::Judgement judgement = judge_run(connection, run);
+  stream << render::parts_text(judgement, render::terminal_of(descriptor)) << '\n'
+         << render::sentences_text(judgement, columns, 2);
+} catch (const Interrupted&) {
+  throw;
+} catch (const CommandFailed& failure) {
+  std::cerr << "dccast: " << failure.what() << '\n';
+}
 
 void add_query(cli::CommandLine& line, Program& program) {
   const auto [command, options] =

@@ -3,16 +3,13 @@
 #include <openssl/evp.h>
 #include <zlib.h>
 
-#include <array>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
-#include <vector>
-
-#include "client/html/frame_surface.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -32,15 +29,15 @@ public:
   void add(double number) { append(rounded(static_cast<float>(number), precision_)); }
 
   /// Three coordinates of each node; vectors that are missing are zero.
-  template <class Values>
-  void add_vectors(const Values& values, int dimension, int nodes) {
-    const auto known = static_cast<int>(std::size(values));
+  void add_vectors(const google::protobuf::RepeatedField<double>& values, int dimension,
+                   int nodes) {
+    const int known = values.size();
     for (int node = 0; node < nodes; ++node)
       for (int c = 0; c < 3; ++c) {
         // The last coordinate points upwards: of a section it is the second.
         const int from = dimension == 3 ? c : c == 1 ? -1 : c / 2;
         const int at = node * dimension + from;
-        add(from >= 0 && at < known ? static_cast<double>(values[at]) : 0.0);
+        add(from >= 0 && at < known ? values[at] : 0.0);
       }
   }
 
@@ -59,35 +56,41 @@ private:
   std::string bytes_;
 };
 
+/// Whether the arrays of a frame fit each other, and name nodes that exist.
+bool is_consistent(const v1::Frame& frame) {
+  const int nodes = frame.temperature_c_size(), coordinates = frame.dimension() * nodes;
+  const auto names_nodes = [&](const google::protobuf::RepeatedField<std::int32_t>& numbers) {
+    return std::ranges::all_of(numbers, [&](int node) { return node >= 0 && node < nodes; });
+  };
+  return nodes > 0 && frame.node_m_size() == coordinates &&
+         (frame.displacement_m().empty() || frame.displacement_m_size() == coordinates) &&
+         frame.nodes_per_element() > 0 && !frame.skin_triangle().empty() &&
+         frame.element_node_size() % frame.nodes_per_element() == 0 &&
+         names_nodes(frame.element_node()) && names_nodes(frame.skin_triangle()) &&
+         names_nodes(frame.skin_edge());
+}
+
 }  // namespace
 
 std::optional<std::string> frame_bytes(const v1::Frame& frame, Precision precision) {
-  const auto skin = skin_of(frame);
-  if (!skin) return std::nullopt;
+  if (!is_consistent(frame)) return std::nullopt;
 
-  std::vector<std::array<int, 3>> triangles;
-  for (const auto& face : skin->faces)
-    for (std::size_t i = 1; i + 1 < face.size(); ++i)
-      triangles.push_back({face[0], face[i], face[i + 1]});
   const int dimension = frame.dimension(), nodes = frame.temperature_c_size();
-
   Bytes bytes(precision);
   for (const int count : {nodes, frame.element_node_size() / frame.nodes_per_element(),
-                          frame.nodes_per_element(), static_cast<int>(triangles.size()),
-                          static_cast<int>(skin->edges.size()), dimension, 0, 0})
+                          frame.nodes_per_element(), frame.skin_triangle_size() / 3,
+                          frame.skin_edge_size() / 2, dimension, 0, 0})
     bytes.add(count);
   for (const double value :
        {frame.time_s(), frame.cast_length_m(), frame.liquidus_c(), frame.solidus_c()})
     bytes.add(value);
 
   bytes.add_vectors(frame.node_m(), dimension, nodes);
-  bytes.add_vectors(drawn_displacement(frame), dimension, nodes);
+  bytes.add_vectors(frame.displacement_m(), dimension, nodes);
   for (const double value : frame.temperature_c()) bytes.add(value);
-  for (const int node : frame.element_node()) bytes.add(node);
-  for (const auto& triangle : triangles)
-    for (const int node : triangle) bytes.add(node);
-  for (const auto& edge : skin->edges)
-    for (const int node : edge) bytes.add(node);
+  for (const auto* const numbers :
+       {&frame.element_node(), &frame.skin_triangle(), &frame.skin_edge()})
+    for (const int node : *numbers) bytes.add(node);
   return bytes.take();
 }
 

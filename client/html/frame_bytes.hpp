@@ -14,10 +14,10 @@ enum class Precision {
   drawing,  ///< the same with twelve bits of precision, which are packed into half the space
 };
 
-/// A frame in binary for drawing: a header of eight numbers of 32 bits (nodes, elements, nodes of
-/// an element, triangles of the skin, edges of the skin, dimension, 0, 0), then time, length,
-/// liquidus and solidus, places, displacements as drawn and temperatures of the nodes (32-bit
-/// floats; three coordinates whatever the dimension), elements, triangles, edges (32-bit).
+/// A frame that was asked for to be drawn, in binary: a header of eight numbers of 32 bits (nodes,
+/// elements, nodes of an element, triangles of the skin, edges of the skin, dimension, 0, 0), then
+/// time, length, liquidus and solidus, places, displacements as drawn and temperatures of the nodes
+/// (32-bit floats; three coordinates whatever the dimension), elements, triangles, edges (32-bit).
 /// Little-endian, as this machine is.
 /// @return empty if the arrays of the frame are inconsistent
 std::optional<std::string> frame_bytes(const v1::Frame& frame, Precision precision);

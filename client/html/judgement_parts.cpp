@@ -83,15 +83,9 @@ std::string findings_list(const v1::Comparison& comparison) {
 
 }  // namespace
 
-std::string chart_figure(const v1::Chart& chart, const std::string& caption) {
-  return figure(capitalised(chart.heading()), drawn("chart", chart_json(chart)), caption);
-}
-
-std::string chart_figure(const v1::Chart& chart, const v1::Judgement& judgement) {
-  for (const v1::Table::Row& row : find_table(judgement, "notes").rows())
-    if (row.cells(0).text() == chart.key())
-      return chart_figure(chart, html_escaped(row.cells(1).text()));
-  return chart_figure(chart, "");
+std::string chart_figure(const v1::Chart& chart) {
+  return figure(capitalised(chart.heading()), drawn("chart", chart_json(chart)),
+                html_escaped(chart.note()));
 }
 
 const v1::Table& find_table(const v1::Judgement& judgement, const std::string& key) {
@@ -127,8 +121,16 @@ std::string table_part(const v1::Table& table) {
   return figures_table(element("tr", head), body) + note;
 }
 
-std::string table_card(const v1::Table& table) {
-  return card(capitalised(table.heading()), table_part(table));
+std::string table_card(const v1::Table& table, const std::string& picture) {
+  return card(capitalised(table.heading()), picture + table_part(table));
+}
+
+std::string facts_card(const v1::Table& facts, const std::string& more) {
+  std::string rows;
+  for (const v1::Table::Row& fact : facts.rows())
+    rows += row(html_escaped(fact.cells(0).text()), html_escaped(fact.cells(1).text()),
+                html_escaped(fact.cells(2).text()));
+  return rows.empty() ? "" : card(capitalised(facts.heading()), element("table", rows) + more);
 }
 
 std::string sentences_part(const v1::Judgement& judgement) {
@@ -146,9 +148,9 @@ std::string judgement_parts(const v1::Judgement& judgement) {
   };
 
   for (const v1::JudgementPart& part : judgement.parts()) {
-    if (part.place() == v1::JudgementPart::TERMINAL || part.table().key() == "notes") continue;
+    if (part.place() == v1::JudgementPart::TERMINAL) continue;
     if (part.has_chart()) {
-      charts += chart_figure(part.chart(), judgement);
+      charts += chart_figure(part.chart());
       continue;
     }
     close_charts();

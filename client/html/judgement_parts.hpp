@@ -7,11 +7,8 @@
 /// What the server concludes (judgement.proto), as parts of a page.
 namespace dccast::client::render {
 
-/// A card with a chart, which a script of the page draws, and a caption below it.
-std::string chart_figure(const v1::Chart& chart, const std::string& caption);
-
-/// The same with the caption that the judgement has for it, in its table "notes".
-std::string chart_figure(const v1::Chart& chart, const v1::Judgement& judgement);
+/// A card with a chart, which a script of the page draws, and its note below it.
+std::string chart_figure(const v1::Chart& chart);
 
 /// A table of a judgement by its key; an empty one where there is none.
 const v1::Table& find_table(const v1::Judgement& judgement, const std::string& key);
@@ -19,8 +16,12 @@ const v1::Table& find_table(const v1::Judgement& judgement, const std::string& k
 /// A table of a judgement as HTML, with its heading and units.
 std::string table_part(const v1::Table& table);
 
-/// That in a card.
-std::string table_card(const v1::Table& table);
+/// That in a card, below a picture. @param picture  HTML; empty: none
+std::string table_card(const v1::Table& table, const std::string& picture = {});
+
+/// A card of facts: rows of name, value and remark without a head. Empty for an empty table.
+/// @param more  HTML below them
+std::string facts_card(const v1::Table& facts, const std::string& more = {});
 
 /// The sentences as they open a page.
 std::string sentences_part(const v1::Judgement& judgement);

@@ -1,218 +1,48 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <optional>
 #include <ostream>
 #include <string_view>
 
 #include <fmt/core.h>
 
+#include "client/html/frame_bytes.hpp"
 #include "client/html/html_parts.hpp"
 #include "client/html/judgement_parts.hpp"
 #include "client/html/pages.hpp"
-#include "client/html/report_parts.hpp"
 #include "client/model/answer.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/judgement_text.hpp"
-#include "client/text/plant_units.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
+#include "proto/case_file/plant_words.hpp"
 
 namespace dccast::client::render {
 namespace {
 
-bool is_quarter(const v1::Case& input) {
-  return input.section().kind() == v1::Section::QUARTER_SLAB;
-}
-
-/// Describes factor and shift of a table; empty if they have no effect.
-std::string changes(const v1::Curve& factor, double shift_s) {
-  std::string text;
-  if (factor.value_size() > 1 || (factor.value_size() == 1 && factor.value(0) != 1.0))
-    text += "times " + curve_in_words(factor, 1.0, "");
-  if (shift_s != 0.0)
-    text += (text.empty() ? "" : "; ") + plant_number(std::abs(shift_s)) + " s " +
-            (shift_s > 0.0 ? "later" : "earlier");
-  return text;
-}
-
-std::string size_text(const v1::Section& section) {
-  const std::string width = plant_number(2e3 * section.half_width_m());
-  if (section.kind() == v1::Section::AXISYMMETRIC) return width + " mm in diameter";
-  if (section.kind() != v1::Section::QUARTER_SLAB) return width + " mm across";
-  const auto& half_thickness_m = section.half_thickness_m().value();
-  return width + " × " + plant_mm(half_thickness_m.empty() ? 0.0 : 2.0 * half_thickness_m[0]);
-}
-
-const v1::Curve& narrow_flow(const v1::Case& input) {
-  const v1::Schedule& recipe = input.schedule();
-  return recipe.has_narrow_water_flow_m2_per_s() ? recipe.narrow_water_flow_m2_per_s()
-                                                 : recipe.water_flow_m2_per_s();
-}
-
-const v1::Water& narrow_water(const v1::Case& input) {
-  return input.cooling().has_narrow_water() ? input.cooling().narrow_water()
-                                            : input.cooling().water();
-}
-
-bool narrow_differs(const v1::Case& input) {
-  return is_quarter(input) &&
-         (input.schedule().has_narrow_water_flow_m2_per_s() || input.cooling().has_narrow_water());
-}
-
-std::string water_note(const v1::Water& water) {
-  if (!water.enabled()) return "turned off";
-  return fmt::format("from {} s on, {} below the metal level, at {}", plant_number(water.start_s()),
-                     plant_mm(water.from_m()), curve_in_words(water.temperature_c(), 1.0, "°C"));
-}
-
-std::string water_rows(const v1::Case& input) {
-  const v1::Schedule& recipe = input.schedule();
-  const std::string changed = changes(recipe.water_flow_factor(), recipe.water_flow_shift_s());
-  const auto one = [&](const std::string& name, const v1::Curve& flow, const v1::Water& water) {
-    return row(name, curve_in_words(flow, litres_per_min_per_m, "l/min/m"),
-               water_note(water) + (changed.empty() ? "" : "; " + changed));
-  };
-  const bool two = narrow_differs(input);
-  return one(two ? "Water, wide face" : "Water", recipe.water_flow_m2_per_s(),
-             input.cooling().water()) +
-         (two ? one("Water, narrow face", narrow_flow(input), narrow_water(input)) : "");
-}
-
-std::string recipe_table(const v1::Case& input) {
-  const v1::Schedule& recipe = input.schedule();
-  const v1::Section& section = input.section();
-  const auto celsius = [](const v1::Curve& curve) { return curve_in_words(curve, 1.0, "°C"); };
-  const std::string rows =
-      row(section.kind() == v1::Section::AXISYMMETRIC ? "Billet" : "Slab", size_text(section),
-          "metal stands " + plant_mm(section.initial_depth_m()) + " deep at the start") +
-      row("Alloy", html_escaped(input.alloy().card()),
-          fmt::format("solidus {} °C, liquidus {} °C", plant_number(input.alloy().solidus_c()),
-                      plant_number(input.alloy().liquidus_c()))) +
-      row("Hold before the block moves", plant_number(recipe.hold_s()) + " s",
-          "the shell forms; t = 0 is when the block starts") +
-      row("Casting speed", curve_in_words(recipe.casting_speed_m_per_s(), mm_per_min, "mm/min"),
-          changes(recipe.casting_speed_factor(), recipe.casting_speed_shift_s())) +
-      row("Casting temperature", celsius(recipe.casting_temperature_c())) + water_rows(input) +
-      row("Bottom block", celsius(input.cooling().bottom_block().temperature_c()));
-  return element("table", rows);
-}
-
-std::string recipe_part(const v1::QueryResultResponse& result) {
-  if (!result.has_case_()) return {};
-  return card("Recipe", recipe_table(result.case_()));
-}
-
-/// The remark beside a figure of the last step; empty while the model is valid.
-std::string last_step_mark(const CurlHistory& history) {
-  return !history.beyond.empty() && history.beyond.back() ? beyond_validity : "";
-}
-
-std::string scientific(double value) {
-  if (!std::isfinite(value)) return "-";
-  return value == 0.0 ? "0" : fmt::format("{:.2e}", value);
-}
-
-using Step = v1::StepReport;
-
-/// The largest value of a check in all steps.
-std::string worst_row(const v1::QueryResultResponse& result, const std::string& name,
-                      double (Step::*figure_of)() const, const std::string& note) {
-  double largest = 0.0;
-  for (const Step& step : result.steps())
-    largest = std::max(largest, std::abs((step.*figure_of)()));
-  return row(name, scientific(largest), note);
-}
-
-std::string checks_table(const v1::QueryResultResponse& result, const CurlHistory& history) {
-  if (result.steps_size() == 0) return {};
-
-  std::string rows =
-      worst_row(result, "Equilibrium residual", &Step::equilibrium_residual,
-                "largest of all steps, relative") +
-      worst_row(result, "Energy balance", &Step::energy_balance_error,
-                "largest of all steps, relative") +
-      worst_row(result, "Complementarity", &Step::complementarity_error,
-                "gap times pressure, relative") +
-      worst_row(result, "Constitutive residual", &Step::constitutive_residual, "relative");
-
-  // Forces and heat flows at the end, of the computed part of the slab.
-  const Step& last = result.steps(result.steps_size() - 1);
-  const std::string mark = last_step_mark(history);
-  const std::string of_last_step = "last step" + (mark.empty() ? "" : ", " + mark);
-  const bool quarter = is_quarter(result.case_());
-  const std::string per_metre = quarter ? "" : "/m";
-  rows += row("Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
-              "against the metallostatic one, relative, " + of_last_step) +
-          row("Bottom reaction",
-              fmt::format("{} N{}", fixed(last.section().bottom_reaction(), 1), per_metre),
-              fmt::format("weight {} N{}, {}", fixed(last.section().weight(), 1), per_metre,
-                          of_last_step)) +
-          row("Heat through side and bottom",
-              fmt::format("{} kW{}", fixed(1e-3 * last.section().wall_heat_flux(), 1), per_metre),
-              (quarter ? "of the quarter, " : "per metre of face, ") + of_last_step);
-  return card("Checks of the run", element("table", rows));
-}
-
-std::string run_table(const v1::Job& job, const v1::QueryResultResponse& result) {
+/// The job behind the run.
+std::string run_table(const v1::Job& job) {
   std::string rows = row("State", full_state_text(job)) + row("Job", html_escaped(job.id())) +
                      row("Study", job.study().empty() ? "none" : html_escaped(job.study())) +
                      row("Ended", time_text(job.end_time())) +
                      row("Case SHA-256", element("code", html_escaped(job.case_sha256())));
-  if (result.steps_size() > 0) {
-    const v1::StepReport& last = result.steps(result.steps_size() - 1);
-    double iterations = 0.0, cut = 0.0;
-    for (const v1::StepReport& step : result.steps()) {
-      iterations += step.iterations();
-      cut += step.failed_attempts();
-    }
-    rows +=
-        row("Steps", std::to_string(result.steps_size()), fixed(cut, 0) + " attempts were cut") +
-        row("Mechanical iterations", fixed(iterations, 0),
-            fixed(iterations / result.steps_size(), 2) + " a step") +
-        row("Mesh at the end", std::to_string(last.nodes()) + " nodes",
-            std::to_string(last.elements()) + " elements") +
-        row("Solver time", duration_text(last.solver_s()));
-  }
+  if (job.has_last_step()) rows += row("Solver time", duration_text(job.last_step().solver_s()));
   if (job.has_failure()) rows += row("Failure", html_escaped(failure_text(job.failure())));
   return card("Run", element("table", rows));
 }
 
-std::string element_row(v1::ElementKind element) {
-  if (element == v1::P1)
-    return row("Element", "p1", "linear triangles lock on coarse meshes: compare with q1_bending");
-  if (element == v1::Q1)
-    return row("Element", "q1", "long cells resist bending: compare with q1_bending");
-  return row("Element", "q1_bending");
-}
+/// What the result rests on, with the whole case.
+std::string basis_part(const ReportedRun& run) {
+  if (!run.result.has_case_()) return {};
+  const std::string whole_case =
+      "<details><summary>The whole case, with all defaults</summary>" +
+      element("pre", html_escaped(case_file::readable_toml(run.result.case_()))) + "</details>";
 
-std::string coherency_text(const v1::Alloy& alloy) {
-  if (alloy.has_coherency_solid_fraction())
-    return "solid fraction " + fixed(alloy.coherency_solid_fraction(), 2);
-  return fixed(alloy.has_coherency_c() ? alloy.coherency_c() : alloy.liquidus_c(), 0) + " °C";
-}
-
-std::string inputs_table(const v1::QueryResultResponse& result) {
-  if (!result.has_case_()) return {};
-  const v1::Case& input = result.case_();
-  const v1::Alloy& alloy = input.alloy();
-  const std::string rows =
-      row("Mechanics starts", fixed(input.mechanics().start_s(), 1) + " s",
-          "from a stress-free shell: what happened before leaves no curl") +
-      row("Coherency", coherency_text(alloy),
-          fmt::format("below it the mush transmits stress; solidus {}, liquidus {} °C",
-                      fixed(alloy.solidus_c(), 0), fixed(alloy.liquidus_c(), 0))) +
-      row("Alloy card", html_escaped(alloy.card() + " (" + alloy.provenance() + ")"),
-          html_escaped(alloy.description())) +
-      row("Half width", mm(input.section().half_width_m(), 0) + " mm") +
-      element_row(input.mesh().element()) +
-      row("Algorithm", v1::Mechanics::Algorithm_Name(input.mechanics().algorithm()));
-  return card("What the result rests on",
-              element("table", rows) +
-                  "<details><summary>The whole case, with all defaults</summary>" +
-                  element("pre", html_escaped(readable_toml(input))) + "</details>");
+  const v1::Table& basis = find_table(run.judgement, "basis");
+  return basis.rows().empty() ? card("Case", whole_case) : facts_card(basis, whole_case);
 }
 
 /// The sentence at the top of the page of a job that failed, unless validity_banner() names the
@@ -282,11 +112,13 @@ std::string boxes(const v1::Table& table) {
   return html;
 }
 
-/// The figures of the last step.
-std::string headline(const v1::Judgement& judgement) {
-  const v1::Table& end = find_table(judgement, "end");
-  if (end.rows().empty()) return "<p>The job has no step yet.</p>";
-  return element("div class='tiles'", boxes(find_table(judgement, "curls")) + boxes(end)) +
+/// The figures of the last step; before the first one, what is to be cast.
+std::string headline(const ReportedRun& run) {
+  const v1::Table& end = find_table(run.judgement, "end");
+  if (end.rows().empty())
+    return "<p>The job has no step yet.</p>" +
+           element("p", html_escaped(case_file::casting_summary(run.result.case_())));
+  return element("div class='tiles'", boxes(find_table(run.judgement, "curls")) + boxes(end)) +
          (end.note().empty() ? "" : element("p class='note'", html_escaped(end.note())));
 }
 
@@ -295,48 +127,101 @@ constexpr const char* chart_of_first_sheet = "curl";
 /// The chart of the curl against time.
 std::string curl_figure(const v1::Judgement& judgement) {
   for (const v1::JudgementPart& part : judgement.parts())
-    if (part.chart().key() == chart_of_first_sheet) return chart_figure(part.chart(), judgement);
+    if (part.chart().key() == chart_of_first_sheet) return chart_figure(part.chart());
   return {};
 }
 
-/// All other charts.
-std::string history_figures(const v1::Judgement& judgement) {
-  std::string html;
-  for (const v1::JudgementPart& part : judgement.parts())
-    if (part.has_chart() && part.chart().key() != chart_of_first_sheet)
-      html += chart_figure(part.chart(), judgement);
-  return html;
+/// The frames as report.js reads them; empty if the last one cannot be drawn.
+std::optional<Json> slab_json(const FrameSeries& series, const CurlHistory& history) {
+  Json json{{"times", Json::array()},
+            {"fields", Json::array()},
+            {"frames", Json::array()},
+            {"values", Json::object()}};
+  for (const v1::Frame& frame : series.frames) {
+    const auto bytes = frame_bytes(frame, Precision::drawing);
+    const bool is_last = &frame == &series.frames.back();
+    if (!bytes && is_last) return std::nullopt;
+    if (!bytes) continue;
+    json["times"].push_back(frame.time_s());
+    json["frames"].push_back(packed(*bytes));
+  }
+
+  for (const v1::FrameField& field : series.fields) {
+    json["fields"].push_back(to_json(field));
+    json["values"][field.name()] = packed(float_bytes(field.values(), Precision::drawing));
+  }
+  if (const auto first = history.first_beyond()) json["beyond_s"] = history.time_s[*first];
+  return json;
+}
+
+/// The stored frames, which a script of the page draws. A line reports that there is none.
+std::string slab_part(const ReportedRun& run, const CurlHistory& history) {
+  if (!run.result.has_frame())
+    return card("Slab", "<p>No stored frame: the run has not ended with a result.</p>");
+  const v1::Frame& frame = run.result.frame();
+  const FrameSeries shown =
+      run.series.frames.empty() ? FrameSeries{1, {frame}, {}} : run.series;
+  const auto json = slab_json(shown, history);
+  if (!json)
+    return card("Slab", "<p>The stored frame cannot be drawn: its arrays are inconsistent.</p>");
+
+  const auto first = history.first_beyond();
+  const bool is_valid = !first || frame.time_s() < history.time_s[*first];
+  const auto count = static_cast<int>(shown.frames.size());
+  const std::string caption = fmt::format(
+      "{}The last frame is at {} s, cast length {} mm; {} stored frames are in this page. Grey "
+      "lines: before the metal moved. Thin lines: the values named below the colours.",
+      is_valid ? "" : "<strong>Beyond validity.</strong> ", fixed(frame.time_s(), 1),
+      mm(frame.cast_length_m()),
+      count == shown.stored ? fmt::format("all {}", count)
+                            : fmt::format("{} of {}", count, shown.stored));
+  return element("section class='card wide slab'",
+                 drawn("slab", *json) + element("div class='caption'", caption));
 }
 
 /// The part for the plant, printed on one sheet.
 std::string first_sheet(const ReportedRun& run, const CurlHistory& history) {
   return "<div class='first'>" + failure_banner(run.job) + validity_banner(run.job, history) +
-         sentences(run.judgement) + findings_part(run.job.findings()) + headline(run.judgement) +
-         "<div class='cards'>" + curl_figure(run.judgement) + recipe_part(run.result) +
-         frame_part(run.result, history, run.series) + "</div></div>";
+         sentences(run.judgement) + findings_part(run.job.findings()) + headline(run) +
+         "<div class='cards'>" + curl_figure(run.judgement) +
+         facts_card(find_table(run.judgement, "recipe")) + slab_part(run, history) +
+         "</div></div>";
 }
 
-/// The histories of the run.
-std::string details(const ReportedRun& run, const CurlHistory& history) {
-  return "<div class='histories'><div class='cards'>" + history_figures(run.judgement) +
-         bottom_part(run.result, history) + "</div></div>";
+// Tables that stand in a place of their own: beside a chart or a picture, or as facts.
+constexpr std::array<std::string_view, 2> tables_of_histories{"bottom", "pull_in"};
+constexpr std::array<std::string_view, 7> placed_tables{"curls",   "end",    "bottom", "pull_in",
+                                                        "recipe", "checks", "basis"};
+
+/// The histories of the run, and what its last frame shows.
+std::string details(const v1::Judgement& judgement) {
+  std::string html;
+  for (const v1::JudgementPart& part : judgement.parts()) {
+    const v1::Table& table = part.table();
+    if (part.has_chart() && part.chart().key() != chart_of_first_sheet)
+      html += chart_figure(part.chart());
+    else if (std::ranges::find(tables_of_histories, table.key()) != tables_of_histories.end())
+      // A script draws the gap from the frames of the slab.
+      html += table_card(table, table.key() == "bottom" ? "<div class='gap-map'></div>" : "");
+  }
+  return "<div class='histories'><div class='cards'>" + html + "</div></div>";
 }
 
 /// How much of the curl is discretisation: the tables that have no place of their own.
 std::string discretisation_part(const v1::Judgement& judgement) {
-  constexpr std::array<std::string_view, 3> elsewhere{"curls", "end", "notes"};
   std::string html;
   for (const v1::JudgementPart& part : judgement.parts())
-    if (part.has_table() && std::ranges::find(elsewhere, part.table().key()) == elsewhere.end())
+    if (part.has_table() &&
+        std::ranges::find(placed_tables, part.table().key()) == placed_tables.end())
       html += table_card(part.table());
   return html;
 }
 
 /// The evidence: error, checks of the run, progress, assumptions and the whole case.
-std::string evidence(const ReportedRun& run, const CurlHistory& history) {
+std::string evidence(const ReportedRun& run) {
   return "<div class='evidence'>" + discretisation_part(run.judgement) + "<div class='cards'>" +
-         checks_table(run.result, history) + run_table(run.job, run.result) +
-         inputs_table(run.result) + "</div></div>";
+         facts_card(find_table(run.judgement, "checks")) + run_table(run.job) + basis_part(run) +
+         "</div></div>";
 }
 
 /// The result with the last frame; without the frame if there is none, if it exceeds a response, or
@@ -344,7 +229,7 @@ std::string evidence(const ReportedRun& run, const CurlHistory& history) {
 v1::QueryResultResponse result_of(Connection& connection, const std::string& id,
                                   std::ostream& notes, grpc::Status& status) {
   v1::QueryResultResponse result;
-  status = try_query_result(connection, id, true, result);
+  status = try_query_result(connection, id, LastFrame::drawn, result);
   if (status.ok()) return result;
   notes << "dccast: " << status.error_message()
         << "; the report goes without a picture of the slab\n";
@@ -371,13 +256,13 @@ std::string report_page(const ReportedRun& run) {
   const std::string title =
       html_escaped(run.job.title().empty() ? "Casting " + run.job.id() : run.job.title());
   return whole_page(title, page_header(run.job, title),
-                    first_sheet(run, history) + details(run, history) + evidence(run, history));
+                    first_sheet(run, history) + details(run.judgement) + evidence(run));
 }
 
 std::string casting_page(const v1::Case& complete) {
   const std::string title = html_escaped(complete.title());
   return whole_page(title, element("h1", title),
-                    element("p class='answer'", html_escaped(casting_summary(complete))) +
+                    element("p class='answer'", html_escaped(case_file::casting_summary(complete))) +
                         card("Start of the casting", drawn("casting", to_json(complete))));
 }
 
@@ -385,7 +270,10 @@ std::string report_of(Connection& connection, const v1::Job& job, std::ostream& 
                       grpc::Status& frame_status) {
   const v1::QueryResultResponse result = result_of(connection, job.id(), notes, frame_status);
   const v1::Judgement judgement =
-      result.steps().empty() ? v1::Judgement() : judge_run(connection, job.id());
+      result.steps().empty()
+          ? v1::Judgement()
+          : judge_run(connection, run_of_job(job.id()),
+                      result.has_frame() ? JudgedParts::with_frame : JudgedParts::of_steps);
   return report_page({.job = job,
                       .result = result,
                       .judgement = judgement,

@@ -9,7 +9,7 @@
 #include "proto/case_file/uncertainty.hpp"
 
 /// Studies over what data and levers of a case may be: `uncertainty`, `sensitivity`, and
-/// `calibration` with its measurements, further runs and calibrated case.
+/// `calibration` with its measurements and further runs.
 namespace dccast::client {
 
 /// What the user chose of a plan.
@@ -49,20 +49,14 @@ using case_file::datum_of;
 /// The studies of one casting: a Latin hypercube with measurements, then further runs.
 using CastingStudies = std::vector<std::string>;
 
-/// What the server concludes from the measurements of some castings, with the figures. Where too
-/// few runs have ended, the result has no calibration. Throws CommandFailed.
-v1::StudyJudgement judge_calibration(Connection& connection,
-                                     const std::vector<CastingStudies>& castings);
+/// Asks what the server concludes from the measurements of some castings, with the figures. Where
+/// too few runs have ended, the result has no calibration.
+v1::JudgeStudyRequest question_about(const std::vector<CastingStudies>& castings);
 
 /// Begins the runs that check a calibration, in every casting, and adds their studies. The same
 /// calibration gives the same studies. @return the new ones; empty: these runs are there already
 std::vector<std::string> add_checks(Connection& connection, const v1::Calibration& calibration,
                                     const v1::SweepPlan& plan,
                                     std::vector<CastingStudies>& castings);
-
-/// A case file with the calibrated values, their ranges in [uncertainty] and where they are from.
-/// Throws CommandFailed. @param request  has the case as in its file, with its changes
-std::string calibrated_case(Connection& connection, const v1::CreateStudyRequest& request,
-                            const v1::StudyResult& result);
 
 }  // namespace dccast::client

@@ -226,12 +226,14 @@ JobListing list_jobs(Connection& connection, v1::ListJobsRequest request, int li
   return listing;
 }
 
-grpc::Status try_query_result(Connection& connection, const std::string& id, bool frame,
+grpc::Status try_query_result(Connection& connection, const std::string& id, LastFrame frame,
                               v1::QueryResultResponse& result) {
   constexpr int readings = 5;  // a worker is restarted less often than that in one reading
   v1::QueryResultRequest request;
   request.set_id(id);
-  request.set_frame(frame);
+  request.set_frame(frame != LastFrame::left_out);
+  request.set_drawing(frame == LastFrame::drawn);
+
   grpc::Status status;
   for (int reading = 0; reading < readings; ++reading) {
     status = read_pages(connection, request, result);
@@ -243,7 +245,7 @@ grpc::Status try_query_result(Connection& connection, const std::string& id, boo
 
 v1::QueryResultResponse query_result(Connection& connection, const std::string& id) {
   v1::QueryResultResponse result;
-  check(try_query_result(connection, id, false, result), connection.server());
+  check(try_query_result(connection, id, LastFrame::left_out, result), connection.server());
   return result;
 }
 

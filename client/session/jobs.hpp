@@ -48,10 +48,16 @@ enum class Runs { each, together };
 JobListing list_jobs(Connection& connection, v1::ListJobsRequest request, int limit,
                      Runs runs = Runs::each);
 
+/// Whether the last stored frame is read, and how.
+enum class LastFrame {
+  left_out,
+  computed,  ///< as it was computed
+  drawn,     ///< with its skin, and liquid that stands level
+};
 /// Reads the whole history of a job, page by page, with the case and, on request, the last stored
 /// frame. If the job is resumed from an earlier step meanwhile, the history is read again.
 /// @return the status of the last call; `result` is complete if it is OK
-grpc::Status try_query_result(Connection& connection, const std::string& id, bool frame,
+grpc::Status try_query_result(Connection& connection, const std::string& id, LastFrame frame,
                               v1::QueryResultResponse& result);
 
 /// The same without a frame. Throws CommandFailed for any status but OK.

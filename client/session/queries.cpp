@@ -131,9 +131,16 @@ v1::ComparedRun compared_run(const Answer& answer) {
   return run;
 }
 
-v1::Judgement judge_run(Connection& connection, const std::string& job) {
+v1::ComparedRun run_of_job(const std::string& job) {
+  v1::ComparedRun run;
+  run.set_job(job);
+  return run;
+}
+
+v1::Judgement judge_run(Connection& connection, const v1::ComparedRun& run, JudgedParts parts) {
   v1::CompareRunsRequest request;
-  request.add_runs()->set_job(job);
+  request.set_with_frame(parts == JudgedParts::with_frame);
+  *request.add_runs() = run;
   return connection.call(&Stub::CompareRuns, request).judgement();
 }
 
@@ -173,6 +180,7 @@ FrameSeries fetch_frames(Connection& connection, const std::string& id,
   v1::QueryResultRequest request;
   request.set_id(id);
   request.set_frame(true);
+  request.set_drawing(true);
   request.set_page_size(1);
   for (const int number : evenly_chosen(series.stored, most)) {
     request.set_frame_number(number);

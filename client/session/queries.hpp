@@ -26,9 +26,18 @@ std::optional<Answer> ask_query(
 
 /// Names an answer to CompareRuns, under its own name.
 v1::ComparedRun compared_run(const Answer& answer);
+/// Names the run of a job to CompareRuns, under the beginning of its id.
+v1::ComparedRun run_of_job(const std::string& job);
 
-/// What the server concludes from one run of a job that has a step. Throws CommandFailed.
-v1::Judgement judge_run(Connection& connection, const std::string& job);
+/// What is judged of a run.
+enum class JudgedParts {
+  of_steps,    ///< what its steps show
+  with_frame,  ///< and its last stored frame
+};
+
+/// What the server concludes from one run that has a step. Throws CommandFailed.
+v1::Judgement judge_run(Connection& connection, const v1::ComparedRun& run,
+                        JudgedParts parts = JudgedParts::of_steps);
 
 /// Queries several cases, a few at a time: the daemon runs as many as it has cores, and the others
 /// wait there. Throws CommandFailed, Interrupted; the runs end with their calls.
@@ -50,8 +59,8 @@ struct FrameSeries {
 /// Selects at most `most` of `stored` frames, always including the last; numbers from 1.
 std::vector<int> evenly_chosen(int stored, int most);
 
-/// Fetches a limited number of frames one by one, and the fields of the last one.
-/// @param last  a response with the last frame and the times of all frames
+/// Fetches a limited number of frames one by one, to be drawn, and the fields of the last one.
+/// @param last  a response with the last frame, to be drawn, and the times of all frames
 FrameSeries fetch_frames(Connection& connection, const std::string& id,
                          const v1::QueryResultResponse& last, int most);
 

@@ -159,6 +159,17 @@ v1::StudyJudgement judge_study(Connection& connection, const StudyQuestion& ques
   return connection.call(&Stub::JudgeStudy, request);
 }
 
+std::string found_case(Connection& connection, v1::JudgeStudyRequest question,
+                       const StudyCase& base) {
+  const CaseUnderCheck read = read_case(base.file, changes_of(base.set));
+  if (!read.faults.empty()) {
+    print_faults(read, std::cerr);
+    throw invalid(base.file + " has faults");
+  }
+  *question.mutable_case_() = read.description;
+  return connection.call(&Stub::JudgeStudy, question).case_file();
+}
+
 v1::StudyResult find_study(Connection& connection, const std::string& id) {
   v1::EvaluateStudyRequest request;
   request.set_id(id);

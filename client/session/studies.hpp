@@ -62,6 +62,13 @@ struct StudyQuestion {
 /// What the server concludes from a study so far, with the figures. Throws CommandFailed.
 v1::StudyJudgement judge_study(Connection& connection, const StudyQuestion& question);
 
+/// The case of a user's file with what a study found, as a file that the server writes. Throws
+/// CommandFailed, also for faults of the case, which have then been printed.
+/// @param question  names the study, of a calibration with its castings
+/// @return empty where nothing was found
+std::string found_case(Connection& connection, v1::JudgeStudyRequest question,
+                       const StudyCase& base);
+
 /// As evaluate_study(); an empty result where the server has no such study.
 v1::StudyResult find_study(Connection& connection, const std::string& id);
 

@@ -10,16 +10,6 @@
 namespace dccast::client::render {
 namespace {
 
-std::string monitor_line(const Answer& answer, const CurlHistory::Series& series) {
-  const CurlHistory& history = answer.history;
-  return series.name + ": curl " +
-         mm_with_errors(series.curl_m.back(), series.lower_error_m.back(),
-                        series.upper_error_m.back()) +
-         " at " + fixed(history.time_s.back(), 1) + " s, cast length " +
-         mm(history.cast_length_m.back(), 1) + " mm" +
-         (history.beyond.back() ? std::string(", ") + beyond_validity : "") + "\n";
-}
-
 Json monitor_json(const CurlHistory::Series& series) {
   return {{"name", series.name},
           {"curl_m", series.curl_m},
@@ -27,13 +17,6 @@ Json monitor_json(const CurlHistory::Series& series) {
           {"end_curl_m", series.curl_m.back()},
           {"end_lower_error_m", series.lower_error_m.back()},
           {"end_upper_error_m", series.upper_error_m.back()}};
-}
-
-template <class Messages>
-Json list_json(const Messages& messages) {
-  Json list = Json::array();
-  for (const auto& message : messages) list.push_back(to_json(message));
-  return list;
 }
 
 }  // namespace
@@ -45,7 +28,6 @@ std::string answer_text(const Answer& answer) {
   if (answer.validity_loss) text += validity_text(*answer.validity_loss) + "\n";
   if (answer.failure)
     text += state_text(answer.state) + ": " + failure_text(*answer.failure) + "\n";
-  for (const auto& series : answer.history.monitors) text += monitor_line(answer, series);
   return text;
 }
 
@@ -69,8 +51,8 @@ Json answer_json(const Answer& answer) {
             {"from_store", answer.from_store},
             {"state", v1::JobState_Name(answer.state)},
             {"failure", answer.failure ? to_json(*answer.failure) : Json()},
-            {"changes", list_json(answer.changes)},
-            {"findings", list_json(answer.findings)},
+            {"changes", json_list(answer.changes, to_json)},
+            {"findings", json_list(answer.findings, to_json)},
             {"validity_loss", answer.validity_loss ? to_json(*answer.validity_loss) : Json()},
             {"time_s", answer.history.time_s},
             {"cast_length_m", answer.history.cast_length_m},

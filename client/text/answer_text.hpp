@@ -7,7 +7,7 @@
 
 namespace dccast::client::render {
 
-/// Findings, the curl of every monitor with its uncertainty, and a loss of validity, one per line.
+/// Changes, findings, a loss of validity and a failure, one per line.
 std::string answer_text(const Answer& answer);
 
 /// What a query waits for and how long, in one line: "waiting for 2 queries, about 40 s".

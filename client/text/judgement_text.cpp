@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "client/text/plant_units.hpp"
 #include "client/text/table.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/values/plant_units.hpp"
 #include "proto/values/printable.hpp"
 
@@ -217,7 +217,7 @@ std::string shown_value(const std::string& value) {
     const bool is_speed = std::string_view(rest).starts_with(speed) &&
                           std::isalnum(static_cast<unsigned char>(*behind)) == 0;
     if (is_speed) {
-      number *= mm_per_min;
+      number *= case_file::mm_per_min;
       rest = behind;
     }
     text += fmt::format("{:.6g}{}", number, is_speed ? " mm/min" : "");

@@ -69,16 +69,6 @@ int mm_decimals(const std::optional<double>& error_m) {
   return std::clamp(carries ? decimals - 1 : decimals, 0, hundredths);
 }
 
-std::string mm_with_errors(double metres, double lower_m, double upper_m) {
-  const bool known = std::isfinite(lower_m) && std::isfinite(upper_m);
-  const double larger_m = std::max(lower_m, upper_m);
-  const int decimals = mm_decimals(known ? std::optional(larger_m) : std::nullopt);
-  const std::string curl = mm(metres, decimals);
-  if (!known) return curl + " mm";
-  return fmt::format("{}{} {} mm", curl, lower_m == upper_m ? "" : ",",
-                     mm_errors(lower_m, upper_m, decimals));
-}
-
 std::string mm_errors(double lower_m, double upper_m, int decimals) {
   if (lower_m == upper_m) return "± " + mm(upper_m, decimals);
   // An error that rounds to nothing reads as none: "-0 +0.01".

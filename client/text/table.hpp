@@ -38,12 +38,8 @@ std::string fixed(double value, int decimals);
 /// decimals; 2 without an error.
 int mm_decimals(const std::optional<double>& error_m);
 
-/// A curl [m] with its errors: "4.86 ± 0.36 mm", "35.5, -0 +4.9 mm" where the sides differ; without
-/// known errors "4.86 mm".
-/// @param lower_m, upper_m  how far the true curl may lie below and above [m]; NaN: not known
-std::string mm_with_errors(double metres, double lower_m, double upper_m);
-
-/// The errors [m] alone in millimetres, without unit: "± 0.36", "-0 +4.9" where they differ.
+/// The errors of a curl [m] in millimetres, without unit: "± 0.36", "-0 +4.9" where they differ.
+/// @param lower_m, upper_m  how far the true curl may lie below and above
 std::string mm_errors(double lower_m, double upper_m, int decimals);
 
 /// A length [m] in millimetres, likewise.

@@ -18,15 +18,15 @@
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
 #include "client/model/json.hpp"
-#include "client/model/slab_recipe.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/plan_requests.hpp"
 #include "client/session/queries.hpp"
-#include "client/text/plant_units.hpp"
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/shipped.hpp"
+#include "proto/case_file/slab_recipe.hpp"
 #include "proto/values/digests.hpp"
 
 namespace dccast::client::web {
@@ -139,6 +139,7 @@ v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, 
   v1::QueryResultRequest request;
   request.set_id(id);
   request.set_frame(true);
+  request.set_drawing(true);
   request.set_frame_number(number);
   request.set_field(field);
   request.set_page_size(1);
@@ -270,7 +271,7 @@ Json case_json(const CaseUnderCheck& checked) {
 
   v1::Case complete = checked.description;
   case_file::apply_defaults(complete);
-  json["summary"] = render::casting_summary(complete);
+  json["summary"] = case_file::casting_summary(complete);
   json["complete"] = to_json(complete);
   return json;
 }
@@ -289,7 +290,7 @@ Json uploaded(Connection& connection, Bases& bases, const Request& request) {
 
 /// The case of a slab from a few figures, as `dccast new --slab` makes it.
 Json slab_json(const Request& request) {
-  const NewCase made = new_case({.slab = request.value("slab"),
+  const case_file::NewCase made = case_file::new_case({.slab = request.value("slab"),
                                  .alloy = request.value("alloy"),
                                  .speed = request.value("speed"),
                                  .water = request.value("water")});

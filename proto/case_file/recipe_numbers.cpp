@@ -8,6 +8,7 @@
 #include <span>
 
 #include "proto/case_file/override.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/frames/contraction.hpp"
 
@@ -16,9 +17,7 @@ namespace {
 
 constexpr double default_ramp_s = 60.0;  // of a table with a single value
 constexpr double integration_step_s = 0.05;
-constexpr double longest_s = 36000.0;          // limit of the search for a cast length
-constexpr double mm_per_min = 60e3;            // [(mm/min)/(m/s)]
-constexpr double litres_per_min_per_m = 60e3;  // [(l/(min m))/(m2/s)]
+constexpr double longest_s = 36000.0;  // limit of the search for a cast length
 
 double speed_at(const v1::Schedule& schedule, double time, double length) {
   return frames::curve_value(schedule.casting_speed_factor(), time, length, 1.0) *

@@ -318,6 +318,7 @@ v1::QueryResultResponse CaseIntake::read_frame(const std::filesystem::path& job_
   asked.set_number(choice.number);
   asked.set_field(choice.field);
   asked.set_running(running);
+  asked.set_drawing(choice.drawing);
   return std::move(*workers_.ask(request, waiting).mutable_stored());
 }
 

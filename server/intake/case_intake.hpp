@@ -36,6 +36,7 @@ struct ExaminedCase {
 struct FrameChoice {
   int number = 0;       ///< 1 is the first, 0 the last
   std::string field{};  ///< name of a v1::FrameField; empty: mesh and temperature
+  bool drawing = false; ///< as QueryResultRequest has it
 };
 
 /// Examines cases before they are queued. The schema checks single values here; the core checks how

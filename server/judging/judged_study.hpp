@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -30,5 +31,19 @@ const v1::StudyRun* first_valid_run(const v1::StudyResult& result);
 /// without a purpose has charts and the table of its runs alone; so has a calibration that was not
 /// evaluated.
 v1::Judgement judge_study(const StudyToJudge& study);
+
+/// What a study found does not fit the case that it is to be written into.
+class UnfitCase : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A case file with what a study found: the values of a calibration, their ranges in [uncertainty]
+/// and where they are from, or the chosen recipe. Empty where nothing was found.
+/// @param submitted  as in its file
+/// @param complete   the case of the study
+/// @throws UnfitCase
+std::string found_case(const v1::StudyResult& result, const v1::Case& submitted,
+                       const v1::Case& complete);
 
 }  // namespace dccast::judging

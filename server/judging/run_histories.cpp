@@ -185,7 +185,7 @@ void add_history(const JudgedRun& run, const HistoryChart& history, v1::Judgemen
   if (lines.empty())
     judgement.mutable_parts()->RemoveLast();
   else
-    add_note(chart, history.note.choose(run), judgement);
+    chart.set_note(history.note.choose(run));
 }
 
 /// A table of the schedule with its factor and its shift in time.
@@ -229,7 +229,7 @@ void add_speed(const JudgedRun& run, v1::Judgement& judgement) {
            {recipe.casting_speed_m_per_s(), recipe.casting_speed_factor(),
             recipe.casting_speed_shift_s(), after_hold_s},
            chart);
-  add_note(chart, "As this run had it, factors included.", judgement);
+  chart.set_note("As this run had it, factors included.");
 }
 
 void add_water(const JudgedRun& run, v1::Judgement& judgement) {
@@ -252,8 +252,7 @@ void add_water(const JudgedRun& run, v1::Judgement& judgement) {
     add("narrow face",
         has_narrow_flow ? recipe.narrow_water_flow_m2_per_s() : recipe.water_flow_m2_per_s(),
         cooling.has_narrow_water() ? cooling.narrow_water() : cooling.water());
-  add_note(chart, "Litres a minute on a metre of the slab's perimeter, as this run had it.",
-           judgement);
+  chart.set_note("Litres a minute on a metre of the slab's perimeter, as this run had it.");
 }
 
 }  // namespace

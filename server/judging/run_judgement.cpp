@@ -1,5 +1,5 @@
 // The judgement of a single run: sentences, figures of its last step, and charts of its curls. The
-// other charts are in run_histories.cpp.
+// other charts are in run_histories.cpp and frame_judgement.cpp, the facts in run_facts.cpp.
 #include "server/judging/run_judgement.hpp"
 
 #include <fmt/core.h>
@@ -349,7 +349,7 @@ void add_curls(const RunToJudge& judged, const std::vector<MonitoredCurl>& curls
 
   if (const auto first = first_beyond(judged)) chart.set_beyond_x(places[*first]);
   if (const auto band = plant_band(run.description)) *chart.mutable_region() = *band;
-  add_note(chart, note_on_curls(judged, curls, by_length), judgement);
+  chart.set_note(note_on_curls(judged, curls, by_length));
 }
 
 constexpr const char* explanation =
@@ -409,19 +409,6 @@ void add_discretisation(const RunToJudge& judged, const std::vector<MonitoredCur
 
 }  // namespace
 
-void add_note(const v1::Chart& chart, const std::string& note, v1::Judgement& judgement) {
-  const auto find_notes = [&] {
-    return std::ranges::find(*judgement.mutable_parts(), "notes",
-                             [](const v1::JudgementPart& part) { return part.table().key(); });
-  };
-  if (find_notes() == judgement.mutable_parts()->end()) {
-    v1::Table& added = add_table(judgement, "notes", "the charts", v1::JudgementPart::PAGE);
-    *added.add_columns() = text_column("chart", "chart");
-    *added.add_columns() = text_column("note", "note");
-  }
-  add_row(*find_notes()->mutable_table(), {text_cell(chart.key()), text_cell(note)});
-}
-
 v1::Judgement judge_run(const RunToJudge& judged) {
   constexpr double nothing_m = 1e-4;
   const JudgedRun& run = judged.run;
@@ -444,6 +431,15 @@ v1::Judgement judge_run(const RunToJudge& judged) {
   }
   if (run.steps.size() >= 2) add_histories(run, judgement);
   if (!curls.empty()) add_discretisation(judged, curls, judgement);
+  if (judged.last_frame) {
+    const double until_s = judged.valid_until_s.value_or(unbounded);
+    add_frame(run.description, *judged.last_frame, judged.last_frame->time_s() >= until_s,
+              judgement);
+  }
+
+  add_recipe(run.description, judgement);
+  add_checks(run, is_beyond, judgement);
+  add_basis(run.description, judgement);
   limit_points(judgement, most_points);
   return judgement;
 }

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "dccast/v1/judgement.pb.h"
+#include "dccast/v1/service.pb.h"
 #include "dccast/v1/study.pb.h"
 #include "server/judging/judged_run.hpp"
 
@@ -14,21 +15,32 @@ struct RunToJudge {
   /// The time from which on the model is not valid [s]; empty: the run has not lost its validity.
   std::optional<double> valid_until_s{};
   v1::StudyResult refinement{};  ///< the evaluated refinement study of the run; empty: none
+  std::optional<v1::Frame> last_frame{};  ///< the last stored one; empty: it is not judged
 };
 
 /// What one run shows: a sentence about the largest curl at the end, its error and the plant's
 /// band; a sentence about when it came and where the heat left meanwhile; the tables "curls" and
 /// "end" with the figures of the last step; charts of the curl (the first one against time), of
 /// speed and water, and of what decides whether a casting succeeds; how much of the curl is
-/// discretisation, with the tables of the refinement study. The table "notes" explains charts, by
-/// their keys.
+/// discretisation, with the tables of the refinement study; what the last frame shows; recipe,
+/// checks and basis of the run. Each chart has a note.
 v1::Judgement judge_run(const RunToJudge& run);
 
 /// Charts of speed and water, then of shell, sump, temperatures, heat, wetting and contact against
 /// time; those without a figure other than zero are left out. For two steps or more.
 void add_histories(const JudgedRun& run, v1::Judgement& judgement);
 
-/// Explains a chart in the table "notes", which is added where it is missing.
-void add_note(const v1::Chart& chart, const std::string& note, v1::Judgement& judgement);
+/// Of a frame: gap and pressure along the bottom of a section; of a quarter slab the table "bottom",
+/// and the pull-in of its wide face as chart and table, where the mesh permits it.
+/// @param is_beyond  whether the frame was stored after the model had stopped being valid
+void add_frame(const v1::Case& solved, const v1::Frame& frame, bool is_beyond,
+               v1::Judgement& judgement);
+
+/// Tables of facts, each a name, a value and a remark: what was cast, as a plant reads it; how
+/// sound the numbers are, and what they took; what they rest on.
+/// @param is_beyond  whether the last step is no longer valid
+void add_recipe(const v1::Case& input, v1::Judgement& judgement);
+void add_checks(const JudgedRun& run, bool is_beyond, v1::Judgement& judgement);
+void add_basis(const v1::Case& input, v1::Judgement& judgement);
 
 }  // namespace dccast::judging

@@ -7,7 +7,9 @@
 #include <ctime>
 
 #include "proto/case_file/override.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/shipped.hpp"
+#include "proto/case_file/slab_recipe.hpp"
 #include "proto/values/printable.hpp"
 #include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/processes.hpp"
@@ -32,8 +34,20 @@ Unary* SimulationService::ValidateCase(Wire* wire, const v1::ValidateCaseRequest
 
 namespace {
 
+/// The case text of a slab. @throws Refusal  all faults of its figures
+std::string write_slab(const v1::SlabStart& slab) {
+  const auto made = case_file::new_case({.slab = slab.size(),
+                                         .alloy = slab.alloy(),
+                                         .speed = slab.speed(),
+                                         .water = slab.water()});
+  if (!made.faults.empty())
+    refuse("{}", values::escaped(fmt::format("{}", fmt::join(made.faults, "; "))));
+  return made.text;
+}
+
 /// Case text that a request carries or names. @throws Refusal  NOT_FOUND: no such shipped case
 std::string find_case_text(const v1::ReadCaseRequest& request) {
+  if (request.has_slab()) return write_slab(request.slab());
   if (request.source_case() != v1::ReadCaseRequest::kShipped) return request.text();
   const auto& cases = shipped::case_templates();
   if (const auto* known = shipped::find(cases, request.shipped())) return known->text;
@@ -54,8 +68,9 @@ void describe(const access::Caller& caller, v1::WhoAmIResponse& response) {
 Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* request,
                                    v1::ReadCaseResponse* response) {
   return answer(wire, *request, lanes_.histories, [=](const Call&) {
+    response->set_text(find_case_text(*request));
     auto read =
-        case_file::read_elsewhere(find_case_text(*request), "case", *response->mutable_case_());
+        case_file::read_elsewhere(response->text(), "case", *response->mutable_case_());
 
     // A text that is not TOML has one fault without a field, and no key that could be changed.
     const bool parsed = read.faults.size() != 1 || !read.faults.front().field().empty();
@@ -70,6 +85,11 @@ Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* reques
     }
 
     response->mutable_files()->Assign(read.files.begin(), read.files.end());
+    if (!read.ok()) return;
+
+    v1::Case complete = response->case_();
+    case_file::apply_defaults(complete);
+    response->set_summary(case_file::casting_summary(complete));
   });
 }
 

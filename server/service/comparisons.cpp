@@ -132,8 +132,12 @@ v1::StudyResult refinement_of(Context& context, const Call& call, const std::str
   return context.studies.evaluate(request).value_or(v1::StudyResult{});
 }
 
-v1::Judgement judge_alone(Context& context, const Call& call, FoundRun run) {
+v1::Judgement judge_alone(Context& context, const Call& call, FoundRun run, bool with_frame) {
   judging::RunToJudge judged{std::move(run.judged)};
+  if (with_frame && !run.summary.job().empty()) {
+    const auto stored = read_frame(context, call, find_job(context, run.summary.job()), {});
+    if (stored.has_frame()) judged.last_frame = stored.frame();
+  }
   if (run.summary.has_validity_loss()) judged.valid_until_s = run.summary.validity_loss().time_s();
   judged.refinement = refinement_of(context, call, run.study);
   return judging::judge_run(judged);
@@ -169,7 +173,7 @@ void compare(Context& context, const Call& call, const v1::CompareRunsRequest& r
   }
 
   *comparison.mutable_judgement() = runs.size() == 1
-                                        ? judge_alone(context, call, std::move(runs.front()))
+                                        ? judge_alone(context, call, std::move(runs.front()), request.with_frame())
                                         : judge_together(context, call, std::move(runs), request);
   if (const std::size_t size = comparison.ByteSizeLong(); size > answer_bytes)
     refuse(ErrorInfo::ANSWER_TOO_LARGE, Remedy{"compare fewer runs"},
@@ -181,7 +185,9 @@ void compare(Context& context, const Call& call, const v1::CompareRunsRequest& r
 SimulationService::Unary* SimulationService::CompareRuns(Wire* wire,
                                                          const v1::CompareRunsRequest* request,
                                                          v1::Comparison* response) {
-  return answer(wire, *request, lanes_.histories,
+  // A frame is read by a worker, as for a check.
+  WorkPool& lane = request->with_frame() ? lanes_.checks : lanes_.histories;
+  return answer(wire, *request, lane,
                 [=, this](const Call& call) { compare(context_, call, *request, *response); });
 }
 

@@ -15,17 +15,12 @@
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
+#include "server/service/run_history.hpp"
 #include "server/service/simulation_service.hpp"
 
 namespace dccast::service {
 
 namespace {
-
-/// @return null where the job has no such result
-const v1::Artifact* artifact_of(const v1::Job& job, const std::string& name) {
-  const auto found = std::ranges::find(job.artifacts(), name, &v1::Artifact::name);
-  return found == job.artifacts().end() ? nullptr : &*found;
-}
 
 /// Parses "<sequence of the event>.<step>", the place of the last step of the page before.
 /// @return false: not a token of this form
@@ -69,16 +64,14 @@ void add_frame(Context& context, const Call& call, const v1::QueryResultRequest&
   const int number = request.frame_number();
   if (number < 0) refuse("frame_number must not be negative: 1 is the first frame, 0 the last");
 
-  const v1::Artifact* results = artifact_of(job, "results.h5");
-  const auto folder = context.jobs_directory / request.id();
-  const intake::FrameChoice choice{.number = number, .field = request.field()};
-  const auto waiting = waiting_time(call, context.settings.checks().timeout_s());
-  const v1::QueryResultResponse stored =
-      results ? context.intake.stored_frame(folder, *results, choice, waiting)
-              : context.intake.frame_so_far(folder, choice, waiting);
+  const intake::FrameChoice choice{
+      .number = number, .field = request.field(), .drawing = request.drawing()};
+  const v1::QueryResultResponse stored = read_frame(context, call, job, choice);
 
   const int frames = stored.frame_time_s_size();
-  if (frames == 0) refuse_state(job, results ? "its results hold no frame" : "it has no frame yet");
+  if (frames == 0)
+    refuse_state(job, artifact_of(job, results_file) ? "its results hold no frame"
+                                                     : "it has no frame yet");
   if (!stored.has_frame())
     refuse(ErrorInfo::OUT_OF_RANGE,
            Remedy{fmt::format("ask for one of 1 to {}, or 0 for the last", frames)},
@@ -298,7 +291,7 @@ SimulationService::Unary* SimulationService::ProbeResult(Wire* wire,
     check_points(*request);
     const v1::Job job = find_job(context_, request->id());
     *response =
-        context_.intake.probe(context_.jobs_directory / job.id(), artifact_of(job, "results.h5"),
+        context_.intake.probe(context_.jobs_directory / job.id(), artifact_of(job, results_file),
                               *request, waiting_time(call, context_.settings.checks().timeout_s()));
     check_probed(job, *request, *response);
   });

@@ -223,6 +223,19 @@ std::vector<judging::JudgedRun> judged_runs(Context& context, const v1::StudyRes
   return runs;
 }
 
+/// The case of a request as a file, with what the study found. @throws Refusal
+std::string write_found_case(Context& context, const v1::JudgeStudyRequest& request,
+                             const v1::StudyResult& result) {
+  v1::CreateStudyRequest known;
+  known.mutable_sweep()->set_further_of(request.id());
+  context.studies.complete(known);
+  try {
+    return judging::found_case(result, request.case_(), known.case_());
+  } catch (const judging::UnfitCase& fault) {
+    refuse("{}", fault.what());
+  }
+}
+
 void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudgement& response) {
   v1::EvaluateStudyRequest evaluation;
   evaluation.set_id(request.id());
@@ -251,6 +264,8 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
 
   *response.mutable_judgement() = judging::judge_study(study);
   *response.mutable_study() = study.result.study();
+  if (request.has_case_())
+    response.set_case_file(write_found_case(context, request, study.result));
   if (request.with_result()) *response.mutable_result() = std::move(study.result);
 }
 

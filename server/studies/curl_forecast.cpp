@@ -115,15 +115,18 @@ v1::ForecastCurl forecast_of(const v1::Gauge& gauge, const ForecastBasis& basis,
     const statistics::Estimated at = forecast.at(time_s);
     curl.add_time_s(time_s);
     curl.add_curl_m(at.value);
-    curl.add_deviation_m(at.deviation);
+    curl.add_lower_m(at.value - nine_of_ten * at.deviation);
+    curl.add_upper_m(at.value + nine_of_ten * at.deviation);
   };
   const double begin_s = std::max(from_s, 0.0);
   add(begin_s);
   for (const double time_s : instants)
     if (time_s > begin_s) add(time_s);
 
-  curl.set_zero_m(forecast.zero().value);
-  curl.set_zero_deviation_m(forecast.zero().deviation);
+  const statistics::Estimated zero = forecast.zero();
+  curl.set_zero_m(zero.value);
+  curl.set_zero_lower_m(zero.value - nine_of_ten * zero.deviation);
+  curl.set_zero_upper_m(zero.value + nine_of_ten * zero.deviation);
   return curl;
 }
 

@@ -36,6 +36,11 @@ std::string describe(const std::vector<Fault>& faults);
 /// @param header  of the same result file, with the temperatures at which the metal freezes
 v1::Frame to_proto(const results::Frame& frame, const results::RunHeader& header);
 
+/// Makes a frame one that is drawn: adds the skin, and replaces the displacement of the liquid,
+/// which has no meaning, by the one that it is drawn with.
+/// @param frame  as to_proto() makes it
+void make_drawing(v1::Frame& frame);
+
 /// Converts one field of a frame, and its instant; without a field where there is none of that
 /// name.
 v1::Frame field_to_proto(const results::Frame& frame, const std::string& name);

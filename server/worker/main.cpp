@@ -252,6 +252,7 @@ v1::QueryResultResponse read_frame(const v1::ReadFrame& asked) {
     *found.mutable_frame() = asked.field().empty()
                                  ? translate::to_proto(frame, stored.header())
                                  : translate::field_to_proto(frame, asked.field());
+    if (asked.drawing() && asked.field().empty()) translate::make_drawing(*found.mutable_frame());
   });
   return found;
 }

@@ -166,6 +166,13 @@ class Figures(PackageTest):
         self.assertIn(" ".join(found.sentences[0].split()), " ".join(printed.split()))
         self.assertAlmostEqual(found.tables["end"]["time_s"][0], job.curl["time_s"][-1])
         self.assertEqual(found.charts[0].key, "curl")
+        self.assertTrue(all(chart.note for chart in found.charts))
+        self.assertIn("Casting speed", found.tables["recipe"]["name"])
+        self.assertIn("curls at the end", self.command("show", job.id))
+
+        self.assertNotIn("bottom_gap", [chart.key for chart in found.charts])
+        with_frame = self.service.judge(job, with_frame=True)
+        self.assertIn("bottom_gap", [chart.key for chart in with_frame.charts])
 
     def test_answers_and_cases_are_compared_without_jobs(self):
         answer = self.service.query(CASE, QUICK)

@@ -88,9 +88,10 @@ def errors_of(options, ensemble, mean, truth, shots):
                 continue
             come = factor * at(s)
             value = numpy.interp(s, forecast.time_s, forecast.curl_m)
-            width = 1.645 * numpy.interp(s, forecast.time_s, forecast.deviation_m)
+            lower, upper = (numpy.interp(s, forecast.time_s, end)
+                            for end in (forecast.lower_m, forecast.upper_m))
             rows.append((t, ahead, value - come, plan(s) - come,
-                         plan(s) + measured - plan(t) - come, abs(value - come) <= width, 2 * width))
+                         plan(s) + measured - plan(t) - come, lower <= come <= upper, upper - lower))
     options.stub.CancelJob(service_pb2.CancelJobRequest(id=job), timeout=30)
     return rows
 

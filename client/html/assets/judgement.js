@@ -54,20 +54,13 @@ export function picture({heading, x, y, lines, region, beyond_x: beyond}, width 
     beyond: fx * (beyond ?? Infinity), width});
 }
 
-/** What the table "notes" says about a chart. */
-function noteOn({key}, parts) {
-  const notes = parts.find(part => part.table?.key === 'notes')?.table.rows || [];
-  return notes.find(({cells}) => cells[0].text === key)?.cells[1].text;
-}
-
-function shownPart(part, parts) {
-  if (part.table) return table(part.table);
-  const note = noteOn(part.chart, parts);
-  return [picture(part.chart), note ? h('p', {class: 'soft'}, note) : null];
+function shownPart({table: figures, chart: lines}) {
+  if (figures) return table(figures);
+  return [picture(lines), lines.note ? h('p', {class: 'soft'}, lines.note) : null];
 }
 
 /** Sentences, then the parts that are worth their space on a page. @param wanted  (part) whether it is shown here */
 export function judgement({sentences, parts}, wanted = () => true) {
   return [sentences.map(text => h('p', {class: 'answer'}, text)),
-    parts.filter(part => part.place !== 'TERMINAL' && part.table?.key !== 'notes' && wanted(part)).map(part => shownPart(part, parts))].flat(2);
+    parts.filter(part => part.place !== 'TERMINAL' && wanted(part)).map(shownPart)].flat(2);
 }

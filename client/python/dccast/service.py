@@ -55,6 +55,16 @@ class Service:
         """The case with the changes, for calls that follow. @raises DccastError  its faults"""
         return read_case(self._transport, case, changes_of(changes, keys))
 
+    def new_slab(self, size: str, alloy: str = "", speed: str = "", water: str = "") -> Case:
+        """The start of a slab as `dccast new --slab` writes it: the shipped case that is nearest, with these
+        figures.
+
+        >>> dccast.connect().new_slab("1320x570mm", speed="45..55mm/min").message.section.half_width_m
+        0.66
+        """
+        slab = service_pb2.SlabStart(size=size, alloy=alloy, speed=speed, water=water)
+        return Case(self._transport.call("ReadCase", service_pb2.ReadCaseRequest(slab=slab)).case)
+
     def validate(self, case: Source, changes: Changes | None = None,
                  **keys: Value) -> service_pb2.ValidateCaseResponse:
         """Estimate, findings, warnings and the complete case. @raises DccastError  its faults
@@ -291,10 +301,12 @@ class Service:
         page = self._transport.call("ListStudies", study_pb2.ListStudiesRequest(page_size=limit))
         return [Study(self._transport, message) for message in page.studies]
 
-    def judge(self, run: Job | Answer | Source) -> Judgement:
+    def judge(self, run: Job | Answer | Source, with_frame: bool = False) -> Judgement:
         """What the server concludes from one run: the largest curl with its error, when it came and where
-        the heat left meanwhile; tables "curls" and "end"; charts of its histories. A case is run, as by
-        `query`.
+        the heat left meanwhile; tables "curls", "end", "recipe", "checks" and "basis"; charts of its
+        histories. A case is run, as by `query`.
+
+        @param with_frame  also what the last stored frame of a job shows: gap, contact and pull-in
 
         >>> service = dccast.connect()
         >>> answer = service.query("start-2d-thickness", quality="draft", time__end="20 s")
@@ -302,7 +314,7 @@ class Service:
         'curl against time'
         """
         found = run if isinstance(run, (Job, Answer)) else self.query(run)
-        request = judgement_pb2.CompareRunsRequest(runs=[_compared(found, "")])
+        request = judgement_pb2.CompareRunsRequest(runs=[_compared(found, "")], with_frame=with_frame)
         return Judgement(self._transport.call("CompareRuns", request).judgement)
 
     def compare(self, *runs: Job | Answer | Source, paired: bool = False) -> Comparison:

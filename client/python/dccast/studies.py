@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dccast import errors
-from dccast.cases import Changes, changes_of
+from dccast.cases import Case, Changes, changes_of
 from dccast.jobs import download
 from dccast.judgements import Judgement
 from dccast.runs import Band, Table, band_of
@@ -100,6 +100,15 @@ class Study:
         answer = self._transport.call("JudgeStudy", judgement_pb2.JudgeStudyRequest(
             id=self.id, monitor=monitor))
         return Judgement(answer.judgement)
+
+    def case_file(self, case: Case) -> str:
+        """The text of a case file with what the study found: the values of a calibration with their ranges,
+        or the chosen recipe. Empty where nothing was found.
+
+        @param case  as its file was read, into which the findings are written
+        """
+        request = judgement_pb2.JudgeStudyRequest(id=self.id, case=case.message)
+        return str(self._transport.call("JudgeStudy", request).case_file)
 
     @property
     def table(self) -> Table:

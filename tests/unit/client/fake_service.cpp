@@ -126,7 +126,9 @@ grpc::Status FakeService::CompareRuns(grpc::ServerContext*, const v1::CompareRun
     *comparison->mutable_judgement() = judging::judge_comparison(runs, {});
     return grpc::Status::OK;
   }
+  if (result.steps().empty()) return {grpc::StatusCode::FAILED_PRECONDITION, "it has no step yet"};
   judging::RunToJudge alone{runs.front()};
+  if (request->with_frame() && result.has_frame()) alone.last_frame = result.frame();
   if (job.has_validity_loss()) alone.valid_until_s = job.validity_loss().time_s();
   *comparison->mutable_judgement() = judging::judge_run(alone);
   return grpc::Status::OK;

@@ -190,7 +190,7 @@ TEST(JudgementChart, HasItsLinesInTheDataOfThePageWithSixDigits) {
   for (const double x : {0.1, 0.2}) line.add_x(x);
   for (const double y : {0.0212345678, static_cast<double>(NAN)}) line.add_y(y);
   line.set_is_dotted(true);
-  const std::string html = chart_figure(chart, "");
+  const std::string html = chart_figure(chart);
   for (const char* const part : {"<h2>Curl of the corner</h2>", "\"unit\":\"m\"", "\"x\":[0.1,0.2]",
                                  "\"y\":[0.0212346,null]", "\"is_dotted\":true"})
     EXPECT_THAT(html, HasSubstr(part));
@@ -199,16 +199,10 @@ TEST(JudgementChart, HasItsLinesInTheDataOfThePageWithSixDigits) {
 TEST(JudgementChart, ItsNoteIsItsCaption) {
   v1::Judgement judgement;
   v1::Chart& chart = *judgement.add_parts()->mutable_chart();
-  chart.set_key("sump");
-  v1::Table& notes = *judgement.add_parts()->mutable_table();
-  notes.set_key("notes");
-  v1::Table::Row& row = *notes.add_rows();
-  row.add_cells()->set_text("sump");
-  row.add_cells()->set_text("Below <the> level.");
+  chart.set_note("Below <the> level.");
 
   const std::string html = judgement_parts(judgement);
   EXPECT_THAT(html, HasSubstr("<div class='caption'>Below &lt;the&gt; level.</div>"));
-  EXPECT_THAT(html, Not(HasSubstr("<table"))) << "notes are no table of the page";
 }
 
 TEST(JudgementChart, ALongLineIsThinnedAndKeepsItsEnds) {
@@ -218,7 +212,7 @@ TEST(JudgementChart, ALongLineIsThinnedAndKeepsItsEnds) {
     line.add_x(i);
     line.add_y(0.0);
   }
-  const std::string html = chart_figure(chart, "");
+  const std::string html = chart_figure(chart);
   EXPECT_THAT(html, HasSubstr("\"x\":[0.0,3.0,6.0"));
   EXPECT_THAT(html, HasSubstr("999.0,1000.0]"));
 }

@@ -42,8 +42,9 @@ struct Query : testing::Test {
 TEST_F(Query, AnswersWithTheCurlOfEveryMonitor) {
   const Result result = run({"query", file, "--set", "mesh.rows=30", "--keep"});
   EXPECT_EQ(result.code, 0) << result.err;
-  EXPECT_EQ(result.out,
-            "changed: mesh.rows = 30\ncorner: curl 3.00 mm at 3.0 s, cast length 3.0 mm\n");
+  EXPECT_THAT(result.out, testing::StartsWith("changed: mesh.rows = 30\ncurls at the end\n"));
+  EXPECT_THAT(result.out, testing::ContainsRegex("corner +3\\.00"));
+  EXPECT_THAT(result.out, HasSubstr("corner has risen 3.0 mm since the block started"));
   EXPECT_THAT(result.err, HasSubstr("solver 0.25 s"));
   EXPECT_TRUE(service.queried.keep());
   EXPECT_EQ(service.queried.case_().mesh().rows(), 30);
@@ -57,7 +58,7 @@ TEST_F(Query, FindingsComeFirst) {
   finding.set_message("the metal is poured at its liquidus");
   EXPECT_THAT(
       run({"query", file}).out,
-      testing::StartsWith("warning: no_superheat: the metal is poured at its liquidus\ncorner"));
+      testing::StartsWith("warning: no_superheat: the metal is poured at its liquidus\ncurls at the end"));
 }
 
 TEST_F(Query, JsonHasTheHistory) {

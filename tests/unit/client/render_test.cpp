@@ -12,6 +12,8 @@
 #include "client/text/terminal.hpp"
 #include "fake_service.hpp"
 #include "json_reading.hpp"
+#include "proto/case_file/case_file.hpp"
+#include "proto/case_file/shipped.hpp"
 #include "server/judging/run_judgement.hpp"
 
 namespace dccast::client::render {
@@ -169,6 +171,7 @@ v1::Frame square() {
   for (const int node : {0, 1, 2, 3}) frame.add_element_node(node);
   for (const double t : {300.0, 50.0, 500.0, 680.0}) frame.add_temperature_c(t);
   for (const double u : {0.0, 0.0, -1e-3, 4e-3, 0.0, 0.0, 0.0, 0.0}) frame.add_displacement_m(u);
+  for (const int node : {0, 1, 2, 0, 2, 3}) frame.add_skin_triangle(node);
   frame.set_solidus_c(620);
   frame.set_liquidus_c(649);
   for (const int node : {0, 1}) frame.add_bottom_node(node);
@@ -188,7 +191,8 @@ TEST(ReportPage, HoldsEveryPartAndLoadsNothing) {
   *result.mutable_frame() = square();
   result.mutable_case_()->mutable_schedule()->set_hold_s(60);
   judging::RunToJudge judged{
-      .run = {"run", result.case_(), {result.steps().begin(), result.steps().end()}}};
+      .run = {"run", result.case_(), {result.steps().begin(), result.steps().end()}},
+      .last_frame = result.frame()};
   const std::string page =
       report_page({.job = job, .result = result, .judgement = judging::judge_run(judged)});
   for (const char* const part :
@@ -212,6 +216,17 @@ TEST(Page, HasItsModulesInsideWhereSomethingIsDrawn) {
   EXPECT_THAT(whole_page("", "", "text"), Not(HasSubstr("<script")));
 }
 
+TEST(CastingDrawing, NamesWhatItShows) {
+  v1::Case c;
+  case_file::read_text(shipped::find(shipped::case_templates(), "start-3d")->text, "", c);
+  case_file::apply_defaults(c);
+  c.set_title("<b>");
+  const std::string page = casting_page(c);
+  for (const char* name : {"data-kind='casting'", "\"name\":\"mould contact\"", "<h1>&lt;b&gt;</h1>",
+                           "speed 40 -&gt; 60 mm/min"})
+    EXPECT_THAT(page, HasSubstr(name));
+}
+
 TEST(ReportPage, OfAJobWithoutStepsSaysSo) {
   EXPECT_THAT(report_page({.job = v1::Job(), .result = v1::QueryResultResponse()}),
               HasSubstr("no step yet"));
@@ -224,12 +239,11 @@ TEST(CurlOf, IsUnknownWhereTheServerHasNone) {
   EXPECT_EQ(curl_of(monitor), -4e-3);
 }
 
-TEST(MmWithErrors, ShowsTheSidesApartWhereTheyDiffer) {
-  EXPECT_EQ(mm_with_errors(4.8612e-3, 0.36e-3, 0.36e-3), "4.86 ± 0.36 mm");
-  EXPECT_EQ(mm_with_errors(35.46e-3, 0.0, 4.96e-3), "35.5, -0 +5.0 mm");
-  EXPECT_EQ(mm_with_errors(-35.46e-3, 4.96e-3, 0.0), "-35.5, -5.0 +0 mm");
-  EXPECT_EQ(mm_with_errors(0.041e-3, 0.002e-3, 0.008e-3), "0.04, -0 +0.01 mm");
-  EXPECT_EQ(mm_with_errors(4.8612e-3, NAN, NAN), "4.86 mm");
+TEST(MmErrors, ShowTheSidesApartWhereTheyDiffer) {
+  EXPECT_EQ(mm_errors(0.36e-3, 0.36e-3, 2), "± 0.36");
+  EXPECT_EQ(mm_errors(0.0, 4.96e-3, 1), "-0 +5.0");
+  EXPECT_EQ(mm_errors(4.96e-3, 0.0, 1), "-5.0 +0");
+  EXPECT_EQ(mm_errors(0.002e-3, 0.008e-3, 2), "-0 +0.01");
 }
 
 TEST(CurlHistory, HorizontalHasTheComponentsOfItsDimension) {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/frame_surface.hpp"
 #include "client/html/pages.hpp"
 #include "json_reading.hpp"
 
@@ -15,7 +14,7 @@ using testing::HasSubstr;
 using testing::SizeIs;
 
 /// A section or slab of unit cells, two across (and two deep), `rows` high; the last node has
-/// moved.
+/// moved. Its skin has a triangle for each cell.
 v1::Frame slab(int dimension, int rows, double time_s) {
   v1::Frame frame;
   frame.set_dimension(dimension);
@@ -49,6 +48,7 @@ v1::Frame slab(int dimension, int rows, double time_s) {
                            : std::vector{n,        n + 1,        n + 4,        n + 3,
                                          n + plan, n + plan + 1, n + plan + 4, n + plan + 3};
         for (const int node : across) frame.add_element_node(node);
+        for (const int node : {n, n + 1, n + plan}) frame.add_skin_triangle(node);
       }
 
   return frame;
@@ -85,24 +85,6 @@ TEST(EvenlyChosen, HasTheFirstAndTheLastAndNoneTwice) {
   EXPECT_THAT(many, SizeIs(25));
   EXPECT_EQ(many.back(), 26);
   for (std::size_t i = 1; i < many.size(); ++i) EXPECT_GT(many[i], many[i - 1]);
-}
-
-TEST(FrameSkin, OfASlabIsItsSurfaceWithItsTwelveEdges) {
-  const auto skin = skin_of(slab(3, 2, 0.0));
-  ASSERT_TRUE(skin);
-  EXPECT_THAT(skin->faces, SizeIs(24));
-  EXPECT_THAT(skin->edges, SizeIs(24));  // of two cells each
-
-  const auto places = places_of(slab(3, 2, 0.0));
-  for (const auto& face : skin->faces) {
-    Vector3 one, two, out;
-    for (std::size_t c = 0; c < 3; ++c) {
-      one[c] = places[face[1]][c] - places[face[0]][c];
-      two[c] = places[face[2]][c] - places[face[0]][c];
-      out[c] = (places[face[0]][c] + places[face[2]][c]) / 2.0 - 1.0;  // from the middle
-    }
-    EXPECT_GT(dot(cross(one, two), out), 0.0) << "anticlockwise from outside";
-  }
 }
 
 TEST(SlabOfAReport, HasItsFramesAndTheFieldsOfTheLast) {

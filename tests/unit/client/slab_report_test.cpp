@@ -6,13 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "client/html/frame_bytes.hpp"
-#include "client/html/frame_surface.hpp"
 #include "client/html/pages.hpp"
-#include "client/text/plant_units.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quality.hpp"
-#include "proto/frames/contraction.hpp"
 #include "server/judging/run_judgement.hpp"
 #include "tests/unit/frames/cooled_slab.hpp"
 
@@ -61,55 +58,11 @@ v1::Frame quarter() {
         for (const int node : {n, n + 1, n + 4, n + 3, n + 9, n + 10, n + 13, n + 12})
           frame.add_element_node(node);
       }
+
+  // Two triangles of its bottom stand for its skin.
+  for (const int node : {0, 4, 1, 0, 3, 4}) frame.add_skin_triangle(node);
+  for (const int node : {0, 1, 1, 2, 2, 5}) frame.add_skin_edge(node);
   return frame;
-}
-
-/// Faces whose outward normal points in a direction.
-auto count_facing(const std::vector<SurfaceFace>& surface, const Vector3& direction) {
-  return std::ranges::count_if(
-      surface, [&](const SurfaceFace& face) { return dot(face.normal, direction) > 0.99; });
-}
-
-TEST(Surface, OfAQuarterHasEveryOuterFaceOnceAndNoInnerOne) {
-  const auto surface = surface_of(quarter());
-  ASSERT_EQ(surface.size(), 24u);  // four a side
-  for (const Vector3& side : {Vector3{1, 0, 0}, Vector3{-1, 0, 0}, Vector3{0, 1, 0},
-                              Vector3{0, -1, 0}, Vector3{0, 0, 1}, Vector3{0, 0, -1}})
-    EXPECT_EQ(count_facing(surface, side), 4);
-}
-
-TEST(Surface, OfTwoTetrahedraLeavesTheFaceBetweenThemOut) {
-  v1::Frame frame;
-  frame.set_dimension(3);
-  frame.set_nodes_per_element(4);
-  for (const double x : {0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1., 1., 1., 1.})
-    frame.add_node_m(x);
-  for (const int node : {0, 1, 2, 3, 1, 2, 3, 4}) frame.add_element_node(node);
-  for (int i = 0; i < 5; ++i) frame.add_temperature_c(20.0 * i);
-  const auto surface = surface_of(frame);
-  ASSERT_EQ(surface.size(), 6u);
-  for (const SurfaceFace& face : surface) EXPECT_NEAR(dot(face.normal, face.normal), 1.0, 1e-12);
-  EXPECT_EQ(count_facing(surface, {0, 0, -1}), 1);
-}
-
-/// The metal level is level, and the liquid below it fills what the solid leaves.
-TEST(DrawnDisplacement, LiquidStandsLevel) {
-  v1::Frame frame = quarter();
-  frame.set_metal_level_m(0.2);
-  for (int n = 0; n < 9; ++n)
-    frame.set_temperature_c(9 + n, 640.0);  // only the lowest row is solid
-  for (int n = 18; n < 27; ++n) frame.set_displacement_m(3 * n + 2, 0.05);
-  const auto drawn = drawn_displacement(frame);
-  const auto up = [&](int n) { return drawn[std::size_t(3 * n + 2)]; };
-  for (int n = 18; n < 27; ++n) EXPECT_EQ(up(n), 0.0) << n;
-
-  EXPECT_EQ(up(8), 20e-3) << "the corner of the butt has risen";
-  EXPECT_NEAR(up(17), 10e-3, 1e-15) << "half way from the front to the level";
-  EXPECT_EQ(drawn[3 * 17 + 1], -4e-3) << "what moves sideways is what the mesh has";
-
-  for (int n = 0; n < 9; ++n) frame.set_temperature_c(n, 640.0);
-  const auto all_liquid = drawn_displacement(frame);
-  for (std::size_t i = 2; i < all_liquid.size(); i += 3) EXPECT_EQ(all_liquid[i], 0.0);
 }
 
 /// The number of 32 bits at this place of the bytes of a frame.
@@ -123,13 +76,13 @@ Number number_at(const std::string& bytes, std::size_t index) {
 TEST(FrameBytes, HaveCountsThenPlacesDisplacementsAndTemperatures) {
   const v1::Frame frame = quarter();
   const std::string bytes = frame_bytes(frame, Precision::full).value();
-  const int counts[] = {27, 8, 8, 48, 24, 3};
+  const int counts[] = {27, 8, 8, 2, 3, 3};
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(number_at<std::int32_t>(bytes, i), counts[i]) << i;
   EXPECT_EQ(number_at<float>(bytes, 8), 250.0F);
   EXPECT_EQ(number_at<float>(bytes, 12 + 3 * 8), 0.6F) << "x of the corner of the butt";
   EXPECT_EQ(number_at<float>(bytes, 12 + 3 * 27 + 3 * 8 + 2), 20e-3F) << "it has risen";
   EXPECT_EQ(number_at<float>(bytes, 12 + 6 * 27 + 8), 100.0F);
-  EXPECT_EQ(bytes.size(), 4u * (12 + 7 * 27 + 8 * 8 + 3 * 48 + 2 * 24));
+  EXPECT_EQ(bytes.size(), 4u * (12 + 7 * 27 + 8 * 8 + 3 * 2 + 2 * 3));
 }
 
 TEST(FrameBytes, ASectionLiesInThePlaneOfWidthAndHeight) {
@@ -138,6 +91,7 @@ TEST(FrameBytes, ASectionLiesInThePlaneOfWidthAndHeight) {
   frame.set_nodes_per_element(4);
   for (const double x : {0., 0., 1., 0., 1., 2., 0., 2.}) frame.add_node_m(x);
   for (const int node : {0, 1, 2, 3}) frame.add_element_node(node);
+  for (const int node : {0, 1, 2, 0, 2, 3}) frame.add_skin_triangle(node);
   for (int i = 0; i < 4; ++i) frame.add_temperature_c(20.0);
   const std::string bytes = frame_bytes(frame, Precision::full).value();
   const float expected[] = {1.0F, 0.0F, 2.0F};
@@ -166,46 +120,6 @@ TEST(FrameBytes, ThereAreNoneOfAFrameThatDoesNotFit) {
   frame = quarter();
   frame.set_dimension(2);
   EXPECT_FALSE(frame_bytes(frame, Precision::full));
-}
-
-TEST(PlantUnits, NumbersAreAsTheUserWroteThem) {
-  EXPECT_EQ(plant_number(60e3 * 0.0006666666666666668), "40");
-  EXPECT_EQ(plant_number(0.1 + 0.2), "0.3");
-  EXPECT_EQ(plant_number(12345.6), "12346");
-
-  v1::Curve speed;
-  speed.set_abscissa(v1::TIME);
-  for (const double t : {60.0, 200.0}) speed.add_at(t);
-  for (const double v : {0.0006666666666666668, 0.001}) speed.add_value(v);
-  EXPECT_EQ(curve_in_words(speed, mm_per_min, "mm/min"),
-            "40 mm/min to 60 s, then to 60 mm/min at 200 s");
-  EXPECT_NEAR(mm_per_min * frames::curve_value(speed, 130.0, 0.0, 0.0), 50.0, 1e-9);
-  EXPECT_NEAR(mm_per_min * frames::curve_value(speed, 1e3, 0.0, 0.0), 60.0, 1e-9);
-  EXPECT_EQ(frames::curve_value(v1::Curve(), 1.0, 1.0, 7.0), 7.0);
-
-  speed.set_abscissa(v1::CAST_LENGTH);
-  speed.set_at(0, 0.1);
-  speed.set_at(1, 0.2);
-  EXPECT_NEAR(mm_per_min * frames::curve_value(speed, 0.0, 0.15, 0.0), 50.0, 1e-9);
-}
-
-TEST(PlantUnits, TheWholeCaseHasNoDigitsNobodyWrote) {
-  v1::Case input;
-  v1::Curve& speed = *input.mutable_schedule()->mutable_casting_speed_m_per_s();
-  speed.set_abscissa(v1::TIME);
-  speed.add_at(0.0);
-  speed.add_value(0.0006666666666666668);
-  v1::Curve& water = *input.mutable_schedule()->mutable_water_flow_m2_per_s();
-  water.add_at(0.0);
-  water.add_value(0.0015);
-  input.mutable_validity()->set_maximum_rotation_rad(0.17453292519943295);
-  input.set_title("case 0.12345678901234567 of m/s");
-  const std::string text = readable_toml(input);
-
-  EXPECT_THAT(text, HasSubstr("\"40 mm/min\""));
-  EXPECT_THAT(text, HasSubstr("\"90 l/min/m\""));
-  EXPECT_THAT(text, HasSubstr("\"0.174532925 rad\""));
-  EXPECT_THAT(text, HasSubstr("case 0.12345678901234567 of m/s"));
 }
 
 /// A run of the frame with a corner that ends at 40 mm.
@@ -238,6 +152,7 @@ v1::QueryResultResponse run_with(double least_mm, double greatest_mm) {
 std::string report_of_run(const v1::Job& job, const v1::QueryResultResponse& result) {
   judging::RunToJudge judged{
       .run = {"run", result.case_(), {result.steps().begin(), result.steps().end()}}};
+  if (result.has_frame()) judged.last_frame = result.frame();
   return report_page({.job = job, .result = result, .judgement = judging::judge_run(judged)});
 }
 
@@ -248,7 +163,7 @@ TEST(ReportPage, OfAQuarterSlabHasItsPicturesAndThePlantsFigures) {
   for (const char* const part :
        {"Gap under the butt", "180 l/min/m", "Shell", "Sump", "Temperatures",
         "Heat through each face", "Contact with the block", "narrow face",
-        "Largest gap <strong>20.0 mm</strong> at x 600 mm, y 400 mm", "2 of 9 nodes",
+        "<td>20.00</td><td>600</td><td>400</td><td>2</td><td>9</td>",
         "<strong>1.00</strong> dm2"})
     EXPECT_THAT(page, HasSubstr(part));
   for (const char* const absent : {"http://", "src=", ">nan", "nan mm", "Gap along the bottom"})
@@ -259,9 +174,11 @@ TEST(ReportPage, HasThePullInOfTheWideFaceAsFiguresAndAsLines) {
   v1::QueryResultResponse result;
   *result.mutable_case_() = frames::testing::quarter_slab();
   *result.mutable_frame() = frames::testing::cooled(frames::testing::hot_above);
-  const std::string page = report_page({.job = v1::Job(), .result = result});
+  result.add_steps()->set_time_s(1000.0);
+  const std::string page = report_of_run(v1::Job(), result);
   for (const char* const part : {"<h2>Pull-in of the wide face</h2>", "\"quantity\":\"pull-in\"",
-                                 "<th>pull-in, mm</th>", "<td>head</td>", "<td>butt</td>"})
+                                 "<th>pull-in, mm</th>", "<td class='text'>head</td>",
+                                 "<td class='text'>butt</td>"})
     EXPECT_THAT(page, HasSubstr(part));
   EXPECT_THAT(report_of_run(v1::Job(), run_with(35, 45)), Not(HasSubstr("Pull-in")))
       << "of a frame whose case has no mould";

@@ -4,11 +4,13 @@
 
 #include "dccast/v1/case.pb.h"
 
-namespace dccast::client::render {
+/// Figures of a case as a plant reads them.
+namespace dccast::case_file {
 
 inline constexpr double mm_per_min = 60e3;  ///< [(mm/min)/(m/s)]
 inline constexpr double litres_per_min_per_m =
     60e3;  ///< [(l/(min m))/(m2/s)] litres per minute and metre of perimeter
+inline constexpr double m3_per_hour = 3600.0;  ///< [(m3/h)/(m3/s)]
 
 /// A number [any unit] with four significant digits, without trailing zeros; "-" if not finite.
 std::string plant_number(double value);
@@ -27,4 +29,4 @@ std::string readable_toml(const v1::Case& input);
 /// -> 55 mm/min from 60 s to 200 s (over 117 mm), water 110 -> 198 l/min/m = 25 -> 45 m3/h".
 std::string casting_summary(const v1::Case& description);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::case_file

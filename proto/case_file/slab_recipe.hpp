@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace dccast::client {
+namespace dccast::case_file {
 
 /// The start of a slab as a plant names it. Of a range "a..b" the first value holds until the ramp
 /// begins, the second one when it has ended.
@@ -26,4 +26,4 @@ struct NewCase {
 /// start-3d where the alloy has none. Comments in the text name the origin of each figure.
 NewCase new_case(const SlabRecipe& recipe);
 
-}  // namespace dccast::client
+}  // namespace dccast::case_file

@@ -1,4 +1,4 @@
-#include "client/model/slab_recipe.hpp"
+#include "proto/case_file/slab_recipe.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -8,17 +8,15 @@
 #include <fmt/core.h>
 
 #include "proto/case_file/alloy_cards.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/case_file/text_checks.hpp"
 
-namespace dccast::client {
+namespace dccast::case_file {
 namespace {
 
 constexpr const char* standard = "start-3d";
-constexpr double per_minute = 60.0;            // [s/min]
-constexpr double litres_per_min_per_m = 60e3;  // [(l/(min m))/(m2/s)]
-constexpr double m3_per_hour = 3600.0;         // [(m3/h)/(m3/s)]
 
 /// A number without trailing zeros, "0.285".
 std::string short_number(double value, int digits = 4) {
@@ -52,8 +50,8 @@ std::pair<std::string, std::string> parts(const std::string& text, const std::st
 std::optional<Range> range_of(const std::string& text, const std::string& separator,
                               const std::string& unit) {
   const auto [first, last] = parts(text, separator);
-  const auto begin = case_file::parse_quantity(first, unit).value;
-  const auto end = case_file::parse_quantity(last, unit).value;
+  const auto begin = parse_quantity(first, unit).value;
+  const auto end = parse_quantity(last, unit).value;
   if (!begin || !end || *begin <= 0.0 || *end <= 0.0) return std::nullopt;
   return Range{*begin, *end};
 }
@@ -105,9 +103,9 @@ Slab read_recipe(const SlabRecipe& recipe, std::vector<std::string>& faults) {
   Slab slab;
   slab.alloy = recipe.alloy;
   read_size(recipe, slab, faults);
-  const auto alloys = case_file::alloy_names();
+  const auto alloys = alloy_names();
   if (!recipe.alloy.empty() && std::ranges::find(alloys, recipe.alloy) == alloys.end()) {
-    const std::string near = case_file::nearest(recipe.alloy, alloys);
+    const std::string near = nearest(recipe.alloy, alloys);
     faults.push_back("--alloy " + recipe.alloy + ": no such card; " +
                      (near.empty() ? "see `dccast alloys`" : "did you mean " + near + "?"));
   }
@@ -130,7 +128,7 @@ public:
     for (const std::string& line : lines_)
       if (line.starts_with(key + " = ")) {
         const auto begin = key.size() + 3;
-        return std::string(case_file::trimmed(
+        return std::string(trimmed(
             std::string_view(line).substr(begin, line.find(" #", begin) - begin)));
       }
     return {};
@@ -241,7 +239,7 @@ NewCase new_case(const SlabRecipe& recipe) {
     text.replace(key, "", ramp_of(text.value(key), range, factor, unit),
                  "[G]" + comment + "; when the ramp begins and ends: " + base.name);
   };
-  if (slab.speed) set_ramp("casting_speed", *slab.speed, 1e3 * per_minute, "mm/min", "");
+  if (slab.speed) set_ramp("casting_speed", *slab.speed, mm_per_min, "mm/min", "");
 
   const std::string perimeter = short_number(slab.perimeter()) + " m";
   made.summary = slab_of_card + ", perimeter " + perimeter;
@@ -258,4 +256,4 @@ NewCase new_case(const SlabRecipe& recipe) {
   return made;
 }
 
-}  // namespace dccast::client
+}  // namespace dccast::case_file

@@ -1,4 +1,4 @@
-#include "client/text/plant_units.hpp"
+#include "proto/case_file/plant_words.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include "proto/case_file/case_file.hpp"
 
-namespace dccast::client::render {
+namespace dccast::case_file {
 namespace {
 
 std::string with_digits(double value, int digits) {
@@ -71,7 +71,7 @@ std::string curve_in_words(const v1::Curve& curve, double factor, const std::str
 }
 
 std::string readable_toml(const v1::Case& input) {
-  const std::string text = case_file::to_toml(input);
+  const std::string text = to_toml(input);
   // Converts values only, not numbers in a title: speeds, water, and numbers with too many digits.
   static const std::regex value(
       R"re(((?:= |\[|, )"?)([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)( m2?/s")?(?=[ ",\]\n]))re");
@@ -86,8 +86,6 @@ std::string readable_toml(const v1::Case& input) {
 }
 
 namespace {
-
-constexpr double m3_per_hour = 3600.0;  // [(m3/h)/(m3/s)]
 
 bool has_values(const v1::Curve& curve) {
   return curve.value_size() > 0 && curve.value_size() == curve.at_size();
@@ -168,4 +166,4 @@ std::string casting_summary(const v1::Case& c) {
   return text + water_text(c);
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::case_file

@@ -1,15 +1,14 @@
-#include "client/model/slab_recipe.hpp"
+#include "proto/case_file/slab_recipe.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/html/pages.hpp"
-#include "client/text/plant_units.hpp"
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/shipped.hpp"
 
-namespace dccast::client {
+namespace dccast::case_file {
 namespace {
 
 using testing::HasSubstr;
@@ -124,7 +123,7 @@ TEST(NewCase, AllFaultsComeAtOnce) {
 }
 
 TEST(CastingSummary, IsAsAPlantPutsIt) {
-  EXPECT_EQ(render::casting_summary(shipped_case("start-3d-aa5182")),
+  EXPECT_EQ(casting_summary(shipped_case("start-3d-aa5182")),
             "slab 1320 x 570 mm of aa5182, speed 38 -> 50 mm/min from 60 s to 200 s (over 102.7 "
             "mm), water 90 -> 180 l/min/m = 20.41 -> 40.82 m3/h");
 }
@@ -134,29 +133,20 @@ TEST(CastingSummary, AddsUpBothFaces) {
   c.mutable_schedule()->mutable_narrow_water_flow_m2_per_s()->add_at(0.0);
   c.mutable_schedule()->mutable_narrow_water_flow_m2_per_s()->add_value(0.0);
   // 2 x 1.32 m x 90 l/min/m = 14.256 m3/h
-  EXPECT_THAT(render::casting_summary(c), HasSubstr("= 14.26 -> 28.51 m3/h"));
+  EXPECT_THAT(casting_summary(c), HasSubstr("= 14.26 -> 28.51 m3/h"));
 }
 
 TEST(CastingSummary, KnowsSectionsBilletsAndCastLengths) {
-  EXPECT_THAT(render::casting_summary(shipped_case("start-2d-thickness")),
+  EXPECT_THAT(casting_summary(shipped_case("start-2d-thickness")),
               testing::StartsWith("section through 560 mm of paper, speed 40 -> 60 mm/min"));
-  EXPECT_THAT(render::casting_summary(shipped_case("start-billet")), HasSubstr("mm diameter"));
+  EXPECT_THAT(casting_summary(shipped_case("start-billet")), HasSubstr("mm diameter"));
   v1::Case c = shipped_case("start-3d");
   v1::Curve& speed = *c.mutable_schedule()->mutable_casting_speed_m_per_s();
   speed.set_abscissa(v1::CAST_LENGTH);
   speed.set_at(0, 0.05);
   speed.set_at(1, 0.35);
-  EXPECT_THAT(render::casting_summary(c), HasSubstr("from 50 mm to 350 mm (over 300 mm)"));
-}
-
-TEST(CastingDrawing, NamesWhatItShows) {
-  v1::Case c = shipped_case("start-3d");
-  c.set_title("<b>");
-  const std::string page = render::casting_page(c);
-  for (const char* name : {"data-kind='casting'", "\"name\":\"mould contact\"", "<h1>&lt;b&gt;</h1>",
-                           "speed 40 -&gt; 60 mm/min"})
-    EXPECT_THAT(page, HasSubstr(name));
+  EXPECT_THAT(casting_summary(c), HasSubstr("from 50 mm to 350 mm (over 300 mm)"));
 }
 
 }  // namespace
-}  // namespace dccast::client
+}  // namespace dccast::case_file
