@@ -84,7 +84,7 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
                                     .merge_below = 0.1,
                                     .begin = {{0, 1}, {10, 4}},
                                     .event = {{0, 0.2}, {2, 0.5}, {10, 1}, {30, 2}, {100, 4}},
-                                    .error = {0.04, 0.09}};
+                                    .error = {0.03, 0.16}};
 
   static const Discretisation engineering{.column = 73e-3,
                                           .fewest_columns = 7,
@@ -97,7 +97,7 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
                                           .merge_below = 0.1,
                                           .begin = {{0, 0.5}, {10, 2}},
                                           .event = {{0, 0.1}, {2, 0.5}, {10, 1}, {30, 2}},
-                                          .error = {0.05, 0.05}};
+                                          .error = {0.03, 0.12}};
 
   static const Discretisation fine{.column = 55e-3,
                                    .fewest_columns = 10,
@@ -109,7 +109,7 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
                                    .growth_cell = 8e-3,
                                    .merge_below = 0.1,
                                    .event = {{0, 0.05}, {2, 0.25}, {10, 1}},
-                                   .error = {0.04, 0.04}};
+                                   .error = {0.03, 0.07}};
 
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
 }

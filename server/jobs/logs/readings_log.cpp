@@ -93,7 +93,11 @@ ReadingsLog::ReadingsLog(const std::filesystem::path& job_folder)
     : log_(storage::File(path_in(job_folder), O_RDWR)) {
   ReadingsReader reader(job_folder);
   following_ = reader.following();
-  for (const v1::Reading& reading : reader.read_new()) advance(state_, reading);
+  try {
+    for (const v1::Reading& reading : reader.read_new()) advance(state_, reading);
+  } catch (const UnfitReading& error) {
+    throw DamagedReadings(fmt::format("{} is damaged: {}", readings_file, error.what()));
+  }
   cut_tail(log_, reader.end());
 }
 

@@ -19,7 +19,8 @@ namespace dccast::jobs {
 /// The record of a job that follows a casting, in its folder. Only such a job has it.
 ///
 /// Format: 8 bytes "DCCASTRD", version 1 and zero as in EVENT_LOG.md, then a frame for each
-/// RecordEntry: how the casting is followed, and the readings in the order of their numbers. The daemon appends, the worker reads.
+/// RecordEntry: how the casting is followed, and the readings in the order of their numbers. The
+/// daemon appends, the worker reads.
 inline constexpr const char* readings_file = "readings.log";
 
 /// Creates a record without readings, synced to disk. @throws std::system_error

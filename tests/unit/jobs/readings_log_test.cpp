@@ -99,6 +99,20 @@ TEST_F(ReadingsLogTest, RefusesAFileThatIsNone) {
   EXPECT_THROW(ReadingsLog{folder()}, DamagedReadings);
 }
 
+TEST_F(ReadingsLogTest, RefusesReadingsThatGoBackInTime) {
+  const auto add = [this](std::int64_t number, double time_s) {
+    v1::RecordEntry entry;
+    entry.mutable_reading()->set_number(number);
+    entry.mutable_reading()->set_time_s(time_s);
+    storage::RecordLog(storage::File(path(), O_RDWR))
+        .append(storage::short_records.framed(entry.SerializeAsString()));
+  };
+  add(1, 5.0);
+  EXPECT_EQ(ReadingsLog(folder()).state().time_s(), 5.0);
+  add(2, 4.0);
+  EXPECT_THROW(ReadingsLog{folder()}, DamagedReadings);
+}
+
 TEST_F(ReadingsLogTest, OpensEachFileOnce) {
   const std::filesystem::path jobs = folder().parent_path().parent_path();
   ReadingsLogs logs(jobs);
