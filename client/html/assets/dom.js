@@ -26,7 +26,7 @@ export function replace(parent, ...children) {
 export const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
 export const mm = (metres, digits = 1) => fixed(1e3 * metres, digits);
 
-/** Decimals in mm of a curl with this error, which has two digits. No curl is known better than hundredths. */
+/** Decimals in mm of a curl with this error, of two digits. No curl is known better than hundredths. */
 const decimalsFor = error => {
   if (!(error > 0)) return 2;
   const rounded = Number((1e3 * error).toPrecision(2));

@@ -3,14 +3,20 @@ import {call} from './api.js';
 import {findingList, h, replace, shortId} from './dom.js';
 import {judgement} from './judgement.js';
 
+const runItem = run => h('li', {},
+  h('a', {href: `#/job/${run.job}`}, run.title || run.job), ` ${shortId(run.job)}`,
+  run.findings.length ? findingList(run.findings) : null);
+
 export async function comparePage(element, signal, ...ids) {
   try {
     const {runs, judgement: found} = await call('CompareRuns', {runs: ids.map(id => ({job: id}))});
     if (signal.aborted) return;
     const query = ids.map(id => `job=${encodeURIComponent(id)}`).join('&');
-    replace(element, h('h1', {}, `${runs.length} jobs compared`),
-      h('ol', {}, runs.map(run => h('li', {}, h('a', {href: `#/job/${run.job}`}, run.title || run.job), ` ${shortId(run.job)}`, run.findings.length ? findingList(run.findings) : null))),
-      h('p', {}, h('a', {class: 'button', href: `/compare/?${query}`, target: '_blank', rel: 'noopener'}, 'As a page to keep')),
+    const page = {class: 'button', href: `/compare/?${query}`, target: '_blank', rel: 'noopener'};
+    replace(element,
+      h('h1', {}, `${runs.length} jobs compared`),
+      h('ol', {}, runs.map(runItem)),
+      h('p', {}, h('a', page, 'As a page to keep')),
       h('div', {class: 'card'}, judgement(found)));
   } catch (fault) {
     replace(element, h('p', {class: 'bad', role: 'alert'}, fault.message));

@@ -4,7 +4,9 @@ import {chart, curlLines} from './chart.js';
 import {ago, curlText, h, meshErrors, mm, replace, sheet, shortId, stateText} from './dom.js';
 import {judgement} from './judgement.js';
 
-const kinds = {sweep: 'sweep', refinement: 'refinement', mould: 'mould design', recipe: 'recipe', remedy: 'remedy'};
+const kinds = {
+  sweep: 'sweep', refinement: 'refinement', mould: 'mould design', recipe: 'recipe', remedy: 'remedy'
+};
 const purposes = {UNCERTAINTY: 'uncertainty', SENSITIVITY: 'sensitivity', CALIBRATION: 'calibration'};
 export const kindOf = study => purposes[study.sweep?.purpose]
   || kinds[Object.keys(kinds).find(kind => study[kind])] || 'study';
@@ -21,37 +23,104 @@ export function answerState(study) {
 
 export function studiesPage(element, signal) {
   const list = h('div');
+  const heads = ['Study', 'Id', 'Kind', 'State', 'Begun'];
+  const rowOf = study => [
+    h('a', {href: `#/study/${study.id}`}, nameOf(study)), shortId(study.id), kindOf(study),
+    answerState(study), ago(study.create_time)
+  ];
+
   replace(element, h('h1', {}, 'Studies'), list);
   repeat(3000, signal, async () => {
     const {studies} = await call('ListStudies', {page_size: 200});
     if (signal.aborted) return;
-    replace(list, studies.length === 0 ? h('p', {class: 'soft'}, 'No studies yet: dccast sweep my.toml --grid KEY=a,b')
-      : sheet(['Study', 'Id', 'Kind', 'State', 'Begun'], studies.map(study => [
-        h('a', {href: `#/study/${study.id}`}, nameOf(study)), shortId(study.id), kindOf(study), answerState(study), ago(study.create_time)])));
+    replace(list, studies.length === 0
+      ? h('p', {class: 'soft'}, 'No studies yet: dccast sweep my.toml --grid KEY=a,b')
+      : sheet(heads, studies.map(rowOf)));
   });
 }
 
-/** Values of an axis: a slider between the ends of a range, a choice among others. */
-function control(axis, numbers, changed) {
-  const id = `axis-${axis.key}`, finite = numbers.filter(Number.isFinite);
-  if (finite.length < numbers.length || finite.length === 0) {
-    const select = h('select', {id, onchange: changed}, [...new Set(axis.values)].map(v => h('option', {}, v)));
-    return {key: axis.key, value: () => select.value, element: h('label', {for: id}, axis.key, select)};
-  }
+/** A choice among the values of an axis. */
+function choice(axis, id, changed) {
+  const options = [...new Set(axis.values)].map(value => h('option', {}, value));
+  const select = h('select', {id, onchange: changed}, options);
+  return {key: axis.key, value: () => select.value, element: h('label', {for: id}, axis.key, select)};
+}
+
+/** A slider between the ends of an axis. */
+function slider(axis, id, changed) {
   // The text of an end carries the unit: "40 mm/min".
   const [, , unit] = /^\s*([-+.\deE]+)\s*(.*)$/.exec(axis.values[0]) || [0, 0, ''];
   const ends = axis.values.map(parseFloat), low = Math.min(...ends), high = Math.max(...ends);
-  const output = h('output', {for: id}), slider = h('input', {type: 'range', id, min: low, max: high, step: (high - low) / 100, value: (low + high) / 2, oninput: () => { show(); changed(); }});
-  const value = () => `${Number(slider.value).toPrecision(5)}${unit ? ` ${unit}` : ''}`;
+
+  const output = h('output', {for: id});
+  const value = () => `${Number(input.value).toPrecision(5)}${unit ? ` ${unit}` : ''}`;
   const show = () => { output.textContent = value(); };
+  const oninput = () => {
+    show();
+    changed();
+  };
+  const input = h('input', {
+    type: 'range', id, min: low, max: high, step: (high - low) / 100, value: (low + high) / 2, oninput
+  });
   show();
-  return {key: axis.key, value, element: h('label', {for: id}, axis.key, output, slider)};
+  return {key: axis.key, value, element: h('label', {for: id}, axis.key, output, input)};
+}
+
+/** A slider where all values of the runs are numbers, else a choice. */
+function control(axis, numbers, changed) {
+  const isRange = numbers.length > 0 && numbers.every(Number.isFinite);
+  return (isRange ? slider : choice)(axis, `axis-${axis.key}`, changed);
+}
+
+/** The curves of a response surface, in mm, each within twice the error of the surface. */
+function surfaceLines(curves) {
+  const inMm = (values, factor) => values.map(v => (v === null ? NaN : factor * v));
+  return curves.map(curve => {
+    const y = inMm(curve.curl_m, 1e3), off = inMm(curve.uncertainty_m, 2e3);
+    const low = y.map((v, i) => v - off[i]), high = y.map((v, i) => v + off[i]);
+    return {name: curve.monitor, x: curve.time_s, y, low, high};
+  });
+}
+
+/** What the response surface predicts, drawn and in words. */
+function prediction({curves, mesh_error: mesh, runs}) {
+  const ends = curves.map(curve => {
+    const end = curve.curl_m.at(-1) ?? NaN;
+    return `${curve.monitor} ${curlText(end, ...meshErrors(end, mesh))}`;
+  });
+  const title = 'Curl by the response surface; the band is twice its own standard error';
+  return [
+    chart(surfaceLines(curves), {title, xLabel: 'time, s', yLabel: 'mm'}),
+    h('p', {}, `${ends.join(', ')}${mesh ? ' (with mesh and time steps)' : ''}; from ${runs} runs.`)
+  ];
+}
+
+/** The curl at the end of a run, with its error where that is known. */
+function endCurl(run, k) {
+  const end = run.end_curl_m[k];
+  if (end === null || end === undefined) return '–';
+  if (!run.mesh_error) return mm(end, 2);
+  return curlText(end, ...meshErrors(end, run.mesh_error)).replace(' mm', '');
+}
+
+/** The runs of a study with what differs between them. */
+function runTable({study, runs, monitors}) {
+  const axes = study.sweep?.axes || [], levers = study.remedy ? ['Change'] : [];
+  const heads = ['Run', ...levers, ...axes.map(axis => axis.key), ...monitors.map(m => `${m} mm`), 'State'];
+  const rowOf = (run, i) => [
+    run.job ? h('a', {href: `#/job/${run.job}`}, `${i + 1}`) : `${i + 1}`,
+    ...levers.map(() => run.lever_step?.words || 'the case itself'),
+    ...axes.map((axis, k) => run.values[k] || ''),
+    ...monitors.map((monitor, k) => ({class: 'number', content: endCurl(run, k)})),
+    stateText(run.state)
+  ];
+  return sheet(heads, runs.map(rowOf));
 }
 
 export async function studyPage(element, signal, id) {
-  const state = h('p', {role: 'status'}), answer = h('div', {id: 'answer', class: 'card'}), table = h('div'), surface = h('div', {class: 'card'});
-  let controls = null;
-  const heading = h('h1', {}, 'Study');
+  const heading = h('h1', {}, 'Study'), state = h('p', {role: 'status'}), table = h('div');
+  const answer = h('div', {id: 'answer', class: 'card'});
+  const surface = h('div', {class: 'card'}), picture = h('div');
   replace(element, heading, state, answer, surface, table);
   surface.hidden = answer.hidden = true;
 
@@ -63,62 +132,50 @@ export async function studyPage(element, signal, id) {
     judged = now;
     const found = (await call('JudgeStudy', {id})).judgement;
     if (signal.aborted) return;
+
     // The table of runs below has links to their jobs.
     const shown = judgement(found, part => part.table?.key !== 'runs');
     answer.hidden = shown.length === 0;
     replace(answer, h('h2', {}, found.heading), shown);
   }
 
-  let asked = 0;
-  async function predict(sweep) {
+  function showFault(fault) {
+    judged = '';
+    answer.hidden = false;
+    replace(answer, h('p', {class: 'soft'}, fault.message));
+  }
+
+  // Of several predictions under way only the last one is shown.
+  let controls = null, asked = 0;
+  async function predict() {
     const mine = ++asked;
     try {
-      const found = await call('PredictStudy', {id, values: controls.map(c => ({key: c.key, value: c.value()}))});
-      if (mine !== asked || signal.aborted) return;
-      const mesh = found.mesh_error;
-      const lines = found.curves.map(curve => {
-        const y = curve.curl_m.map(v => (v === null ? NaN : 1e3 * v)), off = curve.uncertainty_m.map(v => (v === null ? NaN : 2e3 * v));
-        return {name: curve.monitor, x: curve.time_s, y, low: y.map((v, i) => v - off[i]), high: y.map((v, i) => v + off[i])};
-      });
-      const ends = found.curves.map(curve => {
-        const end = curve.curl_m.at(-1) ?? NaN;
-        return `${curve.monitor} ${curlText(end, ...meshErrors(end, mesh))}`;
-      }).join(', ');
-      replace(picture, chart(lines, {title: 'Curl by the response surface; the band is twice its own standard error', xLabel: 'time, s', yLabel: 'mm'}),
-        h('p', {}, `${ends}${mesh ? ' (with mesh and time steps)' : ''}; from ${found.runs} runs.`));
+      const values = controls.map(each => ({key: each.key, value: each.value()}));
+      const found = await call('PredictStudy', {id, values});
+      if (mine === asked && !signal.aborted) replace(picture, ...prediction(found));
     } catch (fault) {
       replace(picture, h('p', {class: 'soft'}, fault.message));
     }
   }
-  const picture = h('div');
+
+  function addControls(axes, runs) {
+    const numbersOf = k => runs.map(run => run.numbers[k] ?? NaN);
+    controls = axes.map((axis, k) => control(axis, numbersOf(k), predict));
+    surface.hidden = false;
+    replace(surface, h('h2', {}, 'Response surface'),
+      h('div', {class: 'levers'}, controls.map(each => each.element)), picture);
+  }
 
   repeat(3000, signal, async () => {
     const result = await call('EvaluateStudy', {id});
     if (signal.aborted) return;
-    const {study} = result, sweep = study.sweep;
-    judge(study).catch(fault => { judged = ''; answer.hidden = false; replace(answer, h('p', {class: 'soft'}, fault.message)); });
+
+    const {study} = result, axes = study.sweep?.axes || [];
+    judge(study).catch(showFault);
     heading.textContent = nameOf(study);
     state.textContent = `${kindOf(study)} ${shortId(id)}, ${answerState(study)}`;
-    const axes = sweep?.axes || [];
-    const curl = (run, k) => {
-      const end = run.end_curl_m[k];
-      if (end === null || end === undefined) return '–';
-      if (!run.mesh_error) return mm(end, 2);
-      return curlText(end, ...meshErrors(end, run.mesh_error)).replace(' mm', '');
-    };
-    const levers = study.remedy ? ['Change'] : [];
-    replace(table, sheet(['Run', ...levers, ...axes.map(a => a.key), ...result.monitors.map(m => `${m} mm`), 'State'],
-      result.runs.map((run, i) => [
-        run.job ? h('a', {href: `#/job/${run.job}`}, `${i + 1}`) : `${i + 1}`,
-        ...levers.map(() => run.lever_step?.words || 'the case itself'),
-        ...axes.map((a, k) => run.values[k] || ''),
-        ...result.monitors.map((m, k) => ({class: 'number', content: curl(run, k)})),
-        stateText(run.state)])));
-    if (!controls && axes.length && sweep.design !== 'ENDS') {
-      controls = axes.map((axis, k) => control(axis, result.runs.map(run => run.numbers[k] ?? NaN), () => predict(sweep)));
-      surface.hidden = false;
-      replace(surface, h('h2', {}, 'Response surface'), h('div', {class: 'levers'}, controls.map(c => c.element)), picture);
-    }
-    if (controls) predict(sweep);
+    replace(table, runTable(result));
+    if (!controls && axes.length && study.sweep.design !== 'ENDS') addControls(axes, result.runs);
+    if (controls) predict();
   });
 }
