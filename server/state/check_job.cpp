@@ -11,6 +11,7 @@
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/logs/event_log.hpp"
+#include "server/jobs/logs/readings_log.hpp"
 #include "server/state/check.hpp"
 #include "server/state/index.hpp"
 
@@ -40,6 +41,7 @@ public:
     if (options_.index_only) return check_running();
 
     check_log();
+    check_readings();
     check_attachments();
     for (const v1::Artifact& artifact : record_.job.artifacts()) check_artifact(artifact);
 
@@ -121,6 +123,30 @@ private:
                              log.torn ? "bytes of a torn event" : "damaged bytes"),
                  path);
     check_end(log, path);
+  }
+
+  /// The record of a casting that the job follows.
+  void check_readings() {
+    if (!jobs::follows_readings(folder_)) return;
+    try {
+      jobs::ReadingsReader record(folder_);
+      record.read_new();
+      const auto size = static_cast<std::int64_t>(fs::file_size(folder_ / jobs::readings_file));
+      if (size > record.end()) repair_readings(size - record.end());
+    } catch (const jobs::DamagedReadings& damage) {
+      report_.damage(
+          fmt::format("{}{}; restore its folder from a backup, or follow the source again",
+                      subject_, damage.what()));
+    }
+  }
+
+  /// Sets aside what follows the last whole reading, as the daemon does when it appends to it.
+  void repair_readings(std::int64_t bytes) {
+    const std::string fault = fmt::format("{}its {} ends in {} bytes that are no reading", subject_,
+                                          jobs::readings_file, bytes);
+    if (!options_.repair) return report_.note(fault + "; they are moved aside when it goes on");
+    const jobs::ReadingsLog taken_over(folder_);
+    report_.repaired(fault);
   }
 
   /// Repairs header and end of a log, as the daemon does when it appends to it.
