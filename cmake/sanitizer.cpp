@@ -35,12 +35,13 @@ const char* __tsan_default_options() {
 }
 
 // A call's operations go from the thread that starts them to the one that completes them through
-// gRPC's queues, which have no locks, and so does the message of a call that is written. Only what
-// gRPC itself reads or writes is left out.
+// gRPC's queues, which have no locks, and so do the messages of a call that are written and read.
+// Only what gRPC itself reads or writes is left out.
 const char* __tsan_default_suppressions() {
   return "race_top:grpc::\n"
          "race_top:std::function<void (bool)>\n"
          "race:grpc::internal::CallOpSendMessage::SendMessage\n"
+         "race:grpc::internal::CallOpSet<grpc::internal::CallOpRecvMessage*FinalizeResult\n"
          "race:grpc::internal::InterceptorBatchMethodsImpl::~InterceptorBatchMethodsImpl\n";
 }
 

@@ -1,7 +1,6 @@
 #include "server/worker/run_facts.hpp"
 
 #include <fmt/chrono.h>
-#include <google/protobuf/struct.pb.h>
 #include <google/protobuf/util/json_util.h>
 #include <sys/utsname.h>
 
@@ -13,11 +12,10 @@
 
 #include "core/storage/file.hpp"
 #include "server/jobs/folder/job_folder.hpp"
+#include "server/worker/run_facts.pb.h"
 
 namespace dccast::worker {
 namespace {
-
-using Fields = google::protobuf::Map<std::string, google::protobuf::Value>;
 
 /// "AMD EPYC 7763 64-Core Processor"; "unknown" where the system does not name it.
 std::string processor_name() {
@@ -49,25 +47,25 @@ void write_run_facts(const v1::SolveCase& order, const std::filesystem::path& fo
                      std::chrono::system_clock::time_point begin) {
   try {
     const auto end = std::chrono::system_clock::now();
-    google::protobuf::Struct facts;
-    Fields& fields = *facts.mutable_fields();
-    fields["job"].set_string_value(order.job_id());
-    fields["attempt"].set_number_value(order.attempt());
-    fields["program_version"].set_string_value(DCCAST_VERSION);
-    fields["commit"].set_string_value(commit);
-    fields["case_sha256"].set_string_value(jobs::read_job_description(folder).job.case_sha256());
-    fields["processor"].set_string_value(processor_name());
-    fields["cores"].set_number_value(std::thread::hardware_concurrency());
-    fields["threads"].set_number_value(std::max(order.threads(), 1));
-    fields["system"].set_string_value(system_name());
-    fields["begin"].set_string_value(utc(begin));
-    fields["end"].set_string_value(utc(end));
-    fields["wall_s"].set_number_value(seconds(end - begin));
-    fields["processor_s"].set_number_value(static_cast<double>(std::clock()) / CLOCKS_PER_SEC);
+    RunFacts facts;
+    facts.set_job(order.job_id());
+    facts.set_attempt(order.attempt());
+    facts.set_program_version(DCCAST_VERSION);
+    facts.set_commit(commit);
+    facts.set_case_sha256(jobs::read_job_description(folder).job.case_sha256());
+    facts.set_processor(processor_name());
+    facts.set_cores(static_cast<int>(std::thread::hardware_concurrency()));
+    facts.set_threads(std::max(order.threads(), 1));
+    facts.set_system(system_name());
+    facts.set_begin(utc(begin));
+    facts.set_end(utc(end));
+    facts.set_wall_s(seconds(end - begin));
+    facts.set_processor_s(static_cast<double>(std::clock()) / CLOCKS_PER_SEC);
 
     std::string text;
     google::protobuf::util::JsonPrintOptions options;
-    options.add_whitespace = true;
+    options.add_whitespace = options.preserve_proto_field_names = true;
+    options.always_print_primitive_fields = true;
     if (google::protobuf::util::MessageToJsonString(facts, &text, options).ok())
       storage::write_file(folder / jobs::run_facts_file, text);
   } catch (const std::exception& error) {
