@@ -121,7 +121,8 @@ std::vector<double> RowsOfPoints<Dim>::point_means(std::span<const double> field
       return;
     }
 
-    for (const auto& [lower, upper] : lines) {
+    for (const auto& line : lines) {
+      const std::size_t lower = line[0], upper = line[1];
       const auto mean = [&](std::size_t element) {
         return 0.5 * (field[element * points + lower] + field[element * points + upper]);
       };
