@@ -40,6 +40,8 @@ const char* __tsan_default_options() {
 const char* __tsan_default_suppressions() {
   return "race_top:grpc::\n"
          "race_top:std::function<void (bool)>\n"
+         "race_top:std::function<void ()>::operator\n"
+         "race_top:std::_Function_base::_M_empty\n"
          "race:grpc::internal::CallOpSendMessage::SendMessage\n"
          "race:grpc::internal::CallOpSet<grpc::internal::CallOpRecvMessage*FinalizeResult\n"
          "race:grpc::internal::InterceptorBatchMethodsImpl::~InterceptorBatchMethodsImpl\n";

@@ -73,10 +73,12 @@ bool TerminalGuard::write(std::string_view text) {
 }
 
 void TerminalGuard::write_control(std::string_view sequence) {
+  const std::lock_guard lock(mutex_);
   write(sequence);
 }
 
 std::streamsize TerminalGuard::xsputn(const char* text, std::streamsize size) {
+  const std::lock_guard lock(mutex_);
   const std::string_view given(text, static_cast<std::size_t>(size));
   if (!guards_) return write(given) ? size : 0;
 
@@ -95,6 +97,7 @@ TerminalGuard::int_type TerminalGuard::overflow(int_type character) {
 }
 
 int TerminalGuard::sync() {
+  const std::lock_guard lock(mutex_);
   const std::string rest = std::exchange(begun_, {});
   const bool written = rest.empty() || write(for_terminal(rest));
   return written ? terminal_->pubsync() : -1;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <ranges>
 #include <utility>
 
 namespace dccast::casting {
@@ -40,8 +39,8 @@ void add_failure(RunFailures& failures, RunFailure failure) {
 std::string in_words(const RunFailures& failures) {
   if (failures.empty()) return "";
   std::string text = failures.front().message;
-  for (const RunFailure& failure : failures | std::views::drop(1))
-    text += fmt::format("; then {}: {}", name_of(failure.kind), failure.message);
+  for (std::size_t i = 1; i < failures.size(); ++i)
+    text += fmt::format("; then {}: {}", name_of(failures[i].kind), failures[i].message);
   return text;
 }
 

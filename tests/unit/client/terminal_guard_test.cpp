@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <sstream>
+#include <string>
+#include <thread>
 
 namespace dccast::client::render {
 namespace {
@@ -70,6 +72,30 @@ TEST(TerminalGuard, ChangesNothingInAFile) {
   }
   ::close(file);
   EXPECT_EQ(stream.str(), "a\x1b[2J\r\xE2\r");
+}
+
+// The sender of readings reports what it left out while the watch of its job prints steps.
+TEST(TerminalGuard, IsSharedByThreads) {
+  constexpr int lines = 50000;
+  std::ostringstream out;
+  TerminalGuard guard(out, STDERR_FILENO);
+  const auto write = [&guard](char letter) {
+    std::string line(40, letter);
+    line.back() = '\n';
+    for (int i = 0; i < lines; ++i) {
+      guard.sputn(line.data(), static_cast<std::streamsize>(line.size()));
+      guard.pubsync();
+    }
+  };
+  std::jthread other(write, 'b');
+  write('a');
+  other.join();
+
+  std::istringstream written(out.str());
+  int whole = 0;
+  for (std::string line; std::getline(written, line);)
+    whole += line == std::string(39, line.front()) ? 1 : 0;
+  EXPECT_EQ(whole, 2 * lines);
 }
 
 }  // namespace
