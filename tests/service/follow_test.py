@@ -63,6 +63,23 @@ class FollowTest(RealRunTest):
     def steps_at_end(self, job_id):
         return self.finished_steps(job_id)[1]
 
+    def case_file(self, end=END):
+        path = os.path.join(self.folder, "plan.toml")
+        with open(CASE, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as plan:
+            plan.write(file.read().replace('\nend = "145 s"', f'\nend = "{end} s"'))
+        return path
+
+    def ended(self, process, code=0, **rest):
+        out, err = process.communicate(timeout=60 * WAIT_FACTOR, **rest)
+        self.assertEqual(process.returncode, code, out + err)
+        return out, err
+
+    def forecast(self, job_id):
+        return self.client.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job_id), timeout=30)
+
+    def studies(self):
+        return self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10).studies
+
     def until_time(self, job_id, time_s):
         until(lambda: self.client.job(job_id).last_step.time_s >= time_s, 30)
 
@@ -105,6 +122,10 @@ class Record(FollowTest):
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, fast)
         for word in ("reading 13", "casting speed", "0.7", "0 to 0.1 m/s", "unit"):
             self.assertIn(word, error.details())
+        hot = follow_pb2.Reading(number=13, time_s=-40, casting_temperature_c=3000)
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, hot)
+        self.assertIn("the casting temperature is 3000 degC; permitted: 0 to 2000 degC",
+                      error.details())
         nothing = follow_pb2.Reading(number=13, time_s=float("nan"))
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, nothing)
         self.assertEqual(self.append(job_id).number, 12)
@@ -195,7 +216,7 @@ class Forecast(FollowTest):
 
         gauge = follow_pb2.Gauge(monitor="corner", noise_m=5e-4)
         job_id = self.follow(ensemble=studies[0], gauges=[gauge])
-        before = self.forecast(job_id)
+        before = self.forecast(job_id).curls[0]
         self.assertEqual((before.members, before.readings), (24, 0))
 
         self.append(job_id, *[
@@ -203,11 +224,12 @@ class Forecast(FollowTest):
                 monitor="corner",
                 curl_m=numpy.interp(t, curve.time_s, numpy.nan_to_num(curve.curl_m)))])
             for t in range(0, 26)])
-        after = self.forecast(job_id)
+        after = self.forecast(job_id).curls[0]
         self.assertEqual((after.readings, after.left_out, after.time_s[0]), (26, 0, 25))
         end = numpy.interp(after.time_s[-1], curve.time_s, curve.curl_m)
-        self.assertLess(abs(after.curl_m[-1] - end), 2.6 * after.deviation_m[-1])
-        self.assertLess(after.deviation_m[-1], 0.8 * before.deviation_m[-1])
+        width = lambda curl: curl.upper_m[-1] - curl.lower_m[-1]
+        self.assertLess(abs(after.curl_m[-1] - end), 0.8 * width(after))
+        self.assertLess(width(after), 0.8 * width(before))
 
         shown = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
                                 "forecast", job_id], capture_output=True, text=True, check=False)
@@ -215,10 +237,12 @@ class Forecast(FollowTest):
         self.assertIn("26 readings, 0 left out; 24 members", shown.stdout)
 
     def test_a_job_without_an_ensemble_has_no_forecast(self):
-        request = follow_pb2.ForecastJobRequest(id=self.follow())
-        error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.client.stub.ForecastJob,
-                             request)
-        self.assertIn("--ensemble", error.details())
+        error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.forecast, self.follow())
+        self.assertIn("measures no curl", error.details())
+        gauge = follow_pb2.Gauge(monitor="corner", noise_m=1e-3)
+        without = self.follow(gauges=[gauge])
+        error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.forecast, without)
+        self.assertIn("dccast follow --prepare", error.details())
 
         gauge = follow_pb2.Gauge(monitor="cornr", noise_m=1e-3)
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, gauges=[gauge])
@@ -226,33 +250,19 @@ class Forecast(FollowTest):
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, gauges=[gauge])
         nobody = "00000000-0000-4000-8000-000000000000"
         self.refused(grpc.StatusCode.NOT_FOUND, self.follow, ensemble=nobody)
-
-    def forecast(self, job_id):
-        return self.client.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job_id),
-                                            timeout=30).curls[0]
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, pairs=nobody)
+        self.assertIn("without an ensemble", error.details())
 
     def study(self, seed, runs):
         out = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
                               "uncertainty", CASE, "--set", f"time.end={END} s", "--runs",
                               str(runs), "--seed", str(seed), "--json"],
                              capture_output=True, text=True, timeout=120, check=False)
-        listed = self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10)
         self.assertEqual(out.returncode, 0, out.stderr)
-        return listed.studies[0].id
+        return self.studies()[0].id
 
 
 class Client(FollowTest):
-    def case_file(self):
-        path = os.path.join(self.folder, "plan.toml")
-        with open(CASE, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as plan:
-            plan.write(file.read().replace('\nend = "145 s"', f'\nend = "{END} s"'))
-        return path
-
-    def ended(self, process, code=0, **rest):
-        out, err = process.communicate(timeout=60 * WAIT_FACTOR, **rest)
-        self.assertEqual(process.returncode, code, out + err)
-        return out, err
-
     def test_a_recorded_casting_is_computed_again(self):
         path = os.path.join(self.folder, "casting.csv")
         with open(path, "w", encoding="utf-8") as file:
