@@ -262,6 +262,97 @@ class Forecast(FollowTest):
         return self.studies()[0].id
 
 
+class Preparation(FollowTest):
+    def table_of_curls(self):
+        path = os.path.join(self.folder, "curls.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("time [s], curl corner [mm]\n")
+            file.writelines(f"{t}, {max(t, 0) * 0.05}\n" for t in range(-60, 5))
+        return path
+
+    def followed(self, *words):
+        """A job that follows a casting of the plan, what was said, and its forecast."""
+        process = self.dccast("follow", self.case_file(end=4), "--readings", self.table_of_curls(),
+                              "--set", "quality=draft", *words)
+        _, err = self.ended(process)
+        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id, err
+
+    def test_a_prepared_plan_is_found_again_by_its_case(self):
+        plan = self.case_file(end=4)
+        _, err = self.followed()
+        self.assertIn("is not prepared", err)
+
+        _, err = self.ended(self.dccast("follow", "--prepare", plan))
+        self.assertIn("the plan is prepared", err)
+        pairs, ensemble = self.studies()
+        self.assertEqual((ensemble.runs, pairs.runs), (64, 16))
+        request = study_pb2.EvaluateStudyRequest(id=pairs.id)
+        self.assertEqual(self.client.stub.EvaluateStudy(request, timeout=30).runs[0].values,
+                         self.client.stub.EvaluateStudy(study_pb2.EvaluateStudyRequest(
+                             id=ensemble.id), timeout=30).runs[0].values)
+        self.ended(self.dccast("follow", "--prepare", plan, "--set", "quality=fine"))
+        self.assertEqual(len(self.studies()), 2, "the quality of the case does not count")
+
+        paired, err = self.followed()
+        self.assertNotIn("is not prepared", err)
+        by_band, _ = self.followed("--ensemble", ensemble.id)
+        paired, by_band = self.forecast(paired), self.forecast(by_band)
+        self.assertGreaterEqual(paired.curls[0].members, 60)
+        self.assertNotAlmostEqual(paired.curls[0].curl_m[-1], by_band.curls[0].curl_m[-1], delta=1e-9)
+
+        other = self.study_of_one_key()
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, ensemble=ensemble.id,
+                             pairs=other)
+        self.assertIn("over other keys", error.details())
+
+    def study_of_one_key(self):
+        self.ended(self.dccast("sweep", self.case_file(end=4), "--no-wait", "--grid",
+                               "schedule.hold=50 s,60 s"))
+        return self.studies()[0].id
+
+
+class Replay(FollowTest):
+    def test_a_record_is_written_at_its_pace(self):
+        path = os.path.join(self.folder, "casting.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("# line 4\n" + table() + "nonsense\n")
+        begin = time.monotonic()
+        out, _ = self.ended(self.dccast("replay", path, "--pace", "100"))
+        self.assertGreater(time.monotonic() - begin, 1.0, "100 s of casting")
+        with open(path, encoding="utf-8") as file:
+            self.assertEqual(out, file.read())
+
+        slow = self.dccast("replay", path)
+        for _ in range(3):
+            self.assertTrue(slow.stdout.readline())
+        self.assertIsNone(slow.poll(), "the second reading comes after a second")
+        slow.send_signal(signal.SIGINT)
+        slow.communicate(timeout=10 * WAIT_FACTOR)
+        self.assertEqual(slow.returncode, 130)
+
+    def test_a_replayed_casting_is_followed(self):
+        path = os.path.join(self.folder, "casting.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(table())
+        plant = self.dccast("replay", path, "--pace", "50")
+        follower = self.dccast("follow", self.case_file(), "--set", "quality=draft",
+                               stdin=plant.stdout)
+        plant.stdout.close()
+        self.ended(follower)
+        self.assertEqual(plant.wait(10), 0)
+        plant.stderr.close()
+        job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0]
+        self.assertAlmostEqual(job.last_step.time_s, END)
+
+    def test_a_file_that_is_no_record_is_refused(self):
+        for text, word in (("", "is empty"), ("colour [1]\n", "a column for the time")):
+            path = os.path.join(self.folder, "wrong.csv")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+            _, err = self.ended(self.dccast("replay", path), code=2)
+            self.assertIn(word, err)
+
+
 class Client(FollowTest):
     def test_a_recorded_casting_is_computed_again(self):
         path = os.path.join(self.folder, "casting.csv")
