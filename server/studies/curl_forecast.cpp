@@ -19,6 +19,7 @@ namespace dccast::studies {
 
 namespace {
 
+using statistics::Departure;
 using statistics::TrajectoryForecast;
 
 /// Standard deviation of the error of the model besides data and mesh, as a share of the curl. No
@@ -115,18 +116,26 @@ statistics::TrajectoryPrior prior_of(const Trajectories& trajectories,
   return prior;
 }
 
-/// Learns from the readings of a gauge, and counts them. @return all of them, with what was expected
+/// Learns from the readings of a gauge, and counts them.
+/// @param slips  at which the zero of the gauge becomes unknown again
+/// @return all readings, with what was expected
 std::vector<statistics::Innovation> learn(TrajectoryForecast& forecast,
                                           const std::vector<v1::Reading>& readings,
+                                          const std::vector<Departure>& slips,
                                           v1::ForecastCurl& curl) {
   const TrajectoryForecast before = forecast;
   std::vector<statistics::Innovation> innovations;
+  curl.clear_readings();
+  curl.clear_left_out();
   for (const v1::Reading& reading : readings) {
     const auto measured =
         std::ranges::find(reading.curls(), curl.monitor(), &v1::MeasuredCurl::monitor);
     // Before the block starts nothing is forecast.
     const double time_s = reading.time_s();
     if (measured == reading.curls().end() || time_s < 0.0) continue;
+
+    for (const Departure& slip : slips)
+      if (slip.begin == time_s) forecast.loosen_zero(slip.size);
 
     innovations.push_back({.time = time_s,
                            .reading = measured->curl_m(),
@@ -142,14 +151,41 @@ std::vector<statistics::Innovation> learn(TrajectoryForecast& forecast,
   return innovations;
 }
 
-v1::ForecastWarning warning_of(const statistics::Departure& departure,
-                               const std::string& monitor) {
+/// What all readings of a gauge tell.
+struct Learned {
+  TrajectoryForecast forecast;
+  std::vector<Departure> departures;  ///< by time
+};
+
+/// Learns from all readings of a gauge. Where it has slipped they are learned once more, with a zero
+/// that is unknown again from there on; otherwise the slip would be taken for curl.
+Learned learned_from(const TrajectoryForecast& prior, const v1::Gauge& gauge,
+                     const std::vector<v1::Reading>& readings, v1::ForecastCurl& curl) {
+  constexpr std::size_t most_slips = 8;
+  std::vector<Departure> slips;
+  for (;;) {
+    Learned learned{prior, {}};
+    const auto innovations = learn(learned.forecast, readings, slips, curl);
+    learned.departures = statistics::find_departures(innovations, gauge.noise_m());
+    const auto slip = std::ranges::find(learned.departures, Departure::Kind::step, &Departure::kind);
+    if (slip != learned.departures.end() && slips.size() < most_slips) {
+      slips.push_back(*slip);
+      continue;
+    }
+
+    learned.departures.insert(learned.departures.end(), slips.begin(), slips.end());
+    std::ranges::stable_sort(learned.departures, {}, &Departure::time);
+    return learned;
+  }
+}
+
+v1::ForecastWarning warning_of(const Departure& departure, const std::string& monitor) {
   v1::ForecastWarning warning;
   warning.set_time_s(departure.time);
   warning.set_monitor(monitor);
   const double mm = 1e3 * std::abs(departure.size);
 
-  if (departure.kind == statistics::Departure::Kind::step) {
+  if (departure.kind == Departure::Kind::step) {
     warning.set_text(fmt::format("from {:.0f} s on the gauge shows {:.1f} mm {}", departure.begin,
                                  mm, departure.size > 0.0 ? "more" : "less"));
     warning.add_causes("the gauge has slipped");
@@ -176,9 +212,10 @@ void add_curl(const v1::Gauge& gauge, const ForecastBasis& basis, v1::Forecast& 
                                      curl.members(), basis.following.ensemble(), fewest_members));
 
   const statistics::TrajectoryPrior prior = prior_of(trajectories, basis.mesh_error);
-  TrajectoryForecast forecast(prior, {.noise = gauge.noise_m(), .zero = gauge.zero_m()});
-  const auto innovations = learn(forecast, basis.readings, curl);
-  for (const auto& departure : statistics::find_departures(innovations, gauge.noise_m()))
+  const auto [forecast, departures] = learned_from(
+      TrajectoryForecast(prior, {.noise = gauge.noise_m(), .zero = gauge.zero_m()}), gauge,
+      basis.readings, curl);
+  for (const Departure& departure : departures)
     *to.add_warnings() = warning_of(departure, gauge.monitor());
 
   const auto add = [&](double time_s) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include "server/studies/levers_off_plan.hpp"
@@ -190,8 +191,8 @@ TEST(CurlForecast, OnePairIsNone) {
 }
 
 /// Readings whose gauge is off from a time on, with a noise of half a millimetre.
-std::vector<v1::Reading> faulty(double slip_m, double drift_m_per_s) {
-  std::mt19937_64 random(3);
+std::vector<v1::Reading> faulty(double slip_m, double drift_m_per_s, unsigned seed = 3) {
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0.0, 0.5e-3);
   auto made = readings(1.1, 100.0);
   for (v1::Reading& reading : made) {
@@ -218,6 +219,24 @@ TEST(CurlForecast, WarnsOfASlippedGaugeAndOfACastingThatIsNotAsPlanned) {
   EXPECT_THAT(drifting.warnings(0).text(), ::testing::HasSubstr("mm below"));
   EXPECT_THAT(drifting.warnings(0).causes(),
               ::testing::ElementsAre("water", "metal temperature", "casting speed"));
+}
+
+/// The readings before the slip have told the curl; those after it tell the new zero.
+TEST(CurlForecast, GoesOnWithTheNewZeroOfASlippedGauge) {
+  constexpr int castings = 60;
+  int of_curl = 0, of_zero = 0;
+  for (unsigned seed = 0; seed < castings; ++seed) {
+    const auto slipped = forecast(ensemble(21), faulty(4e-3, 0.0, seed));
+    EXPECT_NEAR(slipped.zero_m(), 4e-3, 2e-3) << seed;
+    EXPECT_EQ(slipped.readings() + slipped.left_out(), 101);
+    EXPECT_LE(slipped.left_out(), 2) << seed;
+    const double end = 1.1 * shape(end_s);
+    of_curl += *slipped.lower_m().rbegin() < end && end < *slipped.upper_m().rbegin();
+    of_zero += slipped.zero_lower_m() < 4e-3 && 4e-3 < slipped.zero_upper_m();
+  }
+  std::printf("bands hold %d and %d of %d\n", of_curl, of_zero, castings);
+  EXPECT_GE(of_curl, 0.8 * castings);
+  EXPECT_GE(of_zero, 0.8 * castings);
 }
 
 void add_finding(v1::StudyRun& run, const char* rule, double time_s, v1::Finding::Severity severity) {
