@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <iostream>
 #include <thread>
 
@@ -9,13 +8,12 @@
 #include "client/model/answer.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
+#include "client/session/preparation.hpp"
 #include "client/session/readings.hpp"
 #include "client/session/readings_csv.hpp"
 #include "client/session/studies.hpp"
-#include "client/text/table.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/values/digests.hpp"
-#include "proto/values/interpolation.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -28,6 +26,7 @@ struct FollowOptions {
   std::vector<std::string> labels;
   std::string ensemble;
   std::string noise = "1 mm", zero = "0 mm";
+  bool prepare = false;
   bool growing = false;
   bool json = false;
   bool strict = false;
@@ -48,12 +47,31 @@ std::vector<v1::Reading> readings_in(const std::vector<std::string>& lines, Read
   return readings;
 }
 
+/// Names the studies on which the forecast of a case rests: the one that the user gives, or those
+/// that prepare it.
+void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& request,
+                 Connection& connection, v1::Following& following) {
+  if (!options.ensemble.empty()) {
+    following.set_ensemble(resolve_study(connection, options.ensemble));
+    return;
+  }
+
+  const auto found = find_preparation(connection, request.case_(), request.attachments());
+  if (!found) {
+    remark("this plan is not prepared, so there is no forecast: dccast follow --prepare " +
+           options.file);
+    return;
+  }
+  following.set_ensemble(found->ensemble.id());
+  if (found->pairs) following.set_pairs(found->pairs->id());
+}
+
 /// How the job follows: each curl of the source has a gauge.
 v1::Following following_of(const FollowOptions& options, const ReadingsTable& table,
-                           Connection& connection) {
+                           const v1::SubmitJobRequest& request, Connection& connection) {
   v1::Following following;
-  if (!options.ensemble.empty())
-    following.set_ensemble(resolve_study(connection, options.ensemble));
+  if (!table.gauges().empty() || !options.ensemble.empty())
+    add_studies(options, request, connection, following);
   for (const std::string& monitor : table.gauges()) {
     v1::Gauge& gauge = *following.add_gauges();
     gauge.set_monitor(monitor);
@@ -76,7 +94,7 @@ std::string submit(const FollowOptions& options, const ReadingsTable& table,
   v1::SubmitJobRequest request = submission_of(checked, connection);
   request.set_request_id(values::random_uuid());
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
-  *request.mutable_following() = following_of(options, table, connection);
+  *request.mutable_following() = following_of(options, table, request, connection);
   v1::Job job;
   check(submit_with_retries(connection, request, job), connection.server());
   std::cerr << "job " << job.id() << " follows the casting" << std::endl;
@@ -95,7 +113,26 @@ void send_all(RecordSender& sender, LineSource& source, ReadingsTable& table,
   if (takes_more && !stop.stop_requested()) sender.close();
 }
 
+/// Computes what a forecast of the case rests on.
+ExitCode run_preparation(const FollowOptions& options, Program& program) {
+  if (options.file.empty() || options.file == "-" || !options.job.empty())
+    throw invalid("name the case FILE to prepare");
+
+  Connection connection = program.connect();
+  std::string repeated = "dccast follow --prepare " + options.file;
+  for (const std::string& change : options.set) repeated += " --set '" + change + "'";
+  const auto await = [&](const v1::Study& study) {
+    std::cerr << fmt::format("study {}, {} runs\n", study.id(), study.runs());
+    follow_with_progress(connection, study.id(), repeated);
+  };
+  const StudyCase base{.file = options.file, .set = options.set, .labels = options.labels};
+  if (!prepare(connection, base, await)) return ExitCode::invalid;
+  std::cerr << "the plan is prepared: dccast follow " << options.file << std::endl;
+  return ExitCode::done;
+}
+
 ExitCode run(const FollowOptions& options, Program& program) {
+  if (options.prepare) return run_preparation(options, program);
   if (options.file.empty() == options.job.empty()) throw invalid("give either FILE or --job JOB");
   if (options.file == "-" && options.readings == "-")
     throw invalid("standard input holds the readings; give the case as a file");
@@ -126,7 +163,8 @@ ExitCode run(const FollowOptions& options, Program& program) {
   return watch_job(connection, id, 1, options.json, false, options.strict);
 }
 
-constexpr const char* examples = R"(plant-logger | dccast follow my.toml
+constexpr const char* examples = R"(dccast follow --prepare my.toml             # before the casting; takes minutes
+  plant-logger | dccast follow my.toml
   dccast follow my.toml --readings today.csv --growing
   dccast follow my.toml --readings casting-41.csv        # one that was cast, computed again
   plant-logger | dccast follow --job JOB                 # after this program was stopped
@@ -134,61 +172,6 @@ constexpr const char* examples = R"(plant-logger | dccast follow my.toml
 The source is a table whose first line names the columns:
   time [s], speed [mm/min], water [l/min/m], narrow water [l/min/m], metal [degC], curl corner [mm]
 A measured curl gives a forecast: dccast forecast JOB.)";
-
-struct ForecastOptions {
-  std::string id;
-  bool json = false;
-};
-
-/// The value of a curve at a time within its range.
-double value_at(const google::protobuf::RepeatedField<double>& time_s,
-                const google::protobuf::RepeatedField<double>& values, double at_s) {
-  return values::at_instants({at_s}, {time_s.begin(), time_s.end()},
-                             {values.begin(), values.end()})
-      .front();
-}
-
-void add_rows(const v1::ForecastCurl& curl, double now_s, render::Table& table) {
-  const double end_s = *curl.time_s().rbegin();
-  const auto add = [&](const std::string& when, double at_s) {
-    const auto mm = [&](const auto& values) {
-      return render::fixed(1e3 * value_at(curl.time_s(), values, at_s), 1);
-    };
-    table.add({curl.monitor(), when, render::fixed(at_s, 0), mm(curl.curl_m()), mm(curl.lower_m()),
-               mm(curl.upper_m())});
-  };
-
-  add("now", std::clamp(now_s, 0.0, end_s));
-  for (const double ahead_s : {30.0, 60.0, 120.0})
-    if (now_s + ahead_s < end_s && now_s + ahead_s > 0.0)
-      add(fmt::format("in {:.0f} s", ahead_s), now_s + ahead_s);
-  add("end", end_s);
-}
-
-void print_forecast(const v1::Forecast& forecast) {
-  render::Table table({"curl of", "when", ">at s", ">mm", ">5 %", ">95 %"});
-  for (const v1::ForecastCurl& curl : forecast.curls()) add_rows(curl, forecast.time_s(), table);
-  std::cout << table.text();
-  for (const v1::ForecastCurl& curl : forecast.curls()) {
-    std::cout << fmt::format("{}: {} readings, {} left out; {} members\n", curl.monitor(),
-                             curl.readings(), curl.left_out(), curl.members());
-    if (curl.zero_upper_m() > curl.zero_lower_m())
-      std::cout << fmt::format("{}: the gauge shows {:.1f} mm too much ({:.1f} to {:.1f})\n",
-                               curl.monitor(), 1e3 * curl.zero_m(), 1e3 * curl.zero_lower_m(),
-                               1e3 * curl.zero_upper_m());
-  }
-}
-
-ExitCode run(const ForecastOptions& options, Program& program) {
-  Connection connection = program.connect();
-  const v1::Forecast forecast =
-      connection.call(&Stub::ForecastJob, resolve_job(connection, options.id));
-  if (options.json)
-    print_line(to_json(forecast));
-  else
-    print_forecast(forecast);
-  return ExitCode::done;
-}
 
 }  // namespace
 
@@ -218,8 +201,10 @@ void add_follow(cli::CommandLine& line, Program& program) {
   const cli::Rules length{.fault = [](const std::string& text) {
     return case_file::parse_quantity(text, "m").message;
   }};
+  command.flag("--prepare", options.prepare,
+               "Instead of following: compute what the forecast of this plan rests on");
   command.option("--ensemble", options.ensemble,
-                 "Study of uncertainty of this plan, for `dccast forecast`",
+                 "Study of uncertainty of this plan instead of what --prepare computed",
                  {.placeholder = "STUDY"});
   command.option("--noise", options.noise,
                  "Standard deviation of a measured curl; default \"1 mm\"", length);
@@ -229,15 +214,6 @@ void add_follow(cli::CommandLine& line, Program& program) {
   command.flag("--strict", options.strict,
                "Exit code 3 also for a job with findings beyond notes (docs/findings.md)");
   command.json(options.json, "One JSON object per event and line");
-}
-
-void add_forecast(cli::CommandLine& line, Program& program) {
-  const auto [command, options] = declare<ForecastOptions>(
-      line, program, run, "forecast",
-      "The curl to come of a casting that a job follows, from the curl measured so far",
-      "dccast forecast last\n  watch -n 2 dccast forecast JOB");
-  command.option("JOB", options.id, job_help, cli::required);
-  command.json(options.json);
 }
 
 }  // namespace dccast::client::commands

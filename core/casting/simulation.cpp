@@ -128,7 +128,6 @@ private:
   }
 
   void store_frame() {
-    frame_time_ = run_->time();
     if (!writer_) return;
     writer_->append(run_->take_frame());
     writer_->flush();
@@ -187,7 +186,7 @@ private:
 
       record_ended_ = arrived.closed && levers_until() < run_->next_time();
       if (!record_ended_) continue;
-      if (frame_time_ < run_->time()) store_frame();
+      if (writer_ && writer_->last_frame_time() < run_->time()) store_frame();
       break;
     }
     return std::nullopt;
@@ -323,7 +322,6 @@ private:
 
   results::MeasuredLevers levers_;  ///< readings of the levers so far
   bool record_ended_ = false;        ///< the levers of the next step will never be known
-  double frame_time_ = -infinity;    ///< [s] of the last frame
 };
 
 }  // namespace

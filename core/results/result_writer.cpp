@@ -16,21 +16,32 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Position at which a journal is truncated to continue after a step, and the records found up to
-/// there.
-struct Cut {
-  std::int64_t size = 0;
+/// Name of a file while it is being written.
+fs::path unfinished(const fs::path& path) {
+  fs::path name = path;
+  return name += ".part";
+}
+
+}  // namespace
+
+/// The records up to a step.
+struct ResultWriter::Cut {
+  std::int64_t size = 0;  ///< of the journal with these records [bytes]
   std::int64_t records = 0;
   bool begins_with_header = false;
+  std::optional<double> last_frame_time;  ///< [s]
 };
 
-/// Finds the end of the records up to a step.
-/// @return nothing if the file is not a journal or a record is incomplete
-std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
+std::optional<ResultWriter::Cut> ResultWriter::find_cut(const fs::path& journal,
+                                                        std::int64_t step) try {
   Cut cut;
   const bool is_journal = visit_journal(journal, [&](const Record& record) {
     if (cut.size == 0) cut.begins_with_header = record.kind == RecordKind::header;
-    if (record.kind == RecordKind::frame && read_frame(record.content).step > step) return false;
+    if (record.kind == RecordKind::frame) {
+      const Frame frame = read_frame(record.content);
+      if (frame.step > step) return false;
+      cut.last_frame_time = frame.time;
+    }
     ++cut.records;
     cut.size = record.end;
     return true;
@@ -40,25 +51,17 @@ std::optional<Cut> find_cut(const fs::path& journal, std::int64_t step) try {
   return std::nullopt;
 }
 
-/// Name of a file while it is being written.
-fs::path unfinished(const fs::path& path) {
-  fs::path name = path;
-  return name += ".part";
-}
-
-}  // namespace
-
 ResultWriter::ResultWriter(RunFiles files, const RunHeader& header)
     : files_(std::move(files)), journal_(files_.journal) {
   append_record(RecordKind::header, to_sections(header));
   journal_.write();
 }
 
-ResultWriter::ResultWriter(RunFiles files, std::int64_t journal_size, std::int64_t records,
-                           std::vector<StepReport> history)
+ResultWriter::ResultWriter(RunFiles files, const Cut& cut, std::vector<StepReport> history)
     : files_(std::move(files)),
-      journal_(files_.journal, journal_size),
-      records_(records),
+      journal_(files_.journal, cut.size),
+      records_(cut.records),
+      last_frame_time_(cut.last_frame_time),
       history_(std::move(history)) {}
 
 ResumedWriter ResultWriter::resume(const RunFiles& files, std::vector<StepReport> history,
@@ -68,9 +71,7 @@ ResumedWriter ResultWriter::resume(const RunFiles& files, std::vector<StepReport
   if (!cut || !cut->begins_with_header) return {nullptr, "the journal is damaged"};
   if (cut->records < records) return {nullptr, "the journal has lost a record"};
 
-  return {std::unique_ptr<ResultWriter>(
-              new ResultWriter(files, cut->size, cut->records, std::move(history))),
-          ""};
+  return {std::unique_ptr<ResultWriter>(new ResultWriter(files, *cut, std::move(history))), ""};
 }
 
 ResultWriter::~ResultWriter() {
@@ -129,6 +130,7 @@ void ResultWriter::append(const Frame& frame) {
   if (const char* array = find_misfit(frame))  // a bug of the caller
     throw std::logic_error(fmt::format("Frame: {} does not fit its mesh", array));
   append_record(RecordKind::frame, to_sections(frame));
+  last_frame_time_ = frame.time;
 }
 
 void ResultWriter::flush() {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,9 @@ public:
   /// @param frame  of the last step appended, or of the initial state
   void append(const Frame& frame);
 
+  /// Time of the last frame, also of one that a resumed run finds in the journal [s]; empty: none yet.
+  std::optional<double> last_frame_time() const { return last_frame_time_; }
+
   /// Hands the appended records to the operating system, so that they survive the end of this
   /// process, and adds them to the result file. To be called at each frame.
   void flush();
@@ -80,9 +84,13 @@ public:
   void publish(const RunSummary& summary, const MeasuredLevers& levers = {});
 
 private:
+  /// A place in the journal after which a run goes on.
+  struct Cut;
+  /// The end of the records up to a step; empty if the file is not a journal or a record is
+  /// incomplete.
+  static std::optional<Cut> find_cut(const std::filesystem::path& journal, std::int64_t step);
   /// Continues with the records that the journal and the reports still hold.
-  ResultWriter(RunFiles files, std::int64_t journal_size, std::int64_t records,
-               std::vector<StepReport> history);
+  ResultWriter(RunFiles files, const Cut& cut, std::vector<StepReport> history);
   /// Appends a record and counts it.
   void append_record(RecordKind kind, const Sections& content);
 
@@ -95,6 +103,7 @@ private:
   RunFiles files_;
   Journal journal_;
   std::int64_t records_ = 0;         ///< appended to the journal
+  std::optional<double> last_frame_time_;  ///< [s]
   std::vector<StepReport> history_;  ///< read by the thread in finish(), when no step follows
   std::unique_ptr<ResultFileBuilder> builder_;  ///< used by the background thread only
   /// Last member: its thread ends before the others are destroyed.

@@ -117,6 +117,11 @@ void TrajectoryForecast::learn(double time, double value) {
   covariance_.noalias() -= with_reading * with_reading.transpose() / variance;
 }
 
+void TrajectoryForecast::loosen_zero(double deviation) {
+  const Eigen::Index zero = mean_.size() - 1;
+  covariance_(zero, zero) += deviation * deviation;
+}
+
 Estimated TrajectoryForecast::at(double time) const {
   const Eigen::VectorXd weights = weights_at(time);
   const double variance = weights.dot(covariance_ * weights);

@@ -64,6 +64,8 @@ public:
   Estimated expected_reading(double time) const;
   /// Learns from a reading. @param time  [s]  @param value  [unit]
   void learn(double time, double value);
+  /// The zero of the gauge has changed: it is less certain by a standard deviation [unit].
+  void loosen_zero(double deviation);
   /// The quantity itself at a time [s], given all readings so far.
   Estimated at(double time) const;
   /// The constant error of the gauge, given all readings so far [unit].

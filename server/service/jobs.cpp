@@ -60,7 +60,39 @@ void change_labels(const v1::UpdateJobRequest& request, v1::Job& job) {
   job.mutable_labels()->Assign(labels.begin(), labels.end());
 }
 
-/// Checks the gauges of a job that follows a casting, and that its caller may read the ensemble.
+/// The study of a sweep that a caller names. @throws Refusal  there is none, or the caller may not read it
+v1::Study readable_sweep(Context& context, const Call& call, const std::string& id) {
+  check_study_id(id);
+  const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
+  if (const auto status = context.gate.permit_touch(call.caller, reading, id); !status.ok())
+    throw Refusal{status};
+  v1::Study study = of_study(id, context.studies.find(id));
+  if (!study.has_sweep())
+    refuse(Remedy{"name one of `dccast uncertainty` or `dccast sweep`"},
+           "study {} has no runs over data of a case", id);
+  return study;
+}
+
+/// Checks the studies on which the forecast of a casting rests.
+void check_ensemble(Context& context, const Call& call, const v1::Following& following) {
+  if (following.ensemble().empty()) {
+    if (!following.pairs().empty())
+      refuse(Remedy{"name the ensemble too"}, "pairs without an ensemble have no counterparts");
+    return;
+  }
+
+  const v1::Study ensemble = readable_sweep(context, call, following.ensemble());
+  if (following.pairs().empty()) return;
+  const v1::Study pairs = readable_sweep(context, call, following.pairs());
+  const bool same_keys = std::ranges::equal(ensemble.sweep().axes(), pairs.sweep().axes(), {},
+                                            &v1::SweepPlan::Axis::key, &v1::SweepPlan::Axis::key);
+  if (!same_keys)
+    refuse(Remedy{"make the pairs by `dccast follow --prepare`"},
+           "the pairs, study {}, are over other keys than the ensemble, study {}", pairs.id(),
+           ensemble.id());
+}
+
+/// Checks gauges and studies of a job that follows a casting.
 void check_following(Context& context, const Call& call, const v1::SubmitJobRequest& request) {
   constexpr double largest_m = 1.0;
   for (const v1::Gauge& gauge : request.following().gauges()) {
@@ -77,13 +109,7 @@ void check_following(Context& context, const Call& call, const v1::SubmitJobRequ
              values::shortened(gauge.monitor()), gauge.noise_m(), gauge.zero_m());
   }
 
-  const std::string& ensemble = request.following().ensemble();
-  if (ensemble.empty()) return;
-  check_study_id(ensemble);
-  const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
-  if (const auto status = context.gate.permit_touch(call.caller, reading, ensemble); !status.ok())
-    throw Refusal{status};
-  if (!context.studies.find(ensemble)) refuse_unknown_study(ensemble);
+  check_ensemble(context, call, request.following());
 }
 
 /// Refuses a job that could never start. Permission is checked for each predecessor, so that the

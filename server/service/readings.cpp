@@ -8,6 +8,7 @@
 #include <string>
 
 #include "proto/case_file/quality.hpp"
+#include "proto/case_file/schema.hpp"
 #include "proto/values/printable.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/service/refusals.hpp"
@@ -27,43 +28,33 @@ void require_following(const Context& context, const std::string& id) {
            "job {} follows no readings", id);
 }
 
-/// A measured value and what a plant may have.
-struct Measured {
-  const char* name;
-  std::optional<double> value;
-  double least;
-  double most;
-  const char* unit;
-};
-
-void check_value(const v1::Reading& reading, const Measured& measured) {
-  if (!measured.value) return;
-  const double value = *measured.value;
-  if (std::isfinite(value) && value >= measured.least && value <= measured.most) return;
+/// @param permitted  as text: "0 to 0.1 m/s"
+[[noreturn]] void refuse_value(const v1::Reading& reading, const std::string& name, double value,
+                               const std::string& unit, const std::string& permitted) {
   refuse(Remedy{"check the column and its unit, or leave the value out"},
-         "reading {}: {} is {:g} {}; {:g} to {:g} {} are permitted", reading.number(),
-         measured.name, value, measured.unit, measured.least, measured.most, measured.unit);
+         "reading {}: the {} is {:g} {}; permitted: {}", reading.number(), name, value, unit,
+         permitted);
 }
 
-/// The ranges are those of the same keys of a case.
-void check_reading(const v1::Reading& reading) {
-  const auto given = [](bool has, double value) {
-    return has ? std::optional(value) : std::nullopt;
-  };
-  const Measured all[] = {
-      {"the time", reading.time_s(), -1e6, 1e6, "s"},
-      {"the casting speed",
-       given(reading.has_casting_speed_m_per_s(), reading.casting_speed_m_per_s()), 0.0, 0.1,
-       "m/s"},
-      {"the casting temperature",
-       given(reading.has_casting_temperature_c(), reading.casting_temperature_c()), 0.0, 2000.0,
-       "degC"},
-      {"the water flow", given(reading.has_water_flow_m2_per_s(), reading.water_flow_m2_per_s()),
-       0.0, 0.1, "m2/s"},
-      {"the water flow of the narrow face",
-       given(reading.has_narrow_water_flow_m2_per_s(), reading.narrow_water_flow_m2_per_s()), 0.0,
-       0.1, "m2/s"}};
-  for (const Measured& measured : all) check_value(reading, measured);
+/// Refuses a value that is farther from zero than any plant has.
+void check_size(const v1::Reading& reading, const std::string& name, double value, double most,
+                const std::string& unit) {
+  if (std::abs(value) <= most) return;
+  refuse_value(reading, name, value, unit, fmt::format("{:g} to {:g} {}", -most, most, unit));
+}
+
+/// A lever has the range of the key of a case with the same name.
+void check_levers(const v1::Reading& reading) {
+  for (const auto* const field : case_file::fields_of(*v1::Reading::descriptor())) {
+    const auto* const key = v1::Schedule::descriptor()->FindFieldByName(field->name());
+    const auto value = key ? case_file::number_of(reading, *field) : std::nullopt;
+    if (!value || !case_file::range_fault(*key, *value, {}, {}, {})) continue;
+
+    std::string name = case_file::toml_key(*key);
+    std::ranges::replace(name, '_', ' ');
+    refuse_value(reading, name, *value, case_file::key_of(*key).unit(),
+                 case_file::range_text(*key));
+  }
 }
 
 /// Checks the curls of a reading against the gauges of its job.
@@ -73,7 +64,7 @@ void check_curls(const v1::Reading& reading, const v1::Following& following) {
     if (std::ranges::find(gauges, curl.monitor(), &v1::Gauge::monitor) == gauges.end())
       refuse(Remedy{"name a gauge of the job"}, "reading {}: the job has no gauge at \"{}\"",
              reading.number(), values::shortened(curl.monitor()));
-    check_value(reading, {"the curl", curl.curl_m(), -1.0, 1.0, "m"});
+    check_size(reading, "curl", curl.curl_m(), 1.0, "m");
   }
 }
 
@@ -81,7 +72,10 @@ void check_readings(const v1::AppendReadingsRequest& request) {
   constexpr int most = 1000;
   if (request.readings_size() > most)
     refuse(Remedy{"send them in several calls"}, "a call takes at most {} readings", most);
-  for (const v1::Reading& reading : request.readings()) check_reading(reading);
+  for (const v1::Reading& reading : request.readings()) {
+    check_size(reading, "time", reading.time_s(), 1e6, "s");
+    check_levers(reading);
+  }
 }
 
 /// Adds readings to the record of a job. @throws Refusal
@@ -121,27 +115,44 @@ v1::RelativeError mesh_error_of(const Context& context, const v1::StudyResult& e
   return {};
 }
 
+/// The runs of a study with their curves. @throws Refusal
+v1::StudyResult evaluated(Context& context, const std::string& study) {
+  v1::EvaluateStudyRequest request;
+  request.set_id(study);
+  request.set_curves(true);
+  return of_study(study, context.studies.evaluate(request));
+}
+
 /// Forecasts the casting that a job follows. @throws Refusal
 v1::Forecast forecast(Context& context, const std::string& id) {
   find_job(context, id);
   require_following(context, id);
-  jobs::ReadingsReader record(context.jobs_directory / id);
+  const auto folder = context.jobs_directory / id;
+  jobs::ReadingsReader record(folder);
   const v1::Following& following = record.following();
-  if (following.ensemble().empty() || following.gauges().empty())
+  if (following.gauges().empty())
     refuse(ErrorInfo::WRONG_STATE,
-           Remedy{"`dccast follow --ensemble STUDY` with a column \"curl MONITOR\" has both"},
-           "job {} has no ensemble or measures no curl", id);
+           Remedy{"give the readings a column \"curl MONITOR\" and follow again"},
+           "job {} measures no curl, so there is nothing to forecast from", id);
+  if (following.ensemble().empty())
+    refuse(ErrorInfo::WRONG_STATE,
+           Remedy{"`dccast follow --prepare CASE` before a casting computes one, or give a study by "
+                  "`dccast follow --ensemble STUDY`"},
+           "job {} has no ensemble of its plan, on which a forecast rests", id);
 
-  v1::EvaluateStudyRequest request;
-  request.set_id(following.ensemble());
-  request.set_curves(true);
-  const auto ensemble = context.studies.evaluate(request);
-  if (!ensemble) refuse_unknown_study(following.ensemble());
+  v1::Case plan;
+  if (!jobs::read_complete_case(folder, plan))
+    refuse(ErrorInfo::DAMAGED, "the case of job {} cannot be read any more", id);
 
+  const v1::StudyResult ensemble = evaluated(context, following.ensemble());
+  const v1::StudyResult pairs =
+      following.pairs().empty() ? v1::StudyResult() : evaluated(context, following.pairs());
   const auto readings = record.read_new();
   try {
-    return studies::forecast_curls({.ensemble = *ensemble,
-                                    .mesh_error = mesh_error_of(context, *ensemble),
+    return studies::forecast_curls({.ensemble = ensemble,
+                                    .pairs = pairs,
+                                    .mesh_error = mesh_error_of(context, ensemble),
+                                    .plan = plan.schedule(),
                                     .following = following,
                                     .readings = readings});
   } catch (const studies::CannotForecast& reason) {

@@ -18,10 +18,15 @@ public:
 /// Runs of an ensemble that a forecast needs at least: bands of fewer hold too seldom.
 inline constexpr int fewest_members = 16;
 
-/// What a forecast rests on.
+/// What a forecast rests on. Of the studies, which are given with curves, runs count that succeeded
+/// and stayed valid.
 struct ForecastBasis {
-  const v1::StudyResult& ensemble;  ///< with curves; runs that succeeded and stayed valid count
-  v1::RelativeError mesh_error;     ///< of its runs
+  const v1::StudyResult& ensemble;
+  /// At a finer quality, over the same keys: runs whose values are those of a run of the ensemble.
+  /// Without runs there are no pairs.
+  const v1::StudyResult& pairs;
+  v1::RelativeError mesh_error;  ///< of the ensemble's runs; used with fewer than two pairs
+  const v1::Schedule& plan;      ///< of the complete case
   const v1::Following& following;
   const std::vector<v1::Reading>& readings;
 };
@@ -29,7 +34,9 @@ struct ForecastBasis {
 /// Forecasts the curl at each gauge by conditioning the trajectories of the ensemble on the curls
 /// measured so far (core/statistics/trajectory_forecast.hpp). The error of the mesh moves the mean
 /// and widens the band. A reading farther from what was expected than four standard deviations is
-/// left out. @throws CannotForecast
+/// left out. Adds the findings that members have after the last reading, warnings where readings
+/// leave what was expected (core/statistics/innovations.hpp), and notes. From a slip of a gauge on
+/// its zero counts as unknown. @throws CannotForecast
 v1::Forecast forecast_curls(const ForecastBasis& basis);
 
 }  // namespace dccast::studies

@@ -29,8 +29,8 @@ using Axis = v1::SweepPlan::Axis;
 using RunValues = std::vector<std::vector<std::string>>;  ///< (run, axis), as in a case file
 
 constexpr int most_sweep_runs = 10000;
-constexpr int most_axes = 20;
-constexpr int most_ranges = 100;  // of designs whose runs do not multiply with their axes
+constexpr int most_grid_axes = 20;
+constexpr int most_axes = 100;  // of designs whose runs do not multiply with their axes
 
 bool has_ranges(const v1::SweepPlan& sweep) {
   return sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE || sweep.design() == v1::SweepPlan::ENDS;
@@ -88,7 +88,7 @@ std::vector<v1::Fault> axis_faults(const v1::SweepPlan& sweep) {
   std::vector<v1::Fault> faults;
   std::set<std::string> keys;
 
-  const int most = has_ranges(sweep) ? most_ranges : most_axes;
+  const int most = sweep.design() == v1::SweepPlan::GRID ? most_grid_axes : most_axes;
   if (sweep.axes().empty() || sweep.axes_size() > most)
     faults.push_back(fault_of("sweep.axes", std::to_string(sweep.axes_size()),
                               "wrong number of keys", "1 to " + std::to_string(most)));

@@ -63,6 +63,23 @@ class FollowTest(RealRunTest):
     def steps_at_end(self, job_id):
         return self.finished_steps(job_id)[1]
 
+    def case_file(self, end=END):
+        path = os.path.join(self.folder, "plan.toml")
+        with open(CASE, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as plan:
+            plan.write(file.read().replace('\nend = "145 s"', f'\nend = "{end} s"'))
+        return path
+
+    def ended(self, process, code=0, **rest):
+        out, err = process.communicate(timeout=60 * WAIT_FACTOR, **rest)
+        self.assertEqual(process.returncode, code, out + err)
+        return out, err
+
+    def forecast(self, job_id):
+        return self.client.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job_id), timeout=30)
+
+    def studies(self):
+        return self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10).studies
+
     def until_time(self, job_id, time_s):
         until(lambda: self.client.job(job_id).last_step.time_s >= time_s, 30)
 
@@ -105,6 +122,10 @@ class Record(FollowTest):
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, fast)
         for word in ("reading 13", "casting speed", "0.7", "0 to 0.1 m/s", "unit"):
             self.assertIn(word, error.details())
+        hot = follow_pb2.Reading(number=13, time_s=-40, casting_temperature_c=3000)
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, hot)
+        self.assertIn("the casting temperature is 3000 degC; permitted: 0 to 2000 degC",
+                      error.details())
         nothing = follow_pb2.Reading(number=13, time_s=float("nan"))
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, nothing)
         self.assertEqual(self.append(job_id).number, 12)
@@ -195,7 +216,7 @@ class Forecast(FollowTest):
 
         gauge = follow_pb2.Gauge(monitor="corner", noise_m=5e-4)
         job_id = self.follow(ensemble=studies[0], gauges=[gauge])
-        before = self.forecast(job_id)
+        before = self.forecast(job_id).curls[0]
         self.assertEqual((before.members, before.readings), (24, 0))
 
         self.append(job_id, *[
@@ -203,11 +224,12 @@ class Forecast(FollowTest):
                 monitor="corner",
                 curl_m=numpy.interp(t, curve.time_s, numpy.nan_to_num(curve.curl_m)))])
             for t in range(0, 26)])
-        after = self.forecast(job_id)
+        after = self.forecast(job_id).curls[0]
         self.assertEqual((after.readings, after.left_out, after.time_s[0]), (26, 0, 25))
         end = numpy.interp(after.time_s[-1], curve.time_s, curve.curl_m)
-        self.assertLess(abs(after.curl_m[-1] - end), 2.6 * after.deviation_m[-1])
-        self.assertLess(after.deviation_m[-1], 0.8 * before.deviation_m[-1])
+        width = lambda curl: curl.upper_m[-1] - curl.lower_m[-1]
+        self.assertLess(abs(after.curl_m[-1] - end), 0.8 * width(after))
+        self.assertLess(width(after), 0.8 * width(before))
 
         shown = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
                                 "forecast", job_id], capture_output=True, text=True, check=False)
@@ -215,10 +237,12 @@ class Forecast(FollowTest):
         self.assertIn("26 readings, 0 left out; 24 members", shown.stdout)
 
     def test_a_job_without_an_ensemble_has_no_forecast(self):
-        request = follow_pb2.ForecastJobRequest(id=self.follow())
-        error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.client.stub.ForecastJob,
-                             request)
-        self.assertIn("--ensemble", error.details())
+        error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.forecast, self.follow())
+        self.assertIn("measures no curl", error.details())
+        gauge = follow_pb2.Gauge(monitor="corner", noise_m=1e-3)
+        without = self.follow(gauges=[gauge])
+        error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.forecast, without)
+        self.assertIn("dccast follow --prepare", error.details())
 
         gauge = follow_pb2.Gauge(monitor="cornr", noise_m=1e-3)
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, gauges=[gauge])
@@ -226,33 +250,110 @@ class Forecast(FollowTest):
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, gauges=[gauge])
         nobody = "00000000-0000-4000-8000-000000000000"
         self.refused(grpc.StatusCode.NOT_FOUND, self.follow, ensemble=nobody)
-
-    def forecast(self, job_id):
-        return self.client.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job_id),
-                                            timeout=30).curls[0]
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, pairs=nobody)
+        self.assertIn("without an ensemble", error.details())
 
     def study(self, seed, runs):
         out = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
                               "uncertainty", CASE, "--set", f"time.end={END} s", "--runs",
                               str(runs), "--seed", str(seed), "--json"],
                              capture_output=True, text=True, timeout=120, check=False)
-        listed = self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10)
         self.assertEqual(out.returncode, 0, out.stderr)
-        return listed.studies[0].id
+        return self.studies()[0].id
+
+
+class Preparation(FollowTest):
+    def table_of_curls(self):
+        path = os.path.join(self.folder, "curls.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("time [s], curl corner [mm]\n")
+            file.writelines(f"{t}, {max(t, 0) * 0.05}\n" for t in range(-60, 5))
+        return path
+
+    def followed(self, *words):
+        """A job that follows a casting of the plan, what was said, and its forecast."""
+        process = self.dccast("follow", self.case_file(end=4), "--readings", self.table_of_curls(),
+                              "--set", "quality=draft", *words)
+        _, err = self.ended(process)
+        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id, err
+
+    def test_a_prepared_plan_is_found_again_by_its_case(self):
+        plan = self.case_file(end=4)
+        _, err = self.followed()
+        self.assertIn("is not prepared", err)
+
+        _, err = self.ended(self.dccast("follow", "--prepare", plan))
+        self.assertIn("the plan is prepared", err)
+        pairs, ensemble = self.studies()
+        self.assertEqual((ensemble.runs, pairs.runs), (64, 16))
+        request = study_pb2.EvaluateStudyRequest(id=pairs.id)
+        self.assertEqual(self.client.stub.EvaluateStudy(request, timeout=30).runs[0].values,
+                         self.client.stub.EvaluateStudy(study_pb2.EvaluateStudyRequest(
+                             id=ensemble.id), timeout=30).runs[0].values)
+        self.ended(self.dccast("follow", "--prepare", plan, "--set", "quality=fine"))
+        self.assertEqual(len(self.studies()), 2, "the quality of the case does not count")
+
+        paired, err = self.followed()
+        self.assertNotIn("is not prepared", err)
+        by_band, _ = self.followed("--ensemble", ensemble.id)
+        paired, by_band = self.forecast(paired), self.forecast(by_band)
+        self.assertGreaterEqual(paired.curls[0].members, 60)
+        self.assertNotAlmostEqual(paired.curls[0].curl_m[-1], by_band.curls[0].curl_m[-1], delta=1e-9)
+
+        other = self.study_of_one_key()
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, ensemble=ensemble.id,
+                             pairs=other)
+        self.assertIn("over other keys", error.details())
+
+    def study_of_one_key(self):
+        self.ended(self.dccast("sweep", self.case_file(end=4), "--no-wait", "--grid",
+                               "schedule.hold=50 s,60 s"))
+        return self.studies()[0].id
+
+
+class Replay(FollowTest):
+    def test_a_record_is_written_at_its_pace(self):
+        path = os.path.join(self.folder, "casting.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("# line 4\n" + table() + "nonsense\n")
+        begin = time.monotonic()
+        out, _ = self.ended(self.dccast("replay", path, "--pace", "100"))
+        self.assertGreater(time.monotonic() - begin, 1.0, "100 s of casting")
+        with open(path, encoding="utf-8") as file:
+            self.assertEqual(out, file.read())
+
+        slow = self.dccast("replay", path)
+        for _ in range(3):
+            self.assertTrue(slow.stdout.readline())
+        self.assertIsNone(slow.poll(), "the second reading comes after a second")
+        slow.send_signal(signal.SIGINT)
+        slow.communicate(timeout=10 * WAIT_FACTOR)
+        self.assertEqual(slow.returncode, 130)
+
+    def test_a_replayed_casting_is_followed(self):
+        path = os.path.join(self.folder, "casting.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(table())
+        plant = self.dccast("replay", path, "--pace", "50")
+        follower = self.dccast("follow", self.case_file(), "--set", "quality=draft",
+                               stdin=plant.stdout)
+        plant.stdout.close()
+        self.ended(follower)
+        self.assertEqual(plant.wait(10), 0)
+        plant.stderr.close()
+        job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0]
+        self.assertAlmostEqual(job.last_step.time_s, END)
+
+    def test_a_file_that_is_no_record_is_refused(self):
+        for text, word in (("", "is empty"), ("colour [1]\n", "a column for the time")):
+            path = os.path.join(self.folder, "wrong.csv")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+            _, err = self.ended(self.dccast("replay", path), code=2)
+            self.assertIn(word, err)
 
 
 class Client(FollowTest):
-    def case_file(self):
-        path = os.path.join(self.folder, "plan.toml")
-        with open(CASE, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as plan:
-            plan.write(file.read().replace('\nend = "145 s"', f'\nend = "{END} s"'))
-        return path
-
-    def ended(self, process, code=0, **rest):
-        out, err = process.communicate(timeout=60 * WAIT_FACTOR, **rest)
-        self.assertEqual(process.returncode, code, out + err)
-        return out, err
-
     def test_a_recorded_casting_is_computed_again(self):
         path = os.path.join(self.folder, "casting.csv")
         with open(path, "w", encoding="utf-8") as file:

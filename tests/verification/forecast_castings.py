@@ -1,15 +1,18 @@
 #!/usr/bin/python3
 """How good is the forecast of a casting that is followed? (docs/following.md)
 
-    forecast_castings.py CASE [--castings 60] [--members 64] [--quality draft] [--server ADDRESS]
+    forecast_castings.py CASE [--castings 60] [--members 64] [--quality draft] [--pairs] [--server ADDRESS]
 
 Hidden castings are runs of the plan with data drawn from their ranges by another seed. Their curl is
 read every second with noise; every 10 s the forecast for 30, 60 and 120 s ahead is compared with what
 came, beside the mean of the ensemble and that mean plus the last difference. The daemon must be
-running; both studies are kept and taken up again by the same command.
+running; the studies are kept and taken up again by the same command.
+
+With --pairs the ensemble is that of `dccast follow --prepare`, with its runs at engineering quality.
 """
 import argparse
 import random
+import re
 import subprocess
 import sys
 
@@ -29,6 +32,7 @@ def arguments():
     parser.add_argument("--castings", type=int, default=60)
     parser.add_argument("--members", type=int, default=64)
     parser.add_argument("--quality", default="draft", help="of the hidden castings")
+    parser.add_argument("--pairs", action="store_true", help="tell the error of the mesh by pairs")
     parser.add_argument("--monitor", default="corner")
     parser.add_argument("--noise-mm", type=float, default=1.0)
     parser.add_argument("--zero-mm", type=float, default=0.0, help="standard deviation, hidden")
@@ -48,13 +52,26 @@ def study(options, seed, runs, quality):
     stub = options.stub
     listed = stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=30).studies
     found = next(each for each in listed if key in each.labels)
-    result = stub.EvaluateStudy(study_pb2.EvaluateStudyRequest(id=found.id, curves=True), timeout=120)
+    return found.id, curves_of(options, found.id)
+
+
+def prepared(options):
+    """Studies of `dccast follow --prepare`: its ensemble and its pairs."""
+    said = subprocess.run([options.dccast, "--server", options.server, "follow", "--prepare",
+                           options.case], check=True, capture_output=True, text=True).stderr
+    return re.findall(r"^study (\S+), \d+ runs$", said, re.MULTILINE)
+
+
+def curves_of(options, study):
+    """Times and curls of the runs of a study that count."""
+    request = study_pb2.EvaluateStudyRequest(id=study, curves=True)
+    result = options.stub.EvaluateStudy(request, timeout=120)
     curves = [curve for run in result.runs if run.state == 4 and not run.beyond_validity
               for curve in run.curves if curve.monitor == options.monitor]
-    return found.id, [(numpy.array(c.time_s), numpy.nan_to_num(numpy.array(c.curl_m))) for c in curves]
+    return [(numpy.array(c.time_s), numpy.nan_to_num(numpy.array(c.curl_m))) for c in curves]
 
 
-def followed(options, ensemble):
+def followed(options, ensemble, pairs):
     """A job that holds the record of a casting; its own run is cancelled at once."""
     with open(options.case, encoding="utf-8") as file:
         case = options.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=30).case
@@ -62,16 +79,18 @@ def followed(options, ensemble):
     gauge = follow_pb2.Gauge(monitor=options.monitor, noise_m=1e-3 * options.noise_mm,
                              zero_m=1e-3 * options.zero_mm)
     return options.stub.SubmitJob(service_pb2.SubmitJobRequest(
-        case=case, following=follow_pb2.Following(ensemble=ensemble, gauges=[gauge])), timeout=60).id
+        case=case, following=follow_pb2.Following(ensemble=ensemble, pairs=pairs, gauges=[gauge])),
+                                  timeout=60).id
 
 
-def errors_of(options, ensemble, mean, truth, shots):
-    """(t, ahead, forecast, plan, last difference, within its band) of one hidden casting [mm]."""
+def errors_of(options, studies, mean, truth, shots):
+    """Rows (t, ahead, forecast, plan, last difference, within its band, width of it) of one hidden
+    casting [m], and its warnings."""
     at = lambda t: numpy.interp(t, *truth)
     plan = lambda t: numpy.interp(t, *mean)
     zero = shots.gauss(0, 1e-3 * options.zero_mm)
     factor = 1 + shots.gauss(0, options.model_error)
-    job = followed(options, ensemble)
+    job = followed(options, *studies)
     rows = []
     end = int(truth[0][-1])
     for t in range(0, end - min(AHEAD)):
@@ -81,7 +100,8 @@ def errors_of(options, ensemble, mean, truth, shots):
             id=job, readings=[follow_pb2.Reading(number=t + 1, time_s=t, curls=[curl])]), timeout=30)
         if t < 20 or t % 10:
             continue
-        forecast = options.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job), timeout=30).curls[0]
+        whole = options.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job), timeout=30)
+        forecast = whole.curls[0]
         for ahead in AHEAD:
             s = t + ahead
             if s > end:
@@ -93,22 +113,30 @@ def errors_of(options, ensemble, mean, truth, shots):
             rows.append((t, ahead, value - come, plan(s) - come,
                          plan(s) + measured - plan(t) - come, lower <= come <= upper, upper - lower))
     options.stub.CancelJob(service_pb2.CancelJobRequest(id=job), timeout=30)
-    return rows
+    return numpy.array(rows, dtype=float), [each.text for each in whole.warnings]
 
 
 def main():
     options = arguments()
     channel = grpc.insecure_channel(options.server)
     options.stub = service_pb2_grpc.SimulationServiceStub(channel)
-    ensemble, members = study(options, 0, options.members, "draft")
+    if options.pairs:
+        studies = prepared(options)
+        members = curves_of(options, studies[0])
+    else:
+        ensemble, members = study(options, 0, options.members, "draft")
+        studies = ensemble, ""
     _, truths = study(options, 1, options.castings, options.quality)
     times = numpy.arange(0, members[0][0][-1])
     mean = (times, numpy.mean([numpy.interp(times, *member) for member in members], axis=0))
 
     shots = random.Random(1)
-    castings = [numpy.array(errors_of(options, ensemble, mean, truth, shots), dtype=float)
-                for truth in truths]
-    print(f"{len(castings)} castings, {len(members)} members")
+    outcomes = [errors_of(options, studies, mean, truth, shots) for truth in truths]
+    castings = [rows for rows, _ in outcomes]
+    warned = [warnings for _, warnings in outcomes if warnings]
+    print(f"{len(castings)} castings, {len(members)} members; {len(warned)} had warnings, without a cause")
+    for warnings in warned:
+        print("  " + "; ".join(warnings))
     print("rms mm at 30 / 60 / 120 s ahead; share of 90 % bands that hold, and their width in mm, at 60 s")
     for name, begin, stop in PHASES:
         cells = []

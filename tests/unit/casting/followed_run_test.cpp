@@ -32,6 +32,7 @@ public:
     return arrived;
   }
   void stop_at(std::size_t call) { stop_at_ = call; }
+  std::size_t calls() const { return asked_.size(); }
 
 private:
   std::vector<LeverReading> readings_;
@@ -135,6 +136,24 @@ TEST(FollowedRun, StopsWhileItWaitsAndGoesOnWithTheSameBytes) {
   EXPECT_EQ(second.resumed_from, first.reports.back().step);
   EXPECT_TRUE(bytes_of(whole / "results.h5") == bytes_of(parts / "results.h5"));
   EXPECT_TRUE(equal_except_timing(second.reports.back(), uninterrupted.reports.back()));
+}
+
+/// The record ends at a frame, and the run has stopped there before it knew.
+TEST(FollowedRun, ResumedAtItsLastStepStoresTheLastFrameOnce) {
+  const auto readings = readings_of_plant(-10.0, 5.0);
+  const TemporaryFolder whole, parts;
+  Recorder uninterrupted, first, second;
+  Plant plant(readings), stopped(readings), log(readings, readings.size());
+  const Case c = small_casting();
+  ASSERT_EQ(run(c, {whole / "", false}, uninterrupted, 1, &plant).end, RunEnd::succeeded);
+
+  stopped.stop_at(plant.calls());
+  ASSERT_EQ(run(c, {parts / "", false}, first, 1, &stopped).end, RunEnd::stopped);
+  ASSERT_EQ(first.reports.back().time, 5.0);
+  second.before = first.reports;
+  ASSERT_EQ(run(c, {parts / "", true}, second, 1, &log).end, RunEnd::succeeded);
+  EXPECT_TRUE(second.reports.empty());
+  EXPECT_TRUE(bytes_of(whole / "results.h5") == bytes_of(parts / "results.h5"));
 }
 
 TEST(FollowedRun, OfAQuarterSlabFollowsSpeedAndWater) {

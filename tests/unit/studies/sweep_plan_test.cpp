@@ -180,5 +180,16 @@ TEST(SweepPlan, FaultsNameKeyValueAndWhatIsPermitted) {
   EXPECT_THAT(first(v1::CreateStudyRequest{}), HasSubstr("refinement, sweep"));
 }
 
+/// Only the runs of a grid multiply with its keys.
+TEST(SweepPlan, AListTakesMoreKeysThanAGrid) {
+  std::vector<std::vector<std::string>> axes;
+  for (int i = 0; i < 21; ++i) axes.push_back({"monitor[1].name", "a name"});
+  const auto permitted = [&](v1::SweepPlan::Design design) {
+    return plan_faults(sweep_of(design, axes)).front().permitted();
+  };
+  EXPECT_EQ(permitted(v1::SweepPlan::GRID), "1 to 20");
+  EXPECT_EQ(permitted(v1::SweepPlan::LIST), "each key once");
+}
+
 }  // namespace
 }  // namespace dccast::studies

@@ -1,0 +1,101 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "client/commands/commands.hpp"
+#include "client/model/answer.hpp"
+#include "client/session/jobs.hpp"
+#include "client/text/table.hpp"
+#include "proto/values/interpolation.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct ForecastOptions {
+  std::string id;
+  bool json = false;
+};
+
+/// The value of a curve at a time within its range.
+double value_at(const google::protobuf::RepeatedField<double>& time_s,
+                const google::protobuf::RepeatedField<double>& values, double at_s) {
+  return values::at_instants({at_s}, {time_s.begin(), time_s.end()},
+                             {values.begin(), values.end()})
+      .front();
+}
+
+void add_rows(const v1::ForecastCurl& curl, double now_s, render::Table& table) {
+  const double end_s = *curl.time_s().rbegin();
+  const auto add = [&](const std::string& when, double at_s) {
+    const auto mm = [&](const auto& values) {
+      return render::fixed(1e3 * value_at(curl.time_s(), values, at_s), 1);
+    };
+    table.add({curl.monitor(), when, render::fixed(at_s, 0), mm(curl.curl_m()), mm(curl.lower_m()),
+               mm(curl.upper_m())});
+  };
+
+  add("now", std::clamp(now_s, 0.0, end_s));
+  for (const double ahead_s : {30.0, 60.0, 120.0})
+    if (now_s + ahead_s < end_s && now_s + ahead_s > 0.0)
+      add(fmt::format("in {:.0f} s", ahead_s), now_s + ahead_s);
+  add("end", end_s);
+}
+
+void print_forecast(const v1::Forecast& forecast) {
+  render::Table table({"curl of", "when", ">at s", ">mm", ">5 %", ">95 %"});
+  for (const v1::ForecastCurl& curl : forecast.curls()) add_rows(curl, forecast.time_s(), table);
+  std::cout << table.text();
+  for (const v1::ForecastCurl& curl : forecast.curls()) {
+    std::cout << fmt::format("{}: {} readings, {} left out; {} members\n", curl.monitor(),
+                             curl.readings(), curl.left_out(), curl.members());
+    if (curl.zero_upper_m() > curl.zero_lower_m())
+      std::cout << fmt::format("{}: the gauge shows {:.1f} mm too much ({:.1f} to {:.1f})\n",
+                               curl.monitor(), 1e3 * curl.zero_m(), 1e3 * curl.zero_lower_m(),
+                               1e3 * curl.zero_upper_m());
+  }
+}
+
+/// "water, metal temperature, casting speed".
+std::string listed(const google::protobuf::RepeatedPtrField<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// What is off, what may come, and how much the forecast rests on.
+void print_remarks(const v1::Forecast& forecast) {
+  for (const v1::ForecastWarning& warning : forecast.warnings())
+    std::cout << fmt::format("warning at {:.0f} s, {}: {}; likeliest: {}\n", warning.time_s(),
+                             warning.monitor(), warning.text(), listed(warning.causes()));
+  for (const v1::ForecastFinding& finding : forecast.findings())
+    std::cout << fmt::format("to come in {} of {} members: {}\n", finding.members(), finding.of(),
+                             finding.rule());
+  for (const std::string& note : forecast.notes()) std::cout << "note: " << note << '\n';
+}
+
+ExitCode run(const ForecastOptions& options, Program& program) {
+  Connection connection = program.connect();
+  const v1::Forecast forecast =
+      connection.call(&Stub::ForecastJob, resolve_job(connection, options.id));
+  if (options.json) {
+    print_line(to_json(forecast));
+    return ExitCode::done;
+  }
+  print_forecast(forecast);
+  print_remarks(forecast);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_forecast(cli::CommandLine& line, Program& program) {
+  const auto [command, options] = declare<ForecastOptions>(
+      line, program, run, "forecast",
+      "The curl to come of a casting that a job follows, from the curl measured so far",
+      "dccast forecast last\n  watch -n 2 dccast forecast JOB");
+  command.option("JOB", options.id, job_help, cli::required);
+  command.json(options.json);
+}
+
+}  // namespace dccast::client::commands

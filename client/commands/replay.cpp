@@ -1,0 +1,68 @@
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <limits>
+
+#include "client/commands/commands.hpp"
+#include "client/session/readings.hpp"
+#include "client/session/readings_csv.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct ReplayOptions {
+  std::string file;
+  int pace = 1;
+};
+
+/// Keeps the time of the record, faster or as it was.
+class Pace {
+public:
+  Pace(int pace, Interruption& interruption) : pace_(pace), interruption_(interruption) {}
+
+  /// Waits until a time of the record has come; its first one comes at once. Throws Interrupted.
+  void await(double time_s) {
+    first_s_ = std::min(first_s_, time_s);
+    const std::chrono::duration<double> due((time_s - first_s_) / pace_);
+    const auto left = begin_ + due - Clock::now();
+    if (left.count() > 0)
+      interruption_.sleep(std::chrono::ceil<std::chrono::milliseconds>(left));
+  }
+
+private:
+  int pace_;
+  Interruption& interruption_;
+  Clock::time_point begin_ = Clock::now();
+  double first_s_ = std::numeric_limits<double>::infinity();  ///< smallest time so far
+};
+
+ExitCode run(const ReplayOptions& options, Program& program) {
+  LineSource source(options.file, false);
+  ReadingsTable table;
+  Pace pace(options.pace, *program.interruption);
+
+  for (auto lines = source.next({}); !lines.empty(); lines = source.next({}))
+    for (const std::string& line : lines) {
+      // A line that cannot be read has no time; who reads it says what is wrong with it.
+      if (const auto reading = table.take(line).reading) pace.await(reading->time_s());
+      if (!(std::cout << line << std::endl)) return ExitCode::output_lost;
+    }
+  if (!table.has_header()) throw invalid(options.file + " is empty");
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_replay(cli::CommandLine& line, Program& program) {
+  const auto [command, options] = declare<ReplayOptions>(
+      line, program, run, "replay",
+      "Write a recorded table of readings as a plant would, line by line at the times of its column "
+      "\"time\"",
+      "dccast replay casting-41.csv --pace 50 | dccast follow my.toml");
+  command.option("FILE", options.file, "The table, as `dccast follow` takes it", cli::required);
+  command.number("--pace", options.pace, 1, 1000, "How many times faster than it was");
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,117 @@
+#include "client/session/preparation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "client/model/answer.hpp"
+#include "client/session/case_faults.hpp"
+#include "client/session/data_study.hpp"
+#include "proto/case_file/override.hpp"
+#include "proto/values/digests.hpp"
+
+namespace dccast::client {
+
+namespace {
+
+using Attachments = google::protobuf::RepeatedPtrField<v1::Attachment>;
+
+constexpr int members = 64;
+constexpr int most_pairs = 16;
+
+/// Labels of both studies of a plan.
+struct Labels {
+  std::string ensemble, pairs;
+};
+
+/// The quality of the case does not count: the studies have their own.
+Labels labels_of(v1::Case plan, const Attachments& attachments) {
+  plan.clear_quality();
+  values::Sha256 digest;
+  digest.add(plan.SerializeAsString());
+  for (const v1::Attachment& file : attachments) digest.add(file.name() + '\n' + file.sha256());
+  const std::string begin = digest.finish().substr(0, 16);
+  return {"ensemble=" + begin, "pairs=" + begin};
+}
+
+/// The newest study with a label that was not cancelled.
+std::optional<v1::Study> labelled(const std::vector<v1::Study>& studies, const std::string& label) {
+  const auto found = std::ranges::find_if(studies, [&](const v1::Study& study) {
+    return study.state() != v1::STUDY_CANCELLED &&
+           std::ranges::find(study.labels(), label) != study.labels().end();
+  });
+  return found == studies.end() ? std::nullopt : std::optional(*found);
+}
+
+/// Makes the runs of a request of this quality, whatever the case says.
+void set_quality(v1::Quality quality, const char* name, v1::CreateStudyRequest& request) {
+  request.mutable_case_()->set_quality(quality);
+  *request.add_changes() = case_file::change_of("quality", name);
+}
+
+/// The data of the first members that count, once more at engineering quality.
+void lay_out_pairs(const v1::StudyResult& ensemble, v1::CreateStudyRequest& request) {
+  set_quality(v1::ENGINEERING, "engineering", request);
+  v1::SweepPlan& sweep = *request.mutable_sweep();
+  sweep.set_design(v1::SweepPlan::LIST);
+  sweep.set_purpose(v1::SweepPlan::UNCERTAINTY);
+  for (const auto& axis : ensemble.study().sweep().axes()) sweep.add_axes()->set_key(axis.key());
+
+  int pairs = 0;
+  for (const v1::StudyRun& run : ensemble.runs()) {
+    if (run.state() != v1::SUCCEEDED || run.beyond_validity()) continue;
+    for (int axis = 0; axis < sweep.axes_size(); ++axis)
+      sweep.mutable_axes(axis)->add_values(run.values(axis));
+    if (++pairs == most_pairs) return;
+  }
+  if (pairs == 0)
+    throw CommandFailed(ExitCode::solve_failed,
+                        fmt::format("no run of the ensemble counts; see dccast studies show {}",
+                                    ensemble.study().id()));
+}
+
+}  // namespace
+
+std::optional<Preparation> find_preparation(Connection& connection, const v1::Case& plan,
+                                            const Attachments& attachments) {
+  const Labels labels = labels_of(plan, attachments);
+  const auto studies = list_studies(connection, std::numeric_limits<int>::max());
+  const auto ensemble = labelled(studies, labels.ensemble);
+  if (!ensemble) return std::nullopt;
+  return Preparation{*ensemble, labelled(studies, labels.pairs)};
+}
+
+std::optional<Preparation> prepare(Connection& connection, const StudyCase& base,
+                                   const std::function<void(const v1::Study&)>& await) {
+  const CaseUnderCheck checked = read_case(base.file, changes_of(base.set));
+  v1::SubmitJobRequest files;
+  name_files(checked, files);
+  const Labels labels = labels_of(checked.description, files.attachments());
+
+  std::optional<Preparation> there =
+      find_preparation(connection, checked.description, files.attachments());
+  if (!there) {
+    const auto ensemble = create_study(connection, base, [&](v1::CreateStudyRequest& request) {
+      set_quality(v1::DRAFT, "draft", request);
+      request.add_labels(labels.ensemble);
+      lay_out_uncertainty({.runs = members, .seed = 0, .only = {}}, request);
+    });
+    if (!ensemble) return std::nullopt;
+    there = Preparation{*ensemble, std::nullopt};
+  }
+  await(there->ensemble);
+
+  if (!there->pairs) {
+    const v1::StudyResult ensemble = evaluate_study(connection, there->ensemble.id());
+    there->pairs = create_study(connection, base, [&](v1::CreateStudyRequest& request) {
+      request.add_labels(labels.pairs);
+      lay_out_pairs(ensemble, request);
+    });
+    if (!there->pairs) return std::nullopt;
+  }
+  await(*there->pairs);
+  return there;
+}
+
+}  // namespace dccast::client

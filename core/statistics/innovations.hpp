@@ -1,0 +1,49 @@
+#pragma once
+
+#include <vector>
+
+#include "core/statistics/trajectory_forecast.hpp"
+
+namespace dccast::statistics {
+
+/// A reading and what was expected of it. Units are those of the quantity.
+struct Innovation {
+  double time = 0.0;       ///< [s]
+  double reading = 0.0;
+  double first_mean = 0.0;  ///< expected before anything was measured
+  Estimated expected;      ///< from the readings before, noise and zero included
+};
+
+/// A reading farther from what was expected is an outlier [standard deviations].
+inline constexpr double farthest_innovation = 4.0;
+
+/// Reading minus expectation, in standard deviations.
+double normalised(const Innovation& innovation);
+
+/// How readings leave what prior and earlier readings permit.
+struct Departure {
+  enum class Kind {
+    step,  ///< from one reading to the next
+    drift
+  };
+  Kind kind = Kind::drift;
+  double time = 0.0;   ///< [s] of the reading that shows it
+  double begin = 0.0;  ///< [s] of the first reading after the step, or of the drift's average
+  double size = 0.0;   ///< height of the step, or mean of reading minus expectation [unit]
+};
+
+/// Finds where readings leave what was expected.
+///
+/// Normalised innovations of a correct prior are independent, with mean 0 and variance 1 (Mehra and
+/// Peschon 1971). A departure begins where their sum over 10 s exceeds 4.2 times the root of their
+/// number, or where four outliers follow each other; it ends at half of that sum. An outlier counts
+/// as one of four standard deviations, so that no single one is a departure.
+///
+/// A step is told from a drift by least squares over 20 s before and 10 s after: readings minus
+/// their first mean are a straight line and either a step or a bend, whichever leaves less. It is a
+/// step where the bend leaves more by nine times the variance of a reading.
+/// @param innovations  by time
+/// @param noise        standard deviation of a reading [unit]
+std::vector<Departure> find_departures(const std::vector<Innovation>& innovations, double noise);
+
+}  // namespace dccast::statistics

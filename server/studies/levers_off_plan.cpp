@@ -1,0 +1,104 @@
+#include "server/studies/levers_off_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "proto/values/interpolation.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+constexpr double minute_s = 60.0;
+constexpr double farthest = 0.1;  // of the plan
+
+/// Where a casting is.
+struct Place {
+  double time_s = 0.0;
+  double cast_length_m = 0.0;
+};
+
+/// A table of a case at a place; beyond its ends it keeps its last value, without values it is 1.
+double value_at(const v1::Curve& table, const Place& place, double shift_s = 0.0) {
+  if (table.value().empty()) return 1.0;
+  if (table.at_size() < 2) return table.value(0);
+  const std::vector<double> at(table.at().begin(), table.at().end());
+  const bool by_length = table.abscissa() == v1::CAST_LENGTH;
+  const double here = by_length ? place.cast_length_m : place.time_s - shift_s;
+  return values::at_instants({std::clamp(here, at.front(), at.back())}, at,
+                             {table.value().begin(), table.value().end()})
+      .front();
+}
+
+double planned_speed(const v1::Schedule& plan, const Place& place) {
+  return value_at(plan.casting_speed_factor(), place) *
+         value_at(plan.casting_speed_m_per_s(), place, plan.casting_speed_shift_s());
+}
+
+double planned_flow(const v1::Schedule& plan, const v1::Curve& table, const Place& place) {
+  return value_at(plan.water_flow_factor(), place) *
+         value_at(table, place, plan.water_flow_shift_s());
+}
+
+/// Mean of a lever over the readings of the last minute that have it.
+struct Mean {
+  double measured = 0.0;
+  double planned = 0.0;
+
+  void add(double measured_now, double planned_now) {
+    measured += measured_now;
+    planned += planned_now;
+  }
+  /// Share by which the plan is left.
+  double off() const { return planned > 0.0 ? measured / planned - 1.0 : 0.0; }
+};
+
+}  // namespace
+
+std::vector<std::string> levers_off_plan(const v1::Schedule& plan,
+                                         const std::vector<v1::Reading>& readings) {
+  std::optional<double> last_s;
+  for (const v1::Reading& reading : readings)
+    if (!reading.closes()) last_s = reading.time_s();
+
+  Mean speed, water, narrow_water;
+  Place place;
+  double speed_before = 0.0;
+  for (const v1::Reading& reading : readings) {
+    if (reading.closes() || reading.time_s() < 0.0) continue;
+    const double step_s = reading.time_s() - place.time_s;
+    place.time_s = reading.time_s();
+    const double planned = planned_speed(plan, place);
+    const double now =
+        reading.has_casting_speed_m_per_s() ? reading.casting_speed_m_per_s() : planned;
+    place.cast_length_m += 0.5 * (speed_before + now) * step_s;
+    speed_before = now;
+
+    if (reading.time_s() <= *last_s - minute_s) continue;
+    speed.add(now, planned);
+    if (reading.has_water_flow_m2_per_s())
+      water.add(reading.water_flow_m2_per_s(),
+                planned_flow(plan, plan.water_flow_m2_per_s(), place));
+    if (reading.has_narrow_water_flow_m2_per_s() && plan.has_narrow_water_flow_m2_per_s())
+      narrow_water.add(reading.narrow_water_flow_m2_per_s(),
+                       planned_flow(plan, plan.narrow_water_flow_m2_per_s(), place));
+  }
+
+  std::vector<std::string> notes;
+  const auto add = [&](const char* lever, const Mean& mean) {
+    if (std::abs(mean.off()) <= farthest) return;
+    notes.push_back(fmt::format("{} was {:.0f} % {} planned over the last minute: the forecast "
+                                "holds for the plan, and rests on less",
+                                lever, 100.0 * std::abs(mean.off()),
+                                mean.off() > 0.0 ? "more than" : "less than"));
+  };
+  add("the casting speed", speed);
+  add("the water", water);
+  add("the water of the narrow face", narrow_water);
+  return notes;
+}
+
+}  // namespace dccast::studies
