@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "proto/case_file/quality.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/values/printable.hpp"
 #include "server/jobs/folder/events.hpp"
@@ -104,17 +103,6 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
   response = record->state();
 }
 
-/// The error of mesh and time steps of a study's runs, where it was measured.
-v1::RelativeError mesh_error_of(const Context& context, const v1::StudyResult& ensemble) {
-  for (const v1::StudyRun& run : ensemble.runs()) {
-    v1::Case complete;
-    if (run.job().empty() || !jobs::read_complete_case(context.jobs_directory / run.job(), complete))
-      continue;
-    return case_file::relative_discretisation_error(complete).value_or(v1::RelativeError());
-  }
-  return {};
-}
-
 /// The runs of a study with their curves. @throws Refusal
 v1::StudyResult evaluated(Context& context, const std::string& study) {
   v1::EvaluateStudyRequest request;
@@ -151,7 +139,6 @@ v1::Forecast forecast(Context& context, const std::string& id) {
   try {
     return studies::forecast_curls({.ensemble = ensemble,
                                     .pairs = pairs,
-                                    .mesh_error = mesh_error_of(context, ensemble),
                                     .plan = plan.schedule(),
                                     .following = following,
                                     .readings = readings});

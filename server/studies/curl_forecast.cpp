@@ -94,10 +94,16 @@ Eigen::MatrixXd curls_at(const Eigen::VectorXd& instants, const Curves& curves) 
   return curls;
 }
 
-/// The prior of the members. Pairs tell how far the mesh puts them off; without, the band of their
-/// quality does: by its middle they are too low.
-statistics::TrajectoryPrior prior_of(const Trajectories& trajectories,
-                                     const v1::RelativeError& mesh_error) {
+/// The error of mesh and time steps of a study's runs; zero where it was not measured.
+v1::RelativeError mesh_error_of(const v1::StudyResult& study) {
+  const auto run = std::ranges::find_if(study.runs(), &v1::StudyRun::has_mesh_error);
+  return run == study.runs().end() ? v1::RelativeError() : run->mesh_error();
+}
+
+/// The prior of the members. Pairs tell how far they are from the finer quality. What that leaves,
+/// or without pairs the members themselves, the band of the quality tells: by its middle they are
+/// too low, and half its width is the error of nine in ten.
+statistics::TrajectoryPrior prior_of(const Trajectories& trajectories, const ForecastBasis& basis) {
   const Eigen::VectorXd instants = instants_of(trajectories);
   const Eigen::MatrixXd members = curls_at(instants, trajectories.members);
   const Eigen::VectorXd mean = members.colwise().mean();
@@ -107,12 +113,14 @@ statistics::TrajectoryPrior prior_of(const Trajectories& trajectories,
       .members = members,
       .misfits = curls_at(instants, trajectories.fine) - curls_at(instants, trajectories.coarse),
       .model_error = model_error};
-  if (ensemble.misfits.rows() >= fewest_pairs) return statistics::prior_of(ensemble);
+  const bool has_pairs = ensemble.misfits.rows() >= fewest_pairs;
+  const v1::RelativeError mesh_error = mesh_error_of(has_pairs ? basis.pairs : basis.ensemble);
 
   const double of_mesh = 0.5 * (mesh_error.lower() + mesh_error.upper()) / nine_of_ten;
   ensemble.model_error = std::hypot(model_error, of_mesh);
   auto prior = statistics::prior_of(ensemble);
-  prior.deviation += 0.5 * (mesh_error.upper() - mesh_error.lower()) * mean;
+  const double too_low = 0.5 * (mesh_error.upper() - mesh_error.lower());
+  prior.deviation += too_low * (prior.nominal + prior.deviation);
   return prior;
 }
 
@@ -211,7 +219,7 @@ void add_curl(const v1::Gauge& gauge, const ForecastBasis& basis, v1::Forecast& 
     throw CannotForecast(fmt::format("{} runs of study {} count so far, {} are needed",
                                      curl.members(), basis.following.ensemble(), fewest_members));
 
-  const statistics::TrajectoryPrior prior = prior_of(trajectories, basis.mesh_error);
+  const statistics::TrajectoryPrior prior = prior_of(trajectories, basis);
   const auto [forecast, departures] = learned_from(
       TrajectoryForecast(prior, {.noise = gauge.noise_m(), .zero = gauge.zero_m()}), gauge,
       basis.readings, curl);

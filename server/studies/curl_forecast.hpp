@@ -25,8 +25,7 @@ struct ForecastBasis {
   /// At a finer quality, over the same keys: runs whose values are those of a run of the ensemble.
   /// Without runs there are no pairs.
   const v1::StudyResult& pairs;
-  v1::RelativeError mesh_error;  ///< of the ensemble's runs; used with fewer than two pairs
-  const v1::Schedule& plan;      ///< of the complete case
+  const v1::Schedule& plan;  ///< of the complete case
   const v1::Following& following;
   const std::vector<v1::Reading>& readings;
 };
