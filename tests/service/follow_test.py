@@ -69,8 +69,8 @@ class FollowTest(RealRunTest):
             plan.write(file.read().replace('\nend = "145 s"', f'\nend = "{end} s"'))
         return path
 
-    def ended(self, process, code=0, **rest):
-        out, err = process.communicate(timeout=60 * WAIT_FACTOR, **rest)
+    def ended(self, process, code=0, seconds=60, **rest):
+        out, err = process.communicate(timeout=seconds * WAIT_FACTOR, **rest)
         self.assertEqual(process.returncode, code, out + err)
         return out, err
 
@@ -282,7 +282,7 @@ class Preparation(FollowTest):
         _, err = self.followed()
         self.assertIn("is not prepared", err)
 
-        _, err = self.ended(self.dccast("follow", "--prepare", plan))
+        _, err = self.ended(self.dccast("follow", "--prepare", plan), seconds=300)  # 80 runs
         self.assertIn("the plan is prepared", err)
         pairs, ensemble = self.studies()
         self.assertEqual((ensemble.runs, pairs.runs), (64, 16))
