@@ -3,7 +3,8 @@
 
     forecast_castings.py CASE [--castings 60] [--members 64] [--quality draft] [--pairs] [--server ADDRESS]
 
-Hidden castings are runs of the plan with data drawn from their ranges by another seed. Their curl is
+Hidden castings are runs of the plan with data drawn from their ranges by another seed, times a factor
+from the band of mesh and time steps of their quality, which a real casting has too. Their curl is
 read every second with noise; every 10 s the forecast for 30, 60 and 120 s ahead is compared with what
 came, beside the mean of the ensemble and that mean plus the last difference. The daemon must be
 running; the studies are kept and taken up again by the same command.
@@ -62,10 +63,21 @@ def prepared(options):
     return re.findall(r"^study (\S+), \d+ runs$", said, re.MULTILINE)
 
 
+def evaluated(options, study):
+    request = study_pb2.EvaluateStudyRequest(id=study, curves=True)
+    return options.stub.EvaluateStudy(request, timeout=120)
+
+
+def mesh_band_of(options, study):
+    """How far the true curl may lie below and above that of the runs, relative to it."""
+    error = next((run.mesh_error for run in evaluated(options, study).runs
+                  if run.HasField("mesh_error")), None)
+    return (error.lower, error.upper) if error else (0.0, 0.0)
+
+
 def curves_of(options, study):
     """Times and curls of the runs of a study that count."""
-    request = study_pb2.EvaluateStudyRequest(id=study, curves=True)
-    result = options.stub.EvaluateStudy(request, timeout=120)
+    result = evaluated(options, study)
     curves = [curve for run in result.runs if run.state == 4 and not run.beyond_validity
               for curve in run.curves if curve.monitor == options.monitor]
     return [(numpy.array(c.time_s), numpy.nan_to_num(numpy.array(c.curl_m))) for c in curves]
@@ -83,13 +95,13 @@ def followed(options, ensemble, pairs):
                                   timeout=60).id
 
 
-def errors_of(options, studies, mean, truth, shots):
+def errors_of(options, studies, mean, truth, band, shots):
     """Rows (t, ahead, forecast, plan, last difference, within its band, width of it) of one hidden
     casting [m], and its warnings."""
     at = lambda t: numpy.interp(t, *truth)
     plan = lambda t: numpy.interp(t, *mean)
     zero = shots.gauss(0, 1e-3 * options.zero_mm)
-    factor = 1 + shots.gauss(0, options.model_error)
+    factor = (1 + shots.gauss(0, options.model_error)) * (1 + shots.uniform(-band[0], band[1]))
     job = followed(options, *studies)
     rows = []
     end = int(truth[0][-1])
@@ -126,12 +138,13 @@ def main():
     else:
         ensemble, members = study(options, 0, options.members, "draft")
         studies = ensemble, ""
-    _, truths = study(options, 1, options.castings, options.quality)
+    hidden, truths = study(options, 1, options.castings, options.quality)
+    band = mesh_band_of(options, hidden)
     times = numpy.arange(0, members[0][0][-1])
     mean = (times, numpy.mean([numpy.interp(times, *member) for member in members], axis=0))
 
     shots = random.Random(1)
-    outcomes = [errors_of(options, studies, mean, truth, shots) for truth in truths]
+    outcomes = [errors_of(options, studies, mean, truth, band, shots) for truth in truths]
     castings = [rows for rows, _ in outcomes]
     warned = [warnings for _, warnings in outcomes if warnings]
     print(f"{len(castings)} castings, {len(members)} members; {len(warned)} had warnings, without a cause")
