@@ -5,39 +5,10 @@
 #include <set>
 
 #include "server/translate/translate.hpp"
+#include "tests/support/quarter_frame.hpp"
 
 namespace dccast::translate {
 namespace {
-
-/// Two by two by two hexahedra of 0.6 x 0.4 x 0.2 m, numbered by x, then y, then z. The lower half
-/// is solid. The corner has risen by 20 mm; the wide face has drawn in by 2 % at the butt and by 1
-/// % in the middle.
-v1::Frame quarter() {
-  v1::Frame frame;
-  frame.set_dimension(3);
-  frame.set_nodes_per_element(8);
-  frame.set_time_s(250.0);
-  frame.set_cast_length_m(0.2);
-  frame.set_solidus_c(620);
-  frame.set_liquidus_c(649);
-  const double pull_in[3] = {8e-3, 4e-3, 0.0};
-  for (int k = 0; k < 3; ++k)
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) {
-        for (const double x : {0.3 * i, 0.2 * j, 0.1 * k}) frame.add_node_m(x);
-        for (const double u : {0.0, j == 2 ? -pull_in[k] : 0.0, i == 2 && j == 2 ? 20e-3 : 0.0})
-          frame.add_displacement_m(u);
-        frame.add_temperature_c(k == 0 ? 100.0 : k == 1 ? 400.0 : 680.0);
-      }
-  for (int k = 0; k < 2; ++k)
-    for (int j = 0; j < 2; ++j)
-      for (int i = 0; i < 2; ++i) {
-        const int n = 9 * k + 3 * j + i;
-        for (const int node : {n, n + 1, n + 4, n + 3, n + 9, n + 10, n + 13, n + 12})
-          frame.add_element_node(node);
-      }
-  return frame;
-}
 
 Eigen::Vector3d place(const v1::Frame& frame, int node) {
   return {frame.node_m(3 * node), frame.node_m(3 * node + 1), frame.node_m(3 * node + 2)};
@@ -59,7 +30,7 @@ std::map<std::string, double> skin_areas(const v1::Frame& frame) {
 }
 
 TEST(FrameDrawing, TheSkinOfASlabIsItsSurfaceSeenFromOutside) {
-  v1::Frame frame = quarter();
+  v1::Frame frame = support::quarter_frame();
   make_drawing(frame);
   EXPECT_EQ(frame.skin_triangle_size(), 3 * 2 * 24);  // four faces a side
 
@@ -107,7 +78,7 @@ TEST(FrameDrawing, ASectionIsDrawnWholeWithItsRim) {
 
 /// The metal level is level, and the liquid below it fills what the solid leaves.
 TEST(FrameDrawing, LiquidStandsLevel) {
-  v1::Frame frame = quarter();
+  v1::Frame frame = support::quarter_frame();
   frame.set_metal_level_m(0.2);
   for (int n = 0; n < 9; ++n)
     frame.set_temperature_c(9 + n, 640.0);  // only the lowest row is solid
