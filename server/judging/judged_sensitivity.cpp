@@ -134,7 +134,7 @@ void judge_sensitivity(const StudyToJudge& study, v1::Judgement& judgement) {
 
   // Levers of the plant first; a terminal leaves out what does not matter.
   std::vector<Effect> all = found.effects;
-  std::ranges::stable_partition(all, [&](const Effect& effect) {
+  std::stable_partition(all.begin(), all.end(), [&](const Effect& effect) {
     return case_file::is_lever(result.study().sweep().axes(effect.axis).key());
   });
   std::vector<Effect> responding;
