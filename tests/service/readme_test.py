@@ -10,7 +10,7 @@ import sys
 import tempfile
 import unittest
 
-from support import BIN, SANITIZED, until
+from support import BIN, SANITIZED, WAIT_FACTOR, until
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -65,7 +65,7 @@ class NextCommands(unittest.TestCase):
 
     def run_line(self, line):
         return subprocess.run(["bash", "-c", line], cwd=self.folder, env=self.environment, text=True,
-                              capture_output=True, timeout=120, check=False)
+                              capture_output=True, timeout=120 * WAIT_FACTOR, check=False)
 
     def show_dashboard(self, line):
         """It serves until it is interrupted."""
