@@ -119,11 +119,11 @@ ExitCode run_preparation(const FollowOptions& options, Program& program) {
     throw invalid("name the case FILE to prepare");
 
   Connection connection = program.connect();
-  std::string repeated = "dccast follow --prepare " + options.file;
-  for (const std::string& change : options.set) repeated += " --set '" + change + "'";
+  std::string come_back = "dccast follow --prepare " + options.file;
+  for (const std::string& change : options.set) come_back += " --set '" + change + "'";
   const auto await = [&](const v1::Study& study) {
     std::cerr << fmt::format("study {}, {} runs\n", study.id(), study.runs());
-    follow_with_progress(connection, study.id(), repeated);
+    follow_with_progress(connection, study.id(), come_back);
   };
   const StudyCase base{.file = options.file, .set = options.set, .labels = options.labels};
   if (!prepare(connection, base, await)) return ExitCode::invalid;
@@ -163,7 +163,7 @@ ExitCode run(const FollowOptions& options, Program& program) {
   return watch_job(connection, id, 1, options.json, false, options.strict);
 }
 
-constexpr const char* examples = R"(dccast follow --prepare my.toml             # before the casting; takes minutes
+constexpr const char* examples = R"(dccast follow --prepare my.toml         # before the casting; takes minutes
   plant-logger | dccast follow my.toml
   dccast follow my.toml --readings today.csv --growing
   dccast follow my.toml --readings casting-41.csv        # one that was cast, computed again

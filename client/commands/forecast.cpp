@@ -56,18 +56,12 @@ void print_forecast(const v1::Forecast& forecast) {
   }
 }
 
-/// "water, metal temperature, casting speed".
-std::string listed(const google::protobuf::RepeatedPtrField<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 /// What is off, what may come, and how much the forecast rests on.
 void print_remarks(const v1::Forecast& forecast) {
   for (const v1::ForecastWarning& warning : forecast.warnings())
     std::cout << fmt::format("warning at {:.0f} s, {}: {}; likeliest: {}\n", warning.time_s(),
-                             warning.monitor(), warning.text(), listed(warning.causes()));
+                             warning.monitor(), warning.text(),
+                             fmt::join(warning.causes(), ", "));
   for (const v1::ForecastFinding& finding : forecast.findings())
     std::cout << fmt::format("to come in {} of {} members: {}\n", finding.members(), finding.of(),
                              finding.rule());

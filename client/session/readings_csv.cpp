@@ -62,14 +62,14 @@ ReadingsTable::Line ReadingsTable::take(const std::string& text) {
 }
 
 void ReadingsTable::read_header(const std::vector<std::string>& cells, Line& line) {
-  std::string left_out;
+  std::vector<std::string> left_out;
   cells_ = cells.size();
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const auto heading = heading_of(cells[i]);
     const Quantity* const quantity = heading ? quantity_of(heading->name) : nullptr;
     const bool is_curl = heading && heading->name.starts_with(curl);
     if (!quantity && !is_curl) {
-      left_out += fmt::format("{}\"{}\"", left_out.empty() ? "" : ", ", cells[i]);
+      left_out.push_back(fmt::format("\"{}\"", cells[i]));
       continue;
     }
 
@@ -90,7 +90,9 @@ void ReadingsTable::read_header(const std::vector<std::string>& cells, Line& lin
                         fmt::format("readings, line {}: a column for the time and one for a lever "
                                     "or a curl are needed; permitted: {}",
                                     number_, header_form));
-  if (!left_out.empty()) line.remarks.push_back("columns that are left out: " + left_out);
+  if (!left_out.empty())
+    line.remarks.push_back(
+        fmt::format("columns that are left out: {}", fmt::join(left_out, ", ")));
 }
 
 void ReadingsTable::read_cells(const std::vector<std::string>& cells, Line& line) {

@@ -169,6 +169,12 @@ double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, 
   return curve_value(curve, curve.abscissa() == v1::CAST_LENGTH ? cast_length_m : time_s);
 }
 
+double scheduled_value(const v1::Curve& table, const v1::Curve& factor, double shift_s,
+                       double time_s, double cast_length_m) {
+  return curve_value(factor, time_s, cast_length_m, 1.0) *
+         curve_value(table, time_s - shift_s, cast_length_m, 0.0);
+}
+
 double shell_c(const v1::Frame& frame) {
   return frame.shell_c() > 0.0 ? frame.shell_c() : frame.solidus_c();
 }

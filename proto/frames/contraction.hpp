@@ -18,6 +18,11 @@ double curve_value(const v1::Curve& curve, double at);
 /// @param otherwise  [unit of the curve] value of a table without points
 double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, double otherwise);
 
+/// A table of the schedule at an instant, times its factor and shifted in time, in its unit; zero
+/// without a table.
+double scheduled_value(const v1::Curve& table, const v1::Curve& factor, double shift_s,
+                       double time_s, double cast_length_m);
+
 /// Half the thickness of a quarter slab at one place along its wide face.
 struct FacePoint {
   double x_m = 0.0;      ///< in the undeformed slab [m]

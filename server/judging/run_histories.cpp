@@ -196,11 +196,8 @@ struct Ramp {
   double acts_from_s;  ///< before, its value is zero
 
   double at(const Step& step) const {
-    const double time_s = step.time_s();
-    const double length_m = step.cast_length_m();
-    if (time_s < acts_from_s) return 0.0;
-    return frames::curve_value(factor, time_s, length_m, 1.0) *
-           frames::curve_value(table, time_s - shift_s, length_m, 0.0);
+    if (step.time_s() < acts_from_s) return 0.0;
+    return frames::scheduled_value(table, factor, shift_s, step.time_s(), step.cast_length_m());
   }
 };
 

@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "proto/values/interpolation.hpp"
+#include "proto/frames/contraction.hpp"
 
 namespace dccast::studies {
 
@@ -21,26 +20,14 @@ struct Place {
   double cast_length_m = 0.0;
 };
 
-/// A table of a case at a place; beyond its ends it keeps its last value, without values it is 1.
-double value_at(const v1::Curve& table, const Place& place, double shift_s = 0.0) {
-  if (table.value().empty()) return 1.0;
-  if (table.at_size() < 2) return table.value(0);
-  const std::vector<double> at(table.at().begin(), table.at().end());
-  const bool by_length = table.abscissa() == v1::CAST_LENGTH;
-  const double here = by_length ? place.cast_length_m : place.time_s - shift_s;
-  return values::at_instants({std::clamp(here, at.front(), at.back())}, at,
-                             {table.value().begin(), table.value().end()})
-      .front();
-}
-
 double planned_speed(const v1::Schedule& plan, const Place& place) {
-  return value_at(plan.casting_speed_factor(), place) *
-         value_at(plan.casting_speed_m_per_s(), place, plan.casting_speed_shift_s());
+  return frames::scheduled_value(plan.casting_speed_m_per_s(), plan.casting_speed_factor(),
+                                 plan.casting_speed_shift_s(), place.time_s, place.cast_length_m);
 }
 
 double planned_flow(const v1::Schedule& plan, const v1::Curve& table, const Place& place) {
-  return value_at(plan.water_flow_factor(), place) *
-         value_at(table, place, plan.water_flow_shift_s());
+  return frames::scheduled_value(table, plan.water_flow_factor(), plan.water_flow_shift_s(),
+                                 place.time_s, place.cast_length_m);
 }
 
 /// Mean of a lever over the readings of the last minute that have it.
