@@ -93,6 +93,11 @@ std::string table_text(const v1::Curve& curve, std::span<const double, 3> number
                      value_text(numbers[1], unit));
 }
 
+/// When the metal has risen to its level [s]; the hold begins at its negative length.
+double time_of_full_mould(const v1::Schedule& schedule) {
+  return schedule.filling_s() - schedule.hold_s();
+}
+
 bool differ(std::span<const double> a, std::span<const double> b) {
   for (std::size_t i = 0; i < a.size(); ++i)
     if (std::abs(a[i] - b[i]) > 1e-9 * std::abs(b[i])) return true;
@@ -135,11 +140,17 @@ std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recip
   change_time("schedule.hold", hold);
   change_time("schedule.filling", filling);
   change_ramp("schedule.water_flow", schedule.water_flow_m2_per_s(), water_start, "m2/s");
+  v1::Case changed = complete;
+  apply_changes(changed, changes);
+
+  // Mechanics that begins with the full mould goes on doing so.
+  const double full = time_of_full_mould(schedule);
+  const double full_after = time_of_full_mould(changed.schedule());
+  if (full_after != full && complete.mechanics().start_s() == full)
+    changes.push_back(change_of("mechanics.start", quantity_text(full_after, "s")));
   if (!other_speed) return changes;
 
   // With another speed the casting ends at another time.
-  v1::Case changed = complete;
-  apply_changes(changed, changes);
   const double end = time_of_cast_length(changed, cast_length_at_end(complete));
   if (std::isfinite(end))
     changes.push_back(change_of("time.end", quantity_text(std::round(10.0 * end) / 10.0, "s")));

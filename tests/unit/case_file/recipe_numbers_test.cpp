@@ -41,6 +41,21 @@ TEST(RecipeNumbers, AreThoseOfTheTables) {
   EXPECT_TRUE(recipe_changes(start(), recipe).empty());
 }
 
+/// Mechanics that begins with the full mould goes on doing so; a start of the case's own stays.
+TEST(RecipeNumbers, AnotherFillingMovesTheStartOfTheMechanics) {
+  for (const double start_s : {-30.0, 0.0}) {
+    v1::Case before = start();
+    before.mutable_mechanics()->set_start_s(start_s);
+    Recipe recipe = recipe_of(before);
+    recipe[filling] = 50.6;
+    recipe[hold] = 59.88;
+    v1::Case after = before;
+    ASSERT_TRUE(apply_changes(after, recipe_changes(before, recipe)).empty());
+    EXPECT_EQ(after.mechanics().start_s(),
+              start_s == 0.0 ? 0.0 : after.schedule().filling_s() - after.schedule().hold_s());
+  }
+}
+
 TEST(RecipeNumbers, AnotherSpeedCastsTheSameLength) {
   const v1::Case before = start();
   // 60 s at 40, 140 s at 50 on the mean, 50 s at 60 mm/min.
