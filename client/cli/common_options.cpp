@@ -21,6 +21,12 @@ void add_set_option(const cli::Command& command, std::vector<std::string>& chang
   command.repeatable("--set", changes, help, {.fault = fault, .placeholder = "KEY=VALUE"});
 }
 
+void add_columns_option(const cli::Command& command, std::string& file) {
+  command.option("--columns", file,
+                 "TOML file with the plant's names and units of the columns (docs/plc.md)",
+                 {.placeholder = "FILE"});
+}
+
 void add_force_flag(const cli::Command& command, bool& force) {
   command.flag("-f,--force", force, "Overwrite an existing file");
 }

@@ -17,6 +17,9 @@ void add_set_option(const cli::Command& command, std::vector<std::string>& chang
                         "schedule.hold=\"5 s\" or --set schedule.water_flow.scale=\"0.8 until 100 "
                         "mm\"; may be given several times");
 
+/// The option `--columns FILE` of commands that read what a plant measures.
+void add_columns_option(const cli::Command& command, std::string& file);
+
 /// The flag `--force`, without which no file is overwritten.
 void add_force_flag(const cli::Command& command, bool& force);
 

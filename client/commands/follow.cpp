@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
+#include <iterator>
 #include <thread>
 
 #include "client/cli/common_options.hpp"
@@ -10,7 +12,7 @@
 #include "client/session/jobs.hpp"
 #include "client/session/preparation.hpp"
 #include "client/session/readings.hpp"
-#include "client/session/readings_csv.hpp"
+#include "client/session/readings_table.hpp"
 #include "client/session/studies.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/values/digests.hpp"
@@ -22,6 +24,7 @@ struct FollowOptions {
   std::string file;
   std::string job;
   std::string readings = "-";
+  std::string columns;
   std::vector<std::string> set;
   std::vector<std::string> labels;
   std::string ensemble;
@@ -42,7 +45,7 @@ std::vector<v1::Reading> readings_in(const std::vector<std::string>& lines, Read
   for (const std::string& text : lines) {
     ReadingsTable::Line line = table.take(text);
     for (const std::string& each : line.remarks) remark(each);
-    if (line.reading) readings.push_back(std::move(*line.reading));
+    std::ranges::move(line.readings, std::back_inserter(readings));
   }
   return readings;
 }
@@ -139,7 +142,7 @@ ExitCode run(const FollowOptions& options, Program& program) {
 
   // The header is read before anything is submitted: a source that cannot be used makes no job.
   LineSource source(options.readings, options.growing);
-  ReadingsTable table;
+  ReadingsTable table = ReadingsTable(read_columns(options.columns));
   auto first = readings_in(source.next({}), table);
   if (!table.has_header()) throw invalid("the source of the readings is empty");
 
@@ -169,7 +172,7 @@ constexpr const char* examples = R"(dccast follow --prepare my.toml         # be
   dccast follow my.toml --readings casting-41.csv        # one that was cast, computed again
   plant-logger | dccast follow --job JOB                 # after this program was stopped
 
-The source is a table whose first line names the columns:
+The source is a table whose first line names the columns, or JSON objects with such names, one a line:
   time [s], speed [mm/min], water [l/min/m], narrow water [l/min/m], metal [degC], curl corner [mm]
 A measured curl gives a forecast: dccast forecast JOB.)";
 
@@ -193,6 +196,7 @@ void add_follow(cli::CommandLine& line, Program& program) {
   command.option("--readings", options.readings,
                  "File with the readings; - for standard input (default)",
                  {.placeholder = "SOURCE"});
+  add_columns_option(command, options.columns);
   command.flag("--growing", options.growing,
                "The file grows: wait for further lines at its end. Otherwise its end is that of the "
                "casting");

@@ -5,7 +5,7 @@
 
 #include "client/commands/commands.hpp"
 #include "client/session/readings.hpp"
-#include "client/session/readings_csv.hpp"
+#include "client/session/readings_table.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -14,6 +14,7 @@ using Clock = std::chrono::steady_clock;
 
 struct ReplayOptions {
   std::string file;
+  std::string columns;
   int pace = 1;
 };
 
@@ -40,13 +41,13 @@ private:
 
 ExitCode run(const ReplayOptions& options, Program& program) {
   LineSource source(options.file, false);
-  ReadingsTable table;
+  ReadingsTable table = ReadingsTable(read_columns(options.columns));
   Pace pace(options.pace, *program.interruption);
 
   for (auto lines = source.next({}); !lines.empty(); lines = source.next({}))
     for (const std::string& line : lines) {
       // A line that cannot be read has no time; who reads it says what is wrong with it.
-      if (const auto reading = table.take(line).reading) pace.await(reading->time_s());
+      if (const auto time_s = table.take(line).time_s) pace.await(*time_s);
       if (!(std::cout << line << std::endl)) return ExitCode::output_lost;
     }
   if (!table.has_header()) throw invalid(options.file + " is empty");
@@ -62,6 +63,7 @@ void add_replay(cli::CommandLine& line, Program& program) {
       "\"time\"",
       "dccast replay casting-41.csv --pace 50 | dccast follow my.toml");
   command.option("FILE", options.file, "The table, as `dccast follow` takes it", cli::required);
+  add_columns_option(command, options.columns);
   command.number("--pace", options.pace, 1, 1000, "How many times faster than it was");
 }
 

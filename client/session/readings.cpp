@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "client/session/jobs.hpp"
+#include "client/session/readings_table.hpp"
 
 namespace dccast::client {
 
@@ -57,6 +58,8 @@ std::vector<std::string> LineSource::next(const std::stop_token& stop) {
     more = read_some(stop);
     for (std::size_t end; (end = rest_.find('\n')) != std::string::npos; rest_.erase(0, end + 1))
       lines.push_back(rest_.substr(0, end));
+    // A line without an end must not fill the memory: what is left of it is still too long to read.
+    rest_.resize(std::min(rest_.size(), ReadingsTable::longest_line + 1));
   }
   // The last line of a file may have no end.
   if (!more && !rest_.empty() && !stop.stop_requested()) lines.push_back(std::exchange(rest_, {}));

@@ -379,7 +379,7 @@ class Client(FollowTest):
         process = self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings", "-",
                               stdin=subprocess.PIPE)
         _, err = self.ended(process, input="\n".join(lines))
-        for word in ("line 6: left out: it has 1 columns", "line 10: \"abc\" of speed is no number",
+        for word in ("line 6: left out: it has 1 columns", "line 10: \"abc\" of speed [mm/min] is no number",
                      "line 13: left out: -50 s is not later than -50 s",
                      "no reading for 16 s: the plan of the case holds there"):
             self.assertIn(word, err)

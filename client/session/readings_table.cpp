@@ -1,0 +1,336 @@
+#include "client/session/readings_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "client/model/csv_line.hpp"
+#include "client/session/failure.hpp"
+#include "proto/case_file/quantity.hpp"
+#include "proto/values/printable.hpp"
+
+namespace dccast::client {
+
+namespace {
+
+/// Longest time between two readings in which a lever is taken as known (follow.proto) [s].
+constexpr double longest_gap_s = 10.0;
+/// A sensor that shows exactly the same for so long may be dead [s].
+constexpr double longest_repetition_s = 120.0;
+/// Smallest distance of two readings, above the rounding of the longest time on a clock [s].
+constexpr double least_step_s = 1e-4;
+/// A bottom block that is slower stands: 1 mm/min, above the noise of a drive [m/s].
+constexpr double still_m_per_s = 1e-3 / 60.0;
+/// Readings that are kept while the block stands: an hour at one a second.
+constexpr std::size_t most_waiting = 3600;
+
+constexpr const char* header_form =
+    "\"time [s], speed [mm/min], water [l/min/m], narrow water [l/min/m], metal [degC], curl corner "
+    "[mm]\", or a JSON object with such names";
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::string shown(const std::string& text) {
+  return values::escaped(values::shortened(text));
+}
+
+std::string quoted_list(const std::vector<std::string>& names) {
+  std::vector<std::string> quoted;
+  for (const std::string& name : names) quoted.push_back(fmt::format("\"{}\"", shown(name)));
+  return fmt::format("{}", fmt::join(quoted, ", "));
+}
+
+/// A member of an object as the cell of a row.
+std::string cell_of(const nlohmann::json& member) {
+  if (member.is_null()) return {};
+  if (member.is_string()) return trimmed(member.get<std::string>());
+  if (member.is_structured()) return member.is_object() ? "{...}" : "[...]";
+  return member.dump();
+}
+
+/// Sets a value of a reading [unit of the message], but time and cast length.
+void set_value(const Column& column, double value, v1::Reading& reading) {
+  switch (column.measured) {
+    case Measured::casting_speed: return reading.set_casting_speed_m_per_s(value);
+    case Measured::casting_temperature: return reading.set_casting_temperature_c(value);
+    case Measured::water_flow: return reading.set_water_flow_m2_per_s(value);
+    case Measured::narrow_water_flow: return reading.set_narrow_water_flow_m2_per_s(value);
+    case Measured::curl: {
+      v1::MeasuredCurl& measured = *reading.add_curls();
+      measured.set_monitor(column.monitor);
+      return measured.set_curl_m(value);
+    }
+    case Measured::time:
+    case Measured::cast_length: return;
+  }
+}
+
+/// A number in the unit of the message, or a time stamp in seconds since 1970; empty: it is neither.
+std::optional<double> value_in(const std::string& cell, const Column& column) {
+  if (column.unit.empty()) return seconds_of_stamp(cell);
+  const auto number = number_in(cell);
+  if (!number) return std::nullopt;
+  const double value = converted(*number, column);
+  const double most = column.measured == Measured::time ? longest_time_s : infinity;
+  return std::abs(value) < most ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
+ReadingsTable::ReadingsTable(std::optional<ColumnMap> map) : map_(std::move(map)) {
+  if (!map_) return;
+  columns_ = map_->columns;
+  if (map_->zero.at_motion)
+    zero_s_.reset();
+  else
+    zero_s_ = map_->zero.at_s;
+}
+
+std::string ReadingsTable::at_line(const std::string& text) const {
+  return fmt::format("line {}: {}", number_, text);
+}
+
+/// A time on the clock of the source, as it shows it.
+std::string ReadingsTable::clock_text(double seconds) const {
+  const auto time = std::ranges::find(columns_, Measured::time, &Column::measured);
+  return time->unit.empty() ? stamp_of_seconds(seconds) : case_file::quantity_text(seconds, "s");
+}
+
+std::vector<std::string> ReadingsTable::gauges() const {
+  std::vector<std::string> monitors;
+  for (const Column& column : columns_)
+    if (column.measured == Measured::curl) monitors.push_back(column.monitor);
+  return monitors;
+}
+
+ReadingsTable::Line ReadingsTable::take(const std::string& text) {
+  Line line;
+  ++number_;
+  if (text.size() > longest_line) {
+    line.remarks.push_back(at_line(fmt::format("left out: longer than {} bytes", longest_line)));
+    return line;
+  }
+
+  const std::string body = trimmed(text);
+  if (body.empty() || body.starts_with('#')) return line;
+  if (body.starts_with('{'))
+    take_object(body, line);
+  else
+    take_row(text, line);
+  return line;
+}
+
+void ReadingsTable::take_row(const std::string& text, Line& line) {
+  if (!has_header()) {
+    separator_ = separator_of(text);
+    return read_header(cells_of(text, separator_), line);
+  }
+  if (separator_ == 0) {
+    line.remarks.push_back(at_line("left out: it is no JSON object, as the lines before are"));
+    return;
+  }
+
+  const auto row = cells_of(text, separator_);
+  if (row == header_) return;  // a logger that starts again writes its header again
+  if (row.size() != header_.size()) {
+    line.remarks.push_back(at_line(fmt::format("left out: it has {} columns, the header {}",
+                                               row.size(), header_.size())));
+    return;
+  }
+
+  std::vector<std::string> cells;
+  for (const Column& column : columns_) {
+    const auto place = std::ranges::find(header_, column.name) - header_.begin();
+    cells.push_back(row[static_cast<std::size_t>(place)]);
+  }
+  read_cells(cells, line);
+}
+
+void ReadingsTable::take_object(const std::string& text, Line& line) {
+  const auto object = nlohmann::json::parse(text, nullptr, false);
+  if (!object.is_object()) {
+    line.remarks.push_back(at_line("left out: it is no complete JSON object"));
+    return;
+  }
+
+  if (!has_header()) {
+    std::vector<std::string> names;
+    for (const auto& [name, member] : object.items()) names.push_back(name);
+    read_header(std::move(names), line);
+  } else if (separator_ != 0) {
+    line.remarks.push_back(at_line("left out: it is a JSON object, the lines before are rows"));
+    return;
+  }
+
+  std::vector<std::string> cells;
+  for (const Column& column : columns_) {
+    const auto member = object.find(column.name);
+    cells.push_back(member == object.end() ? std::string() : cell_of(*member));
+  }
+  read_cells(cells, line);
+}
+
+void ReadingsTable::read_header(std::vector<std::string> names, Line& line) {
+  header_ = std::move(names);
+  if (map_)
+    find_columns_of_map(line);
+  else
+    read_columns_of_header();
+  repetitions_.resize(columns_.size());
+
+  std::vector<std::string> left_out;
+  for (const std::string& name : header_)
+    if (std::ranges::find(columns_, name, &Column::name) == columns_.end()) left_out.push_back(name);
+  if (!left_out.empty())
+    line.remarks.push_back("columns that are left out: " + quoted_list(left_out));
+}
+
+void ReadingsTable::read_columns_of_header() {
+  try {
+    for (const std::string& name : header_)
+      if (auto column = column_of_heading(name)) columns_.push_back(std::move(*column));
+  } catch (const CommandFailed& failure) {
+    throw invalid(fmt::format("readings, line {}: {}", number_, failure.what()));
+  }
+
+  if (const std::string fault = fault_among(columns_); !fault.empty())
+    throw invalid(fmt::format("readings, line {}: {}; permitted: {}. Other names: --columns FILE",
+                              number_, fault, header_form));
+}
+
+void ReadingsTable::find_columns_of_map(Line& line) {
+  std::vector<std::string> missing;
+  for (const Column& column : columns_)
+    if (std::ranges::find(header_, column.name) == header_.end()) missing.push_back(column.name);
+  if (missing.empty()) return;
+
+  // An object may hold some of the values only.
+  const std::string text = fmt::format("there is no {} among {}", quoted_list(missing),
+                                       quoted_list(header_));
+  if (separator_ == 0) {
+    line.remarks.push_back(at_line(text));
+    return;
+  }
+  throw invalid(fmt::format("readings, line {}: {}; name one of these in the file of columns, or "
+                            "leave the column out of it",
+                            number_, text));
+}
+
+void ReadingsTable::read_cells(const std::vector<std::string>& cells, Line& line) {
+  std::vector<std::optional<double>> measured(columns_.size());
+  std::optional<double> length_m;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (cells[i].empty()) continue;
+    measured[i] = value_in(cells[i], columns_[i]);
+    if (!measured[i])
+      line.remarks.push_back(at_line(fmt::format(
+          "\"{}\" of {} is no {} and left out", shown(cells[i]), shown(columns_[i].name),
+          columns_[i].unit.empty() ? "time stamp" : "number")));
+    else if (columns_[i].measured == Measured::time)
+      line.time_s = measured[i];
+    else if (columns_[i].measured == Measured::cast_length)
+      length_m = measured[i];
+  }
+  if (!line.time_s) {
+    line.remarks.push_back(at_line("left out: it has no time"));
+    return;
+  }
+  if (!follows_last(*line.time_s, line)) return;
+
+  v1::Reading reading;
+  reading.set_time_s(*line.time_s);
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (!measured[i] || columns_[i].measured == Measured::time) continue;
+    set_value(columns_[i], *measured[i], reading);
+    report_repetition(i, *measured[i], *line.time_s, line);
+  }
+  if (length_m) set_speed(*line.time_s, *length_m, reading, line);
+  place_in_time(std::move(reading), line);
+}
+
+/// Whether a time is later than that of the last reading, which it becomes.
+bool ReadingsTable::follows_last(double time_s, Line& line) {
+  const auto text = [this](double seconds) {
+    return zero_s_ ? fmt::format("{:g} s", seconds - *zero_s_) : clock_text(seconds);
+  };
+  if (last_s_ && time_s < *last_s_ + least_step_s) {
+    line.remarks.push_back(at_line(
+        fmt::format("left out: {} is not later than {}", text(time_s), text(*last_s_))));
+    return false;
+  }
+  if (last_s_ && time_s - *last_s_ > longest_gap_s)
+    line.remarks.push_back(at_line(fmt::format(
+        "no reading for {:g} s: the plan of the case holds there", time_s - *last_s_)));
+  last_s_ = time_s;
+  return true;
+}
+
+/// The speed since the last length. The first length gives none.
+void ReadingsTable::set_speed(double time_s, double length_m, v1::Reading& reading, Line& line) {
+  const auto last = std::exchange(last_length_, std::pair(time_s, length_m));
+  if (!last) return;
+  if (length_m >= last->second)
+    return reading.set_casting_speed_m_per_s((length_m - last->second) / (time_s - last->first));
+  line.remarks.push_back(
+      at_line(fmt::format("the cast length falls from {:g} to {:g} mm; the speed is left out",
+                          1e3 * last->second, 1e3 * length_m)));
+}
+
+/// Reports a value that is exactly the same for long since the block moves.
+void ReadingsTable::report_repetition(std::size_t column, double value, double time_s,
+                                      Line& line) {
+  if (!zero_s_ || time_s < *zero_s_) return;
+  auto& repetition = repetitions_[column];
+  if (!repetition || repetition->value != value) {
+    repetition = Repetition{.value = value, .since_s = time_s};
+    return;
+  }
+  if (repetition->reported || time_s - repetition->since_s < longest_repetition_s) return;
+
+  repetition->reported = true;
+  line.remarks.push_back(at_line(
+      fmt::format("{} has not changed at all for {:g} s; it counts, but look whether its sensor is "
+                  "alive",
+                  shown(columns_[column].name), time_s - repetition->since_s)));
+}
+
+/// Gives a reading the time of the case; while that is unknown it waits.
+void ReadingsTable::place_in_time(v1::Reading reading, Line& line) {
+  const double time_s = reading.time_s();
+  const bool knows_speed = reading.has_casting_speed_m_per_s();
+  const bool moves = knows_speed && reading.casting_speed_m_per_s() > still_m_per_s;
+  if (!zero_s_ && moves) find_zero(time_s, line);
+  if (!zero_s_ && knows_speed) still_s_ = time_s;
+
+  waiting_.push_back(std::move(reading));
+  if (waiting_.size() > most_waiting) waiting_.pop_front();
+  if (!zero_s_) return;
+
+  for (v1::Reading& each : waiting_) {
+    each.set_time_s(each.time_s() - *zero_s_);
+    line.readings.push_back(std::move(each));
+  }
+  waiting_.clear();
+}
+
+/// The block moves: it started when it was last seen to stand.
+void ReadingsTable::find_zero(double time_s, Line& line) {
+  if (!still_s_)
+    throw invalid(fmt::format("readings, line {1}: the bottom block moves already at {0}, so its start "
+                              "is not known; give it in the file of columns, such as time.zero = "
+                              "\"{0}\"",
+                              clock_text(time_s), number_));
+
+  zero_s_ = still_s_;
+  line.remarks.push_back(at_line(
+      fmt::format("the bottom block moves; time zero is {0}. Whoever starts this command again "
+                  "gives the file of columns time.zero = \"{0}\"",
+                  clock_text(*zero_s_))));
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/session/readings_columns.hpp"
+#include "dccast/v1/follow.pb.h"
+
+namespace dccast::client {
+
+/// Reads what a plant measures, line by line: rows of a table whose first line names the columns
+/// with their units,
+///
+///     time [s], speed [mm/min], water [l/min/m], narrow water [l/min/m], metal [degC], curl corner [mm]
+///
+/// or JSON objects with such names, {"time [s]": 12, "speed [mm/min]": 40}. With a file of columns
+/// the names are those of the plant. Other columns are left out.
+class ReadingsTable {
+public:
+  /// Longest line that is read [bytes].
+  static constexpr std::size_t longest_line = 65536;
+
+  /// A line as it was understood.
+  struct Line {
+    /// Known from now on, without numbers: that of this line, with those that waited for the time
+    /// zero.
+    std::vector<v1::Reading> readings;
+    std::vector<std::string> remarks;  ///< what is wrong with it, or was left out
+    std::optional<double> time_s;      ///< of the line, on the clock of the source
+  };
+
+  /// @param map  the plant's names; empty: those above
+  explicit ReadingsTable(std::optional<ColumnMap> map = {});
+
+  /// Takes the next line. Blank lines and comments ("#") hold nothing.
+  /// @throws CommandFailed  the columns have no time, no lever, or a unit that does not fit; the
+  /// bottom block moves before its start was seen
+  Line take(const std::string& line);
+
+  bool has_header() const { return !header_.empty(); }
+  /// Monitors whose curl has a column.
+  std::vector<std::string> gauges() const;
+
+private:
+  /// A measured value that stays the same.
+  struct Repetition {
+    double value, since_s;
+    bool reported = false;
+  };
+
+  std::string at_line(const std::string& text) const;
+  std::string clock_text(double seconds) const;
+  void take_row(const std::string& text, Line& line);
+  void take_object(const std::string& text, Line& line);
+  void read_header(std::vector<std::string> names, Line& line);
+  void read_columns_of_header();
+  void find_columns_of_map(Line& line);
+  /// @param cells  as many as columns; empty where there is no value
+  void read_cells(const std::vector<std::string>& cells, Line& line);
+  bool follows_last(double time_s, Line& line);
+  void set_speed(double time_s, double length_m, v1::Reading& reading, Line& line);
+  void report_repetition(std::size_t column, double value, double time_s, Line& line);
+  void place_in_time(v1::Reading reading, Line& line);
+  void find_zero(double time_s, Line& line);
+
+  std::optional<ColumnMap> map_;
+  std::vector<Column> columns_;
+  std::vector<std::string> header_;  ///< names in the first line
+  char separator_ = 0;               ///< of rows; 0: there are objects only
+  int number_ = 0;                   ///< of the line, from 1
+
+  /// What the last reading leaves.
+  std::optional<double> last_s_;                         ///< on the clock of the source
+  std::optional<std::pair<double, double>> last_length_;  ///< its time [s], and [m]
+  std::vector<std::optional<Repetition>> repetitions_;    ///< (column)
+
+  /// The time zero on the clock of the source; empty: the block has not moved.
+  std::optional<double> zero_s_ = 0.0;
+  std::optional<double> still_s_;    ///< when it was last seen to stand
+  std::deque<v1::Reading> waiting_;  ///< for the time zero; times of the source
+};
+
+}  // namespace dccast::client

@@ -1,0 +1,244 @@
+#include "client/session/readings_table.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/session/failure.hpp"
+
+namespace dccast::client {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+v1::Reading reading_of(ReadingsTable& table, const std::string& line) {
+  const ReadingsTable::Line taken = table.take(line);
+  EXPECT_THAT(taken.remarks, IsEmpty()) << line;
+  return taken.readings.empty() ? v1::Reading() : taken.readings.front();
+}
+
+TEST(ReadingsTable, ConvertsTheUnitsOfAPlant) {
+  ReadingsTable table;
+  EXPECT_THAT(table.take("# line 4").readings, IsEmpty());
+  EXPECT_FALSE(table.has_header());
+  EXPECT_THAT(
+      table.take("time [min]; speed [mm/min]; water [l/min/m]; narrow water [l/min/m]; metal [K]")
+          .readings,
+      IsEmpty());
+  EXPECT_TRUE(table.has_header());
+
+  const v1::Reading reading = reading_of(table, "0.5; 60; 90; 120; 953.15");
+  EXPECT_DOUBLE_EQ(reading.time_s(), 30.0);
+  EXPECT_DOUBLE_EQ(reading.casting_speed_m_per_s(), 1e-3);
+  EXPECT_DOUBLE_EQ(reading.water_flow_m2_per_s(), 1.5e-3);
+  EXPECT_DOUBLE_EQ(reading.narrow_water_flow_m2_per_s(), 2e-3);
+  EXPECT_NEAR(reading.casting_temperature_c(), 680.0, 1e-9);
+}
+
+TEST(ReadingsTable, ReadsTheCurlOfEachGauge) {
+  ReadingsTable table;
+  table.take("time [s], curl corner [mm], curl middle of the wide face [cm]");
+  EXPECT_THAT(table.gauges(), ElementsAre("corner", "middle of the wide face"));
+  const v1::Reading reading = reading_of(table, "1, 4.5, 0.2");
+  ASSERT_EQ(reading.curls_size(), 2);
+  EXPECT_EQ(reading.curls(0).monitor(), "corner");
+  EXPECT_DOUBLE_EQ(reading.curls(0).curl_m(), 4.5e-3);
+  EXPECT_DOUBLE_EQ(reading.curls(1).curl_m(), 2e-3);
+}
+
+TEST(ReadingsTable, AnEmptyCellIsNoReading) {
+  ReadingsTable table;
+  table.take("time [s], casting speed [m/s], water [m2/s]");
+  const v1::Reading reading = reading_of(table, "1,, 0.002");
+  EXPECT_FALSE(reading.has_casting_speed_m_per_s());
+  EXPECT_EQ(reading.water_flow_m2_per_s(), 0.002);
+}
+
+TEST(ReadingsTable, SaysWhatItLeavesOut) {
+  ReadingsTable table;
+  EXPECT_THAT(table.take("time [s], speed [mm/min], level [mm], operator").remarks,
+              ElementsAre("columns that are left out: \"level [mm]\", \"operator\""));
+  table.take("1, 40, 2, x");
+  EXPECT_THAT(table.take("1, 40, 2, x").remarks,
+              ElementsAre("line 3: left out: 1 s is not later than 1 s"));
+  EXPECT_THAT(table.take("2, forty, 2, x").remarks,
+              ElementsAre("line 4: \"forty\" of speed [mm/min] is no number and left out"));
+  EXPECT_THAT(table.take("3, 40").remarks,
+              ElementsAre("line 5: left out: it has 2 columns, the header 4"));
+  EXPECT_THAT(table.take(", 40, 2, x").remarks, ElementsAre("line 6: left out: it has no time"));
+
+  const auto late = table.take("20, 40, 2, x");
+  EXPECT_THAT(late.remarks,
+              ElementsAre("line 7: no reading for 18 s: the plan of the case holds there"));
+  EXPECT_EQ(late.readings.size(), 1u);
+}
+
+void expect_refused(const std::string& header, const std::string& why) {
+  ReadingsTable table;
+  try {
+    table.take(header);
+    FAIL() << header;
+  } catch (const CommandFailed& failure) {
+    EXPECT_EQ(failure.code(), ExitCode::invalid);
+    EXPECT_THAT(failure.what(), HasSubstr(why));
+  }
+}
+
+TEST(ReadingsTable, RefusesAHeaderThatNamesNoLever) {
+  expect_refused("time [s], colour [mm]", "one for a lever or a curl");
+  expect_refused("speed [mm/min], water [l/min/m]", "a column for the time");
+  expect_refused("time [s], speed [kg]", "[kg] of \"speed\" cannot be converted to m/s");
+  expect_refused("12, 40", "permitted: \"time [s]");
+}
+
+TEST(ReadingsTable, AColumnGivenTwiceIsRefused) {
+  expect_refused("time [s], speed [mm/min], casting speed [m/s]",
+                 "\"speed [mm/min]\" and \"casting speed [m/s]\" measure the same");
+  expect_refused("time [s], speed [mm/min], cast length [mm]", "leave one of them out");
+}
+
+TEST(ReadingsTable, ReadsObjectsWithTheSameNames) {
+  ReadingsTable table;
+  const auto first = table.take(
+      R"({"time [s]": 1, "speed [mm/min]": 60, "curl corner [mm]": "4.5", "batch": 7})");
+  EXPECT_THAT(first.remarks, ElementsAre("columns that are left out: \"batch\""));
+  ASSERT_EQ(first.readings.size(), 1u);
+  EXPECT_DOUBLE_EQ(first.readings[0].casting_speed_m_per_s(), 1e-3);
+  EXPECT_DOUBLE_EQ(first.readings[0].curls(0).curl_m(), 4.5e-3);
+  EXPECT_THAT(table.gauges(), ElementsAre("corner"));
+
+  const v1::Reading next = reading_of(table, R"({"speed [mm/min]": null, "time [s]": 2.5})");
+  EXPECT_EQ(next.time_s(), 2.5);
+  EXPECT_FALSE(next.has_casting_speed_m_per_s());
+}
+
+TEST(ReadingsTable, SaysWhatIsWrongWithAnObject) {
+  ReadingsTable table;
+  table.take(R"({"time [s]": 1, "speed [mm/min]": 60})");
+  const auto remark = [&](const std::string& line) {
+    const auto taken = table.take(line);
+    return taken.remarks.empty() ? "nothing" : taken.remarks.front();
+  };
+  EXPECT_EQ(remark(R"({"time [s]": 2, "speed [mm/min]": 6)"),
+            "line 2: left out: it is no complete JSON object");
+  EXPECT_EQ(remark(R"({"time [s]": 2, "speed [mm/min]": {"value": 60}})"),
+            "line 3: \"{...}\" of speed [mm/min] is no number and left out");
+  EXPECT_EQ(remark(R"({"time [s]": true, "speed [mm/min]": 60})"),
+            "line 4: \"true\" of time [s] is no number and left out");
+  EXPECT_EQ(remark(R"({"time [s]": 1e999, "speed [mm/min]": 60})"),
+            "line 5: left out: it is no complete JSON object");
+  EXPECT_EQ(remark("4, 40"), "line 6: left out: it is no JSON object, as the lines before are");
+  EXPECT_EQ(remark("{}"), "line 7: left out: it has no time");
+
+  const std::string nested(60000, '[');
+  EXPECT_EQ(remark(R"({"time [s]": )" + nested),
+            "line 8: left out: it is no complete JSON object");
+  EXPECT_EQ(remark(R"({"time [s]": 9, "x": )" + nested + std::string(nested.size(), ']') + "}"),
+            "line 9: left out: longer than 65536 bytes");
+  EXPECT_EQ(reading_of(table, R"({"time [s]": 10, "speed [mm/min]": 60})").time_s(), 10.0);
+}
+
+TEST(ReadingsTable, AnObjectAmongRowsIsLeftOut) {
+  ReadingsTable table;
+  table.take("time [s], speed [mm/min]");
+  EXPECT_THAT(table.take(R"({"time [s]": 1})").remarks,
+              ElementsAre("line 2: left out: it is a JSON object, the lines before are rows"));
+}
+
+TEST(ReadingsTable, BytesThatAreNoTextAreShownEscaped) {
+  ReadingsTable table;
+  table.take("time [s], speed [mm/min]");
+  EXPECT_THAT(table.take(std::string("1, 4\0" "0\x1b[2J", 12)).remarks,
+              ElementsAre("line 2: \"4\\u{00}0\\u{1B}[2J\" of speed [mm/min] is no number and left out"));
+  EXPECT_THAT(table.take(std::string("\0\0\0", 3)).remarks,
+              ElementsAre("line 3: left out: it has 1 columns, the header 2"));
+  EXPECT_THAT(table.take(std::string("{\0}", 3)).remarks,
+              ElementsAre(HasSubstr("line 4: left out: it is a JSON object")));
+}
+
+TEST(ReadingsTable, AHeaderThatIsWrittenAgainIsNoLine) {
+  ReadingsTable table;
+  table.take("time [s], speed [mm/min]");
+  reading_of(table, "1, 40");
+  EXPECT_THAT(table.take("time [s], speed [mm/min]").remarks, IsEmpty());
+  EXPECT_EQ(reading_of(table, "2, 40").time_s(), 2.0);
+}
+
+TEST(ReadingsTable, ReportsOnceASensorThatShowsTheSameForLong) {
+  ReadingsTable table;
+  table.take("time [s], speed [mm/min], metal [degC]");
+  std::vector<std::string> remarks;
+  for (int t = -200; t <= 300; ++t) {
+    const auto line = table.take(fmt::format("{}, {}, {}", t, t > 0 ? 40 + t % 3 : 0, 680));
+    remarks.insert(remarks.end(), line.remarks.begin(), line.remarks.end());
+    EXPECT_EQ(line.readings.front().casting_temperature_c(), 680.0);
+  }
+  EXPECT_THAT(remarks, ElementsAre("line 322: metal [degC] has not changed at all for 120 s; it "
+                                   "counts, but look whether its sensor is alive"));
+}
+
+TEST(ReadingsTable, TheSpeedFollowsFromTheCastLength) {
+  ReadingsTable table;
+  table.take("time [s], cast length [mm], metal [degC]");
+  EXPECT_FALSE(reading_of(table, "0, 10, 680").has_casting_speed_m_per_s());
+  EXPECT_DOUBLE_EQ(reading_of(table, "2, 12, 680").casting_speed_m_per_s(), 1e-3);
+  EXPECT_FALSE(reading_of(table, "3, , 680").has_casting_speed_m_per_s());
+  EXPECT_DOUBLE_EQ(reading_of(table, "4, 13, 680").casting_speed_m_per_s(), 0.5e-3);
+
+  const auto reset = table.take("5, 0, 680");
+  EXPECT_THAT(reset.remarks, ElementsAre(HasSubstr("falls from 13 to 0 mm; the speed is left out")));
+  EXPECT_FALSE(reset.readings.front().has_casting_speed_m_per_s());
+  EXPECT_DOUBLE_EQ(reading_of(table, "6, 1, 680").casting_speed_m_per_s(), 1e-3);
+}
+
+const char* const names_of_plant = R"(
+time  = { name = "ts", zero = "motion" }
+speed = { name = "DB12.CastSpeed", unit = "mm/min" }
+water = { name = "FT101", unit = "m3/h", per = "5 m" }
+curl.corner = { name = "LVDT", unit = "mm" }
+)";
+
+TEST(ReadingsTable, ReadsTheNamesUnitsAndClockOfAPlant) {
+  ReadingsTable table(parse_columns(names_of_plant, "plant.toml"));
+  EXPECT_THAT(table.gauges(), ElementsAre("corner"));
+
+  // While the block stands nobody knows the time of the case.
+  EXPECT_THAT(table.take(R"({"ts": "2026-11-27T05:00:10+01:00", "DB12.CastSpeed": 0, "FT101": 18,
+                             "LVDT": 0.1})").readings, IsEmpty());
+  const auto still = table.take(R"({"ts": "2026-11-27T04:00:11Z", "DB12.CastSpeed": 0.2})");
+  EXPECT_THAT(still.readings, IsEmpty());
+  EXPECT_TRUE(still.time_s);
+
+  const auto line = table.take(R"({"ts": "2026-11-27T04:00:12.5Z", "DB12.CastSpeed": 30})");
+  ASSERT_EQ(line.readings.size(), 3u);
+  EXPECT_NEAR(line.readings[0].time_s(), -1.0, 1e-6);
+  EXPECT_DOUBLE_EQ(line.readings[0].water_flow_m2_per_s(), 1e-3);
+  EXPECT_EQ(line.readings[0].curls(0).monitor(), "corner");
+  EXPECT_NEAR(line.readings[1].time_s(), 0.0, 1e-6);
+  EXPECT_NEAR(line.readings[2].time_s(), 1.5, 1e-6);
+  EXPECT_THAT(line.remarks, ElementsAre(HasSubstr("time.zero = \"2026-11-27T04:00:11Z\"")));
+}
+
+TEST(ReadingsTable, AStartThatWasNotSeenIsNotGuessed) {
+  ReadingsTable table(parse_columns(names_of_plant, "plant.toml"));
+  try {
+    table.take(R"({"ts": "2026-11-27T04:00:12Z", "DB12.CastSpeed": 30})");
+    FAIL();
+  } catch (const CommandFailed& failure) {
+    EXPECT_THAT(failure.what(), HasSubstr("time.zero = \"2026-11-27T04:00:12Z\""));
+  }
+}
+
+TEST(ReadingsTable, ANameThatTheSourceLacksIsReported) {
+  ReadingsTable objects(parse_columns(names_of_plant, "plant.toml"));
+  EXPECT_THAT(objects.take(R"({"ts": "2026-11-27 04:00:12", "DB12.CastSpeed": 0})").remarks,
+              ElementsAre("line 1: there is no \"FT101\", \"LVDT\" among \"DB12.CastSpeed\", \"ts\""));
+
+  ReadingsTable rows(parse_columns(names_of_plant, "plant.toml"));
+  EXPECT_THROW(rows.take("ts, DB12.CastSpeed"), CommandFailed);
+}
+
+}  // namespace
+}  // namespace dccast::client
