@@ -47,7 +47,7 @@ using Add = void(cli::CommandLine&, Program&);
 /// Each adds one command with its options: cases; runs; jobs and what is known of them; results;
 /// studies; servers and this program.
 Add add_new, add_validate, add_schema, add_alloys;
-Add add_submit, add_follow, add_forecast, add_replay, add_watch, add_query, add_compare;
+Add add_submit, add_follow, add_forecast, add_line, add_replay, add_watch, add_query, add_compare;
 Add add_list, add_show, add_wait, add_cancel, add_pause, add_resume, add_delete;
 Add add_label, add_pin, add_unpin, add_usage, add_case, add_logs, add_top;
 Add add_curl, add_probe, add_contraction, add_fetch, add_report, add_dashboard;

@@ -28,6 +28,7 @@ struct FollowOptions {
   std::vector<std::string> set;
   std::vector<std::string> labels;
   std::string ensemble;
+  std::string line;
   std::string noise = "1 mm", zero = "0 mm";
   bool prepare = false;
   bool growing = false;
@@ -50,8 +51,8 @@ std::vector<v1::Reading> readings_in(const std::vector<std::string>& lines, Read
   return readings;
 }
 
-/// Names the studies on which the forecast of a case rests: the one that the user gives, or those
-/// that prepare it.
+/// Names what the forecast of a case rests on: the study that the user gives, those that prepare
+/// it, or a run of the plan.
 void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& request,
                  Connection& connection, v1::Following& following) {
   if (!options.ensemble.empty()) {
@@ -61,8 +62,13 @@ void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& reque
 
   const auto found = find_preparation(connection, request.case_(), request.attachments());
   if (!found) {
-    remark("this plan is not prepared, so there is no forecast: dccast follow --prepare " +
-           options.file);
+    following.set_plan_job(find_or_run_plan(connection, request));
+    remark(fmt::format(
+        "this plan is not prepared: the forecast is its run, job {}, plus the last difference between "
+        "measured and computed curl. Before the next casting: dccast follow --prepare {}",
+        following.plan_job(), options.file));
+    if (!options.line.empty())
+      remark(fmt::format("line {} learns nothing from a casting that is not prepared", options.line));
     return;
   }
   following.set_ensemble(found->ensemble.id());
@@ -75,6 +81,9 @@ v1::Following following_of(const FollowOptions& options, const ReadingsTable& ta
   v1::Following following;
   if (!table.gauges().empty() || !options.ensemble.empty())
     add_studies(options, request, connection, following);
+  following.set_line(options.line);
+  if (!options.line.empty() && table.gauges().empty())
+    remark(fmt::format("line {} learns nothing: no column has a measured curl", options.line));
   for (const std::string& monitor : table.gauges()) {
     v1::Gauge& gauge = *following.add_gauges();
     gauge.set_monitor(monitor);
@@ -167,7 +176,7 @@ ExitCode run(const FollowOptions& options, Program& program) {
 }
 
 constexpr const char* examples = R"(dccast follow --prepare my.toml         # before the casting; takes minutes
-  plant-logger | dccast follow my.toml
+  plant-logger | dccast follow my.toml --line pit-3
   dccast follow my.toml --readings today.csv --growing
   dccast follow my.toml --readings casting-41.csv        # one that was cast, computed again
   plant-logger | dccast follow --job JOB                 # after this program was stopped
@@ -210,6 +219,10 @@ void add_follow(cli::CommandLine& line, Program& program) {
   command.option("--ensemble", options.ensemble,
                  "Study of uncertainty of this plan instead of what --prepare computed",
                  {.placeholder = "STUDY"});
+  command.option("--line", options.line,
+                 "Line on which the casting is made: the forecast learns from its earlier castings, "
+                 "and the next ones from this (dccast line)",
+                 {.placeholder = "NAME", .excludes = {"--job", "--prepare"}});
   command.option("--noise", options.noise,
                  "Standard deviation of a measured curl; default \"1 mm\"", length);
   command.option("--zero", options.zero,

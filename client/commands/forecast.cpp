@@ -42,13 +42,32 @@ void add_rows(const v1::ForecastCurl& curl, double now_s, render::Table& table) 
   add("end", end_s);
 }
 
+/// What castings on the line have told.
+void print_line_memory(const v1::ForecastCurl& curl) {
+  const v1::LineMemory& line = curl.line();
+  if (line.castings() == 0) {
+    std::cout << fmt::format("{}: no earlier casting on the line counts\n", curl.monitor());
+    return;
+  }
+  std::cout << fmt::format("{}: {} earlier casting{} on the line; {:.0f} % of the variance differs from "
+                           "casting to casting, the model is off by {:.0f} %\n",
+                           curl.monitor(), line.castings(), line.castings() == 1 ? "" : "s",
+                           100.0 * line.scatter(), 100.0 * line.model_error());
+}
+
 void print_forecast(const v1::Forecast& forecast) {
   render::Table table({"curl of", "when", ">at s", ">mm", ">5 %", ">95 %"});
   for (const v1::ForecastCurl& curl : forecast.curls()) add_rows(curl, forecast.time_s(), table);
   std::cout << table.text();
   for (const v1::ForecastCurl& curl : forecast.curls()) {
-    std::cout << fmt::format("{}: {} readings, {} left out; {} members\n", curl.monitor(),
-                             curl.readings(), curl.left_out(), curl.members());
+    std::cout << fmt::format("{}: {} readings, {} left out; {}\n", curl.monitor(), curl.readings(),
+                             curl.left_out(),
+                             curl.members() > 0 ? fmt::format("{} members", curl.members())
+                                                : "the run of the plan alone");
+    std::cout << fmt::format("{}: before the casting {:.1f} mm at its end ({:.1f} to {:.1f})\n",
+                             curl.monitor(), 1e3 * curl.before().curl_m(),
+                             1e3 * curl.before().lower_m(), 1e3 * curl.before().upper_m());
+    if (curl.has_line()) print_line_memory(curl);
     if (curl.zero_upper_m() > curl.zero_lower_m())
       std::cout << fmt::format("{}: the gauge shows {:.1f} mm too much ({:.1f} to {:.1f})\n",
                                curl.monitor(), 1e3 * curl.zero_m(), 1e3 * curl.zero_lower_m(),

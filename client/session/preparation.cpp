@@ -20,9 +20,9 @@ using Attachments = google::protobuf::RepeatedPtrField<v1::Attachment>;
 constexpr int members = 64;
 constexpr int most_pairs = 16;
 
-/// Labels of both studies of a plan.
+/// Labels of both studies of a plan, and of its run.
 struct Labels {
-  std::string ensemble, pairs;
+  std::string ensemble, pairs, plan;
 };
 
 /// The quality of the case does not count: the studies have their own.
@@ -32,7 +32,7 @@ Labels labels_of(v1::Case plan, const Attachments& attachments) {
   digest.add(plan.SerializeAsString());
   for (const v1::Attachment& file : attachments) digest.add(file.name() + '\n' + file.sha256());
   const std::string begin = digest.finish().substr(0, 16);
-  return {"ensemble=" + begin, "pairs=" + begin};
+  return {"ensemble=" + begin, "pairs=" + begin, "plan=" + begin};
 }
 
 /// The newest study with a label that was not cancelled.
@@ -45,7 +45,8 @@ std::optional<v1::Study> labelled(const std::vector<v1::Study>& studies, const s
 }
 
 /// Makes the runs of a request of this quality, whatever the case says.
-void set_quality(v1::Quality quality, const char* name, v1::CreateStudyRequest& request) {
+template <typename Request>
+void set_quality(v1::Quality quality, const char* name, Request& request) {
   request.mutable_case_()->set_quality(quality);
   *request.add_changes() = case_file::change_of("quality", name);
 }
@@ -112,6 +113,25 @@ std::optional<Preparation> prepare(Connection& connection, const StudyCase& base
   }
   await(*there->pairs);
   return there;
+}
+
+std::string find_or_run_plan(Connection& connection, const v1::SubmitJobRequest& submission) {
+  const std::string label = labels_of(submission.case_(), submission.attachments()).plan;
+  v1::ListJobsRequest known;
+  known.add_labels(label);
+  for (const v1::JobState state : {v1::QUEUED, v1::RUNNING, v1::SUCCEEDED}) known.add_states(state);
+  const JobListing listing = list_jobs(connection, known, 1);
+  if (!listing.jobs.empty()) return listing.jobs.front().id();
+
+  // The casting begins now: its forecast waits for this run.
+  v1::SubmitJobRequest run = submission;
+  run.set_request_id(values::random_uuid());
+  set_quality(v1::DRAFT, "draft", run);
+  run.add_labels(label);
+  run.set_priority(v1::HIGH);
+  v1::Job job;
+  check(submit_with_retries(connection, run, job), connection.server());
+  return job.id();
 }
 
 }  // namespace dccast::client

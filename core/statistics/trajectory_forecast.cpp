@@ -61,6 +61,26 @@ TrajectoryPrior prior_of(const TrajectoryEnsemble& e) {
   return prior;
 }
 
+TrajectoryPrior random_walk_about(const Eigen::VectorXd& time, const Eigen::VectorXd& nominal,
+                                  double share) {
+  const Eigen::Index instants = time.size();
+  require(instants >= 2, "a trajectory needs two instants");
+  require(nominal.size() == instants, "the nominal run has other instants");
+
+  Eigen::VectorXd way = Eigen::VectorXd::Zero(instants);
+  for (Eigen::Index i = 1; i < instants; ++i)
+    way(i) = way(i - 1) + std::abs(nominal(i) - nominal(i - 1));
+  constexpr double even = 0.1;
+  const double whole = way(instants - 1);
+  const Eigen::VectorXd passed = (time.array() - time(0)) / (time(instants - 1) - time(0));
+  way = (1.0 - even) * way + even * whole * passed;
+
+  Eigen::MatrixXd covariance(instants, instants);
+  for (Eigen::Index i = 0; i < instants; ++i)
+    covariance.col(i) = share * share * whole * way.cwiseMin(way(i));
+  return {time, nominal, Eigen::VectorXd::Zero(instants), covariance};
+}
+
 TrajectoryForecast::TrajectoryForecast(const TrajectoryPrior& prior, const Gauge& gauge)
     : time_(prior.time), noise_(gauge.noise) {
   const Eigen::Index instants = time_.size();

@@ -35,6 +35,20 @@ struct TrajectoryEnsemble {
 /// @throws std::invalid_argument  sizes that do not belong together, or too few members
 TrajectoryPrior prior_of(const TrajectoryEnsemble& ensemble);
 
+/// The prior of a quantity of which one nominal run is known alone. The deviation is a random walk
+/// along the way of the nominal run: after a reading the last deviation is expected to stay, neither
+/// decaying nor growing. At the end its standard deviation is a share of that way:
+///
+///     covariance(t, s) = share^2 w(end) w(min(t, s))
+///
+/// w is the sum of |changes of the nominal run|, of which a tenth grows evenly with time, since the
+/// truth may move before its nominal run does.
+/// @param time     (instant) [s] increasing, two or more
+/// @param nominal  (instant) [unit]
+/// @throws std::invalid_argument  sizes that do not belong together
+TrajectoryPrior random_walk_about(const Eigen::VectorXd& time, const Eigen::VectorXd& nominal,
+                                  double share);
+
 /// How a quantity is measured.
 struct Gauge {
   double noise = 1.0;  ///< standard deviation of a reading [unit]

@@ -17,7 +17,10 @@ struct CallRule {
 
   bool touches_job() const { return is_any_of(v1::READS_JOB, v1::CHANGES_JOB); }
   bool touches_study() const { return is_any_of(v1::READS_STUDY, v1::CHANGES_STUDY); }
-  bool changes() const { return is_any_of(v1::CHANGES_JOB, v1::CHANGES_STUDY); }
+  bool touches_line() const { return is_any_of(v1::READS_LINE, v1::CHANGES_LINE); }
+  bool changes() const {
+    return is_any_of(v1::CHANGES_JOB, v1::CHANGES_STUDY) || access.touches() == v1::CHANGES_LINE;
+  }
 
 private:
   bool is_any_of(v1::Touches first, v1::Touches second) const {
@@ -51,13 +54,13 @@ public:
 
   /// Reason to deny a call because of the role; empty if allowed.
   std::optional<refusal::Facts> role_fault(const Caller& caller, const CallRule& rule);
-  /// Whether only the owner of the job or study may make the call.
+  /// Whether only the owner of the job, study or line may make the call.
   bool needs_ownership(const Caller& caller, const CallRule& rule) const {
     return rule.access.touches() != v1::NOTHING && caller.role < v1::ADMIN &&
            (rule.changes() || policy_.reads_own_only);
   }
-  /// Reason to deny access to a job or study of `owner`; empty if allowed.
-  /// @param subject  "job" or "study", with its id
+  /// Reason to deny access to a job, study or line of `owner`; empty if allowed.
+  /// @param subject  "job", "study" or "line", with its id
   std::optional<refusal::Facts> owner_fault(const Caller& caller, const CallRule& rule,
                                             const std::string& owner, const std::string& subject);
   /// Whether lists, too, show only the caller's own jobs.

@@ -33,6 +33,7 @@
 #include "server/jobs/queue/ended_jobs.hpp"
 #include "server/service/server.hpp"
 #include "server/state/index.hpp"
+#include "server/studies/lines.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::daemon {
@@ -232,7 +233,7 @@ private:
   std::jthread renewer_;
 };
 
-/// Owner of a job or study, if it exists.
+/// Owner of a job, study or line, if it exists.
 template <typename Found>
 std::optional<std::string> owner(const Found& found) {
   return found ? std::optional(found->owner()) : std::nullopt;
@@ -269,6 +270,7 @@ struct JobSide {
   jobs::Scheduler scheduler;
   studies::StudyStore study_store;
   studies::Studies studies;
+  studies::Lines lines;
 };
 
 JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
@@ -299,7 +301,8 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
       studies({.directory = directory.studies(),
                .jobs_directory = directory.jobs(),
                .check_timeout = milliseconds(settings.checks().timeout_s())},
-              study_store, scheduler, intake) {
+              study_store, scheduler, intake),
+      lines(directory.lines()) {
   scheduler.observe_transitions([this](const v1::Job& job, v1::JobState from) {
     tally.count(job, from);
     if (jobs::is_terminal(job.state())) readings.close(job.id());
@@ -330,7 +333,8 @@ AccessSide::AccessSide(const v1::DaemonConfig& config, JobSide& jobs)
             .streams = static_cast<std::size_t>(config.limits().maximum_streams()),
             .streams_per_user = static_cast<std::size_t>(config.per_user().maximum_streams())},
            {.job = [&jobs](const std::string& id) { return owner(jobs.scheduler.find(id)); },
-            .study = [&jobs](const std::string& id) { return owner(jobs.studies.find(id)); }}) {}
+            .study = [&jobs](const std::string& id) { return owner(jobs.studies.find(id)); },
+            .line = [&jobs](const std::string& id) { return owner(jobs.lines.find(id)); }}) {}
 
 /// Objects that the calls of the service use.
 service::Context make_context(const v1::DaemonConfig& config, JobSide& jobs, service::Gate& gate) {
@@ -341,6 +345,7 @@ service::Context make_context(const v1::DaemonConfig& config, JobSide& jobs, ser
           .readings = jobs.readings,
           .store = *jobs.store,
           .studies = jobs.studies,
+          .lines = jobs.lines,
           .intake = jobs.intake,
           .uploads = jobs.uploads,
           .gate = gate,

@@ -80,7 +80,7 @@ private:
   Gate& gate_;
 };
 
-/// The `id` of the job or study that a request names; empty if its call touches neither.
+/// The `id` of the job, study or line that a request names; empty if its call touches none.
 std::string id_of(const google::protobuf::Message& request, const access::CallRule& rule) {
   if (rule.access.touches() == v1::NOTHING) return "";
   const auto* field = request.GetDescriptor()->FindFieldByName("id");
@@ -138,6 +138,7 @@ Call CallOrigin::admit(std::function<bool()> cancelled) {
 void CallOrigin::check_id() const {
   if (rule_->touches_job()) check_job_id(id_);
   if (rule_->touches_study()) check_study_id(id_);
+  if (rule_->touches_line()) check_line_name(id_);
 }
 
 void CallOrigin::count(const grpc::Status& status) const {
@@ -150,6 +151,7 @@ void CallOrigin::record(const Call& call, const grpc::Status& status) const {
   v1::AuditEvent event = *call.note;
   if (rule_->touches_job()) event.set_job(id_);
   if (rule_->touches_study()) event.set_study(id_);
+  if (rule_->touches_line()) event.set_line(id_);
   gate_->record(std::move(event), call.caller, *rule_, shown_.peer->address, status);
 }
 

@@ -63,7 +63,7 @@ private:
 
   /// Never null; a pointer so that an origin can be moved.
   Gate* gate_;
-  /// Role that the method needs, and whether it touches a job or study.
+  /// Role that the method needs, and whether it touches a job, study or line.
   const access::CallRule* rule_;
   std::string id_;  ///< of the job or study named in the request
   Shown shown_;

@@ -16,6 +16,7 @@
 #include "server/jobs/recent.hpp"
 #include "server/jobs/store/job_store.hpp"
 #include "server/service/gate.hpp"
+#include "server/studies/lines.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::service {
@@ -44,6 +45,7 @@ struct Context {
   jobs::ReadingsLogs& readings;
   jobs::JobStore& store;
   studies::Studies& studies;
+  studies::Lines& lines;
   /// Checks of cases, and files that cases name.
   const intake::CaseIntake& intake;
   intake::Uploads& uploads;

@@ -79,12 +79,14 @@ grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& 
 grpc::Status Gate::permit_touch(const access::Caller& caller, const access::CallRule& rule,
                                 const std::string& id) {
   if (!authority_.needs_ownership(caller, rule)) return grpc::Status::OK;
-  const bool of_study = rule.touches_study();
-  const auto owner = (of_study ? owners_.study : owners_.job)(id);
+  const OwnerOf& owner_of = rule.touches_line()    ? owners_.line
+                            : rule.touches_study() ? owners_.study
+                                                   : owners_.job;
+  const auto owner = owner_of(id);
   if (!owner) return grpc::Status::OK;  // the handler answers NOT_FOUND
 
-  const auto fault =
-      authority_.owner_fault(caller, rule, *owner, (of_study ? "study " : "job ") + id);
+  const char* const kind = rule.touches_line() ? "line " : rule.touches_study() ? "study " : "job ";
+  const auto fault = authority_.owner_fault(caller, rule, *owner, kind + id);
   return fault ? make_status(*fault) : grpc::Status::OK;
 }
 

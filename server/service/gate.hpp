@@ -61,7 +61,7 @@ private:
   std::map<unsigned, std::string> names_;  ///< by user id
 };
 
-/// Finds the owner of a job or study; empty if there is no such job or study.
+/// Finds the owner of a job, study or line; empty if there is none.
 using OwnerOf = std::function<std::optional<std::string>(const std::string& id)>;
 
 /// Authentication, permissions by role and by owner, limits on calls and streams, and the audit
@@ -75,7 +75,7 @@ public:
   };
   /// How the gate finds the owner of what a call touches.
   struct Owners {
-    OwnerOf job, study;
+    OwnerOf job, study, line;
   };
 
   /// @param authority  users and roles
@@ -87,7 +87,7 @@ public:
   /// Checks role and call rate.
   grpc::Status permit(const access::Caller& caller, const access::CallRule& rule,
                       const std::string& peer);
-  /// Checks the owner of the job or study `id`; OK if there is none. Reads the store.
+  /// Checks the owner of the job, study or line `id`; OK if there is none. Reads the store.
   grpc::Status permit_touch(const access::Caller& caller, const access::CallRule& rule,
                             const std::string& id);
 

@@ -73,6 +73,23 @@ v1::Study readable_sweep(Context& context, const Call& call, const std::string& 
   return study;
 }
 
+/// Checks that the caller may read a job, and that there is such a job. @throws Refusal
+v1::Job readable_job(Context& context, const access::Caller& caller, const std::string& id) {
+  check_job_id(id);
+  const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
+  if (const auto status = context.gate.permit_touch(caller, reading, id); !status.ok())
+    throw Refusal{status};
+  return find_job(context, id);
+}
+
+/// Checks the name of the line of a casting, and that it is no line of another user.
+void check_line(Context& context, const access::Caller& caller, const std::string& name) {
+  check_line_name(name);
+  const auto& changing = access::rule_of(*v1::RestartLineRequest::descriptor());
+  if (const auto status = context.gate.permit_touch(caller, changing, name); !status.ok())
+    throw Refusal{status};
+}
+
 /// Checks the studies on which the forecast of a casting rests.
 void check_ensemble(Context& context, const Call& call, const v1::Following& following) {
   if (following.ensemble().empty()) {
@@ -110,6 +127,10 @@ void check_following(Context& context, const Call& call, const v1::SubmitJobRequ
   }
 
   check_ensemble(context, call, request.following());
+  if (const std::string& plan = request.following().plan_job(); !plan.empty())
+    readable_job(context, call.caller, plan);
+  if (const std::string& line = request.following().line(); !line.empty())
+    check_line(context, call.caller, line);
 }
 
 /// Refuses a job that could never start. Permission is checked for each predecessor, so that the
@@ -119,11 +140,7 @@ void check_jobs_before(Context& context, const access::Caller& caller,
   constexpr int most = 100;
   if (after.size() > most) refuse("a job waits for at most 100 others");
   for (const std::string& id : after) {
-    check_job_id(id);
-    const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
-    if (const auto status = context.gate.permit_touch(caller, reading, id); !status.ok())
-      throw Refusal{status};
-    const v1::Job job = find_job(context, id);
+    const v1::Job job = readable_job(context, caller, id);
     if (job.state() == v1::FAILED || job.state() == v1::CANCELLED)
       refuse_state(job, "nothing can come after it");
   }
@@ -164,6 +181,24 @@ SoundSubmission examine(Context& context, const Call& call, const v1::SubmitJobR
   return {std::move(examined), std::move(attachments)};
 }
 
+/// Submits a job on a line. The line is there before the job, so that no other user makes it
+/// meanwhile; a call that is repeated after a crash adds the casting once.
+v1::Job submit_on_line(Context& context, const Call& call, const jobs::NewJob& job,
+                       const jobs::Attachments& attachments) {
+  const std::string& name = job.following->line();
+  context.lines.begin(name, call.caller.name);
+  check_line(context, call.caller, name);
+
+  v1::Job submitted = context.scheduler.submit(job, attachments);
+  v1::LineCasting casting;
+  casting.set_job(submitted.id());
+  casting.set_title(submitted.title());
+  *casting.mutable_begin_time() = submitted.create_time();
+  *casting.mutable_following() = *job.following;
+  context.lines.add(name, casting);
+  return submitted;
+}
+
 /// Second stage of SubmitJob: stores the job on disk and queues it.
 v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& request,
                const SoundSubmission& sound) {
@@ -185,6 +220,8 @@ v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& r
     job.following = request.following();
     job.goes_first = true;
     job.answer_key.clear();  // its results are those of the casting, not of the case alone
+    if (!job.following->line().empty())
+      return submit_on_line(context, call, job, sound.attachments);
   }
   return context.scheduler.submit(job, sound.attachments);
 }

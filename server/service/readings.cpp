@@ -1,4 +1,4 @@
-// The call that adds what a plant measures to the record of a job.
+// The calls about what a plant measures.
 #include "server/jobs/logs/readings_log.hpp"
 
 #include <algorithm>
@@ -10,22 +10,15 @@
 #include "proto/case_file/schema.hpp"
 #include "proto/values/printable.hpp"
 #include "server/jobs/folder/events.hpp"
+#include "server/service/forecasts.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
-#include "server/studies/curl_forecast.hpp"
 
 namespace dccast::service {
 
 using Unary = SimulationService::Unary;
 
 namespace {
-
-/// Refuses a job that is no live one. @throws Refusal
-void require_following(const Context& context, const std::string& id) {
-  if (!jobs::follows_readings(context.jobs_directory / id))
-    refuse(ErrorInfo::WRONG_STATE, Remedy{"`dccast follow` submits one that does"},
-           "job {} follows no readings", id);
-}
 
 /// @param permitted  as text: "0 to 0.1 m/s"
 [[noreturn]] void refuse_value(const v1::Reading& reading, const std::string& name, double value,
@@ -103,56 +96,12 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
   response = record->state();
 }
 
-/// The runs of a study with their curves. @throws Refusal
-v1::StudyResult evaluated(Context& context, const std::string& study) {
-  v1::EvaluateStudyRequest request;
-  request.set_id(study);
-  request.set_curves(true);
-  return of_study(study, context.studies.evaluate(request));
-}
-
-/// Forecasts the casting that a job follows. @throws Refusal
-v1::Forecast forecast(Context& context, const std::string& id) {
-  find_job(context, id);
-  require_following(context, id);
-  const auto folder = context.jobs_directory / id;
-  jobs::ReadingsReader record(folder);
-  const v1::Following& following = record.following();
-  if (following.gauges().empty())
-    refuse(ErrorInfo::WRONG_STATE,
-           Remedy{"give the readings a column \"curl MONITOR\" and follow again"},
-           "job {} measures no curl, so there is nothing to forecast from", id);
-  if (following.ensemble().empty())
-    refuse(ErrorInfo::WRONG_STATE,
-           Remedy{"`dccast follow --prepare CASE` before a casting computes one, or give a study by "
-                  "`dccast follow --ensemble STUDY`"},
-           "job {} has no ensemble of its plan, on which a forecast rests", id);
-
-  v1::Case plan;
-  if (!jobs::read_complete_case(folder, plan))
-    refuse(ErrorInfo::DAMAGED, "the case of job {} cannot be read any more", id);
-
-  const v1::StudyResult ensemble = evaluated(context, following.ensemble());
-  const v1::StudyResult pairs =
-      following.pairs().empty() ? v1::StudyResult() : evaluated(context, following.pairs());
-  const auto readings = record.read_new();
-  try {
-    return studies::forecast_curls({.ensemble = ensemble,
-                                    .pairs = pairs,
-                                    .plan = plan.schedule(),
-                                    .following = following,
-                                    .readings = readings});
-  } catch (const studies::CannotForecast& reason) {
-    refuse(ErrorInfo::WRONG_STATE, Remedy{"ask again when more have ended"}, "{}", reason.what());
-  }
-}
-
 }  // namespace
 
 Unary* SimulationService::ForecastJob(Wire* wire, const v1::ForecastJobRequest* request,
                                       v1::Forecast* response) {
   return answer(wire, *request, lanes_.histories,
-                [=, this](const Call&) { *response = forecast(context_, request->id()); });
+                [=, this](const Call&) { *response = forecast_job(context_, request->id()); });
 }
 
 Unary* SimulationService::AppendReadings(Wire* wire, const v1::AppendReadingsRequest* request,

@@ -15,6 +15,7 @@
 #include "server/jobs/logs/readings_log.hpp"
 #include "server/service/call.hpp"
 #include "server/service/context.hpp"
+#include "server/studies/lines.hpp"
 
 namespace dccast::service {
 
@@ -255,6 +256,10 @@ grpc::Status guarded(const std::function<void()>& handler) {
     return make_status({.reason = ErrorInfo::DAMAGED, .cause = unsound.what()});
   } catch (const jobs::DamagedReadings& damaged) {
     return make_status({.reason = ErrorInfo::DAMAGED, .cause = damaged.what()});
+  } catch (const studies::DamagedLine& damaged) {
+    return make_status({.reason = ErrorInfo::DAMAGED,
+                        .cause = damaged.what(),
+                        .remedy = "an admin can remove the line: `dccast line forget`"});
   } catch (const std::system_error& error) {
     return refuse_for_file(error);
   } catch (const std::bad_alloc&) {
@@ -284,6 +289,14 @@ void check_job_id(const std::string& id) {
 
 void check_study_id(const std::string& id) {
   check_uuid(id, "study", "chosen by who submits the first job of the study");
+}
+
+void check_line_name(const std::string& name) {
+  if (studies::is_line_name(name)) return;
+  refuse(Remedy{"name it like \"pit-3\""},
+         "\"{}\" is no name of a line; permitted: 1 to 64 of a-z, A-Z, 0-9, \"-\", \"_\" and \".\", "
+         "the first a letter or digit",
+         values::shortened(name));
 }
 
 void check_study_of_job(const std::string& study) {
@@ -418,6 +431,11 @@ v1::Job find_job(Context& context, const std::string& id) {
 void refuse_unknown_study(const std::string& id) {
   refuse(ErrorInfo::NOT_FOUND, Remedy{"the list of studies names those there are"},
          "there is no study {} here", id);
+}
+
+void refuse_unknown_line(const std::string& name) {
+  refuse(ErrorInfo::NOT_FOUND, Remedy{"`dccast line list` names those there are"},
+         "there is no line \"{}\"", values::shortened(name));
 }
 
 void refuse_state(const v1::Job& job, const std::string& remedy) {

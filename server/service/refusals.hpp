@@ -76,6 +76,8 @@ grpc::Status too_many_waiting();
 /// Ids are UUIDs, so that a path made of one stays in its folder. @throws Refusal  INVALID_ARGUMENT
 void check_job_id(const std::string& id);
 void check_study_id(const std::string& id);
+/// Checks a name of a line, of which a path is made too.
+void check_line_name(const std::string& name);
 /// Checks the study named by a job; it may be empty.
 void check_study_of_job(const std::string& study);
 /// Checks that a free text is one printable line of limited length.
@@ -122,6 +124,9 @@ Found of_study(const std::string& id, std::optional<Found> found) {
   if (!found) refuse_unknown_study(id);
   return std::move(*found);
 }
+
+/// @throws Refusal  NOT_FOUND
+[[noreturn]] void refuse_unknown_line(const std::string& name);
 
 /// Refuses with FAILED_PRECONDITION because of the job's state.
 /// @param remedy  for a job that has not ended; an ended one can only be submitted again

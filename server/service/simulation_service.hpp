@@ -53,6 +53,12 @@ public:
                         v1::AppendReadingsResponse*) override;
   Unary* ForecastJob(Wire*, const v1::ForecastJobRequest*, v1::Forecast*) override;
 
+  // lines.cpp
+  Unary* ListLines(Wire*, const v1::ListLinesRequest*, v1::ListLinesResponse*) override;
+  Unary* GetLine(Wire*, const v1::GetLineRequest*, v1::Line*) override;
+  Unary* RestartLine(Wire*, const v1::RestartLineRequest*, v1::Line*) override;
+  Unary* DeleteLine(Wire*, const v1::DeleteLineRequest*, v1::DeleteLineResponse*) override;
+
   // uploads.cpp
   grpc::ServerReadReactor<v1::UploadAttachmentRequest>* UploadAttachment(
       Wire*, v1::UploadAttachmentResponse*) override;

@@ -214,6 +214,7 @@ void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
   jobs::JobStore(folder.store()).copy_to(target.store());
   const std::size_t count = copy_jobs(folder, target);
   copy_studies(folder, target);
+  if (fs::exists(folder.lines())) copy_all(folder.lines(), target.lines());
   copy_access(folder, target);
   if (fs::exists(folder.quarantine())) copy_all(folder.quarantine(), target.quarantine());
 

@@ -17,6 +17,7 @@ public:
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path jobs() const { return path_ / "jobs"; }
   std::filesystem::path studies() const { return path_ / "studies"; }
+  std::filesystem::path lines() const { return path_ / "lines"; }
   std::filesystem::path check() const { return path_ / "check"; }  ///< of cases being checked
   /// Of files that users have uploaded for cases that are still to come.
   std::filesystem::path uploads() const { return path_ / "uploads"; }

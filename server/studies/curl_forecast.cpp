@@ -12,7 +12,7 @@
 
 #include "core/statistics/innovations.hpp"
 #include "core/statistics/trajectory_forecast.hpp"
-#include "proto/values/interpolation.hpp"
+#include "server/studies/curl_prior.hpp"
 #include "server/studies/levers_off_plan.hpp"
 
 namespace dccast::studies {
@@ -22,106 +22,8 @@ namespace {
 using statistics::Departure;
 using statistics::TrajectoryForecast;
 
-/// Standard deviation of the error of the model besides data and mesh, as a share of the curl. No
-/// casting has been compared yet that would tell it (docs/following.md).
-constexpr double model_error = 0.05;
-/// Half the width of a band that holds nine of ten, in standard deviations.
-constexpr double nine_of_ten = 1.645;
-/// Pairs that tell the error of the mesh at least: fewer have no scatter.
-constexpr Eigen::Index fewest_pairs = 2;
-
-bool counts(const v1::StudyRun& run) {
-  return run.state() == v1::SUCCEEDED && !run.beyond_validity();
-}
-
-/// The curve of a run that counts; null: it has none.
-const v1::CurlCurve* curve_of(const v1::StudyRun& run, const std::string& monitor) {
-  const auto found = std::ranges::find(run.curves(), monitor, &v1::CurlCurve::monitor);
-  return counts(run) && found != run.curves().end() && found->time_s_size() > 1 ? &*found : nullptr;
-}
-
-using Curves = std::vector<const v1::CurlCurve*>;
-
-/// Curves of a gauge: of all members, and of those that were also run at a finer quality.
-struct Trajectories {
-  Curves members;
-  /// (pair) of equal data
-  Curves fine, coarse;
-};
-
-Trajectories trajectories_of(const ForecastBasis& basis, const std::string& monitor) {
-  Trajectories found;
-  for (const v1::StudyRun& run : basis.ensemble.runs())
-    if (const v1::CurlCurve* curve = curve_of(run, monitor)) found.members.push_back(curve);
-
-  for (const v1::StudyRun& pair : basis.pairs.runs()) {
-    const auto member = std::ranges::find_if(basis.ensemble.runs(), [&](const v1::StudyRun& run) {
-      return std::ranges::equal(run.values(), pair.values());
-    });
-    if (member == basis.ensemble.runs().end()) continue;
-    const v1::CurlCurve *fine = curve_of(pair, monitor), *coarse = curve_of(*member, monitor);
-    if (!fine || !coarse) continue;
-    found.fine.push_back(fine);
-    found.coarse.push_back(coarse);
-  }
-  return found;
-}
-
-/// Instants from the start of the block to the end of the shortest run: every second, of a long
-/// casting fewer.
-Eigen::VectorXd instants_of(const Trajectories& trajectories) {
-  constexpr double most = 600.0;
-  double end = INFINITY;
-  for (const Curves* curves : {&trajectories.members, &trajectories.fine})
-    for (const v1::CurlCurve* curve : *curves) end = std::min(end, *curve->time_s().rbegin());
-  const double count = std::clamp(std::floor(end), 2.0, most);
-  return Eigen::VectorXd::LinSpaced(static_cast<Eigen::Index>(count) + 1, 0.0, end);
-}
-
-/// (curve, instant) curls [m]; zero while there is none.
-Eigen::MatrixXd curls_at(const Eigen::VectorXd& instants, const Curves& curves) {
-  const std::vector<double> at(instants.begin(), instants.end());
-  Eigen::MatrixXd curls(curves.size(), instants.size());
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    const v1::CurlCurve& curve = *curves[i];
-    std::vector<double> curl(curve.curl_m().begin(), curve.curl_m().end());
-    std::ranges::replace_if(curl, [](double each) { return !std::isfinite(each); }, 0.0);
-    const auto row =
-        values::at_instants(at, {curve.time_s().begin(), curve.time_s().end()}, curl);
-    curls.row(static_cast<Eigen::Index>(i)) =
-        Eigen::RowVectorXd::Map(row.data(), static_cast<Eigen::Index>(row.size()));
-  }
-  return curls;
-}
-
-/// The error of mesh and time steps of a study's runs; zero where it was not measured.
-v1::RelativeError mesh_error_of(const v1::StudyResult& study) {
-  const auto run = std::ranges::find_if(study.runs(), &v1::StudyRun::has_mesh_error);
-  return run == study.runs().end() ? v1::RelativeError() : run->mesh_error();
-}
-
-/// The prior of the members. Pairs tell how far they are from the finer quality. What that leaves,
-/// or without pairs the members themselves, the band of the quality tells: by its middle they are
-/// too low, and half its width is the error of nine in ten.
-statistics::TrajectoryPrior prior_of(const Trajectories& trajectories, const ForecastBasis& basis) {
-  const Eigen::VectorXd instants = instants_of(trajectories);
-  const Eigen::MatrixXd members = curls_at(instants, trajectories.members);
-  const Eigen::VectorXd mean = members.colwise().mean();
-  statistics::TrajectoryEnsemble ensemble{
-      .time = instants,
-      .nominal = mean,
-      .members = members,
-      .misfits = curls_at(instants, trajectories.fine) - curls_at(instants, trajectories.coarse),
-      .model_error = model_error};
-  const bool has_pairs = ensemble.misfits.rows() >= fewest_pairs;
-  const v1::RelativeError mesh_error = mesh_error_of(has_pairs ? basis.pairs : basis.ensemble);
-
-  const double of_mesh = 0.5 * (mesh_error.lower() + mesh_error.upper()) / nine_of_ten;
-  ensemble.model_error = std::hypot(model_error, of_mesh);
-  auto prior = statistics::prior_of(ensemble);
-  const double too_low = 0.5 * (mesh_error.upper() - mesh_error.lower());
-  prior.deviation += too_low * (prior.nominal + prior.deviation);
-  return prior;
+bool is_left_out(const statistics::Innovation& innovation) {
+  return std::abs(statistics::normalised(innovation)) > statistics::farthest_innovation;
 }
 
 /// Learns from the readings of a gauge, and counts them.
@@ -149,7 +51,7 @@ std::vector<statistics::Innovation> learn(TrajectoryForecast& forecast,
                            .reading = measured->curl_m(),
                            .first_mean = before.expected_reading(time_s).value,
                            .expected = forecast.expected_reading(time_s)});
-    if (std::abs(statistics::normalised(innovations.back())) > statistics::farthest_innovation) {
+    if (is_left_out(innovations.back())) {
       curl.set_left_out(curl.left_out() + 1);
       continue;
     }
@@ -162,6 +64,7 @@ std::vector<statistics::Innovation> learn(TrajectoryForecast& forecast,
 /// What all readings of a gauge tell.
 struct Learned {
   TrajectoryForecast forecast;
+  std::vector<statistics::Innovation> innovations;
   std::vector<Departure> departures;  ///< by time
 };
 
@@ -172,9 +75,9 @@ Learned learned_from(const TrajectoryForecast& prior, const v1::Gauge& gauge,
   constexpr std::size_t most_slips = 8;
   std::vector<Departure> slips;
   for (;;) {
-    Learned learned{prior, {}};
-    const auto innovations = learn(learned.forecast, readings, slips, curl);
-    learned.departures = statistics::find_departures(innovations, gauge.noise_m());
+    Learned learned{prior, {}, {}};
+    learned.innovations = learn(learned.forecast, readings, slips, curl);
+    learned.departures = statistics::find_departures(learned.innovations, gauge.noise_m());
     const auto slip = std::ranges::find(learned.departures, Departure::Kind::step, &Departure::kind);
     if (slip != learned.departures.end() && slips.size() < most_slips) {
       slips.push_back(*slip);
@@ -209,39 +112,96 @@ v1::ForecastWarning warning_of(const Departure& departure, const std::string& mo
   return warning;
 }
 
-/// Adds the curl at a gauge, and its warnings.
+/// A curl with the band that holds nine of ten.
+struct Band {
+  double curl_m, lower_m, upper_m;
+};
+
+Band band_of(const statistics::Estimated& estimated) {
+  const double half = nine_of_ten * estimated.deviation;
+  return {estimated.value, estimated.value - half, estimated.value + half};
+}
+
+statistics::Gauge gauge_of(const v1::Gauge& gauge) {
+  return {.noise = gauge.noise_m(), .zero = gauge.zero_m()};
+}
+
+void add_expected(const Band& at, v1::ExpectedCurl& to) {
+  to.set_curl_m(at.curl_m);
+  to.set_lower_m(at.lower_m);
+  to.set_upper_m(at.upper_m);
+}
+
+/// Adds the curl at a gauge, its warnings, and why castings on the line do not count.
 void add_curl(const v1::Gauge& gauge, const ForecastBasis& basis, v1::Forecast& to) {
   v1::ForecastCurl& curl = *to.add_curls();
   curl.set_monitor(gauge.monitor());
-  const Trajectories trajectories = trajectories_of(basis, gauge.monitor());
-  curl.set_members(static_cast<int>(trajectories.members.size()));
-  if (curl.members() < fewest_members)
-    throw CannotForecast(fmt::format("{} runs of study {} count so far, {} are needed",
-                                     curl.members(), basis.following.ensemble(), fewest_members));
+  const CurlPrior prior = prior_of_curl(basis, gauge.monitor());
+  curl.set_members(prior.members);
+  if (prior.line) *curl.mutable_line() = *prior.line;
+  for (const std::string& note : prior.notes) to.add_notes(note);
 
-  const statistics::TrajectoryPrior prior = prior_of(trajectories, basis);
-  const auto [forecast, departures] = learned_from(
-      TrajectoryForecast(prior, {.noise = gauge.noise_m(), .zero = gauge.zero_m()}), gauge,
-      basis.readings, curl);
-  for (const Departure& departure : departures)
+  const Eigen::VectorXd& instants = prior.trajectory.time;
+  const TrajectoryForecast before(prior.trajectory, gauge_of(gauge));
+  add_expected(band_of(before.at(instants(instants.size() - 1))), *curl.mutable_before());
+
+  const Learned learned = learned_from(before, gauge, basis.readings, curl);
+  for (const Departure& departure : learned.departures)
     *to.add_warnings() = warning_of(departure, gauge.monitor());
 
   const auto add = [&](double time_s) {
-    const statistics::Estimated at = forecast.at(time_s);
+    const Band at = band_of(learned.forecast.at(time_s));
     curl.add_time_s(time_s);
-    curl.add_curl_m(at.value);
-    curl.add_lower_m(at.value - nine_of_ten * at.deviation);
-    curl.add_upper_m(at.value + nine_of_ten * at.deviation);
+    curl.add_curl_m(at.curl_m);
+    curl.add_lower_m(at.lower_m);
+    curl.add_upper_m(at.upper_m);
   };
   const double begin_s = std::max(to.time_s(), 0.0);
   add(begin_s);
-  for (const double time_s : prior.time)
+  for (const double time_s : instants)
     if (time_s > begin_s) add(time_s);
 
-  const statistics::Estimated zero = forecast.zero();
-  curl.set_zero_m(zero.value);
-  curl.set_zero_lower_m(zero.value - nine_of_ten * zero.deviation);
-  curl.set_zero_upper_m(zero.value + nine_of_ten * zero.deviation);
+  const Band zero = band_of(learned.forecast.zero());
+  curl.set_zero_m(zero.curl_m);
+  curl.set_zero_lower_m(zero.lower_m);
+  curl.set_zero_upper_m(zero.upper_m);
+}
+
+/// Readings of a gauge that count, until it slips.
+std::vector<const statistics::Innovation*> sound_readings(const Learned& learned) {
+  const auto slip = std::ranges::find(learned.departures, Departure::Kind::step, &Departure::kind);
+  std::vector<const statistics::Innovation*> sound;
+  for (const statistics::Innovation& innovation : learned.innovations) {
+    if (slip != learned.departures.end() && innovation.time >= slip->begin) break;
+    if (!is_left_out(innovation)) sound.push_back(&innovation);
+  }
+  return sound;
+}
+
+/// The medians of the readings around a dozen times up to the end of the plan.
+v1::ObservedCurl observed(const v1::Gauge& gauge, double end_s,
+                          const std::vector<const statistics::Innovation*>& readings) {
+  constexpr int times = 12;
+  constexpr double around_s = 2.5;
+  // Of normal readings the median has 1.25 times the standard deviation of the mean.
+  constexpr double of_median = 1.25;
+
+  v1::ObservedCurl curl;
+  curl.set_monitor(gauge.monitor());
+  for (int i = 1; i <= times; ++i) {
+    const double time_s = end_s * i / times;
+    std::vector<double> near;
+    for (const statistics::Innovation* reading : readings)
+      if (std::abs(reading->time - time_s) <= around_s) near.push_back(reading->reading);
+    if (near.empty()) continue;
+
+    const auto middle = near.begin() + std::ssize(near) / 2;
+    std::ranges::nth_element(near, middle);
+    curl.add_time_s(time_s);
+    curl.add_curl_m(*middle);
+    curl.add_deviation_m(of_median * gauge.noise_m() / std::sqrt(static_cast<double>(near.size())));
+  }
+  return curl;
 }
 
 /// When a run has each of its findings beyond notes first [s].
@@ -286,6 +246,13 @@ void add_notes(const ForecastBasis& basis, v1::Forecast& to) {
                              lost, basis.ensemble.runs_size()));
 
   for (const std::string& lever : levers_off_plan(basis.plan, basis.readings)) to.add_notes(lever);
+
+  if (basis.following.ensemble().empty())
+    to.add_notes(fmt::format(
+        "the plan was not prepared: this is its run, job {}, plus the last difference between "
+        "measured and computed curl, with a band by a rule of thumb; before the next casting: dccast "
+        "follow --prepare CASE",
+        basis.following.plan_job()));
 }
 
 }  // namespace
@@ -302,6 +269,20 @@ v1::Forecast forecast_curls(const ForecastBasis& basis) {
   add_findings_to_come(basis.ensemble, last_s, forecast);
   add_notes(basis, forecast);
   return forecast;
+}
+
+std::vector<v1::ObservedCurl> observed_curls(const ForecastBasis& basis) {
+  std::vector<v1::ObservedCurl> curls;
+  for (const v1::Gauge& gauge : basis.following.gauges()) {
+    const CurlPrior prior = prior_of_curl(basis, gauge.monitor());
+    v1::ForecastCurl counted;
+    counted.set_monitor(gauge.monitor());
+    const Learned learned = learned_from(TrajectoryForecast(prior.trajectory, gauge_of(gauge)), gauge,
+                                         basis.readings, counted);
+    const double end_s = prior.trajectory.time(prior.trajectory.time.size() - 1);
+    curls.push_back(observed(gauge, end_s, sound_readings(learned)));
+  }
+  return curls;
 }
 
 }  // namespace dccast::studies

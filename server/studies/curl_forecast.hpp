@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
 #include "dccast/v1/follow.pb.h"
 #include "dccast/v1/job.pb.h"
+#include "dccast/v1/line.pb.h"
 #include "dccast/v1/study.pb.h"
 
 namespace dccast::studies {
@@ -18,6 +20,13 @@ public:
 /// Runs of an ensemble that a forecast needs at least: bands of fewer hold too seldom.
 inline constexpr int fewest_members = 16;
 
+/// A casting that has ended on the line, with the studies of its plan.
+struct EarlierCasting {
+  v1::LineCasting casting;
+  /// With curves; null: the study is not there any more. Without pairs theirs has no runs.
+  std::shared_ptr<const v1::StudyResult> ensemble, pairs;
+};
+
 /// What a forecast rests on. Of the studies, which are given with curves, runs count that succeeded
 /// and stayed valid.
 struct ForecastBasis {
@@ -28,14 +37,23 @@ struct ForecastBasis {
   const v1::Schedule& plan;  ///< of the complete case
   const v1::Following& following;
   const std::vector<v1::Reading>& readings;
+  /// Curls of the run of the plan, on which a forecast without an ensemble rests.
+  std::vector<v1::CurlCurve> plan_run{};
+  /// On the line of the casting, the oldest first.
+  std::vector<EarlierCasting> earlier{};
 };
 
-/// Forecasts the curl at each gauge by conditioning the trajectories of the ensemble on the curls
-/// measured so far (core/statistics/trajectory_forecast.hpp). The error of the mesh moves the mean
-/// and widens the band. A reading farther from what was expected than four standard deviations is
-/// left out. Adds the findings that members have after the last reading, warnings where readings
-/// leave what was expected (core/statistics/innovations.hpp), and notes. From a slip of a gauge on
-/// its zero counts as unknown. @throws CannotForecast
+/// Forecasts the curl at each gauge by conditioning its prior (curl_prior.hpp) on the curls measured
+/// so far (core/statistics/trajectory_forecast.hpp). The error of the mesh moves the mean and widens
+/// the band. A reading farther from what was expected than four standard deviations is left out.
+/// Adds the findings that members have after the last reading, warnings where readings leave what
+/// was expected (core/statistics/innovations.hpp), and notes. From a slip of a gauge on its zero
+/// counts as unknown. @throws CannotForecast
 v1::Forecast forecast_curls(const ForecastBasis& basis);
+
+/// What a casting that has ended tells the next one on its line: the curl at each gauge at a dozen
+/// times, the median of the readings around each. Readings that a forecast leaves out do not count,
+/// nor those after a gauge has slipped. @throws CannotForecast
+std::vector<v1::ObservedCurl> observed_curls(const ForecastBasis& basis);
 
 }  // namespace dccast::studies

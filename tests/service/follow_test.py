@@ -10,7 +10,7 @@ import time
 import grpc
 import numpy
 
-from dccast.v1 import case_pb2, follow_pb2, job_pb2, service_pb2, study_pb2
+from dccast.v1 import case_pb2, follow_pb2, job_pb2, line_pb2, service_pb2, study_pb2
 from real_run_test import RealRunTest, physics
 from support import BIN, WAIT_FACTOR, main, until
 
@@ -236,6 +236,45 @@ class Forecast(FollowTest):
         self.assertEqual(shown.returncode, 0, shown.stderr)
         self.assertIn("26 readings, 0 left out; 24 members", shown.stdout)
 
+    def test_a_plan_that_is_not_prepared_is_forecast_by_its_run_and_the_last_difference(self):
+        plan = self.case_file(end=20)
+        path = os.path.join(self.folder, "curls.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("time [s], curl corner [mm]\n")
+            file.writelines(f"{t}, {1.5 + 0.01 * max(t, 0)}\n" for t in range(-60, 11))
+        words = ("follow", plan, "--readings", path)
+        _, err = self.ended(self.dccast(*words))
+        self.assertIn("this plan is not prepared: the forecast is its run", err)
+        run, followed = self.run_of_plan_and_job()
+        self.assertEqual(run.priority, job_pb2.HIGH)
+        self.client.until_state(run.id, job_pb2.SUCCEEDED)
+
+        steps = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=run.id), timeout=30).steps
+        last = max(step.time_s for step in steps)
+        computed = numpy.array([(step.time_s, step.monitors[0].curl_m) for step in steps]).T
+        whole = self.forecast(followed.id)
+        curl = whole.curls[0]
+        self.assertEqual((curl.members, curl.time_s[0]), (0, 10))
+        difference = 1.6e-3 - numpy.interp(10, *computed)
+        self.assertAlmostEqual(curl.curl_m[-1], numpy.interp(last, *computed) + difference, delta=5e-4)
+        self.assertGreater(curl.upper_m[-1], curl.curl_m[-1])
+        self.assertIn("was not prepared", whole.notes[0])
+
+        shown = self.ended(self.dccast("forecast", followed.id))[0]
+        self.assertIn("the run of the plan alone", shown)
+        self.assertIn("--prepare", shown)
+
+        # The next casting of this plan finds the run again.
+        self.ended(self.dccast(*words))
+        jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs
+        self.assertEqual(len(jobs), 3)
+
+    def run_of_plan_and_job(self):
+        jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs
+        is_run = lambda job: any(label.startswith("plan=") for label in job.labels)
+        return (next(job for job in jobs if is_run(job)),
+                next(job for job in jobs if not is_run(job)))
+
     def test_a_job_without_an_ensemble_has_no_forecast(self):
         error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.forecast, self.follow())
         self.assertIn("measures no curl", error.details())
@@ -309,6 +348,110 @@ class Preparation(FollowTest):
         self.ended(self.dccast("sweep", self.case_file(end=4), "--no-wait", "--grid",
                                "schedule.hold=50 s,60 s"))
         return self.studies()[0].id
+
+
+class Line(FollowTest):
+    """Castings on a line of which each is 20 % more than the mean of the ensemble."""
+
+    def setUp(self):
+        super().setUp()
+        out, _ = self.ended(self.dccast("uncertainty", CASE, "--set", f"time.end={END} s", "--runs", "16",
+                                        "--json"), seconds=120)
+        self.ensemble = json.loads(out)["study"]["id"]
+        request = study_pb2.EvaluateStudyRequest(id=self.ensemble, curves=True)
+        runs = self.client.stub.EvaluateStudy(request, timeout=30).runs
+        curves = [next(c for c in run.curves if c.monitor == "corner") for run in runs]
+        self.times = numpy.arange(0, END + 1)
+        self.mean = numpy.mean([numpy.interp(self.times, c.time_s, numpy.nan_to_num(c.curl_m))
+                                for c in curves], axis=0)
+
+    def on_line(self, name="pit-3"):
+        gauge = follow_pb2.Gauge(monitor="corner", noise_m=2e-4)
+        return self.follow(ensemble=self.ensemble, gauges=[gauge], line=name)
+
+    def cast(self, name="pit-3"):
+        """A casting on the line that has ended."""
+        job_id = self.on_line(name)
+        self.append(job_id, *[
+            follow_pb2.Reading(number=t + 1, time_s=t, curls=[follow_pb2.MeasuredCurl(
+                monitor="corner", curl_m=1.2 * self.mean[t])]) for t in self.times])
+        self.client.cancel(job_id)
+        self.client.until_state(job_id, job_pb2.CANCELLED)
+        return job_id
+
+    def line(self, name="pit-3"):
+        return self.client.stub.GetLine(line_pb2.GetLineRequest(id=name), timeout=30)
+
+    def test_castings_make_the_forecast_before_the_next_one_better(self):
+        first = self.forecast(self.on_line()).curls[0]
+        self.assertEqual(first.line.castings, 0)
+        for _ in range(3):
+            self.cast()
+        self.daemon.kill()
+        self.restart()
+
+        after = self.on_line()
+        curl = self.forecast(after).curls[0]
+        self.assertEqual(curl.line.castings, 3)
+        hidden = 1.2 * self.mean[-1]
+        self.assertLess(abs(curl.before.curl_m - hidden), 0.5 * abs(first.before.curl_m - hidden))
+        self.assertLess(curl.before.upper_m - curl.before.lower_m,
+                        0.8 * (first.before.upper_m - first.before.lower_m))
+        shown = self.ended(self.dccast("forecast", after))[0]
+        self.assertIn("corner: before the casting", shown)
+        self.assertIn("3 earlier castings on the line", shown)
+
+        # A casting keeps its forecast: later ones do not change it.
+        self.cast()
+        self.assertEqual(self.forecast(after).curls[0].line.castings, 3)
+
+        listed = self.ended(self.dccast("line", "list"))[0]
+        self.assertRegex(listed, r"pit-3 +\S+ +6 ")
+        shown = self.ended(self.dccast("line", "show", "pit-3"))[0]
+        self.assertEqual(shown.count(f"mm at {END} s"), 4, shown)
+        self.assertEqual(shown.count("has not ended"), 2, shown)
+
+        self.ended(self.dccast("line", "restart", "pit-3"))
+        self.assertFalse(self.line().castings)
+        self.assertEqual(self.forecast(after).curls[0].line.castings, 0)
+        self.assertEqual(self.forecast(self.on_line()).curls[0].line.castings, 0)
+
+        _, err = self.ended(self.dccast("line", "forget", "pit-3"))
+        self.assertIn("forgotten", err)
+        self.refused(grpc.StatusCode.NOT_FOUND, self.line)
+        self.assertFalse(self.forecast(after).curls[0].HasField("line")
+                         and self.forecast(after).curls[0].line.castings)
+
+    def test_a_casting_whose_job_or_study_was_deleted(self):
+        told, lost = self.cast(), None
+        self.line()  # the first one has told its curl
+        lost = self.cast()
+        for job_id in (told, lost):
+            self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job_id), timeout=10)
+        self.assertEqual([len(c.curls) for c in self.line().castings], [1, 0])
+        self.assertEqual(self.forecast(self.on_line()).curls[0].line.castings, 1)
+
+    def test_names_and_lines_that_are_not_there(self):
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.on_line, "../pit")
+        self.assertIn("the first a letter or digit", error.details())
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.line, "a b")
+        for action in ("show", "restart", "forget"):
+            _, err = self.ended(self.dccast("line", action, "pit-9"), code=5)
+            self.assertIn('there is no line "pit-9"', err)
+            self.assertIn("dccast line list", err)
+        _, err = self.ended(self.dccast("line", "list"))
+        self.assertIn("--line NAME begins one", err)
+
+    def test_a_damaged_line_is_refused_and_can_be_forgotten(self):
+        self.cast()
+        path = os.path.join(self.folder, "data", "lines", "pit-3.bin")
+        with open(path, "r+b") as file:
+            file.seek(40)
+            file.write(b"\xff")
+        error = self.refused(grpc.StatusCode.DATA_LOSS, self.line)
+        self.assertIn("pit-3", error.details())
+        self.ended(self.dccast("line", "forget", "pit-3"))
+        self.cast()
 
 
 class Replay(FollowTest):

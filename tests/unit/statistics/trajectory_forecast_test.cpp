@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
 #include <stdexcept>
 
@@ -182,6 +184,52 @@ TEST(TrajectoryPrior, RefusesSizesThatDoNotBelongTogether) {
   ensemble = scaled_members(4);
   ensemble.misfits = Eigen::MatrixXd::Zero(5, 3);
   EXPECT_THROW(prior_of(ensemble), std::invalid_argument);
+}
+
+TEST(RandomWalkAboutANominalRun, KeepsTheLastDifferenceAndItsBandGrowsWithTheWay) {
+  const TrajectoryPrior p = random_walk_about(times(), nominal(), 0.25);
+  const double whole = nominal()(40);
+  EXPECT_NEAR(std::sqrt(p.covariance(40, 40)), 0.25 * whole, 1e-12);
+  EXPECT_EQ(p.covariance(0, 0), 0.0);
+  EXPECT_TRUE(std::is_sorted(p.covariance.diagonal().begin(), p.covariance.diagonal().end()));
+
+  // A reading without noise: its difference stays, and only the way from there on is uncertain.
+  TrajectoryForecast forecast(p, {.noise = 0.0, .zero = 0.0});
+  forecast.learn(p.time(10), p.nominal(10) + 3.0);
+  for (const int later : {10, 20, 40}) {
+    EXPECT_NEAR(forecast.at(p.time(later)).value, p.nominal(later) + 3.0, 1e-9);
+    const double way = p.covariance(later, later) - p.covariance(10, 10);
+    EXPECT_NEAR(forecast.at(p.time(later)).deviation, std::sqrt(way), 1e-6);
+  }
+  EXPECT_THROW(random_walk_about(times(), nominal().head(3), 0.25), std::invalid_argument);
+}
+
+/// Truths that are the nominal run times a factor, and begin earlier or later.
+TEST(RandomWalkAboutANominalRun, BandsHoldWhereTheTruthIsAnotherCasting) {
+  std::mt19937_64 random(7);
+  const TrajectoryPrior p = random_walk_about(times(), nominal(), 0.25);
+  int held = 0, asked = 0, last_held = 0;
+  constexpr int castings = 400;
+  for (int casting = 0; casting < castings; ++casting) {
+    const double factor = 1.0 + 0.2 * normal(random), delay = 5.0 * normal(random);
+    const Eigen::VectorXd moved = (times().array() - delay).max(0.0);
+    const Eigen::VectorXd truth = factor * 30.0 * (1.0 - (-moved.array() / 60.0).exp());
+    TrajectoryForecast forecast(p, gauge);
+    for (int i = 0; i < 12; ++i) forecast.learn(p.time(i), truth(i) + gauge.noise * normal(random));
+    const auto holds = [&](int at) {
+      const Estimated there = forecast.at(p.time(at));
+      return std::abs(truth(at) - there.value) < 1.645 * there.deviation;
+    };
+    for (const int at : {18, 24, 36}) {
+      held += holds(at);
+      ++asked;
+    }
+    last_held += holds(40);
+  }
+  std::printf("bands hold %.0f %%, at the end %.0f %%\n", 100.0 * held / asked,
+              100.0 * last_held / castings);
+  EXPECT_GT(held, 0.85 * asked);
+  EXPECT_GT(last_held, 0.85 * castings);
 }
 
 }  // namespace

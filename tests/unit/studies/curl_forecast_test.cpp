@@ -7,7 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "server/studies/levers_off_plan.hpp"
 
@@ -314,6 +317,167 @@ TEST(LeversOffPlan, ReadsTablesAgainstTimeAndCastLength) {
   EXPECT_THAT(levers_off_plan(schedule, made), ::testing::IsEmpty());
   for (v1::Reading& reading : made) reading.set_water_flow_m2_per_s(2e-3);
   EXPECT_EQ(levers_off_plan(schedule, made).size(), 1u);
+}
+
+/// A forecast from a run of the plan alone, whose curl is the shape.
+v1::Forecast unprepared(const std::vector<v1::Reading>& measured) {
+  v1::Following with = following();
+  with.clear_ensemble();
+  with.set_plan_job("job-1");
+  const v1::Schedule schedule = plan();
+  const v1::StudyResult none;
+  const v1::StudyResult run = ensemble(3);  // the second one has the factor 1
+  return forecast_curls({.ensemble = none,
+                         .pairs = none,
+                         .plan = schedule,
+                         .following = with,
+                         .readings = measured,
+                         .plan_run = {run.runs(1).curves().begin(), run.runs(1).curves().end()}});
+}
+
+TEST(UnpreparedForecast, IsThePlanPlusTheLastDifference) {
+  const auto before = unprepared({}).curls(0);
+  EXPECT_EQ(before.members(), 0);
+  EXPECT_NEAR(*before.curl_m().rbegin(), shape(end_s), 1e-12);
+  EXPECT_EQ(before.before().curl_m(), *before.curl_m().rbegin());
+
+  const auto whole = unprepared(readings(1.2, 50.0));
+  const auto& curl = whole.curls(0);
+  EXPECT_EQ(curl.time_s(0), 50.0);
+  for (int i = 0; i < curl.time_s_size(); ++i) {
+    EXPECT_NEAR(curl.curl_m(i), shape(curl.time_s(i)) + 0.2 * shape(50.0), 0.3e-3);
+    EXPECT_LT(curl.lower_m(i), 1.2 * shape(curl.time_s(i)));
+    EXPECT_GT(curl.upper_m(i), 1.2 * shape(curl.time_s(i)));
+    if (i == 0) continue;
+    EXPECT_GE(curl.upper_m(i) - curl.lower_m(i), curl.upper_m(i - 1) - curl.lower_m(i - 1));
+  }
+  EXPECT_LT(width_at_end(curl), width_at_end(before));
+  EXPECT_THAT(whole.notes(), ::testing::ElementsAre(::testing::AllOf(
+                                 ::testing::HasSubstr("was not prepared"),
+                                 ::testing::HasSubstr("job job-1"), ::testing::HasSubstr("--prepare"))));
+  EXPECT_THAT(whole.findings(), ::testing::IsEmpty());
+  EXPECT_EQ(curl.left_out(), 0);
+}
+
+/// The ensemble on another recipe: its castings curl half as much.
+v1::StudyResult other_recipe() {
+  v1::StudyResult runs = ensemble(21);
+  for (v1::StudyRun& run : *runs.mutable_runs())
+    for (double& curl : *run.mutable_curves(0)->mutable_curl_m()) curl *= 0.5;
+  return runs;
+}
+
+/// A casting that has ended: all its readings, on a recipe.
+EarlierCasting earlier(const v1::StudyResult& recipe, const std::vector<v1::Reading>& measured,
+                       const std::string& job = "job-1") {
+  const v1::Following with = following(1e-3);
+  const v1::Schedule schedule = plan();
+  EarlierCasting casting{.casting = {},
+                         .ensemble = std::make_shared<v1::StudyResult>(recipe),
+                         .pairs = std::make_shared<v1::StudyResult>()};
+  const auto curls = observed_curls({.ensemble = recipe,
+                                     .pairs = *casting.pairs,
+                                     .plan = schedule,
+                                     .following = with,
+                                     .readings = measured});
+  casting.casting.set_job(job);
+  casting.casting.set_ended(true);
+  *casting.casting.mutable_following() = with;
+  *casting.casting.mutable_curls() = {curls.begin(), curls.end()};
+  return casting;
+}
+
+v1::Forecast on_line(const v1::StudyResult& runs, const std::vector<EarlierCasting>& castings) {
+  v1::Following with = following(1e-3);
+  with.set_line("pit-3");
+  const v1::Schedule schedule = plan();
+  const v1::StudyResult none;
+  return forecast_curls({.ensemble = runs,
+                         .pairs = none,
+                         .plan = schedule,
+                         .following = with,
+                         .readings = {},
+                         .earlier = castings});
+}
+
+TEST(LineForecast, CastingsOnALineTellTheNextOneBeforeItBegins) {
+  const v1::StudyResult runs = ensemble(21);
+  const auto alone = on_line(runs, {});
+  EXPECT_EQ(alone.curls(0).line().castings(), 0);
+  EXPECT_EQ(*alone.curls(0).curl_m().rbegin(), *forecast(runs, {}).curl_m().rbegin());
+
+  double width = width_at_end(alone.curls(0));
+  for (const int count : {1, 4}) {
+    const std::vector<EarlierCasting> castings(count, earlier(runs, readings(1.15, end_s)));
+    const auto curl = on_line(runs, castings).curls(0);
+    EXPECT_EQ(curl.line().castings(), count);
+    EXPECT_EQ(curl.members(), 21);
+    EXPECT_LT(width_at_end(curl), 0.9 * width);
+    EXPECT_NEAR(*curl.curl_m().rbegin(), 1.15 * shape(end_s), 0.25 * width);
+    width = width_at_end(curl);
+  }
+}
+
+TEST(LineForecast, ACastingOnOneRecipeInformsAnother) {
+  const v1::StudyResult runs = other_recipe();
+  const std::vector<EarlierCasting> castings(4, earlier(ensemble(21), readings(1.15, end_s)));
+  const auto curl = on_line(runs, castings).curls(0);
+  EXPECT_EQ(curl.line().castings(), 4);
+  EXPECT_NEAR(curl.before().curl_m(), 0.5 * 1.15 * shape(end_s), 0.02 * shape(end_s));
+  EXPECT_LT(width_at_end(curl), 0.5 * width_at_end(on_line(runs, {}).curls(0)));
+}
+
+/// Castings that differ much tell less than those that are alike, and show a larger scatter.
+TEST(LineForecast, TellsTheScatterFromCastingToCasting) {
+  const v1::StudyResult runs = ensemble(21);
+  std::vector<EarlierCasting> alike, scattered;
+  for (int i = 0; i < 6; ++i) {
+    alike.push_back(earlier(runs, readings(1.1 + 0.005 * (i % 3), end_s)));
+    scattered.push_back(earlier(runs, readings(0.9 + 0.2 * (i % 2), end_s)));
+  }
+  const auto same = on_line(runs, alike).curls(0), other = on_line(runs, scattered).curls(0);
+  EXPECT_LT(same.line().scatter(), 0.2);
+  EXPECT_GT(other.line().scatter(), 0.4);
+  EXPECT_LT(width_at_end(same), 0.7 * width_at_end(other));
+}
+
+TEST(LineForecast, LeavesOutCastingsWithOtherDataAndWithoutTheirStudy) {
+  const v1::StudyResult runs = ensemble(21);
+  v1::StudyResult of_other_data = runs;
+  for (v1::StudyRun& run : *of_other_data.mutable_runs()) run.set_values(0, run.values(0) + "/2");
+
+  auto lost = earlier(runs, readings(1.15, end_s), "job-2");
+  lost.ensemble.reset();
+  const auto whole = on_line(runs, {earlier(of_other_data, readings(1.15, end_s)), lost});
+  EXPECT_EQ(whole.curls(0).line().castings(), 0);
+  EXPECT_THAT(whole.notes(),
+              ::testing::ElementsAre(::testing::HasSubstr("job job-2 on the line does not count: its study"),
+                                     ::testing::HasSubstr("job job-1 on the line does not count: its "
+                                                          "ensemble has other data")));
+
+  // The other key, with the same values, is other data too.
+  v1::StudyResult of_other_key = runs;
+  of_other_key.mutable_study()->mutable_sweep()->add_axes()->set_key("schedule.hold");
+  EXPECT_EQ(on_line(runs, {earlier(of_other_key, readings(1.15, end_s))}).notes_size(), 1);
+}
+
+TEST(ObservedCurls, AreMediansOfReadingsThatCountUntilAGaugeSlips) {
+  auto measured = readings(1.1, end_s);
+  for (v1::Reading& reading : measured)
+    if (reading.time_s() == 59.0) reading.mutable_curls(0)->set_curl_m(0.5);
+  const auto curls = earlier(ensemble(21), measured).casting.curls();
+  ASSERT_EQ(curls.size(), 1);
+  ASSERT_EQ(curls[0].time_s_size(), 12);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_NEAR(curls[0].time_s(i), 10.0 * (i + 1), 1e-9);
+    EXPECT_NEAR(curls[0].curl_m(i), 1.1 * shape(10.0 * (i + 1)), 0.3e-3);
+    const double readings_near = i == 5 ? 4.0 : i == 11 ? 3.0 : 5.0;
+    EXPECT_NEAR(curls[0].deviation_m(i), 1.25 * 0.5e-3 / std::sqrt(readings_near), 1e-9);
+  }
+
+  const auto slipped = earlier(ensemble(21), faulty(4e-3, 0.0)).casting.curls();
+  ASSERT_GE(slipped[0].time_s_size(), 4);
+  EXPECT_LE(*slipped[0].time_s().rbegin(), 61.0);
 }
 
 }  // namespace

@@ -1,0 +1,130 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+#include <vector>
+
+#include "client/commands/commands.hpp"
+#include "client/model/answer.hpp"
+#include "client/session/jobs.hpp"
+#include "client/text/job_text.hpp"
+#include "client/text/table.hpp"
+
+namespace dccast::client::commands {
+namespace {
+
+struct LineOptions {
+  std::string name;
+  bool json = false;
+};
+
+ExitCode list(const LineOptions& options, Program& program) {
+  Connection connection = program.connect();
+  const auto answer = connection.call(&Stub::ListLines, v1::ListLinesRequest());
+  if (options.json) {
+    print_line(json_list(answer.lines(), [](const v1::Line& line) { return to_json(line); }));
+    return ExitCode::done;
+  }
+
+  render::Table table({"LINE", "OWNER", ">CASTINGS", "SINCE"});
+  for (const v1::Line& line : answer.lines())
+    table.add({line.name(), line.owner(), std::to_string(line.castings_size()),
+               render::time_text(line.has_restart_time() ? line.restart_time() : line.create_time())});
+  if (answer.lines().empty())
+    std::cerr << "no lines: dccast follow CASE --line NAME begins one\n";
+  else
+    std::cout << table.text();
+  return ExitCode::done;
+}
+
+/// What a casting has told: its last measured curl.
+std::string told_text(const v1::LineCasting& casting) {
+  if (!casting.ended()) return "has not ended";
+  std::vector<std::string> curls;
+  for (const v1::ObservedCurl& curl : casting.curls())
+    if (!curl.time_s().empty())
+      curls.push_back(fmt::format("{} {:.1f} mm at {:.0f} s", curl.monitor(),
+                                  1e3 * *curl.curl_m().rbegin(), *curl.time_s().rbegin()));
+  return curls.empty() ? "nothing" : fmt::format("{}", fmt::join(curls, ", "));
+}
+
+ExitCode print(const LineOptions& options, const v1::Line& line) {
+  if (options.json) {
+    print_line(to_json(line));
+    return ExitCode::done;
+  }
+
+  std::cout << fmt::format("line {} of {}, since {}\n", line.name(), line.owner(),
+                           render::time_text(line.create_time()));
+  if (line.has_restart_time())
+    std::cout << fmt::format("begun afresh {}\n", render::time_text(line.restart_time()));
+  std::vector<std::string> jobs;
+  for (const v1::LineCasting& casting : line.castings()) jobs.push_back(casting.job());
+  const std::size_t length = short_id_length(jobs);
+  render::Table table({"JOB", "BEGUN", "MEASURED", "TITLE"});
+  for (const v1::LineCasting& casting : line.castings())
+    table.add({casting.job().substr(0, length), render::time_text(casting.begin_time()),
+               told_text(casting), casting.title()});
+  if (line.castings().empty())
+    std::cout << "no castings\n";
+  else
+    std::cout << table.text();
+  return ExitCode::done;
+}
+
+template <typename Request>
+Request request_for(const LineOptions& options) {
+  Request request;
+  request.set_id(options.name);
+  return request;
+}
+
+ExitCode show(const LineOptions& options, Program& program) {
+  Connection connection = program.connect();
+  return print(options,
+               connection.call(&Stub::GetLine, request_for<v1::GetLineRequest>(options)));
+}
+
+ExitCode restart(const LineOptions& options, Program& program) {
+  Connection connection = program.connect();
+  return print(options,
+               connection.call(&Stub::RestartLine, request_for<v1::RestartLineRequest>(options)));
+}
+
+ExitCode forget(const LineOptions& options, Program& program) {
+  Connection connection = program.connect();
+  connection.call_once(&Stub::DeleteLine, request_for<v1::DeleteLineRequest>(options));
+  if (options.json)
+    print_line({{"name", options.name}, {"deleted", true}});
+  else
+    std::cerr << "line " << options.name << " is forgotten; its jobs and studies stay\n";
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_line(cli::CommandLine& line, Program& program) {
+  const auto [command, options] = declare<LineOptions>(
+      line, program, list, "line",
+      "Lines, on which castings share mould, water and metal; show, restart or forget one. A casting "
+      "joins a line by dccast follow --line",
+      "dccast line list\n  dccast line show pit-3\n  dccast line restart pit-3    new mould, new "
+      "water: earlier castings do not count any more");
+  command.json(options.json);
+
+  const auto add = [&, &options = options](const std::string& name, const std::string& description,
+                                           ExitCode (*run)(const LineOptions&, Program&)) {
+    const cli::Command added = command.command(name, description);
+    added.json(options.json);
+    added.action([&options, &program, run] { return run(options, program); });
+    return added;
+  };
+  add("list", "All lines", list);
+  for (const cli::Command& named :
+       {add("show", "The castings on a line, and what each has told", show),
+        add("restart", "Begin afresh: the castings so far do not count any more", restart),
+        add("forget", "Remove a line; its jobs and studies stay", forget)})
+    named.option("NAME", options.name, "Name of the line", cli::required);
+}
+
+}  // namespace dccast::client::commands

@@ -1,0 +1,203 @@
+#include "server/service/forecasts.hpp"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "server/jobs/folder/events.hpp"
+#include "server/jobs/log.hpp"
+#include "server/jobs/logs/readings_log.hpp"
+#include "server/service/refusals.hpp"
+#include "server/service/run_history.hpp"
+#include "server/studies/curl_forecast.hpp"
+#include "server/studies/study_plan.hpp"
+
+namespace dccast::service {
+
+namespace {
+
+/// Results of studies with their curves, each evaluated once.
+class EvaluatedStudies {
+public:
+  explicit EvaluatedStudies(Context& context) : context_(context) {}
+
+  /// Null: there is no such study any more. Of an empty id: a result without runs.
+  std::shared_ptr<const v1::StudyResult> find(const std::string& id) {
+    const auto known = results_.find(id);
+    if (known != results_.end()) return known->second;
+
+    std::shared_ptr<const v1::StudyResult>& result = results_[id];
+    if (id.empty()) return result = std::make_shared<v1::StudyResult>();
+    v1::EvaluateStudyRequest request;
+    request.set_id(id);
+    request.set_curves(true);
+    if (auto found = context_.studies.evaluate(request))
+      result = std::make_shared<v1::StudyResult>(std::move(*found));
+    return result;
+  }
+
+  /// @throws Refusal  there is no such study any more
+  std::shared_ptr<const v1::StudyResult> get(const std::string& id) {
+    auto found = find(id);
+    if (!found) refuse_unknown_study(id);
+    return found;
+  }
+
+private:
+  Context& context_;
+  std::map<std::string, std::shared_ptr<const v1::StudyResult>> results_;
+};
+
+/// Curls of the run of the plan. @throws Refusal  it has not succeeded
+std::vector<v1::CurlCurve> curls_of_plan(Context& context, const std::string& id) {
+  const Remedy remedy{"`dccast follow --prepare CASE` before a casting computes more"};
+  const v1::Job job = find_job(context, id);
+  if (!jobs::is_terminal(job.state()))
+    refuse(ErrorInfo::WRONG_STATE, Remedy{"ask again when it has ended"},
+           "the run of the plan, job {}, has not ended yet", id);
+  if (job.state() != v1::SUCCEEDED)
+    refuse(ErrorInfo::WRONG_STATE, remedy, "the run of the plan, job {}, has not succeeded", id);
+
+  const auto steps = read_steps(context, id);
+  if (!steps) refuse(ErrorInfo::CHANGED_MEANWHILE, "job {} went on meanwhile; ask again", id);
+  return studies::run_history(job, *steps).curves;
+}
+
+/// The castings of a line that come before a job and have ended, the oldest first. A job that is not
+/// on the line any more has none.
+std::vector<studies::EarlierCasting> castings_before(const std::string& job, const v1::Line& line,
+                                                     EvaluatedStudies& studies) {
+  const auto own = std::ranges::find(line.castings(), job, &v1::LineCasting::job);
+  if (own == line.castings().end()) return {};
+
+  std::vector<studies::EarlierCasting> earlier;
+  for (auto casting = line.castings().begin(); casting != own; ++casting)
+    if (casting->ended())
+      earlier.push_back({*casting, studies.find(casting->following().ensemble()),
+                         studies.find(casting->following().pairs())});
+  return earlier;
+}
+
+/// What a job has recorded, and what its forecast rests on.
+class RecordedCasting {
+public:
+  /// @param line  with what earlier castings have told; null: none
+  RecordedCasting(Context& context, const std::string& id, const v1::Line* line,
+                  EvaluatedStudies& studies) {
+    const auto folder = context.jobs_directory / id;
+    jobs::ReadingsReader record(folder);
+    following_ = record.following();
+    readings_ = record.read_new();
+    check_rests_on_something(id);
+
+    v1::Case plan;
+    if (!jobs::read_complete_case(folder, plan))
+      refuse(ErrorInfo::DAMAGED, "the case of job {} cannot be read any more", id);
+    schedule_ = plan.schedule();
+
+    ensemble_ = studies.get(following_.ensemble());
+    pairs_ = studies.get(following_.pairs());
+    if (following_.ensemble().empty()) plan_run_ = curls_of_plan(context, following_.plan_job());
+    if (line) earlier_ = castings_before(id, *line, studies);
+  }
+
+  studies::ForecastBasis basis() const {
+    return {.ensemble = *ensemble_,
+            .pairs = *pairs_,
+            .plan = schedule_,
+            .following = following_,
+            .readings = readings_,
+            .plan_run = plan_run_,
+            .earlier = earlier_};
+  }
+
+private:
+  void check_rests_on_something(const std::string& id) const {
+    if (following_.gauges().empty())
+      refuse(ErrorInfo::WRONG_STATE,
+             Remedy{"give the readings a column \"curl MONITOR\" and follow again"},
+             "job {} measures no curl, so there is nothing to forecast from", id);
+    if (following_.ensemble().empty() && following_.plan_job().empty())
+      refuse(ErrorInfo::WRONG_STATE,
+             Remedy{"`dccast follow --prepare CASE` before a casting computes an ensemble, or give a "
+                    "study by `dccast follow --ensemble STUDY`"},
+             "job {} has neither an ensemble nor a run of its plan, on which a forecast rests", id);
+  }
+
+  v1::Following following_;
+  std::vector<v1::Reading> readings_;
+  v1::Schedule schedule_;
+  std::shared_ptr<const v1::StudyResult> ensemble_, pairs_;
+  std::vector<v1::CurlCurve> plan_run_;
+  std::vector<studies::EarlierCasting> earlier_;
+};
+
+/// What a casting that has ended tells its line; nothing where no forecast could be made of it.
+std::vector<v1::ObservedCurl> told_by(Context& context, const v1::LineCasting& casting,
+                                      const v1::Line& line, EvaluatedStudies& studies) {
+  if (casting.following().ensemble().empty()) return {};
+  try {
+    const RecordedCasting recorded(context, casting.job(), &line, studies);
+    return studies::observed_curls(recorded.basis());
+  } catch (const studies::CannotForecast& reason) {
+    log::info("line {}: job {} tells nothing: {}", line.name(), casting.job(), reason.what());
+  } catch (const Refusal& refusal) {
+    log::info("line {}: job {} tells nothing: {}", line.name(), casting.job(),
+              refusal.status.error_message());
+  }
+  return {};
+}
+
+/// The line with what all castings that have ended tell; empty if there is no such line.
+std::optional<v1::Line> learn_of_ended(Context& context, const std::string& name,
+                                       EvaluatedStudies& studies) {
+  auto line = context.lines.find(name);
+  if (!line) return line;
+
+  // The oldest first: what it tells sifts the readings of the next.
+  for (v1::LineCasting& casting : *line->mutable_castings()) {
+    if (casting.ended()) continue;
+    const auto job = context.scheduler.find(casting.job());
+    if (job && !jobs::is_terminal(job->state())) continue;
+
+    const auto curls = job ? told_by(context, casting, *line, studies)
+                           : std::vector<v1::ObservedCurl>();  // deleted before it told anything
+    context.lines.end_casting(name, casting.job(), curls);
+    casting.set_ended(true);
+    *casting.mutable_curls() = {curls.begin(), curls.end()};
+  }
+  return line;
+}
+
+}  // namespace
+
+void require_following(const Context& context, const std::string& id) {
+  if (!jobs::follows_readings(context.jobs_directory / id))
+    refuse(ErrorInfo::WRONG_STATE, Remedy{"`dccast follow` submits one that does"},
+           "job {} follows no readings", id);
+}
+
+v1::Forecast forecast_job(Context& context, const std::string& id) {
+  find_job(context, id);
+  require_following(context, id);
+
+  EvaluatedStudies studies(context);
+  const std::string name = jobs::ReadingsReader(context.jobs_directory / id).following().line();
+  const auto line = name.empty() ? std::nullopt : learn_of_ended(context, name, studies);
+  try {
+    const RecordedCasting recorded(context, id, line ? &*line : nullptr, studies);
+    return studies::forecast_curls(recorded.basis());
+  } catch (const studies::CannotForecast& reason) {
+    refuse(ErrorInfo::WRONG_STATE, Remedy{"ask again when more have ended"}, "{}", reason.what());
+  }
+}
+
+v1::Line learned_line(Context& context, const std::string& name) {
+  EvaluatedStudies studies(context);
+  auto line = learn_of_ended(context, name, studies);
+  if (!line) refuse_unknown_line(name);
+  return std::move(*line);
+}
+
+}  // namespace dccast::service

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "dccast/v1/follow.pb.h"
+#include "dccast/v1/line.pb.h"
+#include "server/service/context.hpp"
+
+/// What the readings of a job tell: the curl to come, and what its line learns from it.
+namespace dccast::service {
+
+/// Refuses a job that is no live one. @throws Refusal
+void require_following(const Context& context, const std::string& id);
+
+/// Forecasts the casting that a job follows. @throws Refusal
+v1::Forecast forecast_job(Context& context, const std::string& id);
+
+/// A line with what its castings have told, those included that have ended since it was last asked
+/// for. @throws Refusal
+v1::Line learned_line(Context& context, const std::string& name);
+
+}  // namespace dccast::service

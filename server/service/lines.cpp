@@ -1,0 +1,43 @@
+// The calls about lines. What a line learns is in forecasts.cpp.
+#include "server/studies/lines.hpp"
+
+#include "server/service/forecasts.hpp"
+#include "server/service/refusals.hpp"
+#include "server/service/simulation_service.hpp"
+
+namespace dccast::service {
+
+using Unary = SimulationService::Unary;
+
+Unary* SimulationService::ListLines(Wire* wire, const v1::ListLinesRequest* request,
+                                    v1::ListLinesResponse* response) {
+  return answer(wire, *request, lanes_.histories, [=, this](const Call& call) {
+    const bool own = context_.gate.authority().reads_own_only(call.caller);
+    for (v1::Line& line : context_.lines.list())
+      if (!own || line.owner() == call.caller.name) *response->add_lines() = std::move(line);
+  });
+}
+
+Unary* SimulationService::GetLine(Wire* wire, const v1::GetLineRequest* request,
+                                  v1::Line* response) {
+  return answer(wire, *request, lanes_.histories,
+                [=, this](const Call&) { *response = learned_line(context_, request->id()); });
+}
+
+Unary* SimulationService::RestartLine(Wire* wire, const v1::RestartLineRequest* request,
+                                      v1::Line* response) {
+  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+    auto line = context_.lines.restart(request->id());
+    if (!line) refuse_unknown_line(request->id());
+    *response = std::move(*line);
+  });
+}
+
+Unary* SimulationService::DeleteLine(Wire* wire, const v1::DeleteLineRequest* request,
+                                     v1::DeleteLineResponse*) {
+  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+    if (!context_.lines.remove(request->id())) refuse_unknown_line(request->id());
+  });
+}
+
+}  // namespace dccast::service

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/statistics/trajectory_forecast.hpp"
+#include "server/studies/curl_forecast.hpp"
+
+namespace dccast::studies {
+
+/// Half the width of a band that holds nine of ten, in standard deviations.
+inline constexpr double nine_of_ten = 1.645;
+
+/// Whether a run of an ensemble counts: it succeeded and stayed valid.
+bool counts(const v1::StudyRun& run);
+
+/// What is known of the curl at a gauge before its first reading.
+struct CurlPrior {
+  statistics::TrajectoryPrior trajectory{};  ///< [m]
+  int members = 0;                           ///< 0: of the run of the plan alone
+  std::optional<v1::LineMemory> line{};      ///< empty: the casting is on no line
+  std::vector<std::string> notes{};          ///< why castings on the line do not count
+};
+
+/// The prior of the curl at a gauge: of the ensemble, its pairs and the castings on the line
+/// (core/statistics/line_memory.hpp), or of the run of the plan. A casting on the line counts where
+/// its ensemble has runs of the same data. @throws CannotForecast
+CurlPrior prior_of_curl(const ForecastBasis& basis, const std::string& monitor);
+
+}  // namespace dccast::studies

@@ -1,0 +1,131 @@
+#include "server/studies/lines.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/storage/file.hpp"
+#include "core/storage/record_log.hpp"
+#include "server/jobs/folder/events.hpp"
+
+namespace dccast::studies {
+
+namespace {
+
+constexpr std::uint32_t largest_line = 1 << 24;  // [bytes]
+
+std::string header() {
+  return "DCCASTLN" + storage::little_endian(1) + storage::little_endian(0);
+}
+
+std::filesystem::path file_of(const std::filesystem::path& directory, const std::string& name) {
+  return directory / (name + ".bin");
+}
+
+v1::LineCasting* find_casting(v1::Line& line, const std::string& job) {
+  const auto found = std::ranges::find(*line.mutable_castings(), job, &v1::LineCasting::job);
+  return found == line.mutable_castings()->end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+bool is_line_name(const std::string& text) {
+  constexpr std::size_t longest = 64;
+  const auto is_alphanumeric = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+  };
+  return !text.empty() && text.size() <= longest && is_alphanumeric(text.front()) &&
+         std::ranges::all_of(text, [&](char c) {
+           return is_alphanumeric(c) || c == '-' || c == '_' || c == '.';
+         });
+}
+
+std::optional<v1::Line> Lines::read(const std::string& name) const {
+  const auto path = file_of(directory_, name);
+  if (!is_line_name(name) || storage::kind_of_entry(path).empty()) return std::nullopt;
+
+  const std::string bytes = storage::read_file(path);
+  const std::string_view all = bytes;
+  v1::Line line;
+  if (all.starts_with(header()))
+    if (const auto record = storage::short_records.first_of(all.substr(header().size()), largest_line);
+        record && line.ParseFromString(std::string(record->payload)) && line.name() == name)
+      return line;
+  throw DamagedLine(fmt::format("the file of line {}, {}, is damaged", name, path.string()));
+}
+
+void Lines::write(const v1::Line& line) const {
+  std::filesystem::create_directories(directory_);
+  storage::replace_file(file_of(directory_, line.name()),
+                        header() + storage::short_records.framed(line.SerializeAsString()));
+}
+
+std::vector<v1::Line> Lines::list() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<v1::Line> lines;
+  if (!std::filesystem::exists(directory_)) return lines;
+  for (const auto& entry : std::filesystem::directory_iterator(directory_)) {
+    const std::string name = entry.path().stem().string();
+    if (entry.path().extension() != ".bin" || !is_line_name(name)) continue;
+    if (auto line = read(name)) lines.push_back(std::move(*line));
+  }
+  std::ranges::sort(lines, {}, &v1::Line::name);
+  return lines;
+}
+
+std::optional<v1::Line> Lines::find(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return read(name);
+}
+
+v1::Line Lines::begin(const std::string& name, const std::string& owner) {
+  const std::lock_guard lock(mutex_);
+  if (auto there = read(name)) return std::move(*there);
+  v1::Line line;
+  line.set_name(name);
+  line.set_owner(owner);
+  *line.mutable_create_time() = jobs::now();
+  write(line);
+  return line;
+}
+
+void Lines::add(const std::string& name, const v1::LineCasting& casting) {
+  const std::lock_guard lock(mutex_);
+  auto line = read(name);
+  if (!line || find_casting(*line, casting.job())) return;
+  *line->add_castings() = casting;
+  write(*line);
+}
+
+void Lines::end_casting(const std::string& name, const std::string& job,
+                        const std::vector<v1::ObservedCurl>& curls) {
+  const std::lock_guard lock(mutex_);
+  auto line = read(name);
+  v1::LineCasting* const casting = line ? find_casting(*line, job) : nullptr;
+  if (!casting || casting->ended()) return;
+  casting->set_ended(true);
+  *casting->mutable_curls() = {curls.begin(), curls.end()};
+  write(*line);
+}
+
+std::optional<v1::Line> Lines::restart(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  auto line = read(name);
+  if (!line) return std::nullopt;
+  line->clear_castings();
+  *line->mutable_restart_time() = jobs::now();
+  write(*line);
+  return line;
+}
+
+bool Lines::remove(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  const auto path = file_of(directory_, name);
+  if (!is_line_name(name) || storage::kind_of_entry(path).empty()) return false;
+  std::filesystem::remove(path);
+  storage::sync_directory(directory_);
+  return true;
+}
+
+}  // namespace dccast::studies
