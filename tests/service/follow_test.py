@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """A job that follows a casting: its record, its levers, kills of client, daemon and worker."""
+import datetime
 import json
 import os
 import random
@@ -512,6 +513,44 @@ class Client(FollowTest):
         self.append(direct, *readings())
         self.assertAlmostEqual(self.steps_at_end(direct)[-1].monitors[0].curl_m,
                                events[-1]["monitors"][0]["displacement_m"][1], delta=1e-9)
+
+    def test_objects_with_names_of_the_plant_give_the_same_casting(self):
+        columns = os.path.join(self.folder, "plc.toml")
+        with open(columns, "w", encoding="utf-8") as file:
+            file.write('time = { name = "ts", zero = "2026-11-27T04:01:00Z" }\n'
+                       'speed = { name = "DB12.Speed", unit = "m/min" }\n'
+                       'water = { name = "FT101", unit = "m3/h", per = "5 m" }\n'
+                       'metal = { name = "TT3", unit = "K" }\n')
+        zero = datetime.datetime(2026, 11, 27, 4, 1, tzinfo=datetime.timezone.utc)
+        lines = []
+        for reading in readings():
+            moment = zero + datetime.timedelta(seconds=reading.time_s)
+            lines.append(json.dumps({
+                "ts": moment.isoformat(), "DB12.Speed": 60 * reading.casting_speed_m_per_s,
+                "FT101": 5 * 3600 * reading.water_flow_m2_per_s,
+                "TT3": reading.casting_temperature_c + 273.15, "batch": {"no": 7}}))
+        process = self.dccast("follow", self.case_file(), "--set", "quality=draft", "--columns",
+                              columns, "--json", stdin=subprocess.PIPE)
+        out, err = self.ended(process, input="\n".join(lines) + '\n{"ts": "2026-11-\n')
+        self.assertIn('columns that are left out: "batch"', err)
+        self.assertIn("it is no complete JSON object", err)
+        event = json.loads(out.splitlines()[-1])
+        self.assertEqual(event["state"], "SUCCEEDED")
+
+        direct = self.follow()
+        self.append(direct, *readings())
+        self.assertAlmostEqual(self.steps_at_end(direct)[-1].monitors[0].curl_m,
+                               event["monitors"][0]["displacement_m"][1], delta=1e-9)
+
+    def test_a_file_of_columns_that_is_wrong_makes_no_job(self):
+        columns = os.path.join(self.folder, "plc.toml")
+        with open(columns, "w", encoding="utf-8") as file:
+            file.write('time = { name = "ts", unit = "s" }\nspeed = { name = "v", unit = "kg" }\n')
+        process = self.dccast("follow", self.case_file(), "--columns", columns, stdin=subprocess.PIPE)
+        _, err = self.ended(process, code=2, input="ts, v\n1, 2\n")
+        self.assertIn("plc.toml:2:", err)
+        self.assertIn("cannot be converted to m/s", err)
+        self.assertFalse(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs)
 
     def test_the_client_bridges_bad_lines_and_says_so(self):
         lines = table().splitlines()
