@@ -93,9 +93,9 @@ std::string table_text(const v1::Curve& curve, std::span<const double, 3> number
                      value_text(numbers[1], unit));
 }
 
-/// When the metal has risen to its level [s]; the hold begins at its negative length.
+/// When the metal has risen to its level [s], without the round-off of the difference.
 double time_of_full_mould(const v1::Schedule& schedule) {
-  return schedule.filling_s() - schedule.hold_s();
+  return std::round(1e6 * (schedule.filling_s() - schedule.hold_s())) / 1e6;
 }
 
 bool differ(std::span<const double> a, std::span<const double> b) {
@@ -146,7 +146,7 @@ std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recip
   // Mechanics that begins with the full mould goes on doing so.
   const double full = time_of_full_mould(schedule);
   const double full_after = time_of_full_mould(changed.schedule());
-  if (full_after != full && complete.mechanics().start_s() == full)
+  if (full_after != full && std::abs(complete.mechanics().start_s() - full) < 1e-6)
     changes.push_back(change_of("mechanics.start", quantity_text(full_after, "s")));
   if (!other_speed) return changes;
 
