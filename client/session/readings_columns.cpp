@@ -124,7 +124,9 @@ private:
                     fmt::format("permitted: a table; write {} = {{ name = \"...\", unit = \"{}\" }}",
                                 path, kind.example));
 
-    Column column{.measured = kind.measured, .monitor = monitor};
+    Column column;
+    column.measured = kind.measured;
+    column.monitor = monitor;
     std::vector<std::string> known{"name", "unit"};
     if (is_flow(kind.measured)) known.push_back("per");
     if (kind.measured == Measured::time) known.push_back("zero");
@@ -228,7 +230,10 @@ std::optional<Column> column_of_heading(const std::string& heading) {
                               values::escaped(values::shortened(parts->unit)),
                               values::escaped(values::shortened(parts->name)), kind->unit,
                               kind->example));
-  Column column{.name = heading, .measured = kind->measured, .unit = parts->unit};
+  Column column;
+  column.name = heading;
+  column.measured = kind->measured;
+  column.unit = parts->unit;
   if (is_curl) column.monitor = trimmed(parts->name.substr(std::string(curl_begins).size()));
   return column;
 }
