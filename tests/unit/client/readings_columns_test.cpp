@@ -26,11 +26,11 @@ corner = { name = "LVDT 1", unit = "in" }
   EXPECT_FALSE(map.zero.at_motion);
   ASSERT_EQ(map.columns.size(), 7u);
   for (const Column& column : map.columns) {
-    if (column.name == "t") EXPECT_DOUBLE_EQ(converted(1500, column), 1.5);
-    if (column.name == "TT3") EXPECT_NEAR(converted(953.15, column), 680.0, 1e-9);
-    if (column.name == "FT101") EXPECT_DOUBLE_EQ(converted(18, column), 1e-3);
-    if (column.name == "LVDT 1") EXPECT_DOUBLE_EQ(converted(1, column), 0.0254);
-    if (column.name == "LVDT 2") EXPECT_EQ(column.monitor, "middle of the wide face");
+    if (column.name == "t") { EXPECT_DOUBLE_EQ(converted(1500, column), 1.5); }
+    if (column.name == "TT3") { EXPECT_NEAR(converted(953.15, column), 680.0, 1e-9); }
+    if (column.name == "FT101") { EXPECT_DOUBLE_EQ(converted(18, column), 1e-3); }
+    if (column.name == "LVDT 1") { EXPECT_DOUBLE_EQ(converted(1, column), 0.0254); }
+    if (column.name == "LVDT 2") { EXPECT_EQ(column.monitor, "middle of the wide face"); }
   }
 }
 

@@ -150,7 +150,7 @@ TEST(ReadingsTable, AnObjectAmongRowsIsLeftOut) {
 TEST(ReadingsTable, BytesThatAreNoTextAreShownEscaped) {
   ReadingsTable table;
   table.take("time [s], speed [mm/min]");
-  EXPECT_THAT(table.take(std::string("1, 4\0" "0\x1b[2J", 12)).remarks,
+  EXPECT_THAT(table.take(std::string("1, 4\0" "0\x1b[2J", 10)).remarks,
               ElementsAre("line 2: \"4\\u{00}0\\u{1B}[2J\" of speed [mm/min] is no number and left out"));
   EXPECT_THAT(table.take(std::string("\0\0\0", 3)).remarks,
               ElementsAre("line 3: left out: it has 1 columns, the header 2"));
