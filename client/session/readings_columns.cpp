@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include <toml++/toml.h>
@@ -75,12 +76,18 @@ public:
 
     if (faults_.empty())
       if (const std::string fault = fault_among(map_.columns); !fault.empty())
-        faults_.push_back(fmt::format("{}: {}", name_, fault));
-    if (!faults_.empty()) throw invalid(fmt::format("{}", fmt::join(faults_, "\n")));
+        throw invalid(fmt::format("{}: {}", name_, fault));
+    if (!faults_.empty()) throw invalid(joined_faults());
     return std::move(map_);
   }
 
 private:
+  std::string joined_faults() const {
+    std::vector<std::string> texts;
+    for (const auto& [place, text] : faults_) texts.push_back(text);
+    return fmt::format("{}", fmt::join(texts, "\n"));
+  }
+
   static std::vector<std::string> keys_of_kinds() {
     std::vector<std::string> keys;
     for (const Kind& kind : kinds()) keys.push_back(kind.key);
@@ -91,9 +98,10 @@ private:
     std::ostringstream written;
     node.visit([&](const auto& value) { written << value; });
     const auto& place = node.source().begin;
-    faults_.push_back(fmt::format("{}:{}:{}: {} = {}: {}", name_, place.line, place.column,
-                                  values::escaped(values::shortened(key)),
-                                  values::escaped(values::shortened(written.str())), fault));
+    faults_.emplace(std::pair(place.line, place.column),
+                    fmt::format("{}:{}:{}: {} = {}: {}", name_, place.line, place.column,
+                                values::escaped(values::shortened(key)),
+                                values::escaped(values::shortened(written.str())), fault));
   }
 
   void refuse_unknown(const toml::node& node, const std::string& path, const std::string& key,
@@ -208,7 +216,8 @@ private:
 
   const std::string& name_;
   ColumnMap map_;
-  std::vector<std::string> faults_;
+  /// By line and column; the parser gives the keys in alphabetical order.
+  std::multimap<std::pair<toml::source_index, toml::source_index>, std::string> faults_;
 };
 
 }  // namespace

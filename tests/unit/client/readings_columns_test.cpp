@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "client/session/failure.hpp"
 
 namespace dccast::client {
@@ -25,13 +27,15 @@ corner = { name = "LVDT 1", unit = "in" }
   EXPECT_EQ(map.zero.at_s, 1200.0);
   EXPECT_FALSE(map.zero.at_motion);
   ASSERT_EQ(map.columns.size(), 7u);
-  for (const Column& column : map.columns) {
-    if (column.name == "t") { EXPECT_DOUBLE_EQ(converted(1500, column), 1.5); }
-    if (column.name == "TT3") { EXPECT_NEAR(converted(953.15, column), 680.0, 1e-9); }
-    if (column.name == "FT101") { EXPECT_DOUBLE_EQ(converted(18, column), 1e-3); }
-    if (column.name == "LVDT 1") { EXPECT_DOUBLE_EQ(converted(1, column), 0.0254); }
-    if (column.name == "LVDT 2") { EXPECT_EQ(column.monitor, "middle of the wide face"); }
-  }
+  const auto column = [&](const std::string& name) {
+    const auto found = std::ranges::find(map.columns, name, &Column::name);
+    return found == map.columns.end() ? Column() : *found;
+  };
+  EXPECT_DOUBLE_EQ(converted(1500, column("t")), 1.5);
+  EXPECT_NEAR(converted(953.15, column("TT3")), 680.0, 1e-9);
+  EXPECT_DOUBLE_EQ(converted(18, column("FT101")), 1e-3);
+  EXPECT_DOUBLE_EQ(converted(1, column("LVDT 1")), 0.0254);
+  EXPECT_EQ(column("LVDT 2").monitor, "middle of the wide face");
 }
 
 TEST(Columns, ReadsTimeStamps) {
@@ -64,16 +68,17 @@ narrow_water = { name = "G", unit = "m3/h", per = "5 kg" }
 curl = { corner = { unit = "mm", range = 3 } }
 )");
   for (const char* part :
-       {"plant.toml:1:29: time.unit = kg: cannot be converted to s; permitted: a unit such as \"s\"",
+       {"plant.toml:1:29: time.unit = 'kg': cannot be converted to s; permitted: a unit such as \"s\"",
         "plant.toml:2:18: speed.name = 3: permitted: a text",
-        "plant.toml:3:9: metal = TT3: permitted: a table; write metal = { name = \"...\", unit = "
+        "plant.toml:3:9: metal = 'TT3': permitted: a table; write metal = { name = \"...\", unit = "
         "\"degC\" }",
         "wter = ", "did you mean \"water\"?",
-        "water.unit = m3/h: is a flow in total; give the length that it wets, such as per",
-        "narrow_water.per = 5 kg: permitted: a length above zero",
+        "water.unit = 'm3/h': is a flow in total; give the length that it wets, such as per",
+        "narrow_water.per = '5 kg': permitted: a length above zero",
         "curl.corner.range = 3: unknown key; permitted: name, unit",
         "curl.corner = ", "name is missing"})
     EXPECT_THAT(faults, HasSubstr(part));
+  EXPECT_LT(faults.find("time.unit"), faults.find("curl.corner")) << "in the order of the file";
 }
 
 TEST(Columns, WhatIsZeroOfTheTime) {
@@ -85,7 +90,7 @@ TEST(Columns, WhatIsZeroOfTheTime) {
                            "zero = \"2026-11-27 04:00:12\"", "unit = \"ms\", zero = \"12 min\"",
                            "unit = \"s\", zero = \"2026-11-27T04:00:12Z\""})
     EXPECT_EQ(of_time(good), "none") << good;
-  EXPECT_THAT(of_time("zero = \"start\""), HasSubstr("time.zero = start: permitted: \"motion\""));
+  EXPECT_THAT(of_time("zero = \"start\""), HasSubstr("time.zero = 'start': permitted: \"motion\""));
   EXPECT_THAT(of_time("zero = \"12 s\""), HasSubstr("permitted: \"motion\""));
   EXPECT_THAT(of_time("unit = \"s\", zero = \"1e300 s\""), HasSubstr("permitted: \"motion\""));
   EXPECT_THAT(fault_of("time = { name = \"t\" }"), HasSubstr("has neither unit nor zero"));

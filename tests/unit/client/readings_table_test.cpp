@@ -151,11 +151,11 @@ TEST(ReadingsTable, BytesThatAreNoTextAreShownEscaped) {
   ReadingsTable table;
   table.take("time [s], speed [mm/min]");
   EXPECT_THAT(table.take(std::string("1, 4\0" "0\x1b[2J", 10)).remarks,
-              ElementsAre("line 2: \"4\\u{00}0\\u{1B}[2J\" of speed [mm/min] is no number and left out"));
+              ElementsAre("line 2: \"4\\u{0}0\\u{1B}[2J\" of speed [mm/min] is no number and left out"));
   EXPECT_THAT(table.take(std::string("\0\0\0", 3)).remarks,
               ElementsAre("line 3: left out: it has 1 columns, the header 2"));
   EXPECT_THAT(table.take(std::string("{\0}", 3)).remarks,
-              ElementsAre(HasSubstr("line 4: left out: it is a JSON object")));
+              ElementsAre("line 4: left out: it is no complete JSON object"));
 }
 
 TEST(ReadingsTable, AHeaderThatIsWrittenAgainIsNoLine) {
@@ -234,7 +234,7 @@ TEST(ReadingsTable, AStartThatWasNotSeenIsNotGuessed) {
 TEST(ReadingsTable, ANameThatTheSourceLacksIsReported) {
   ReadingsTable objects(parse_columns(names_of_plant, "plant.toml"));
   EXPECT_THAT(objects.take(R"({"ts": "2026-11-27 04:00:12", "DB12.CastSpeed": 0})").remarks,
-              ElementsAre("line 1: there is no \"FT101\", \"LVDT\" among \"DB12.CastSpeed\", \"ts\""));
+              ElementsAre("line 1: there is no \"LVDT\", \"FT101\" among \"DB12.CastSpeed\", \"ts\""));
 
   ReadingsTable rows(parse_columns(names_of_plant, "plant.toml"));
   EXPECT_THROW(rows.take("ts, DB12.CastSpeed"), CommandFailed);
