@@ -137,4 +137,21 @@ Json to_json(const Message& message) {
   return object;
 }
 
+std::optional<std::map<std::string, std::string>> members_of_object(const std::string& text) {
+  const auto object = nlohmann::json::parse(text, nullptr, false);
+  if (!object.is_object()) return std::nullopt;
+
+  std::map<std::string, std::string> members;
+  for (const auto& [name, member] : object.items()) {
+    std::string& value = members[name];
+    if (member.is_string())
+      value = member.get<std::string>();
+    else if (member.is_structured())
+      value = member.is_object() ? "{...}" : "[...]";
+    else if (!member.is_null())
+      value = member.dump();
+  }
+  return members;
+}
+
 }  // namespace dccast::client

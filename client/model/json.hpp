@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstdint>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -63,6 +64,10 @@ private:
 /// units), whole numbers as numbers, enums by name, times in RFC 3339, NaN and infinity as null.
 /// Absent messages and optional numbers are left out; everything else is present even if empty.
 Json to_json(const google::protobuf::Message& message);
+
+/// Members of a JSON object by name, each as text: a text as it is, null as an empty one, an object
+/// or an array as "{...}" or "[...]". Empty if this is no complete JSON object.
+std::optional<std::map<std::string, std::string>> members_of_object(const std::string& text);
 
 /// An array of element(value) for each value.
 template <typename Values, typename Element>

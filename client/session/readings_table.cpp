@@ -7,9 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "client/model/csv_line.hpp"
+#include "client/model/json.hpp"
 #include "client/session/failure.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/values/printable.hpp"
@@ -43,14 +42,6 @@ std::string quoted_list(const std::vector<std::string>& names) {
   std::vector<std::string> quoted;
   for (const std::string& name : names) quoted.push_back(fmt::format("\"{}\"", shown(name)));
   return fmt::format("{}", fmt::join(quoted, ", "));
-}
-
-/// A member of an object as the cell of a row.
-std::string cell_of(const nlohmann::json& member) {
-  if (member.is_null()) return {};
-  if (member.is_string()) return trimmed(member.get<std::string>());
-  if (member.is_structured()) return member.is_object() ? "{...}" : "[...]";
-  return member.dump();
 }
 
 /// Sets a value of a reading [unit of the message], but time and cast length.
@@ -152,15 +143,15 @@ void ReadingsTable::take_row(const std::string& text, Line& line) {
 }
 
 void ReadingsTable::take_object(const std::string& text, Line& line) {
-  const auto object = nlohmann::json::parse(text, nullptr, false);
-  if (!object.is_object()) {
+  const auto members = members_of_object(text);
+  if (!members) {
     line.remarks.push_back(at_line("left out: it is no complete JSON object"));
     return;
   }
 
   if (!has_header()) {
     std::vector<std::string> names;
-    for (const auto& [name, member] : object.items()) names.push_back(name);
+    for (const auto& [name, member] : *members) names.push_back(name);
     read_header(std::move(names), line);
   } else if (separator_ != 0) {
     line.remarks.push_back(at_line("left out: it is a JSON object, the lines before are rows"));
@@ -169,8 +160,8 @@ void ReadingsTable::take_object(const std::string& text, Line& line) {
 
   std::vector<std::string> cells;
   for (const Column& column : columns_) {
-    const auto member = object.find(column.name);
-    cells.push_back(member == object.end() ? std::string() : cell_of(*member));
+    const auto member = members->find(column.name);
+    cells.push_back(member == members->end() ? std::string() : trimmed(member->second));
   }
   read_cells(cells, line);
 }
