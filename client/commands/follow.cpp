@@ -151,7 +151,7 @@ ExitCode run(const FollowOptions& options, Program& program) {
 
   // The header is read before anything is submitted: a source that cannot be used makes no job.
   LineSource source(options.readings, options.growing);
-  ReadingsTable table = ReadingsTable(read_columns(options.columns));
+  ReadingsTable table(read_columns(options.columns));
   auto first = readings_in(source.next({}), table);
   if (!table.has_header()) throw invalid("the source of the readings is empty");
 
@@ -175,7 +175,7 @@ ExitCode run(const FollowOptions& options, Program& program) {
   return watch_job(connection, id, 1, options.json, false, options.strict);
 }
 
-constexpr const char* examples = R"(dccast follow --prepare my.toml         # before the casting; takes minutes
+constexpr const char* examples = R"(dccast follow --prepare my.toml        # before the casting; takes minutes
   plant-logger | dccast follow my.toml --line pit-3
   dccast follow my.toml --readings today.csv --growing
   dccast follow my.toml --readings casting-41.csv        # one that was cast, computed again

@@ -59,6 +59,7 @@ void print_forecast(const v1::Forecast& forecast) {
   render::Table table({"curl of", "when", ">at s", ">mm", ">5 %", ">95 %"});
   for (const v1::ForecastCurl& curl : forecast.curls()) add_rows(curl, forecast.time_s(), table);
   std::cout << table.text();
+
   for (const v1::ForecastCurl& curl : forecast.curls()) {
     std::cout << fmt::format("{}: {} readings, {} left out; {}\n", curl.monitor(), curl.readings(),
                              curl.left_out(),
@@ -67,6 +68,7 @@ void print_forecast(const v1::Forecast& forecast) {
     std::cout << fmt::format("{}: before the casting {:.1f} mm at its end ({:.1f} to {:.1f})\n",
                              curl.monitor(), 1e3 * curl.before().curl_m(),
                              1e3 * curl.before().lower_m(), 1e3 * curl.before().upper_m());
+
     if (curl.has_line()) print_line_memory(curl);
     if (curl.zero_upper_m() > curl.zero_lower_m())
       std::cout << fmt::format("{}: the gauge shows {:.1f} mm too much ({:.1f} to {:.1f})\n",

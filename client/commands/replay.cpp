@@ -41,7 +41,7 @@ private:
 
 ExitCode run(const ReplayOptions& options, Program& program) {
   LineSource source(options.file, false);
-  ReadingsTable table = ReadingsTable(read_columns(options.columns));
+  ReadingsTable table(read_columns(options.columns));
   Pace pace(options.pace, *program.interruption);
 
   for (auto lines = source.next({}); !lines.empty(); lines = source.next({}))

@@ -100,8 +100,7 @@ private:
     const auto& place = node.source().begin;
     faults_.emplace(std::pair(place.line, place.column),
                     fmt::format("{}:{}:{}: {} = {}: {}", name_, place.line, place.column,
-                                values::escaped(values::shortened(key)),
-                                values::escaped(values::shortened(written.str())), fault));
+                                values::shown(key), values::shown(written.str()), fault));
   }
 
   void refuse_unknown(const toml::node& node, const std::string& path, const std::string& key,
@@ -236,8 +235,7 @@ std::optional<Column> column_of_heading(const std::string& heading) {
   if (!case_file::convertible(parts->unit, kind->unit))
     throw invalid(fmt::format("[{}] of \"{}\" cannot be converted to {}; permitted: a unit such as "
                               "{}",
-                              values::escaped(values::shortened(parts->unit)),
-                              values::escaped(values::shortened(parts->name)), kind->unit,
+                              values::shown(parts->unit), values::shown(parts->name), kind->unit,
                               kind->example));
   Column column;
   column.name = heading;
@@ -260,8 +258,7 @@ std::string fault_among(const std::vector<Column>& columns) {
     for (std::size_t j = 0; j < i; ++j)
       if (columns[i].measured == columns[j].measured && columns[i].monitor == columns[j].monitor)
         return fmt::format("\"{}\" and \"{}\" measure the same; leave one of them out",
-                           values::escaped(values::shortened(columns[j].name)),
-                           values::escaped(values::shortened(columns[i].name)));
+                           values::shown(columns[j].name), values::shown(columns[i].name));
   return {};
 }
 

@@ -34,13 +34,9 @@ constexpr const char* header_form =
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::string shown(const std::string& text) {
-  return values::escaped(values::shortened(text));
-}
-
 std::string quoted_list(const std::vector<std::string>& names) {
   std::vector<std::string> quoted;
-  for (const std::string& name : names) quoted.push_back(fmt::format("\"{}\"", shown(name)));
+  for (const std::string& name : names) quoted.push_back(fmt::format("\"{}\"", values::shown(name)));
   return fmt::format("{}", fmt::join(quoted, ", "));
 }
 
@@ -76,10 +72,7 @@ std::optional<double> value_in(const std::string& cell, const Column& column) {
 ReadingsTable::ReadingsTable(std::optional<ColumnMap> map) : map_(std::move(map)) {
   if (!map_) return;
   columns_ = map_->columns;
-  if (map_->zero.at_motion)
-    zero_s_.reset();
-  else
-    zero_s_ = map_->zero.at_s;
+  zero_s_ = map_->zero.at_motion ? std::nullopt : std::optional(map_->zero.at_s);
 }
 
 std::string ReadingsTable::at_line(const std::string& text) const {
@@ -220,8 +213,8 @@ void ReadingsTable::read_cells(const std::vector<std::string>& cells, Line& line
     measured[i] = value_in(cells[i], columns_[i]);
     if (!measured[i])
       line.remarks.push_back(at_line(fmt::format(
-          "\"{}\" of {} is no {} and left out", shown(cells[i]), shown(columns_[i].name),
-          columns_[i].unit.empty() ? "time stamp" : "number")));
+          "\"{}\" of {} is no {} and left out", values::shown(cells[i]),
+          values::shown(columns_[i].name), columns_[i].unit.empty() ? "time stamp" : "number")));
     else if (columns_[i].measured == Measured::time)
       line.time_s = measured[i];
     else if (columns_[i].measured == Measured::cast_length)
@@ -287,7 +280,7 @@ void ReadingsTable::report_repetition(std::size_t column, double value, double t
   line.remarks.push_back(at_line(
       fmt::format("{} has not changed at all for {:g} s; it counts, but look whether its sensor is "
                   "alive",
-                  shown(columns_[column].name), time_s - repetition->since_s)));
+                  values::shown(columns_[column].name), time_s - repetition->since_s)));
 }
 
 /// Gives a reading the time of the case; while that is unknown it waits.

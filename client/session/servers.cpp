@@ -142,7 +142,7 @@ EnrolmentLine read_enrolment_line(const std::string& line) {
   if (!fingerprint.starts_with(sha256_begins) ||
       fingerprint.size() != std::strlen(sha256_begins) + digits || first == 0 ||
       second + 1 == words.size())
-    throw invalid("\"" + values::escaped(values::shortened(line)) +
+    throw invalid("\"" + values::shown(line) +
                   "\" is not the line of `dccastd user add`: HOST:PORT/sha256:FINGERPRINT/SECRET");
   return {words.substr(0, first), fingerprint.substr(std::strlen(sha256_begins)),
           words.substr(second + 1)};

@@ -40,9 +40,6 @@ double integral_of_product(const Curve& table, double shift, const Curve& factor
   return sum;
 }
 
-// Times closer than this are equal: steps are sums of decimal fractions.
-constexpr double same_time = 1e-9;  // [s]
-
 /// A step that ends when the water starts is still dry.
 bool runs(const thermal::Water& water, double time) {
   return water.enabled && time > water.start + same_time;

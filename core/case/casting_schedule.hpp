@@ -10,6 +10,9 @@
 
 namespace dccast::casting {
 
+/// Times closer than this are equal: steps are sums of decimal fractions [s].
+inline constexpr double same_time = 1e-9;
+
 /// A sequence of steps without an event in between.
 struct Leap {
   /// Number of steps.

@@ -9,9 +9,6 @@ namespace dccast::casting {
 
 namespace {
 
-/// Of times that are sums of others [s].
-constexpr double round_off = 1e-9;
-
 constexpr double largest_speed = 0.1, largest_flow = 0.1;  // [m/s], [m2/s], as in the schema
 
 /// Checks that a factor keeps the quantity that it multiplies within its range.
@@ -166,7 +163,7 @@ void check_time(CaseFindings& found) {
       found.fault("schedule.filling", with_unit(filling, "s"), "fills a slab that does not grow",
                   "0 s with mesh.growth = false", "leave it out");
     else if (c.mechanics.enabled && found.sound({"mechanics.start"}) &&
-             c.mechanics.start < begin + filling - round_off)
+             c.mechanics.start < begin + filling - same_time)
       found.fault("mechanics.start", with_unit(c.mechanics.start, "s"),
                   "lies before the mould is full",
                   "at least schedule.filling - schedule.hold = " + with_unit(begin + filling, "s"),

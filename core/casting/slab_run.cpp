@@ -14,8 +14,6 @@ namespace dccast::casting {
 
 namespace {
 
-constexpr double same_time = 1e-9;  // [s]
-
 /// Processor time of this thread, or of all threads of the process [s].
 double seconds_of(clockid_t clock) {
   timespec now{};

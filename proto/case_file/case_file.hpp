@@ -98,7 +98,8 @@ struct KeyReference {
   std::string uncertainty;  ///< range of the default, as in [uncertainty]
 };
 
-/// Every key of a message, in the order of the schema; tables before their keys.
-std::vector<KeyReference> reference(const google::protobuf::Descriptor& descriptor);
+/// Every key of a message, in the order of the schema; tables before their keys. Made once for each
+/// message.
+const std::vector<KeyReference>& reference(const google::protobuf::Descriptor& descriptor);
 
 }  // namespace dccast::case_file

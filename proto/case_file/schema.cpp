@@ -246,7 +246,7 @@ std::optional<v1::Fault> text_fault(const FieldDescriptor& field, const std::str
 
   const auto character = values::unprintable(text, permitted_lines(field));
   if (!character) return std::nullopt;
-  return make_fault(path, quoted(values::escaped(values::shortened(text))),
+  return make_fault(path, quoted(values::shown(text)),
                     fmt::format("contains {}", *character), "printable characters",
                     "remove this character");
 }

@@ -181,13 +181,11 @@ bool is_setting(const Descriptor& table) {
 /// A path of the schema for a key that is in the wrong table, or in the outermost one with an
 /// underscore for the point: "log_level" for log.level.
 std::string find_in_other_table(const Descriptor& table, const std::string& key) {
-  static const auto keys_of_case = reference(*v1::Case::descriptor());
-  static const auto keys_of_daemon = reference(*v1::DaemonConfig::descriptor());
-  const bool setting = is_setting(table);
-  const Descriptor& root = setting ? *v1::DaemonConfig::descriptor() : *v1::Case::descriptor();
+  const Descriptor& root =
+      is_setting(table) ? *v1::DaemonConfig::descriptor() : *v1::Case::descriptor();
   if (table.file() != root.file()) return {};
 
-  for (const KeyReference& known : setting ? keys_of_daemon : keys_of_case) {
+  for (const KeyReference& known : reference(root)) {
     std::string underscored = known.path;
     std::ranges::replace(underscored, '.', '_');
     if (known.path.ends_with(fmt::format(".{}", key)) || underscored == key) return known.path;

@@ -147,8 +147,7 @@ std::vector<UncertainKey> uncertain_keys(const v1::Case& complete) {
     if (has_value_at(complete, "alloy." + line.key()))
       add("alloy." + line.key(), line.range(), "card");
 
-  static const auto rows = reference(*v1::Case::descriptor());
-  for (const KeyReference& row : rows)
+  for (const KeyReference& row : reference(*v1::Case::descriptor()))
     if (!row.uncertainty.empty() && is_used(complete, row.path) && is_default(complete, row))
       add(row.path, row.uncertainty, "default");
   return keys;

@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <map>
+#include <mutex>
+
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
@@ -182,10 +185,14 @@ std::string to_toml(const Message& message) {
   return text;
 }
 
-std::vector<KeyReference> reference(const Descriptor& descriptor) {
-  std::vector<KeyReference> rows;
-  append(descriptor, "", rows);
-  return rows;
+const std::vector<KeyReference>& reference(const Descriptor& descriptor) {
+  static std::mutex mutex;
+  static std::map<const Descriptor*, std::vector<KeyReference>> references;
+
+  const std::lock_guard lock(mutex);
+  const auto [known, is_new] = references.try_emplace(&descriptor);
+  if (is_new) append(descriptor, "", known->second);
+  return known->second;
 }
 
 }  // namespace dccast::case_file

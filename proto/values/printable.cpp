@@ -122,6 +122,10 @@ std::string shortened(std::string_view text, std::size_t limit) {
   return fmt::format("{}{}", line.substr(0, kept), kept < text.size() ? "..." : "");
 }
 
+std::string shown(std::string_view text) {
+  return escaped(shortened(text));
+}
+
 std::string too_long(std::string_view name, std::string_view text, std::size_t limit) {
   if (text.size() <= limit) return {};
   return fmt::format("{} has {} bytes; at most {} are permitted", name, text.size(), limit);

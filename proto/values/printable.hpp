@@ -39,6 +39,9 @@ inline constexpr std::size_t longest_request_text = 200;
 /// repeated in an error message is shortened here.
 std::string shortened(std::string_view text, std::size_t limit = longest_echo);
 
+/// escaped() of shortened(): a foreign text as a message repeats it.
+std::string shown(std::string_view text);
+
 /// The fault of a free text that is too long, e.g. "request_id has 5000 bytes; at most 200 are
 /// permitted"; empty if it is short enough.
 std::string too_long(std::string_view name, std::string_view text,

@@ -2,7 +2,9 @@
 
 #include <google/protobuf/descriptor.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 
 #include "dccast/v1/access.pb.h"
@@ -15,16 +17,16 @@ struct CallRule {
   std::string name;  ///< "CancelJob"
   v1::CallAccess access;
 
-  bool touches_job() const { return is_any_of(v1::READS_JOB, v1::CHANGES_JOB); }
-  bool touches_study() const { return is_any_of(v1::READS_STUDY, v1::CHANGES_STUDY); }
-  bool touches_line() const { return is_any_of(v1::READS_LINE, v1::CHANGES_LINE); }
+  bool touches_job() const { return is_any_of({v1::READS_JOB, v1::CHANGES_JOB}); }
+  bool touches_study() const { return is_any_of({v1::READS_STUDY, v1::CHANGES_STUDY}); }
+  bool touches_line() const { return is_any_of({v1::READS_LINE, v1::CHANGES_LINE}); }
   bool changes() const {
-    return is_any_of(v1::CHANGES_JOB, v1::CHANGES_STUDY) || access.touches() == v1::CHANGES_LINE;
+    return is_any_of({v1::CHANGES_JOB, v1::CHANGES_STUDY, v1::CHANGES_LINE});
   }
 
 private:
-  bool is_any_of(v1::Touches first, v1::Touches second) const {
-    return access.touches() == first || access.touches() == second;
+  bool is_any_of(std::initializer_list<v1::Touches> kinds) const {
+    return std::ranges::find(kinds, access.touches()) != kinds.end();
   }
 };
 

@@ -40,14 +40,14 @@ void check_name(const std::string& name) {
   if (!is_valid)
     throw Refused(
         fmt::format("\"{}\" is no name of a user; permitted: 1 to 64 letters, digits and . _ - @",
-                    values::escaped(values::shortened(name))));
+                    values::shown(name)));
 }
 
 v1::User& require_user(v1::Users& users, const std::string& name) {
   for (v1::User& user : *users.mutable_user())
     if (user.name() == name) return user;
   throw Refused(fmt::format("there is no user \"{}\"; dccastd user list shows those there are",
-                            values::escaped(values::shortened(name))));
+                            values::shown(name)));
 }
 
 bool has_expired(const v1::Credential& credential, std::int64_t now) {
@@ -173,7 +173,7 @@ v1::Role parse_role(const std::string& text) {
   const auto found = roles.find(text);
   if (found != roles.end()) return found->second;
   throw Refused(fmt::format("\"{}\" is no role; permitted: viewer, submitter, admin",
-                            values::escaped(values::shortened(text))));
+                            values::shown(text)));
 }
 
 std::string text_of(v1::Role role) {

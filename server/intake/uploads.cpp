@@ -21,7 +21,7 @@ namespace {
 using storage::megabytes;
 
 std::string shown_name(const v1::Attachment& attachment) {
-  return values::escaped(values::shortened(attachment.name()));
+  return values::shown(attachment.name());
 }
 
 /// @param limit      key of the setting

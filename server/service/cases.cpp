@@ -52,7 +52,7 @@ std::string find_case_text(const v1::ReadCaseRequest& request) {
   const auto& cases = shipped::case_templates();
   if (const auto* known = shipped::find(cases, request.shipped())) return known->text;
   refuse(ErrorInfo::NOT_FOUND, "no case called \"{}\" is built in; there are {}",
-         values::escaped(values::shortened(request.shipped())),
+         values::shown(request.shipped()),
          fmt::join(shipped::names_of(cases), ", "));
 }
 

@@ -139,7 +139,7 @@ grpc::Status refuse_for_worker(const jobs::WorkerDidNotAnswer& error) {
 void check_uuid(const std::string& given, const std::string& kind, const std::string& origin) {
   if (values::is_uuid(given)) return;
   refuse(Remedy{fmt::format("an id is a UUID in lower case, {}", origin)}, "\"{}\" is not a {} id",
-         values::escaped(values::shortened(given)), kind);
+         values::shown(given), kind);
 }
 
 /// Parses "<creation time in ms>.<id>". @return false: not a token of this form
@@ -314,7 +314,7 @@ void check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels)
     refuse("there are {} labels; a job has at most {}", labels.size(), most_labels);
   for (const std::string& label : labels) {
     const std::string given =
-        fmt::format("the label \"{}\"", values::escaped(values::shortened(label)));
+        fmt::format("the label \"{}\"", values::shown(label));
     if (label.empty() || label.size() > longest_label)
       refuse("{} is not one line of 1 to {} bytes", given, longest_label);
     if (const auto character = values::unprintable(label))
@@ -362,7 +362,7 @@ void check_verdict(const v1::ValidateCaseResponse& verdict, const RunOfPlan& run
 }
 
 void check_attachment(const v1::Attachment& attachment) {
-  const std::string name = values::escaped(values::shortened(attachment.name()));
+  const std::string name = values::shown(attachment.name());
   if (!values::is_sha256(attachment.sha256()))
     refuse("the sha256 of attachment \"{}\" is not 64 hexadecimal digits in lower case", name);
   if (attachment.size_bytes() < 0) refuse("the size_bytes of attachment \"{}\" is negative", name);
@@ -378,7 +378,7 @@ jobs::Attachments uploaded_files(Context& context, const Call& call,
     if (!file)
       refuse(ErrorInfo::ATTACHMENT_MISSING, Remedy{"upload it (UploadAttachment), then call again"},
              "attachment \"{}\" (SHA-256 {}) is not on the server",
-             values::escaped(values::shortened(attachment.name())), attachment.sha256());
+             values::shown(attachment.name()), attachment.sha256());
 
     files.push_back(std::move(*file));
   }

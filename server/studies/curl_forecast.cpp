@@ -112,24 +112,18 @@ v1::ForecastWarning warning_of(const Departure& departure, const std::string& mo
   return warning;
 }
 
-/// A curl with the band that holds nine of ten.
-struct Band {
-  double curl_m, lower_m, upper_m;
-};
-
-Band band_of(const statistics::Estimated& estimated) {
+/// With the band that holds nine of ten.
+v1::ExpectedCurl expected_curl(const statistics::Estimated& estimated) {
   const double half = nine_of_ten * estimated.deviation;
-  return {estimated.value, estimated.value - half, estimated.value + half};
+  v1::ExpectedCurl curl;
+  curl.set_curl_m(estimated.value);
+  curl.set_lower_m(estimated.value - half);
+  curl.set_upper_m(estimated.value + half);
+  return curl;
 }
 
 statistics::Gauge gauge_of(const v1::Gauge& gauge) {
   return {.noise = gauge.noise_m(), .zero = gauge.zero_m()};
-}
-
-void add_expected(const Band& at, v1::ExpectedCurl& to) {
-  to.set_curl_m(at.curl_m);
-  to.set_lower_m(at.lower_m);
-  to.set_upper_m(at.upper_m);
 }
 
 /// Adds the curl at a gauge, its warnings, and why castings on the line do not count.
@@ -143,28 +137,28 @@ void add_curl(const v1::Gauge& gauge, const ForecastBasis& basis, v1::Forecast& 
 
   const Eigen::VectorXd& instants = prior.trajectory.time;
   const TrajectoryForecast before(prior.trajectory, gauge_of(gauge));
-  add_expected(band_of(before.at(instants(instants.size() - 1))), *curl.mutable_before());
+  *curl.mutable_before() = expected_curl(before.at(instants(instants.size() - 1)));
 
   const Learned learned = learned_from(before, gauge, basis.readings, curl);
   for (const Departure& departure : learned.departures)
     *to.add_warnings() = warning_of(departure, gauge.monitor());
 
   const auto add = [&](double time_s) {
-    const Band at = band_of(learned.forecast.at(time_s));
+    const v1::ExpectedCurl at = expected_curl(learned.forecast.at(time_s));
     curl.add_time_s(time_s);
-    curl.add_curl_m(at.curl_m);
-    curl.add_lower_m(at.lower_m);
-    curl.add_upper_m(at.upper_m);
+    curl.add_curl_m(at.curl_m());
+    curl.add_lower_m(at.lower_m());
+    curl.add_upper_m(at.upper_m());
   };
   const double begin_s = std::max(to.time_s(), 0.0);
   add(begin_s);
   for (const double time_s : instants)
     if (time_s > begin_s) add(time_s);
 
-  const Band zero = band_of(learned.forecast.zero());
-  curl.set_zero_m(zero.curl_m);
-  curl.set_zero_lower_m(zero.lower_m);
-  curl.set_zero_upper_m(zero.upper_m);
+  const v1::ExpectedCurl zero = expected_curl(learned.forecast.zero());
+  curl.set_zero_m(zero.curl_m());
+  curl.set_zero_lower_m(zero.lower_m());
+  curl.set_zero_upper_m(zero.upper_m());
 }
 
 /// Readings of a gauge that count, until it slips.

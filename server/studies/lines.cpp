@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t largest_line = 1 << 24;  // [bytes]
 
 std::string header() {
-  return "DCCASTLN" + storage::little_endian(1) + storage::little_endian(0);
+  return storage::file_header("DCCASTLN", 1);
 }
 
 std::filesystem::path file_of(const std::filesystem::path& directory, const std::string& name) {

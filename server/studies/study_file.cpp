@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr std::uint32_t largest_part = UINT32_MAX;  // a request is bounded where it is taken
 
 std::string header(std::uint32_t version = 2) {
-  return "DCCASTSD" + storage::little_endian(version) + storage::little_endian(0);
+  return storage::file_header("DCCASTSD", version);
 }
 
 /// The description of a study is the same in both versions.

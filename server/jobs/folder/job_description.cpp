@@ -20,7 +20,7 @@ constexpr std::size_t sha256_length = 64;           // [characters]
 constexpr std::size_t name_column = sha256_length + 2;
 
 std::string header(std::uint32_t version) {
-  return "DCCASTJD" + storage::little_endian(version) + storage::little_endian(0);
+  return storage::file_header("DCCASTJD", version);
 }
 
 /// Frames a part behind one byte, because a message may be empty but a frame may not.

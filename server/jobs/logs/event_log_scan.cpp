@@ -48,11 +48,11 @@ std::optional<EventStart> parse_start(std::string_view payload) {
 }  // namespace
 
 std::string event_log_header() {
-  return "DCCASTEV" + storage::little_endian(2) + storage::little_endian(0);
+  return storage::file_header("DCCASTEV", 2);
 }
 
 std::string former_event_log_header() {
-  return "DCCASTEV" + storage::little_endian(1) + storage::little_endian(0);
+  return storage::file_header("DCCASTEV", 1);
 }
 
 std::string EventGap::description() const {

@@ -15,7 +15,7 @@ constexpr std::int64_t header_size = 16;      // [bytes]
 constexpr std::uint64_t largest_entry = 1 << 16;  // [bytes]
 
 std::string header() {
-  return "DCCASTRD" + storage::little_endian(1) + storage::little_endian(0);
+  return storage::file_header("DCCASTRD", 1);
 }
 
 std::filesystem::path path_in(const std::filesystem::path& job_folder) {

@@ -12,7 +12,7 @@ namespace {
 std::string framed(std::string_view text) {
   v1::RecordEntry following;
   following.mutable_following()->add_gauges()->set_monitor("corner");
-  std::string file = "DCCASTRD" + storage::little_endian(1) + storage::little_endian(0) +
+  std::string file = storage::file_header("DCCASTRD", 1) +
                      storage::short_records.framed(following.SerializeAsString());
   std::int64_t number = 0;
   while (!text.empty()) {
