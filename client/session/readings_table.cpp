@@ -19,6 +19,9 @@ namespace {
 
 /// Longest time between two readings in which a lever is taken as known (follow.proto) [s].
 constexpr double longest_gap_s = 10.0;
+/// A cast length that has not risen yet for so long tells that the block stands, whatever the steps of
+/// its counter [s].
+constexpr double longest_step_of_counter_s = 10.0;
 /// A sensor that shows exactly the same for so long may be dead [s].
 constexpr double longest_repetition_s = 120.0;
 /// Smallest distance of two readings, above the rounding of the longest time on a clock [s].
@@ -27,6 +30,9 @@ constexpr double least_step_s = 1e-4;
 constexpr double still_m_per_s = 1e-3 / 60.0;
 /// Readings that are kept while the block stands: an hour at one a second.
 constexpr std::size_t most_waiting = 3600;
+
+/// Names that are remembered, so that a source of endless new ones does not fill the memory.
+constexpr std::size_t most_names = 1000;
 
 constexpr const char* header_form =
     "\"time [s], speed [mm/min], water [l/min/m], narrow water [l/min/m], metal [degC], curl corner "
@@ -142,14 +148,21 @@ void ReadingsTable::take_object(const std::string& text, Line& line) {
     return;
   }
 
-  if (!has_header()) {
-    std::vector<std::string> names;
-    for (const auto& [name, member] : *members) names.push_back(name);
-    read_header(std::move(names), line);
-  } else if (separator_ != 0) {
+  if (has_header() && separator_ != 0) {
     line.remarks.push_back(at_line("left out: it is a JSON object, the lines before are rows"));
     return;
   }
+  if (members->empty()) {
+    line.remarks.push_back(at_line("left out: it has no time"));
+    return;
+  }
+
+  std::vector<std::string> names;
+  for (const auto& [name, member] : *members) names.push_back(name);
+  if (has_header())
+    report_new_names(names, line);
+  else
+    read_header(std::move(names), line);
 
   std::vector<std::string> cells;
   for (const Column& column : columns_) {
@@ -174,6 +187,21 @@ void ReadingsTable::read_header(std::vector<std::string> names, Line& line) {
     line.remarks.push_back("columns that are left out: " + quoted_list(left_out));
 }
 
+/// Reports names that the first object lacks, each once. The columns stay those of the first object, as
+/// the job has its gauges from there.
+void ReadingsTable::report_new_names(const std::vector<std::string>& names, Line& line) {
+  for (const std::string& name : names) {
+    if (header_.size() >= most_names) return;
+    if (std::ranges::find(header_, name) != header_.end()) continue;
+    header_.push_back(name);
+    if (std::ranges::find(columns_, name, &Column::name) != columns_.end()) continue;
+    line.remarks.push_back(at_line(
+        fmt::format("\"{}\" is left out: the first object does not have it; there null stands for no "
+                    "value",
+                    values::shown(name))));
+  }
+}
+
 void ReadingsTable::read_columns_of_header() {
   try {
     for (const std::string& name : header_)
@@ -189,8 +217,14 @@ void ReadingsTable::read_columns_of_header() {
 
 void ReadingsTable::find_columns_of_map(Line& line) {
   std::vector<std::string> missing;
-  for (const Column& column : columns_)
-    if (std::ranges::find(header_, column.name) == header_.end()) missing.push_back(column.name);
+  for (const Column& column : columns_) {
+    const auto count = std::ranges::count(header_, column.name);
+    if (count > 1)
+      throw invalid(fmt::format("readings, line {}: \"{}\" is there twice; give each column a name of "
+                                "its own",
+                                number_, values::shown(column.name)));
+    if (count == 0) missing.push_back(column.name);
+  }
   if (missing.empty()) return;
 
   // An object may hold some of the values only.
@@ -257,12 +291,22 @@ bool ReadingsTable::follows_last(double time_s, Line& line) {
 /// The speed since the last length. The first length gives none.
 void ReadingsTable::set_speed(double time_s, double length_m, v1::Reading& reading, Line& line) {
   const auto last = std::exchange(last_length_, std::pair(time_s, length_m));
-  if (!last) return;
-  if (length_m >= last->second)
-    return reading.set_casting_speed_m_per_s((length_m - last->second) / (time_s - last->first));
-  line.remarks.push_back(
-      at_line(fmt::format("the cast length falls from {:g} to {:g} mm; the speed is left out",
-                          1e3 * last->second, 1e3 * length_m)));
+  if (!last) {
+    first_length_s_ = time_s;
+    return;
+  }
+  if (length_m < last->second) {
+    line.remarks.push_back(
+        at_line(fmt::format("the cast length falls from {:g} to {:g} mm; the speed is left out",
+                            1e3 * last->second, 1e3 * length_m)));
+    return;
+  }
+
+  // Differences of neighbours add up to the length itself, also where a coarse counter makes them
+  // jump. Before its first rise such a counter stays although the block may move.
+  length_rises_ = length_rises_ || length_m > last->second;
+  if (!length_rises_ && time_s - first_length_s_ < longest_step_of_counter_s) return;
+  reading.set_casting_speed_m_per_s((length_m - last->second) / (time_s - last->first));
 }
 
 /// Reports a value that is exactly the same for long since the block moves.
@@ -292,7 +336,7 @@ void ReadingsTable::place_in_time(v1::Reading reading, Line& line) {
   if (!zero_s_ && knows_speed) still_s_ = time_s;
 
   waiting_.push_back(std::move(reading));
-  if (waiting_.size() > most_waiting) waiting_.pop_front();
+  if (waiting_.size() > most_waiting) leave_out_oldest(line);
   if (!zero_s_) return;
 
   for (v1::Reading& each : waiting_) {
@@ -300,6 +344,14 @@ void ReadingsTable::place_in_time(v1::Reading reading, Line& line) {
     line.readings.push_back(std::move(each));
   }
   waiting_.clear();
+}
+
+void ReadingsTable::leave_out_oldest(Line& line) {
+  waiting_.pop_front();
+  if (std::exchange(leaves_out_oldest_, true)) return;
+  line.remarks.push_back(
+      at_line(fmt::format("the block has not moved for {} readings; older ones are left out from now on",
+                          most_waiting)));
 }
 
 /// The block moves: it started when it was last seen to stand.

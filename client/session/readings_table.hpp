@@ -58,29 +58,34 @@ private:
   void read_header(std::vector<std::string> names, Line& line);
   void read_columns_of_header();
   void find_columns_of_map(Line& line);
+  void report_new_names(const std::vector<std::string>& names, Line& line);
   /// @param cells  as many as columns; empty where there is no value
   void read_cells(const std::vector<std::string>& cells, Line& line);
   bool follows_last(double time_s, Line& line);
   void set_speed(double time_s, double length_m, v1::Reading& reading, Line& line);
   void report_repetition(std::size_t column, double value, double time_s, Line& line);
   void place_in_time(v1::Reading reading, Line& line);
+  void leave_out_oldest(Line& line);
   void find_zero(double time_s, Line& line);
 
   std::optional<ColumnMap> map_;
   std::vector<Column> columns_;
-  std::vector<std::string> header_;  ///< names in the first line
+  std::vector<std::string> header_;  ///< names in the first line, and in later objects
   char separator_ = 0;               ///< of rows; 0: there are objects only
   int number_ = 0;                   ///< of the line, from 1
 
   /// What the last reading leaves.
   std::optional<double> last_s_;                         ///< on the clock of the source
   std::optional<std::pair<double, double>> last_length_;  ///< its time [s], and [m]
+  double first_length_s_ = 0.0;
+  bool length_rises_ = false;
   std::vector<std::optional<Repetition>> repetitions_;    ///< (column)
 
   /// The time zero on the clock of the source; empty: the block has not moved.
   std::optional<double> zero_s_ = 0.0;
   std::optional<double> still_s_;    ///< when it was last seen to stand
   std::deque<v1::Reading> waiting_;  ///< for the time zero; times of the source
+  bool leaves_out_oldest_ = false;   ///< of those that wait
 };
 
 }  // namespace dccast::client

@@ -193,6 +193,18 @@ TEST(ReadingsTable, TheSpeedFollowsFromTheCastLength) {
   EXPECT_DOUBLE_EQ(reading_of(table, "6, 1, 680").casting_speed_m_per_s(), 1e-3);
 }
 
+TEST(ReadingsTable, ACounterThatStaysTellsOnlyAfterAWhileThatTheBlockStands) {
+  ReadingsTable table;
+  table.take("time [s], cast length [mm], metal [degC]");
+  for (int t = 0; t < 10; ++t)
+    EXPECT_FALSE(reading_of(table, fmt::format("{}, 5, 680", t)).has_casting_speed_m_per_s()) << t;
+  const v1::Reading still = reading_of(table, "10, 5, 680");
+  EXPECT_TRUE(still.has_casting_speed_m_per_s());
+  EXPECT_EQ(still.casting_speed_m_per_s(), 0.0);
+  EXPECT_DOUBLE_EQ(reading_of(table, "11, 10, 680").casting_speed_m_per_s(), 5e-3);
+  EXPECT_EQ(reading_of(table, "12, 10, 680").casting_speed_m_per_s(), 0.0);
+}
+
 const char* const names_of_plant = R"(
 time  = { name = "ts", zero = "motion" }
 speed = { name = "DB12.CastSpeed", unit = "mm/min" }
@@ -228,6 +240,69 @@ TEST(ReadingsTable, AStartThatWasNotSeenIsNotGuessed) {
     FAIL();
   } catch (const CommandFailed& failure) {
     EXPECT_THAT(failure.what(), HasSubstr("time.zero = \"2026-11-27T04:00:12Z\""));
+  }
+}
+
+const char* const length_of_plant = R"(
+time = { name = "t", unit = "s", zero = "motion" }
+length = { name = "L", unit = "mm" }
+)";
+
+TEST(ReadingsTable, FindsTheStartByTheCastLength) {
+  ReadingsTable table(parse_columns(length_of_plant, "plant.toml"));
+  table.take("t, L");
+  for (int t = 0; t < 20; ++t) EXPECT_THAT(table.take(fmt::format("{}, 0", t)).readings, IsEmpty());
+  const auto line = table.take("20, 1");
+  ASSERT_EQ(line.readings.size(), 21u);
+  EXPECT_EQ(line.readings[19].time_s(), 0.0);
+}
+
+TEST(ReadingsTable, ACoarseCounterOfABlockThatMovesShowsNoStart) {
+  ReadingsTable table(parse_columns(length_of_plant, "plant.toml"));
+  table.take("t, L");
+  for (int t = 0; t < 5; ++t) table.take(fmt::format("{}, 10", t));
+  EXPECT_THROW(table.take("5, 20"), CommandFailed);
+}
+
+TEST(ReadingsTable, ReadingsThatWaitTooLongAreNotLostSilently) {
+  ReadingsTable table(parse_columns(names_of_plant, "plant.toml"));
+  table.take("ts, DB12.CastSpeed, FT101, LVDT");
+  std::vector<std::string> remarks;
+  for (int i = 0; i < 3700; ++i) {
+    const auto line = table.take(
+        fmt::format("2026-11-27T{:02}:{:02}:{:02}Z, 0, 18, 0.1", 4 + i / 3600, i / 60 % 60, i % 60));
+    remarks.insert(remarks.end(), line.remarks.begin(), line.remarks.end());
+  }
+  EXPECT_THAT(remarks, ElementsAre("line 3602: the block has not moved for 3600 readings; older ones "
+                                   "are left out from now on"));
+}
+
+TEST(ReadingsTable, AnEmptyObjectIsNoHeader) {
+  ReadingsTable table;
+  EXPECT_THAT(table.take("{}").remarks, ElementsAre("line 1: left out: it has no time"));
+  EXPECT_FALSE(table.has_header());
+  EXPECT_EQ(reading_of(table, R"({"time [s]": 2, "speed [mm/min]": 60})").time_s(), 2.0);
+}
+
+TEST(ReadingsTable, ANameThatAppearsLaterIsReportedOnce) {
+  ReadingsTable table;
+  table.take(R"({"time [s]": 1, "speed [mm/min]": 60})");
+  const char* const later = R"({"time [s]": 2, "speed [mm/min]": 60, "curl corner [mm]": 3})";
+  EXPECT_THAT(table.take(later).remarks,
+              ElementsAre("line 2: \"curl corner [mm]\" is left out: the first object does not have it; "
+                          "there null stands for no value"));
+  EXPECT_THAT(
+      table.take(R"({"time [s]": 3, "speed [mm/min]": 60, "curl corner [mm]": 3})").remarks,
+      IsEmpty());
+}
+
+TEST(ReadingsTable, ANameThatAHeaderHasTwiceIsRefused) {
+  ReadingsTable table(parse_columns(names_of_plant, "plant.toml"));
+  try {
+    table.take("ts, DB12.CastSpeed, FT101, LVDT, FT101");
+    FAIL();
+  } catch (const CommandFailed& failure) {
+    EXPECT_THAT(failure.what(), HasSubstr("\"FT101\" is there twice"));
   }
 }
 
