@@ -15,5 +15,7 @@ find_package(OpenSSL REQUIRED COMPONENTS Crypto SSL)
 find_package(Boost 1.74 REQUIRED)  # headers alone
 find_package(Udunits2 REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(Mosquitto REQUIRED IMPORTED_TARGET libmosquitto)
 find_package(Cholmod REQUIRED)
 find_package(OpenMP REQUIRED COMPONENTS CXX)  # to keep CHOLMOD on one core

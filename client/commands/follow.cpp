@@ -1,15 +1,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <functional>
 #include <iostream>
 #include <iterator>
 #include <thread>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
+#include "client/commands/follow_alarms.hpp"
 #include "client/model/answer.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
+#include "client/session/line_source.hpp"
 #include "client/session/preparation.hpp"
 #include "client/session/readings.hpp"
 #include "client/session/readings_table.hpp"
@@ -30,6 +34,8 @@ struct FollowOptions {
   std::string ensemble;
   std::string line;
   std::string noise = "1 mm", zero = "0 mm";
+  std::string broker;
+  AlarmOptions alarms;
   bool prepare = false;
   bool growing = false;
   bool json = false;
@@ -125,6 +131,75 @@ void send_all(RecordSender& sender, LineSource& source, ReadingsTable& table,
   if (takes_more && !stop.stop_requested()) sender.close();
 }
 
+std::unique_ptr<LineSource> open_source(const FollowOptions& options) {
+  if (!is_topic(options.readings))
+    return lines_of_file(options.readings, options.growing ? FileEnd::grows : FileEnd::ends_source);
+
+  auto source =
+      lines_of_topic(parse_topic(options.readings), read_broker_login(options.broker), remark);
+  remark("waiting for those of " + options.readings);
+  return source;
+}
+
+/// Works beside the watch of the job, in a thread and with a connection of its own, and is interrupted
+/// when it is destroyed.
+class Companion {
+public:
+  explicit Companion(const Connection& connection)
+      : connection_(connection.another(interruption_)) {}
+
+  Connection& connection() { return connection_; }
+  Interruption& interruption() { return *interruption_; }
+
+  /// @param work  may throw Interrupted
+  void start(std::function<void(const std::stop_token&)> work) {
+    thread_ = std::jthread([this, work = std::move(work)](const std::stop_token& stop) {
+      const std::stop_callback cancel(stop, [this] { interruption_->come(); });
+      try {
+        work(stop);
+      } catch (const Interrupted&) {  // the job has ended, or the user has left
+      }
+    });
+  }
+
+private:
+  std::shared_ptr<Interruption> interruption_ = std::make_shared<Interruption>();
+  Connection connection_;
+  std::jthread thread_;
+};
+
+/// Sends the readings to the job until the source ends. Throws CommandFailed: the job follows none.
+void start_sending(Companion& companion, const std::string& id, LineSource& source,
+                   ReadingsTable& table, std::vector<v1::Reading> first) {
+  const auto sender = std::make_shared<RecordSender>(companion.connection(), id, remark);
+  companion.start([=, &source, &table](const std::stop_token& stop) {
+    try {
+      send_all(*sender, source, table, first, stop);
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const std::exception& error) {
+      remark(fmt::format("no more are sent: {}. The job waits for them: dccast follow --job {}",
+                         error.what(), id));
+    }
+  });
+}
+
+/// Watches the job to its end and tells alarms.
+ExitCode watch_with_alarms(Connection& connection, const std::string& id, AlarmWatch& alarms,
+                           const FollowOptions& options) {
+  constexpr std::chrono::seconds between_looks{2};
+  ExitCode code;
+  {
+    Companion companion(connection);
+    companion.start([&](const std::stop_token&) {
+      for (;; companion.interruption().sleep(between_looks)) alarms.look(companion.connection());
+    });
+    code = watch_job(connection, id, 1, options.json, false, options.strict);
+  }
+  alarms.look(connection);  // at what came last
+  return code;
+}
+
 /// Computes what a forecast of the case rests on.
 ExitCode run_preparation(const FollowOptions& options, Program& program) {
   if (options.file.empty() || options.file == "-" || !options.job.empty())
@@ -150,34 +225,32 @@ ExitCode run(const FollowOptions& options, Program& program) {
     throw invalid("standard input holds the readings; give the case as a file");
 
   // The header is read before anything is submitted: a source that cannot be used makes no job.
-  LineSource source(options.readings, options.growing);
+  const auto source = open_source(options);
   ReadingsTable table(read_columns(options.columns));
-  auto first = readings_in(source.next({}), table);
-  if (!table.has_header()) throw invalid("the source of the readings is empty");
+  std::vector<v1::Reading> first;
+  while (!table.has_header()) {
+    const auto lines = source->next({});
+    if (lines.empty()) throw invalid("the source of the readings is empty");
+    first = readings_in(lines, table);
+  }
 
   Connection connection = program.connect();
   const std::string id = options.job.empty() ? submit(options, table, connection)
                                              : resolve_job(connection, options.job);
 
-  const auto interruption = std::make_shared<Interruption>();
-  Connection of_sender = connection.another(interruption);
-  RecordSender sender(of_sender, id, remark);
-  std::jthread sending([&](const std::stop_token& stop) {
-    const std::stop_callback cancel(stop, [&] { interruption->come(); });
-    try {
-      send_all(sender, source, table, std::move(first), stop);
-    } catch (const Interrupted&) {  // the job has ended, or the user has left
-    } catch (const std::exception& error) {
-      remark(fmt::format("no more are sent: {}. The job waits for them: dccast follow --job {}",
-                         error.what(), id));
-    }
-  });
-  return watch_job(connection, id, 1, options.json, false, options.strict);
+  AlarmHandlers handlers = alarm_handlers(options.alarms, options.broker, id);
+  const bool has_forecast = !table.gauges().empty();
+  if (!has_forecast) handlers = {.finding = handlers.finding};
+  AlarmWatch alarms(id, std::move(handlers));
+  Companion sending(connection);
+  start_sending(sending, id, *source, table, std::move(first));
+  return watch_with_alarms(connection, id, alarms, options);
 }
 
 constexpr const char* examples = R"(dccast follow --prepare my.toml        # before the casting; takes minutes
   plant-logger | dccast follow my.toml --line pit-3
   dccast follow my.toml --readings today.csv --growing
+  dccast follow my.toml --readings mqtt://broker/pit3 --columns plc.toml --notify 'beep'
   dccast follow my.toml --readings casting-41.csv        # one that was cast, computed again
   plant-logger | dccast follow --job JOB                 # after this program was stopped
 
@@ -203,8 +276,12 @@ void add_follow(cli::CommandLine& line, Program& program) {
 
   // Where the readings come from.
   command.option("--readings", options.readings,
-                 "File with the readings; - for standard input (default)",
+                 "File with the readings, or MQTT topic such as mqtt://HOST/TOPIC; - for standard input "
+                 "(default)",
                  {.placeholder = "SOURCE"});
+  command.option("--broker", options.broker,
+                 "TOML file with the login at the broker: user, password, ca, certificate, key",
+                 {.placeholder = "FILE"});
   add_columns_option(command, options.columns);
   command.flag("--growing", options.growing,
                "The file grows: wait for further lines at its end. Otherwise its end is that of the "
@@ -228,6 +305,7 @@ void add_follow(cli::CommandLine& line, Program& program) {
   command.option("--zero", options.zero,
                  "Standard deviation of the unknown zero of its gauge; default \"0 mm\"", length);
 
+  add_alarm_options(command, options.alarms);
   command.flag("--strict", options.strict,
                "Exit code 3 also for a job with findings beyond notes (docs/findings.md)");
   command.json(options.json, "One JSON object per event and line");

@@ -6,8 +6,8 @@
 #include "client/commands/commands.hpp"
 #include "client/model/answer.hpp"
 #include "client/session/jobs.hpp"
+#include "client/text/forecast_text.hpp"
 #include "client/text/table.hpp"
-#include "proto/values/interpolation.hpp"
 
 namespace dccast::client::commands {
 namespace {
@@ -17,22 +17,12 @@ struct ForecastOptions {
   bool json = false;
 };
 
-/// The value of a curve at a time within its range.
-double value_at(const google::protobuf::RepeatedField<double>& time_s,
-                const google::protobuf::RepeatedField<double>& values, double at_s) {
-  return values::at_instants({at_s}, {time_s.begin(), time_s.end()},
-                             {values.begin(), values.end()})
-      .front();
-}
-
 void add_rows(const v1::ForecastCurl& curl, double now_s, render::Table& table) {
   const double end_s = *curl.time_s().rbegin();
   const auto add = [&](const std::string& when, double at_s) {
-    const auto mm = [&](const auto& values) {
-      return render::fixed(1e3 * value_at(curl.time_s(), values, at_s), 1);
-    };
-    table.add({curl.monitor(), when, render::fixed(at_s, 0), mm(curl.curl_m()), mm(curl.lower_m()),
-               mm(curl.upper_m())});
+    const render::CurlToCome there = render::curl_to_come(curl, at_s);
+    table.add({curl.monitor(), when, render::fixed(at_s, 0), render::fixed(there.curl_mm, 1),
+               render::fixed(there.lower_mm, 1), render::fixed(there.upper_mm, 1)});
   };
 
   add("now", std::clamp(now_s, 0.0, end_s));
@@ -80,9 +70,8 @@ void print_forecast(const v1::Forecast& forecast) {
 /// What is off, what may come, and how much the forecast rests on.
 void print_remarks(const v1::Forecast& forecast) {
   for (const v1::ForecastWarning& warning : forecast.warnings())
-    std::cout << fmt::format("warning at {:.0f} s, {}: {}; likeliest: {}\n", warning.time_s(),
-                             warning.monitor(), warning.text(),
-                             fmt::join(warning.causes(), ", "));
+    std::cout << fmt::format("warning at {:.0f} s, {}\n", warning.time_s(),
+                             render::warning_text(warning));
   for (const v1::ForecastFinding& finding : forecast.findings())
     std::cout << fmt::format("to come in {} of {} members: {}\n", finding.members(), finding.of(),
                              finding.rule());

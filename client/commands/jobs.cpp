@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include <functional>
 #include <iostream>
 #include <limits>
@@ -9,6 +8,7 @@
 #include "client/session/jobs.hpp"
 #include "client/session/queries.hpp"
 #include "client/session/studies.hpp"
+#include "client/session/user_command.hpp"
 #include "client/text/job_text.hpp"
 #include "proto/values/printable.hpp"
 
@@ -150,11 +150,9 @@ v1::Job ended_job(Connection& connection, const std::string& id) {
 /// Runs the user's command for a job that has ended, with the facts about the job in its
 /// environment.
 void notify(const std::string& command, const v1::Job& job) {
-  ::setenv("DCCAST_JOB", job.id().c_str(), 1);
-  ::setenv("DCCAST_TITLE", job.title().c_str(), 1);
-  ::setenv("DCCAST_STATE", render::state_text(job.state()).c_str(), 1);
-  if (const int status = std::system(command.c_str()); status != 0)
-    std::cerr << "dccast: the command of --notify ended with status " << status << '\n';
+  run_user_command(command, {{"DCCAST_JOB", job.id()},
+                             {"DCCAST_TITLE", job.title()},
+                             {"DCCAST_STATE", render::state_text(job.state())}});
 }
 
 ExitCode run(const WaitOptions& options, Program& program) {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "client/commands/commands.hpp"
-#include "client/session/readings.hpp"
+#include "client/session/line_source.hpp"
 #include "client/session/readings_table.hpp"
 
 namespace dccast::client::commands {
@@ -40,11 +40,11 @@ private:
 };
 
 ExitCode run(const ReplayOptions& options, Program& program) {
-  LineSource source(options.file, false);
+  const auto source = lines_of_file(options.file, FileEnd::ends_source);
   ReadingsTable table(read_columns(options.columns));
   Pace pace(options.pace, *program.interruption);
 
-  for (auto lines = source.next({}); !lines.empty(); lines = source.next({}))
+  for (auto lines = source->next({}); !lines.empty(); lines = source->next({}))
     for (const std::string& line : lines) {
       // A line that cannot be read has no time; who reads it says what is wrong with it.
       if (const auto time_s = table.take(line).time_s) pace.await(*time_s);

@@ -1,0 +1,77 @@
+#include "client/commands/follow_alarms.hpp"
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "client/model/json.hpp"
+#include "client/session/mqtt.hpp"
+#include "client/session/user_command.hpp"
+#include "client/text/findings.hpp"
+#include "client/text/forecast_text.hpp"
+
+namespace dccast::client::commands {
+
+namespace {
+
+/// How often the forecast is written [s of the casting].
+constexpr double between_forecasts_s = 30.0;
+
+/// Tells an alarm to whom the options name. @param facts  what it is about, for programs
+using Tell = std::function<void(const std::string& text, Json facts)>;
+
+Tell tell_by(const AlarmOptions& options, const std::string& broker, const std::string& job) {
+  std::shared_ptr<MqttConnection> connection;
+  if (!options.topic.empty()) {
+    const auto remark = [](const std::string& text) { std::cerr << "alarms: " << text << std::endl; };
+    connection = std::make_shared<MqttConnection>(
+        parse_topic(options.topic), read_broker_login(broker), MqttConnection::Handlers{.remark = remark});
+  }
+
+  return [=, command = options.command](const std::string& text, Json facts) {
+    if (!command.empty())
+      run_user_command(command, {{"DCCAST_JOB", job}, {"DCCAST_ALARM", text}});
+    if (!connection) return;
+    facts["job"] = job;
+    facts["alarm"] = text;
+    connection->publish(facts.dump());
+  };
+}
+
+}  // namespace
+
+AlarmHandlers alarm_handlers(const AlarmOptions& options, const std::string& broker,
+                             const std::string& job) {
+  const Tell tell = tell_by(options, broker, job);
+  AlarmHandlers handlers;
+  handlers.forecast = [last_s = std::optional<double>()](const v1::Forecast& forecast) mutable {
+    if (last_s && forecast.time_s() < *last_s + between_forecasts_s) return;
+    last_s = forecast.time_s();
+    std::cerr << render::forecast_line(forecast) << std::endl;
+  };
+  handlers.warning = [tell](const v1::ForecastWarning& warning) {
+    const std::string text =
+        fmt::format("warning at {:.0f} s, {}", warning.time_s(), render::warning_text(warning));
+    std::cerr << text << std::endl;
+    tell(text, Json{{"warning", to_json(warning)}});
+  };
+  // The watch of the job has printed it already.
+  handlers.finding = [tell](const v1::Finding& finding) {
+    tell(render::finding_line(finding), Json{{"finding", to_json(finding)}});
+  };
+  return handlers;
+}
+
+void add_alarm_options(const cli::Command& command, AlarmOptions& options) {
+  command.option("--notify", options.command,
+                 "Run this in a shell for each warning of the forecast and each finding beyond notes, "
+                 "with DCCAST_JOB and DCCAST_ALARM in its environment",
+                 {.placeholder = "COMMAND"});
+  command.option("--alarms", options.topic, "Publish these as JSON on a topic, as mqtt://HOST/TOPIC",
+                 {.placeholder = "TOPIC"});
+}
+
+}  // namespace dccast::client::commands

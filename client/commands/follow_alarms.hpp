@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "client/cli/options.hpp"
+#include "client/session/alarms.hpp"
+
+namespace dccast::client::commands {
+
+/// Where alarms of a followed casting go, besides standard error.
+struct AlarmOptions {
+  std::string command;  ///< of --notify
+  std::string topic;    ///< of --alarms
+};
+
+void add_alarm_options(const cli::Command& command, AlarmOptions& options);
+
+/// Handlers that write to standard error, run the command and publish on the topic. Throws
+/// CommandFailed: the broker does not answer, or refuses.
+/// @param broker  file with the login, or empty
+/// @param job     that follows the casting
+AlarmHandlers alarm_handlers(const AlarmOptions& options, const std::string& broker,
+                             const std::string& job);
+
+}  // namespace dccast::client::commands
