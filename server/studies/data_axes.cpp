@@ -45,9 +45,11 @@ Completed complete(const intake::CaseIntake& intake, const jobs::Attachments& at
   if (!completed.faults.empty()) return completed;
 
   completed.data = case_file::uncertain_keys(completed.description);
-  // A depth that follows the block goes on to follow it when a run moves the block.
+  // A depth that follows the block goes on to follow it when a run moves the block, and steps that
+  // follow the events of the start when a run moves these.
   if (!submitted.section().has_initial_depth_m())
     completed.description.mutable_section()->clear_initial_depth_m();
+  if (!submitted.time().has_step_s()) completed.description.mutable_time()->clear_step_s();
   completed.description.clear_uncertainty();
   completed.description.mutable_alloy()->clear_uncertainty();
   return completed;

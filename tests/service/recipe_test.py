@@ -62,6 +62,22 @@ class Recipe(DataStudyCase):
         self.assertIn("recipe, 7 numbers", subprocess.run(
             self.command("studies"), check=True, capture_output=True, text=True, timeout=30).stdout)
 
+    def test_the_steps_of_a_run_follow_its_own_hold(self):
+        """Steps are finest after the events of a start, and the error bars are those of such steps."""
+        study = self.design(self.case_file(), "--no-wait").strip()
+        until(lambda: self.study(study).succeeded >= 8, 120)
+        self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=30)
+        jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(
+            study=study, states=[job_pb2.SUCCEEDED]), timeout=10).jobs
+        begins = {}
+        for job in jobs:
+            case = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=job.id),
+                                                timeout=30).case
+            begins[case.schedule.hold_s] = case.time.step_s.at[0]
+        self.assertGreater(len(begins), 4)
+        for hold_s, begin_s in begins.items():
+            self.assertAlmostEqual(begin_s, -hold_s)
+
     def test_the_daemon_is_killed_and_the_front_is_the_same(self):
         path = self.case_file()
         expected = json.loads(self.design(path, "--json"))["recipe"]
