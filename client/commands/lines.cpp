@@ -21,6 +21,10 @@ struct LineOptions {
 ExitCode list(const LineOptions& options, Program& program) {
   Connection connection = program.connect();
   const auto answer = connection.call(&Stub::ListLines, v1::ListLinesRequest());
+  for (const std::string& name : answer.damaged())
+    std::cerr << fmt::format("line {0} is damaged: restore its file from a backup, or dccast line forget "
+                             "{0}\n",
+                             name);
   if (options.json) {
     print_line(json_list(answer.lines(), [](const v1::Line& line) { return to_json(line); }));
     return ExitCode::done;
@@ -30,9 +34,9 @@ ExitCode list(const LineOptions& options, Program& program) {
   for (const v1::Line& line : answer.lines())
     table.add({line.name(), line.owner(), std::to_string(line.castings_size()),
                render::time_text(line.has_restart_time() ? line.restart_time() : line.create_time())});
-  if (answer.lines().empty())
+  if (answer.lines().empty() && answer.damaged().empty())
     std::cerr << "no lines: dccast follow CASE --line NAME begins one\n";
-  else
+  else if (!answer.lines().empty())
     std::cout << table.text();
   return ExitCode::done;
 }

@@ -31,6 +31,7 @@
 #include "server/jobs/executors/warm_workers.hpp"
 #include "server/jobs/log.hpp"
 #include "server/jobs/queue/ended_jobs.hpp"
+#include "server/service/forecasts.hpp"
 #include "server/service/server.hpp"
 #include "server/state/index.hpp"
 #include "server/studies/lines.hpp"
@@ -464,6 +465,8 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   service::Context context = make_context(config, jobs, access.gate);
   service::PublicServer server(context, local, tls.listening());
 
+  jobs.scheduler.look_before_removal(
+      [&context](const v1::Job& job) { service::learn_before_removal(context, job); });
   jobs.scheduler.start();
   jobs.studies.start();
   const jobs::Retention retention({.jobs_directory = jobs.directory.jobs(),

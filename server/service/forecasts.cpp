@@ -193,6 +193,18 @@ v1::Forecast forecast_job(Context& context, const std::string& id) {
   }
 }
 
+void learn_before_removal(Context& context, const v1::Job& job) noexcept {
+  try {
+    const auto folder = context.jobs_directory / job.id();
+    if (!jobs::follows_readings(folder)) return;
+    const std::string line = jobs::ReadingsReader(folder).following().line();
+    EvaluatedStudies studies(context);
+    if (!line.empty()) learn_of_ended(context, line, studies);
+  } catch (const std::exception& error) {
+    log::warn("job {} is deleted before its line has learned from it: {}", job.id(), error.what());
+  }
+}
+
 v1::Line learned_line(Context& context, const std::string& name) {
   EvaluatedStudies studies(context);
   auto line = learn_of_ended(context, name, studies);

@@ -15,6 +15,9 @@ void require_following(const Context& context, const std::string& id);
 /// Forecasts the casting that a job follows. @throws Refusal
 v1::Forecast forecast_job(Context& context, const std::string& id);
 
+/// Lets a casting on a line tell its curl while its record is still there. Does not throw.
+void learn_before_removal(Context& context, const v1::Job& job) noexcept;
+
 /// A line with what its castings have told, those included that have ended since it was last asked
 /// for. @throws Refusal
 v1::Line learned_line(Context& context, const std::string& name);

@@ -12,9 +12,13 @@ using Unary = SimulationService::Unary;
 Unary* SimulationService::ListLines(Wire* wire, const v1::ListLinesRequest* request,
                                     v1::ListLinesResponse* response) {
   return answer(wire, *request, lanes_.histories, [=, this](const Call& call) {
-    const bool own = context_.gate.authority().reads_own_only(call.caller);
-    for (v1::Line& line : context_.lines.list())
-      if (!own || line.owner() == call.caller.name) *response->add_lines() = std::move(line);
+    v1::ListLinesResponse listing = context_.lines.list();
+    if (!context_.gate.authority().reads_own_only(call.caller)) {
+      *response = std::move(listing);
+      return;
+    }
+    for (v1::Line& line : *listing.mutable_lines())
+      if (line.owner() == call.caller.name) *response->add_lines() = std::move(line);
   });
 }
 

@@ -61,17 +61,23 @@ void Lines::write(const v1::Line& line) const {
                         header() + storage::short_records.framed(line.SerializeAsString()));
 }
 
-std::vector<v1::Line> Lines::list() const {
+v1::ListLinesResponse Lines::list() const {
   const std::lock_guard lock(mutex_);
-  std::vector<v1::Line> lines;
-  if (!std::filesystem::exists(directory_)) return lines;
+  v1::ListLinesResponse listing;
+  if (!std::filesystem::exists(directory_)) return listing;
+
   for (const auto& entry : std::filesystem::directory_iterator(directory_)) {
     const std::string name = entry.path().stem().string();
     if (entry.path().extension() != ".bin" || !is_line_name(name)) continue;
-    if (auto line = read(name)) lines.push_back(std::move(*line));
+    try {
+      if (auto line = read(name)) *listing.add_lines() = std::move(*line);
+    } catch (const DamagedLine&) {
+      listing.add_damaged(name);
+    }
   }
-  std::ranges::sort(lines, {}, &v1::Line::name);
-  return lines;
+  std::ranges::sort(*listing.mutable_lines(), {}, &v1::Line::name);
+  std::ranges::sort(*listing.mutable_damaged());
+  return listing;
 }
 
 std::optional<v1::Line> Lines::find(const std::string& name) const {

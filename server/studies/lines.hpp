@@ -30,8 +30,8 @@ class Lines {
 public:
   explicit Lines(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
-  /// By name.
-  std::vector<v1::Line> list() const;
+  /// By name; a damaged one by its name alone.
+  v1::ListLinesResponse list() const;
   /// Empty if there is no such line.
   std::optional<v1::Line> find(const std::string& name) const;
 

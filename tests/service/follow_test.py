@@ -423,14 +423,13 @@ class Line(FollowTest):
         self.assertFalse(self.forecast(after).curls[0].HasField("line")
                          and self.forecast(after).curls[0].line.castings)
 
-    def test_a_casting_whose_job_or_study_was_deleted(self):
-        told, lost = self.cast(), None
+    def test_a_casting_tells_its_curl_before_its_job_is_deleted(self):
+        told = self.cast()
         self.line()  # the first one has told its curl
-        lost = self.cast()
-        for job_id in (told, lost):
+        for job_id in (told, self.cast()):
             self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job_id), timeout=10)
-        self.assertEqual([len(c.curls) for c in self.line().castings], [1, 0])
-        self.assertEqual(self.forecast(self.on_line()).curls[0].line.castings, 1)
+        self.assertEqual([len(c.curls) for c in self.line().castings], [1, 1])
+        self.assertEqual(self.forecast(self.on_line()).curls[0].line.castings, 2)
 
     def test_names_and_lines_that_are_not_there(self):
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.on_line, "../pit")
@@ -451,6 +450,10 @@ class Line(FollowTest):
             file.write(b"\xff")
         error = self.refused(grpc.StatusCode.DATA_LOSS, self.line)
         self.assertIn("pit-3", error.details())
+        self.cast("pit-4")
+        out, err = self.ended(self.dccast("line", "list"))
+        self.assertIn("pit-4", out)
+        self.assertIn("line pit-3 is damaged", err)
         self.ended(self.dccast("line", "forget", "pit-3"))
         self.cast()
 

@@ -29,7 +29,7 @@ TEST(Lines, KeepWhatCastingsTellForTheNextDaemon) {
   const TemporaryFolder folder;
   {
     Lines lines(folder / "lines");
-    EXPECT_TRUE(lines.list().empty());
+    EXPECT_TRUE(lines.list().lines().empty());
     EXPECT_EQ(lines.begin("pit-3", "anna").owner(), "anna");
     EXPECT_EQ(lines.begin("pit-3", "bert").owner(), "anna") << "it is there already";
     lines.add("pit-3", casting("job-1"));
@@ -45,7 +45,7 @@ TEST(Lines, KeepWhatCastingsTellForTheNextDaemon) {
   EXPECT_TRUE(line.castings(0).ended());
   EXPECT_EQ(line.castings(0).curls(0).curl_m(0), 0.01) << "told once";
   EXPECT_FALSE(line.castings(1).ended());
-  EXPECT_EQ(lines.list().size(), 1u);
+  EXPECT_EQ(lines.list().lines_size(), 1);
 }
 
 TEST(Lines, BeginAfreshOrAreRemoved) {
