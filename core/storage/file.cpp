@@ -155,7 +155,7 @@ void write_file(const std::filesystem::path& path, std::string_view bytes, mode_
 std::string_view FileWindow::at(std::int64_t offset, std::int64_t length) {
   length = std::clamp<std::int64_t>(length, 0, std::max<std::int64_t>(size_ - offset, 0));
   if (offset < begin_ || offset + length > begin_ + static_cast<std::int64_t>(bytes_.size()))
-    fill(offset, std::max(length, least_read));
+    fill(offset, std::max(length, std::min(least_read, size_ - offset)));
 
   const auto available = static_cast<std::int64_t>(bytes_.size()) - (offset - begin_);
   return std::string_view(bytes_).substr(static_cast<std::size_t>(offset - begin_),
