@@ -458,6 +458,42 @@ class Line(FollowTest):
         self.cast()
 
 
+class Plant(FollowTest):
+    """A simulated plant with a faulty logger: tests/verification/plant.py."""
+
+    def test_faults_of_the_logger_are_named_and_the_casting_is_forecast(self):
+        plan = self.case_file()
+        self.ended(self.dccast("submit", "--watch", plan, "--set", "quality=engineering", "--set",
+                               "schedule.casting_speed.scale=0.9"))
+        hidden = self.newest_job()
+        out, _ = self.ended(self.dccast("uncertainty", CASE, "--set", f"time.end={END} s", "--runs", "16",
+                                        "--json"), seconds=120)
+        script = os.path.join(os.path.dirname(__file__), "..", "verification", "plant.py")
+        plant = subprocess.Popen(
+            ["/usr/bin/python3", script, hidden, "--server", self.daemon.address, "--pace", "50",
+             "--zero-mm", "1", "--late", "0.05", "--doubled", "0.05", "--dropouts", "0.03", "--empty",
+             "0.05"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        follow = self.dccast("follow", plan, "--set", "quality=draft", "--ensemble",
+                             json.loads(out)["study"]["id"], "--zero", "1 mm", stdin=plant.stdout)
+        _, said = self.ended(follow)
+        plant.stdout.close()
+        self.assertEqual(plant.wait(timeout=30), 0)
+        wrong = {fault: int(count) for count, fault in (
+            part.split() for part in plant.stderr.read().split("; ")[1].split(", "))}
+        plant.stderr.close()
+
+        for fault in wrong.values():
+            self.assertGreater(fault, 0, wrong)
+        self.assertEqual(said.count("is not later than"), wrong["late"] + wrong["doubled"], said)
+        curl = self.forecast(self.newest_job()).curls[0]
+        self.assertEqual(curl.left_out, 0)
+        self.assertGreater(curl.readings, 25)
+        self.assertRegex(said, r"forecast at \d+ s: corner .* mm at the end")
+
+    def newest_job(self):
+        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id
+
+
 class Replay(FollowTest):
     def test_a_record_is_written_at_its_pace(self):
         path = os.path.join(self.folder, "casting.csv")
