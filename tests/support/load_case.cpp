@@ -40,6 +40,10 @@ casting::Case complete_case(v1::Case& message, const std::filesystem::path& fold
 
 }  // namespace
 
+casting::Case complete_case(v1::Case description) {
+  return complete_case(description, {});
+}
+
 casting::Case load_case(const std::string& name) {
   v1::Case message;
   require_none(read(name, message).faults);

@@ -6,6 +6,7 @@
 #include "core/case/case.hpp"
 
 namespace dccast::v1 {
+class Case;
 enum Quality : int;
 }
 
@@ -18,6 +19,10 @@ casting::Case load_case(const std::string& name);
 
 /// Loads a case in another quality than that of the file.
 casting::Case load_case(const std::string& name, v1::Quality quality);
+
+/// A case that names no file, as the service would run it.
+/// @throws std::runtime_error  it has faults
+casting::Case complete_case(v1::Case description);
 
 /// Sets the mesh and the time steps for which algorithms are compared and the paper's tables are
 /// computed: the size of the paper's section 5.2, 30 x 22 cells graded to 3 mm at the side and the

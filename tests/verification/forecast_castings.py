@@ -9,7 +9,8 @@ read every second with noise; every 10 s the forecast for 30, 60 and 120 s ahead
 came, beside the mean of the ensemble and that mean plus the last difference. The daemon must be
 running; the studies are kept and taken up again by the same command.
 
-With --pairs the ensemble is that of `dccast follow --prepare`, with its runs at engineering quality.
+With --pairs the ensemble is that of `dccast follow --prepare`, with its runs at engineering quality. With
+--unprepared there is none: the forecast is a draft of the plan plus the last difference.
 """
 import argparse
 import random
@@ -34,6 +35,7 @@ def arguments():
     parser.add_argument("--members", type=int, default=64)
     parser.add_argument("--quality", default="draft", help="of the hidden castings")
     parser.add_argument("--pairs", action="store_true", help="tell the error of the mesh by pairs")
+    parser.add_argument("--unprepared", action="store_true", help="forecast by the run of the plan alone")
     parser.add_argument("--monitor", default="corner")
     parser.add_argument("--noise-mm", type=float, default=1.0)
     parser.add_argument("--zero-mm", type=float, default=0.0, help="standard deviation, hidden")
@@ -83,26 +85,40 @@ def curves_of(options, study):
     return [(numpy.array(c.time_s), numpy.nan_to_num(numpy.array(c.curl_m))) for c in curves]
 
 
-def followed(options, ensemble, pairs):
-    """A job that holds the record of a casting; its own run is cancelled at once."""
+def plan_case(options):
     with open(options.case, encoding="utf-8") as file:
         case = options.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=30).case
     case.quality = case_pb2.DRAFT
+    return case
+
+
+def run_of_plan(options):
+    """A draft of the plan that has succeeded. Returns (id, its curve)."""
+    job = options.stub.SubmitJob(service_pb2.SubmitJobRequest(case=plan_case(options)), timeout=60).id
+    for _ in options.stub.WatchJob(service_pb2.WatchJobRequest(id=job)):
+        pass
+    answer = options.stub.QueryResult(service_pb2.QueryResultRequest(id=job), timeout=60)
+    points = [(step.time_s, next(each.curl_m for each in step.monitors if each.name == options.monitor))
+              for step in answer.steps]
+    return job, tuple(numpy.nan_to_num(numpy.array(column)) for column in zip(*points))
+
+
+def followed(options, **basis):
+    """A job that holds the record of a casting; its own run is cancelled at once."""
     gauge = follow_pb2.Gauge(monitor=options.monitor, noise_m=1e-3 * options.noise_mm,
                              zero_m=1e-3 * options.zero_mm)
     return options.stub.SubmitJob(service_pb2.SubmitJobRequest(
-        case=case, following=follow_pb2.Following(ensemble=ensemble, pairs=pairs, gauges=[gauge])),
-                                  timeout=60).id
+        case=plan_case(options), following=follow_pb2.Following(gauges=[gauge], **basis)), timeout=60).id
 
 
-def errors_of(options, studies, mean, truth, band, shots):
+def errors_of(options, basis, mean, truth, band, shots):
     """Rows (t, ahead, forecast, plan, last difference, within its band, width of it) of one hidden
     casting [m], and its warnings."""
     at = lambda t: numpy.interp(t, *truth)
     plan = lambda t: numpy.interp(t, *mean)
     zero = shots.gauss(0, 1e-3 * options.zero_mm)
     factor = (1 + shots.gauss(0, options.model_error)) * (1 + shots.uniform(-band[0], band[1]))
-    job = followed(options, *studies)
+    job = followed(options, **basis)
     rows = []
     end = int(truth[0][-1])
     for t in range(0, end - min(AHEAD)):
@@ -132,19 +148,22 @@ def main():
     options = arguments()
     channel = grpc.insecure_channel(options.server)
     options.stub = service_pb2_grpc.SimulationServiceStub(channel)
-    if options.pairs:
-        studies = prepared(options)
-        members = curves_of(options, studies[0])
+    if options.unprepared:
+        job, curve = run_of_plan(options)
+        basis, members = {"plan_job": job}, [curve]
+    elif options.pairs:
+        ensemble, pairs = prepared(options)
+        basis, members = {"ensemble": ensemble, "pairs": pairs}, curves_of(options, ensemble)
     else:
         ensemble, members = study(options, 0, options.members, "draft")
-        studies = ensemble, ""
+        basis = {"ensemble": ensemble}
     hidden, truths = study(options, 1, options.castings, options.quality)
     band = mesh_band_of(options, hidden)
     times = numpy.arange(0, members[0][0][-1])
     mean = (times, numpy.mean([numpy.interp(times, *member) for member in members], axis=0))
 
     shots = random.Random(1)
-    outcomes = [errors_of(options, studies, mean, truth, band, shots) for truth in truths]
+    outcomes = [errors_of(options, basis, mean, truth, band, shots) for truth in truths]
     castings = [rows for rows, _ in outcomes]
     warned = [warnings for _, warnings in outcomes if warnings]
     print(f"{len(castings)} castings, {len(members)} members; {len(warned)} had warnings, without a cause")
