@@ -73,6 +73,7 @@ const std::map<std::string, Call>& calls() {
       {"EvaluateStudy", unary(&Stub::EvaluateStudy)},
       {"PredictStudy", unless_refused(unary(&Stub::PredictStudy))},
       {"CompareRuns", unless_refused(unary(&Stub::CompareRuns))},
+      {"ForecastJob", unless_refused(unary(&Stub::ForecastJob))},
       {"JudgeStudy", unless_refused(unary(&Stub::JudgeStudy))},
   };
   return all;

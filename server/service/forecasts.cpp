@@ -11,6 +11,7 @@
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
 #include "server/studies/curl_forecast.hpp"
+#include "server/studies/planned_levers.hpp"
 #include "server/studies/study_plan.hpp"
 
 namespace dccast::service {
@@ -170,7 +171,36 @@ std::optional<v1::Line> learn_of_ended(Context& context, const std::string& name
   return line;
 }
 
+/// Seconds since a moment; empty: the clock was set back, so that they are not known.
+std::optional<double> seconds_since(const google::protobuf::Timestamp& moment) {
+  const auto age_ms = jobs::milliseconds(jobs::now()) - jobs::milliseconds(moment);
+  return age_ms < 0 ? std::nullopt : std::optional(1e-3 * static_cast<double>(age_ms));
+}
+
+/// Empty: the case cannot be read. @throws std::exception  the record cannot be read
+std::optional<v1::CastingNow> read_casting(const std::filesystem::path& folder) {
+  v1::Case plan;
+  if (!jobs::read_complete_case(folder, plan)) return std::nullopt;
+
+  jobs::ReadingsReader record(folder);
+  v1::CastingNow casting = studies::casting_now(plan, record.read_new());
+  *casting.mutable_following() = record.following();
+  const auto age_s = record.last_arrival() ? seconds_since(*record.last_arrival()) : std::nullopt;
+  if (casting.has_measured() && age_s) casting.set_age_s(*age_s);
+  return casting;
+}
+
 }  // namespace
+
+void add_casting(const Context& context, v1::Job& job) {
+  const auto folder = context.jobs_directory / job.id();
+  if (job.state() != v1::RUNNING || !jobs::follows_readings(folder)) return;
+  try {
+    if (auto casting = read_casting(folder)) *job.mutable_casting() = std::move(*casting);
+  } catch (const std::exception& error) {
+    log::warn("job {}: {}", job.id(), error.what());
+  }
+}
 
 void require_following(const Context& context, const std::string& id) {
   if (!jobs::follows_readings(context.jobs_directory / id))

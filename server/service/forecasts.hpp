@@ -3,6 +3,7 @@
 #include <string>
 
 #include "dccast/v1/follow.pb.h"
+#include "dccast/v1/job.pb.h"
 #include "dccast/v1/line.pb.h"
 #include "server/service/context.hpp"
 
@@ -11,6 +12,10 @@ namespace dccast::service {
 
 /// Refuses a job that is no live one. @throws Refusal
 void require_following(const Context& context, const std::string& id);
+
+/// Adds how far the casting has been measured to a running job that follows one. It is left out, with
+/// a line in the log, where the record cannot be read.
+void add_casting(const Context& context, v1::Job& job);
 
 /// Forecasts the casting that a job follows. @throws Refusal
 v1::Forecast forecast_job(Context& context, const std::string& id);

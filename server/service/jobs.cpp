@@ -11,6 +11,7 @@
 #include "proto/values/printable.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
+#include "server/service/forecasts.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
@@ -316,6 +317,7 @@ void fill(Context& context, jobs::JobStore::Page rest, v1::ListJobsResponse& res
 
     for (v1::Job& job : jobs) {
       fit_into_list(job);
+      add_casting(context, job);
       bytes += job.ByteSizeLong();
       const bool full = response.jobs_size() == size || bytes > page_bytes;
       if (full && response.jobs_size() > 0)
@@ -394,6 +396,7 @@ Unary* SimulationService::SubmitJob(Wire* wire, const v1::SubmitJobRequest* requ
 Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v1::Job* job) {
   return answer(wire, *request, lanes_.status, [=, this](const Call&) {
     *job = find_job(context_, request->id());
+    add_casting(context_, *job);
     if (job->state() != v1::CANCELLED) return;
     if (const auto end = context_.scheduler.log(request->id())->terminal_event())
       job->set_cause(end->state_change().cause());

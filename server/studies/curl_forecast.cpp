@@ -126,6 +126,17 @@ statistics::Gauge gauge_of(const v1::Gauge& gauge) {
   return {.noise = gauge.noise_m(), .zero = gauge.zero_m()};
 }
 
+/// Adds what the gauge has shown, evenly thinned.
+void add_measured(const std::vector<statistics::Innovation>& innovations, v1::ForecastCurl& to) {
+  constexpr std::size_t most = 500;
+  const std::size_t stride = innovations.size() / most + 1;
+  for (std::size_t i = innovations.empty() ? 0 : (innovations.size() - 1) % stride;
+       i < innovations.size(); i += stride) {
+    to.add_measured_time_s(innovations[i].time);
+    to.add_measured_m(innovations[i].reading);
+  }
+}
+
 /// Adds the curl at a gauge, its warnings, and why castings on the line do not count.
 void add_curl(const v1::Gauge& gauge, const ForecastBasis& basis, v1::Forecast& to) {
   v1::ForecastCurl& curl = *to.add_curls();
@@ -142,6 +153,8 @@ void add_curl(const v1::Gauge& gauge, const ForecastBasis& basis, v1::Forecast& 
   const Learned learned = learned_from(before, gauge, basis.readings, curl);
   for (const Departure& departure : learned.departures)
     *to.add_warnings() = warning_of(departure, gauge.monitor());
+
+  add_measured(learned.innovations, curl);
 
   const auto add = [&](double time_s) {
     const v1::ExpectedCurl at = expected_curl(learned.forecast.at(time_s));

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "proto/frames/contraction.hpp"
+#include "server/studies/planned_levers.hpp"
 
 namespace dccast::studies {
 
@@ -13,22 +13,6 @@ namespace {
 
 constexpr double minute_s = 60.0;
 constexpr double farthest = 0.1;  // of the plan
-
-/// Where a casting is.
-struct Place {
-  double time_s = 0.0;
-  double cast_length_m = 0.0;
-};
-
-double planned_speed(const v1::Schedule& plan, const Place& place) {
-  return frames::scheduled_value(plan.casting_speed_m_per_s(), plan.casting_speed_factor(),
-                                 plan.casting_speed_shift_s(), place.time_s, place.cast_length_m);
-}
-
-double planned_flow(const v1::Schedule& plan, const v1::Curve& table, const Place& place) {
-  return frames::scheduled_value(table, plan.water_flow_factor(), plan.water_flow_shift_s(),
-                                 place.time_s, place.cast_length_m);
-}
 
 /// Mean of a lever over the readings of the last minute that have it.
 struct Mean {
@@ -52,26 +36,21 @@ std::vector<std::string> levers_off_plan(const v1::Schedule& plan,
     if (!reading.closes()) last_s = reading.time_s();
 
   Mean speed, water, narrow_water;
-  Place place;
-  double speed_before = 0.0;
+  PlannedLevers plan_so_far(plan);
   for (const v1::Reading& reading : readings) {
     if (reading.closes() || reading.time_s() < 0.0) continue;
-    const double step_s = reading.time_s() - place.time_s;
-    place.time_s = reading.time_s();
-    const double planned = planned_speed(plan, place);
-    const double now =
-        reading.has_casting_speed_m_per_s() ? reading.casting_speed_m_per_s() : planned;
-    place.cast_length_m += 0.5 * (speed_before + now) * step_s;
-    speed_before = now;
-
+    plan_so_far.follow(reading);
     if (reading.time_s() <= *last_s - minute_s) continue;
-    speed.add(now, planned);
+
+    const v1::Reading planned = plan_so_far.levers();
+    speed.add(reading.has_casting_speed_m_per_s() ? reading.casting_speed_m_per_s()
+                                                  : planned.casting_speed_m_per_s(),
+              planned.casting_speed_m_per_s());
     if (reading.has_water_flow_m2_per_s())
-      water.add(reading.water_flow_m2_per_s(),
-                planned_flow(plan, plan.water_flow_m2_per_s(), place));
-    if (reading.has_narrow_water_flow_m2_per_s() && plan.has_narrow_water_flow_m2_per_s())
+      water.add(reading.water_flow_m2_per_s(), planned.water_flow_m2_per_s());
+    if (reading.has_narrow_water_flow_m2_per_s() && planned.has_narrow_water_flow_m2_per_s())
       narrow_water.add(reading.narrow_water_flow_m2_per_s(),
-                       planned_flow(plan, plan.narrow_water_flow_m2_per_s(), place));
+                       planned.narrow_water_flow_m2_per_s());
   }
 
   std::vector<std::string> notes;

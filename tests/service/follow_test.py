@@ -135,6 +135,38 @@ class Record(FollowTest):
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id,
                      follow_pb2.Reading(number=14, time_s=0))
 
+    def test_a_running_job_tells_how_far_the_casting_has_been_measured(self):
+        job_id = self.follow()
+        self.client.until_state(job_id, job_pb2.RUNNING)
+        self.assertFalse(self.client.job(job_id).casting.HasField("measured"))
+
+        made = readings(end=10)
+        made[-1].ClearField("water_flow_m2_per_s")  # the last value holds for 10 s
+        begin = time.time()
+        self.append(job_id, *made)
+        casting = self.client.job(job_id).casting
+        self.assertLessEqual(casting.age_s, time.time() - begin)
+        measured, planned = casting.measured, casting.planned
+        self.assertEqual((measured.time_s, planned.time_s, casting.closed), (10, 10, False))
+        self.assertAlmostEqual(measured.casting_speed_m_per_s, levers(10)[0])
+        self.assertAlmostEqual(measured.water_flow_m2_per_s, levers(9)[1])
+        self.assertAlmostEqual(planned.casting_speed_m_per_s, 40e-3 / 60)
+        self.assertAlmostEqual(planned.water_flow_m2_per_s, 1.5e-3)
+        self.assertAlmostEqual(planned.casting_temperature_c, 680)
+        self.assertFalse(planned.HasField("narrow_water_flow_m2_per_s"))
+
+        # The record knows when its last reading arrived.
+        self.daemon.kill_with_workers()
+        self.restart()
+        self.client.until_state(job_id, job_pb2.RUNNING)
+        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].casting
+        self.assertEqual(listed.measured, measured)
+        self.assertLess(abs(listed.age_s - (time.time() - begin)), 1.0)
+
+        self.append(job_id, follow_pb2.Reading(number=72, closes=True))
+        self.client.until_state(job_id, job_pb2.SUCCEEDED)
+        self.assertFalse(self.client.job(job_id).HasField("casting"))
+
     def test_other_jobs_and_ended_ones_take_no_readings(self):
         with open(CASE, encoding="utf-8") as file:
             case = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()),

@@ -103,6 +103,17 @@ export function sheet(heads, rows) {
 export const byGravity =
   findings => [...findings].sort((a, b) => (rank[b.severity] || 0) - (rank[a.severity] || 0));
 
+/** The gravest finding, with its remedy where it names one, in one line. */
+export function gravestFinding(findings) {
+  const [gravest, ...others] = byGravity(findings);
+  if (!gravest) return h('p', {class: 'verdict soft'}, 'No findings.');
+  const severity = severityText[worst([gravest])], remedy = gravest.remedy;
+  return h(
+    'p', {class: 'verdict'}, h('span', {class: `tag ${severity}`}, severity),
+    ` ${gravest.message || gravest.code}`, remedy ? h('strong', {}, ` ${remedy}`) : null,
+    others.length ? h('small', {}, ` and ${others.length} more`) : null);
+}
+
 /** The findings of a job as a list, the gravest first. */
 export function findingList(findings) {
   if (findings.length === 0) return h('p', {class: 'soft'}, 'No findings.');

@@ -18,7 +18,8 @@ const plantUnits = {
   Pa: ['kPa', 1e-3],
   degC: ['°C', 1]
 };
-const plant = unit => plantUnits[unit] || [unit || '', 1];
+/** The plant unit of an SI unit, and the factor to it. */
+export const plant = unit => plantUnits[unit] || [unit || '', 1];
 const capital = text => text && text[0].toUpperCase() + text.slice(1);
 
 function numberText(column, cell, value) {

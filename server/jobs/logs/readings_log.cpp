@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
+#include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
@@ -84,6 +85,7 @@ std::vector<v1::Reading> ReadingsReader::read_new() {
       throw DamagedReadings(
           fmt::format("{} is damaged after reading {}", readings_file, number_));
     ++number_;
+    last_arrival_ = entry->has_arrive_time() ? std::optional(entry->arrive_time()) : std::nullopt;
     readings.push_back(std::move(*entry->mutable_reading()));
   }
   return readings;
@@ -131,6 +133,7 @@ void ReadingsLog::append(const google::protobuf::RepeatedPtrField<v1::Reading>& 
     advance(state, reading);
     v1::RecordEntry entry;
     *entry.mutable_reading() = reading;
+    *entry.mutable_arrive_time() = now();
     records += short_records.framed(entry.SerializeAsString());
   }
   if (records.empty()) return;

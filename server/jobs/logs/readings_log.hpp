@@ -19,8 +19,8 @@ namespace dccast::jobs {
 /// The record of a job that follows a casting, in its folder. Only such a job has it.
 ///
 /// Format: 8 bytes "DCCASTRD", version 1 and zero as in EVENT_LOG.md, then a frame for each
-/// RecordEntry: how the casting is followed, and the readings in the order of their numbers. The
-/// daemon appends, the worker reads.
+/// RecordEntry: how the casting is followed, and the readings in the order of their numbers, each
+/// with the time of its arrival. The daemon appends, the worker reads.
 inline constexpr const char* readings_file = "readings.log";
 
 /// Creates a record without readings, synced to disk. @throws std::system_error
@@ -46,6 +46,8 @@ public:
   std::vector<v1::Reading> read_new();
 
   const v1::Following& following() const { return following_; }
+  /// When the last reading that was read arrived at the server; empty: not known, or none yet.
+  const std::optional<google::protobuf::Timestamp>& last_arrival() const { return last_arrival_; }
   std::int64_t end() const { return end_; }  ///< byte after the last reading that was read
 
 private:
@@ -54,6 +56,7 @@ private:
 
   storage::File file_;
   v1::Following following_;
+  std::optional<google::protobuf::Timestamp> last_arrival_;
   std::int64_t end_;
   std::int64_t number_ = 0;  ///< of the last reading
 };

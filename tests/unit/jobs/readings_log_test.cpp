@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/storage/file.hpp"
+#include "server/jobs/folder/events.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -65,6 +66,19 @@ TEST_F(ReadingsLogTest, KeepsAllOrNothingOfACall) {
   EXPECT_THROW(log.append(back), UnfitReading);
   EXPECT_EQ(log.state().number(), 2);
   EXPECT_EQ(ReadingsReader(folder()).read_new().size(), 2u);
+}
+
+TEST_F(ReadingsLogTest, KnowsWhenTheLastReadingArrived) {
+  ReadingsReader reader(folder());
+  reader.read_new();
+  EXPECT_FALSE(reader.last_arrival());
+
+  const auto before = milliseconds(now());
+  ReadingsLog(folder()).append(readings(1, 2));
+  reader.read_new();
+  ASSERT_TRUE(reader.last_arrival());
+  EXPECT_GE(milliseconds(*reader.last_arrival()), before);
+  EXPECT_LE(milliseconds(*reader.last_arrival()), milliseconds(now()));
 }
 
 TEST_F(ReadingsLogTest, TakesNothingAfterItsEnd) {

@@ -1,0 +1,179 @@
+// The wall of a casting that is followed: its curl now and to come, its levers, what is off, and how
+// old all of this is. The figures are the server's.
+import {repeat} from './api.js';
+import {chart, curlLines, valueAt, wantedBand} from './chart.js';
+import {durationText, fixed, gravestFinding, h, mm, replace} from './dom.js';
+import {plant} from './judgement.js';
+
+const oldAfter = 10;  // s without a reading
+const ahead = 60;     // s
+
+const levers = [
+  {name: 'Speed', field: 'casting_speed_m_per_s', unit: 'm/s', digits: 1},
+  {name: 'Water', field: 'water_flow_m2_per_s', unit: 'm2/s', digits: 0},
+  {name: 'Narrow water', field: 'narrow_water_flow_m2_per_s', unit: 'm2/s', digits: 0},
+  {name: 'Metal', field: 'casting_temperature_c', unit: 'degC', digits: 0},
+];
+
+// ---- Curl now and to come
+
+/** A curl of the forecast and its band at a time, in m; the ends hold beyond them. */
+function expectedAt(curl, time) {
+  const x = curl.time_s, at = Math.min(Math.max(time, x[0]), x.at(-1));
+  const value = y => x.length > 1 ? valueAt({x, y}, at) : y[0];
+  return {curl: value(curl.curl_m), lower: value(curl.lower_m), upper: value(curl.upper_m)};
+}
+
+const figure = (name, heading, curl, ...lines) =>
+  h('div', {class: 'figure', 'data-figure': name}, h('h2', {}, heading),
+    h('p', {class: 'huge'}, mm(curl), h('small', {}, ' mm')),
+    lines.map(line => h('p', {class: 'beside'}, line)));
+const bandText = ({lower, upper}) => `${mm(lower)} to ${mm(upper)} mm`;
+
+/** The figures of a gauge: its curl now, measured beside it, and in a minute or at the end. */
+function figuresOf(curl, now, measured) {
+  const left = curl.time_s.at(-1) - now, next = expectedAt(curl, now + ahead);
+  const present = expectedAt(curl, now), shown = measured?.find(m => m.monitor === curl.monitor);
+  return [
+    figure('now', `${curl.monitor} now`, present.curl, bandText(present),
+      shown ? `measured ${mm(shown.curl_m)} mm` : 'not measured'),
+    figure('next', left >= ahead ? `in ${ahead} s` : `at the end, in ${durationText(Math.max(left, 0))}`,
+      next.curl, bandText(next))
+  ];
+}
+
+function curlFigures({job, forecast, noForecast}) {
+  const {measured} = job.casting;
+  if (forecast) {
+    const rows = forecast.curls.map(curl => figuresOf(curl, forecast.time_s, measured?.curls));
+    return h('div', {class: rows.length > 1 ? 'curls several' : 'curls'}, rows.flat());
+  }
+  const computed = (job.last_step?.monitors || []).filter(m => Number.isFinite(m.curl_m));
+  return h('div', {class: 'curls several'},
+    (measured?.curls || []).map(m => figure('measured', `${m.monitor} now, measured`, m.curl_m)),
+    computed.map(m => figure('computed', `${m.name} now, computed`, m.curl_m)),
+    h('p', {class: 'beside', 'data-figure': 'no-forecast'}, `No forecast: ${noForecast}`));
+}
+
+// ---- Levers
+
+function leverRows({measured, planned}) {
+  const text = (values, {field, unit, digits}) =>
+    fixed((values?.[field] ?? NaN) * plant(unit)[1], digits);
+  const known = levers.filter(({field}) => [measured, planned].some(v => Number.isFinite(v?.[field])));
+  return h('table', {class: 'levers-now'},
+    h('thead', {}, h('tr', {}, ['', 'now', 'plan', ''].map(head => h('th', {scope: 'col'}, head)))),
+    h('tbody', {}, known.map(lever => h('tr', {'data-lever': lever.name},
+      h('th', {scope: 'row'}, lever.name),
+      h('td', {class: 'measured'}, text(measured, lever)),
+      h('td', {class: 'planned'}, text(planned, lever)),
+      h('td', {class: 'unit'}, plant(lever.unit)[0])))));
+}
+
+// ---- What is off
+
+const warningLine = ({monitor, text, causes}) =>
+  h('li', {}, h('strong', {}, `${monitor}: ${text}`),
+    causes.length ? h('p', {}, `Likeliest: ${causes.join(', ')}`) : null);
+
+/** The newest warnings of the forecast, the gravest finding of the run, and what may come. */
+function warningsOf({job, forecast}) {
+  const newest = [...(forecast?.warnings || [])].reverse(), most = 2;
+  const findings = (job.findings || []).filter(finding => finding.severity !== 'NOTE');
+  const toCome = (forecast?.findings || []).map(({rule, members, of}) =>
+    `${rule.replaceAll('_', ' ')} in ${members} of ${of}`);
+  return h('section', {class: newest.length ? 'warnings raised' : 'warnings', 'aria-label': 'Warnings'},
+    newest.length
+      ? h('ul', {}, newest.slice(0, most).map(warningLine))
+      : h('p', {}, forecast ? 'No warning.' : ''),
+    newest.length > most ? h('p', {class: 'soft'}, `and ${newest.length - most} earlier`) : null,
+    findings.length ? gravestFinding(findings) : null,
+    toCome.length
+      ? h('p', {class: 'soft'}, `To come in members of the ensemble: ${toCome.join(', ')}`)
+      : null);
+}
+
+/** The place of an advice: what can still be done, in large letters. Empty where there is none. */
+const advicePlace = () => h('section', {class: 'advice', 'aria-label': 'What can still be done'});
+
+// ---- The chart
+
+const inMm = values => values.map(v => v === null ? NaN : 1e3 * v);
+
+function chartLines({history, forecast}) {
+  if (!forecast) return curlLines(history, ', computed');
+  return forecast.curls.flatMap((curl, i) => {
+    const computed = history.monitors.find(m => m.name === curl.monitor);
+    return [
+      {name: `${curl.monitor}, forecast`, x: curl.time_s, y: inMm(curl.curl_m),
+        low: inMm(curl.lower_m), high: inMm(curl.upper_m), dashed: true, colour: 3 * i},
+      computed
+        ? {name: 'computed', x: history.time_s, y: inMm(computed.curl_m), colour: 3 * i + 2}
+        : null,
+      {name: 'measured', x: curl.measured_time_s, y: inMm(curl.measured_m), dots: true,
+        colour: 3 * i + 1}
+    ].filter(line => line !== null && line.x.length > 0);
+  });
+}
+
+function curlChart(seen) {
+  const lines = chartLines(seen);
+  if (lines.every(line => line.x.length === 0)) return h('div');
+  return chart(lines, {
+    title: 'Curl', xLabel: 'time, s', yLabel: 'mm', width: 960, wanted: wantedBand(seen.wanted)
+  });
+}
+
+// ---- The age of the last reading
+
+/** "11 s", "3 min", "2 h": short, so that it fits one line in the largest letters. */
+function agedText(seconds) {
+  if (seconds < 120) return `${Math.round(seconds)} s`;
+  return seconds < 7200 ? `${Math.floor(seconds / 60)} min` : `${Math.floor(seconds / 3600)} h`;
+}
+
+/** What the page says of the age; `old` where the figures are not of now. */
+function ageText({measured, closed}, seconds) {
+  if (!measured) return {text: 'no reading yet'};
+  if (closed) return {text: 'the readings have ended'};
+  if (seconds === null)
+    return {old: ['Age not known', 'These figures may be old. The next reading tells it.']};
+  if (seconds <= oldAfter) return {text: `last reading ${agedText(seconds)} ago`};
+  return {old: [`No reading for ${agedText(seconds)}`, `These figures are of ${fixed(measured.time_s, 0)} s, not of now.`]};
+}
+
+/**
+ * The wall of a casting that is followed.
+ * @return draws what was seen: {job, history, wanted, forecast or noForecast: why there is none,
+ *   asked: when the server was asked, of performance.now()}
+ */
+export function followedWall(element, signal) {
+  const age = h('p', {class: 'age'}), old = h('div', {class: 'old'});
+  let seen = null;
+
+  // Nothing new comes from a server that is away: the age grows all the same.
+  function drawAge() {
+    if (!seen) return;
+    const {casting} = seen.job, told = casting.age_s ?? null;
+    const seconds = told === null ? null : told + (performance.now() - seen.asked) / 1e3;
+    const {text, old: lines} = ageText(casting, seconds);
+    age.textContent = text || '';
+    replace(old, (lines || []).map(line => h('p', {}, line)));
+    element.classList.toggle('stale', Boolean(lines));
+  }
+  repeat(1000, signal, async () => drawAge());
+
+  return now => {
+    seen = now;
+    const {following, measured} = now.job.casting;
+    const when = measured ? `${fixed(measured.time_s, 0)} s` : '';
+    replace(element, h('div', {class: 'casting'},
+      h('div', {class: 'place'}, h('h1', {}, following.line || now.job.title || now.job.id),
+        h('p', {class: 'when'}, when), age),
+      old, curlFigures(now), leverRows(now.job.casting),
+      h('div', {class: 'curl-chart'}, curlChart(now)),
+      h('div', {class: 'remarks'}, warningsOf(now), advicePlace(),
+        (now.forecast?.notes || []).map(note => h('p', {class: 'note'}, note)))));
+    drawAge();
+  };
+}
