@@ -19,6 +19,7 @@
 #include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/log.hpp"
 #include "server/jobs/processes.hpp"
+#include "server/service/forecasts.hpp"
 
 namespace dccast::daemon {
 
@@ -127,6 +128,15 @@ void add_jobs(Exposition& to, const MetricSources& from) {
            jobs::quarantined_folders(from.context.jobs_directory).size());
 }
 
+void add_castings(Exposition& to, service::Context& context) {
+  const service::FollowedCastings now = service::followed_castings(context);
+  to.gauge("dccast_castings_followed", "Castings that running jobs follow.", now.castings);
+  to.gauge("dccast_casting_warnings", "Warnings in the latest forecast of each of them.",
+           now.warnings);
+  to.gauge("dccast_reading_age_seconds",
+           "Longest time since the last reading of one of them arrived.", now.oldest_reading_s);
+}
+
 /// The count of a key; 0 if it was never counted.
 template <class Counts>
 auto count(const Counts& counts, const typename Counts::key_type& key) {
@@ -220,6 +230,7 @@ std::string metrics_text(const MetricSources& sources) {
   to.begin("dccast_build_info", "gauge", "1, with the version of the daemon.");
   to.sample(1, {{"version", sources.context.version}});
   add_jobs(to, sources);
+  add_castings(to, sources.context);
   add_tally(to, sources.tally.figures(), sources.shows_owners);
   add_calls(to, sources.context.gate);
   add_processes(to);

@@ -2,6 +2,9 @@
 
 #include <atomic>
 #include <filesystem>
+#include <map>
+#include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,6 +39,27 @@ struct QueryAnswer {
   }
 };
 
+/// How many warnings the latest forecast of each job had. Safe to use from several threads.
+class LatestWarnings {
+public:
+  void set(const std::string& job, int warnings) {
+    const std::lock_guard lock(mutex_);
+    by_job_[job] = warnings;
+  }
+  /// Their sum over these jobs; others are forgotten.
+  int sum_of(const std::set<std::string>& jobs) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(by_job_, [&](const auto& entry) { return !jobs.contains(entry.first); });
+    int sum = 0;
+    for (const auto& [job, warnings] : by_job_) sum += warnings;
+    return sum;
+  }
+
+private:
+  std::mutex mutex_;
+  std::map<std::string, int> by_job_;
+};
+
 /// Everything that calls use; owned by the daemon.
 struct Context {
   const v1::DaemonConfig& settings;  ///< as resolved by daemon::resolved()
@@ -64,6 +88,7 @@ struct Context {
   /// Answers of queries that left no job, bounded in bytes. Keys are answer_key(), by which
   /// CompareRuns names them.
   jobs::Recent<const QueryAnswer> query_answers{16'000'000};
+  LatestWarnings latest_warnings{};
   std::atomic<bool> leaving{false};  ///< the daemon is shutting down: streams end
 };
 

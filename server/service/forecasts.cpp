@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "server/jobs/folder/events.hpp"
@@ -96,6 +97,7 @@ public:
     if (!jobs::read_complete_case(folder, plan))
       refuse(ErrorInfo::DAMAGED, "the case of job {} cannot be read any more", id);
     schedule_ = plan.schedule();
+    error_of_plan_ = studies::error_of_plan(plan.section());
 
     ensemble_ = studies.get(following_.ensemble());
     pairs_ = studies.get(following_.pairs());
@@ -110,6 +112,7 @@ public:
             .following = following_,
             .readings = readings_,
             .plan_run = plan_run_,
+            .error_of_plan = error_of_plan_,
             .earlier = earlier_};
   }
 
@@ -131,6 +134,7 @@ private:
   v1::Schedule schedule_;
   std::shared_ptr<const v1::StudyResult> ensemble_, pairs_;
   std::vector<v1::CurlCurve> plan_run_;
+  double error_of_plan_ = 0.0;
   std::vector<studies::EarlierCasting> earlier_;
 };
 
@@ -202,6 +206,22 @@ void add_casting(const Context& context, v1::Job& job) {
   }
 }
 
+FollowedCastings followed_castings(Context& context) {
+  const jobs::JobStore::Page running{.states = {v1::RUNNING}, .size = 1000};
+  std::set<std::string> followed;
+  FollowedCastings now;
+  for (v1::Job& job : context.scheduler.list(running)) {
+    add_casting(context, job);
+    if (!job.has_casting() || job.casting().closed()) continue;
+    followed.insert(job.id());
+    now.oldest_reading_s = std::max(now.oldest_reading_s, job.casting().age_s());
+  }
+
+  now.castings = static_cast<int>(followed.size());
+  now.warnings = context.latest_warnings.sum_of(followed);
+  return now;
+}
+
 void require_following(const Context& context, const std::string& id) {
   if (!jobs::follows_readings(context.jobs_directory / id))
     refuse(ErrorInfo::WRONG_STATE, Remedy{"`dccast follow` submits one that does"},
@@ -217,7 +237,9 @@ v1::Forecast forecast_job(Context& context, const std::string& id) {
   const auto line = name.empty() ? std::nullopt : learn_of_ended(context, name, studies);
   try {
     const RecordedCasting recorded(context, id, line ? &*line : nullptr, studies);
-    return studies::forecast_curls(recorded.basis());
+    v1::Forecast forecast = studies::forecast_curls(recorded.basis());
+    context.latest_warnings.set(id, forecast.warnings_size());
+    return forecast;
   } catch (const studies::CannotForecast& reason) {
     refuse(ErrorInfo::WRONG_STATE, Remedy{"ask again when more have ended"}, "{}", reason.what());
   }

@@ -17,6 +17,14 @@ void require_following(const Context& context, const std::string& id);
 /// a line in the log, where the record cannot be read.
 void add_casting(const Context& context, v1::Job& job);
 
+/// The castings that running jobs follow, for metrics.
+struct FollowedCastings {
+  int castings = 0;
+  int warnings = 0;              ///< in the latest forecast of each
+  double oldest_reading_s = 0.0;  ///< longest time since the last reading of a casting arrived
+};
+FollowedCastings followed_castings(Context& context);
+
 /// Forecasts the casting that a job follows. @throws Refusal
 v1::Forecast forecast_job(Context& context, const std::string& id);
 

@@ -39,9 +39,14 @@ struct ForecastBasis {
   const std::vector<v1::Reading>& readings;
   /// Curls of the run of the plan, on which a forecast without an ensemble rests.
   std::vector<v1::CurlCurve> plan_run{};
+  double error_of_plan = 0.25;  ///< [1] as error_of_plan()
   /// On the line of the casting, the oldest first.
   std::vector<EarlierCasting> earlier{};
 };
+
+/// Standard deviation of what data put the curl of a plan off, as a share of the whole curl, where no
+/// ensemble tells it.
+double error_of_plan(const v1::Section& section);
 
 /// Forecasts the curl at each gauge by conditioning its prior (curl_prior.hpp) on the curls measured
 /// so far (core/statistics/trajectory_forecast.hpp). The error of the mesh moves the mean and widens

@@ -81,6 +81,12 @@ class FollowTest(RealRunTest):
     def studies(self):
         return self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10).studies
 
+    def ensemble(self):
+        """A study of 16 runs of the plan with other data."""
+        out, _ = self.ended(self.dccast("uncertainty", CASE, "--set", f"time.end={END} s", "--runs", "16",
+                                        "--json"), seconds=120)
+        return json.loads(out)["study"]["id"]
+
     def until_time(self, job_id, time_s):
         until(lambda: self.client.job(job_id).last_step.time_s >= time_s, 30)
 
@@ -388,10 +394,8 @@ class Line(FollowTest):
 
     def setUp(self):
         super().setUp()
-        out, _ = self.ended(self.dccast("uncertainty", CASE, "--set", f"time.end={END} s", "--runs", "16",
-                                        "--json"), seconds=120)
-        self.ensemble = json.loads(out)["study"]["id"]
-        request = study_pb2.EvaluateStudyRequest(id=self.ensemble, curves=True)
+        self.study_id = self.ensemble()
+        request = study_pb2.EvaluateStudyRequest(id=self.study_id, curves=True)
         runs = self.client.stub.EvaluateStudy(request, timeout=30).runs
         curves = [next(c for c in run.curves if c.monitor == "corner") for run in runs]
         self.times = numpy.arange(0, END + 1)
@@ -400,7 +404,7 @@ class Line(FollowTest):
 
     def on_line(self, name="pit-3"):
         gauge = follow_pb2.Gauge(monitor="corner", noise_m=2e-4)
-        return self.follow(ensemble=self.ensemble, gauges=[gauge], line=name)
+        return self.follow(ensemble=self.study_id, gauges=[gauge], line=name)
 
     def cast(self, name="pit-3"):
         """A casting on the line that has ended."""
@@ -498,15 +502,13 @@ class Plant(FollowTest):
         self.ended(self.dccast("submit", "--watch", plan, "--set", "quality=engineering", "--set",
                                "schedule.casting_speed.scale=0.9"))
         hidden = self.newest_job()
-        out, _ = self.ended(self.dccast("uncertainty", CASE, "--set", f"time.end={END} s", "--runs", "16",
-                                        "--json"), seconds=120)
+        ensemble = self.ensemble()
         script = os.path.join(os.path.dirname(__file__), "..", "verification", "plant.py")
         plant = subprocess.Popen(
             ["/usr/bin/python3", script, hidden, "--server", self.daemon.address, "--pace", "50",
              "--zero-mm", "1", "--late", "0.05", "--doubled", "0.05", "--dropouts", "0.03", "--empty",
              "0.05"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        follow = self.dccast("follow", plan, "--set", "quality=draft", "--ensemble",
-                             json.loads(out)["study"]["id"], "--zero", "1 mm", stdin=plant.stdout)
+        follow = self.dccast("follow", plan, "--set", "quality=draft", "--ensemble", ensemble, "--zero", "1 mm", stdin=plant.stdout)
         _, said = self.ended(follow)
         plant.stdout.close()
         self.assertEqual(plant.wait(timeout=30), 0)

@@ -9,13 +9,15 @@ import shutil
 import socket
 import subprocess
 import sys
+import time
 import unittest
 import urllib.error
 import urllib.request
 
 import grpc
 
-from dccast.v1 import job_pb2
+from dccast.v1 import follow_pb2, job_pb2
+from follow_test import FollowTest
 from support import ServiceTest, fake_case, until
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
@@ -141,6 +143,32 @@ class Scrape(MetricsTest):
         address = re.findall(r"metrics on (http://\S+)", self.daemon.said())[-1]
         with urllib.request.urlopen(address, timeout=30) as answer:
             return answer.read().decode()
+
+
+class Castings(FollowTest, MetricsTest):
+    settings = {"listen__metrics": "127.0.0.1:0"}
+
+    def figures(self):
+        page = self.page()
+        return tuple(self.value("dccast_" + name, page)
+                     for name in ("castings_followed", "casting_warnings", "reading_age_seconds"))
+
+    def test_castings_under_way_their_warnings_and_the_age_of_readings_are_counted(self):
+        self.assertEqual(self.figures(), (0, 0, 0))
+        gauge = follow_pb2.Gauge(monitor="corner", noise_m=5e-4)
+        job_id = self.follow(ensemble=self.ensemble(), gauges=[gauge])
+        self.append(job_id, *[follow_pb2.Reading(number=t + 1, time_s=t, curls=[follow_pb2.MeasuredCurl(
+            monitor="corner", curl_m=0.05 if t > 20 else 0.0)]) for t in range(30)])
+        self.forecast(job_id)
+        time.sleep(1.2)
+        castings, warnings, age_s = self.figures()
+        self.assertEqual(castings, 1)
+        self.assertGreater(warnings, 0)
+        self.assertGreater(age_s, 1)
+
+        self.client.cancel(job_id)
+        self.client.until_state(job_id, job_pb2.CANCELLED)
+        self.assertEqual(self.figures(), (0, 0, 0))
 
 
 class Guarded(MetricsTest):

@@ -9,7 +9,7 @@ import numpy
 
 from dccast.v1 import service_pb2, study_pb2
 from certificates import TestCa
-from follow_test import CASE, END, FollowTest, levers, table
+from follow_test import END, FollowTest, levers, table
 from real_run_test import physics
 from support import WAIT_FACTOR, main, until
 
@@ -184,9 +184,7 @@ class Tls(MqttTest):
 
 class Alarms(MqttTest):
     def test_a_gauge_that_slips_reaches_a_command_and_a_topic(self):
-        out, _ = self.ended(self.dccast("uncertainty", CASE, "--set", f"time.end={END} s", "--runs", "16",
-                                        "--json"), seconds=120)
-        ensemble = json.loads(out)["study"]["id"]
+        ensemble = self.ensemble()
         request = study_pb2.EvaluateStudyRequest(id=ensemble, curves=True)
         curve = next(each for each in self.client.stub.EvaluateStudy(request, timeout=30).runs[0].curves
                      if each.monitor == "corner")
