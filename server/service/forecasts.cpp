@@ -99,6 +99,7 @@ public:
     ensemble_ = studies.get(following_.ensemble());
     pairs_ = studies.get(following_.pairs());
     if (following_.ensemble().empty()) plan_run_ = curls_of_plan(context, following_.plan_job());
+    levers_ = studies.find(following_.levers());
     if (line) earlier_ = castings_before(id, *line, studies);
   }
 
@@ -109,7 +110,8 @@ public:
             .following = following_,
             .readings = readings_,
             .plan_run = plan_run_,
-            .earlier = earlier_};
+            .earlier = earlier_,
+            .levers = levers_};
   }
 
 private:
@@ -129,6 +131,7 @@ private:
   std::vector<v1::Reading> readings_;
   v1::Schedule schedule_;
   std::shared_ptr<const v1::StudyResult> ensemble_, pairs_;
+  std::shared_ptr<const v1::StudyResult> levers_;  ///< null: the study is not there any more
   std::vector<v1::CurlCurve> plan_run_;
   std::vector<studies::EarlierCasting> earlier_;
 };

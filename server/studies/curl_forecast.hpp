@@ -41,6 +41,8 @@ struct ForecastBasis {
   std::vector<v1::CurlCurve> plan_run{};
   /// On the line of the casting, the oldest first.
   std::vector<EarlierCasting> earlier{};
+  /// Levers moved from some times on, on which the advice rests (advice.hpp); null: none.
+  std::shared_ptr<const v1::StudyResult> levers{};
 };
 
 /// Forecasts the curl at each gauge by conditioning its prior (curl_prior.hpp) on the curls measured
