@@ -79,6 +79,7 @@ void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& reque
   }
   following.set_ensemble(found->ensemble.id());
   if (found->pairs) following.set_pairs(found->pairs->id());
+  if (found->levers) following.set_levers(found->levers->id());
 }
 
 /// How the job follows: each curl of the source has a gauge.

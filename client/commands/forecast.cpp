@@ -75,6 +75,8 @@ void print_remarks(const v1::Forecast& forecast) {
   for (const v1::ForecastFinding& finding : forecast.findings())
     std::cout << fmt::format("to come in {} of {} members: {}\n", finding.members(), finding.of(),
                              finding.rule());
+  for (const std::string& advice : forecast.advice())
+    std::cout << "what can still be done: " << advice << '\n';
   for (const std::string& note : forecast.notes()) std::cout << "note: " << note << '\n';
 }
 

@@ -20,9 +20,9 @@ using Attachments = google::protobuf::RepeatedPtrField<v1::Attachment>;
 constexpr int members = 64;
 constexpr int most_pairs = 16;
 
-/// Labels of both studies of a plan, and of its run.
+/// Labels of the studies of a plan, and of its run.
 struct Labels {
-  std::string ensemble, pairs, plan;
+  std::string ensemble, pairs, levers, plan;
 };
 
 /// The quality of the case does not count: the studies have their own.
@@ -32,7 +32,7 @@ Labels labels_of(v1::Case plan, const Attachments& attachments) {
   digest.add(plan.SerializeAsString());
   for (const v1::Attachment& file : attachments) digest.add(file.name() + '\n' + file.sha256());
   const std::string begin = digest.finish().substr(0, 16);
-  return {"ensemble=" + begin, "pairs=" + begin, "plan=" + begin};
+  return {"ensemble=" + begin, "pairs=" + begin, "levers=" + begin, "plan=" + begin};
 }
 
 /// The newest study with a label that was not cancelled.
@@ -80,7 +80,7 @@ std::optional<Preparation> find_preparation(Connection& connection, const v1::Ca
   const auto studies = list_studies(connection, std::numeric_limits<int>::max());
   const auto ensemble = labelled(studies, labels.ensemble);
   if (!ensemble) return std::nullopt;
-  return Preparation{*ensemble, labelled(studies, labels.pairs)};
+  return Preparation{*ensemble, labelled(studies, labels.pairs), labelled(studies, labels.levers)};
 }
 
 std::optional<Preparation> prepare(Connection& connection, const StudyCase& base,
@@ -99,7 +99,7 @@ std::optional<Preparation> prepare(Connection& connection, const StudyCase& base
       lay_out_uncertainty({.runs = members, .seed = 0, .only = {}}, request);
     });
     if (!ensemble) return std::nullopt;
-    there = Preparation{*ensemble, std::nullopt};
+    there = Preparation{*ensemble, std::nullopt, std::nullopt};
   }
   await(there->ensemble);
 
@@ -112,6 +112,15 @@ std::optional<Preparation> prepare(Connection& connection, const StudyCase& base
     if (!there->pairs) return std::nullopt;
   }
   await(*there->pairs);
+
+  if (!there->levers) {
+    there->levers = create_study(connection, base, [&](v1::CreateStudyRequest& request) {
+      request.add_labels(labels.levers);
+      request.mutable_levers();
+    });
+    if (!there->levers) return std::nullopt;
+  }
+  await(*there->levers);
   return there;
 }
 

@@ -12,7 +12,8 @@ namespace dccast::client {
 
 struct Preparation {
   v1::Study ensemble;
-  std::optional<v1::Study> pairs;  ///< empty: not begun
+  std::optional<v1::Study> pairs;   ///< empty: not begun
+  std::optional<v1::Study> levers;  ///< empty: not begun
 };
 
 /// The studies that prepare a case, the newest of each, without cancelled ones; empty: the ensemble
@@ -23,7 +24,8 @@ std::optional<Preparation> find_preparation(
     const google::protobuf::RepeatedPtrField<v1::Attachment>& attachments);
 
 /// Makes what is missing of them: drafts over all data of the case that have a range, then some of
-/// them again at engineering quality. Throws CommandFailed, Interrupted.
+/// them again at engineering quality, then drafts with a lever moved while it is cast. Throws
+/// CommandFailed, Interrupted.
 /// @param await  waits for the end of a study
 /// @return empty if the case is rejected; the faults have then been printed
 std::optional<Preparation> prepare(Connection& connection, const StudyCase& base,

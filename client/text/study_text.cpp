@@ -51,6 +51,7 @@ std::string plan_text(const v1::Study& study) {
   if (study.has_recipe())
     return "recipe, " + std::to_string(study.recipe().numbers_size()) + " numbers";
   if (study.has_remedy()) return "remedy of job " + study.remedy().job();
+  if (study.has_levers()) return "levers, moved while it is cast";
   const std::string count = std::to_string(study.sweep().axes_size());
   if (study.sweep().purpose() == v1::SweepPlan::UNCERTAINTY)
     return "uncertainty, " + count + " data";

@@ -151,21 +151,31 @@ std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recip
   if (!other_speed) return changes;
 
   // With another speed the casting ends at another time.
-  const double end = time_of_cast_length(changed, cast_length_at_end(complete));
-  if (std::isfinite(end))
-    changes.push_back(change_of("time.end", quantity_text(std::round(10.0 * end) / 10.0, "s")));
+  if (const auto end = end_at_same_length(changed, complete)) changes.push_back(*end);
   return changes;
 }
 
-double cast_length_at_end(const v1::Case& complete) {
-  return integrate_speed(complete.schedule(), complete.time().end_s(),
-                         std::numeric_limits<double>::infinity())
+double cast_length_at(const v1::Case& complete, double time_s) {
+  return integrate_speed(complete.schedule(), time_s, std::numeric_limits<double>::infinity())
       .length_m;
+}
+
+double cast_length_at_end(const v1::Case& complete) {
+  return cast_length_at(complete, complete.time().end_s());
 }
 
 double time_of_cast_length(const v1::Case& complete, double length_m) {
   const Course end = integrate_speed(complete.schedule(), longest_s, length_m);
   return end.length_m < length_m ? std::numeric_limits<double>::infinity() : end.time_s;
+}
+
+std::optional<v1::CaseChange> end_at_same_length(const v1::Case& changed,
+                                                 const v1::Case& complete) {
+  constexpr double tolerance_s = 0.05;
+  const double end_s = time_of_cast_length(changed, cast_length_at_end(complete));
+  if (!std::isfinite(end_s) || std::abs(end_s - complete.time().end_s()) < tolerance_s)
+    return std::nullopt;
+  return change_of("time.end", quantity_text(std::round(10.0 * end_s) / 10.0, "s"));
 }
 
 }  // namespace dccast::case_file

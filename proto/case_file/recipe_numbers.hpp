@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,10 +46,16 @@ bool ramps_by_length(const v1::Curve& curve);
 /// have four digits. Keys that do not differ are left out.
 std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recipe& recipe);
 
-/// Cast length at the end of a complete case [m].
+/// Cast length of a complete case at a time [s], and at its end [m].
+double cast_length_at(const v1::Case& complete, double time_s);
 double cast_length_at_end(const v1::Case& complete);
 
 /// Time at which a complete case has cast a length [s]; infinite if it never does.
 double time_of_cast_length(const v1::Case& complete, double length_m);
+
+/// The change of time.end with which a changed case casts the length of the case itself, to a tenth
+/// of a second; empty: it does so already, or never.
+/// @param changed, complete  with all defaults
+std::optional<v1::CaseChange> end_at_same_length(const v1::Case& changed, const v1::Case& complete);
 
 }  // namespace dccast::case_file

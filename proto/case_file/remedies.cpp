@@ -122,16 +122,6 @@ v1::Case completed(v1::Case description) {
   return description;
 }
 
-/// The change of time.end with which a changed case casts the length of the case itself; empty: it
-/// does so already. @param changed, complete  with all defaults
-std::optional<v1::CaseChange> change_of_end(const v1::Case& changed, const v1::Case& complete) {
-  constexpr double tolerance_s = 0.05;
-  const double end_s = time_of_cast_length(changed, cast_length_at_end(complete));
-  if (!std::isfinite(end_s) || std::abs(end_s - complete.time().end_s()) < tolerance_s)
-    return std::nullopt;
-  return change_of("time.end", number_text(std::round(10.0 * end_s) / 10.0) + " s");
-}
-
 }  // namespace
 
 std::vector<Advice> advice_against(const v1::Finding& finding) {
@@ -181,7 +171,7 @@ std::vector<LeverDraft> lever_drafts(const Advice& advice, const v1::Case& descr
     // The mould cannot be filled in less time than the metal is held.
     if (changed.schedule().hold_s() < changed.schedule().filling_s()) continue;
 
-    if (const auto end = change_of_end(changed, complete)) draft.changes.push_back(*end);
+    if (const auto end = end_at_same_length(changed, complete)) draft.changes.push_back(*end);
     draft.step.set_key(lever.key);
     draft.step.set_steps(steps);
     draft.step.set_words(fmt::format("{} {} {}", lever.verb, amount_text(lever, steps, complete),

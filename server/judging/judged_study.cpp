@@ -141,6 +141,10 @@ void add_run_columns(const v1::StudyResult& result, v1::Table& table) {
     *table.add_columns() = number_column("refinement", "refinement", "", 1.0);
     *table.add_columns() = number_column("nodes", "nodes", "", 1.0);
   }
+  if (result.study().has_levers()) {
+    *table.add_columns() = text_column("change", "change");
+    *table.add_columns() = number_column("from", "from", "s", 1.0);
+  }
   for (const auto& axis : result.study().sweep().axes())
     *table.add_columns() = text_column(axis.key(), axis.key());
   for (int monitor = 0; monitor < result.monitors_size(); ++monitor) {
@@ -166,6 +170,11 @@ void add_runs(const v1::StudyResult& result, v1::Judgement& judgement) {
     if (result.study().has_refinement()) {
       *row.add_cells() = number_cell(run.refinement());
       *row.add_cells() = number_cell(static_cast<double>(run.nodes()));
+    }
+    if (result.study().has_levers()) {
+      const v1::LeverStep& step = run.lever_step();
+      *row.add_cells() = text_cell(run.has_lever_step() ? step.words() : "the plan");
+      *row.add_cells() = step.has_from_s() ? number_cell(step.from_s()) : v1::Cell();
     }
     for (const auto& value : run.values()) *row.add_cells() = text_cell(value);
     for (int monitor = 0; monitor < result.monitors_size(); ++monitor) {
@@ -204,6 +213,8 @@ v1::Judgement judge_study(const StudyToJudge& study) {
     judge_mould(result, judgement);
   } else if (result.study().has_remedy()) {
     judge_remedy(study, judgement);
+  } else if (result.study().has_levers()) {
+    add_runs(result, judgement);
   } else if (purpose == v1::SweepPlan::UNCERTAINTY) {
     judge_uncertainty(study, judgement);
   } else if (purpose == v1::SweepPlan::SENSITIVITY) {

@@ -102,6 +102,7 @@ public:
     ensemble_ = studies.get(following_.ensemble());
     pairs_ = studies.get(following_.pairs());
     if (following_.ensemble().empty()) plan_run_ = curls_of_plan(context, following_.plan_job());
+    levers_ = studies.find(following_.levers());
     if (line) earlier_ = castings_before(id, *line, studies);
   }
 
@@ -113,7 +114,8 @@ public:
             .readings = readings_,
             .plan_run = plan_run_,
             .error_of_plan = error_of_plan_,
-            .earlier = earlier_};
+            .earlier = earlier_,
+            .levers = levers_};
   }
 
 private:
@@ -133,6 +135,7 @@ private:
   std::vector<v1::Reading> readings_;
   v1::Schedule schedule_;
   std::shared_ptr<const v1::StudyResult> ensemble_, pairs_;
+  std::shared_ptr<const v1::StudyResult> levers_;  ///< null: the study is not there any more
   std::vector<v1::CurlCurve> plan_run_;
   double error_of_plan_ = 0.0;
   std::vector<studies::EarlierCasting> earlier_;

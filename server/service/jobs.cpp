@@ -61,13 +61,18 @@ void change_labels(const v1::UpdateJobRequest& request, v1::Job& job) {
   job.mutable_labels()->Assign(labels.begin(), labels.end());
 }
 
-/// The study of a sweep that a caller names. @throws Refusal  there is none, or the caller may not read it
-v1::Study readable_sweep(Context& context, const Call& call, const std::string& id) {
+/// The study that a caller names. @throws Refusal  there is none, or the caller may not read it
+v1::Study readable_study(Context& context, const Call& call, const std::string& id) {
   check_study_id(id);
   const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
   if (const auto status = context.gate.permit_touch(call.caller, reading, id); !status.ok())
     throw Refusal{status};
-  v1::Study study = of_study(id, context.studies.find(id));
+  return of_study(id, context.studies.find(id));
+}
+
+/// The same of a sweep. @throws Refusal  it is none
+v1::Study readable_sweep(Context& context, const Call& call, const std::string& id) {
+  v1::Study study = readable_study(context, call, id);
   if (!study.has_sweep())
     refuse(Remedy{"name one of `dccast uncertainty` or `dccast sweep`"},
            "study {} has no runs over data of a case", id);
@@ -89,6 +94,13 @@ void check_line(Context& context, const access::Caller& caller, const std::strin
   const auto& changing = access::rule_of(*v1::RestartLineRequest::descriptor());
   if (const auto status = context.gate.permit_touch(caller, changing, name); !status.ok())
     throw Refusal{status};
+}
+
+/// Checks the study on which the advice for a casting rests.
+void check_levers(Context& context, const Call& call, const std::string& id) {
+  if (!readable_study(context, call, id).has_levers())
+    refuse(Remedy{"make it by `dccast follow --prepare`"},
+           "study {} has no levers that are moved while it is cast", id);
 }
 
 /// Checks the studies on which the forecast of a casting rests.
@@ -128,6 +140,8 @@ void check_following(Context& context, const Call& call, const v1::SubmitJobRequ
   }
 
   check_ensemble(context, call, request.following());
+  if (const std::string& levers = request.following().levers(); !levers.empty())
+    check_levers(context, call, levers);
   if (const std::string& plan = request.following().plan_job(); !plan.empty())
     readable_job(context, call.caller, plan);
   if (const std::string& line = request.following().line(); !line.empty())

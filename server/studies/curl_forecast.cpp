@@ -12,6 +12,7 @@
 
 #include "core/statistics/innovations.hpp"
 #include "core/statistics/trajectory_forecast.hpp"
+#include "server/studies/advice.hpp"
 #include "server/studies/curl_prior.hpp"
 #include "server/studies/levers_off_plan.hpp"
 
@@ -275,6 +276,8 @@ v1::Forecast forecast_curls(const ForecastBasis& basis) {
   std::ranges::stable_sort(*forecast.mutable_warnings(), {}, &v1::ForecastWarning::time_s);
   add_findings_to_come(basis.ensemble, last_s, forecast);
   add_notes(basis, forecast);
+
+  if (basis.levers) add_advice(*basis.levers, basis.following, forecast);
   return forecast;
 }
 

@@ -42,6 +42,8 @@ struct ForecastBasis {
   double error_of_plan = 0.25;  ///< [1] as error_of_plan()
   /// On the line of the casting, the oldest first.
   std::vector<EarlierCasting> earlier{};
+  /// Levers moved from some times on, on which the advice rests (advice.hpp); null: none.
+  std::shared_ptr<const v1::StudyResult> levers{};
 };
 
 /// Standard deviation of what data put the curl of a plan off, as a share of the whole curl, where no

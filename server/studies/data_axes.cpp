@@ -29,7 +29,7 @@ void set_ends(v1::SweepPlan::Axis& axis, const UncertainKey& datum) {
   set_ends(axis, datum.change(), datum.ends.low, datum.ends.high);
 }
 
-/// A case with its defaults and its data that have a range, which the case itself no longer has.
+/// A case with its defaults, and its data that have a range.
 struct Completed {
   v1::Case description;
   std::vector<UncertainKey> data;
@@ -50,9 +50,18 @@ Completed complete(const intake::CaseIntake& intake, const jobs::Attachments& at
   if (!submitted.section().has_initial_depth_m())
     completed.description.mutable_section()->clear_initial_depth_m();
   if (!submitted.time().has_step_s()) completed.description.mutable_time()->clear_step_s();
-  completed.description.clear_uncertainty();
-  completed.description.mutable_alloy()->clear_uncertainty();
   return completed;
+}
+
+/// The draft with the ranges of its data, from which the plan draws them.
+std::vector<v1::Fault> lay_out_levers(const intake::CaseIntake& intake,
+                                      const jobs::Attachments& attachments,
+                                      v1::CreateStudyRequest& request) {
+  request.mutable_case_()->set_quality(v1::DRAFT);
+  Completed draft = complete(intake, attachments, request.case_());
+  if (!draft.faults.empty()) return draft.faults;
+  *request.mutable_case_() = draft.description;
+  return {};
 }
 
 /// Gives axes without values the ends of their ranges.
@@ -107,7 +116,7 @@ std::vector<v1::Fault> lay_out_sweep(const intake::CaseIntake& intake,
 
   Completed completed = complete(intake, attachments, request.case_());
   if (!completed.faults.empty()) return completed.faults;
-  *request.mutable_case_() = completed.description;
+  *request.mutable_case_() = without_ranges(completed.description);
 
   v1::SweepPlan& sweep = *request.mutable_sweep();
   if (!sweep.axes().empty()) return fill_named_axes(completed.data, sweep);
@@ -143,8 +152,8 @@ std::vector<v1::Fault> lay_out_recipe(const intake::CaseIntake& intake,
   if (!drafts.faults.empty()) return drafts.faults;
 
   v1::RecipePlan& plan = *request.mutable_recipe();
-  *plan.mutable_draft() = drafts.description;
-  *request.mutable_case_() = full.description;
+  *plan.mutable_draft() = without_ranges(drafts.description);
+  *request.mutable_case_() = without_ranges(full.description);
   add_data(drafts.data, plan);
   if (!plan.data().empty()) return {};
   return {intake::fault_of("uncertainty", "", "no key of this case has a range",
@@ -153,7 +162,14 @@ std::vector<v1::Fault> lay_out_recipe(const intake::CaseIntake& intake,
 
 }  // namespace
 
+v1::Case without_ranges(v1::Case description) {
+  description.clear_uncertainty();
+  description.mutable_alloy()->clear_uncertainty();
+  return description;
+}
+
 bool has_data_axes(const v1::CreateStudyRequest& request) {
+  if (request.has_levers()) return true;
   if (request.has_recipe()) return !request.recipe().has_draft();
   const v1::SweepPlan& sweep = request.sweep();
   return sweep.purpose() != v1::SweepPlan::PURPOSE_UNSPECIFIED && sweep.further_of().empty();
@@ -162,6 +178,7 @@ bool has_data_axes(const v1::CreateStudyRequest& request) {
 std::vector<v1::Fault> lay_out_axes(const intake::CaseIntake& intake,
                                     const jobs::Attachments& attachments,
                                     v1::CreateStudyRequest& request) {
+  if (request.has_levers()) return lay_out_levers(intake, attachments, request);
   return request.has_recipe() ? lay_out_recipe(intake, attachments, request)
                               : lay_out_sweep(intake, attachments, request);
 }

@@ -97,7 +97,7 @@ std::size_t bytes_of(const RunHistory& history) {
   for (const v1::CurlCurve& curve : history.curves) bytes += curve.SpaceUsedLong();
   for (const auto& [monitor, temperature_c] : history.temperature_c)
     bytes += temperature_c.size() * sizeof(double);
-  return bytes;
+  return bytes + history.least_shell_m.size() * sizeof(double);
 }
 
 /// @throws jobs::UnsoundResult  the job has none
@@ -123,6 +123,7 @@ std::vector<double> at_instants(const std::vector<double>& instants_s, const v1:
 RunHistory run_history(const v1::Job& job, const std::vector<v1::StepReport>& steps) {
   RunHistory history;
   history.beyond_from_s = first_beyond(job, steps);
+  for (const v1::StepReport& step : steps) history.least_shell_m.push_back(step.least_shell_m());
 
   for (std::size_t i = 0; i < steps.size(); ++i)
     for (const v1::MonitorValue& value : steps[i].monitors()) {

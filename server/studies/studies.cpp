@@ -62,6 +62,7 @@ void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
   if (request.has_sweep()) *study.mutable_sweep() = request.sweep();
   if (request.has_mould()) *study.mutable_mould() = request.mould();
   if (request.has_remedy()) *study.mutable_remedy() = request.remedy();
+  if (request.has_levers()) *study.mutable_levers() = request.levers();
   if (request.has_recipe()) {
     *study.mutable_recipe() = request.recipe();
     study.mutable_recipe()->clear_draft();  // it is as large as a case, and no list needs it

@@ -27,6 +27,9 @@ struct RunHistory {
   /// [degC] by monitor, at the same instants; NaN where not reported.
   std::map<std::string, std::vector<double>> temperature_c;
 
+  /// [m] by step: least thickness of the side's shell, from the mould contact to the water line.
+  std::vector<double> least_shell_m;
+
   const v1::CurlCurve* curve(const std::string& monitor) const;  ///< null: not reported
 };
 
@@ -124,6 +127,9 @@ std::unique_ptr<StudyPlan> recipe_plan(const v1::CreateStudyRequest& request);
 
 std::vector<v1::Fault> remedy_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> remedy_plan(const v1::CreateStudyRequest& request);
+
+std::vector<v1::Fault> levers_faults(const v1::CreateStudyRequest& request);
+std::unique_ptr<StudyPlan> levers_plan(const v1::CreateStudyRequest& request);
 
 std::vector<v1::Fault> mould_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> mould_plan(const v1::CreateStudyRequest& request);

@@ -87,6 +87,11 @@ class FollowTest(RealRunTest):
                                         "--json"), seconds=120)
         return json.loads(out)["study"]["id"]
 
+    def study_of_one_key(self):
+        self.ended(self.dccast("sweep", self.case_file(end=4), "--no-wait", "--grid",
+                               "schedule.hold=50 s,60 s"))
+        return self.studies()[0].id
+
     def until_time(self, job_id, time_s):
         until(lambda: self.client.job(job_id).last_step.time_s >= time_s, 30)
 
@@ -360,19 +365,21 @@ class Preparation(FollowTest):
         _, err = self.followed()
         self.assertIn("is not prepared", err)
 
-        _, err = self.ended(self.dccast("follow", "--prepare", plan), seconds=300)  # 80 runs
+        _, err = self.ended(self.dccast("follow", "--prepare", plan), seconds=300)  # 184 runs
         self.assertIn("the plan is prepared", err)
-        pairs, ensemble = self.studies()
-        self.assertEqual((ensemble.runs, pairs.runs), (64, 16))
+        levers, pairs, ensemble = self.studies()
+        self.assertEqual((ensemble.runs, pairs.runs, levers.runs), (64, 16, 104))
         request = study_pb2.EvaluateStudyRequest(id=pairs.id)
         self.assertEqual(self.client.stub.EvaluateStudy(request, timeout=30).runs[0].values,
                          self.client.stub.EvaluateStudy(study_pb2.EvaluateStudyRequest(
                              id=ensemble.id), timeout=30).runs[0].values)
         self.ended(self.dccast("follow", "--prepare", plan, "--set", "quality=fine"))
-        self.assertEqual(len(self.studies()), 2, "the quality of the case does not count")
+        self.assertEqual(len(self.studies()), 3, "the quality of the case does not count")
 
         paired, err = self.followed()
         self.assertNotIn("is not prepared", err)
+        self.assertIn("what can still be done: no lever lowers the corner by more than 1 mm any more",
+                      self.ended(self.dccast("forecast", paired))[0])
         by_band, _ = self.followed("--ensemble", ensemble.id)
         paired, by_band = self.forecast(paired), self.forecast(by_band)
         self.assertGreaterEqual(paired.curls[0].members, 60)
@@ -383,10 +390,73 @@ class Preparation(FollowTest):
                              pairs=other)
         self.assertIn("over other keys", error.details())
 
-    def study_of_one_key(self):
-        self.ended(self.dccast("sweep", self.case_file(end=4), "--no-wait", "--grid",
-                               "schedule.hold=50 s,60 s"))
-        return self.studies()[0].id
+
+class Advice(FollowTest):
+    """What can still be done, from drafts with a lever moved from some time of the casting on."""
+
+    END = 10  # s of casting: a levers study has 104 runs
+
+    def case(self):
+        with open(self.case_file(self.END), encoding="utf-8") as file:
+            return self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=20).case
+
+    def levers(self):
+        created = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
+            request_id="levers", case=self.case(), levers=study_pb2.LeversPlan()), timeout=20)
+        until(lambda: all(s.state != study_pb2.STUDY_RUNNING for s in self.studies()), 180)
+        return self.client.stub.EvaluateStudy(
+            study_pb2.EvaluateStudyRequest(id=created.id, curves=True), timeout=30)
+
+    def test_levers_are_compared_with_the_plan_at_equal_cast_length(self):
+        study = self.levers()
+        self.assertEqual(len(study.runs), 8 * 13)
+        corner = list(study.monitors).index("corner")
+        curve_of = lambda run: next(c for c in run.curves if c.monitor == "corner")
+        plan_of, moved = None, []
+        for run, effect in zip(study.runs, study.lever_effects):
+            self.assertEqual(run.lever_step, effect.step)
+            if not effect.HasField("step"):
+                plan_of = run
+                self.assertAlmostEqual(effect.curl_m[corner], run.end_curl_m[corner], delta=1e-9)
+                continue
+            moved.append((plan_of.end_curl_m[corner], effect))
+            plan, other = curve_of(plan_of), curve_of(run)
+            length = min(plan.cast_length_m[-1], other.cast_length_m[-1])
+            self.assertAlmostEqual(length, plan.cast_length_m[-1], delta=1e-4)
+            at = lambda c: numpy.interp(length, c.cast_length_m, numpy.nan_to_num(c.curl_m))
+            # Lengths that differ by less than a micrometre are equal.
+            self.assertAlmostEqual(effect.curl_m[corner], at(other) - at(plan), delta=2e-7)
+            # Up to the step in which the lever is moved, of 0.5 s, the casting is that of the plan.
+            before = numpy.arange(0, run.lever_step.from_s - 0.5, 0.1)
+            then = lambda c: numpy.interp(before, c.time_s, numpy.nan_to_num(c.curl_m))
+            self.assertLess(numpy.max(numpy.abs(then(other) - then(plan))), 1e-7)
+
+        job = self.client.submit(self.case())
+        self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        gauge = follow_pb2.Gauge(monitor="corner", noise_m=1e-3)
+        followed = self.follow(self.END, plan_job=job.id, levers=study.study.id, gauges=[gauge])
+        begins = sorted({effect.step.from_s for _, effect in moved})
+        self.assertEqual(begins, [0.1 * self.END, 0.4 * self.END])
+        for number, time_s in enumerate(begins, 1):
+            self.append(followed, follow_pb2.Reading(number=number, time_s=time_s))
+            forecast = self.forecast(followed)
+            self.assertEqual(len(forecast.levers), 6)
+            for lever in forecast.levers:
+                now = [(curl, e.curl_m[corner]) for curl, e in moved
+                       if (e.step.words, e.step.from_s) == (lever.words, time_s)]
+                line = numpy.polyfit(*numpy.array(now).T, 1)
+                self.assertAlmostEqual(lever.curls[0].curl_m,
+                                       numpy.polyval(line, forecast.curls[0].curl_m[-1]), delta=1e-9)
+            self.assertTrue(forecast.advice)
+        shown = self.ended(self.dccast("forecast", followed))[0]
+        self.assertIn(f"what can still be done: {forecast.advice[0]}", shown)
+        self.ended(self.dccast("studies", "show", study.study.id))
+
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, ensemble=study.study.id)
+        self.assertIn("no runs over data", error.details())
+        grid = self.study_of_one_key()
+        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.follow, levers=grid)
+        self.assertIn("dccast follow --prepare", error.details())
 
 
 class Line(FollowTest):
