@@ -208,18 +208,39 @@ void require_following(const Context& context, const std::string& id) {
            "job {} follows no readings", id);
 }
 
-v1::Forecast forecast_job(Context& context, const std::string& id) {
-  find_job(context, id);
-  require_following(context, id);
+namespace {
 
+/// @param ask  of a studies::ForecastBasis, of the casting that a job follows
+/// @throws Refusal
+auto ask_record(Context& context, const std::string& id, const auto& ask) {
   EvaluatedStudies studies(context);
   const std::string name = jobs::ReadingsReader(context.jobs_directory / id).following().line();
   const auto line = name.empty() ? std::nullopt : learn_of_ended(context, name, studies);
   try {
     const RecordedCasting recorded(context, id, line ? &*line : nullptr, studies);
-    return studies::forecast_curls(recorded.basis());
+    return ask(recorded.basis());
   } catch (const studies::CannotForecast& reason) {
     refuse(ErrorInfo::WRONG_STATE, Remedy{"ask again when more have ended"}, "{}", reason.what());
+  }
+}
+
+}  // namespace
+
+v1::Forecast forecast_job(Context& context, const std::string& id) {
+  find_job(context, id);
+  require_following(context, id);
+  return ask_record(context, id, studies::forecast_curls);
+}
+
+std::optional<judging::FollowedCasting> followed_casting(Context& context, const std::string& id) {
+  if (!jobs::follows_readings(context.jobs_directory / id)) return std::nullopt;
+  try {
+    return ask_record(context, id, [](const studies::ForecastBasis& basis) {
+      return judging::FollowedCasting{.forecast = studies::forecast_curls(basis),
+                                      .past = studies::past_forecasts(basis)};
+    });
+  } catch (const Refusal& refusal) {
+    return judging::FollowedCasting{.no_forecast = refusal.status.error_message()};
   }
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "dccast/v1/follow.pb.h"
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/line.pb.h"
+#include "server/judging/followed_casting.hpp"
 #include "server/service/context.hpp"
 
 /// What the readings of a job tell: the curl to come, and what its line learns from it.
@@ -19,6 +21,10 @@ void add_casting(const Context& context, v1::Job& job);
 
 /// Forecasts the casting that a job follows. @throws Refusal
 v1::Forecast forecast_job(Context& context, const std::string& id);
+
+/// What was measured and forecast of the casting that a job follows or has followed; empty: it
+/// follows none.
+std::optional<judging::FollowedCasting> followed_casting(Context& context, const std::string& id);
 
 /// A line with what its castings have told, those included that have ended since it was last asked
 /// for. @throws Refusal
