@@ -189,9 +189,9 @@ std::string first_sheet(const ReportedRun& run, const CurlHistory& history) {
 }
 
 // Tables that stand in a place of their own: beside a chart or a picture, or as facts.
-constexpr std::array<std::string_view, 2> tables_of_histories{"bottom", "pull_in"};
-constexpr std::array<std::string_view, 7> placed_tables{"curls",   "end",    "bottom", "pull_in",
-                                                        "recipe", "checks", "basis"};
+constexpr std::array<std::string_view, 4> tables_of_histories{"forecast", "warnings", "bottom",
+                                                              "pull_in"};
+constexpr std::array<std::string_view, 5> placed_tables{"curls", "end", "recipe", "checks", "basis"};
 
 /// The histories of the run, and what its last frame shows.
 std::string details(const v1::Judgement& judgement) {
@@ -212,7 +212,8 @@ std::string discretisation_part(const v1::Judgement& judgement) {
   std::string html;
   for (const v1::JudgementPart& part : judgement.parts())
     if (part.has_table() &&
-        std::ranges::find(placed_tables, part.table().key()) == placed_tables.end())
+        std::ranges::find(placed_tables, part.table().key()) == placed_tables.end() &&
+        std::ranges::find(tables_of_histories, part.table().key()) == tables_of_histories.end())
       html += table_card(part.table());
   return html;
 }

@@ -429,6 +429,7 @@ v1::Judgement judge_run(const RunToJudge& judged) {
   if (!curls.empty()) {
     for (const bool by_length : {false, true}) add_curls(judged, curls, by_length, judgement);
   }
+  if (judged.followed) add_followed(*judged.followed, run, judgement);
   if (run.steps.size() >= 2) add_histories(run, judgement);
   if (!curls.empty()) add_discretisation(judged, curls, judgement);
   if (judged.last_frame) {

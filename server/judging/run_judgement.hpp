@@ -5,6 +5,7 @@
 #include "dccast/v1/judgement.pb.h"
 #include "dccast/v1/service.pb.h"
 #include "dccast/v1/study.pb.h"
+#include "server/judging/followed_casting.hpp"
 #include "server/judging/judged_run.hpp"
 
 namespace dccast::judging {
@@ -15,6 +16,7 @@ struct RunToJudge {
   /// The time from which on the model is not valid [s]; empty: the run has not lost its validity.
   std::optional<double> valid_until_s{};
   v1::StudyResult refinement{};  ///< the evaluated refinement study of the run; empty: none
+  std::optional<FollowedCasting> followed{};  ///< empty: the run follows no casting
   std::optional<v1::Frame> last_frame{};  ///< the last stored one; empty: it is not judged
 };
 
@@ -22,7 +24,8 @@ struct RunToJudge {
 /// band; a sentence about when it came and where the heat left meanwhile; the tables "curls" and
 /// "end" with the figures of the last step; charts of the curl (the first one against time), of
 /// speed and water, and of what decides whether a casting succeeds; how much of the curl is
-/// discretisation, with the tables of the refinement study; what the last frame shows; recipe,
+/// discretisation, with the tables of the refinement study; of a followed casting measured against
+/// forecast curl; what the last frame shows; recipe,
 /// checks and basis of the run. Each chart has a note.
 v1::Judgement judge_run(const RunToJudge& run);
 

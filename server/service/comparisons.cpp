@@ -9,6 +9,7 @@
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/judging/judged_comparison.hpp"
 #include "server/judging/run_judgement.hpp"
+#include "server/service/forecasts.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
 #include "server/service/simulation_service.hpp"
@@ -140,6 +141,7 @@ v1::Judgement judge_alone(Context& context, const Call& call, FoundRun run, bool
   }
   if (run.summary.has_validity_loss()) judged.valid_until_s = run.summary.validity_loss().time_s();
   judged.refinement = refinement_of(context, call, run.study);
+  if (!run.summary.job().empty()) judged.followed = followed_casting(context, run.summary.job());
   return judging::judge_run(judged);
 }
 

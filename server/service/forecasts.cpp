@@ -197,6 +197,20 @@ std::optional<v1::CastingNow> read_casting(const std::filesystem::path& folder) 
   return casting;
 }
 
+/// @param ask  of a studies::ForecastBasis, of the casting that a job follows
+/// @throws Refusal
+auto ask_record(Context& context, const std::string& id, const auto& ask) {
+  EvaluatedStudies studies(context);
+  const std::string name = jobs::ReadingsReader(context.jobs_directory / id).following().line();
+  const auto line = name.empty() ? std::nullopt : learn_of_ended(context, name, studies);
+  try {
+    const RecordedCasting recorded(context, id, line ? &*line : nullptr, studies);
+    return ask(recorded.basis());
+  } catch (const studies::CannotForecast& reason) {
+    refuse(ErrorInfo::WRONG_STATE, Remedy{"ask again when more have ended"}, "{}", reason.what());
+  }
+}
+
 }  // namespace
 
 void add_casting(const Context& context, v1::Job& job) {
@@ -234,17 +248,20 @@ void require_following(const Context& context, const std::string& id) {
 v1::Forecast forecast_job(Context& context, const std::string& id) {
   find_job(context, id);
   require_following(context, id);
+  v1::Forecast forecast = ask_record(context, id, studies::forecast_curls);
+  context.latest_warnings.set(id, forecast.warnings_size());
+  return forecast;
+}
 
-  EvaluatedStudies studies(context);
-  const std::string name = jobs::ReadingsReader(context.jobs_directory / id).following().line();
-  const auto line = name.empty() ? std::nullopt : learn_of_ended(context, name, studies);
+std::optional<judging::FollowedCasting> followed_casting(Context& context, const std::string& id) {
+  if (!jobs::follows_readings(context.jobs_directory / id)) return std::nullopt;
   try {
-    const RecordedCasting recorded(context, id, line ? &*line : nullptr, studies);
-    v1::Forecast forecast = studies::forecast_curls(recorded.basis());
-    context.latest_warnings.set(id, forecast.warnings_size());
-    return forecast;
-  } catch (const studies::CannotForecast& reason) {
-    refuse(ErrorInfo::WRONG_STATE, Remedy{"ask again when more have ended"}, "{}", reason.what());
+    return ask_record(context, id, [](const studies::ForecastBasis& basis) {
+      return judging::FollowedCasting{.forecast = studies::forecast_curls(basis),
+                                      .past = studies::past_forecasts(basis)};
+    });
+  } catch (const Refusal& refusal) {
+    return judging::FollowedCasting{.no_forecast = refusal.status.error_message()};
   }
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "dccast/v1/follow.pb.h"
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/line.pb.h"
+#include "server/judging/followed_casting.hpp"
 #include "server/service/context.hpp"
 
 /// What the readings of a job tell: the curl to come, and what its line learns from it.
@@ -27,6 +29,10 @@ FollowedCastings followed_castings(Context& context);
 
 /// Forecasts the casting that a job follows. @throws Refusal
 v1::Forecast forecast_job(Context& context, const std::string& id);
+
+/// What was measured and forecast of the casting that a job follows or has followed; empty: it
+/// follows none.
+std::optional<judging::FollowedCasting> followed_casting(Context& context, const std::string& id);
 
 /// Lets a casting on a line tell its curl while its record is still there. Does not throw.
 void learn_before_removal(Context& context, const v1::Job& job) noexcept;

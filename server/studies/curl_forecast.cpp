@@ -175,6 +175,46 @@ void add_curl(const v1::Gauge& gauge, const ForecastBasis& basis, v1::Forecast& 
   curl.set_zero_upper_m(zero.upper_m());
 }
 
+/// Whether a gauge slips between a forecast and its reading, and the forecast does not know of it.
+bool is_past_slip(const std::vector<Departure>& departures, double made_s, double reading_s) {
+  return std::ranges::any_of(departures, [&](const Departure& departure) {
+    return departure.kind == Departure::Kind::step && made_s < departure.time &&
+           reading_s >= departure.begin;
+  });
+}
+
+/// Walks through the readings of a gauge once more, and forecasts each from those up to `ahead_s`
+/// before it. @param forecast  that has learned nothing yet
+judging::PastForecast forecast_ahead(TrajectoryForecast forecast, const std::string& monitor,
+                                     const Learned& learned, double ahead_s) {
+  judging::PastForecast past{.monitor = monitor, .ahead_s = ahead_s};
+  const auto add = [&](const statistics::Innovation& reading) {
+    const double made_s = reading.time - ahead_s;
+    if (made_s < 0.0 || is_left_out(reading)) return;
+    if (is_past_slip(learned.departures, made_s, reading.time)) return;
+
+    const v1::ExpectedCurl expected = expected_curl(forecast.expected_reading(reading.time));
+    past.time_s.push_back(reading.time);
+    past.measured_m.push_back(reading.reading);
+    past.expected_m.push_back(expected.curl_m());
+    past.lower_m.push_back(expected.lower_m());
+    past.upper_m.push_back(expected.upper_m());
+  };
+
+  auto to_come = learned.innovations.begin();
+  for (const statistics::Innovation& now : learned.innovations) {
+    // Those that are due before this reading.
+    for (; to_come != learned.innovations.end() && to_come->time - ahead_s < now.time; ++to_come)
+      add(*to_come);
+
+    for (const Departure& departure : learned.departures)
+      if (departure.kind == Departure::Kind::step && departure.begin == now.time)
+        forecast.loosen_zero(departure.size);
+    if (!is_left_out(now)) forecast.learn(now.time, now.reading);
+  }
+  return past;
+}
+
 /// Readings of a gauge that count, until it slips.
 std::vector<const statistics::Innovation*> sound_readings(const Learned& learned) {
   const auto slip = std::ranges::find(learned.departures, Departure::Kind::step, &Departure::kind);
@@ -279,6 +319,21 @@ v1::Forecast forecast_curls(const ForecastBasis& basis) {
 
   if (basis.levers) add_advice(*basis.levers, basis.following, forecast);
   return forecast;
+}
+
+std::vector<judging::PastForecast> past_forecasts(const ForecastBasis& basis) {
+  std::vector<judging::PastForecast> past;
+  for (const v1::Gauge& gauge : basis.following.gauges()) {
+    const CurlPrior prior = prior_of_curl(basis, gauge.monitor());
+    const TrajectoryForecast before(prior.trajectory, gauge_of(gauge));
+    v1::ForecastCurl counted;
+    counted.set_monitor(gauge.monitor());
+    const Learned learned = learned_from(before, gauge, basis.readings, counted);
+
+    for (const double ahead_s : {30.0, 60.0})
+      past.push_back(forecast_ahead(before, gauge.monitor(), learned, ahead_s));
+  }
+  return past;
 }
 
 std::vector<v1::ObservedCurl> observed_curls(const ForecastBasis& basis) {

@@ -8,6 +8,7 @@
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/line.pb.h"
 #include "dccast/v1/study.pb.h"
+#include "server/judging/followed_casting.hpp"
 
 namespace dccast::studies {
 
@@ -57,6 +58,12 @@ double error_of_plan(const v1::Section& section);
 /// was expected (core/statistics/innovations.hpp), and notes. From a slip of a gauge on its zero
 /// counts as unknown. @throws CannotForecast
 v1::Forecast forecast_curls(const ForecastBasis& basis);
+
+/// What each gauge was expected to show 30 and 60 s ahead, at each of its readings and from those
+/// before alone. Forecasts begin with the start of the block. A slip of the gauge is known from the
+/// reading that shows it on: forecasts from before then for times after the slip are left out.
+/// @throws CannotForecast
+std::vector<judging::PastForecast> past_forecasts(const ForecastBasis& basis);
 
 /// What a casting that has ended tells the next one on its line: the curl at each gauge at a dozen
 /// times, the median of the readings around each. Readings that a forecast leaves out do not count,

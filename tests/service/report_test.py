@@ -11,10 +11,13 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
 from dashboard_test import CASES, InBrowser
+from dccast.v1 import follow_pb2, job_pb2, judgement_pb2
 from support import BIN, main
+from wall_test import Wall
 
 
-class Reports(InBrowser):
+class Page(InBrowser):
+    """A page in a file, opened in Chromium."""
     worker = "dccast-worker"
 
     def dccast(self, *words):
@@ -70,6 +73,8 @@ class Reports(InBrowser):
         self.assertEqual(pdf[:5], b"%PDF-")
         return len(re.findall(rb"/Type\s*/Page\b", pdf))
 
+
+class Reports(Page):
     def test_the_report_of_a_quarter_slab(self):
         job = self.cast("start-3d.toml", "time.end=20 s")
         self.dccast("report", job, "-o", "report.html")
@@ -142,6 +147,65 @@ class Reports(InBrowser):
         self.browser.get(self.browser.current_url.split("#")[0] + f"report/{job}")
         self.find("body.complete", 60)
         WebDriverWait(self.browser, 10).until(lambda _: "Curl against time" in self.charts())
+
+
+class FollowedCasting(Wall, Page):
+    """Measured against forecast, after the casting."""
+
+    def report_of(self, job_id, readings):
+        """Ends the record after so many readings, and opens the report. Returns its judgement."""
+        self.append(job_id, follow_pb2.Reading(number=readings + 1, closes=True))
+        self.client.until_state(job_id, job_pb2.SUCCEEDED, seconds=60)
+        self.ended(self.dccast("report", job_id, "-o", os.path.join(self.folder, "report.html")))
+        self.drawn("report.html")
+        return self.client.stub.CompareRuns(judgement_pb2.CompareRunsRequest(
+            runs=[judgement_pb2.ComparedRun(job=job_id)]), timeout=30).judgement
+
+    def test_measured_against_forecast(self):
+        job_id = self.follow_on_line()
+        self.measure(job_id, 110)
+        judgement = self.report_of(job_id, 171)
+        self.assertIn("Corner, measured and forecast", self.charts())
+
+        table = next(part.table for part in judgement.parts if part.table.key == "forecast")
+        shown = self.find("main").text
+        errors = []
+        for row, (ahead, forecasts) in zip(table.rows, ((30, 81), (60, 51)), strict=True):
+            gauge, *numbers = row.cells
+            self.assertEqual((gauge.text, numbers[0].value, numbers[1].value),
+                             ("corner", ahead, forecasts))
+            error, inside = numbers[2].value, numbers[3].value
+            self.assertGreater(inside, 0.8)
+            self.assertIn(f"corner {ahead} {forecasts} {1e3 * error:.2f} {100 * inside:.0f}\n", shown)
+            errors.append(error)
+        self.assertTrue(0 < errors[0] < errors[1] < 1.5e-3, errors)
+        self.assertIn("111 readings were used and 0 left out", shown)
+        self.assertIn("No warning was raised.", shown)
+        if "DCCAST_PICTURES" in os.environ:
+            self.take_card("report-followed.png")
+        self.check_phone()
+
+    def take_card(self, name):
+        card = next(card for card in self.browser.find_elements(By.CSS_SELECTOR, ".histories")
+                    if "measured and forecast" in card.text)
+        with open(os.path.join(os.environ["DCCAST_PICTURES"], name), "wb") as file:
+            file.write(card.screenshot_as_png)
+
+    def test_warnings_with_their_times(self):
+        job_id = self.follow_on_line()
+        self.measure(job_id, 110, curl=lambda t: self.curl_m(t) + (12e-3 if t > 30 else 0.0))
+        self.report_of(job_id, 171)
+        self.assertIn("the gauge has slipped", self.find("main").text)
+        self.assertIn("Warnings of the forecast", self.find("main").text)
+        if "DCCAST_PICTURES" in os.environ:
+            self.take_card("report-followed-slip.png")
+
+    def test_without_a_gauge_one_line_says_so(self):
+        job_id = self.follow(end=20)
+        self.append(job_id, *[follow_pb2.Reading(number=t + 1, time_s=t) for t in range(10)])
+        self.report_of(job_id, 10)
+        self.assertIn(f"No forecast: job {job_id} measures no curl", self.find("main").text)
+        self.assertNotIn("Corner, measured and forecast", self.charts())
 
 
 if __name__ == "__main__":

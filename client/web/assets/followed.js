@@ -106,12 +106,12 @@ function chartLines({history, forecast}) {
     const computed = history.monitors.find(m => m.name === curl.monitor);
     return [
       {name: `${curl.monitor}, forecast`, x: curl.time_s, y: inMm(curl.curl_m),
-        low: inMm(curl.lower_m), high: inMm(curl.upper_m), dashed: true, colour: 3 * i},
+        low: inMm(curl.lower_m), high: inMm(curl.upper_m), dashed: true, colour: 3 * i + 2},
       computed
-        ? {name: 'computed', x: history.time_s, y: inMm(computed.curl_m), colour: 3 * i + 2}
+        ? {name: 'computed', x: history.time_s, y: inMm(computed.curl_m), colour: 3 * i + 1}
         : null,
       {name: 'measured', x: curl.measured_time_s, y: inMm(curl.measured_m), dots: true,
-        colour: 3 * i + 1}
+        colour: 3 * i}
     ].filter(line => line !== null && line.x.length > 0);
   });
 }
@@ -139,7 +139,8 @@ function ageText({measured, closed}, seconds) {
   if (seconds === null)
     return {old: ['Age not known', 'These figures may be old. The next reading tells it.']};
   if (seconds <= oldAfter) return {text: `last reading ${agedText(seconds)} ago`};
-  return {old: [`No reading for ${agedText(seconds)}`, `These figures are of ${fixed(measured.time_s, 0)} s, not of now.`]};
+  const at = fixed(measured.time_s, 0);
+  return {old: [`No reading for ${agedText(seconds)}`, `These figures are of ${at} s, not of now.`]};
 }
 
 /**

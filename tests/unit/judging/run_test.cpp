@@ -248,5 +248,98 @@ TEST(JudgeRun, SpeedAndWaterEndWithTheCasting) {
     EXPECT_EQ(last_time_s(judge_run(judged), key), 150.0) << key;
 }
 
+/// A gauge at the corner with 51 readings, of which one was left out.
+FollowedCasting followed_corner() {
+  FollowedCasting followed;
+  v1::ForecastCurl& curl = *followed.forecast.add_curls();
+  curl.set_monitor("corner");
+  curl.set_readings(50);
+  curl.set_left_out(1);
+  curl.add_measured_time_s(200.0);
+  curl.add_measured_m(31e-3);
+
+  // Errors of 1 and 2 mm, the second outside the band of 1.5 mm.
+  followed.past.push_back({.monitor = "corner",
+                           .ahead_s = 60.0,
+                           .time_s = {100.0, 200.0},
+                           .measured_m = {11e-3, 31e-3},
+                           .expected_m = {10e-3, 29e-3},
+                           .lower_m = {8.5e-3, 27.5e-3},
+                           .upper_m = {11.5e-3, 30.5e-3}});
+  return followed;
+}
+
+const v1::Table* find_table(const v1::Judgement& judgement, const std::string& key) {
+  for (const auto& part : judgement.parts())
+    if (part.has_table() && part.table().key() == key) return &part.table();
+  return nullptr;
+}
+
+TEST(FollowedRun, ComparesForecastAndReadings) {
+  RunToJudge judged = even_rise();
+  judged.followed = followed_corner();
+  const v1::Judgement judgement = judge_run(judged);
+
+  const v1::Table* table = find_table(judgement, "forecast");
+  ASSERT_NE(table, nullptr);
+  const auto& cells = table->rows(0).cells();
+  EXPECT_EQ(cells[0].text(), "corner");
+  EXPECT_EQ(cells[1].value(), 60.0);
+  EXPECT_EQ(cells[2].value(), 2.0);
+  EXPECT_NEAR(cells[3].value(), std::sqrt(2.5) * 1e-3, 1e-12);
+  EXPECT_EQ(cells[4].value(), 0.5);
+  EXPECT_THAT(table->note(), HasSubstr("corner: 50 readings were used and 1 left out"));
+  EXPECT_THAT(table->note(), HasSubstr("No warning was raised"));
+  EXPECT_EQ(find_table(judgement, "warnings"), nullptr);
+
+  const auto chart = std::ranges::find_if(judgement.parts(), [](const v1::JudgementPart& part) {
+    return part.chart().key() == "forecast";
+  });
+  ASSERT_NE(chart, judgement.parts().end());
+  const auto& lines = chart->chart().lines();
+  ASSERT_EQ(lines.size(), 3);
+  EXPECT_TRUE(lines[0].is_dotted());
+  EXPECT_EQ(lines[1].y_size(), 5) << "computed";
+  EXPECT_EQ(lines[2].name(), "forecast 60 s before");
+  EXPECT_EQ(lines[2].low(1), 27.5e-3);
+}
+
+TEST(FollowedRun, ListsWarningsWithTheirTimes) {
+  RunToJudge judged = even_rise();
+  judged.followed = followed_corner();
+  v1::ForecastWarning& warning = *judged.followed->forecast.add_warnings();
+  warning.set_time_s(80.0);
+  warning.set_monitor("corner");
+  warning.set_text("above what is permitted");
+  for (const char* cause : {"water", "metal temperature"}) warning.add_causes(cause);
+
+  const v1::Judgement judgement = judge_run(judged);
+  const v1::Table* table = find_table(judgement, "warnings");
+  ASSERT_NE(table, nullptr);
+  EXPECT_EQ(table->rows(0).cells(0).value(), 80.0);
+  EXPECT_EQ(table->rows(0).cells(3).text(), "water, metal temperature");
+}
+
+TEST(FollowedRun, HasNoErrorsOfACastingThatWasTooShort) {
+  RunToJudge judged = even_rise();
+  judged.followed = followed_corner();
+  judged.followed->past = {{.monitor = "corner", .ahead_s = 60.0}};
+  const v1::Judgement judgement = judge_run(judged);
+  const auto& cells = find_table(judgement, "forecast")->rows(0).cells();
+  EXPECT_EQ(cells[2].value(), 0.0);
+  EXPECT_FALSE(cells[3].has_value());
+  EXPECT_FALSE(cells[4].has_value());
+}
+
+TEST(FollowedRun, SaysWhyThereIsNoForecast) {
+  RunToJudge judged = even_rise();
+  judged.followed = FollowedCasting{.no_forecast = "job 1 measures no curl"};
+  const v1::Judgement judgement = judge_run(judged);
+  const v1::Table* table = find_table(judgement, "forecast");
+  ASSERT_NE(table, nullptr);
+  EXPECT_TRUE(table->rows().empty());
+  EXPECT_EQ(table->note(), "No forecast: job 1 measures no curl.");
+}
+
 }  // namespace
 }  // namespace dccast::judging

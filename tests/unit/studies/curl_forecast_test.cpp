@@ -181,6 +181,59 @@ TEST(CastingNow, SaysWhetherMoreComes) {
   EXPECT_EQ(now.measured().time_s(), 0.0);
 }
 
+std::vector<judging::PastForecast> past(const std::vector<v1::Reading>& measured) {
+  const v1::StudyResult runs = ensemble(21), pairs;
+  const v1::Following with = following();
+  const v1::Schedule schedule = plan();
+  return past_forecasts({.ensemble = runs,
+                         .pairs = pairs,
+                         .plan = schedule,
+                         .following = with,
+                         .readings = measured});
+}
+
+TEST(PastForecasts, KnowTheReadingsBeforeAlone) {
+  const auto far = past(readings(1.15, 110.0)).back();
+  EXPECT_EQ(far.ahead_s, 60.0);
+  ASSERT_EQ(far.time_s.size(), 51u) << "from 60 to 110 s";
+  EXPECT_EQ(far.time_s.front(), 60.0);
+
+  // What was forecast at 40 s for 100 s.
+  const auto then = forecast(ensemble(21), readings(1.15, 40.0));
+  const auto at =
+      static_cast<int>(std::ranges::find(then.time_s(), 100.0) - then.time_s().begin());
+  const auto i = static_cast<std::size_t>(std::ranges::find(far.time_s, 100.0) - far.time_s.begin());
+  EXPECT_NEAR(far.expected_m[i], then.curl_m(at), 1e-12);
+  EXPECT_EQ(far.measured_m[i], 1.15 * shape(100.0));
+
+  // A reading has the noise of the gauge besides.
+  const double half = far.upper_m[i] - far.expected_m[i];
+  const double of_curl = then.upper_m(at) - then.curl_m(at);
+  EXPECT_NEAR(half * half, of_curl * of_curl + std::pow(1.645 * 0.5e-3, 2), 1e-3 * half * half);
+}
+
+TEST(PastForecasts, LeaveOutliersOut) {
+  auto measured = readings(1.0, 110.0);
+  measured[100].mutable_curls(0)->set_curl_m(0.2);  // at 90 s
+  for (const auto& each : past(measured))
+    EXPECT_EQ(std::ranges::count(each.time_s, 90.0), 0) << each.ahead_s;
+  EXPECT_EQ(past(measured).back().time_s.size(), 50u);
+}
+
+TEST(PastForecasts, DoNotReachAcrossASlipOfTheGauge) {
+  auto measured = readings(1.0, 110.0);
+  for (v1::Reading& reading : measured)
+    if (reading.time_s() >= 50.0)
+      reading.mutable_curls(0)->set_curl_m(reading.curls(0).curl_m() + 10e-3);
+
+  const auto made = past(measured);
+  for (const double time_s : made.front().time_s)
+    EXPECT_TRUE(time_s < 50.0 || time_s - 30.0 >= 50.0) << time_s;
+  EXPECT_GT(made.front().time_s.back(), 100.0);
+  for (std::size_t i = 0; i < made.front().time_s.size(); ++i)
+    EXPECT_NEAR(made.front().measured_m[i], made.front().expected_m[i], 2e-3);
+}
+
 TEST(CurlForecast, HasWhatTheGaugeHasShown) {
   const auto curl = forecast(ensemble(21), readings(1.0, 50.0));
   ASSERT_EQ(curl.measured_m_size(), 51);
