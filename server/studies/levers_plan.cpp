@@ -22,8 +22,9 @@ namespace dccast::studies {
 
 namespace {
 
-/// When levers are moved, as shares of the casting: before and after most of the curl has come.
-constexpr std::array begins{0.1, 0.4};
+/// When levers are moved, as shares of the casting. An effect falls fast while most of the curl
+/// comes, and slowly after (docs/following.md).
+constexpr std::array begins{0.1, 0.25};
 /// Castings of different data.
 constexpr int members = 8;
 

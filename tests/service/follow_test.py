@@ -436,7 +436,7 @@ class Advice(FollowTest):
         gauge = follow_pb2.Gauge(monitor="corner", noise_m=1e-3)
         followed = self.follow(self.END, plan_job=job.id, levers=study.study.id, gauges=[gauge])
         begins = sorted({effect.step.from_s for _, effect in moved})
-        self.assertEqual(begins, [0.1 * self.END, 0.4 * self.END])
+        self.assertEqual(begins, [0.1 * self.END, 0.25 * self.END])
         for number, time_s in enumerate(begins, 1):
             self.append(followed, follow_pb2.Reading(number=number, time_s=time_s))
             forecast = self.forecast(followed)

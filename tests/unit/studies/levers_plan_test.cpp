@@ -87,7 +87,7 @@ TEST(LeversPlan, IsEightCastingsEachWithItsLevers) {
 
   v1::StudyRun run;
   plan->describe(runs_of_one + 7, run);
-  EXPECT_EQ(run.lever_step().from_s(), 58.0) << "of 145 s";
+  EXPECT_EQ(run.lever_step().from_s(), 36.3) << "of 145 s";
 }
 
 /// A lever is moved in the casting of the same data. The metal temperature is both a lever and
