@@ -7,9 +7,9 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import WebDriverWait
 
 from dashboard_test import InBrowser
-from dccast.v1 import follow_pb2, job_pb2, service_pb2
+from dccast.v1 import case_pb2, follow_pb2, job_pb2, service_pb2, study_pb2
 from follow_test import CASE, FollowTest, levers
-from support import main
+from support import main, until
 
 END = 120  # s of the plan
 
@@ -55,6 +55,28 @@ class Wall(FollowTest, InBrowser):
 
     def is_stale(self):
         return bool(self.browser.find_elements(By.CSS_SELECTOR, ".stale"))
+
+
+class Advice(Wall):
+    END = 10  # s of casting: the study has 104 runs
+
+    def test_what_can_still_be_done_is_that_of_the_forecast(self):
+        with open(self.case_file(self.END), encoding="utf-8") as file:
+            case = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=20).case
+        case.quality = case_pb2.DRAFT
+        study = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
+            request_id="levers", case=case, levers=study_pb2.LeversPlan()), timeout=20)
+        until(lambda: all(each.state != study_pb2.STUDY_RUNNING for each in self.studies()), 180)
+        plan = self.client.submit(case)
+        self.client.until_state(plan.id, job_pb2.SUCCEEDED, seconds=60)
+
+        gauge = follow_pb2.Gauge(monitor="corner", noise_m=1e-3)
+        job_id = self.follow(self.END, plan_job=plan.id, levers=study.id, gauges=[gauge])
+        self.append(job_id, *[follow_pb2.Reading(number=t + 61, time_s=t) for t in range(-60, 3)])
+        advice = self.forecast(job_id).advice
+        self.assertEqual(len(advice), 1)
+        self.go("wall")
+        self.wait_for(advice[0], ".advice")
 
 
 class Figures(Wall):

@@ -93,8 +93,10 @@ function warningsOf({job, forecast}) {
       : null);
 }
 
-/** The place of an advice: what can still be done, in large letters. Empty where there is none. */
-const advicePlace = () => h('section', {class: 'advice', 'aria-label': 'What can still be done'});
+/** What can still be done, in large letters. Empty where the levers were not computed. */
+const adviceOf = forecast => h(
+  'section', {class: 'advice', 'aria-label': 'What can still be done'},
+  (forecast?.advice || []).map(text => h('p', {}, text)));
 
 // ---- The chart
 
@@ -173,7 +175,7 @@ export function followedWall(element, signal) {
         h('p', {class: 'when'}, when), age),
       old, curlFigures(now), leverRows(now.job.casting),
       h('div', {class: 'curl-chart'}, curlChart(now)),
-      h('div', {class: 'remarks'}, warningsOf(now), advicePlace(),
+      h('div', {class: 'remarks'}, warningsOf(now), adviceOf(now.forecast),
         (now.forecast?.notes || []).map(note => h('p', {class: 'note'}, note)))));
     drawAge();
   };
