@@ -10,6 +10,7 @@ import numpy
 from dccast.v1 import service_pb2, study_pb2
 from certificates import TestCa
 from follow_test import END, FollowTest, levers, table
+from mqtt_client import MqttClient
 from real_run_test import physics
 from support import WAIT_FACTOR, main, until
 
@@ -53,14 +54,14 @@ class Broker:
         self.process.kill()
         self.process.wait()
 
-    def command(self, program, topic, *words):
-        return [program, "-h", "127.0.0.1", "-p", str(self.port), "-u", USER, "-P", PASSWORD, "-q", "1",
-                "-t", topic, *words]
+    def client(self, ca=None):
+        return MqttClient(self.port, USER, PASSWORD, ca)
 
-    def publish(self, topic, lines, *words):
+    def publish(self, topic, lines, retain=False, ca=None):
         """One message for each line."""
-        subprocess.run(self.command("mosquitto_pub", topic, "-l", *words), input="\n".join(lines) + "\n",
-                       text=True, check=True, timeout=60)
+        with self.client(ca) as client:
+            for line in lines:
+                client.publish(topic, line, retain)
 
 
 def objects(begin=-60, end=END):
@@ -122,7 +123,7 @@ class Readings(MqttTest):
         expected = physics(self.steps_at_end(self.newest_job()))
 
         # What the broker kept of the last casting is none of this one.
-        self.broker.publish("pit3/readings", ['{"time [s]": 500, "speed [mm/min]": 1}'], "-r")
+        self.broker.publish("pit3/readings", ['{"time [s]": 500, "speed [mm/min]": 1}'], retain=True)
         process = self.start("--broker", self.login())
         self.broker.publish("pit3/other", ['{"time [s]": 600, "speed [mm/min]": 1}'])
         self.broker.publish("pit3/readings", objects())
@@ -172,9 +173,7 @@ class Tls(MqttTest):
     def test_the_broker_is_known_by_its_certificate(self):
         own = self.login(user=USER, password=PASSWORD, ca=self.ca.certificate)
         process = self.start("--broker", own, scheme="mqtts")
-        subprocess.run(self.broker.command("mosquitto_pub", "pit3/readings", "-l", "--cafile",
-                                           self.ca.certificate),
-                       input="\n".join(objects()) + "\n", text=True, check=True, timeout=60)
+        self.broker.publish("pit3/readings", objects(), ca=self.ca.certificate)
         self.ends(process)
 
         # The authorities of the machine do not know it.
@@ -196,15 +195,14 @@ class Alarms(MqttTest):
                 slip = 15 if t >= 25 else 0
                 curl = 1e3 * numpy.interp(t, curve.time_s, numpy.nan_to_num(curve.curl_m)) + slip
                 file.write(f"{t}, {curl}\n")
-        words = self.broker.command("mosquitto_sub", "pit3/alarms", "-C", "1", "-W", "60")
-        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as listener:
-            until(lambda: self.listens(listener), 10)
+        with self.broker.client() as listener:
+            listener.subscribe("pit3/alarms")
             _, err = self.ended(self.dccast(
                 "follow", self.case_file(), "--set", "quality=draft", "--readings", path, "--ensemble",
                 ensemble, "--noise", "0.5 mm", "--broker", self.login(), "--alarms",
                 f"mqtt://127.0.0.1:{self.broker.port}/pit3/alarms", "--notify",
                 f'echo "$DCCAST_JOB: $DCCAST_ALARM" >> {told}'))
-            heard = json.loads(listener.communicate(timeout=30)[0])
+            heard = json.loads(listener.receive())
 
         job_id = self.newest_job()
         self.assertRegex(err, r"warning at 2\d s, corner: .*; likeliest: .*gauge")
@@ -215,12 +213,6 @@ class Alarms(MqttTest):
             lines = file.read().splitlines()
         self.assertEqual(lines[0], f"{job_id}: {heard['alarm']}")
         self.assertEqual(len(lines), len(set(lines)), "each once")
-
-    def listens(self, listener):
-        """Whether the subscription has reached the broker: a message comes back by another one."""
-        with open(f"/proc/{listener.pid}/net/tcp", encoding="ascii") as file:
-            port = f":{self.broker.port:04X} "
-            return any(port in line and line.split()[3] == "01" for line in file.readlines()[1:])
 
 
 if __name__ == "__main__":
