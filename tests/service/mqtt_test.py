@@ -202,7 +202,9 @@ class Alarms(MqttTest):
                 ensemble, "--noise", "0.5 mm", "--broker", self.login(), "--alarms",
                 f"mqtt://127.0.0.1:{self.broker.port}/pit3/alarms", "--notify",
                 f'echo "$DCCAST_JOB: $DCCAST_ALARM" >> {told}'))
-            heard = json.loads(listener.receive())
+            heard = {}
+            while "warning" not in heard:  # a finding may come before it
+                heard = json.loads(listener.receive())
 
         job_id = self.newest_job()
         self.assertRegex(err, r"warning at 2\d s, corner: .*; likeliest: .*gauge")
@@ -211,7 +213,7 @@ class Alarms(MqttTest):
         self.assertEqual(heard["warning"]["monitor"], "corner")
         with open(told, encoding="utf-8") as file:
             lines = file.read().splitlines()
-        self.assertEqual(lines[0], f"{job_id}: {heard['alarm']}")
+        self.assertIn(f"{job_id}: {heard['alarm']}", lines)
         self.assertEqual(len(lines), len(set(lines)), "each once")
 
 
