@@ -15,6 +15,7 @@
 #include "proto/case_file/uncertainty.hpp"
 #include "proto/values/interpolation.hpp"
 #include "server/intake/case_intake.hpp"
+#include "server/studies/curl_prior.hpp"
 #include "server/studies/data_axes.hpp"
 #include "server/studies/study_plan.hpp"
 
@@ -27,10 +28,6 @@ namespace {
 constexpr std::array begins{0.1, 0.25};
 /// Castings of different data.
 constexpr int members = 8;
-
-bool is_sound(const v1::StudyRun& run) {
-  return run.state() == v1::SUCCEEDED && !run.beyond_validity();
-}
 
 double last_length_m(const RunHistory& history) {
   return *history.curves.front().cast_length_m().rbegin();
@@ -83,7 +80,7 @@ std::vector<std::string> made_worse(const v1::StudyRun& run, const v1::StudyRun&
     if (before == plan.findings().end() || is_worse(finding, *before))
       worse.push_back(finding.code());
   }
-  if (!is_sound(run) && worse.empty())
+  if (!counts(run) && worse.empty())
     worse.push_back(run.failure().code().empty() ? "the end of the run" : run.failure().code());
   return worse;
 }

@@ -6,22 +6,14 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/recipe_numbers.hpp"
-#include "proto/case_file/shipped.hpp"
 #include "proto/frames/contraction.hpp"
+#include "tests/unit/case_file/shipped_case.hpp"
 
 namespace dccast::case_file {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-v1::Case shipped_case(const std::string& name) {
-  v1::Case description;
-  const auto* const shipped = shipped::find(shipped::case_templates(), name);
-  EXPECT_TRUE(read_text(shipped->text, name, description).ok());
-  description.set_quality(v1::DRAFT);
-  return description;
-}
 
 v1::Case completed(v1::Case description) {
   apply_defaults(description);

@@ -7,7 +7,7 @@
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/recipe_numbers.hpp"
-#include "proto/case_file/shipped.hpp"
+#include "tests/unit/case_file/shipped_case.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -19,14 +19,6 @@ v1::Finding finding(const std::string& code) {
   v1::Finding finding;
   finding.set_code(code);
   return finding;
-}
-
-v1::Case shipped_case(const std::string& name) {
-  v1::Case description;
-  const auto* const shipped = shipped::find(shipped::case_templates(), name);
-  EXPECT_TRUE(read_text(shipped->text, name, description).ok());
-  description.set_quality(v1::DRAFT);
-  return description;
 }
 
 v1::Case completed(v1::Case description) {
