@@ -18,6 +18,7 @@ import urllib.parse
 import uuid
 
 from selenium import webdriver
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
@@ -372,6 +373,11 @@ class InBrowser(Dashboard):
         return WebDriverWait(self.browser, seconds).until(
             lambda browser: browser.find_element(By.CSS_SELECTOR, selector))
 
+    def read(self, selector, what, seconds=20):
+        """what(element), on pages that draw an element anew between its finding and its reading."""
+        wait = WebDriverWait(self.browser, seconds, ignored_exceptions=[StaleElementReferenceException])
+        return wait.until(lambda browser: [what(browser.find_element(By.CSS_SELECTOR, selector))])[0]
+
     def wait_for(self, text, selector="main", seconds=20):
         def there(browser):
             found = browser.find_elements(By.CSS_SELECTOR, selector)
@@ -533,10 +539,9 @@ class Pages(InBrowser):
         self.finished_job("steps=20 finding_at=3")
         self.go("wall")
         self.wait_for("The shell leaves the mould 3 mm thick.", ".verdict")
-        line = self.find(".verdict")
-        self.assertIn("danger", line.text)
-        self.assertLess(abs(line.rect["y"] + line.rect["height"] / 2
-                            - self.find(".huge").rect["y"] - self.find(".huge").rect["height"] / 2), 100)
+        self.assertIn("danger", self.read(".verdict", lambda line: line.text))
+        middle = lambda element: element.rect["y"] + element.rect["height"] / 2
+        self.assertLess(abs(self.read(".verdict", middle) - self.read(".huge", middle)), 100)
 
     def test_the_link_of_a_job_opens_it_in_another_browser(self):
         job = self.finished_job("steps=20 for anna")
@@ -865,10 +870,13 @@ class RealPages(InBrowser):
         self.go(f"job/{job}")
         self.find("canvas[aria-label^='Temperature']", 40)
         self.assertEqual(self.client.job(job).state, job_pb2.RUNNING)
-        shown = lambda: int(self.find(".levers.row input[type=range]").get_attribute("max"))
+        slider = lambda: self.read(".levers.row input[type=range]", lambda box: [
+            int(box.get_attribute(name)) for name in ("value", "max")])
+        shown = lambda: slider()[1]
         before = shown()
         WebDriverWait(self.browser, 40).until(lambda _: shown() > before)
-        self.assertEqual(self.find(".levers.row input[type=range]").get_attribute("value"), str(shown()))
+        value, last = slider()
+        self.assertEqual(value, last)
         self.client.cancel(job)
         self.assertEqual(self.complaints(), [])
 

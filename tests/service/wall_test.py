@@ -47,11 +47,14 @@ class Wall(FollowTest, InBrowser):
             "width": 1920, "height": 1080, "deviceScaleFactor": 1, "mobile": False})
 
     def text(self, selector):
-        return self.find(selector).text
+        return self.read(selector, lambda element: element.text)
+
+    def style(self, selector, name):
+        return self.read(selector, lambda element: element.value_of_css_property(name))
 
     def letters(self, selector):
         """Size of the letters [px]."""
-        return float(self.find(selector).value_of_css_property("font-size")[:-2])
+        return float(self.style(selector, "font-size")[:-2])
 
     def is_stale(self):
         return bool(self.browser.find_elements(By.CSS_SELECTOR, ".stale"))
@@ -113,7 +116,8 @@ class Figures(Wall):
         self.assertRegex(self.text(".age"), r"last reading \d+ s ago")
         self.assertIn("No warning", self.text(".warnings"))
         self.assertIn("was not prepared", self.text(".note"))
-        self.assertEqual(self.find(".advice").get_attribute("aria-label"), "What can still be done")
+        label = self.read(".advice", lambda advice: advice.get_attribute("aria-label"))
+        self.assertEqual(label, "What can still be done")
 
         # Measured, computed and forecast, with the band of this alone.
         self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "figure circle")), 41)
@@ -124,7 +128,7 @@ class Figures(Wall):
         self.assertGreater(self.letters(".huge"), 2.5 * self.letters("[data-lever] .measured"))
         self.assertGreaterEqual(self.letters("[data-lever] .measured"), 50)
         self.assertGreaterEqual(self.letters(".warnings"), 34)
-        below = self.find(".curl-chart").rect
+        below = self.read(".curl-chart", lambda chart: chart.rect)
         self.assertLess(below["y"] + below["height"], 1080)
         self.assertEqual(self.hidden_sideways(), [])
         self.assertEqual(self.complaints(), [])
@@ -178,8 +182,8 @@ class AgeOfReadings(Wall):
         self.wait_for("No reading for", ".old", seconds=30)
         self.assertRegex(self.text(".old"), r"No reading for 1\d s\n.*are of 40 s, not of now")
         self.assertGreater(self.letters(".old p"), 1.4 * self.letters(".huge"))
-        self.assertLess(self.find(".old p").rect["height"], 200, "one line")
-        self.assertLess(float(self.find(".curls").value_of_css_property("opacity")), 0.5)
+        self.assertLess(self.read(".old p", lambda line: line.rect["height"]), 200, "one line")
+        self.assertLess(float(self.style(".curls", "opacity")), 0.5)
         if "DCCAST_PICTURES" in os.environ:
             self.browser.save_screenshot(os.path.join(os.environ["DCCAST_PICTURES"], "wall-old.png"))
         self.on_phone()
