@@ -13,8 +13,9 @@ Curve::Curve(Abscissa abscissa, std::vector<double> at, std::vector<double> valu
 }
 
 double Curve::operator()(double x) const {
-  if (x <= at_.front()) return value_.front();
-  if (x >= at_.back()) return value_.back();
+  // Written so that no comparison with a NaN leads between points that are not there.
+  if (!(x > at_.front())) return value_.front();
+  if (!(x < at_.back())) return value_.back();
 
   const auto right =
       static_cast<std::size_t>(std::upper_bound(at_.begin(), at_.end(), x) - at_.begin());
@@ -23,7 +24,7 @@ double Curve::operator()(double x) const {
 }
 
 double Curve::derivative(double x) const {
-  if (x < at_.front() || x >= at_.back()) return 0.0;
+  if (!(x >= at_.front()) || !(x < at_.back())) return 0.0;
   const auto right =
       static_cast<std::size_t>(std::upper_bound(at_.begin(), at_.end(), x) - at_.begin());
   return (value_[right] - value_[right - 1]) / (at_[right] - at_[right - 1]);

@@ -25,7 +25,9 @@ public:
   /// @throws std::logic_error  the two differ in number
   Curve(Abscissa abscissa, std::vector<double> at, std::vector<double> value);
 
-  double operator()(double x) const;  ///< [quantity] at `x` [abscissa]
+  /// [quantity] at `x` [abscissa]. A table out of order, or with a NaN, gives some value too: a case
+  /// is translated before all its faults are known.
+  double operator()(double x) const;
   /// Derivative [quantity/abscissa] at `x` [abscissa]; at a point of the table the right-hand one;
   /// zero outside.
   double derivative(double x) const;

@@ -229,7 +229,8 @@ void check_merging(CaseFindings& found) {
   }
 
   // A merged cell replaces two growth cells.
-  if (!found.sound({"mesh.growth_cell", "mesh.merged_cell", "mesh.rows", "mesh.bottom_cell"}))
+  if (!found.sound({"mesh.growth_cell", "mesh.merged_cell", "mesh.rows", "mesh.bottom_cell",
+                    "section.initial_depth"}))
     return;
   const double pair = 2.0 * mesh::growth_cell(s) * s.refinement;
   if (s.merging.largest_cell >= pair * (1.0 - 1e-9)) return;

@@ -121,21 +121,23 @@ const Discretisation& choose_discretisation(const v1::Case& c) {
                                                          : section_discretisation(c.quality());
 }
 
-/// Number of cells of about this size along a length, within the limits of the schema.
-int count_cells(double length, double size, int fewest) {
+/// The nearest number of cells within the limits of the schema; of a NaN the fewest. What is wrong
+/// with a case is told after its completion.
+int limited_count(double cells, int fewest) {
   constexpr double most = 1000.0;
-  return static_cast<int>(std::clamp(std::round(length / size), double(fewest), most));
+  return cells > fewest ? static_cast<int>(std::min(std::round(cells), most)) : fewest;
 }
 
 void fill_columns(const Discretisation& d, double half_width, v1::Mesh& mesh) {
-  if (!mesh.has_columns()) mesh.set_columns(count_cells(half_width, d.column, d.fewest_columns));
+  if (!mesh.has_columns())
+    mesh.set_columns(limited_count(half_width / d.column, d.fewest_columns));
   if (!mesh.has_side_cell_m()) mesh.set_side_cell_m(half_width / mesh.columns());
 }
 
 void fill_layers(const Discretisation& d, const v1::Curve& half_thickness, v1::Mesh& mesh) {
   constexpr int fewest = 3;
   const double end = *std::prev(half_thickness.value().end());
-  if (!mesh.has_layers()) mesh.set_layers(count_cells(end, d.layer, fewest));
+  if (!mesh.has_layers()) mesh.set_layers(limited_count(end / d.layer, fewest));
   if (!mesh.has_wide_side_cell_m() && end > 0.0) mesh.set_wide_side_cell_m(end / mesh.layers());
 }
 
@@ -152,13 +154,14 @@ void fill_heat_cells(const Discretisation& d, bool own_plan, v1::Mesh& mesh) {
 /// Number of rows whose heights grow geometrically over a depth, from the lowest to about the
 /// topmost height [m].
 int count_graded_rows(double depth, double lowest, double topmost) {
-  if (depth < 2.0 * (lowest + topmost)) return 4;
+  constexpr int fewest = 4;
+  if (depth < 2.0 * (lowest + topmost)) return fewest;
 
   const double ratio = (depth - lowest) / (depth - topmost);
   const double rows = std::abs(ratio - 1.0) < 1e-6
                           ? depth / lowest
                           : 1.0 + std::log(topmost / lowest) / std::log(ratio);
-  return static_cast<int>(std::clamp(std::round(rows), 4.0, 1000.0));
+  return limited_count(rows, fewest);
 }
 
 /// If the case gives its own rows, growth continues in their height.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <stdexcept>
 
 namespace dccast {
@@ -17,6 +18,20 @@ TEST(Curve, IsLinearInsideAndConstantOutside) {
   EXPECT_DOUBLE_EQ(table(3.75), 5.0);
   EXPECT_EQ(table(4.0), 0.0);
   EXPECT_EQ(table(400.0), 0.0);
+}
+
+TEST(Curve, AFaultyTableIsNotReadBeyondItsEnds) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Curve point{Abscissa::distance, {nan}, {2.0}};
+  EXPECT_EQ(point(1.0), 2.0);
+  EXPECT_EQ(point.derivative(1.0), 0.0);
+  EXPECT_EQ(point.integral(0.0, 1.0), 2.0);
+
+  EXPECT_EQ(table(nan), 10.0);
+  EXPECT_EQ(table.derivative(nan), 0.0);
+  const Curve open{Abscissa::distance, {0.0, 1.0, nan}, {3.0, 4.0, 5.0}};
+  EXPECT_EQ(open(2.0), 5.0);
+  EXPECT_EQ(open.derivative(2.0), 0.0);
 }
 
 TEST(Curve, DerivativeBelongsToTheIntervalOnTheRight) {

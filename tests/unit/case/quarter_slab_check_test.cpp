@@ -142,6 +142,18 @@ TEST(QuarterSlabCheck, WhatIsOfAQuarterSlabOnlyIsRefusedInASection) {
 }
 
 /// A table that reaches beyond the slab may be zero out there alone: the slab is not.
+TEST(QuarterSlabCheck, NoRowsAreLaidOutOverAFaultyDepth) {
+  for (const double depth : {10.0, -0.01}) {
+    Case c = small_quarter_slab();
+    c.section.growth_cell.reset();
+    c.section.merging = {.below = 0.05, .largest_cell = 0.05};
+    c.section.initial_depth = depth;
+    const CheckedCase checked = check(c, {"section.initial_depth"});
+    for (const Fault& fault : checked.faults.list())
+      EXPECT_NE(fault.field, "mesh.merged_cell") << depth;
+  }
+}
+
 TEST(QuarterSlabCheck, AProfileIsJudgedWhereTheSlabIs) {
   Case c = small_quarter_slab();
   c.cooling.bottom_block.profile_x = {Abscissa::distance, {0.0, 0.5}, {5e-3, 0.0}};

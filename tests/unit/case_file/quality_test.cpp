@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/shipped.hpp"
 
@@ -228,6 +230,18 @@ TEST(Quality, StaysInRangeForAnySection) {
   v1::Case at_fault;
   at_fault.mutable_time()->set_end_s(-5.0);
   EXPECT_EQ(complete(at_fault).time().step_s().value_size(), 1);
+}
+
+/// What is no number is told as such, and makes no number of cells that no one gave.
+TEST(Quality, CountsTheFewestCellsOfWhatIsNoNumber) {
+  v1::Case c = casting(v1::DRAFT);
+  c.mutable_section()->set_kind(v1::Section::QUARTER_SLAB);
+  c.mutable_section()->mutable_half_thickness_m()->add_at(0.0);
+  c.mutable_section()->mutable_half_thickness_m()->add_value(NAN);
+  c.mutable_mesh()->set_bottom_cell_m(-1e-3);
+  const v1::Mesh mesh = complete(c).mesh();
+  EXPECT_EQ(mesh.layers(), 3);
+  EXPECT_EQ(mesh.rows(), 4);
 }
 
 TEST(DiscretisationError, IsKnownOfTheMeshesAndStepsThatAQualityPicks) {
