@@ -57,10 +57,11 @@ std::vector<v1::Reading> readings_in(const std::vector<std::string>& lines, Read
   return readings;
 }
 
-/// Names what the forecast of a case rests on: the study that the user gives, those that prepare
-/// it, or a run of the plan.
+/// Names what the forecast of a case rests on: a run of the plan, and the study that the user gives
+/// or those that prepare it.
 void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& request,
                  Connection& connection, v1::Following& following) {
+  following.set_plan_job(find_or_run_plan(connection, request));
   if (!options.ensemble.empty()) {
     following.set_ensemble(resolve_study(connection, options.ensemble));
     return;
@@ -68,7 +69,6 @@ void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& reque
 
   const auto found = find_preparation(connection, request.case_(), request.attachments());
   if (!found) {
-    following.set_plan_job(find_or_run_plan(connection, request));
     remark(fmt::format(
         "this plan is not prepared: the forecast is its run, job {}, plus the last difference between "
         "measured and computed curl. Before the next casting: dccast follow --prepare {}",

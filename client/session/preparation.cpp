@@ -20,19 +20,24 @@ using Attachments = google::protobuf::RepeatedPtrField<v1::Attachment>;
 constexpr int members = 64;
 constexpr int most_pairs = 16;
 
-/// Labels of the studies of a plan, and of its run.
+/// Begin of the digest of a case and its files.
+std::string digest_of(const v1::Case& plan, const Attachments& attachments) {
+  values::Sha256 digest;
+  digest.add(plan.SerializeAsString());
+  for (const v1::Attachment& file : attachments) digest.add(file.name() + '\n' + file.sha256());
+  return digest.finish().substr(0, 16);
+}
+
+/// Labels of the studies of a plan.
 struct Labels {
-  std::string ensemble, pairs, levers, plan;
+  std::string ensemble, pairs, levers;
 };
 
 /// The quality of the case does not count: the studies have their own.
 Labels labels_of(v1::Case plan, const Attachments& attachments) {
   plan.clear_quality();
-  values::Sha256 digest;
-  digest.add(plan.SerializeAsString());
-  for (const v1::Attachment& file : attachments) digest.add(file.name() + '\n' + file.sha256());
-  const std::string begin = digest.finish().substr(0, 16);
-  return {"ensemble=" + begin, "pairs=" + begin, "levers=" + begin, "plan=" + begin};
+  const std::string digest = digest_of(plan, attachments);
+  return {"ensemble=" + digest, "pairs=" + digest, "levers=" + digest};
 }
 
 /// The newest study with a label that was not cancelled.
@@ -44,9 +49,8 @@ std::optional<v1::Study> labelled(const std::vector<v1::Study>& studies, const s
   return found == studies.end() ? std::nullopt : std::optional(*found);
 }
 
-/// Makes the runs of a request of this quality, whatever the case says.
-template <typename Request>
-void set_quality(v1::Quality quality, const char* name, Request& request) {
+/// Makes the runs of a study of this quality, whatever the case says.
+void set_quality(v1::Quality quality, const char* name, v1::CreateStudyRequest& request) {
   request.mutable_case_()->set_quality(quality);
   *request.add_changes() = case_file::change_of("quality", name);
 }
@@ -125,7 +129,7 @@ std::optional<Preparation> prepare(Connection& connection, const StudyCase& base
 }
 
 std::string find_or_run_plan(Connection& connection, const v1::SubmitJobRequest& submission) {
-  const std::string label = labels_of(submission.case_(), submission.attachments()).plan;
+  const std::string label = "plan=" + digest_of(submission.case_(), submission.attachments());
   v1::ListJobsRequest known;
   known.add_labels(label);
   for (const v1::JobState state : {v1::QUEUED, v1::RUNNING, v1::SUCCEEDED}) known.add_states(state);
@@ -135,7 +139,6 @@ std::string find_or_run_plan(Connection& connection, const v1::SubmitJobRequest&
   // The casting begins now: its forecast waits for this run.
   v1::SubmitJobRequest run = submission;
   run.set_request_id(values::random_uuid());
-  set_quality(v1::DRAFT, "draft", run);
   run.add_labels(label);
   run.set_priority(v1::HIGH);
   v1::Job job;

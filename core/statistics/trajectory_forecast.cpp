@@ -82,24 +82,19 @@ TrajectoryPrior random_walk_about(const Eigen::VectorXd& time, const Eigen::Vect
 }
 
 TrajectoryForecast::TrajectoryForecast(const TrajectoryPrior& prior, const Gauge& gauge)
-    : time_(prior.time), noise_(gauge.noise) {
+    : time_(prior.time), nominal_(prior.nominal), noise_(gauge.noise) {
   const Eigen::Index instants = time_.size();
   require(instants >= 2, "a trajectory needs two instants");
+  require(nominal_.size() == instants, "the nominal run has other instants");
   require(prior.deviation.size() == instants, "the deviation has other instants");
   require(prior.covariance.rows() == instants && prior.covariance.cols() == instants,
           "the covariance has other instants");
-  replace_nominal(prior.nominal);
 
   mean_ = Eigen::VectorXd::Zero(instants + 1);
   mean_.head(instants) = prior.deviation;
   covariance_ = Eigen::MatrixXd::Zero(instants + 1, instants + 1);
   covariance_.topLeftCorner(instants, instants) = prior.covariance;
   covariance_(instants, instants) = gauge.zero * gauge.zero;
-}
-
-void TrajectoryForecast::replace_nominal(const Eigen::VectorXd& nominal) {
-  require(nominal.size() == time_.size(), "the nominal run has other instants");
-  nominal_ = nominal;
 }
 
 Eigen::VectorXd TrajectoryForecast::weights_at(double time) const {

@@ -70,10 +70,6 @@ public:
   /// @throws std::invalid_argument  sizes that do not belong together
   TrajectoryForecast(const TrajectoryPrior& prior, const Gauge& gauge);
 
-  /// Another nominal trajectory, as the levers are moved. What has been learned of the deviation
-  /// stays. @param nominal  (instant) [unit]
-  void replace_nominal(const Eigen::VectorXd& nominal);
-
   /// What a gauge is expected to show at a time [s], noise and zero included.
   Estimated expected_reading(double time) const;
   /// Learns from a reading. @param time  [s]  @param value  [unit]

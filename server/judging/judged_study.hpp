@@ -24,6 +24,9 @@ struct StudyToJudge {
 
 using case_file::monitor_of;
 
+/// Whether figures rest on a run: it succeeded and stayed valid.
+bool is_valid(const v1::StudyRun& run);
+
 /// The first valid run; of a sensitivity study that is the case itself. Null: there is none.
 const v1::StudyRun* first_valid_run(const v1::StudyResult& result);
 

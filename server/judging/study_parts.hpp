@@ -17,8 +17,6 @@ std::string mm(double metres);
 /// A share in whole percent, for sentences: "61".
 std::string percent(double share);
 
-bool is_valid(const v1::StudyRun& run);
-
 /// "succeeded", "shell melted through", "beyond validity"
 std::string outcome_code(const v1::StudyRun& run);
 

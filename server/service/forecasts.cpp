@@ -51,6 +51,13 @@ private:
   std::map<std::string, std::shared_ptr<const v1::StudyResult>> results_;
 };
 
+/// Curls of a run so far. @throws Refusal  it went on meanwhile
+std::vector<v1::CurlCurve> curls_of(Context& context, const v1::Job& job) {
+  const auto steps = read_steps(context, job.id());
+  if (!steps) refuse(ErrorInfo::CHANGED_MEANWHILE, "job {} went on meanwhile; ask again", job.id());
+  return studies::run_history(job, *steps).curves;
+}
+
 /// Curls of the run of the plan. @throws Refusal  it has not succeeded
 std::vector<v1::CurlCurve> curls_of_plan(Context& context, const std::string& id) {
   const Remedy remedy{"`dccast follow --prepare CASE` before a casting computes more"};
@@ -60,10 +67,16 @@ std::vector<v1::CurlCurve> curls_of_plan(Context& context, const std::string& id
            "the run of the plan, job {}, has not ended yet", id);
   if (job.state() != v1::SUCCEEDED)
     refuse(ErrorInfo::WRONG_STATE, remedy, "the run of the plan, job {}, has not succeeded", id);
+  return curls_of(context, job);
+}
 
-  const auto steps = read_steps(context, id);
-  if (!steps) refuse(ErrorInfo::CHANGED_MEANWHILE, "job {} went on meanwhile; ask again", id);
-  return studies::run_history(job, *steps).curves;
+/// Whether the run of a plan has succeeded at a quality.
+bool has_run_at(Context& context, const std::string& id, v1::Quality quality) {
+  const auto job = id.empty() ? std::nullopt : context.scheduler.find(id);
+  v1::Case computed;
+  return job && job->state() == v1::SUCCEEDED &&
+         jobs::read_complete_case(context.jobs_directory / id, computed) &&
+         computed.quality() == quality;
 }
 
 /// The castings of a line that come before a job and have ended, the oldest first. A job that is not
@@ -101,7 +114,10 @@ public:
 
     ensemble_ = studies.get(following_.ensemble());
     pairs_ = studies.get(following_.pairs());
-    if (following_.ensemble().empty()) plan_run_ = curls_of_plan(context, following_.plan_job());
+    const bool shows_levers = has_run_at(context, following_.plan_job(), plan.quality());
+    if (shows_levers || following_.ensemble().empty())
+      plan_run_ = curls_of_plan(context, following_.plan_job());
+    if (shows_levers) followed_run_ = curls_of(context, find_job(context, id));
     levers_ = studies.find(following_.levers());
     if (line) earlier_ = castings_before(id, *line, studies);
   }
@@ -113,6 +129,7 @@ public:
             .following = following_,
             .readings = readings_,
             .plan_run = plan_run_,
+            .followed_run = followed_run_,
             .error_of_plan = error_of_plan_,
             .earlier = earlier_,
             .levers = levers_};
@@ -136,7 +153,7 @@ private:
   v1::Schedule schedule_;
   std::shared_ptr<const v1::StudyResult> ensemble_, pairs_;
   std::shared_ptr<const v1::StudyResult> levers_;  ///< null: the study is not there any more
-  std::vector<v1::CurlCurve> plan_run_;
+  std::vector<v1::CurlCurve> plan_run_, followed_run_;
   double error_of_plan_ = 0.0;
   std::vector<studies::EarlierCasting> earlier_;
 };

@@ -12,8 +12,10 @@
 
 #include "core/statistics/innovations.hpp"
 #include "core/statistics/trajectory_forecast.hpp"
+#include "server/judging/judged_study.hpp"
 #include "server/studies/advice.hpp"
 #include "server/studies/curl_prior.hpp"
+#include "server/studies/executed_levers.hpp"
 #include "server/studies/levers_off_plan.hpp"
 
 namespace dccast::studies {
@@ -27,37 +29,41 @@ bool is_left_out(const statistics::Innovation& innovation) {
   return std::abs(statistics::normalised(innovation)) > statistics::farthest_innovation;
 }
 
-/// Learns from the readings of a gauge, and counts them.
+/// A curl that was measured.
+struct CurlReading {
+  double time_s;
+  double curl_m;
+};
+
+/// Readings of a gauge. Before the block starts nothing is forecast.
+std::vector<CurlReading> readings_of(const std::string& monitor,
+                                     const std::vector<v1::Reading>& readings) {
+  std::vector<CurlReading> curls;
+  for (const v1::Reading& reading : readings) {
+    const auto measured = std::ranges::find(reading.curls(), monitor, &v1::MeasuredCurl::monitor);
+    if (measured != reading.curls().end() && reading.time_s() >= 0.0)
+      curls.push_back({reading.time_s(), measured->curl_m()});
+  }
+  return curls;
+}
+
+/// Learns from readings of a gauge.
 /// @param slips  at which the zero of the gauge becomes unknown again
 /// @return all readings, with what was expected
 std::vector<statistics::Innovation> learn(TrajectoryForecast& forecast,
-                                          const std::vector<v1::Reading>& readings,
-                                          const std::vector<Departure>& slips,
-                                          v1::ForecastCurl& curl) {
+                                          const std::vector<CurlReading>& readings,
+                                          const std::vector<Departure>& slips) {
   const TrajectoryForecast before = forecast;
   std::vector<statistics::Innovation> innovations;
-  curl.clear_readings();
-  curl.clear_left_out();
-  for (const v1::Reading& reading : readings) {
-    const auto measured =
-        std::ranges::find(reading.curls(), curl.monitor(), &v1::MeasuredCurl::monitor);
-    // Before the block starts nothing is forecast.
-    const double time_s = reading.time_s();
-    if (measured == reading.curls().end() || time_s < 0.0) continue;
-
+  for (const auto& [time_s, curl_m] : readings) {
     for (const Departure& slip : slips)
       if (slip.begin == time_s) forecast.loosen_zero(slip.size);
 
     innovations.push_back({.time = time_s,
-                           .reading = measured->curl_m(),
+                           .reading = curl_m,
                            .first_mean = before.expected_reading(time_s).value,
                            .expected = forecast.expected_reading(time_s)});
-    if (is_left_out(innovations.back())) {
-      curl.set_left_out(curl.left_out() + 1);
-      continue;
-    }
-    forecast.learn(time_s, measured->curl_m());
-    curl.set_readings(curl.readings() + 1);
+    if (!is_left_out(innovations.back())) forecast.learn(time_s, curl_m);
   }
   return innovations;
 }
@@ -71,14 +77,14 @@ struct Learned {
 
 /// Learns from all readings of a gauge. Where it has slipped they are learned once more, with a zero
 /// that is unknown again from there on; otherwise the slip would be taken for curl.
-Learned learned_from(const TrajectoryForecast& prior, const v1::Gauge& gauge,
-                     const std::vector<v1::Reading>& readings, v1::ForecastCurl& curl) {
+Learned learned_from(const TrajectoryForecast& before, double noise_m,
+                     const std::vector<CurlReading>& readings) {
   constexpr std::size_t most_slips = 8;
   std::vector<Departure> slips;
   for (;;) {
-    Learned learned{prior, {}, {}};
-    learned.innovations = learn(learned.forecast, readings, slips, curl);
-    learned.departures = statistics::find_departures(learned.innovations, gauge.noise_m());
+    Learned learned{before, {}, {}};
+    learned.innovations = learn(learned.forecast, readings, slips);
+    learned.departures = statistics::find_departures(learned.innovations, noise_m);
     const auto slip = std::ranges::find(learned.departures, Departure::Kind::step, &Departure::kind);
     if (slip != learned.departures.end() && slips.size() < most_slips) {
       slips.push_back(*slip);
@@ -90,6 +96,42 @@ Learned learned_from(const TrajectoryForecast& prior, const v1::Gauge& gauge,
     return learned;
   }
 }
+
+statistics::Gauge gauge_of(const v1::Gauge& gauge) {
+  return {.noise = gauge.noise_m(), .zero = gauge.zero_m()};
+}
+
+ExecutedLevers executed_levers(const ForecastBasis& basis, const std::string& monitor) {
+  const auto followed = std::ranges::find(basis.followed_run, monitor, &v1::CurlCurve::monitor);
+  const auto planned = std::ranges::find(basis.plan_run, monitor, &v1::CurlCurve::monitor);
+  if (followed == basis.followed_run.end() || planned == basis.plan_run.end()) return {};
+  return {*followed, *planned};
+}
+
+/// What is known of the curl at a gauge. Trajectories are those of the casting with its levers as
+/// planned: what the executed levers did is taken from each reading, and given to each forecast.
+struct KnownCurl {
+  KnownCurl(const v1::Gauge& gauge, const ForecastBasis& basis)
+      : monitor(gauge.monitor()),
+        levers(executed_levers(basis, monitor)),
+        prior(prior_of_curl(basis, monitor)),
+        before(prior.trajectory, gauge_of(gauge)),
+        readings(readings_of(monitor, basis.readings)),
+        learned(learned_from(before, gauge.noise_m(), as_planned())) {}
+
+  std::vector<CurlReading> as_planned() const {
+    std::vector<CurlReading> planned = readings;
+    for (CurlReading& reading : planned) reading.curl_m -= levers.effect_at(reading.time_s).value;
+    return planned;
+  }
+
+  std::string monitor;
+  ExecutedLevers levers;
+  CurlPrior prior;
+  TrajectoryForecast before;          ///< has learned nothing
+  std::vector<CurlReading> readings;  ///< as they were measured
+  Learned learned;
+};
 
 v1::ForecastWarning warning_of(const Departure& departure, const std::string& monitor) {
   v1::ForecastWarning warning;
@@ -113,6 +155,11 @@ v1::ForecastWarning warning_of(const Departure& departure, const std::string& mo
   return warning;
 }
 
+/// The sum of two that are independent.
+statistics::Estimated operator+(const statistics::Estimated& one, const statistics::Estimated& other) {
+  return {one.value + other.value, std::hypot(one.deviation, other.deviation)};
+}
+
 /// With the band that holds nine of ten.
 v1::ExpectedCurl expected_curl(const statistics::Estimated& estimated) {
   const double half = nine_of_ten * estimated.deviation;
@@ -123,42 +170,39 @@ v1::ExpectedCurl expected_curl(const statistics::Estimated& estimated) {
   return curl;
 }
 
-statistics::Gauge gauge_of(const v1::Gauge& gauge) {
-  return {.noise = gauge.noise_m(), .zero = gauge.zero_m()};
-}
-
 /// Adds what the gauge has shown, evenly thinned.
-void add_measured(const std::vector<statistics::Innovation>& innovations, v1::ForecastCurl& to) {
+void add_measured(const std::vector<CurlReading>& readings, v1::ForecastCurl& to) {
   constexpr std::size_t most = 500;
-  const std::size_t stride = innovations.size() / most + 1;
-  for (std::size_t i = innovations.empty() ? 0 : (innovations.size() - 1) % stride;
-       i < innovations.size(); i += stride) {
-    to.add_measured_time_s(innovations[i].time);
-    to.add_measured_m(innovations[i].reading);
+  const std::size_t stride = readings.size() / most + 1;
+  for (std::size_t i = readings.empty() ? 0 : (readings.size() - 1) % stride; i < readings.size();
+       i += stride) {
+    to.add_measured_time_s(readings[i].time_s);
+    to.add_measured_m(readings[i].curl_m);
   }
 }
 
 /// Adds the curl at a gauge, its warnings, and why castings on the line do not count.
 void add_curl(const v1::Gauge& gauge, const ForecastBasis& basis, v1::Forecast& to) {
+  const KnownCurl known(gauge, basis);
+  const Learned& learned = known.learned;
+
   v1::ForecastCurl& curl = *to.add_curls();
-  curl.set_monitor(gauge.monitor());
-  const CurlPrior prior = prior_of_curl(basis, gauge.monitor());
-  curl.set_members(prior.members);
-  if (prior.line) *curl.mutable_line() = *prior.line;
-  for (const std::string& note : prior.notes) to.add_notes(note);
+  curl.set_monitor(known.monitor);
+  curl.set_members(known.prior.members);
+  if (known.prior.line) *curl.mutable_line() = *known.prior.line;
+  for (const std::string& note : known.prior.notes) to.add_notes(note);
 
-  const Eigen::VectorXd& instants = prior.trajectory.time;
-  const TrajectoryForecast before(prior.trajectory, gauge_of(gauge));
-  *curl.mutable_before() = expected_curl(before.at(instants(instants.size() - 1)));
-
-  const Learned learned = learned_from(before, gauge, basis.readings, curl);
+  curl.set_left_out(static_cast<int>(std::ranges::count_if(learned.innovations, is_left_out)));
+  curl.set_readings(static_cast<int>(std::ssize(known.readings)) - curl.left_out());
+  add_measured(known.readings, curl);
   for (const Departure& departure : learned.departures)
-    *to.add_warnings() = warning_of(departure, gauge.monitor());
+    *to.add_warnings() = warning_of(departure, known.monitor);
 
-  add_measured(learned.innovations, curl);
-
+  const Eigen::VectorXd& instants = known.prior.trajectory.time;
+  *curl.mutable_before() = expected_curl(known.before.at(instants(instants.size() - 1)));
   const auto add = [&](double time_s) {
-    const v1::ExpectedCurl at = expected_curl(learned.forecast.at(time_s));
+    const v1::ExpectedCurl at =
+        expected_curl(learned.forecast.at(time_s) + known.levers.effect_at(time_s, to.time_s()));
     curl.add_time_s(time_s);
     curl.add_curl_m(at.curl_m());
     curl.add_lower_m(at.lower_m());
@@ -184,30 +228,35 @@ bool is_past_slip(const std::vector<Departure>& departures, double made_s, doubl
 }
 
 /// Walks through the readings of a gauge once more, and forecasts each from those up to `ahead_s`
-/// before it. @param forecast  that has learned nothing yet
-judging::PastForecast forecast_ahead(TrajectoryForecast forecast, const std::string& monitor,
-                                     const Learned& learned, double ahead_s) {
-  judging::PastForecast past{.monitor = monitor, .ahead_s = ahead_s};
-  const auto add = [&](const statistics::Innovation& reading) {
-    const double made_s = reading.time - ahead_s;
-    if (made_s < 0.0 || is_left_out(reading)) return;
-    if (is_past_slip(learned.departures, made_s, reading.time)) return;
+/// before it.
+judging::PastForecast forecast_ahead(const KnownCurl& known, double ahead_s) {
+  const auto& innovations = known.learned.innovations;
+  const auto& departures = known.learned.departures;
+  TrajectoryForecast forecast = known.before;
+  judging::PastForecast past{.monitor = known.monitor, .ahead_s = ahead_s};
+  const auto add = [&](std::size_t i) {
+    const CurlReading& reading = known.readings[i];
+    const double made_s = reading.time_s - ahead_s;
+    if (made_s < 0.0 || is_left_out(innovations[i])) return;
+    if (is_past_slip(departures, made_s, reading.time_s)) return;
 
-    const v1::ExpectedCurl expected = expected_curl(forecast.expected_reading(reading.time));
-    past.time_s.push_back(reading.time);
-    past.measured_m.push_back(reading.reading);
+    const v1::ExpectedCurl expected =
+        expected_curl(forecast.expected_reading(reading.time_s) +
+                      known.levers.effect_at(reading.time_s, made_s));
+    past.time_s.push_back(reading.time_s);
+    past.measured_m.push_back(reading.curl_m);
     past.expected_m.push_back(expected.curl_m());
     past.lower_m.push_back(expected.lower_m());
     past.upper_m.push_back(expected.upper_m());
   };
 
-  auto to_come = learned.innovations.begin();
-  for (const statistics::Innovation& now : learned.innovations) {
+  std::size_t to_come = 0;
+  for (const statistics::Innovation& now : innovations) {
     // Those that are due before this reading.
-    for (; to_come != learned.innovations.end() && to_come->time - ahead_s < now.time; ++to_come)
-      add(*to_come);
+    for (; to_come < innovations.size() && innovations[to_come].time - ahead_s < now.time; ++to_come)
+      add(to_come);
 
-    for (const Departure& departure : learned.departures)
+    for (const Departure& departure : departures)
       if (departure.kind == Departure::Kind::step && departure.begin == now.time)
         forecast.loosen_zero(departure.size);
     if (!is_left_out(now)) forecast.learn(now.time, now.reading);
@@ -269,7 +318,7 @@ void add_findings_to_come(const v1::StudyResult& ensemble, std::optional<double>
   std::map<std::string, int> members;
   int of = 0;
   for (const v1::StudyRun& run : ensemble.runs()) {
-    if (!counts(run)) continue;
+    if (!judging::is_valid(run)) continue;
     ++of;
     for (const auto& [rule, time_s] : first_times(run))
       if (!last_s || time_s > *last_s) ++members[rule];
@@ -287,13 +336,16 @@ void add_findings_to_come(const v1::StudyResult& ensemble, std::optional<double>
 /// Says where the forecast rests on less than it could.
 void add_notes(const ForecastBasis& basis, v1::Forecast& to) {
   const auto lost = std::ranges::count_if(
-      basis.ensemble.runs(), [](const v1::StudyRun& run) { return !counts(run); });
+      basis.ensemble.runs(), [](const v1::StudyRun& run) { return !judging::is_valid(run); });
   if (lost > 0)
     to.add_notes(fmt::format("{} of {} runs of the ensemble do not count: they have not ended, "
                              "failed, or left what the model holds for",
                              lost, basis.ensemble.runs_size()));
 
-  for (const std::string& lever : levers_off_plan(basis.plan, basis.readings)) to.add_notes(lever);
+  for (const std::string& lever : levers_off_plan(basis.plan, basis.readings))
+    to.add_notes(lever + (basis.followed_run.empty()
+                              ? ": the forecast holds for the plan, and rests on less"
+                              : ": the forecast counts what that has done, and rests on less"));
 
   if (basis.following.ensemble().empty())
     to.add_notes(fmt::format(
@@ -324,14 +376,8 @@ v1::Forecast forecast_curls(const ForecastBasis& basis) {
 std::vector<judging::PastForecast> past_forecasts(const ForecastBasis& basis) {
   std::vector<judging::PastForecast> past;
   for (const v1::Gauge& gauge : basis.following.gauges()) {
-    const CurlPrior prior = prior_of_curl(basis, gauge.monitor());
-    const TrajectoryForecast before(prior.trajectory, gauge_of(gauge));
-    v1::ForecastCurl counted;
-    counted.set_monitor(gauge.monitor());
-    const Learned learned = learned_from(before, gauge, basis.readings, counted);
-
-    for (const double ahead_s : {30.0, 60.0})
-      past.push_back(forecast_ahead(before, gauge.monitor(), learned, ahead_s));
+    const KnownCurl known(gauge, basis);
+    for (const double ahead_s : {30.0, 60.0}) past.push_back(forecast_ahead(known, ahead_s));
   }
   return past;
 }
@@ -339,13 +385,9 @@ std::vector<judging::PastForecast> past_forecasts(const ForecastBasis& basis) {
 std::vector<v1::ObservedCurl> observed_curls(const ForecastBasis& basis) {
   std::vector<v1::ObservedCurl> curls;
   for (const v1::Gauge& gauge : basis.following.gauges()) {
-    const CurlPrior prior = prior_of_curl(basis, gauge.monitor());
-    v1::ForecastCurl counted;
-    counted.set_monitor(gauge.monitor());
-    const Learned learned = learned_from(TrajectoryForecast(prior.trajectory, gauge_of(gauge)), gauge,
-                                         basis.readings, counted);
-    const double end_s = prior.trajectory.time(prior.trajectory.time.size() - 1);
-    curls.push_back(observed(gauge, end_s, sound_readings(learned)));
+    const KnownCurl known(gauge, basis);
+    const Eigen::VectorXd& instants = known.prior.trajectory.time;
+    curls.push_back(observed(gauge, instants(instants.size() - 1), sound_readings(known.learned)));
   }
   return curls;
 }

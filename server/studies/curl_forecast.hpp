@@ -40,6 +40,10 @@ struct ForecastBasis {
   const std::vector<v1::Reading>& readings;
   /// Curls of the run of the plan, on which a forecast without an ensemble rests.
   std::vector<v1::CurlCurve> plan_run{};
+  /// Curls of the run that follows the casting, where the run of the plan has its mesh and data. They
+  /// tell what levers that left the plan have done (executed_levers.hpp); empty: the forecast takes
+  /// the levers as planned.
+  std::vector<v1::CurlCurve> followed_run{};
   double error_of_plan = 0.25;  ///< [1] as error_of_plan()
   /// On the line of the casting, the oldest first.
   std::vector<EarlierCasting> earlier{};
@@ -66,7 +70,7 @@ v1::Forecast forecast_curls(const ForecastBasis& basis);
 std::vector<judging::PastForecast> past_forecasts(const ForecastBasis& basis);
 
 /// What a casting that has ended tells the next one on its line: the curl at each gauge at a dozen
-/// times, the median of the readings around each. Readings that a forecast leaves out do not count,
+/// times, the median of the readings around each, less what levers that left the plan have done. Readings that a forecast leaves out do not count,
 /// nor those after a gauge has slipped. @throws CannotForecast
 std::vector<v1::ObservedCurl> observed_curls(const ForecastBasis& basis);
 

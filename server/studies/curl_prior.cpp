@@ -10,6 +10,7 @@
 
 #include "core/statistics/line_memory.hpp"
 #include "proto/values/interpolation.hpp"
+#include "server/judging/judged_study.hpp"
 
 namespace dccast::studies {
 
@@ -46,7 +47,7 @@ CurvesByData curves_of(const v1::StudyResult& study, const std::string& monitor)
   CurvesByData curves;
   for (const v1::StudyRun& run : study.runs()) {
     const v1::CurlCurve* const curve = find_curve(run.curves(), monitor);
-    if (curve && counts(run))
+    if (curve && judging::is_valid(run))
       curves[keys + fmt::format("{}", fmt::join(run.values(), "\n"))] = curve;
   }
   return curves;
@@ -293,10 +294,6 @@ double error_of_plan(const v1::Section& section) {
   // case (tests/verification/forecast_castings.py --unprepared).
   constexpr double of_quarter_slab = 0.25, of_section = 0.5;
   return section.kind() == v1::Section::QUARTER_SLAB ? of_quarter_slab : of_section;
-}
-
-bool counts(const v1::StudyRun& run) {
-  return run.state() == v1::SUCCEEDED && !run.beyond_validity();
 }
 
 CurlPrior prior_of_curl(const ForecastBasis& basis, const std::string& monitor) {

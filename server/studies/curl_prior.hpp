@@ -12,9 +12,6 @@ namespace dccast::studies {
 /// Half the width of a band that holds nine of ten, in standard deviations.
 inline constexpr double nine_of_ten = 1.645;
 
-/// Whether a run of an ensemble counts: it succeeded and stayed valid.
-bool counts(const v1::StudyRun& run);
-
 /// What is known of the curl at a gauge before its first reading.
 struct CurlPrior {
   statistics::TrajectoryPrior trajectory{};  ///< [m]

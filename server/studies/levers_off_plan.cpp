@@ -56,9 +56,8 @@ std::vector<std::string> levers_off_plan(const v1::Schedule& plan,
   std::vector<std::string> notes;
   const auto add = [&](const char* lever, const Mean& mean) {
     if (std::abs(mean.off()) <= farthest) return;
-    notes.push_back(fmt::format("{} was {:.0f} % {} planned over the last minute: the forecast "
-                                "holds for the plan, and rests on less",
-                                lever, 100.0 * std::abs(mean.off()),
+    notes.push_back(fmt::format("{} was {:.0f} % {} planned over the last minute", lever,
+                                100.0 * std::abs(mean.off()),
                                 mean.off() > 0.0 ? "more than" : "less than"));
   };
   add("the casting speed", speed);

@@ -15,7 +15,7 @@
 #include "proto/case_file/uncertainty.hpp"
 #include "proto/values/interpolation.hpp"
 #include "server/intake/case_intake.hpp"
-#include "server/studies/curl_prior.hpp"
+#include "server/judging/judged_study.hpp"
 #include "server/studies/data_axes.hpp"
 #include "server/studies/study_plan.hpp"
 
@@ -80,7 +80,7 @@ std::vector<std::string> made_worse(const v1::StudyRun& run, const v1::StudyRun&
     if (before == plan.findings().end() || is_worse(finding, *before))
       worse.push_back(finding.code());
   }
-  if (!counts(run) && worse.empty())
+  if (!judging::is_valid(run) && worse.empty())
     worse.push_back(run.failure().code().empty() ? "the end of the run" : run.failure().code());
   return worse;
 }
@@ -205,10 +205,6 @@ private:
 };
 
 }  // namespace
-
-std::vector<v1::Fault> levers_faults(const v1::CreateStudyRequest&) {
-  return {};
-}
 
 std::unique_ptr<StudyPlan> levers_plan(const v1::CreateStudyRequest& request) {
   return std::make_unique<Levers>(request);

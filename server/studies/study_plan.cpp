@@ -13,7 +13,7 @@ namespace {
 
 struct Kind {
   v1::CreateStudyRequest::PlanCase plan;
-  std::vector<v1::Fault> (*faults)(const v1::CreateStudyRequest&);
+  std::vector<v1::Fault> (*faults)(const v1::CreateStudyRequest&);  ///< null: it can have none
   std::unique_ptr<StudyPlan> (*make)(const v1::CreateStudyRequest&);
 };
 
@@ -23,7 +23,7 @@ constexpr Kind kinds[] = {
     {v1::CreateStudyRequest::kMould, mould_faults, mould_plan},
     {v1::CreateStudyRequest::kRecipe, recipe_faults, recipe_plan},
     {v1::CreateStudyRequest::kRemedy, remedy_faults, remedy_plan},
-    {v1::CreateStudyRequest::kLevers, levers_faults, levers_plan},
+    {v1::CreateStudyRequest::kLevers, nullptr, levers_plan},
 };
 
 /// Null without a plan, or with one that is not known here.
@@ -56,7 +56,8 @@ PlannedRun StudyPlan::planned(int number, std::string name, const v1::Case& base
 }
 
 std::vector<v1::Fault> plan_faults(const v1::CreateStudyRequest& request) {
-  if (const Kind* kind = kind_of(request)) return kind->faults(request);
+  if (const Kind* kind = kind_of(request))
+    return kind->faults ? kind->faults(request) : std::vector<v1::Fault>();
   return {intake::fault_of("plan", "", "a study needs a plan",
                            "refinement, sweep, mould, recipe, remedy, levers", "give one of them")};
 }

@@ -128,7 +128,6 @@ std::unique_ptr<StudyPlan> recipe_plan(const v1::CreateStudyRequest& request);
 std::vector<v1::Fault> remedy_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> remedy_plan(const v1::CreateStudyRequest& request);
 
-std::vector<v1::Fault> levers_faults(const v1::CreateStudyRequest& request);
 std::unique_ptr<StudyPlan> levers_plan(const v1::CreateStudyRequest& request);
 
 std::vector<v1::Fault> mould_faults(const v1::CreateStudyRequest& request);

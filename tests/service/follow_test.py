@@ -313,6 +313,32 @@ class Forecast(FollowTest):
         jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs
         self.assertEqual(len(jobs), 3)
 
+    def test_levers_that_left_the_plan_act_in_the_forecast(self):
+        """Before a curl is measured the forecast is the mean of the ensemble, and what they have done."""
+        plan = self.finished_draft(END)
+        gauge = follow_pb2.Gauge(monitor="corner", noise_m=5e-4)
+        basis = {"ensemble": self.study(0, 16), "gauges": [gauge]}
+        followed = [self.follow(plan_job=run, **basis) for run in (plan, "")]
+        for job_id in followed:
+            self.append(job_id, *readings(end=30))
+            self.until_time(job_id, 29)
+
+        with_run, without = (self.forecast(job_id) for job_id in followed)
+        curve = lambda job_id: numpy.array([(step.time_s, step.monitors[0].curl_m)
+                                            for step in self.client.steps(job_id)]).T
+        last = curve(followed[0])[0, -1]
+        done = numpy.interp(last, *curve(followed[0])) - numpy.interp(last, *curve(plan))
+        self.assertGreater(abs(done), 1e-5)
+        for shown, planned in zip(with_run.curls[0].curl_m, without.curls[0].curl_m):
+            self.assertAlmostEqual(shown - planned, done, delta=1e-9)
+        width = lambda whole: whole.curls[0].upper_m[-1] - whole.curls[0].lower_m[-1]
+        self.assertGreater(width(with_run), width(without))
+
+    def finished_draft(self, end):
+        job_id = self.submit_case("quality=draft", f"time.end={end} s", path=CASE)
+        self.client.until_state(job_id, job_pb2.SUCCEEDED, seconds=60)
+        return job_id
+
     def run_of_plan_and_job(self):
         jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs
         is_run = lambda job: any(label.startswith("plan=") for label in job.labels)

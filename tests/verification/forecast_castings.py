@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """How good is the forecast of a casting that is followed? (docs/following.md)
 
-    forecast_castings.py CASE [--castings 60] [--members 64] [--quality draft] [--pairs] [--server ADDRESS]
+    forecast_castings.py CASE [--castings 60] [--members 64] [--quality draft] [--pairs] [--cast KEY=VALUE]
+                         [--server ADDRESS]
 
 Hidden castings are runs of the plan with data drawn from their ranges by another seed, times a factor
 from the band of mesh and time steps of their quality, which a real casting has too. Their curl is
@@ -11,17 +12,23 @@ running; the studies are kept and taken up again by the same command.
 
 With --pairs the ensemble is that of `dccast follow --prepare`, with its runs at engineering quality. With
 --unprepared there is none: the forecast is a draft of the plan plus the last difference.
+
+With --cast the hidden castings leave the plan. Their levers are read too, and the followed run computes what
+these do; with --blind the forecast takes the levers as planned.
 """
 import argparse
 import random
 import re
 import subprocess
 import sys
+import time
+import types
 
 import grpc
 import numpy
 
-from dccast.v1 import case_pb2, follow_pb2, service_pb2, service_pb2_grpc, study_pb2
+import plant
+from dccast.v1 import case_pb2, follow_pb2, job_pb2, service_pb2, service_pb2_grpc, study_pb2
 
 AHEAD = (30, 60, 120)
 PHASES = (("all", 20, 1e9), ("20..60 s", 20, 61), ("70..100 s", 70, 101), ("110 s on", 110, 1e9))
@@ -36,6 +43,9 @@ def arguments():
     parser.add_argument("--quality", default="draft", help="of the hidden castings")
     parser.add_argument("--pairs", action="store_true", help="tell the error of the mesh by pairs")
     parser.add_argument("--unprepared", action="store_true", help="forecast by the run of the plan alone")
+    parser.add_argument("--cast", action="append", default=[], metavar="KEY=VALUE",
+                        help="what is cast instead of the plan, e.g. schedule.water_flow.scale=0.7")
+    parser.add_argument("--blind", action="store_true", help="the forecast takes the levers as planned")
     parser.add_argument("--monitor", default="corner")
     parser.add_argument("--noise-mm", type=float, default=1.0)
     parser.add_argument("--zero-mm", type=float, default=0.0, help="standard deviation, hidden")
@@ -46,12 +56,13 @@ def arguments():
     return parser.parse_args()
 
 
-def study(options, seed, runs, quality):
-    """Runs of the plan with drawn data. Returns (id, curves of those that count)."""
-    key = f"forecast-{seed}-{runs}-{quality}"
+def study(options, seed, runs, quality, changes=()):
+    """Runs of the plan, or of a changed one, with drawn data. Returns (id, curves of those that count)."""
+    key = "forecast-" + "-".join(re.sub(r"\W+", "_", str(part)) for part in (seed, runs, quality, *changes))
+    changed = [word for change in changes for word in ("--set", change)]
     subprocess.run([options.dccast, "--server", options.server, "uncertainty", options.case, "--set",
-                    f"quality={quality}", "--runs", str(runs), "--seed", str(seed), "--label", key,
-                    "--json"], check=True, stdout=subprocess.DEVNULL)
+                    f"quality={quality}", *changed, "--runs", str(runs), "--seed", str(seed), "--label",
+                    key, "--json"], check=True, stdout=subprocess.DEVNULL)
     stub = options.stub
     listed = stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=30).studies
     found = next(each for each in listed if key in each.labels)
@@ -62,7 +73,7 @@ def prepared(options):
     """Studies of `dccast follow --prepare`: its ensemble and its pairs."""
     said = subprocess.run([options.dccast, "--server", options.server, "follow", "--prepare",
                            options.case], check=True, capture_output=True, text=True).stderr
-    return re.findall(r"^study (\S+), \d+ runs$", said, re.MULTILINE)
+    return re.findall(r"^study (\S+), \d+ runs$", said, re.MULTILINE)[:2]
 
 
 def evaluated(options, study):
@@ -104,14 +115,33 @@ def run_of_plan(options):
 
 
 def followed(options, **basis):
-    """A job that holds the record of a casting; its own run is cancelled at once."""
+    """A job that holds the record of a casting."""
     gauge = follow_pb2.Gauge(monitor=options.monitor, noise_m=1e-3 * options.noise_mm,
                              zero_m=1e-3 * options.zero_mm)
     return options.stub.SubmitJob(service_pb2.SubmitJobRequest(
         case=plan_case(options), following=follow_pb2.Following(gauges=[gauge], **basis)), timeout=60).id
 
 
-def errors_of(options, basis, mean, truth, band, shots):
+def levers_of(options, study):
+    """The levers of its first run: what is read at a time besides the curl."""
+    job = evaluated(options, study).runs[0].job
+    casting = plant.Casting(types.SimpleNamespace(server=options.server, monitor=options.monitor, job=job))
+    return lambda t: {"casting_speed_m_per_s": casting.speed_m_per_s(t),
+                      "water_flow_m2_per_s": casting.water_l_per_min_m(t) / 6e4,
+                      "casting_temperature_c": casting.metal_c(t)}
+
+
+def wait_for_run(options, job, t):
+    """Until the run that follows the casting is near the last reading: a step is up to 2 s long."""
+    for _ in range(600):
+        now = options.stub.GetJob(service_pb2.GetJobRequest(id=job), timeout=30)
+        if now.last_step.time_s >= t - 2 or now.state not in (job_pb2.RUNNING, job_pb2.QUEUED):
+            return
+        time.sleep(0.1)
+    raise SystemExit(f"job {job} does not keep up")
+
+
+def errors_of(options, basis, mean, truth, band, shots, levers=None):
     """Rows (t, ahead, forecast, plan, last difference, within its band, width of it) of one hidden
     casting [m], and its warnings."""
     at = lambda t: numpy.interp(t, *truth)
@@ -125,9 +155,12 @@ def errors_of(options, basis, mean, truth, band, shots):
         measured = factor * at(t) + zero + shots.gauss(0, 1e-3 * options.noise_mm)
         curl = follow_pb2.MeasuredCurl(monitor=options.monitor, curl_m=measured)
         options.stub.AppendReadings(follow_pb2.AppendReadingsRequest(
-            id=job, readings=[follow_pb2.Reading(number=t + 1, time_s=t, curls=[curl])]), timeout=30)
+            id=job, readings=[follow_pb2.Reading(number=t + 1, time_s=t, curls=[curl],
+                                                 **(levers(t) if levers else {}))]), timeout=30)
         if t < 20 or t % 10:
             continue
+        if levers:
+            wait_for_run(options, job, t)
         whole = options.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job), timeout=30)
         forecast = whole.curls[0]
         for ahead in AHEAD:
@@ -157,13 +190,16 @@ def main():
     else:
         ensemble, members = study(options, 0, options.members, "draft")
         basis = {"ensemble": ensemble}
-    hidden, truths = study(options, 1, options.castings, options.quality)
+    hidden, truths = study(options, 1, options.castings, options.quality, options.cast)
+    levers = levers_of(options, hidden) if options.cast else None
+    if options.cast and not options.blind:
+        basis["plan_job"] = run_of_plan(options)[0]
     band = mesh_band_of(options, hidden)
     times = numpy.arange(0, members[0][0][-1])
     mean = (times, numpy.mean([numpy.interp(times, *member) for member in members], axis=0))
 
     shots = random.Random(1)
-    outcomes = [errors_of(options, basis, mean, truth, band, shots) for truth in truths]
+    outcomes = [errors_of(options, basis, mean, truth, band, shots, levers) for truth in truths]
     castings = [rows for rows, _ in outcomes]
     warned = [warnings for _, warnings in outcomes if warnings]
     print(f"{len(castings)} castings, {len(members)} members; {len(warned)} had warnings, without a cause")

@@ -76,6 +76,11 @@ class Casting:
         flow = self.value_of(schedule.water_flow_m2_per_s, t - schedule.water_flow_shift_s)
         return per_l_per_min_m * self.value_of(schedule.water_flow_factor, t) * flow
 
+    def speed_m_per_s(self, t):
+        schedule = self.schedule
+        speed = self.value_of(schedule.casting_speed_m_per_s, t - schedule.casting_speed_shift_s)
+        return self.value_of(schedule.casting_speed_factor, t) * speed if t > 0 else 0.0
+
     def metal_c(self, t):
         return self.value_of(self.schedule.casting_temperature_c, t)
 

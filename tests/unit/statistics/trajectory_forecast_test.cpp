@@ -111,16 +111,6 @@ TEST(TrajectoryForecast, FindsTheZeroOfAGaugeOnlyWherePriorAndReadingsPermit) {
   EXPECT_EQ(exact.zero().deviation, 0.0);
 }
 
-TEST(TrajectoryForecast, AnotherPlanMovesTheForecastAndKeepsWhatWasLearned) {
-  const TrajectoryPrior p = prior();
-  TrajectoryForecast forecast(p, gauge);
-  forecast.learn(80.0, 31.0);
-  const Estimated before = forecast.at(150.0);
-  forecast.replace_nominal(p.nominal.array() + 4.0);
-  EXPECT_NEAR(forecast.at(150.0).value, before.value + 4.0, 1e-12);
-  EXPECT_EQ(forecast.at(150.0).deviation, before.deviation);
-}
-
 TEST(TrajectoryForecast, InterpolatesBetweenInstantsAndEndsWithTheLast) {
   const TrajectoryPrior p = prior();
   const TrajectoryForecast forecast(p, gauge);

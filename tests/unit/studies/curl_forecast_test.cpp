@@ -432,6 +432,94 @@ TEST(CurlForecast, NotesLeversThatLeaveThePlan) {
                                      ::testing::StartsWith("the water was 25 % less than")));
 }
 
+/// What levers that leave the plan at 30 s have done by a time: up to 4 mm at 70 s.
+double done_by_levers(double time_s) {
+  return 4e-3 * std::clamp((time_s - 30.0) / 40.0, 0.0, 1.0);
+}
+
+v1::CurlCurve run_until(double until_s, bool has_plan_levers) {
+  v1::CurlCurve curve;
+  curve.set_monitor("corner");
+  for (double t = 0.0; t <= until_s; t += 2.0) {
+    curve.add_time_s(t);
+    curve.add_curl_m(shape(t) + (has_plan_levers ? 0.0 : done_by_levers(t)));
+  }
+  return curve;
+}
+
+/// A casting whose curl is the shape times 1.1 and what the levers have done.
+std::vector<v1::Reading> off_plan(double until_s) {
+  auto made = readings(1.1, until_s);
+  for (v1::Reading& reading : made) {
+    v1::MeasuredCurl& curl = *reading.mutable_curls(0);
+    curl.set_curl_m(curl.curl_m() + done_by_levers(reading.time_s()));
+  }
+  return made;
+}
+
+/// Asks a forecast of a casting off the plan, with the run that follows it up to a time.
+template <typename Ask>
+auto ask_off_plan(double until_s, const std::vector<v1::Reading>& measured, Ask ask) {
+  const v1::StudyResult runs = ensemble(21), pairs;
+  const v1::Following with = following();
+  const v1::Schedule schedule = plan();
+  return ask(ForecastBasis{.ensemble = runs,
+                           .pairs = pairs,
+                           .plan = schedule,
+                           .following = with,
+                           .readings = measured,
+                           .plan_run = {run_until(end_s, true)},
+                           .followed_run = {run_until(until_s, false)}});
+}
+
+TEST(CurlForecast, CountsWhatExecutedLeversHaveDoneBeforeACurlIsMeasured) {
+  std::vector<v1::Reading> levers_alone(1);
+  levers_alone.back().set_time_s(80.0);
+  const auto curl = ask_off_plan(80.0, levers_alone, forecast_curls).curls(0);
+  EXPECT_NEAR(curl.curl_m(0), shape(80.0) + 4e-3, 1e-12);
+  EXPECT_NEAR(*curl.curl_m().rbegin(), shape(end_s) + 4e-3, 1e-12);
+}
+
+TEST(CurlForecast, TakesWhatExecutedLeversHaveDoneFromEachReading) {
+  const auto whole = ask_off_plan(80.0, off_plan(80.0), forecast_curls);
+  const auto& curl = whole.curls(0);
+  EXPECT_NEAR(*curl.curl_m().rbegin(), 1.1 * shape(end_s) + 4e-3, 0.5e-3);
+  EXPECT_NEAR(curl.curl_m(0), 1.1 * shape(80.0) + 4e-3, 0.5e-3);
+  EXPECT_EQ(*curl.measured_m().rbegin(), 1.1 * shape(80.0) + 4e-3) << "as the gauge shows it";
+  EXPECT_THAT(whole.warnings(), ::testing::IsEmpty());
+
+  // What is learned is that of the casting as planned.
+  const auto as_planned = forecast(ensemble(21), readings(1.1, 80.0));
+  EXPECT_NEAR(*curl.curl_m().rbegin() - *as_planned.curl_m().rbegin(), 4e-3, 1e-12);
+}
+
+TEST(CurlForecast, IsWiderTheLongerAgoTheLeversAreKnown) {
+  const auto curl = ask_off_plan(60.0, off_plan(60.0), forecast_curls).curls(0);
+  const auto as_planned = forecast(ensemble(21), readings(1.1, 60.0));
+  const auto half = [](const v1::ForecastCurl& of, int i) { return of.upper_m(i) - of.curl_m(i); };
+  const int last = curl.time_s_size() - 1;
+  EXPECT_NEAR(half(curl, 0), half(as_planned, 0), 1e-12);
+  EXPECT_EQ(curl.time_s(last) - curl.time_s(0), 60.0);
+  EXPECT_NEAR(half(curl, last),
+              std::hypot(half(as_planned, last), 1.645 * 0.5 * done_by_levers(60.0)), 1e-9);
+}
+
+TEST(PastForecasts, KnowTheLeversBeforeAlone) {
+  const auto far = ask_off_plan(110.0, off_plan(110.0), past_forecasts).back();
+  const auto error_at = [&](double time_s) {
+    const auto i = std::ranges::find(far.time_s, time_s) - far.time_s.begin();
+    return far.expected_m.at(i) - far.measured_m.at(i);
+  };
+  EXPECT_NEAR(error_at(90.0), -4e-3, 0.5e-3) << "made at 30 s, before the levers are moved";
+  EXPECT_NEAR(error_at(110.0), -2e-3, 0.5e-3) << "made at 50 s";
+}
+
+TEST(ObservedCurls, AreThoseOfTheCastingWithItsLeversAsPlanned) {
+  const v1::ObservedCurl curl = ask_off_plan(110.0, off_plan(110.0), observed_curls).at(0);
+  for (int i = 0; i < curl.time_s_size(); ++i)
+    EXPECT_NEAR(curl.curl_m(i), 1.1 * shape(curl.time_s(i)), 1e-4) << "a median of some seconds";
+}
+
 TEST(LeversOffPlan, ReadsTablesAgainstTimeAndCastLength) {
   v1::Schedule schedule = plan();
   v1::Curve& speed = *schedule.mutable_casting_speed_m_per_s();
