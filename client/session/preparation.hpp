@@ -6,7 +6,8 @@
 
 #include "client/session/studies.hpp"
 
-/// The studies and the run of a plan on which the forecast of its casting rests (docs/following.md). Labels made from the case name them, so that the same case finds them again.
+/// The studies and the run of a plan on which the forecast of its casting rests
+/// (docs/following.md). Labels made from the case name them, so that the same case finds them again.
 namespace dccast::client {
 
 struct Preparation {

@@ -20,7 +20,7 @@ constexpr double least_gain_m = 1e-3;
 /// Castings that tell an effect at least: fewer have no scatter.
 constexpr int fewest_castings = 5;
 /// Standard deviation of an effect by mesh and steps of a draft: a share of it, and what remains of
-/// a small one (docs/following.md).
+/// a small one (docs/forecasts.md).
 constexpr double mesh_share = 0.2;
 constexpr double least_error_m = 0.3e-3;
 

@@ -17,7 +17,7 @@ namespace dccast::studies {
 namespace {
 
 /// Standard deviation of the error of the model besides data and mesh, as a share of the curl, where
-/// no casting on the line has told it (docs/following.md).
+/// no casting on the line has told it (docs/forecasts.md).
 constexpr double model_error = 0.05;
 /// Pairs that tell the error of the mesh at least: fewer have no scatter.
 constexpr int fewest_pairs = 2;

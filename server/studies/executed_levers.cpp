@@ -10,7 +10,7 @@ namespace dccast::studies {
 
 namespace {
 
-/// How uncertain an effect is a minute after it is known last, as a share of it (docs/following.md).
+/// How uncertain an effect is a minute after it is known last, as a share of it (docs/forecasts.md).
 constexpr double share_after_minute = 0.5;
 constexpr double minute_s = 60.0;
 

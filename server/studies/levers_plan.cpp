@@ -1,6 +1,6 @@
 // What can still be done: drafts of a case with one lever moved from some time of the casting on,
 // of several data, since an effect differs between them by as much as ten times
-// (docs/following.md).
+// (docs/forecasts.md).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,7 +24,7 @@ namespace dccast::studies {
 namespace {
 
 /// When levers are moved, as shares of the casting. An effect falls fast while most of the curl
-/// comes, and slowly after (docs/following.md).
+/// comes, and slowly after (docs/forecasts.md).
 constexpr std::array begins{0.1, 0.25};
 /// Castings of different data.
 constexpr int members = 8;

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Does a lever do what the advice of a forecast states? (docs/following.md)
+"""Does a lever do what the advice of a forecast states? (docs/forecasts.md)
 
     advice_runs.py CASE [--at 30 60] [--members 64] [--quality engineering] [--server ADDRESS]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""How long after a reading is what follows from it known? (docs/following.md)
+"""How long after a reading is what follows from it known? (docs/forecasts.md)
 
     follow_latency.py CASE [--quality draft] [--seconds 120] [--server ADDRESS]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""How good is the forecast of a casting that is followed? (docs/following.md)
+"""How good is the forecast of a casting that is followed? (docs/forecasts.md)
 
     forecast_castings.py CASE [--castings 60] [--members 64] [--quality draft] [--pairs] [--cast KEY=VALUE]
                          [--server ADDRESS]
@@ -23,6 +23,7 @@ import subprocess
 import sys
 import time
 import types
+import zlib
 
 import grpc
 import numpy
@@ -58,7 +59,9 @@ def arguments():
 
 def study(options, seed, runs, quality, changes=()):
     """Runs of the plan, or of a changed one, with drawn data. Returns (id, curves of those that count)."""
-    key = "forecast-" + "-".join(re.sub(r"\W+", "_", str(part)) for part in (seed, runs, quality, *changes))
+    key = f"forecast-{seed}-{runs}-{quality}"
+    if changes:
+        key += f"-{zlib.crc32(repr(changes).encode()):08x}"
     changed = [word for change in changes for word in ("--set", change)]
     subprocess.run([options.dccast, "--server", options.server, "uncertainty", options.case, "--set",
                     f"quality={quality}", *changed, "--runs", str(runs), "--seed", str(seed), "--label",

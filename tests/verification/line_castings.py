@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Do castings on a line make the forecast of the next one better? (docs/following.md)
+"""Do castings on a line make the forecast of the next one better? (docs/forecasts.md)
 
     line_castings.py CASE [--lines 3] [--castings 10] [--other KEY=VALUE] [--server ADDRESS]
 
