@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -116,6 +117,7 @@ struct KnownCurl {
         levers(executed_levers(basis, monitor)),
         prior(prior_of_curl(basis, monitor)),
         before(prior.trajectory, gauge_of(gauge)),
+        departures(plan_departures(basis.plan, basis.readings)),
         readings(readings_of(monitor, basis.readings)),
         learned(learned_from(before, gauge.noise_m(), as_planned())) {}
 
@@ -125,10 +127,23 @@ struct KnownCurl {
     return planned;
   }
 
+  /// What levers off the plan do at a time, as it is known at an earlier one. What data decide is
+  /// scattered otherwise than in the members, whose levers are as planned: by as much of their own
+  /// scatter, within a minute, as the levers have been off.
+  statistics::Estimated done_by_levers(double time_s, double known_until_s) const {
+    const auto after = std::ranges::upper_bound(departures, known_until_s, {}, &PlanDeparture::time_s);
+    const double off = after == departures.begin() ? 0.0 : std::prev(after)->share;
+    const double minutes = std::clamp((time_s - known_until_s) / 60.0, 0.0, 1.0);
+
+    const statistics::Estimated effect = levers.effect_at(time_s, known_until_s);
+    return {effect.value, std::hypot(effect.deviation, off * minutes * before.at(time_s).deviation)};
+  }
+
   std::string monitor;
   ExecutedLevers levers;
   CurlPrior prior;
-  TrajectoryForecast before;          ///< has learned nothing
+  TrajectoryForecast before;              ///< has learned nothing
+  std::vector<PlanDeparture> departures;  ///< by time
   std::vector<CurlReading> readings;  ///< as they were measured
   Learned learned;
 };
@@ -202,7 +217,7 @@ void add_curl(const v1::Gauge& gauge, const ForecastBasis& basis, v1::Forecast& 
   *curl.mutable_before() = expected_curl(known.before.at(instants(instants.size() - 1)));
   const auto add = [&](double time_s) {
     const v1::ExpectedCurl at =
-        expected_curl(learned.forecast.at(time_s) + known.levers.effect_at(time_s, to.time_s()));
+        expected_curl(learned.forecast.at(time_s) + known.done_by_levers(time_s, to.time_s()));
     curl.add_time_s(time_s);
     curl.add_curl_m(at.curl_m());
     curl.add_lower_m(at.lower_m());
@@ -242,7 +257,7 @@ judging::PastForecast forecast_ahead(const KnownCurl& known, double ahead_s) {
 
     const v1::ExpectedCurl expected =
         expected_curl(forecast.expected_reading(reading.time_s) +
-                      known.levers.effect_at(reading.time_s, made_s));
+                      known.done_by_levers(reading.time_s, made_s));
     past.time_s.push_back(reading.time_s);
     past.measured_m.push_back(reading.curl_m);
     past.expected_m.push_back(expected.curl_m());

@@ -66,4 +66,32 @@ std::vector<std::string> levers_off_plan(const v1::Schedule& plan,
   return notes;
 }
 
+std::vector<PlanDeparture> plan_departures(const v1::Schedule& plan,
+                                           const std::vector<v1::Reading>& readings) {
+  constexpr double gathers_speed_s = 10.0;
+  std::vector<PlanDeparture> departures;
+  PlannedLevers plan_so_far(plan);
+  double sum = 0.0;
+  const auto add = [&](bool is_measured, double measured, double planned) {
+    if (is_measured && planned > 0.0) sum += std::abs(measured / planned - 1.0);
+  };
+
+  for (const v1::Reading& reading : readings) {
+    if (reading.closes()) continue;
+    plan_so_far.follow(reading);
+    if (reading.time_s() < gathers_speed_s) continue;
+
+    const v1::Reading planned = plan_so_far.levers();
+    add(reading.has_casting_speed_m_per_s(), reading.casting_speed_m_per_s(),
+        planned.casting_speed_m_per_s());
+    add(reading.has_water_flow_m2_per_s(), reading.water_flow_m2_per_s(),
+        planned.water_flow_m2_per_s());
+    add(reading.has_narrow_water_flow_m2_per_s(), reading.narrow_water_flow_m2_per_s(),
+        planned.narrow_water_flow_m2_per_s());
+    const auto count = static_cast<double>(departures.size() + 1);
+    departures.push_back({reading.time_s(), sum / count});
+  }
+  return departures;
+}
+
 }  // namespace dccast::studies

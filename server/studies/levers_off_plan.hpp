@@ -15,4 +15,16 @@ namespace dccast::studies {
 std::vector<std::string> levers_off_plan(const v1::Schedule& plan,
                                          const std::vector<v1::Reading>& readings);
 
+/// How far speed and water have been off the plan until some time.
+struct PlanDeparture {
+  double time_s = 0.0;
+  double share = 0.0;  ///< mean of |measured / planned - 1|, added over the levers
+};
+
+/// One for each reading, from 10 s after the start of the block: before, the block gathers speed.
+/// @param plan      of a complete case
+/// @param readings  by time
+std::vector<PlanDeparture> plan_departures(const v1::Schedule& plan,
+                                           const std::vector<v1::Reading>& readings);
+
 }  // namespace dccast::studies

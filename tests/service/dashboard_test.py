@@ -521,12 +521,13 @@ class Pages(InBrowser):
             self.client.until_state(job.id, job_pb2.SUCCEEDED)
         self.finished_job("steps=20 alone")
         self.wait_for("3 jobs: 0 running, 0 queued, 3 succeeded")
-        rows = lambda: [row.text for row in self.browser.find_elements(By.CSS_SELECTOR, "tbody tr")]
+        rows = lambda: self.read("tbody", lambda table: [
+            row.text for row in table.find_elements(By.CSS_SELECTOR, "tr")])
         self.assertEqual(len(rows()), 2)
-        folded = self.find("tr.study")
+        folded = self.read("tr.study", lambda row: row.text)
         for text in ("2 runs", study[:8], "2 of 2 succeeded", "draft", "time.end = 145 s", " to "):
-            self.assertIn(text, folded.text)
-        self.assertNotIn("water_flow", folded.text)
+            self.assertIn(text, folded)
+        self.assertNotIn("water_flow", folded)
         self.find("button.fold").send_keys(Keys.ENTER)
         WebDriverWait(self.browser, 10).until(lambda _: len(rows()) == 4)
         self.assertIn("schedule.water_flow.scale = 0.9", self.find("tr.run").text)

@@ -504,6 +504,20 @@ TEST(CurlForecast, IsWiderTheLongerAgoTheLeversAreKnown) {
               std::hypot(half(as_planned, last), 1.645 * 0.5 * done_by_levers(60.0)), 1e-9);
 }
 
+TEST(CurlForecast, IsWiderByTheShareThatLeversAreOffThePlan) {
+  auto measured = readings(1.1, 60.0);
+  const auto as_planned = forecast(ensemble(21), measured), prior = forecast(ensemble(21), {});
+  for (v1::Reading& reading : measured) {
+    reading.set_casting_speed_m_per_s(0.8e-3);
+    reading.set_water_flow_m2_per_s(2.2e-3);
+  }
+  const auto off = forecast(ensemble(21), measured);
+  EXPECT_EQ(*off.curl_m().rbegin(), *as_planned.curl_m().rbegin());
+  EXPECT_NEAR(width_at_end(off), std::hypot(width_at_end(as_planned), 0.3 * width_at_end(prior)),
+              1e-9);
+  EXPECT_EQ(off.upper_m(0), as_planned.upper_m(0)) << "what it is now is measured";
+}
+
 TEST(PastForecasts, KnowTheLeversBeforeAlone) {
   const auto far = ask_off_plan(110.0, off_plan(110.0), past_forecasts).back();
   const auto error_at = [&](double time_s) {
