@@ -2,19 +2,20 @@
 
 #include <algorithm>
 
-#include "core/case/lever_record.hpp"
 #include "proto/frames/contraction.hpp"
 
 namespace dccast::studies {
 
 namespace {
 
-/// Each lever and curl as it was measured last. The run keeps a value as long.
+/// The run keeps the last value of a lever as long (core/case/lever_record.hpp).
+constexpr double longest_gap_s = 10.0;
+
+/// Each lever and curl as it was measured last, at most `longest_gap_s` before the last reading.
 v1::Reading last_values(const std::vector<const v1::Reading*>& readings) {
-  const double oldest_s = readings.back()->time_s() - casting::LeverRecord::longest_gap;
   v1::Reading values;
   for (const v1::Reading* reading : readings) {
-    if (reading->time_s() < oldest_s) continue;
+    if (reading->time_s() < readings.back()->time_s() - longest_gap_s) continue;
 
     // A merge adds curls, so that earlier ones of the same gauges are removed first.
     for (const v1::MeasuredCurl& curl : reading->curls()) {
