@@ -239,11 +239,11 @@ class Client:
         return list(self.stub.FetchResult(service_pb2.FetchResultRequest(
             id=job_id, artifact=artifact, offset=offset), timeout=30))
 
-    def until_state(self, job_id, *states, seconds=20):
+    def until_state(self, job_id, *states, seconds=60):
         until(lambda: self.job(job_id).state in states, seconds)
         return self.job(job_id)
 
-    def until_step(self, job_id, step, seconds=20):
+    def until_step(self, job_id, step, seconds=60):
         until(lambda: self.job(job_id).last_step.step >= step, seconds)
 
 
