@@ -88,9 +88,11 @@ v1::Following following_of(const FollowOptions& options, const ReadingsTable& ta
   v1::Following following;
   if (!table.gauges().empty() || !options.ensemble.empty())
     add_studies(options, request, connection, following);
+
   following.set_line(options.line);
   if (!options.line.empty() && table.gauges().empty())
     remark(fmt::format("line {} learns nothing: no column has a measured curl", options.line));
+
   for (const std::string& monitor : table.gauges()) {
     v1::Gauge& gauge = *following.add_gauges();
     gauge.set_monitor(monitor);

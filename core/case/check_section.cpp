@@ -272,6 +272,7 @@ void check_quarter_slab(CaseFindings& found) {
     check_heat_cells(found);
     return;
   }
+
   only_of_a_quarter_slab(found, "section.half_thickness", !c.section.half_thickness.empty());
   only_of_a_quarter_slab(found, "section.corner_radius", c.section.corner_radius > 0.0);
   only_of_a_quarter_slab(found, "mesh.merge_below", c.section.merging.below > 0.0);

@@ -102,6 +102,7 @@ statistics::Gauge gauge_of(const v1::Gauge& gauge) {
   return {.noise = gauge.noise_m(), .zero = gauge.zero_m()};
 }
 
+/// What the levers did at a gauge; nothing where one of the runs is not known.
 ExecutedLevers executed_levers(const ForecastBasis& basis, const std::string& monitor) {
   const auto followed = std::ranges::find(basis.followed_run, monitor, &v1::CurlCurve::monitor);
   const auto planned = std::ranges::find(basis.plan_run, monitor, &v1::CurlCurve::monitor);
@@ -127,16 +128,17 @@ struct KnownCurl {
     return planned;
   }
 
-  /// What levers off the plan do at a time, as it is known at an earlier one. What data decide is
-  /// scattered otherwise than in the members, whose levers are as planned: by as much of their own
-  /// scatter, within a minute, as the levers have been off.
+  /// What levers off the plan do at a time, as it is known at an earlier one. The members have their
+  /// levers as planned, and scatter otherwise than castings off the plan. So a minute later their
+  /// scatter counts once more, times the share by which the levers have been off.
   statistics::Estimated done_by_levers(double time_s, double known_until_s) const {
     const auto after = std::ranges::upper_bound(departures, known_until_s, {}, &PlanDeparture::time_s);
     const double off = after == departures.begin() ? 0.0 : std::prev(after)->share;
-    const double minutes = std::clamp((time_s - known_until_s) / 60.0, 0.0, 1.0);
+    const double otherwise =
+        off * share_of_minute(time_s, known_until_s) * before.at(time_s).deviation;
 
     const statistics::Estimated effect = levers.effect_at(time_s, known_until_s);
-    return {effect.value, std::hypot(effect.deviation, off * minutes * before.at(time_s).deviation)};
+    return {effect.value, std::hypot(effect.deviation, otherwise)};
   }
 
   std::string monitor;
@@ -144,7 +146,7 @@ struct KnownCurl {
   CurlPrior prior;
   TrajectoryForecast before;              ///< has learned nothing
   std::vector<PlanDeparture> departures;  ///< by time
-  std::vector<CurlReading> readings;  ///< as they were measured
+  std::vector<CurlReading> readings;      ///< as they were measured
   Learned learned;
 };
 

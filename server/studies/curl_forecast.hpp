@@ -70,7 +70,8 @@ v1::Forecast forecast_curls(const ForecastBasis& basis);
 std::vector<judging::PastForecast> past_forecasts(const ForecastBasis& basis);
 
 /// What a casting that has ended tells the next one on its line: the curl at each gauge at a dozen
-/// times, the median of the readings around each, less what levers that left the plan have done. Readings that a forecast leaves out do not count,
+/// times, the median of the readings around each, less what levers that left the plan have done.
+/// Readings that a forecast leaves out do not count,
 /// nor those after a gauge has slipped. @throws CannotForecast
 std::vector<v1::ObservedCurl> observed_curls(const ForecastBasis& basis);
 

@@ -12,9 +12,13 @@ namespace {
 
 /// How uncertain an effect is a minute after it is known last, as a share of it (docs/forecasts.md).
 constexpr double share_after_minute = 0.5;
-constexpr double minute_s = 60.0;
 
 }  // namespace
+
+double share_of_minute(double time_s, double since_s) {
+  constexpr double minute_s = 60.0;
+  return std::clamp((time_s - since_s) / minute_s, 0.0, 1.0);
+}
 
 ExecutedLevers::ExecutedLevers(const v1::CurlCurve& followed, const v1::CurlCurve& planned) {
   const auto planned_m = at_instants({followed.time_s().begin(), followed.time_s().end()}, planned,
@@ -33,8 +37,8 @@ statistics::Estimated ExecutedLevers::effect_at(double time_s, double known_unti
   const double known_s = std::min(known_until_s, time_s_.back());
   const double at_s = std::clamp(time_s, time_s_.front(), known_s);
   const double effect_m = values::at_instants({at_s}, time_s_, effect_m_).front();
-  const double minutes = std::clamp((time_s - known_s) / minute_s, 0.0, 1.0);
-  return {effect_m, share_after_minute * minutes * std::abs(effect_m)};
+  return {effect_m,
+          share_after_minute * share_of_minute(time_s, known_s) * std::abs(effect_m)};
 }
 
 }  // namespace dccast::studies

@@ -57,6 +57,11 @@ class FollowTest(RealRunTest):
         answer.case.quality = case_pb2.DRAFT
         return self.client.submit(answer.case, following=follow_pb2.Following(**following)).id
 
+    def finished_draft(self, end):
+        job_id = self.submit_case("quality=draft", f"time.end={end} s", path=CASE)
+        self.client.until_state(job_id, job_pb2.SUCCEEDED, seconds=60)
+        return job_id
+
     def append(self, job_id, *added):
         return self.client.stub.AppendReadings(
             follow_pb2.AppendReadingsRequest(id=job_id, readings=added), timeout=20)
@@ -333,11 +338,6 @@ class Forecast(FollowTest):
             self.assertAlmostEqual(shown - planned, done, delta=1e-9)
         width = lambda whole: whole.curls[0].upper_m[-1] - whole.curls[0].lower_m[-1]
         self.assertGreater(width(with_run), width(without))
-
-    def finished_draft(self, end):
-        job_id = self.submit_case("quality=draft", f"time.end={end} s", path=CASE)
-        self.client.until_state(job_id, job_pb2.SUCCEEDED, seconds=60)
-        return job_id
 
     def run_of_plan_and_job(self):
         jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs

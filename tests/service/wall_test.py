@@ -8,7 +8,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from dashboard_test import InBrowser
 from dccast.v1 import case_pb2, follow_pb2, job_pb2, service_pb2, study_pb2
-from follow_test import CASE, FollowTest, levers
+from follow_test import FollowTest, levers
 from support import main, until
 
 END = 120  # s of the plan
@@ -17,8 +17,7 @@ END = 120  # s of the plan
 class Wall(FollowTest, InBrowser):
     def plan_job(self):
         """The run of the plan, on which a forecast without an ensemble rests."""
-        job_id = self.submit_case("quality=draft", f"time.end={END} s", path=CASE)
-        self.client.until_state(job_id, job_pb2.SUCCEEDED, seconds=60)
+        job_id = self.finished_draft(END)
         self.computed = numpy.array([(step.time_s, step.monitors[0].curl_m)
                                      for step in self.client.steps(job_id)]).T
         return job_id
