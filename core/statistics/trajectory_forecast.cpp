@@ -82,53 +82,55 @@ TrajectoryPrior random_walk_about(const Eigen::VectorXd& time, const Eigen::Vect
 }
 
 TrajectoryForecast::TrajectoryForecast(const TrajectoryPrior& prior, const Gauge& gauge)
-    : time_(prior.time), nominal_(prior.nominal), noise_(gauge.noise) {
+    : time_(prior.time), noise_(gauge.noise) {
   const Eigen::Index instants = time_.size();
   require(instants >= 2, "a trajectory needs two instants");
-  require(nominal_.size() == instants, "the nominal run has other instants");
+  require(prior.nominal.size() == instants, "the nominal run has other instants");
   require(prior.deviation.size() == instants, "the deviation has other instants");
   require(prior.covariance.rows() == instants && prior.covariance.cols() == instants,
           "the covariance has other instants");
 
   mean_ = Eigen::VectorXd::Zero(instants + 1);
-  mean_.head(instants) = prior.deviation;
+  mean_.head(instants) = prior.nominal + prior.deviation;
   covariance_ = Eigen::MatrixXd::Zero(instants + 1, instants + 1);
   covariance_.topLeftCorner(instants, instants) = prior.covariance;
   covariance_(instants, instants) = gauge.zero * gauge.zero;
 }
 
-Eigen::VectorXd TrajectoryForecast::weights_at(double time) const {
+Eigen::SparseVector<double> TrajectoryForecast::weights_at(double time) const {
   const Eigen::Index last = time_.size() - 1;
   const double within = std::clamp(time, time_(0), time_(last));
   const double* next = std::upper_bound(time_.data(), time_.data() + last, within);
   const Eigen::Index right = std::max<Eigen::Index>(next - time_.data(), 1);
   const double share = (within - time_(right - 1)) / (time_(right) - time_(right - 1));
 
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(mean_.size());
-  weights(right - 1) = 1.0 - share;
-  weights(right) = share;
+  Eigen::SparseVector<double> weights(mean_.size());
+  weights.insert(right - 1) = 1.0 - share;
+  weights.insert(right) = share;
   return weights;
 }
 
-double TrajectoryForecast::nominal_at(double time) const {
-  return weights_at(time).head(nominal_.size()).dot(nominal_);
+Eigen::SparseVector<double> TrajectoryForecast::weights_of_reading(double time) const {
+  Eigen::SparseVector<double> weights = weights_at(time);
+  weights.insert(weights.size() - 1) = 1.0;
+  return weights;
+}
+
+double TrajectoryForecast::variance_of(const Eigen::SparseVector<double>& weights) const {
+  return weights.dot(covariance_ * weights);
 }
 
 Estimated TrajectoryForecast::expected_reading(double time) const {
-  Eigen::VectorXd weights = weights_at(time);
-  weights(weights.size() - 1) = 1.0;
-  const double variance = weights.dot(covariance_ * weights) + noise_ * noise_;
-  return {nominal_at(time) + weights.dot(mean_), std::sqrt(variance)};
+  const Eigen::SparseVector<double> weights = weights_of_reading(time);
+  return {weights.dot(mean_), std::sqrt(variance_of(weights) + noise_ * noise_)};
 }
 
 void TrajectoryForecast::learn(double time, double value) {
-  Eigen::VectorXd weights = weights_at(time);
-  weights(weights.size() - 1) = 1.0;
-
+  const Eigen::SparseVector<double> weights = weights_of_reading(time);
   const Eigen::VectorXd with_reading = covariance_ * weights;
   const double variance = weights.dot(with_reading) + noise_ * noise_;
   if (variance <= 0.0) return;  // the reading was known beforehand
-  mean_ += with_reading * ((value - nominal_at(time) - weights.dot(mean_)) / variance);
+  mean_ += with_reading * ((value - weights.dot(mean_)) / variance);
   covariance_.noalias() -= with_reading * with_reading.transpose() / variance;
 }
 
@@ -138,9 +140,8 @@ void TrajectoryForecast::loosen_zero(double deviation) {
 }
 
 Estimated TrajectoryForecast::at(double time) const {
-  const Eigen::VectorXd weights = weights_at(time);
-  const double variance = weights.dot(covariance_ * weights);
-  return {nominal_at(time) + weights.dot(mean_), std::sqrt(std::max(variance, 0.0))};
+  const Eigen::SparseVector<double> weights = weights_at(time);
+  return {weights.dot(mean_), std::sqrt(std::max(variance_of(weights), 0.0))};
 }
 
 Estimated TrajectoryForecast::zero() const {

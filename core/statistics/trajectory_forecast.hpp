@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 namespace dccast::statistics {
 
@@ -83,13 +84,14 @@ public:
 
 private:
   /// Weights of the instants around a time, and none of the zero.
-  Eigen::VectorXd weights_at(double time) const;
-  double nominal_at(double time) const;
+  Eigen::SparseVector<double> weights_at(double time) const;
+  /// The same with the zero, which a reading has too.
+  Eigen::SparseVector<double> weights_of_reading(double time) const;
+  double variance_of(const Eigen::SparseVector<double>& weights) const;
 
-  Eigen::VectorXd time_;     ///< (instant) [s]
-  Eigen::VectorXd nominal_;  ///< (instant) [unit]
-  double noise_;             ///< [unit]
-  // The deviation at all instants, then the zero of the gauge.
+  Eigen::VectorXd time_;  ///< (instant) [s]
+  double noise_;          ///< [unit]
+  // The quantity at all instants, then the zero of the gauge.
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
 };

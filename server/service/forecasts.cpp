@@ -12,6 +12,8 @@
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
 #include "server/studies/curl_forecast.hpp"
+#include "server/studies/curl_prior.hpp"
+#include "server/studies/past_forecasts.hpp"
 #include "server/studies/planned_levers.hpp"
 #include "server/studies/study_plan.hpp"
 

@@ -5,12 +5,16 @@
 #include <vector>
 
 #include "core/statistics/trajectory_forecast.hpp"
-#include "server/studies/curl_forecast.hpp"
+#include "server/studies/forecast_basis.hpp"
 
 namespace dccast::studies {
 
 /// Half the width of a band that holds nine of ten, in standard deviations.
 inline constexpr double nine_of_ten = 1.645;
+
+/// Standard deviation of what data put the curl of a plan off, as a share of the whole curl, where no
+/// ensemble tells it.
+double error_of_plan(const v1::Section& section);
 
 /// What is known of the curl at a gauge before its first reading.
 struct CurlPrior {

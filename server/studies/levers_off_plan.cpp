@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 
 #include "server/studies/planned_levers.hpp"
@@ -14,18 +16,32 @@ namespace {
 constexpr double minute_s = 60.0;
 constexpr double farthest = 0.1;  // of the plan
 
-/// Mean of a lever over the readings of the last minute that have it.
-struct Mean {
+enum Lever : std::size_t { speed, water, narrow_water, levers };
+
+constexpr std::array<const char*, levers> names{"the casting speed", "the water",
+                                                "the water of the narrow face"};
+
+/// A lever beside its plan, of one reading or the sum of several.
+struct BesidePlan {
   double measured = 0.0;
   double planned = 0.0;
 
-  void add(double measured_now, double planned_now) {
-    measured += measured_now;
-    planned += planned_now;
-  }
   /// Share by which the plan is left.
   double off() const { return planned > 0.0 ? measured / planned - 1.0 : 0.0; }
 };
+
+/// Each lever of a reading beside its plan; zeros where it is not measured, or the plan has it not.
+std::array<BesidePlan, levers> beside_plan(const v1::Reading& reading, const v1::Reading& planned) {
+  std::array<BesidePlan, levers> beside{};
+  if (reading.has_casting_speed_m_per_s())
+    beside[speed] = {reading.casting_speed_m_per_s(), planned.casting_speed_m_per_s()};
+  if (reading.has_water_flow_m2_per_s())
+    beside[water] = {reading.water_flow_m2_per_s(), planned.water_flow_m2_per_s()};
+  if (reading.has_narrow_water_flow_m2_per_s() && planned.has_narrow_water_flow_m2_per_s())
+    beside[narrow_water] = {reading.narrow_water_flow_m2_per_s(),
+                            planned.narrow_water_flow_m2_per_s()};
+  return beside;
+}
 
 }  // namespace
 
@@ -35,34 +51,27 @@ std::vector<std::string> levers_off_plan(const v1::Schedule& plan,
   for (const v1::Reading& reading : readings)
     if (!reading.closes()) last_s = reading.time_s();
 
-  Mean speed, water, narrow_water;
+  std::array<BesidePlan, levers> sums{};
   PlannedLevers plan_so_far(plan);
   for (const v1::Reading& reading : readings) {
     if (reading.closes() || reading.time_s() < 0.0) continue;
     plan_so_far.follow(reading);
     if (reading.time_s() <= *last_s - minute_s) continue;
 
-    const v1::Reading planned = plan_so_far.levers();
-    speed.add(reading.has_casting_speed_m_per_s() ? reading.casting_speed_m_per_s()
-                                                  : planned.casting_speed_m_per_s(),
-              planned.casting_speed_m_per_s());
-    if (reading.has_water_flow_m2_per_s())
-      water.add(reading.water_flow_m2_per_s(), planned.water_flow_m2_per_s());
-    if (reading.has_narrow_water_flow_m2_per_s() && planned.has_narrow_water_flow_m2_per_s())
-      narrow_water.add(reading.narrow_water_flow_m2_per_s(),
-                       planned.narrow_water_flow_m2_per_s());
+    const auto now = beside_plan(reading, plan_so_far.levers());
+    for (std::size_t lever = 0; lever < levers; ++lever) {
+      sums[lever].measured += now[lever].measured;
+      sums[lever].planned += now[lever].planned;
+    }
   }
 
   std::vector<std::string> notes;
-  const auto add = [&](const char* lever, const Mean& mean) {
-    if (std::abs(mean.off()) <= farthest) return;
-    notes.push_back(fmt::format("{} was {:.0f} % {} planned over the last minute", lever,
-                                100.0 * std::abs(mean.off()),
-                                mean.off() > 0.0 ? "more than" : "less than"));
-  };
-  add("the casting speed", speed);
-  add("the water", water);
-  add("the water of the narrow face", narrow_water);
+  for (std::size_t lever = 0; lever < levers; ++lever) {
+    const double off = sums[lever].off();
+    if (std::abs(off) <= farthest) continue;
+    notes.push_back(fmt::format("{} was {:.0f} % {} planned over the last minute", names[lever],
+                                100.0 * std::abs(off), off > 0.0 ? "more than" : "less than"));
+  }
   return notes;
 }
 
@@ -72,22 +81,13 @@ std::vector<PlanDeparture> plan_departures(const v1::Schedule& plan,
   std::vector<PlanDeparture> departures;
   PlannedLevers plan_so_far(plan);
   double sum = 0.0;
-  const auto add = [&](bool is_measured, double measured, double planned) {
-    if (is_measured && planned > 0.0) sum += std::abs(measured / planned - 1.0);
-  };
-
   for (const v1::Reading& reading : readings) {
     if (reading.closes()) continue;
     plan_so_far.follow(reading);
     if (reading.time_s() < gathers_speed_s) continue;
 
-    const v1::Reading planned = plan_so_far.levers();
-    add(reading.has_casting_speed_m_per_s(), reading.casting_speed_m_per_s(),
-        planned.casting_speed_m_per_s());
-    add(reading.has_water_flow_m2_per_s(), reading.water_flow_m2_per_s(),
-        planned.water_flow_m2_per_s());
-    add(reading.has_narrow_water_flow_m2_per_s(), reading.narrow_water_flow_m2_per_s(),
-        planned.narrow_water_flow_m2_per_s());
+    for (const BesidePlan& lever : beside_plan(reading, plan_so_far.levers()))
+      sum += std::abs(lever.off());
     const auto count = static_cast<double>(departures.size() + 1);
     departures.push_back({reading.time_s(), sum / count});
   }
