@@ -50,6 +50,7 @@ std::string bash_script(const Commands& commands) {
              "; jobs=" + (takes_job(command) ? "1" : "") +
              "; files=" + (takes_file(command) ? "1" : "") + " ;;\n";
   }
+
   return "# bash completion of dccast\n"
          "_dccast() {\n"
          "  local current=${COMP_WORDS[COMP_CWORD]} command= word words= jobs= files=\n"
@@ -88,6 +89,7 @@ std::string zsh_script(const Commands& commands) {
              (takes_job(command) ? "; jobs=1" : "") + (takes_file(command) ? "; files=1" : "") +
              " ;;\n";
   }
+
   return "#compdef dccast\n"
          "_dccast() {\n"
          "  local -a commands options ids\n"

@@ -40,12 +40,14 @@ std::string nearest_text(const CLI::App& app, const std::vector<std::string>& ar
         names.push_back(command->get_name());
       return case_file::nearest(argument, names);
     }
+
     const std::string option = argument.substr(0, argument.find('='));
     if (chosen.empty() || !option.starts_with("--")) continue;
     if (chosen.front()->get_option_no_throw(option) != nullptr) continue;
     if (app.get_option_no_throw(option) != nullptr) continue;
     if (const std::string change = change_for(*chosen.front(), option); !change.empty())
       return change + "...";
+
     std::vector<std::string> names;
     for (const CLI::Option* const known : chosen.front()->get_options())
       for (const std::string& name : known->get_lnames()) names.push_back("--" + name);

@@ -84,15 +84,18 @@ std::vector<CastingStudies> create(Connection& connection, const CalibrateOption
   if (options.measured.empty()) throw invalid("give the measurements, e.g. --measured curl.csv");
   const Noise noise = noise_of(options.noise);
   const auto cases = cases_of(options);
+
   std::vector<std::vector<v1::MeasuredCurve>> curves;  // all are read before any run is queued
   for (const MeasuredCase& casting : cases)
     curves.push_back(read_curves(
         casting, read_case(casting.file, changes_of(options.base.set)).description, noise));
+
   std::vector<CastingStudies> castings;
   google::protobuf::RepeatedPtrField<v1::SweepPlan::Axis> axes;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const StudyCase base{cases[i].file, options.base.set, options.base.labels,
                          options.plan.free.empty() ? "" : "--free"};
+
     const auto study = create_study(connection, base, [&](v1::CreateStudyRequest& request) {
       CalibrationPlan plan = options.plan;
       plan.measured = curves[i];
@@ -164,6 +167,7 @@ ExitCode run(const CalibrateOptions& options, Program& program) {
   auto castings =
       options.study.empty() ? create(connection, options) : castings_of(connection, options.study);
   if (castings.empty()) return ExitCode::invalid;
+
   const std::string come_back = "dccast calibrate --study " + joined(castings);
   if (options.study.empty()) std::cerr << "taken up again by " << come_back << '\n';
   if (options.no_wait && options.study.empty()) {
@@ -175,6 +179,7 @@ ExitCode run(const CalibrateOptions& options, Program& program) {
           connection.call(&Stub::JudgeStudy, question_about(castings)));
     return ExitCode::done;
   }
+
   for (const CastingStudies& casting : castings)
     follow_with_progress(connection, casting.front(), come_back);
   const v1::StudyJudgement answer = checked(connection, castings, come_back);
@@ -202,6 +207,7 @@ void add_calibrate(cli::CommandLine& line, Program& program) {
                                 "Infer uncertain data from a measured curl or temperature: values, "
                                 "ranges, and keys that the measurement cannot separate",
                                 examples);
+
   command.option("FILE", options.base.file, "Case file");
   command.repeatable("--measured", options.measured,
                      "CSV file of readings of this casting; repeatable");
@@ -217,6 +223,7 @@ void add_calibrate(cli::CommandLine& line, Program& program) {
   command.option(
       "-o,--output", options.output,
       "Write the case with the calibrated values and their ranges; - for standard output");
+
   add_study_options(command, options,
                     {.study = "Take this calibration up again; ids of several castings with commas",
                      .plot = "Write an HTML page with measured and computed curves and their "

@@ -107,15 +107,18 @@ ExitCode run(const NewOptions& given, Program&) {
   NewOptions options = given;
   const bool undecided = options.name.empty() && options.recipe.slab.empty();
   const SlabRecipe& recipe = options.recipe;
+
   if (recipe.slab.empty() && !(recipe.alloy + recipe.speed + recipe.water).empty())
     throw invalid("--alloy, --speed and --water belong to --slab");
   if (!options.name.empty() && !recipe.slab.empty())
     throw invalid("give the name of a shipped case or --slab, not both");
+
   if (options.list || (undecided && (options.json || !on_terminal()))) {
     list_names(options.json);
     return ExitCode::done;
   }
   if (undecided) ask(options);
+
   const std::string text = recipe.slab.empty() ? text_of(options.name) : slab_text(recipe);
   const bool to_screen = options.output.empty() || options.output == "-";
   require_free(options.output, options.force);
@@ -185,6 +188,7 @@ ExitCode run(const ValidateOptions& options, Program& program) {
     Connection connection = program.connect();
     check_with_server(checked, connection);
   }
+
   if (options.json) {
     Json json = faults_json(checked);
     if (checked.read.ok()) json["casting"] = case_file::casting_summary(complete_case(checked));
@@ -197,6 +201,7 @@ ExitCode run(const ValidateOptions& options, Program& program) {
     if (options.ranges) print_ranges(checked);
     print_verdict(checked, options.local);
   }
+
   if (!options.drawing.empty() && checked.read.ok())
     write_output(options.drawing, render::casting_page(complete_case(checked)));
   const bool implausible = options.strict && render::more_than_notes(checked.findings);
@@ -255,6 +260,7 @@ Json row_json(const KeyReference& row) {
 ExitCode run(const SchemaOptions& options, Program&) {
   const auto& descriptor =
       options.daemon ? *v1::DaemonConfig::descriptor() : *v1::Case::descriptor();
+
   Json list = Json::array();
   bool found = false;
   const render::Terminal terminal = render::terminal_of(1);
@@ -266,6 +272,7 @@ ExitCode run(const SchemaOptions& options, Program&) {
     else
       print(row, terminal);
   }
+
   if (!found)
     throw CommandFailed(ExitCode::not_found,
                         "no key of a case has '" + options.prefix + "' in its path");
@@ -331,6 +338,7 @@ void add_new(cli::CommandLine& line, Program& program) {
       "dccast new start-2d-thickness > my.toml\n"
       "  dccast new --slab 1320x570mm --alloy aa5182 --speed 45..55mm/min --water 25..45m3/h --out "
       "my.toml\n  dccast new        # asks for the same");
+
   command.option("NAME", options.name, "Name of a shipped case");
   command.option("--slab", options.recipe.slab, "Width x thickness of a slab, e.g. 1320x570mm");
   command.option("--alloy", options.recipe.alloy, "Of the slab: name of a card (dccast alloys)");

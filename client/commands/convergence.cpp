@@ -192,9 +192,11 @@ bool report_losses(const v1::StudyResult& result) {
 ExitCode run(const Options& options, Program& program) {
   if (options.file.empty() && options.study.empty())
     throw invalid("give a case FILE to begin a study, or --study ID to take one up again");
+
   Connection connection = program.connect();
   const std::string id =
       options.study.empty() ? values::random_uuid() : resolve_study(connection, options.study);
+
   NamedLevels levels;
   if (!options.study.empty()) {
     const v1::StudyResult before = find_study(connection, id);
@@ -205,6 +207,7 @@ ExitCode run(const Options& options, Program& program) {
     if (!submit(options, id, connection)) return ExitCode::invalid;
   }
   if (!options.as_it_is && !options.study.empty()) repair(connection, id);
+
   const v1::StudyJudgement answer = judged_after_its_end(connection, id, levels);
   StudyOptions shown;
   shown.json = options.json;

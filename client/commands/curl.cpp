@@ -199,10 +199,12 @@ void print_table(const Contraction& contraction, const ContractionOptions& optio
   std::vector<std::string> headings{"place",        ">height mm", ">x mm",           ">mould mm",
                                     ">now mm",      ">20 °C mm",  ">pull-in now mm", ">%",
                                     ">at 20 °C mm", ">%"};
+
   const bool compared = !options.wanted.empty();
   const double wanted_m = compared ? metres_of(options.wanted, "--wanted") : 0.0;
   if (compared) headings.push_back(">over wanted mm");
   render::Table table(headings);
+
   for (const auto& [name, row] : chosen_rows(contraction, options))
     for (const FacePoint& p : row->points) {
       std::vector<std::string> cells{name,
@@ -218,6 +220,7 @@ void print_table(const Contraction& contraction, const ContractionOptions& optio
       if (compared) cells.push_back(render::fixed(1e3 * (p.cold_m - wanted_m), 2));
       table.add(std::move(cells));
     }
+
   std::cout << table.text() << std::flush;
 }
 

@@ -48,14 +48,17 @@ ExitCode run(const MouldOptions& options, Program& program) {
   if (options.study.empty() && !options.flat)
     throw invalid("give the target for the cold slab: --flat");
   require_free(options.plot, options.force);
+
   Connection connection = program.connect();
   if (!options.study.empty())
     return wait_and_print(connection, options, resolve_study(connection, options.study));
+
   const v1::MouldPlan plan = plan_of(options);
   const auto study = create_study(connection, options.base, [&](v1::CreateStudyRequest& request) {
     *request.mutable_mould() = plan;
   });
   if (!study) return ExitCode::invalid;
+
   std::cerr << "study " << study->id() << "; taken up again by dccast design-mould --study "
             << study->id() << '\n';
   if (!options.no_wait) return wait_and_print(connection, options, study->id());
@@ -154,6 +157,7 @@ void add_design_mould(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<MouldOptions>(
       line, program, run, "design-mould",
       "Find the mould opening of three segments that gives a flat cold slab", mould_examples);
+
   command.option("CASE", options.base.file,
                  "Case file of a quarter slab that is cast until it is steady");
   command.flag("--flat", options.flat, "Find a cold slab that is flat along its wide face");
@@ -177,6 +181,7 @@ void add_design_recipe(cli::CommandLine& line, Program& program) {
       line, program, run, "design-recipe",
       "Find speed, filling, hold and water that keep the curl inside a band, whatever the data are",
       recipe_examples);
+
   RecipeChoice& choice = options.choice;
   command.option("CASE", options.base.file, "Case file whose recipe is changed");
   command.option("--band", choice.band,
@@ -198,6 +203,7 @@ void add_design_recipe(cli::CommandLine& line, Program& program) {
                  "Drafts over the data at each recipe, twice");
   command.number("--candidates", choice.candidates, 1, 10, "Recipes of the front");
   command.option("--seed", choice.seed, "Of all that is drawn", cli::shown);
+
   add_study_options(command, options,
                     {.study = "Show this study",
                      .plot = "Write an HTML page; - for standard output",

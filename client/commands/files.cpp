@@ -84,6 +84,7 @@ ExitCode run(const FetchOptions& options, Program& program) {
   const fs::path file = target_of(options.output);
   Connection connection = program.connect();
   const std::string id = resolve_job(connection, options.id);
+
   const fs::path sidecar = fs::path(file).replace_extension(".xdmf");
   for (const fs::path& written : {file, sidecar}) require_free(written, options.force);
   const Download results = download(connection, id, "results.h5", file, std::cerr);
@@ -91,6 +92,7 @@ ExitCode run(const FetchOptions& options, Program& program) {
   download(connection, id, "results.xdmf", sidecar, std::cerr);
   point_sidecar_at(sidecar, file);
   fetch_of_newer_jobs(connection, id, file);
+
   if (options.json)
     print_line({{"job", id},
                 {"file", file.string()},
@@ -139,10 +141,12 @@ void run_silently(std::vector<std::string> words) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   for (const int descriptor : {0, 1, 2})
     posix_spawn_file_actions_addopen(&files, descriptor, "/dev/null", O_RDWR, 0);
+
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
@@ -152,6 +156,7 @@ void run_silently(std::vector<std::string> words) {
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (error != 0) return;
+
   constexpr std::chrono::seconds longest{60};
   const auto end = std::chrono::steady_clock::now() + longest;
   while (::waitpid(process, nullptr, WNOHANG) == 0) {
@@ -178,6 +183,7 @@ void print_pdf(const std::string& page, const fs::path& file) {
     throw invalid(file.string() +
                   ": a PDF is printed by Chromium, which is not installed here; give a name that "
                   "ends with .html");
+
   const TemporaryFolder folder;
   const fs::path html = folder.path / "page.html", pdf = folder.path / "page.pdf";
   std::ofstream(html, std::ios::binary) << page;
@@ -191,10 +197,12 @@ void print_pdf(const std::string& page, const fs::path& file) {
                                  "--print-to-pdf=" + pdf.string(),
                                  "file://" + html.string()};
   if (::geteuid() == 0) words.insert(words.begin() + 1, "--no-sandbox");  // it refuses root
+
   run_silently(std::move(words));
   if (!is_pdf(pdf))
     throw CommandFailed(ExitCode::not_found,
                         browser.string() + " printed no PDF; give a name that ends with .html");
+
   std::error_code error;
   fs::copy_file(pdf, file, fs::copy_options::overwrite_existing, error);
   if (error)

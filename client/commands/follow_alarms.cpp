@@ -47,17 +47,20 @@ AlarmHandlers alarm_handlers(const AlarmOptions& options, const std::string& bro
                              const std::string& job) {
   const Tell tell = tell_by(options, broker, job);
   AlarmHandlers handlers;
+
   handlers.forecast = [last_s = std::optional<double>()](const v1::Forecast& forecast) mutable {
     if (last_s && forecast.time_s() < *last_s + between_forecasts_s) return;
     last_s = forecast.time_s();
     std::cerr << render::forecast_line(forecast) << std::endl;
   };
+
   handlers.warning = [tell](const v1::ForecastWarning& warning) {
     const std::string text =
         fmt::format("warning at {:.0f} s, {}", warning.time_s(), render::warning_text(warning));
     std::cerr << text << std::endl;
     tell(text, Json{{"warning", to_json(warning)}});
   };
+
   // The watch of the job has printed it already.
   handlers.finding = [tell](const v1::Finding& finding) {
     tell(render::finding_line(finding), Json{{"finding", to_json(finding)}});

@@ -242,9 +242,11 @@ cli::Command add_job_command(cli::CommandLine& line, Program& program, const Job
                              std::string (*text)(const v1::Job&) = new_state,
                              std::function<void(Request&)> complete = nullptr) {
   const cli::Command command = line.command(about.name, about.description, about.example);
+
   const auto json = std::make_shared<bool>(false);
   command.option("JOB", *request->mutable_id(), job_help, cli::required);
   command.json(*json);
+
   command.action([=, &program] {
     if (complete) complete(*request);
     Connection connection = program.connect();
@@ -312,8 +314,10 @@ ExitCode wait_for_jobs(Connection& connection, const std::vector<std::string>& i
 void add_list(cli::CommandLine& line, Program& program) {
   const auto [command, options] =
       declare<ListOptions>(line, program, run, "list", "List jobs, newest first", list_examples);
+
   std::vector<std::string> names;
   for (const auto& [name, state] : state_names) names.push_back(name);
+
   command.option("-s,--state", options.states, "Only jobs in these states",
                  {.comma_separated = true, .one_of = names});
   command.repeatable("--label", options.labels, "Only jobs with this label; repeatable",
@@ -325,6 +329,7 @@ void add_list(cli::CommandLine& line, Program& program) {
   command.option("--name", options.name, "Only jobs with this title; * and ? as in a shell");
   command.option("--study", options.study, "Only the jobs of this study");
   command.flag("--all", options.all, "Each run of a study too, below the line of its study");
+
   command.option("-c,--columns", options.columns, "Columns to show",
                  {.comma_separated = true, .one_of = render::job_columns()});
   command.number("-n,--limit", options.limit, 1, 1000000, "At most this many");

@@ -68,6 +68,7 @@ struct WhoAmIOptions {
 ExitCode run(const WhoAmIOptions& options, Program& program) {
   Connection connection = program.connect();
   const auto user = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
+
   if (options.json) {
     print_line({{"server", connection.server()},
                 {"name", user.name()},
@@ -77,10 +78,12 @@ ExitCode run(const WhoAmIOptions& options, Program& program) {
                  user.has_expire_time() ? Json(utc_text(user.expire_time().seconds())) : Json()}});
     return ExitCode::done;
   }
+
   std::cout << user.name() << " on " << connection.server() << ", " << role_text(user.role())
             << ", by " << user.proof();
   if (user.has_expire_time()) std::cout << " until " << utc_text(user.expire_time().seconds());
   std::cout << '\n';
+
   const StoredServers stored(program.servers);
   for (const StoredServer& server : stored.all())
     std::cerr << "login  " << server.name << "  " << server.endpoint.address << "  " << server.user

@@ -236,6 +236,7 @@ void add_probe(cli::CommandLine& line, Program& program) {
       "Temperature, displacement and further fields at a point over time, or along a line",
       "dccast probe JOB --at 660,0,50mm\n"
       "  dccast probe JOB --at 0,0,50mm --to 660,0,50mm --time \"60 s\" --csv > line.csv");
+
   command.option("JOB", options.id, job_help, cli::required);
   command.option("--at", options.at,
                  "Point of the undeformed slab: x and y from the middle, z above the block; of a "
@@ -246,6 +247,7 @@ void add_probe(cli::CommandLine& line, Program& program) {
                  {.placeholder = "TIME"});
   command.repeatable("--field", options.fields, "A further field of the frames, e.g. von_mises_pa",
                      {.placeholder = "NAME"});
+
   command.number("--points", options.points, 2, 10000, "Of a line: number of points");
   command.json(options.json);
   command.flag("--csv", options.csv, "As CSV in SI units and degrees Celsius",

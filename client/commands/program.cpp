@@ -37,12 +37,14 @@ ExitCode run(const InfoOptions& options, Program& program) {
     print_line(to_json(info));
     return ExitCode::done;
   }
+
   std::cout << "server   " << connection.server() << "\nversion  " << info.version()
             << "\nworkers  " << info.workers() << "\nrunning  " << info.running() << "\nqueued   "
             << info.queued() << " of at most " << info.maximum_queued() << "\npaused   "
             << info.paused() << "\nlargest  " << info.maximum_message_bytes()
             << " bytes of a request\n"
             << ceilings_text(info) << "build    " << info.build() << '\n';
+
   if (!info.worker_sandbox().empty()) std::cout << "sandbox  " << info.worker_sandbox() << '\n';
   if (!info.storage_fault().empty())
     std::cout << "held     " << info.storage_fault() << "; no job starts until this is fixed\n";

@@ -34,9 +34,11 @@ ExitCode list(const StudiesOptions& options, Program& program) {
     print_line(json_list(studies, to_json));
     return ExitCode::done;
   }
+
   std::vector<std::string> ids;
   for (const v1::Study& study : studies) ids.push_back(study.id());
   const std::size_t length = short_id_length(ids);
+
   render::Table table({"STUDY", "STATE", "RUNS", "PLAN", "CREATED", "TITLE"});
   for (const v1::Study& study : studies)
     table.add({study.id().substr(0, length), render::state_text(study),
@@ -207,6 +209,7 @@ void print(const v1::Prediction& prediction) {
   if (has_error) headings.push_back(">mesh and steps mm");
   headings.insert(headings.end(), {">at s", ">cast mm"});
   render::Table table(headings);
+
   for (const v1::CurlCurve& curve : prediction.curves()) {
     const int last = curve.time_s_size() - 1;
     if (last < 0 || !std::isfinite(curve.curl_m(last))) continue;
@@ -214,6 +217,7 @@ void print(const v1::Prediction& prediction) {
     const double curl_m = curve.curl_m(last), surface_m = curve.uncertainty_m(last);
     const auto mesh = case_file::curl_error(prediction.mesh_error(), curl_m);
     const int decimals = render::mm_decimals(std::max(surface_m, mesh.larger_m()));
+
     std::vector<std::string> row{curve.monitor(), render::mm(curl_m, decimals),
                                  render::mm(surface_m, decimals)};
     if (has_error) row.push_back(render::mm_errors(mesh.lower_m, mesh.upper_m, decimals));
@@ -221,9 +225,11 @@ void print(const v1::Prediction& prediction) {
     row.push_back(render::fixed(1e3 * curve.cast_length_m(last), 1));
     table.add(std::move(row));
   }
+
   std::cout << table.text() << std::flush;
   std::cerr << "from " << prediction.runs() << " runs; leave-one-out error "
             << render::mm(prediction.cross_validated_error_m(), 2) << " mm (root mean square)\n";
+
   if (prediction.next_run().empty()) return;
   std::cerr << "most informative next run:";
   for (const v1::CaseChange& change : prediction.next_run())
@@ -252,15 +258,18 @@ void add_studies(cli::CommandLine& line, Program& program) {
       line, program, list, "studies",
       "List studies, newest first; show, fetch, cancel, resume or delete one",
       "dccast studies\n  dccast studies cancel STUDY\n  dccast studies resume --failed STUDY");
+
   command.number("-n,--limit", options.limit, 1, 1000000, "At most this many");
   command.json(options.json);
   add_action(command, program, options, "show", "Everything about one study", show);
+
   const cli::Command fetched = add_action(
       command, program, options, "fetch",
       "Fetch values, curls, curves, states and findings of all runs as HDF5 (docs/studies.md)",
       fetch);
   fetched.option("-o,--output", options.output, "File to write", cli::shown);
   add_force_flag(fetched, options.force);
+
   add_action(command, program, options, "cancel", "Cancel what has not ended", cancel)
       .option("--reason", options.reason, "Kept with the jobs");
   add_action(command, program, options, "resume",
@@ -273,6 +282,7 @@ void add_sweep(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<SweepOptions>(
       line, program, run, "sweep", "Run a case at many values of its keys, and compare the curl",
       sweep_examples);
+
   command.option("FILE", options.base.file, "Sweep file, or with --grid or --list a case file");
   command.option("--grid", options.grid,
                  "KEY=a,b,c: every value with those of the other keys; repeatable");
@@ -283,6 +293,7 @@ void add_sweep(cli::CommandLine& line, Program& program) {
                  "Number of runs of a Latin hypercube between the two values of each --grid",
                  {.between = {{1, 10000}}, .excludes = {"--list"}});
   command.option("--seed", options.seed, "Seed of the Latin hypercube", cli::shown);
+
   command.option("--csv", options.csv, "Write the table as CSV; - for standard output");
   command.option("-o,--output", options.output,
                  "Write values, curls, curves, states and findings as HDF5 (docs/studies.md)");

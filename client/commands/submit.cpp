@@ -56,12 +56,14 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& o
   if (!options.from.empty())
     cases.push_back(read_case_of_job(connection, resolve_job(connection, options.from),
                                      changes_of(options.set)));
+
   bool sound = true;
   for (CaseUnderCheck& checked : cases) {
     check_with_server(checked, connection);
     if (!checked.faults.empty()) refuse(checked, options.json);
     sound = sound && checked.faults.empty();
   }
+
   if (!sound) return std::nullopt;
   for (const CaseUnderCheck& checked : cases)
     for (const v1::Fault& warning : checked.warnings)
@@ -209,12 +211,14 @@ double expected_run_s(const v1::Job& job) {
 void add_submit(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<SubmitOptions>(
       line, program, run, "submit", "Queue cases; prints the id of each job", submit_examples);
+
   command.option("FILE", options.files, "Case files; - for standard input");
   command.option("--from", options.from, "Instead of a FILE: the case of this job, as submitted",
                  {.placeholder = "JOB"});
   command.repeatable("--after", options.after,
                      "Start when these jobs have succeeded; cancelled if one does not; repeatable",
                      {.comma_separated = true, .placeholder = "JOB"});
+
   add_set_option(command, options.set);
   command.repeatable("--label", options.labels, "Label for finding the job; repeatable",
                      {.comma_separated = true});
@@ -223,6 +227,7 @@ void add_submit(cli::CommandLine& line, Program& program) {
   command.flag("--strict", options.strict,
                "With --watch: exit code 3 for a job with findings beyond notes too",
                {.needs = "--watch"});
+
   command.choice("-p,--priority", options.priority,
                  {{"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}},
                  "Place in the queue: low, normal (default) or high", {.placeholder = "PRIORITY"});
@@ -231,12 +236,14 @@ void add_submit(cli::CommandLine& line, Program& program) {
                  {.fault = [](const std::string& text) {
                    return case_file::parse_quantity(text, "s").message;
                  }});
+
   command.option("--mail", options.mail,
                  "Address passed to the server's hook at the end of the job",
                  {.placeholder = "ADDRESS"});
   command.option("--notify", options.notify,
                  "Wait for the jobs, and run this for each as wait --notify does",
                  {.placeholder = "COMMAND", .excludes = {"--watch"}});
+
   command.option(
       "--request-id", options.request_id,
       "Submitting again with the same id gives the same job, or jobs; by default a new one "

@@ -94,12 +94,14 @@ bool wait_for_key(Connection& connection, bool keys, int seconds) {
 ExitCode run(const TopOptions& options, Program& program) {
   Connection connection = program.connect();
   const render::Terminal terminal = render::terminal_of(STDOUT_FILENO);
+
   if (options.once || !terminal.interactive) {
     std::cout << page_now(connection,
                           options.once && terminal.interactive ? terminal.columns : 1000, 0)
               << std::flush;
     return ExitCode::done;
   }
+
   std::string page = page_now(connection, render::columns_now(terminal), lines_of_terminal() - 1);
   const FullScreen screen;
   try {

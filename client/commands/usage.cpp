@@ -36,6 +36,7 @@ ExitCode run(const UsageOptions& options, Program& program) {
   Connection connection = program.connect();
   v1::ListJobsRequest request;
   if (!options.since.empty()) request.mutable_since()->set_seconds(seconds_of_past(options.since));
+
   std::map<std::string, Usage> usages;
   for (const v1::Job& job : list_jobs(connection, request, most_jobs).jobs)
     for (const std::string& group : groups_of(job, options.by)) {
@@ -45,6 +46,7 @@ ExitCode run(const UsageOptions& options, Program& program) {
       usage.failed += job.state() == v1::FAILED;
       usage.processor_s += job.last_step().process_s();
     }
+
   render::Table table({options.by, ">jobs", ">succeeded", ">failed", ">processor time"});
   Json list = Json::array();
   for (const auto& [group, usage] : usages) {
@@ -57,6 +59,7 @@ ExitCode run(const UsageOptions& options, Program& program) {
                     {"failed", usage.failed},
                     {"processor_s", usage.processor_s}});
   }
+
   std::cout << (options.json ? list.dump() + "\n" : table.text());
   return ExitCode::done;
 }

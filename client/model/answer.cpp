@@ -41,6 +41,7 @@ void CurlHistory::add(const v1::StepReport& report) {
   cast_length_m.push_back(report.cast_length_m());
   beyond.push_back(report.beyond_validity());
   reports.push_back(report);
+
   for (const v1::MonitorValue& value : report.monitors()) {
     auto found = std::ranges::find(monitors, value.name(), &Series::name);
     if (found == monitors.end()) found = monitors.insert(monitors.end(), {.name = value.name()});

@@ -40,6 +40,7 @@ public:
         read_readings(line);
       if (header_failed_ || file_.faults.size() >= most_faults) break;
     }
+
     if (at_unit_.empty() && file_.faults.empty())
       fault(1, "is empty; permitted: a header such as " + std::string(header_form));
     for (Column& column : columns_) {
@@ -115,11 +116,13 @@ private:
     if (cells.size() != columns_.size() + 1)
       return fault(cells.size(), "has " + std::to_string(cells.size()) + " columns; permitted: " +
                                      std::to_string(columns_.size() + 1) + ", as in the header");
+
     const auto at = number(cells[0], at_unit_, by_time_ ? "s" : "m", 1);
     if (!at) return;
     if (last_at_ && !(*at > *last_at_))
       fault(1, cells[0] + " does not lie after the reading before; permitted: increasing values");
     last_at_ = at;
+
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (cells[i + 1].empty()) continue;
       Column& column = columns_[i];

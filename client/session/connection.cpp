@@ -105,12 +105,14 @@ void interrupt_by_signals(std::shared_ptr<Interruption> interruption) {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals,
                   nullptr);  // later threads inherit the mask: only this one handles the signals
+
   std::thread([signals, interruption = std::move(interruption)] {
     int signal = 0;
     sigwait(&signals, &signal);
     interruption->come();
     const timespec grace{1, 0};
     sigtimedwait(&signals, nullptr, &grace);
+
     // The main thread is computing, or blocked on a pipe that no one reads. FILE.part remains and
     // can be continued.
     static constexpr char message[] = "\ndccast: interrupted; a job that was submitted goes on\n";

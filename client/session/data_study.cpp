@@ -103,11 +103,13 @@ std::vector<std::string> add_checks(Connection& connection, const v1::Calibratio
     sweep.set_design(v1::SweepPlan::LIST);
     sweep.set_purpose(v1::SweepPlan::CALIBRATION);
     sweep.set_further_of(casting.front());
+
     for (int axis = 0; axis < plan.axes_size(); ++axis) {
       auto& values = *sweep.add_axes();
       values.set_key(plan.axes(axis).key());
       for (const auto& place : calibration.checks()) values.add_values(place.values(axis));
     }
+
     request.set_request_id(casting.front() + "/" +
                            values::sha256(sweep.SerializeAsString()).substr(0, 16));
     const v1::Study study = connection.call(&Stub::CreateStudy, request);

@@ -85,9 +85,11 @@ Stream read_stream(Connection& connection, const std::string& id, std::int64_t& 
   v1::WatchJobRequest request;
   request.set_id(id);
   request.set_from_sequence(next);
+
   grpc::ClientContext context;
   const Interruption::Call call(connection.interruption(), context);
   const auto reader = connection.stub().WatchJob(&context, request);
+
   Stream stream;
   v1::JobEvent event;
   while (!stream.terminal && reader->Read(&event)) {
@@ -103,6 +105,7 @@ Stream read_stream(Connection& connection, const std::string& id, std::int64_t& 
     if (event.has_state_change() && event.state_change().terminal())
       stream.terminal = event.state_change();
   }
+
   // A stream that has ended by itself keeps its status: cancelling it would hide a NOT_FOUND.
   if (stream.terminal) context.TryCancel();
   stream.status = reader->Finish();
@@ -124,9 +127,11 @@ v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, 
     if (connection.interruption().came()) throw Interrupted("");
     if (!is_passing(stream.status.error_code()))
       throw failure_of(stream.status, connection.server());
+
     attempt = stream.progressed ? 1 : attempt + 1;
     if (stream.progressed) pause = policy.first_pause;
     if (attempt == policy.attempts) break;
+
     messages << "watch: the stream from " << connection.server() << " ended"
              << (stream.status.ok() ? "" : " (" + reason_of(stream.status) + ")")
              << " but the job has not; taking it up again at event " << next << " (attempt "
@@ -173,8 +178,10 @@ std::int64_t seconds_of_past(const std::string& text) {
   ::localtime_r(&now, &day);
   day.tm_hour = day.tm_min = day.tm_sec = 0;
   day.tm_isdst = -1;
+
   if (text == "yesterday") --day.tm_mday;
   if (text == "today" || text == "yesterday") return std::mktime(&day);
+
   int year = 0, month = 0, of_month = 0, number = 0, end = 0;
   char unit = 0;
   if (std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &year, &month, &of_month, &end) == 3 &&
@@ -182,6 +189,7 @@ std::int64_t seconds_of_past(const std::string& text) {
     day.tm_year = year - 1900, day.tm_mon = month - 1, day.tm_mday = of_month;
     return std::mktime(&day);
   }
+
   end = 0;
   if (std::sscanf(text.c_str(), "%6d %c%n", &number, &unit, &end) == 2 && number >= 0 &&
       text.c_str()[end] == '\0') {

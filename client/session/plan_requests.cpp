@@ -116,6 +116,7 @@ void add_number(const Limited& limited, double value, v1::RecipePlan& plan) {
 
 void add_numbers(const v1::Case& complete, const RecipeChoice& choice, v1::RecipePlan& plan) {
   const double within = 0.01 * choice.within_percent;
+
   const auto level = [&](RecipeNumber number, const char* option, const std::string& text,
                          const char* unit) -> Limited {
     return {number, option, text, unit, 1.0 - within, 1.0 + within};
@@ -125,6 +126,7 @@ void add_numbers(const v1::Case& complete, const RecipeChoice& choice, v1::Recip
     if (case_file::ramps_by_length(curve)) return {number, "--ramp", "0..10 m", "m", 0.5, 2.0};
     return {number, "--ramp", choice.ramp, "s", 0.5, 2.0};
   };
+
   std::vector<Limited> numbers{
       level(case_file::speed_start, "--speed", choice.speed, "m/s"),
       level(case_file::speed_run, "--speed", choice.speed, "m/s"),
@@ -136,6 +138,7 @@ void add_numbers(const v1::Case& complete, const RecipeChoice& choice, v1::Recip
                    {level(case_file::water_start, "--water", choice.water, "m2/s"),
                     level(case_file::water_run, "--water", choice.water, "m2/s"),
                     ramp(case_file::water_ramp, complete.schedule().water_flow_m2_per_s())});
+
   const case_file::Recipe recipe = case_file::recipe_of(complete);
   for (const Limited& number : numbers) add_number(number, recipe[number.number], plan);
 }
@@ -175,15 +178,18 @@ SweepFile read_sweep_file(const std::string& file) {
     if (key != "case" && key != "design" && key != "runs" && key != "seed" && key != "axis")
       refuse(file,
              std::string(key.str()) + ": unknown key; permitted: case, design, runs, seed, axis");
+
   SweepFile sweep;
   const std::string of_case = (*table)["case"].value_or(std::string());
   if (of_case.empty()) refuse(file, "case is absent: the case file that is swept");
   sweep.case_file = (std::filesystem::path(file).parent_path() / of_case).string();
+
   const auto design = designs.find((*table)["design"].value_or(std::string("grid")));
   if (design == designs.end()) refuse(file, "design: permitted: grid, list, latin_hypercube");
   sweep.plan.set_design(design->second);
   sweep.plan.set_runs(static_cast<int>((*table)["runs"].value_or(std::int64_t{0})));
   sweep.plan.set_seed(static_cast<std::uint64_t>((*table)["seed"].value_or(std::int64_t{0})));
+
   const toml::array* const axes = (*table)["axis"].as_array();
   if (axes == nullptr) refuse(file, "axis: write [[axis]] with key and values");
   for (const toml::node& axis : *axes) *sweep.plan.add_axes() = read_axis(file, axis);
@@ -194,8 +200,10 @@ v1::SweepPlan::Axis axis_of(std::string_view text) {
   const auto equals = text.find('=');
   if (equals == std::string_view::npos || equals == 0)
     throw invalid("\"" + std::string(text) + "\": write KEY=a,b,c, e.g. mesh.rows=20,30,40");
+
   v1::SweepPlan::Axis axis;
   axis.set_key(std::string(case_file::trimmed(text.substr(0, equals))));
+
   std::string value;
   int depth = 0;
   bool quoted = false;

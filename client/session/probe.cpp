@@ -36,6 +36,7 @@ Diagnosis without_connection(const Socket& socket, const values::HostAndPort& to
   const Outcome outcome = socket.outcome();
   const std::string& reason = socket.reason();
   const std::string where = to.host + " port " + to.port;
+
   if (outcome == Outcome::no_name)
     return {"the name " + to.host + " cannot be resolved (" + reason + ")",
             "check its spelling, or give the address in numbers"};
@@ -70,6 +71,7 @@ std::string names_of(X509* certificate) {
   std::string names;
   for (int i = 0; i < sk_GENERAL_NAME_num(extension); ++i) {
     const GENERAL_NAME* name = sk_GENERAL_NAME_value(extension, i);
+
     std::string text;
     if (name->type == GEN_DNS)
       text.assign(reinterpret_cast<const char*>(ASN1_STRING_get0_data(name->d.dNSName)),
@@ -80,6 +82,7 @@ std::string names_of(X509* certificate) {
                   ASN1_STRING_get0_data(name->d.iPAddress), number.data(), number.size());
       text = number.data();
     }
+
     if (!text.empty()) names += (names.empty() ? "" : ", ") + values::escaped(text);
   }
   GENERAL_NAMES_free(extension);
@@ -137,6 +140,7 @@ Diagnosis no_handshake(const values::HostAndPort& to, const std::string& address
   if (!second.is_connected())
     return {"the server at " + address + " ends each connection at once",
             "it may have too many of them; try again later"};
+
   switch (language_of(second.exchange(http2_greeting))) {
     case Speaks::http2:
       return {"the server speaks no TLS at " + address +
@@ -262,12 +266,14 @@ std::string role_text(v1::Role role) {
 Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
                    std::vector<std::string>& found, std::shared_ptr<Interruption> interruption) {
   const std::string& address = endpoint.address;
+
   if (SshTunnel::is_meant(address))
     return through_ssh(address, options, found, std::move(interruption));
   if (const auto scheme = address.find("://"); scheme != std::string::npos)
     return {
         "the address begins with " + address.substr(0, scheme + 3) + ", as that of a web page does",
         "write " + address.substr(scheme + 3) + " alone"};
+
   if (address.starts_with(values::unix_scheme)) {
     const Diagnosis wire =
         at_unix_socket(address.substr(std::string_view(values::unix_scheme).size()));
@@ -275,10 +281,12 @@ Diagnosis diagnose(const Endpoint& endpoint, const ProbeOptions& options,
     found.push_back("connected to " + address);
     return call(endpoint, options, found, std::move(interruption));
   }
+
   const values::HostAndPort to = values::host_and_port(address);
   if (to.port.empty())
     return {"the address " + address + " names no port",
             "write " + address + ":7118, or the port of listen.tls that the log of dccastd names"};
+
   Socket socket(to, options.timeout);
   if (!socket.is_connected()) return without_connection(socket, to, options);
   found.push_back("connected to " + address);
@@ -291,17 +299,20 @@ std::string certificate_with_fingerprint(const std::string& address, const std::
   const auto refuse = [](const Diagnosis& why) {
     return CommandFailed(ExitCode::unreachable, why.cause + "; " + why.remedy);
   };
+
   const values::HostAndPort to = values::host_and_port(address);
   const Socket socket(to, options.timeout);
   if (!socket.is_connected()) throw refuse(without_connection(socket, to, options));
   const Handshake hands(socket, to, "");
   if (!hands.made) throw refuse(no_handshake(to, address, options));
+
   STACK_OF(X509)* chain = SSL_get_peer_cert_chain(hands.session.get());
   for (int i = 0; i < sk_X509_num(chain); ++i) {
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
     unsigned size = 0;
     X509_digest(sk_X509_value(chain, i), EVP_sha256(), digest.data(), &size);
     if (values::hexadecimal({digest.data(), size}) != fingerprint) continue;
+
     const values::Owned<BIO, BIO_free> bio(BIO_new(BIO_s_mem()));
     PEM_write_bio_X509(bio.get(), sk_X509_value(chain, i));
     char* bytes = nullptr;

@@ -150,6 +150,7 @@ std::vector<std::optional<Answer>> ask_queries(
         on_wait) {
   std::mutex mutex;  // of `on_wait`
   const QueryMode mode{.one_of_several = cases.size() > 1};
+
   std::vector<std::optional<Answer>> answers;
   while (answers.size() < cases.size()) {
     std::vector<Question> questions;
@@ -159,6 +160,7 @@ std::vector<std::optional<Answer>> ask_queries(
         const std::lock_guard lock(mutex);
         on_wait(i, waiting);
       });
+
     for (Question& question : questions)
       answers.push_back(question.answer(connection.interruption()));
   }

@@ -94,20 +94,24 @@ void StoredServers::remove(const std::string& name) {
 /// Replaces the file by a new one that others can never read.
 void StoredServers::write() const {
   if (file_.empty()) throw invalid("there is no folder for the login: set HOME or XDG_CONFIG_HOME");
+
   toml::array servers;
   for (const StoredServer& server : all_) servers.push_back(table_of(server));
   std::ostringstream content;
   content << "# Written by dccast login; with its tokens anyone can call as you.\n"
           << toml::table{{"server", servers}} << '\n';
+
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);
   const std::string whole = content.str(), part = file_.string() + ".part";
   ::unlink(part.c_str());
+
   const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   const bool written =
       descriptor >= 0 &&
       ::write(descriptor, whole.data(), whole.size()) == static_cast<ssize_t>(whole.size()) &&
       ::fsync(descriptor) == 0;
+
   const int reason = errno;
   if (descriptor >= 0) ::close(descriptor);
   if (written && ::rename(part.c_str(), file_.c_str()) == 0) return;
@@ -152,18 +156,22 @@ StoredServer log_in(const EnrolmentLine& line, const std::string& name,
                     std::shared_ptr<Interruption> interruption) {
   StoredServer server{name, {.address = line.address}, ""};
   server.endpoint.ca = certificate_with_fingerprint(line.address, line.fingerprint, {});
+
   // Not repeated: the secret is valid once.
   Connection connection(server.endpoint, interruption);
+
   v1::EnrolRequest request;
   request.set_secret(line.secret);
   request.set_machine(name_of_this_machine());
   v1::EnrolResponse response;
   const grpc::Status status = connection.try_once(&Stub::Enrol, request, response);
+
   if (status.error_code() == grpc::StatusCode::UNAVAILABLE) {
     std::vector<std::string> found;
     const Diagnosis why = diagnose(server.endpoint, {}, found, interruption);
     if (!why.sound()) throw CommandFailed(ExitCode::unreachable, why.cause + "; " + why.remedy);
   }
+
   check(status, line.address);
   server.endpoint.token = response.token();
   server.user = response.user().name();

@@ -86,6 +86,7 @@ Socket::Socket(const values::HostAndPort& to, std::chrono::milliseconds timeout)
     reason_ = ::gai_strerror(error);
     return;
   }
+
   int error = 0;
   for (const addrinfo* one = all; one != nullptr; one = one->ai_next) {
     const int tried = ::socket(one->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -97,6 +98,7 @@ Socket::Socket(const values::HostAndPort& to, std::chrono::milliseconds timeout)
     if (error == 0) error = failed;  // the first is the cause
     if (tried >= 0) ::close(tried);
   }
+
   ::freeaddrinfo(all);
   if (is_connected()) return;
   outcome_ = outcome_of(error);
@@ -125,6 +127,7 @@ Handshake::Handshake(const Socket& socket, const values::HostAndPort& to, const 
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, [](int, X509_STORE_CTX*) { return 1; });
   if (const Certificate trusted = ca.empty() ? nullptr : parse(ca))
     X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()), trusted.get());
+
   session.reset(SSL_new(context.get()));
   constexpr std::array<unsigned char, 3> http2{2, 'h', '2'};
   SSL_set_alpn_protos(session.get(), http2.data(), http2.size());
@@ -134,6 +137,7 @@ Handshake::Handshake(const Socket& socket, const values::HostAndPort& to, const 
     SSL_set_tlsext_host_name(session.get(), to.host.c_str());
     SSL_set1_host(session.get(), to.host.c_str());
   }
+
   SSL_set_fd(session.get(), socket.descriptor());
   // OpenSSL writes to a connection that the other side may have closed.
   const auto before = ::signal(SIGPIPE, SIG_IGN);

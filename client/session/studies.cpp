@@ -53,11 +53,13 @@ std::optional<v1::Study> create_study(
     print_faults(checked, std::cerr);
     return std::nullopt;
   }
+
   v1::CreateStudyRequest request;
   request.set_request_id(values::random_uuid());
   put_case(checked, connection, request);
   *request.mutable_labels() = {base.labels.begin(), base.labels.end()};
   add_plan(request);
+
   v1::Study study;
   const grpc::Status status = connection.try_call(&Stub::CreateStudy, request, study);
   const v1::ValidateCaseResponse verdict = verdict_of(status);
@@ -69,6 +71,7 @@ std::optional<v1::Study> create_study(
     print_refusal(verdict, checked);
     return std::nullopt;
   }
+
   check(status, connection.server());
   return study;
 }
@@ -84,9 +87,11 @@ v1::Study follow_study(Connection& connection, const std::string& id,
     if (connection.interruption().came()) throw Interrupted("");
     if (!is_passing(stream.status.error_code()))
       throw failure_of(stream.status, connection.server());
+
     attempt = stream.last ? 1 : attempt + 1;
     if (stream.last) pause = policy.first_pause;
     if (attempt == policy.attempts) break;
+
     messages << "watch: the stream from " << connection.server()
              << " ended but the study has not; taking it up again (attempt " << attempt << " of "
              << policy.attempts - 1 << ")" << std::endl;

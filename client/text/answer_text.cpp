@@ -61,6 +61,7 @@ Json answer_json(const Answer& answer) {
             {"solver_s", answer.solver_s},
             {"first_point_s", answer.first_point_s},
             {"elapsed_s", answer.elapsed_s}};
+
   for (const auto& series : answer.history.monitors)
     json["monitors"].push_back(monitor_json(series));
   return json;

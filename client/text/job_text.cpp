@@ -314,6 +314,7 @@ std::string queue_table(const TopView& view, std::int64_t now_unix) {
     double starts_in_s = NAN;
     std::int64_t oldest = INT64_MAX;
   };
+
   std::map<std::string, Waiting> owners;
   for (const v1::Job& job : view.queued) {
     Waiting& waiting = owners[job.owner()];
@@ -324,6 +325,7 @@ std::string queue_table(const TopView& view, std::int64_t now_unix) {
     waiting.first = position;
     waiting.starts_in_s = job.has_starts_in_s() ? job.starts_in_s() : NAN;
   }
+
   Table table({"OWNER", ">QUEUED", ">NEXT", ">STARTS IN", ">OLDEST"});
   for (const auto& [owner, waiting] : owners)
     table.add(
@@ -344,11 +346,13 @@ std::string top_page(const TopView& view, int columns, int lines, std::int64_t n
       about.version(), view.server, about.running(), about.workers(), about.queued(),
       about.paused(), megabytes(about.memory_bytes()), about.worker_processes(),
       megabytes(about.worker_memory_bytes()));
+
   if (!about.storage_fault().empty()) page += "held: " + about.storage_fault() + "\n";
   page += "\n" + (view.running.empty() ? "no job runs\n" : running_table(view));
   if (!view.queued.empty()) page += "\n" + queue_table(view, now_unix);
   if (about.queued() > static_cast<int>(view.queued.size()) && !view.queued.empty())
     page += fmt::format("the newest {} of the queue\n", view.queued.size());
+
   std::istringstream all(page);
   std::string shown;
   int count = 0;

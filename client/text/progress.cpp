@@ -123,6 +123,7 @@ void Progress::finish() {
   end_line();
   const auto* const series = history_.largest();
   if (!terminal_.interactive || series == nullptr || history_.time_s.size() < 2) return;
+
   const int columns = std::min(60, columns_now(terminal_) - 12);
   stream_ << "curl of " << series->name << ", " << fixed(history_.time_s.front(), 0) << " to "
           << fixed(history_.time_s.back(), 0) << " s" << beyond_note(history_) << '\n';
@@ -131,6 +132,7 @@ void Progress::finish() {
     low = std::min(low, curl);
     high = std::max(high, curl);
   }
+
   const auto lines = braille_curve(series->curl_m, columns, 5);
   for (std::size_t i = 0; i < lines.size(); ++i)
     stream_ << lines[i]
@@ -187,6 +189,7 @@ Json WatchOutput::line(const v1::JobEvent& event) {
     // A watch that begins during a run has not received its start.
     if (state_ == v1::JOB_STATE_UNSPECIFIED) state_ = v1::RUNNING;
   }
+
   const auto of_step = [&](auto value) { return stepped_ ? Json(value) : Json(); };
   Json line{{"sequence", event.sequence()},
             {"event", Json()},
@@ -200,6 +203,7 @@ Json WatchOutput::line(const v1::JobEvent& event) {
             {"monitors", Json::array()}};
   for (const v1::MonitorValue& monitor : step_.monitors())
     line["monitors"].push_back(to_json(monitor));
+
   const char* const name = add_particulars(event, line);  // moves the members of `line`
   line["event"] = name;
   return line;

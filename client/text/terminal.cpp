@@ -70,6 +70,7 @@ std::string wrapped(const std::string& text, int columns, int first, int indent)
     while (blank + 1 < text.size() && text[blank + 1] == '%')  // "13 %" stays together
       blank = std::min(text.find(' ', blank + 1), text.size());
     const std::string word = text.substr(at, blank - at);
+
     if (at > 0 && column + 1 + display_width(word) > columns) {
       lines += "\n" + std::string(indent, ' ');
       column = indent;
@@ -77,6 +78,7 @@ std::string wrapped(const std::string& text, int columns, int first, int indent)
       lines += " ";
       ++column;
     }
+
     lines += word;
     column += display_width(word);
     at = blank + 1;
@@ -132,6 +134,7 @@ void draw(const std::vector<BrailleLine>& lines, double begin, double end, int c
   const int dots = 4 * rows;
   std::vector<std::vector<unsigned>> drawn(rows, std::vector<unsigned>(columns, 0));
   chart.cells.assign(rows, std::vector<BrailleCell>(columns));
+
   for (std::size_t i = 0; i < lines.size(); ++i) {
     int previous = -1;
     for (int x = 0; x < 2 * columns; ++x) {
@@ -141,6 +144,7 @@ void draw(const std::vector<BrailleLine>& lines, double begin, double end, int c
         previous = -1;
         continue;
       }
+
       const int level =
           dots - 1 - static_cast<int>(std::lround((y - chart.low) / span * (dots - 1)));
       // Begins beside the previous dot, which is not drawn twice.
@@ -153,6 +157,7 @@ void draw(const std::vector<BrailleLine>& lines, double begin, double end, int c
       }
     }
   }
+
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
       chart.cells[row][column].text = braille(drawn[row][column]);

@@ -322,6 +322,7 @@ void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
   constexpr std::chrono::milliseconds pause{100};
   auto last = std::chrono::steady_clock::now();
   CurlHistory history;
+
   const auto answer =
       ask_query(connection, checked, {}, [&](const v1::QueryButtCurlResponse& response) {
         if (response.has_waiting())
@@ -337,6 +338,7 @@ void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
           history = {};
         }
       });
+
   Bases::require(checked);
   if (answer) send(Json{{"answer", answer_json(*answer)}}.dump());
 }
@@ -451,11 +453,13 @@ void add_what_if(WebServer& server, const Connect& connect, const std::vector<st
   server.post("/upload", connected(connect, [=](Connection& connection, const Request& request) {
                 return Reply{uploaded(connection, *bases, request).dump()};
               }));
+
   server.get("/slab", [](const Request& request) { return Reply{slab_json(request).dump()}; });
   server.get("/alloys",
              [](const Request&) { return Reply{Json(case_file::alloy_names()).dump()}; });
   server.get("/bases", [=](const Request&) { return Reply{bases->names().dump()}; });
   server.get("/case", [=](const Request& request) { return case_text(bases->read(request)); });
+
   server.events("/ask", [=](const Request& request) {
     return [=](const auto& gone, const Send& send) {
       Connection connection = connect(gone);

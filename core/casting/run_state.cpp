@@ -98,6 +98,7 @@ void for_fields(State& state, const Use& use) {
   use("superheat_j_per_m", state.superheat);
   use("level_heat_j_per_m", state.level_heat);
   use("row_heights_m", state.row_heights);
+
   use("heat/enthalpy_j_per_m3", state.heat.enthalpy);
   use("heat/temperature_c", state.heat.temperature);
   use("heat/liquid_fraction", state.heat.liquid_fraction);
@@ -309,11 +310,13 @@ template <int Dim>
 std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
   Reasons reasons;
   fit_course(state, run, reasons);
+
   fit_rows(state, run, reasons);
   if (!reasons.first().empty()) return reasons.first();
   const auto [heat, mechanics] = shapes_of(state, run);
   fit_heat(state.heat, heat, reasons);
   fit_slab(state.slab, mechanics, reasons);
+
   const std::vector<double>& when_liquid = state.findings.history.when_liquid;
   if (!when_liquid.empty())  // before the mechanics begins nothing turns
     reasons.require_reals(when_liquid, mechanics.elements * std::tuple_size_v<Turn<Dim>>,
@@ -321,6 +324,7 @@ std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
   // Without a window of hot tears nothing is followed.
   if (!state.findings.history.passages.empty())
     reasons.require_size(state.findings.history.passages, heat.elements, "passage of the mush");
+
   for (const Finding& finding : state.findings.raised) {
     if (!finding.place.empty()) reasons.require_reals(finding.place, Dim, "the place of a finding");
     if (finding.worst && !finding.worst->place.empty())

@@ -32,15 +32,18 @@ results::RunHeader header_of(const Case& c) {
   header.program_version = DCCAST_VERSION;
   header.build = "g++ " __VERSION__;
   header.commit = c.commit;
+
   header.title = c.title;
   header.case_sha256 = c.case_sha256;
   header.case_json = c.source_json;
   header.relative_curl_error = c.relative_curl_error;
+
   header.section = mesh::name_of(c.section.kind);
   header.dimension = mesh::dimension_of(c.section.kind);
   header.liquidus = c.alloy.liquidus;
   header.solidus = c.alloy.solidus;
   header.shell = c.alloy.retention_temperature();
+
   for (const Monitor& monitor : c.monitors) {
     header.monitor_name.push_back(monitor.name);
     header.monitor_position.push_back({monitor.x, monitor.y});

@@ -80,9 +80,11 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
   mechanics_.set_mesh(mesh_.mesh());
   mechanics_.set_initial_gap(
       initial_gap(c.cooling.bottom_block, mesh_.mesh(), mechanics_.bottom_nodes()));
+
   state_.time = schedule_.begin();
   state_.next_frame = state_.time;
   state_.step_limit = control_.limit();
+
   state_.heat = heat_.initial_field(
       state_.time,
       c.thermal.initial_temperature.value_or(schedule_.casting_temperature(state_.time, 0.0)));
@@ -323,6 +325,7 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   std::vector<double> gap;
   if (case_.coupling.gap_feedback && (state_.slab.started || !block_.initial_gap.empty()))
     gap = bottom_gap(u);
+
   thermal::HeatStepInput input;
   input.time = state_.time;
   input.time_step = tried.time_step;
@@ -331,11 +334,13 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   input.water_flow = schedule_.water_flow(state_.time, state_.cast_length);
   input.narrow_water_flow = schedule_.narrow_water_flow(state_.time, state_.cast_length);
   input.bottom_gap = gap;
+
   const std::vector<double> rise = side_rise(u);
   input.rise = rise;
   const std::vector<double> inward = side_inward(u);
   input.inward = inward;
   input.entry = entry;
+
   const Stopwatch watch(heat_seconds_);
   tried.heat = heat_.step(state_.heat, input);
   if (!tried.heat.converged) tried.diverged = Diverged::heat;
@@ -352,6 +357,7 @@ bool SlabRun<Dim>::step_mechanics(Attempt& tried, std::span<const double> temper
   input.time_step = tried.time_step;
   input.metal_level = metal_level();
   input.element_temperature_n = temperature_n;
+
   const mechanics::StepOutcome outcome = mechanics_.step(state_.slab, input);
   const mechanics::StepOutcome before = tried.mechanics;
   tried.mechanics = outcome;
@@ -360,6 +366,7 @@ bool SlabRun<Dim>::step_mechanics(Attempt& tried, std::span<const double> temper
   tried.mechanics.solves += before.solves;
   tried.mechanics.gradient_iterations += before.gradient_iterations;
   tried.mechanics.contact_changes += before.contact_changes;
+
   if (!outcome.converged) tried.diverged = Diverged::mechanics;
   return outcome.converged;
 }

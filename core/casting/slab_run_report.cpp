@@ -224,6 +224,7 @@ results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_att
   r.time = state_.time;
   r.cast_length = state_.cast_length;
   r.failed_attempts = failed_attempts;
+
   report_effort(accepted, r);
   report_merging(accepted.merge, r);
   report_heat(accepted, face_length_, r);
@@ -231,12 +232,14 @@ results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_att
   report_figures(step, r);
   r.monitor_displacement = std::move(monitors.displacement);
   r.monitor_temperature = std::move(monitors.temperature);
+
   r.nodes = mesh().nodes();
   r.elements = mesh().elements();
   r.solver_seconds = state_.solver_seconds;
   r.process_seconds = state_.process_seconds;
   r.progress = (state_.time - schedule_.begin()) / (schedule_.end() - schedule_.begin());
   if (!state_.slab.started) return r;
+
   const mechanics::SlabChecks& checks = mechanics_.checks();
   r.equilibrium_residual = checks.equilibrium_residual;
   r.complementarity_error = checks.complementarity_error;

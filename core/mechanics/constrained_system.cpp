@@ -31,6 +31,7 @@ bool ConstrainedSystem::hold_and_factorize(std::span<const char> fixed) {
   const Stopwatch watch(work_->cost.preconditioner);
   auto& values = work_->stiffness;
   values = work_->unheld_stiffness;
+
   const auto& start = pattern_->column_start();
   const auto& row = pattern_->row();
   for (std::size_t c = 0; c + 1 < start.size(); ++c) {
@@ -41,10 +42,12 @@ bool ConstrainedSystem::hold_and_factorize(std::span<const char> fixed) {
     // The diagonal keeps its own value, so that the pivots have the scale of their neighbourhood.
     if (fixed[c] != 0 && !(values[diagonal] > 0.0)) values[diagonal] = 1.0;
   }
+
   held_.assign(fixed.begin(), fixed.end());
   work_->secants.clear();
   renewed_ = false;
   factor_is_exact_ = work_->two_grid == nullptr;
+
   if (!factor_is_exact_) return work_->two_grid->factorize(*pattern_, values, fixed);
   condensation_.start(*pattern_, work_->unheld_stiffness, work_->solver, fixed);
   return work_->solver.factorize(values);
@@ -88,10 +91,12 @@ bool ConstrainedSystem::solve_free(std::span<const char> fixed, double tolerance
     condensation_.solve(d, d);
     return true;
   }
+
   const bool by_grids = work_->two_grid != nullptr;
   const auto precondition = [&](std::span<const double> r, std::span<double> z) {
     by_grids ? work_->two_grid->apply(r, z) : work_->solver.solve(r, z);
   };
+
   work_->lifted = d;
   const auto outcome =
       gradients_.solve(*pattern_, work_->unheld_stiffness, fixed, precondition, work_->lifted, d,

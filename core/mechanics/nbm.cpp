@@ -56,16 +56,19 @@ private:
     StepOutcome& outcome = this->outcome_;
     while (outcome.iterations < iteration_limit(this->options_)) {
       if (!solve_displacement()) return;
+
       outcome.equilibrium_residual = this->true_residual(constraints_.fixed());
       const double relative = outcome.equilibrium_residual;
       outcome.residual_history.push_back(relative);
       if (!std::isfinite(relative)) return;
+
       refactor_ = this->close_contact(constraints_, relative, contact_from_residual);
       if (!refactor_ && relative <= this->options_.tolerance) {
         outcome.converged = true;
         return;
       }
       if (refactor_) continue;
+
       if (!move_multiplier()) return;
       if (this->options_.parameters.increment_test && increments_settled()) {
         this->accept_increment(constraints_.fixed());
@@ -106,12 +109,14 @@ private:
     const std::vector<Tensor> target = next_multipliers();
     const double distance = distance_to_law();
     double length = this->options_.parameters.relaxation;
+
     while (true) {
       for (std::size_t i = 0; i < start.size(); ++i) {
         for (std::size_t c = 0; c < Tensor::components; ++c) {
           this->multiplier_[i][c] = start[i][c] + length * (target[i][c] - start[i][c]);
         }
       }
+
       if (this->options_.parameters.plain) return true;
       if (this->outcome_.iterations >= iteration_limit(this->options_)) return false;
       if (!solve_displacement()) return false;

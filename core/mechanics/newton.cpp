@@ -73,14 +73,17 @@ private:
       const auto step_of_fixed = constraints_.step_from(unknowns_.displacement);
       const bool lifting = std::any_of(step_of_fixed.begin(), step_of_fixed.end(),
                                        [](double d) { return d != 0.0; });
+
       outcome_.residual_history.push_back(relative);
       outcome_.equilibrium_residual = relative;
       if (changes == 0 && !lifting && relative <= options_.tolerance) {
         outcome_.converged = true;
         return;
       }
+
       if (outcome_.iterations >= most_iterations() || !std::isfinite(relative)) return;
       ++outcome_.iterations;
+
       const bool moved = changes > 0 || lifting || blocked_;
       const bool found = keeps_factor() ? find_direction_by_gradients(relative, last, step_of_fixed)
                                         : find_direction(relative, last, moved, step_of_fixed);
@@ -238,6 +241,7 @@ private:
     const double relative = relative_residual();
     // A state in equilibrium is always checked, however it was reached: it may be the solution.
     const bool balanced = relative <= options_.tolerance;
+
     int changes = 0;
     if (descending_) {
       // If a released pair is closed again by the next iteration, its tension came from unbalanced
@@ -248,6 +252,7 @@ private:
     } else if (balanced || (full_step && relative <= contact_from_residual)) {
       changes = constraints_.update(unknowns_.displacement, work_.residual, false);
     }
+
     outcome_.contact_changes += changes > 0 ? 1 : 0;
     if (!descending_ && outcome_.contact_changes > free_contact_changes<Dim>) {
       descending_ = true;

@@ -81,11 +81,13 @@ std::vector<SymmetricTensor<Dim>> RowsOfPoints<Dim>::projected(
     std::span<const Tensor> field) const {
   static const auto lines = upright_lines<Dim>();
   std::vector<Tensor> after(rows_.size() * merged_.elements_per_row * points);
+
   for_each_element([&](std::size_t row, std::size_t e, std::size_t low, std::size_t high) {
     if (low == high) {
       for (std::size_t q = 0; q < points; ++q) after[e * points + q] = field[low * points + q];
       return;
     }
+
     const auto weight = weights(heights(row));
     for (const auto& line : lines) {
       for (std::size_t end = 0; end < 2; ++end) {
@@ -193,10 +195,12 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   std::vector<double> u = supports_.by_unknown(state.displacement);
   set_rotations(u, state.solid);
   const std::vector<Tensor> elastic = elastic_strains(*forms_, state, u, first);
+
   const std::size_t stride = std::size_t(nodes_per_row) * Dim;
   for (std::size_t i = state.displacement.size(); i < std::size_t(grown.nodes()) * Dim; ++i) {
     state.displacement.push_back(state.displacement[i - stride]);
   }
+
   state.released.resize(std::size_t(grown.nodes()), 0);
   state.solid.resize(std::size_t(grown.elements()), 0);
   const std::size_t all_points = std::size_t(grown.elements()) * points_;
@@ -205,6 +209,7 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   if (properties_.has_yield_limit()) state.hardened.resize(all_points, 0.0);
   state.deviator.resize(all_points);
   state.pressure.resize(all_points, 0.0);
+
   set_mesh(grown, first_moved);
   // A new node is at the mould, whatever the displacement of the one below it.
   u = supports_.by_unknown(std::move(state.displacement));
@@ -241,6 +246,7 @@ ProjectedState<Dim> SlabMechanics<Dim>::projected(const State& state,
                                                   std::span<const double> temperature) {
   if (points_ != RowsOfPoints<Dim>::points)
     throw std::logic_error("SlabMechanics: only rows of whole cells can be merged");
+
   const RowsOfPoints<Dim> rows(merged);
   const std::vector<double> u = supports_.by_unknown(state.displacement);
   set_rotations(u, state.solid);
@@ -250,12 +256,14 @@ ProjectedState<Dim> SlabMechanics<Dim>::projected(const State& state,
     dilatation.push_back(strain.trace());
     strain = strain.deviator();
   }
+
   set_weight(state, temperature);
   ProjectedState<Dim> to{state, rows.projected(elastic),
                          rows.restricted(forces_of_stress(state).nodal), problem_.weight};
   dilatation = rows.means(dilatation);
   for (std::size_t i = 0; i < dilatation.size(); ++i)
     to.elastic[i].add_identity(dilatation[i] / 3.0);
+
   to.state.viscoplastic = rows.projected(state.viscoplastic);
   to.state.deviator = rows.projected(state.deviator);
   to.state.pressure = rows.means(state.pressure);
@@ -263,6 +271,7 @@ ProjectedState<Dim> SlabMechanics<Dim>::projected(const State& state,
   to.state.solid = rows.all_of(state.solid);
   for (std::size_t i = 0; i < to.elastic.size(); ++i)
     if (to.state.solid[i / points_] == 0 && rows.is_pair(i / points_)) to.elastic[i] = {};
+
   mesh::take_out_rows(merged, merged.nodes_per_row * Dim, to.state.displacement);
   mesh::take_out_rows(merged, merged.nodes_per_row, to.state.released);
   return to;

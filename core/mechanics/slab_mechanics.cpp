@@ -411,6 +411,7 @@ template <int Dim>
 void SlabMechanics<Dim>::check_front(const State& state, double metal_level) {
   const double specific_weight = properties_.liquid_density() * options_.gravity;
   const std::vector<char> is_solid = mark_solid_nodes(*mesh_, state.solid);
+
   checks_.worst_liquid = -1;
   double difference = 0.0, scale = 0.0, worst = 0.0;  // integrals of squared pressures
   for (int e = 0; e < mesh_->elements(); ++e) {
@@ -419,6 +420,7 @@ void SlabMechanics<Dim>::check_front(const State& state, double metal_level) {
     const bool at_front = std::any_of(node, node + mesh_->nodes_per_element,
                                       [&](int n) { return is_solid[std::size_t(n)] != 0; });
     if (!at_front) continue;
+
     const double exact = -specific_weight * (metal_level - centroid_height(*mesh_, e));
     const double error = state.pressure[std::size_t(e) * points_] - exact;
     const double share = forms_->volume(std::size_t(e)) * error * error;
@@ -429,6 +431,7 @@ void SlabMechanics<Dim>::check_front(const State& state, double metal_level) {
     difference += share;
     scale += forms_->volume(std::size_t(e)) * exact * exact;
   }
+
   checks_.liquid_pressure_error = scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
 }
 
@@ -454,10 +457,12 @@ void SlabMechanics<Dim>::store_supports(State& state, StepUnknowns<Dim>& unknown
     checks_.bottom_reaction += state.reaction[i] * supports_.upward()[i];
     if (closed) checks_.contact_length += supports_.bottom_measure()[i];
   }
+
   for (std::size_t i = problem_.carrying(); i < problem_.contact.size(); ++i) {
     if (unknowns.contact[i] == 0) continue;
     checks_.wall_reaction += problem_.along_gap(i, work_.residual);
   }
+
   unknowns.contact.resize(problem_.carrying());
   if (!unknowns.contact_multiplier.empty()) {
     unknowns.contact_multiplier.resize(problem_.carrying());

@@ -178,6 +178,7 @@ void SlabSupports<Dim>::add_node(int node, double height, const Normals& normals
   const HeldDirections held(normals);
   const bool framed = !held.along_axes();
   if (framed) frames_.push_back(held.frame(node));
+
   SideNode side{node, height, {}};
   for (std::size_t k = 0; k < held.direction.size(); ++k) {
     Eigen::Index axis = static_cast<Eigen::Index>(k);
@@ -186,6 +187,7 @@ void SlabSupports<Dim>::add_node(int node, double height, const Normals& normals
       held.direction[k].cwiseAbs().maxCoeff(&axis);
       outward = held.direction[k](axis) > 0.0 ? 1.0 : -1.0;
     }
+
     const int unknown = node * Dim + static_cast<int>(axis);
     if (k < held.of_symmetry)
       symmetry_unknowns_.push_back(unknown);
@@ -241,10 +243,12 @@ void SlabSupports<Dim>::hold_sides(StepProblem<Dim>& problem, SlabState<Dim>& st
   place_on_block(problem, options.contact);
   const bool exact = options.confinement_by == Confinement::exact;
   problem.spring.assign(exact ? 0 : problem.unknowns(), 0.0);
+
   for (const SideNode& side : side_nodes_) {
     char& released = state.released[std::size_t(side.node)];
     const bool was_released = released != 0;
     if (!options.confinement || temperature[std::size_t(side.node)] < shell) released = 1;
+
     for (const Direction& d : side.direction) {
       const std::size_t unknown = std::size_t(d.unknown);
       problem.fixed[unknown] = released == 0 && exact ? 1 : 0;

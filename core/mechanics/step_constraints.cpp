@@ -10,6 +10,7 @@ int ActiveSet::update(std::span<const double> gap, std::span<const double> react
   std::size_t worst = active_.size(), strongest = active_.size();
   double worst_excess = 0.0;
   std::vector<std::size_t> violators;
+
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const double excess = active(i) ? -reaction[i] / tolerance.force : -gap[i] / tolerance.gap;
     const bool carries = i < carrying_ && active(i);
@@ -20,9 +21,11 @@ int ActiveSet::update(std::span<const double> gap, std::span<const double> react
     violators.push_back(i);
     if (excess > worst_excess) worst_excess = excess, worst = i;
   }
+
   if (violators.empty()) return 0;
   if (one_by_one) violators.assign(1, worst);
   for (std::size_t i : violators) active_[i] = active(i) ? 0 : 1;
+
   const auto end = active_.begin() + static_cast<long>(carrying_);
   const bool all_open = std::none_of(active_.begin(), end, [](char a) { return a != 0; });
   if (all_open && strongest < carrying_) {

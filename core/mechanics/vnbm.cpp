@@ -50,19 +50,23 @@ private:
     while (outcome.iterations < iteration_limit(this->options_)) {
       ++outcome.iterations;
       if (!solve_displacement(refactor)) return;
+
       this->settled_ = true;
       this->evaluate(updating_law());
       refactor = this->close_contact(constraints_, this->relative_residual(constraints_.fixed()),
                                      contact_from_residual);
+
       const double relative = this->relative_residual(constraints_.fixed());  // of the new set
       outcome.residual_history.push_back(relative);
       outcome.equilibrium_residual = relative;
       if (!std::isfinite(relative)) return;
+
       if (this->options_.parameters.increment_test) {
         if (refactor || !this->settled_) continue;
         this->accept_increment(constraints_.fixed());
         return;
       }
+
       if (refactor || relative > this->options_.tolerance) continue;
       outcome.equilibrium_residual = this->true_residual(constraints_.fixed());
       if (outcome.equilibrium_residual <= this->options_.tolerance) {

@@ -42,6 +42,7 @@ std::vector<LiveLever> live_levers(const v1::Schedule& schedule) {
        .table = &v1::Schedule::water_flow_m2_per_s,
        .is_factor = true,
        .comes_later_s = schedule.water_flow_shift_s()}};
+
   if (has_narrow_water) {
     levers.back().lever.less = "less water on the wide faces";
     levers.back().lever.more = "more water on the wide faces";
@@ -53,6 +54,7 @@ std::vector<LiveLever> live_levers(const v1::Schedule& schedule) {
          .is_factor = true,
          .comes_later_s = schedule.water_flow_shift_s()});
   }
+
   levers.push_back({.lever = {"schedule.casting_temperature", "pour", "colder", "hotter", 10.0},
                     .unit = "degC",
                     .table = &v1::Schedule::casting_temperature_c,

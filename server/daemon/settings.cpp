@@ -162,10 +162,12 @@ void override_key(const std::string& override_text, v1::DaemonConfig& config, st
     faults += where + ": write it as key=value\n";
     return;
   }
+
   const std::string key = override_text.substr(0, equals);
   const std::string value = override_text.substr(equals + 1);
   v1::DaemonConfig one;
   auto outcome = case_file::read_text(key + " = " + value, where, one);
+
   if (!outcome.ok()) {
     one.Clear();
     const auto quoted = case_file::read_text(key + " = '" + value + "'", where, one);
@@ -173,6 +175,7 @@ void override_key(const std::string& override_text, v1::DaemonConfig& config, st
     const bool is_toml = !outcome.faults.front().field().empty();
     if (!quoted.ok()) return add(is_toml ? outcome.faults : quoted.faults, where, faults);
   }
+
   config.MergeFrom(one);
 }
 

@@ -24,6 +24,7 @@ int spawn(std::vector<std::string> words, std::vector<std::string> environment,
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   for (int i = 0; i < 3; ++i) posix_spawn_file_actions_adddup2(&actions, files[i], i);
+
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none, all;
@@ -35,12 +36,14 @@ int spawn(std::vector<std::string> words, std::vector<std::string> environment,
   posix_spawnattr_setpgroup(&attributes, 0);
   posix_spawnattr_setflags(&attributes,
                            POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+
   const auto pointers = [](std::vector<std::string>& texts) {
     std::vector<char*> all_of_them;
     for (std::string& text : texts) all_of_them.push_back(text.data());
     all_of_them.push_back(nullptr);
     return all_of_them;
   };
+
   const int error = ::posix_spawnp(process, words[0].c_str(), &actions, &attributes,
                                    pointers(words).data(), pointers(environment).data());
   posix_spawnattr_destroy(&attributes);

@@ -137,6 +137,7 @@ double shown_end_curl_m(const v1::StudyResult& result, int monitor) {
 void add_run_columns(const v1::StudyResult& result, v1::Table& table) {
   const bool has_errors = std::ranges::any_of(result.runs(), &v1::StudyRun::has_mesh_error);
   *table.add_columns() = number_column("run", "run", "", 1.0);
+
   if (result.study().has_refinement()) {
     *table.add_columns() = number_column("refinement", "refinement", "", 1.0);
     *table.add_columns() = number_column("nodes", "nodes", "", 1.0);
@@ -145,6 +146,7 @@ void add_run_columns(const v1::StudyResult& result, v1::Table& table) {
     *table.add_columns() = text_column("change", "change");
     *table.add_columns() = number_column("from", "from", "s", 1.0);
   }
+
   for (const auto& axis : result.study().sweep().axes())
     *table.add_columns() = text_column(axis.key(), axis.key());
   for (int monitor = 0; monitor < result.monitors_size(); ++monitor) {
@@ -152,6 +154,7 @@ void add_run_columns(const v1::StudyResult& result, v1::Table& table) {
     *table.add_columns() = number_column(name, name, "m", shown_end_curl_m(result, monitor));
     table.mutable_columns()->rbegin()->set_has_error(has_errors);
   }
+
   *table.add_columns() = number_column("findings", "findings", "", 1.0);
   *table.add_columns() = number_column("solver", "solver", "s", 0.1);
   *table.add_columns() = text_column("outcome", "outcome");
