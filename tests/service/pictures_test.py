@@ -17,14 +17,15 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from dashboard_test import CASES, InBrowser
-from dccast.v1 import job_pb2
+from dccast.v1 import job_pb2, service_pb2
 from support import BIN, main, until
+from wall_test import Wall
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MADE = os.environ.get("DCCAST_PICTURES", "pictures")
 
 
-class Pictures(InBrowser):
+class Camera(InBrowser):
     worker = "dccast-worker"
     files = (os.path.join(CASES, "start-2d-thickness.toml"),)
 
@@ -35,16 +36,6 @@ class Pictures(InBrowser):
 
     def made(self, name):
         return os.path.abspath(os.path.join(MADE, name))
-
-    def dccast(self, *words):
-        done = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                              capture_output=True, text=True, timeout=300, check=False, cwd=self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout.strip()
-
-    def show(self, file, selector="body"):
-        self.browser.get("file://" + os.path.join(self.folder, file))
-        return self.find(selector)
 
     def keep(self, name):
         """Reduces a picture to 256 colours, which takes a third of the bytes. It shows something: many
@@ -67,6 +58,18 @@ class Pictures(InBrowser):
         else:
             self.browser.save_screenshot(self.made(name))
         self.keep(name)
+
+
+class Pictures(Camera):
+    def dccast(self, *words):
+        done = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
+                              capture_output=True, text=True, timeout=300, check=False, cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout.strip()
+
+    def show(self, file, selector="body"):
+        self.browser.get("file://" + os.path.join(self.folder, file))
+        return self.find(selector)
 
     def test_report_drawing_and_page(self):
         job = self.dccast("submit", "--set", "quality=engineering", os.path.join(CASES, "start-3d.toml"))
@@ -178,6 +181,33 @@ class Pictures(InBrowser):
                             "./run.xdmf", self.made("paraview-slab.png")], cwd=self.folder,
                            capture_output=True, timeout=180, check=True)
             self.keep("paraview-slab.png")
+
+
+class Following(Wall, Camera):
+    def test_a_casting_that_is_followed(self):
+        plan = self.case_file(end=145)
+        self.ended(self.dccast("follow", "--prepare", plan), seconds=300)
+        hidden = self.submit_case("cooling.bottom_block.temperature=60 degC", path=plan)
+        self.client.until_state(hidden, job_pb2.SUCCEEDED, seconds=60)
+        self.computed = np.array([(step.time_s, step.monitors[0].curl_m)
+                                  for step in self.client.steps(hidden)]).T
+
+        following = self.dccast("follow", plan, "--line", "pit-3", "--noise", "0.3 mm", stdin=subprocess.PIPE)
+        lines = ["time [s], speed [mm/min], water [l/min/m], metal [degC], curl corner [mm]"]
+        noise = np.random.default_rng(1).normal(0.0, 0.3, 200)
+        for t in range(-60, 46):
+            curl_mm = 1e3 * self.curl_m(t) + noise[t]
+            lines.append(f"{t}, {40 if t > 0 else 0}, 90, 680, {curl_mm:.2f}")
+        following.stdin.write("\n".join(lines) + "\n")
+        following.stdin.flush()
+        jobs = lambda: self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=20).jobs
+        until(lambda: any(job.HasField("casting") and job.last_step.time_s >= 43 for job in jobs()), 60)
+        self.browser.set_window_size(1200, 900)
+        self.go("wall")
+        self.wait_for("45 s", ".when")
+        self.take("dashboard-following.png")
+        following.kill()
+        following.communicate()
 
 
 class Pages(unittest.TestCase):
