@@ -16,8 +16,8 @@ std::vector<judging::PastForecast> past_forecasts(const ForecastBasis& basis);
 
 /// What a casting that has ended tells the next one on its line: the curl at each gauge at a dozen
 /// times, the median of the readings around each, less what levers that left the plan have done.
-/// Readings that a forecast leaves out do not count,
-/// nor those after a gauge has slipped. @throws CannotForecast
+/// Readings that a forecast leaves out do not count, nor those after a gauge has slipped.
+/// @throws CannotForecast
 std::vector<v1::ObservedCurl> observed_curls(const ForecastBasis& basis);
 
 }  // namespace dccast::studies
