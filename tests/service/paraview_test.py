@@ -8,7 +8,7 @@ import unittest
 
 import h5py
 import numpy as np
-from support import BIN, ServiceTest, main
+from support import BIN, WAIT_FACTOR, ServiceTest, main
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CASES = os.path.join(HERE, "..", "..", "cases")
@@ -23,7 +23,7 @@ class ParaView(ServiceTest):
 
     def dccast(self, *words):
         subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                       capture_output=True, timeout=120, check=True)
+                       capture_output=True, timeout=120 * WAIT_FACTOR, check=True)
 
     def read(self, case):
         """The stored file, and what each reader of ParaView makes of it."""

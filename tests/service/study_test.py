@@ -11,7 +11,7 @@ import subprocess
 import h5py
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, main, until
+from support import BIN, WAIT_FACTOR, ServiceTest, main, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 
@@ -59,8 +59,8 @@ class RefinementStudy(ServiceTest):
         return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
 
     def dccast(self, *words, code=0):
-        ended = subprocess.run(self.command(*words), capture_output=True, text=True, timeout=120,
-                               check=False, cwd=self.folder)
+        ended = subprocess.run(self.command(*words), capture_output=True, text=True,
+                               timeout=120 * WAIT_FACTOR, check=False, cwd=self.folder)
         self.assertEqual(ended.returncode, code, ended.stderr)
         return ended
 
