@@ -30,7 +30,7 @@ struct BesidePlan {
   double off() const { return planned > 0.0 ? measured / planned - 1.0 : 0.0; }
 };
 
-/// Each lever of a reading beside its plan; zeros where it is not measured, or the plan has it not.
+/// Each lever of a reading beside its plan; zeros where it is not measured or not planned.
 std::array<BesidePlan, levers> beside_plan(const v1::Reading& reading, const v1::Reading& planned) {
   std::array<BesidePlan, levers> beside{};
   if (reading.has_casting_speed_m_per_s())

@@ -189,10 +189,11 @@ class Following(Wall, Camera):
         self.ended(self.dccast("follow", "--prepare", plan), seconds=300)
         hidden = self.submit_case("cooling.bottom_block.temperature=60 degC", path=plan)
         self.client.until_state(hidden, job_pb2.SUCCEEDED, seconds=60)
-        self.computed = np.array([(step.time_s, step.monitors[0].curl_m)
-                                  for step in self.client.steps(hidden)]).T
+        self.take_curl_of(hidden)
 
         following = self.dccast("follow", plan, "--line", "pit-3", "--noise", "0.3 mm", stdin=subprocess.PIPE)
+        self.addCleanup(following.communicate)
+        self.addCleanup(following.kill)  # the first of the two
         lines = ["time [s], speed [mm/min], water [l/min/m], metal [degC], curl corner [mm]"]
         noise = np.random.default_rng(1).normal(0.0, 0.3, 200)
         for t in range(-60, 46):
@@ -206,8 +207,6 @@ class Following(Wall, Camera):
         self.go("wall")
         self.wait_for("45 s", ".when")
         self.take("dashboard-following.png")
-        following.kill()
-        following.communicate()
 
 
 class Pages(unittest.TestCase):

@@ -18,9 +18,13 @@ class Wall(FollowTest, InBrowser):
     def plan_job(self):
         """The run of the plan, on which a forecast without an ensemble rests."""
         job_id = self.finished_draft(END)
+        self.take_curl_of(job_id)
+        return job_id
+
+    def take_curl_of(self, job_id):
+        """The curl that curl_m() is a tenth more than."""
         self.computed = numpy.array([(step.time_s, step.monitors[0].curl_m)
                                      for step in self.client.steps(job_id)]).T
-        return job_id
 
     def curl_m(self, t):
         """A casting whose curl is a tenth more than that of its plan."""

@@ -74,16 +74,23 @@ inline v1::StudyResult with_band(v1::StudyResult runs) {
   return runs;
 }
 
+/// Asks a forecast, past ones or what is observed. @param ask  of a ForecastBasis
+template <typename Ask>
+auto ask_of(const v1::StudyResult& runs, const std::vector<v1::Reading>& measured, Ask ask,
+            const v1::StudyResult& pairs = {}, double zero_m = 0.0) {
+  const v1::Following with = following(zero_m);
+  const v1::Schedule schedule = plan();
+  return ask(ForecastBasis{.ensemble = runs,
+                           .pairs = pairs,
+                           .plan = schedule,
+                           .following = with,
+                           .readings = measured});
+}
+
 inline v1::Forecast whole_forecast(const v1::StudyResult& runs,
                                    const std::vector<v1::Reading>& measured,
                                    const v1::StudyResult& pairs = {}) {
-  const v1::Following with = following();
-  const v1::Schedule schedule = plan();
-  return forecast_curls({.ensemble = runs,
-                         .pairs = pairs,
-                         .plan = schedule,
-                         .following = with,
-                         .readings = measured});
+  return ask_of(runs, measured, forecast_curls, pairs);
 }
 
 inline v1::ForecastCurl forecast(const v1::StudyResult& runs,

@@ -41,5 +41,13 @@ TEST(LeversOffPlan, ReadsTablesAgainstTimeAndCastLength) {
   EXPECT_EQ(levers_off_plan(schedule, made).size(), 1u);
 }
 
+TEST(LeversOffPlan, JudgesTheReadingsThatHaveALever) {
+  std::vector<v1::Reading> made = readings(1.0, 100.0);
+  for (std::size_t i = 0; i < made.size(); i += 10)
+    if (made[i].time_s() >= 0.0) made[i].set_casting_speed_m_per_s(0.7e-3);
+  EXPECT_THAT(levers_off_plan(plan(), made),
+              ::testing::ElementsAre(::testing::HasSubstr("casting speed was 30 % less than")));
+}
+
 }  // namespace
 }  // namespace dccast::studies

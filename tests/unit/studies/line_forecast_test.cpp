@@ -27,17 +27,11 @@ EarlierCasting earlier(const v1::StudyResult& recipe, const std::vector<v1::Read
   EarlierCasting casting{.casting = {},
                          .ensemble = std::make_shared<v1::StudyResult>(recipe),
                          .pairs = std::make_shared<v1::StudyResult>()};
-  const v1::Following with = following(1e-3);
-  const v1::Schedule schedule = plan();
-  const auto curls = observed_curls({.ensemble = recipe,
-                                     .pairs = *casting.pairs,
-                                     .plan = schedule,
-                                     .following = with,
-                                     .readings = measured});
+  const auto curls = ask_of(recipe, measured, observed_curls, *casting.pairs, 1e-3);
 
   casting.casting.set_job(job);
   casting.casting.set_ended(true);
-  *casting.casting.mutable_following() = with;
+  *casting.casting.mutable_following() = following(1e-3);
   *casting.casting.mutable_curls() = {curls.begin(), curls.end()};
   return casting;
 }

@@ -12,14 +12,7 @@ namespace dccast::studies {
 namespace {
 
 std::vector<judging::PastForecast> past(const std::vector<v1::Reading>& measured) {
-  const v1::StudyResult runs = ensemble(21), pairs;
-  const v1::Following with = following();
-  const v1::Schedule schedule = plan();
-  return past_forecasts({.ensemble = runs,
-                         .pairs = pairs,
-                         .plan = schedule,
-                         .following = with,
-                         .readings = measured});
+  return ask_of(ensemble(21), measured, past_forecasts);
 }
 
 TEST(PastForecasts, KnowTheReadingsBeforeAlone) {
@@ -75,16 +68,8 @@ TEST(PastForecasts, KnowTheLeversBeforeAlone) {
 }
 
 /// What a casting with these readings tells the next one on its line.
-std::vector<v1::ObservedCurl> observed(const v1::StudyResult& runs,
-                                       const std::vector<v1::Reading>& measured) {
-  const v1::StudyResult pairs;
-  const v1::Following with = following(1e-3);
-  const v1::Schedule schedule = plan();
-  return observed_curls({.ensemble = runs,
-                         .pairs = pairs,
-                         .plan = schedule,
-                         .following = with,
-                         .readings = measured});
+std::vector<v1::ObservedCurl> observed(const std::vector<v1::Reading>& measured) {
+  return ask_of(ensemble(21), measured, observed_curls, {}, 1e-3);
 }
 
 TEST(ObservedCurls, AreThoseOfTheCastingWithItsLeversAsPlanned) {
@@ -97,7 +82,7 @@ TEST(ObservedCurls, AreMediansOfReadingsThatCountUntilAGaugeSlips) {
   auto measured = readings(1.1, end_s);
   for (v1::Reading& reading : measured)
     if (reading.time_s() == 59.0) reading.mutable_curls(0)->set_curl_m(0.5);
-  const auto curls = observed(ensemble(21), measured);
+  const auto curls = observed(measured);
   ASSERT_EQ(curls.size(), 1u);
   ASSERT_EQ(curls[0].time_s_size(), 12);
   for (int i = 0; i < 12; ++i) {
@@ -107,7 +92,7 @@ TEST(ObservedCurls, AreMediansOfReadingsThatCountUntilAGaugeSlips) {
     EXPECT_NEAR(curls[0].deviation_m(i), 1.25 * 0.5e-3 / std::sqrt(readings_near), 1e-9);
   }
 
-  const auto slipped = observed(ensemble(21), faulty(4e-3, 0.0));
+  const auto slipped = observed(faulty(4e-3, 0.0));
   ASSERT_GE(slipped[0].time_s_size(), 4);
   EXPECT_LE(*slipped[0].time_s().rbegin(), 61.0);
 }
