@@ -22,13 +22,31 @@ SUCCEEDED, CANCELLED = job_pb2.SUCCEEDED, job_pb2.CANCELLED
 
 
 def setUpModule():
-    global cluster
     if missing := missing_programs():
         raise unittest.SkipTest("not installed: " + " ".join(missing))
+    start_cluster()
+
+
+def tearDownModule():
+    end_cluster()
+
+
+def start_cluster():
+    global cluster
     cluster = Cluster(tempfile.mkdtemp(prefix="dccast-slurm-"))
-    unittest.addModuleCleanup(shutil.rmtree, cluster.folder)
-    unittest.addModuleCleanup(cluster.stop)
     cluster.start()
+
+
+def end_cluster():
+    cluster.stop()
+    shutil.rmtree(cluster.folder)
+
+
+def replace_cluster():
+    """After its controller was killed: a controller that counts from 1 again may take a late message about a
+    job that it has lost for one about a job of a later test."""
+    end_cluster()
+    start_cluster()
 
 
 class SlurmTest(ServiceTest):
@@ -69,13 +87,17 @@ class SlurmTest(ServiceTest):
         until(ended, 120)
         job = self.client.job(job_id)
         self.assertEqual(job.state, SUCCEEDED, job.failure)
-        self.assertIn(attempts, (job.attempts, None))
+        self.assertIn(attempts, (job.attempts, None), self.log_lines_of(job_id))
         self.sound_events(list(self.client.watch(job_id)))
         self.assertEqual([step.step for step in self.client.steps(job_id)],
                          list(range(1, steps + 1)))
         self.assertEqual([name for name in os.listdir(self.job_file(job_id, ""))
                           if name.startswith("worker.") and name != "worker.log"], [])
         return job
+
+    def log_lines_of(self, job_id):
+        """What the daemon did with a job, for the message of a failure."""
+        return "\n".join(line for line in self.daemon.said().splitlines() if job_id in line)
 
     def expected_curve(self, steps=60):
         value, values = 0.0, []
@@ -152,6 +174,7 @@ class Restarts(SlurmTest):
         self.succeeds(job_id)
 
     def test_controller_killed_in_the_middle(self):
+        self.addCleanup(replace_cluster)
         job_id, worker = self.running_job()
         time.sleep(7)  # until Slurm has written what it knows; see the nightly sweep for earlier
         cluster.restart("slurmctld", away=2)
@@ -160,6 +183,7 @@ class Restarts(SlurmTest):
         self.succeeds(job_id)
 
     def test_a_job_that_slurm_has_lost_is_submitted_again(self):
+        self.addCleanup(replace_cluster)
         job_id, worker = self.running_job()
         # What kill -9 of slurmctld a moment after a submission does in one of three tries. The signal
         # is sent by a thread of slurmctld, which must not be killed before.
