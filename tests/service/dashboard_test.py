@@ -26,7 +26,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 from certificates import TestCa
 from dccast.v1 import case_pb2, job_pb2, service_pb2
 from doctor_test import ClientTest
-from support import BIN, SANITIZED, ServiceTest, fake_case, main, until
+from support import BIN, SANITIZED, WAIT_FACTOR, ServiceTest, fake_case, main, until
 
 CASES = os.path.join(os.path.dirname(__file__), "..", "..", "cases")
 HOSTILE = "<img src=x onerror=\"document.title='broken in'\">"
@@ -369,20 +369,23 @@ class InBrowser(Dashboard):
     def go(self, page):
         self.browser.execute_script(f"location.hash = {json.dumps('#/' + page)}")
 
+    def wait_up_to(self, seconds, *ignored):
+        return WebDriverWait(self.browser, seconds * WAIT_FACTOR, ignored_exceptions=ignored)
+
     def find(self, selector, seconds=20):
-        return WebDriverWait(self.browser, seconds).until(
+        return self.wait_up_to(seconds).until(
             lambda browser: browser.find_element(By.CSS_SELECTOR, selector))
 
     def read(self, selector, what, seconds=20):
         """what(element), on pages that draw an element anew between its finding and its reading."""
-        wait = WebDriverWait(self.browser, seconds, ignored_exceptions=[StaleElementReferenceException])
+        wait = self.wait_up_to(seconds, StaleElementReferenceException)
         return wait.until(lambda browser: [what(browser.find_element(By.CSS_SELECTOR, selector))])[0]
 
     def wait_for(self, text, selector="main", seconds=20):
         def there(browser):
             found = browser.find_elements(By.CSS_SELECTOR, selector)
             return any(text in element.text for element in found)
-        WebDriverWait(self.browser, seconds, ignored_exceptions=[Exception]).until(there)
+        self.wait_up_to(seconds, Exception).until(there)
 
     def press(self, text, selector="main .bar"):
         """Presses the button with this text."""
@@ -392,7 +395,7 @@ class InBrowser(Dashboard):
                     button.click()
                     return True
             return False
-        WebDriverWait(self.browser, 20, ignored_exceptions=[Exception]).until(pressed)
+        self.wait_up_to(20, Exception).until(pressed)
 
     def on_phone(self, width=390):
         self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
@@ -431,7 +434,7 @@ class Pages(InBrowser):
         self.find("td.sketch svg")
         box = self.find("input[type=search]")
         box.send_keys("number=1")
-        WebDriverWait(self.browser, 10).until(
+        self.wait_up_to(10).until(
             lambda b: len(b.find_elements(By.CSS_SELECTOR, "tbody tr")) == 1)
         box.send_keys(Keys.CONTROL, "a", Keys.DELETE)
         for checkbox in self.browser.find_elements(By.CSS_SELECTOR, "tbody input")[:2]:
@@ -443,7 +446,7 @@ class Pages(InBrowser):
 
         self.go("jobs")
         self.find(f"a[href='#/job/{jobs[0]}']").click()
-        WebDriverWait(self.browser, 20).until(lambda browser: browser.title == "Job · dccast")
+        self.wait_up_to(20).until(lambda browser: browser.title == "Job · dccast")
         self.wait_for("succeeded")
         self.wait_for("since the block started", "p.answer")
         self.assertEqual(self.complaints(), [])
@@ -457,7 +460,7 @@ class Pages(InBrowser):
             return self.browser.execute_script(
                 "return document.querySelector('figure path.line')?.getAttribute('d')")
         first = drawn()
-        WebDriverWait(self.browser, 20).until(lambda _: drawn() not in (first, None))
+        self.wait_up_to(20).until(lambda _: drawn() not in (first, None))
         self.find("details summary").click()
         self.find("svg[aria-label^='Residuals of the steps']")
         self.press("Cancel")
@@ -497,7 +500,7 @@ class Pages(InBrowser):
         other = self.client.submit(fake_case("steps=100000 sleep_ms=20"), labels=["line=4"]).id
         self.wait_for("3 jobs")
         self.find("select[aria-label=Label] option[value='line=3']").click()
-        WebDriverWait(self.browser, 10).until(
+        self.wait_up_to(10).until(
             lambda b: len(b.find_elements(By.CSS_SELECTOR, "tbody tr")) == 2)
         self.find(".bar input[type=checkbox]").click()
         self.press("Pause 2")
@@ -529,7 +532,7 @@ class Pages(InBrowser):
             self.assertIn(text, folded)
         self.assertNotIn("water_flow", folded)
         self.find("button.fold").send_keys(Keys.ENTER)
-        WebDriverWait(self.browser, 10).until(lambda _: len(rows()) == 4)
+        self.wait_up_to(10).until(lambda _: len(rows()) == 4)
         self.assertIn("schedule.water_flow.scale = 0.9", self.find("tr.run").text)
         self.assertNotIn("time.end", self.find("tr.run").text)
         self.assertIn("engineering", rows()[0])
@@ -589,17 +592,17 @@ class Pages(InBrowser):
     def test_it_comes_back_with_its_servers(self):
         self.wait_for("No jobs yet")
         self.daemon.terminate()
-        WebDriverWait(self.browser, 30).until(
+        self.wait_up_to(30).until(
             lambda b: "bad" in b.find_element(By.ID, "server").get_attribute("class"))
         self.daemon.settings["listen__socket"] = self.daemon.address
         self.restart()
-        WebDriverWait(self.browser, 30).until(
+        self.wait_up_to(30).until(
             lambda b: "bad" not in b.find_element(By.ID, "server").get_attribute("class"))
         self.stop_dashboard()
-        WebDriverWait(self.browser, 30).until(
+        self.wait_up_to(30).until(
             lambda b: "start dccast dashboard again" in b.find_element(By.ID, "server").text)
         self.start_dashboard(self.url.port)  # another session: the page asks for its key
-        WebDriverWait(self.browser, 30).until(
+        self.wait_up_to(30).until(
             lambda b: "key in the address" in b.find_element(By.ID, "server").text)
         self.browser.get(self.address)
         self.wait_for("No jobs yet")
@@ -705,7 +708,7 @@ class RealPages(InBrowser):
         self.assertIn("less 1, mm", self.find("#difference table").text)
 
         # While the next key press is computed, only the case as it is has bands.
-        WebDriverWait(self.browser, 60).until(
+        self.wait_up_to(60).until(
             lambda browser: len(browser.find_elements(By.CSS_SELECTOR, "path.band")) == 6)
         [b for b in self.browser.find_elements(By.CSS_SELECTOR, ".bar button")
          if b.text == "Keep as a job"][0].click()
@@ -875,7 +878,7 @@ class RealPages(InBrowser):
             int(box.get_attribute(name)) for name in ("value", "max")])
         shown = lambda: slider()[1]
         before = shown()
-        WebDriverWait(self.browser, 40).until(lambda _: shown() > before)
+        self.wait_up_to(40).until(lambda _: shown() > before)
         value, last = slider()
         self.assertEqual(value, last)
         self.client.cancel(job)
@@ -897,7 +900,7 @@ class RealPages(InBrowser):
         self.wait_for("casting_sped", "#found")
         self.assertNotIn("root:", self.find("#found").text)
         upload.send_keys(own)
-        WebDriverWait(self.browser, 20).until(
+        self.wait_up_to(20).until(
             lambda b: "casting_sped" not in b.find_element(By.ID, "found").text)
         self.find("#found svg.casting")
         self.press("Queue as a job", "#found")

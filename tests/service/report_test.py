@@ -8,7 +8,7 @@ import re
 import subprocess
 
 from selenium.webdriver.common.by import By
-from selenium.webdriver.support.ui import Select, WebDriverWait
+from selenium.webdriver.support.ui import Select
 
 from dashboard_test import CASES, InBrowser
 from dccast.v1 import follow_pb2, job_pb2, judgement_pb2
@@ -146,7 +146,7 @@ class Reports(Page):
         job = self.cast("start-2d-thickness.toml", "time.end=20 s")
         self.browser.get(self.browser.current_url.split("#")[0] + f"report/{job}")
         self.find("body.complete", 60)
-        WebDriverWait(self.browser, 10).until(lambda _: "Curl against time" in self.charts())
+        self.wait_up_to(10).until(lambda _: "Curl against time" in self.charts())
 
 
 class FollowedCasting(Wall, Page):

@@ -4,7 +4,6 @@ import os
 
 import numpy
 from selenium.webdriver.common.by import By
-from selenium.webdriver.support.ui import WebDriverWait
 
 from dashboard_test import InBrowser
 from dccast.v1 import case_pb2, follow_pb2, job_pb2, service_pb2, study_pb2
@@ -167,7 +166,7 @@ class Figures(Wall):
         def computed():
             curl = self.client.job(job_id).last_step.monitors[0].curl_m
             return f"{1e3 * curl:.1f} mm" in self.text("[data-figure=computed]")
-        WebDriverWait(self.browser, 20, ignored_exceptions=[Exception]).until(lambda _: computed())
+        self.wait_up_to(20, Exception).until(lambda _: computed())
         self.assertEqual(self.text("[data-lever=Water] .measured"), "–")
         self.assertEqual(self.complaints(), [])
 
@@ -200,7 +199,7 @@ class AgeOfReadings(Wall):
         self.assertGreater(self.client.job(job_id).casting.age_s, 10)
         self.measure(job_id, 41, begin=41)
         self.wait_for("41 s", ".when")
-        WebDriverWait(self.browser, 20).until(lambda _: not self.is_stale())
+        self.wait_up_to(20).until(lambda _: not self.is_stale())
 
     def test_a_server_that_is_away_leaves_old_figures(self):
         job_id = self.follow_on_line()
