@@ -366,7 +366,7 @@ class Forecast(FollowTest):
         out = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
                               "uncertainty", CASE, "--set", f"time.end={END} s", "--runs",
                               str(runs), "--seed", str(seed), "--json"],
-                             capture_output=True, text=True, timeout=120, check=False)
+                             capture_output=True, text=True, timeout=120 * WAIT_FACTOR, check=False)
         self.assertEqual(out.returncode, 0, out.stderr)
         return self.studies()[0].id
 
