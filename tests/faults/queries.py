@@ -145,15 +145,12 @@ def cancel(scene, case, times):
 def fill_batch_lane(scene):
     """Castings that compute for minutes, more of them than workers."""
     from cases import read_by_the_client, shipped
+    from support import until
     case = read_by_the_client(shipped())
     case.mesh.refinement = 4
     for number in range(20):
         scene.submit(varied(case, f"batch {number}"))
-    end = time.monotonic() + 30
-    while scene.info().running < scene.info().workers or not steps_taken(scene):
-        if time.monotonic() > end:
-            raise AssertionError("the batch lane does not fill")
-        time.sleep(0.1)
+    until(lambda: scene.info().running >= scene.info().workers and steps_taken(scene), 30)
 
 
 def steps_taken(scene):
