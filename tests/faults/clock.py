@@ -4,8 +4,7 @@ import os
 from cases import REAL, coarse, failing_check
 from fault import Fault
 from oracle import undisturbed
-from scene import Scene, pause
-from support import BIN
+from scene import Scene, pause, preloading
 
 
 class ClockJumps(Fault):
@@ -29,8 +28,7 @@ class ClockJumps(Fault):
     def preload(self, scene):
         self.clock = os.path.join(scene.folder, "clock")
         self.jump(0)
-        scene.daemon.through = ("env", f"LD_PRELOAD={os.path.join(BIN, 'jumping_clock.so')}",
-                                f"DCCAST_FAULT_CLOCK={self.clock}")
+        scene.daemon.through = preloading("jumping_clock.so", DCCAST_FAULT_CLOCK=self.clock)
 
     def jump(self, seconds):
         with open(self.clock + ".next", "w", encoding="ascii") as file:

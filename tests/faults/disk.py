@@ -16,8 +16,7 @@ from cases import FAKE, fake
 from dccast.v1 import job_pb2, service_pb2
 from fault import Fault
 from oracle import Count, must
-from scene import Scene, limit, pause
-from support import BIN
+from scene import Scene, limit, pause, preloading
 
 HELD = 10.0  # seconds until the queue must be seen to be held
 HOLDING = "steps=3000 checkpoint=1000 sleep_ms=5"  # while the queue fills up
@@ -35,9 +34,8 @@ class FailingDisk(Scene):
 
     def preload(self, _):
         self.order = os.path.join(self.folder, "order")
-        self.daemon.through = (
-            "env", f"LD_PRELOAD={os.path.join(BIN, 'failing_disk.so')}",
-            f"DCCAST_FAULT_FILE={self.order}", f"DCCAST_FAULT_FOLDER={self.data()}")
+        self.daemon.through = preloading("failing_disk.so", DCCAST_FAULT_FILE=self.order,
+                                         DCCAST_FAULT_FOLDER=self.data())
 
     def fail(self, error, calls=WRITES, times=-1, part="-"):
         """From now on these calls fail so often in each process, on paths with this part."""

@@ -20,6 +20,15 @@ from support import BIN, TERMINAL, Client, Daemon, start_ticks, until
 TIED = ("setpriv", "--pdeathsig", "KILL")
 
 
+def preloading(library, **variables):
+    """The words before a command that give it a library of this folder. The loader starts a program also
+    without a library that is not there."""
+    path = os.path.join(BIN, library)
+    if not os.path.exists(path):
+        raise FileNotFoundError(f"{path}: build it first")
+    return ("env", f"LD_PRELOAD={path}", *(f"{name}={value}" for name, value in variables.items()))
+
+
 class Daemons(Daemon):
     """A daemon started through other programs, which set its limits and then become it."""
     through = ()
