@@ -198,10 +198,12 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
     plans_.forget(record.id);
   }
 
-  // Runs whose jobs were deleted are queued again.
+  // Runs whose jobs were deleted are queued again. Read the runs before the jobs: the feeder may
+  // queue a run in between, whose job would be missing from an older list.
+  const std::vector<RunRecord> runs = store_.runs(record.id);
   const auto jobs = jobs_of(record);
   std::vector<RunRecord> deleted;
-  for (const RunRecord& run : store_.runs(record.id))
+  for (const RunRecord& run : runs)
     if (!run.job.empty() && !jobs.contains(run.job)) deleted.push_back(run);
   queue_again(record, deleted);
   wake_feeder();

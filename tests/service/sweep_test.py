@@ -81,6 +81,13 @@ class Sweep(StudyTest):
             self.assertIn("another case", error.details())
         self.assertEqual(first.id, UUID)
 
+    def test_a_request_repeated_while_runs_are_queued_makes_no_run_twice(self):
+        question = (fake_case("steps=1"), {"mesh.rows": range(1, 61)}, "repeated")
+        study = self.create(*question).id
+        while self.study(study).state not in ENDED:
+            self.assertEqual(self.create(*question).id, study)
+        self.assertEqual(len(self.jobs_of(study)), 60)
+
     def test_runs_are_the_values(self):
         study = self.create(fake_case("steps=4"), {"mesh.rows": [10, 20, 30],
                                                    "schedule.casting_speed": ["40 mm/min", "1 mm/s"]})
