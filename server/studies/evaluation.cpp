@@ -193,10 +193,11 @@ void Studies::add_face(const v1::Job& job, EvaluatedRun& run) {
 /// omitted.
 std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, const Depth& depth) {
   const auto plan = plan_of(record);
+  const std::vector<RunRecord> kept_runs = store_.runs(record.id);
   const auto jobs = jobs_of(record);
   std::vector<EvaluatedRun> runs;
 
-  for (const RunRecord& kept : store_.runs(record.id)) {
+  for (const RunRecord& kept : kept_runs) {
     if (kept.number >= depth.before) break;
     const auto found = jobs.find(kept.job);
     if (!kept.job.empty() && found == jobs.end()) continue;

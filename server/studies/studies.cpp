@@ -198,8 +198,7 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
     plans_.forget(record.id);
   }
 
-  // Runs whose jobs were deleted are queued again. Read the runs before the jobs: the feeder may
-  // queue a run in between, whose job would be missing from an older list.
+  // Runs whose jobs were deleted are queued again.
   const std::vector<RunRecord> runs = store_.runs(record.id);
   const auto jobs = jobs_of(record);
   std::vector<RunRecord> deleted;
@@ -310,10 +309,11 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
   const std::lock_guard lock(requests_mutex_);
   const auto record = store_.find(id);
   if (!record) return {StudyReply::Kind::not_found};
+  const std::vector<RunRecord> runs = store_.runs(id);
   const auto jobs = jobs_of(*record);
 
   std::vector<RunRecord> again;
-  for (const RunRecord& run : store_.runs(id)) {
+  for (const RunRecord& run : runs) {
     const auto job = jobs.find(run.job);
     if (job == jobs.end() && !run.job.empty()) continue;  // deleted on purpose
 

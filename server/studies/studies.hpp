@@ -133,7 +133,9 @@ private:
   void queue_again(const StudyRecord& record, std::vector<RunRecord> runs);
   /// Deletes jobs, file and row; continues a removal that was interrupted.
   void remove_now(const StudyRecord& study);
-  /// Jobs that name the study and belong to its owner; other users' jobs are not part of it.
+  /// Jobs that name the study and belong to its owner; other users' jobs are not part of it. To
+  /// compare runs with them, read the runs first: the job of a run that the feeder queues in between
+  /// would be missing from an older list.
   std::map<std::string, v1::Job> jobs_of(const StudyRecord& study);
   /// Curves of a job, from its event log or kept from before.
   RunHistory history_of(const v1::Job& job);
