@@ -281,6 +281,20 @@ RunValues sweep_values(const v1::CreateStudyRequest& request) {
   return runs;
 }
 
+/// What a run changes, for messages. Of many changes the first few.
+std::string describe_changes(const std::vector<v1::CaseChange>& changes) {
+  constexpr std::size_t most = 4;
+  if (changes.empty()) return "the case itself";
+
+  std::vector<std::string> words;
+  for (const v1::CaseChange& change : changes) {
+    if (words.size() == most) break;
+    words.push_back(fmt::format("{} = {}", change.key(), change.value()));
+  }
+  if (changes.size() > most) words.push_back(fmt::format("{} more", changes.size() - most));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
 class Sweep final : public StudyPlan {
 public:
   explicit Sweep(const v1::CreateStudyRequest& request)
@@ -300,15 +314,12 @@ public:
   int runs() const override { return static_cast<int>(values_.size()); }
 
   PlannedRun run(int number) const override {
-    std::string name = "run " + key(number);
     std::vector<v1::CaseChange> changes;
-    for (int axis = 0; axis < sweep_.axes_size(); ++axis) {
-      if (value(number, axis).empty()) continue;  // as in the case
-      changes.push_back(case_file::change_of(sweep_.axes(axis).key(), value(number, axis)));
-      name += (changes.size() == 1 ? " (" : ", ") + changes.back().key() + " = " +
-              changes.back().value();
-    }
-    name += changes.empty() ? " (the case itself)" : ")";
+    for (int axis = 0; axis < sweep_.axes_size(); ++axis)
+      if (!value(number, axis).empty())  // otherwise as in the case
+        changes.push_back(case_file::change_of(sweep_.axes(axis).key(), value(number, axis)));
+
+    std::string name = fmt::format("run {} ({})", key(number), describe_changes(changes));
     return planned(number, std::move(name), base_, std::move(changes));
   }
 

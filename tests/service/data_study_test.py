@@ -7,9 +7,12 @@ import re
 
 import grpc
 
-from data_study import DATA, DataStudyCase
+from data_study import CASE, DATA, DataStudyCase
 from dccast.v1 import study_pb2
 from support import main, until
+
+CARDS = os.path.join(os.path.dirname(CASE), "alloys")
+
 
 class DataStudy(DataStudyCase):
     def only(self):
@@ -48,6 +51,14 @@ class DataStudy(DataStudyCase):
 
         again = json.loads(self.dccast("uncertainty", "--study", study, "--json"))
         self.assertEqual(again["spread"], spread)
+
+    def test_the_data_of_every_shipped_alloy_can_be_drawn(self):
+        for card in sorted(os.listdir(CARDS)):
+            alloy = card.removesuffix(".toml")
+            with self.subTest(alloy):
+                study = self.dccast("uncertainty", CASE, "--set", f"alloy.card={alloy}", "--runs", "64",
+                                    "--no-wait").strip()
+                self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=60)
 
     def test_a_run_that_fails_is_counted(self):
         # The hottest block melts the shell of so short a hold.

@@ -17,6 +17,7 @@ With --cast the hidden castings leave the plan. Their levers are read too, and t
 these do; with --blind the forecast takes the levers as planned.
 """
 import argparse
+import pathlib
 import random
 import re
 import subprocess
@@ -59,17 +60,28 @@ def arguments():
 
 def study(options, seed, runs, quality, changes=()):
     """Runs of the plan, or of a changed one, with drawn data. Returns (id, curves of those that count)."""
-    key = f"forecast-{seed}-{runs}-{quality}"
+    key = f"forecast-{pathlib.Path(options.case).stem}-{seed}-{runs}-{quality}"
     if changes:
         key += f"-{zlib.crc32(repr(changes).encode()):08x}"
     changed = [word for change in changes for word in ("--set", change)]
-    subprocess.run([options.dccast, "--server", options.server, "uncertainty", options.case, "--set",
-                    f"quality={quality}", *changed, "--runs", str(runs), "--seed", str(seed), "--label",
-                    key, "--json"], check=True, stdout=subprocess.DEVNULL)
-    stub = options.stub
-    listed = stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=30).studies
-    found = next(each for each in listed if key in each.labels)
+    command = [options.dccast, "--server", options.server, "uncertainty", "--json"]
+
+    there = with_label(options, key)
+    if there:
+        command += ["--study", there.id]
+    else:
+        command += [options.case, "--set", f"quality={quality}", *changed, "--runs", str(runs), "--seed",
+                    str(seed), "--label", key]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+
+    found = there or with_label(options, key)
     return found.id, curves_of(options, found.id)
+
+
+def with_label(options, label):
+    """The newest study with a label; None if there is none."""
+    listed = options.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=30).studies
+    return next((each for each in listed if label in each.labels), None)
 
 
 def prepared(options):

@@ -38,6 +38,18 @@ std::vector<std::vector<std::string>> values_of(const v1::CreateStudyRequest& re
   return values;
 }
 
+TEST(SweepPlan, ARunOfManyChangesIsNamedByTheFirst) {
+  const auto plan = study_plan(sweep_of(v1::SweepPlan::GRID, {{"mesh.rows", "10"},
+                                                              {"mesh.columns", "8"},
+                                                              {"mesh.refinement", "2"},
+                                                              {"schedule.hold", "50 s"},
+                                                              {"time.end", "9 s"},
+                                                              {"time.step", "1 s"}}));
+  EXPECT_EQ(plan->run(0).name,
+            "run 1 (mesh.rows = 10, mesh.columns = 8, mesh.refinement = 2, schedule.hold = 50 s, "
+            "2 more)");
+}
+
 TEST(SweepPlan, AGridHasEveryValueWithEveryOther) {
   const auto request = sweep_of(
       v1::SweepPlan::GRID,
