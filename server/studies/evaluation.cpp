@@ -193,31 +193,29 @@ void Studies::add_face(const v1::Job& job, EvaluatedRun& run) {
 /// omitted.
 std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, const Depth& depth) {
   const auto plan = plan_of(record);
-  const std::vector<RunRecord> kept_runs = store_.runs(record.id);
-  const auto jobs = jobs_of(record);
   std::vector<EvaluatedRun> runs;
 
-  for (const RunRecord& kept : kept_runs) {
+  for (const RunAndJob& each : runs_and_jobs(record)) {
+    const auto& [kept, job] = each;
     if (kept.number >= depth.before) break;
-    const auto found = jobs.find(kept.job);
-    if (!kept.job.empty() && found == jobs.end()) continue;
+    if (each.deleted()) continue;
 
     EvaluatedRun& evaluated = runs.emplace_back();
     evaluated.number = kept.number;
     plan->describe(kept.number, evaluated.run);
 
-    if (kept.job.empty())
-      describe_without_job(kept, evaluated.run);
+    if (job)
+      describe_job(*job, evaluated.run);
     else
-      describe_job(found->second, evaluated.run);
+      describe_without_job(kept, evaluated.run);
 
     for (const v1::Monitor& monitor : record.request.case_().monitor())
-      evaluated.run.add_end_curl_m(
-          evaluated.succeeded() ? curl_at(found->second.last_step(), monitor.name()) : unknown);
+      evaluated.run.add_end_curl_m(evaluated.succeeded() ? curl_at(job->last_step(), monitor.name())
+                                                         : unknown);
 
     if (!evaluated.succeeded()) continue;
-    if (depth.histories) evaluated.history = history_of(found->second);
-    if (depth.faces) add_face(found->second, evaluated);
+    if (depth.histories) evaluated.history = history_of(*job);
+    if (depth.faces) add_face(*job, evaluated);
   }
   return runs;
 }

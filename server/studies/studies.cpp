@@ -199,11 +199,9 @@ v1::Study Studies::take_up(StudyRecord record, const v1::CreateStudyRequest& req
   }
 
   // Runs whose jobs were deleted are queued again.
-  const std::vector<RunRecord> runs = store_.runs(record.id);
-  const auto jobs = jobs_of(record);
   std::vector<RunRecord> deleted;
-  for (const RunRecord& run : runs)
-    if (!run.job.empty() && !jobs.contains(run.job)) deleted.push_back(run);
+  for (const RunAndJob& each : runs_and_jobs(record))
+    if (each.deleted()) deleted.push_back(each.run);
   queue_again(record, deleted);
   wake_feeder();
   return view(record);
@@ -309,16 +307,14 @@ StudyReply Studies::resume(const std::string& id, bool failed) {
   const std::lock_guard lock(requests_mutex_);
   const auto record = store_.find(id);
   if (!record) return {StudyReply::Kind::not_found};
-  const std::vector<RunRecord> runs = store_.runs(id);
-  const auto jobs = jobs_of(*record);
 
   std::vector<RunRecord> again;
-  for (const RunRecord& run : runs) {
-    const auto job = jobs.find(run.job);
-    if (job == jobs.end() && !run.job.empty()) continue;  // deleted on purpose
+  for (const RunAndJob& each : runs_and_jobs(*record)) {
+    if (each.deleted()) continue;  // a user has deleted its job on purpose
+    const auto& [run, job] = each;
 
-    const v1::JobState state = run.job.empty() ? run.outcome : job->second.state();
-    const v1::Finding& failure = run.job.empty() ? run.failure : job->second.failure();
+    const v1::JobState state = job ? job->state() : run.outcome;
+    const v1::Finding& failure = job ? job->failure() : run.failure;
     if (lost(state) && (failed || !by_the_case_itself(failure))) again.push_back(run);
   }
 
@@ -363,6 +359,20 @@ std::map<std::string, v1::Job> Studies::jobs_of(const StudyRecord& study) {
   for (v1::Job& job : scheduler_.list({.study = study.id, .size = INT_MAX}))
     if (job.owner() == study.owner) jobs[job.id()] = std::move(job);
   return jobs;
+}
+
+std::vector<Studies::RunAndJob> Studies::runs_and_jobs(const StudyRecord& study) {
+  // The runs first: the feeder may queue a run in between, whose job an older list would lack.
+  std::vector<RunRecord> runs = store_.runs(study.id);
+  auto jobs = jobs_of(study);
+
+  std::vector<RunAndJob> joined;
+  for (RunRecord& run : runs) {
+    std::optional<v1::Job> job;
+    if (const auto found = jobs.find(run.job); found != jobs.end()) job = std::move(found->second);
+    joined.push_back({std::move(run), std::move(job)});
+  }
+  return joined;
 }
 
 std::shared_ptr<const StudyPlan> Studies::plan_of(const StudyRecord& record) {

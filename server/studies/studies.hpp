@@ -133,10 +133,19 @@ private:
   void queue_again(const StudyRecord& record, std::vector<RunRecord> runs);
   /// Deletes jobs, file and row; continues a removal that was interrupted.
   void remove_now(const StudyRecord& study);
-  /// Jobs that name the study and belong to its owner; other users' jobs are not part of it. To
-  /// compare runs with them, read the runs first: the job of a run that the feeder queues in between
-  /// would be missing from an older list.
+  /// Jobs that name the study and belong to its owner; other users' jobs are not part of it.
   std::map<std::string, v1::Job> jobs_of(const StudyRecord& study);
+
+  /// A run of a study and its job.
+  struct RunAndJob {
+    RunRecord run;
+    std::optional<v1::Job> job;  ///< none: not queued yet, refused, or its job was deleted
+
+    bool deleted() const { return !run.job.empty() && !job; }
+  };
+  /// The runs of a study by number, each with its job.
+  std::vector<RunAndJob> runs_and_jobs(const StudyRecord& study);
+
   /// Curves of a job, from its event log or kept from before.
   RunHistory history_of(const v1::Job& job);
   /// Contour of the wide face of a run, from its last frame; kept after the first call.

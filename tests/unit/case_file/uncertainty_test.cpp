@@ -140,7 +140,6 @@ TEST(Uncertainty, OfACardOrDefaultDoesNotHoldForAValueOfTheCase) {
   EXPECT_NE(found(keys, "cooling.water.wetting.flow_exponent"), nullptr);
 }
 
-/// Every range of the schema, of a card and of a shipped case can be run at both of its ends.
 TEST(Uncertainty, OfTheCaseDoesNotHoldForAValueThatAChangeGives) {
   v1::Case description = shipped_case("start-2d-thickness");
   description.clear_uncertainty();
@@ -153,6 +152,7 @@ TEST(Uncertainty, OfTheCaseDoesNotHoldForAValueThatAChangeGives) {
   EXPECT_THAT(uncertainty_faults(description), IsEmpty());
 }
 
+/// Every range of the schema, of a card and of a shipped case has ends that its key permits.
 TEST(Uncertainty, OfTheShippedDataIsSound) {
   for (const std::string& name : alloy_names())
     EXPECT_THAT(uncertainty_faults(alloy_card(name).alloy), IsEmpty()) << name;
