@@ -1,11 +1,14 @@
 #include "core/statistics/innovations.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
+
+#include "core/statistics/sampling.hpp"
 
 namespace dccast::statistics {
 
@@ -24,13 +27,13 @@ struct Recent {
   double begin = 0.0;      ///< [s]
 };
 
-Recent recent_up_to(const std::vector<Innovation>& innovations, std::size_t last) {
+Recent recent_up_to(const std::vector<Innovation>& innovations, const std::vector<double>& scaled,
+                    std::size_t last) {
   Recent recent;
   std::size_t count = 0;
   for (std::size_t i = last + 1; i-- > 0;) {
     if (innovations[i].time <= innovations[last].time - window) break;
-    const double n = normalised(innovations[i]);
-    recent.statistic += std::clamp(n, -farthest_innovation, farthest_innovation);
+    recent.statistic += std::clamp(scaled[i], -farthest_innovation, farthest_innovation);
     recent.mean += innovations[i].reading - innovations[i].expected.value;
     recent.begin = innovations[i].time;
     ++count;
@@ -90,19 +93,116 @@ Departure described(const std::vector<Innovation>& innovations, std::size_t at,
   return of_bends - of_steps > surely_a_step * noise * noise ? step : drift;
 }
 
+/// At most 100 instants of an ensemble, evenly spread: the cost grows with their third power.
+TrajectoryEnsemble thinned(const TrajectoryEnsemble& ensemble) {
+  const auto kept = spread_indices(ensemble.time.size(), 100);
+  TrajectoryEnsemble thin{.time = ensemble.time(kept),
+                          .nominal = ensemble.nominal(kept),
+                          .members = ensemble.members(Eigen::all, kept),
+                          .misfits = {},
+                          .model_error = ensemble.model_error};
+  if (ensemble.misfits.rows() > 0) thin.misfits = ensemble.misfits(Eigen::all, kept);
+  return thin;
+}
+
+/// (instant, instant) adds up independent numbers over the window before each instant, and divides
+/// by the root of their count.
+Eigen::MatrixXd window_sums(const Eigen::VectorXd& time) {
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(time.size(), time.size());
+  for (Eigen::Index row = 0; row < time.size(); ++row) {
+    const double* const begin =
+        std::upper_bound(time.data(), time.data() + row, time(row) - window);
+    const Eigen::Index first = begin - time.data(), count = row + 1 - first;
+    sums.row(row).segment(first, count).setConstant(1.0 / std::sqrt(static_cast<double>(count)));
+  }
+  return sums;
+}
+
+/// The statistic of some members that the others forecast.
+struct OfMembers {
+  Eigen::VectorXd largest;   ///< (instant) without noise
+  Eigen::VectorXd of_noise;  ///< (instant) standard deviation of what noise adds
+};
+
+/// @param others  the ensemble without these members
+OfMembers forecast_from(const TrajectoryEnsemble& others, const Eigen::MatrixXd& members,
+                        const Gauge& gauge, const Eigen::MatrixXd& sums) {
+  // What is read at an instant stands for all readings since the one before it.
+  const Eigen::Index instants = others.time.size();
+  const double whole = others.time(instants - 1) - others.time(0);
+  const double spacing = whole / static_cast<double>(instants - 1);
+  const double noise = gauge.noise / std::sqrt(std::max(spacing, 1.0));
+
+  // The innovations of normal readings are their deviations times the inverse of L.
+  Eigen::MatrixXd variance = prior_of(others).covariance;
+  variance.array() += gauge.zero * gauge.zero;
+  variance.diagonal().array() += noise * noise;
+  const Eigen::LLT<Eigen::MatrixXd> factored(variance);
+  const Eigen::MatrixXd to_statistic =
+      sums * factored.matrixL().solve(Eigen::MatrixXd::Identity(instants, instants));
+
+  const Eigen::RowVectorXd expected = others.members.colwise().mean();
+  const Eigen::MatrixXd of_members = to_statistic * (members.rowwise() - expected).transpose();
+  const Eigen::VectorXd of_noise = noise * to_statistic.rowwise().norm();
+  const Eigen::VectorXd of_zero = gauge.zero * to_statistic.rowwise().sum();
+  return {of_members.cwiseAbs().rowwise().maxCoeff(),
+          (of_noise.array().square() + of_zero.array().square()).sqrt()};
+}
+
 }  // namespace
 
 double normalised(const Innovation& innovation) {
   return (innovation.reading - innovation.expected.value) / innovation.expected.deviation;
 }
 
-std::vector<Departure> find_departures(const std::vector<Innovation>& innovations, double noise) {
+double InnovationScale::at(double when) const {
+  if (time.size() == 0) return 1.0;
+  const auto next = std::ranges::upper_bound(time, when) - time.begin();
+  if (next == 0 || next == time.size()) return factor(std::max<Eigen::Index>(next - 1, 0));
+  const double share = (when - time(next - 1)) / (time(next) - time(next - 1));
+  return (1.0 - share) * factor(next - 1) + share * factor(next);
+}
+
+InnovationScale scale_of_members(const TrajectoryEnsemble& whole, const Gauge& gauge) {
+  const TrajectoryEnsemble ensemble = thinned(whole);
+  const Eigen::MatrixXd sums = window_sums(ensemble.time);
+  const Eigen::Index instants = ensemble.time.size();
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(instants);
+
+  constexpr Eigen::Index parts = 6;
+  for (Eigen::Index part = 0; part < parts; ++part) {
+    std::vector<Eigen::Index> forecast, used;
+    for (Eigen::Index i = 0; i < ensemble.members.rows(); ++i)
+      (i % parts == part ? forecast : used).push_back(i);
+    if (forecast.empty()) continue;
+
+    TrajectoryEnsemble others = ensemble;
+    others.members = ensemble.members(used, Eigen::all);
+    const OfMembers reached =
+        forecast_from(others, ensemble.members(forecast, Eigen::all), gauge, sums);
+    largest = largest.cwiseMax(reached.largest + 2.0 * reached.of_noise);
+  }
+
+  InnovationScale scale{ensemble.time, Eigen::VectorXd::Ones(instants)};
+  for (Eigen::Index at = 0; at < instants; ++at)
+    for (Eigen::Index near = 0; near < instants; ++near)
+      if (std::abs(scale.time(near) - scale.time(at)) <= window)
+        scale.factor(at) = std::max(scale.factor(at), largest(near) / limit);
+  return scale;
+}
+
+std::vector<Departure> find_departures(const std::vector<Innovation>& innovations, double noise,
+                                       const InnovationScale& scale) {
+  std::vector<double> scaled;
+  for (const Innovation& each : innovations)
+    scaled.push_back(normalised(each) / scale.at(each.time));
+
   std::vector<Departure> departures;
   bool departed = false;
   int row = 0;  // of outliers up to here
   for (std::size_t i = 0; i < innovations.size(); ++i) {
-    const Recent recent = recent_up_to(innovations, i);
-    row = std::abs(normalised(innovations[i])) > farthest_innovation ? row + 1 : 0;
+    const Recent recent = recent_up_to(innovations, scaled, i);
+    row = std::abs(scaled[i]) > farthest_innovation ? row + 1 : 0;
     const bool leaves = std::abs(recent.statistic) > limit || row >= outliers_in_row;
     if (leaves && !departed) departures.push_back(described(innovations, i, recent, noise));
     departed = leaves || (departed && std::abs(recent.statistic) > 0.5 * limit);

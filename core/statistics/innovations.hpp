@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "core/statistics/trajectory_forecast.hpp"
@@ -20,6 +21,24 @@ inline constexpr double farthest_innovation = 4.0;
 /// Reading minus expectation, in standard deviations.
 double normalised(const Innovation& innovation);
 
+/// By what factor innovations of sound castings may exceed what a Gaussian prior permits, by time.
+struct InnovationScale {
+  Eigen::VectorXd time;    ///< (instant) [s] increasing; empty: no larger
+  Eigen::VectorXd factor;  ///< (instant) [1] one or more
+
+  /// At a time [s]: linear between instants, and that of the end outside of them.
+  double at(double time) const;
+};
+
+/// The scale that the members of an ensemble need. They are sound castings, yet not always
+/// Gaussian: where each begins to curl at its own time, a few are far from what the others permit.
+///
+/// Each sixth of the members is forecast from the others. The largest statistic of find_departures
+/// that a member reaches within 10 s, and two standard deviations of what noise adds to it, must
+/// stay below the limit there. Readings come every second.
+/// @throws std::invalid_argument  as prior_of, of five sixths of the members
+InnovationScale scale_of_members(const TrajectoryEnsemble& ensemble, const Gauge& gauge);
+
 /// How readings leave what prior and earlier readings permit.
 struct Departure {
   enum class Kind {
@@ -37,13 +56,15 @@ struct Departure {
 /// Normalised innovations of a correct prior are independent, with mean 0 and variance 1 (Mehra and
 /// Peschon 1971). A departure begins where their sum over 10 s exceeds 4.2 times the root of their
 /// number, or where four outliers follow each other; it ends at half of that sum. An outlier counts
-/// as one of four standard deviations, so that no single one is a departure.
+/// as one of four standard deviations, so that no single one is a departure. Innovations are
+/// divided by their scale first.
 ///
 /// A step is told from a drift by least squares over 20 s before and 10 s after: readings minus
 /// their first mean are a straight line and either a step or a bend, whichever leaves less. It is a
 /// step where the bend leaves more by nine times the variance of a reading.
 /// @param innovations  by time
 /// @param noise        standard deviation of a reading [unit]
-std::vector<Departure> find_departures(const std::vector<Innovation>& innovations, double noise);
+std::vector<Departure> find_departures(const std::vector<Innovation>& innovations, double noise,
+                                       const InnovationScale& scale = {});
 
 }  // namespace dccast::statistics

@@ -152,15 +152,20 @@ public:
     mesh_error_ = mesh_error_of(has_pairs ? basis.pairs : basis.ensemble);
   }
 
+  /// At the first instants alone. @param error  of the model besides data and mesh
+  statistics::TrajectoryEnsemble ensemble(double error, Eigen::Index instants) const {
+    const double of_mesh = 0.5 * (mesh_error_.lower() + mesh_error_.upper()) / nine_of_ten;
+    const auto pairs = misfits_.rows() > 0 ? instants : 0;
+    return {.time = Eigen::VectorXd::Map(instants_.data(), instants),
+            .nominal = members_.leftCols(instants).colwise().mean(),
+            .members = members_.leftCols(instants),
+            .misfits = misfits_.leftCols(pairs),
+            .model_error = std::hypot(error, of_mesh)};
+  }
+
   /// @param error  of the model besides data and mesh
   statistics::TrajectoryPrior prior(double error) const {
-    const double of_mesh = 0.5 * (mesh_error_.lower() + mesh_error_.upper()) / nine_of_ten;
-    auto prior = statistics::prior_of(
-        {.time = Eigen::VectorXd::Map(instants_.data(), std::ssize(instants_)),
-         .nominal = members_.colwise().mean(),
-         .members = members_,
-         .misfits = misfits_,
-         .model_error = std::hypot(error, of_mesh)});
+    auto prior = statistics::prior_of(ensemble(error, std::ssize(instants_)));
     const double too_low = 0.5 * (mesh_error_.upper() - mesh_error_.lower());
     prior.deviation += too_low * (prior.nominal + prior.deviation);
     return prior;
@@ -314,6 +319,7 @@ CurlPrior prior_of_curl(const ForecastBasis& basis, const std::string& monitor) 
     blocks.push_back({&recipe, {curl.time_s().begin(), curl.time_s().end()}});
 
   const JointEnsemble joint(blocks, basis);
+  known.ensemble = joint.ensemble(model_error, instants);
   if (castings.empty()) {
     known.trajectory = joint.prior(model_error);
   } else {

@@ -20,6 +20,9 @@ double error_of_plan(const v1::Section& section);
 struct CurlPrior {
   statistics::TrajectoryPrior trajectory{};  ///< [m]
   int members = 0;                           ///< 0: of the run of the plan alone
+  /// The runs of the recipe, as they are without castings on the line; empty: of the run of the
+  /// plan
+  std::optional<statistics::TrajectoryEnsemble> ensemble{};
   std::optional<v1::LineMemory> line{};      ///< empty: the casting is on no line
   std::vector<std::string> notes{};          ///< why castings on the line do not count
 };

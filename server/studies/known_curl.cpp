@@ -51,14 +51,21 @@ LearnedCurl learn(const TrajectoryForecast& before, const std::vector<CurlReadin
   return learned;
 }
 
+/// By what factor innovations may be larger than the prior permits, since its members are.
+statistics::InnovationScale scale_of(const CurlPrior& prior, const statistics::Gauge& gauge) {
+  if (!prior.ensemble) return {};
+  return statistics::scale_of_members(*prior.ensemble, gauge);
+}
+
 /// Learns from readings of a gauge, once more after each slip that they show.
 LearnedCurl learn_with_slips(const TrajectoryForecast& before, double noise_m,
+                             const statistics::InnovationScale& scale,
                              const std::vector<CurlReading>& readings) {
   constexpr std::size_t most_slips = 8;
   std::vector<Departure> slips;
   for (;;) {
     LearnedCurl learned = learn(before, readings, slips);
-    learned.departures = statistics::find_departures(learned.innovations, noise_m);
+    learned.departures = statistics::find_departures(learned.innovations, noise_m, scale);
     const auto slip =
         std::ranges::find(learned.departures, Departure::Kind::step, &Departure::kind);
     if (slip != learned.departures.end() && slips.size() < most_slips) {
@@ -81,7 +88,8 @@ KnownCurl::KnownCurl(const v1::Gauge& gauge, const ForecastBasis& basis)
       prior_(prior_of_curl(basis, monitor_)),
       before_(prior_.trajectory, gauge_of(gauge)),
       readings_(readings_of(monitor_, basis.readings)),
-      learned_(learn_with_slips(before_, gauge.noise_m(), as_planned())) {}
+      learned_(learn_with_slips(before_, gauge.noise_m(), scale_of(prior_, gauge_of(gauge)),
+                                as_planned())) {}
 
 std::vector<CurlReading> KnownCurl::as_planned() const {
   std::vector<CurlReading> planned = readings_;

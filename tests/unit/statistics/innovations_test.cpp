@@ -39,20 +39,25 @@ struct Fault {
   }
 };
 
-/// Readings of every second of a casting that is drawn from the prior.
-std::vector<Innovation> simulated(const TrajectoryPrior& p, const Fault& fault, unsigned seed) {
-  std::mt19937_64 random(seed);
+/// A curl that is drawn from the prior.
+Eigen::VectorXd drawn(const TrajectoryPrior& p, std::mt19937_64& random) {
   const Eigen::Index n = p.time.size();
   const Eigen::MatrixXd regular = p.covariance + 1e-9 * Eigen::MatrixXd::Identity(n, n);
   const Eigen::VectorXd numbers =
       Eigen::VectorXd::NullaryExpr(n, [&](Eigen::Index) { return normal(random); });
-  const Eigen::VectorXd truth = p.nominal + regular.llt().matrixL() * numbers;
+  return p.nominal + regular.llt().matrixL() * numbers;
+}
+
+/// Readings of every second of a casting whose curl is given at the instants of the prior, two
+/// seconds apart.
+std::vector<Innovation> simulated(const TrajectoryPrior& p, const Eigen::VectorXd& truth,
+                                  const Fault& fault, std::mt19937_64& random) {
   const double zero = gauge.zero * normal(random);
 
   std::vector<Innovation> innovations;
   const TrajectoryForecast first(p, gauge);
   TrajectoryForecast forecast(p, gauge);
-  for (double t = 0.0; t < 200.0; t += 1.0) {
+  for (double t = 0.0; t < p.time.tail<1>()(0); t += 1.0) {
     const auto left = static_cast<Eigen::Index>(t / 2.0);
     const double share = t / 2.0 - static_cast<double>(left);
     const double curl = (1.0 - share) * truth(left) + share * truth(left + 1);
@@ -68,7 +73,11 @@ using Castings = std::vector<std::vector<Innovation>>;
 Castings simulated_castings(const Fault& fault, unsigned first_seed) {
   const TrajectoryPrior p = prior();
   Castings made;
-  for (unsigned i = 0; i < castings; ++i) made.push_back(simulated(p, fault, first_seed + i));
+  for (unsigned i = 0; i < castings; ++i) {
+    std::mt19937_64 random(first_seed + i);
+    const Eigen::VectorXd truth = drawn(p, random);
+    made.push_back(simulated(p, truth, fault, random));
+  }
   return made;
 }
 
@@ -161,6 +170,80 @@ TEST(Innovations, FindASlippedGaugeAndAFastDriftBetterThanAThreshold) {
   const Castings slow = simulated_castings({.drift = -4.0}, 1000);
   outcome_of("4 mm in a minute, innovations", slow, by_innovations);
   outcome_of("4 mm in a minute, threshold", slow, plain);
+}
+
+/// Members of an ensemble without error of mesh and model.
+TrajectoryEnsemble ensemble_of(const Eigen::VectorXd& time, const Eigen::MatrixXd& members) {
+  return {.time = time,
+          .nominal = members.colwise().mean(),
+          .members = members,
+          .misfits = {},
+          .model_error = 0.0};
+}
+
+TEST(InnovationScale, IsOneForNormalMembers) {
+  std::mt19937_64 random(1);
+  const TrajectoryPrior p = prior();
+  Eigen::MatrixXd members(36, p.time.size());
+  for (Eigen::Index i = 0; i < members.rows(); ++i) members.row(i) = drawn(p, random).transpose();
+
+  const InnovationScale scale = scale_of_members(ensemble_of(p.time, members), gauge);
+  EXPECT_LE(scale.factor.maxCoeff(), 1.1);
+  EXPECT_GE(scale.factor.minCoeff(), 1.0);
+}
+
+TEST(InnovationScale, IsLinearBetweenInstantsAndOneWithoutMembers) {
+  const InnovationScale scale{Eigen::Vector2d(10.0, 20.0), Eigen::Vector2d(1.0, 3.0)};
+  EXPECT_EQ(scale.at(0.0), 1.0);
+  EXPECT_EQ(scale.at(15.0), 2.0);
+  EXPECT_EQ(scale.at(30.0), 3.0);
+  EXPECT_EQ(InnovationScale{}.at(15.0), 1.0);
+}
+
+/// Curls that begin each at its own time, as those of slabs do.
+Eigen::MatrixXd curls_with_own_begin(const Eigen::VectorXd& time, Eigen::Index count,
+                                     std::mt19937_64& random) {
+  Eigen::MatrixXd curls(count, time.size());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double begin = 35.0 + 8.0 * normal(random),
+                 height = 30.0 * std::exp(0.2 * normal(random));
+    const double rise = 60.0 * std::exp(0.25 * normal(random));
+    const double later = 80.0 + 15.0 * normal(random), more = 4.0 * normal(random);
+    const Eigen::ArrayXd since = (time.array() - begin).cwiseMax(0.0);
+    curls.row(i) = height * (1.0 - (-since / rise).exp()) * since / (since + 6.0) +
+                   more * ((time.array() - later) / 20.0).cwiseMax(0.0).cwiseMin(1.0);
+  }
+  return curls;
+}
+
+TEST(InnovationScale, LeavesFewerSoundCastingsWithAWarningAndFindsFaultsLater) {
+  const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(126, 0.0, 250.0);
+  constexpr Eigen::Index count = 100;
+  int plain = 0, scaled = 0, found = 0;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    std::mt19937_64 random(seed);
+    TrajectoryEnsemble ensemble = ensemble_of(time, curls_with_own_begin(time, 36, random));
+    ensemble.model_error = 0.05;
+    const TrajectoryPrior p = prior_of(ensemble);
+    const InnovationScale scale = scale_of_members(ensemble, gauge);
+
+    const Eigen::MatrixXd truths = curls_with_own_begin(time, count, random);
+    for (const auto& truth : truths.rowwise()) {
+      const auto sound = simulated(p, truth.transpose(), {}, random);
+      plain += !find_departures(sound, gauge.noise).empty();
+      scaled += !find_departures(sound, gauge.noise, scale).empty();
+
+      auto slipped = sound;
+      for (Innovation& each : slipped)
+        if (each.time >= 170.0) each.reading += 4.0;
+      found += !find_departures(slipped, gauge.noise, scale).empty();
+    }
+  }
+  std::printf("of %d sound castings %d had a warning, %d with the scale; %d of those that slip\n",
+              static_cast<int>(3 * count), plain, scaled, found);
+  EXPECT_GE(plain, 3 * count / 25);
+  EXPECT_LE(scaled, plain / 2);
+  EXPECT_GE(found, 3 * count * 95 / 100);
 }
 
 std::vector<Innovation> steady(std::size_t count) {
