@@ -155,15 +155,7 @@ double normalised(const Innovation& innovation) {
   return (innovation.reading - innovation.expected.value) / innovation.expected.deviation;
 }
 
-double InnovationScale::at(double when) const {
-  if (time.size() == 0) return 1.0;
-  const auto next = std::ranges::upper_bound(time, when) - time.begin();
-  if (next == 0 || next == time.size()) return factor(std::max<Eigen::Index>(next - 1, 0));
-  const double share = (when - time(next - 1)) / (time(next) - time(next - 1));
-  return (1.0 - share) * factor(next - 1) + share * factor(next);
-}
-
-InnovationScale scale_of_members(const TrajectoryEnsemble& whole, const Gauge& gauge) {
+Curve scale_of_members(const TrajectoryEnsemble& whole, const Gauge& gauge) {
   const TrajectoryEnsemble ensemble = thinned(whole);
   const Eigen::MatrixXd sums = window_sums(ensemble.time);
   const Eigen::Index instants = ensemble.time.size();
@@ -183,19 +175,19 @@ InnovationScale scale_of_members(const TrajectoryEnsemble& whole, const Gauge& g
     largest = largest.cwiseMax(reached.largest + 2.0 * reached.of_noise);
   }
 
-  InnovationScale scale{ensemble.time, Eigen::VectorXd::Ones(instants)};
+  const Eigen::VectorXd& time = ensemble.time;
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(instants);
   for (Eigen::Index at = 0; at < instants; ++at)
     for (Eigen::Index near = 0; near < instants; ++near)
-      if (std::abs(scale.time(near) - scale.time(at)) <= window)
-        scale.factor(at) = std::max(scale.factor(at), largest(near) / limit);
-  return scale;
+      if (std::abs(time(near) - time(at)) <= window)
+        scale(at) = std::max(scale(at), largest(near) / limit);
+  return {Abscissa::time, {time.begin(), time.end()}, {scale.begin(), scale.end()}};
 }
 
 std::vector<Departure> find_departures(const std::vector<Innovation>& innovations, double noise,
-                                       const InnovationScale& scale) {
+                                       const Curve& scale) {
   std::vector<double> scaled;
-  for (const Innovation& each : innovations)
-    scaled.push_back(normalised(each) / scale.at(each.time));
+  for (const Innovation& each : innovations) scaled.push_back(normalised(each) / scale(each.time));
 
   std::vector<Departure> departures;
   bool departed = false;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/base/curve.hpp"
 #include "core/statistics/trajectory_forecast.hpp"
 
 namespace dccast::statistics {
@@ -21,23 +22,15 @@ inline constexpr double farthest_innovation = 4.0;
 /// Reading minus expectation, in standard deviations.
 double normalised(const Innovation& innovation);
 
-/// By what factor innovations of sound castings may exceed what a Gaussian prior permits, by time.
-struct InnovationScale {
-  Eigen::VectorXd time;    ///< (instant) [s] increasing; empty: no larger
-  Eigen::VectorXd factor;  ///< (instant) [1] one or more
-
-  /// At a time [s]: linear between instants, and that of the end outside of them.
-  double at(double time) const;
-};
-
-/// The scale that the members of an ensemble need. They are sound castings, yet not always
-/// Gaussian: where each begins to curl at its own time, a few are far from what the others permit.
+/// By what factor innovations of sound castings may exceed what a Gaussian prior permits, over time
+/// [s]; one or more. The members of an ensemble are sound castings, yet not always Gaussian: where
+/// each begins to curl at its own time, a few are far from what the others permit.
 ///
 /// Each sixth of the members is forecast from the others. The largest statistic of find_departures
 /// that a member reaches within 10 s, and two standard deviations of what noise adds to it, must
 /// stay below the limit there. Readings come every second.
 /// @throws std::invalid_argument  as prior_of, of five sixths of the members
-InnovationScale scale_of_members(const TrajectoryEnsemble& ensemble, const Gauge& gauge);
+Curve scale_of_members(const TrajectoryEnsemble& ensemble, const Gauge& gauge);
 
 /// How readings leave what prior and earlier readings permit.
 struct Departure {
@@ -65,6 +58,6 @@ struct Departure {
 /// @param innovations  by time
 /// @param noise        standard deviation of a reading [unit]
 std::vector<Departure> find_departures(const std::vector<Innovation>& innovations, double noise,
-                                       const InnovationScale& scale = {});
+                                       const Curve& scale = Curve(1.0));
 
 }  // namespace dccast::statistics

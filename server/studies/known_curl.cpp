@@ -52,14 +52,13 @@ LearnedCurl learn(const TrajectoryForecast& before, const std::vector<CurlReadin
 }
 
 /// By what factor innovations may be larger than the prior permits, since its members are.
-statistics::InnovationScale scale_of(const CurlPrior& prior, const statistics::Gauge& gauge) {
-  if (!prior.ensemble) return {};
+Curve scale_of(const CurlPrior& prior, const statistics::Gauge& gauge) {
+  if (!prior.ensemble) return Curve(1.0);
   return statistics::scale_of_members(*prior.ensemble, gauge);
 }
 
 /// Learns from readings of a gauge, once more after each slip that they show.
-LearnedCurl learn_with_slips(const TrajectoryForecast& before, double noise_m,
-                             const statistics::InnovationScale& scale,
+LearnedCurl learn_with_slips(const TrajectoryForecast& before, double noise_m, const Curve& scale,
                              const std::vector<CurlReading>& readings) {
   constexpr std::size_t most_slips = 8;
   std::vector<Departure> slips;

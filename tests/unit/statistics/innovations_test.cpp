@@ -181,23 +181,15 @@ TrajectoryEnsemble ensemble_of(const Eigen::VectorXd& time, const Eigen::MatrixX
           .model_error = 0.0};
 }
 
-TEST(InnovationScale, IsOneForNormalMembers) {
+TEST(ScaleOfMembers, IsOneForNormalMembers) {
   std::mt19937_64 random(1);
   const TrajectoryPrior p = prior();
   Eigen::MatrixXd members(36, p.time.size());
   for (Eigen::Index i = 0; i < members.rows(); ++i) members.row(i) = drawn(p, random).transpose();
 
-  const InnovationScale scale = scale_of_members(ensemble_of(p.time, members), gauge);
-  EXPECT_LE(scale.factor.maxCoeff(), 1.1);
-  EXPECT_GE(scale.factor.minCoeff(), 1.0);
-}
-
-TEST(InnovationScale, IsLinearBetweenInstantsAndOneWithoutMembers) {
-  const InnovationScale scale{Eigen::Vector2d(10.0, 20.0), Eigen::Vector2d(1.0, 3.0)};
-  EXPECT_EQ(scale.at(0.0), 1.0);
-  EXPECT_EQ(scale.at(15.0), 2.0);
-  EXPECT_EQ(scale.at(30.0), 3.0);
-  EXPECT_EQ(InnovationScale{}.at(15.0), 1.0);
+  const Curve scale = scale_of_members(ensemble_of(p.time, members), gauge);
+  EXPECT_LE(std::ranges::max(scale.value()), 1.1);
+  EXPECT_GE(std::ranges::min(scale.value()), 1.0);
 }
 
 /// Curls that begin each at its own time, as those of slabs do.
@@ -216,7 +208,7 @@ Eigen::MatrixXd curls_with_own_begin(const Eigen::VectorXd& time, Eigen::Index c
   return curls;
 }
 
-TEST(InnovationScale, LeavesFewerSoundCastingsWithAWarningAndFindsFaultsLater) {
+TEST(ScaleOfMembers, LeavesFewerSoundCastingsWithAWarningAndFindsFaultsLater) {
   const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(126, 0.0, 250.0);
   constexpr Eigen::Index count = 100;
   int plain = 0, scaled = 0, found = 0;
@@ -225,7 +217,7 @@ TEST(InnovationScale, LeavesFewerSoundCastingsWithAWarningAndFindsFaultsLater) {
     TrajectoryEnsemble ensemble = ensemble_of(time, curls_with_own_begin(time, 36, random));
     ensemble.model_error = 0.05;
     const TrajectoryPrior p = prior_of(ensemble);
-    const InnovationScale scale = scale_of_members(ensemble, gauge);
+    const Curve scale = scale_of_members(ensemble, gauge);
 
     const Eigen::MatrixXd truths = curls_with_own_begin(time, count, random);
     for (const auto& truth : truths.rowwise()) {
