@@ -11,6 +11,8 @@
 #include <ostream>
 #include <set>
 
+#include "dccast/v1/study.pb.h"
+
 namespace dccast::client {
 namespace {
 
@@ -45,6 +47,17 @@ std::string ambiguous(const std::string& prefix, const v1::ListJobsResponse& fou
   return text;
 }
 
+/// Lists show studies among the jobs, so that a user may name one where a job is meant.
+std::string if_a_study(Connection& connection, const std::string& prefix) {
+  constexpr int newest = 1000;
+  v1::ListStudiesRequest request;
+  request.set_page_size(newest);
+  const auto found = connection.call(&Stub::ListStudies, request);
+  const bool is_study = std::ranges::any_of(
+      found.studies(), [&](const v1::Study& study) { return study.id().starts_with(prefix); });
+  return is_study ? "; a study does: see dccast studies --help" : "";
+}
+
 std::string job_that_begins(Connection& connection, const std::string& prefix) {
   v1::ListJobsRequest request;
   request.set_page_size(most_candidates + 1);
@@ -52,7 +65,8 @@ std::string job_that_begins(Connection& connection, const std::string& prefix) {
   const auto found = connection.call(&Stub::ListJobs, request);
   if (found.jobs().empty())
     throw CommandFailed(ExitCode::not_found, "no job on " + connection.server() + " begins with '" +
-                                                 prefix + "' (dccast list)");
+                                                 prefix + "' (dccast list)" +
+                                                 if_a_study(connection, prefix));
   if (found.jobs_size() > 1) throw invalid(ambiguous(prefix, found));
   return found.jobs(0).id();
 }

@@ -304,6 +304,8 @@ class Output(Commands):
         self.assertIn("no study", self.dccast("studies", "show", "0", code=5).stderr
                       if study[0] != "0" else "no study")
         self.assertEqual(len(self.dccast("list", "--study", "last", "--ids").stdout.split()), 4)
+        self.assertIn("a study does: see dccast studies --help",
+                      self.dccast("cancel", study[:8], code=5).stderr)
 
         error = self.dccast("predict", "last", "--set", "schedule.casting_sped=55 mm/min",
                             code=2).stderr
