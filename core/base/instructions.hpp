@@ -93,6 +93,42 @@ Lanes<Count> root(const Lanes<Count>& x) {
   return y;
 }
 
+#if defined(__x86_64__)
+namespace detail {
+// Powers of glibc's libmvec, under the names of the x86-64 vector function ABI. They are at most 4
+// units in the last place off. A register is passed only between functions for its instruction set.
+extern "C" {
+LanesOf<2>::type _ZGVbN2vv_pow(LanesOf<2>::type base, LanesOf<2>::type exponent);
+[[gnu::target("avx2")]] LanesOf<4>::type _ZGVdN4vv_pow(LanesOf<4>::type base,
+                                                       LanesOf<4>::type exponent);
+[[gnu::target("avx512f")]] LanesOf<8>::type _ZGVeN8vv_pow(LanesOf<8>::type base,
+                                                          LanesOf<8>::type exponent);
+}
+
+inline void raise(LanesOf<2>::type& x, double exponent) {
+  x = _ZGVbN2vv_pow(x, LanesOf<2>::type{} + exponent);
+}
+[[gnu::target("avx2")]] inline void raise(LanesOf<4>::type& x, double exponent) {
+  x = _ZGVdN4vv_pow(x, LanesOf<4>::type{} + exponent);
+}
+[[gnu::target("avx512f")]] inline void raise(LanesOf<8>::type& x, double exponent) {
+  x = _ZGVeN8vv_pow(x, LanesOf<8>::type{} + exponent);
+}
+}  // namespace detail
+#endif
+
+/// The power of each lane, in the power of its unit. @param base  not negative
+template <int Count>
+Lanes<Count> power(const Lanes<Count>& base, double exponent) {
+  Lanes<Count> x = base;
+#if defined(__x86_64__)
+  detail::raise(x, exponent);
+#else
+  for (int i = 0; i < Count; ++i) x[i] = __builtin_pow(x[i], exponent);
+#endif
+  return x;
+}
+
 /// Whether a comparison holds in at least one lane. @param mask  result of the comparison
 template <int Count, class Mask>
 bool any(const Mask& mask) {

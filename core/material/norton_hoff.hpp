@@ -53,17 +53,30 @@ struct ReturnMaps {
 };
 namespace detail {
 
-/// return_map() of each lane: trial_norm [Pa], creep [Pa^-(q-2)], exponent [1].
+/// x + c x^(q-1) = R, from the bound of return_map(). There c x^(q-2) needs no further power.
 template <int Count>
-ReturnMaps<Count> each_by_itself(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
-                                 double exponent) {
-  ReturnMaps<Count> maps;
-  for (int i = 0; i < Count; ++i) {
-    const ReturnMap map = return_map(trial_norm[i], creep[i], exponent);
-    maps.norm[i] = map.norm;
-    maps.derivative[i] = map.derivative;
+ReturnMaps<Count> of_any_power(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
+                               double exponent) {
+  using Numbers = Lanes<Count>;
+  const double m = exponent - 1.0;
+  const Numbers one = Numbers{} + 1.0;
+
+  const Numbers strength = creep * power<Count>(trial_norm, exponent - 2.0);  // c R^(q-2)
+  const auto strong = (strength > 1.0) & (trial_norm > 0.0);
+  Numbers x = trial_norm * power<Count>(strong ? strength : one, -1.0 / m);
+  Numbers rate = strong ? trial_norm / x : strength;  // c x^(q-2)
+
+  Numbers slope = one;
+  constexpr int most = 60;
+  for (int i = 0; i < most; ++i) {
+    slope = 1.0 + m * rate;
+    const Numbers step = (x + rate * x - trial_norm) / slope;
+    x -= step;
+    // The error is about the square of the step now: below round-off.
+    if (!any<Count>((step < 0.0 ? -step : step) > 1e-9 * x)) break;
+    rate = creep * power<Count>(x, exponent - 2.0);
   }
-  return maps;
+  return {x, 1.0 / slope};
 }
 
 /// x + c x^n = R for n = 3 or 5, from an upper bound: with strength = c R^(n-1) the root is at most
@@ -95,14 +108,14 @@ ReturnMaps<Count> of_odd_power(const Lanes<Count>& trial_norm, const Lanes<Count
 
 }  // namespace detail
 
-/// return_map() of several points at once; for the exponents 4 and 6 without calling pow().
+/// return_map() of several points at once; for the exponents 4 and 6 without a power.
 /// @param trial_norm  [Pa] @param creep  [Pa^-(q-2)] @param exponent  q [1]
 template <int Count>
 ReturnMaps<Count> return_maps(const Lanes<Count>& trial_norm, const Lanes<Count>& creep,
                               double exponent) {
   if (exponent == 4.0) return detail::of_odd_power<3, Count>(trial_norm, creep);
   if (exponent == 6.0) return detail::of_odd_power<5, Count>(trial_norm, creep);
-  return detail::each_by_itself<Count>(trial_norm, creep, exponent);
+  return detail::of_any_power<Count>(trial_norm, creep, exponent);
 }
 
 /// Volumetric over deviatoric creep factor of a porous body: a hollow sphere of the creeping metal

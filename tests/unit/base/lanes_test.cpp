@@ -31,6 +31,21 @@ TEST(Lanes, EveryLaneIsANumberOfItsOwn) {
   }
 }
 
+TEST(Lanes, PowersAreThoseOfEachNumber) {
+  const std::array<double, most_lanes> x{0.0, 1e-9, 0.3, 1.0, 2.0, 3.7e7, 9.9e8, 1e12};
+  for (const double exponent : {0.0, 0.25, 1.0, 2.3, 5.0}) {
+    std::array<double, most_lanes> powers;
+    with_lanes([&]<int Count>() {
+      for (std::size_t i = 0; i < x.size(); i += Count)
+        store<Count>(power<Count>(load<Count>(&x[i]), exponent), &powers[i]);
+    });
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double expected = std::pow(x[i], exponent);
+      EXPECT_NEAR(powers[i], expected, 1e-15 * expected) << x[i] << " to the " << exponent;
+    }
+  }
+}
+
 TEST(Lanes, AnyFindsOneLaneOfSeveral) {
   with_lanes([]<int Count>() {
     Lanes<Count> x{};
