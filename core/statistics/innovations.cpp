@@ -118,15 +118,12 @@ Eigen::MatrixXd window_sums(const Eigen::VectorXd& time) {
   return sums;
 }
 
-/// The statistic of some members that the others forecast.
-struct OfMembers {
-  Eigen::VectorXd largest;   ///< (instant) without noise
-  Eigen::VectorXd of_noise;  ///< (instant) standard deviation of what noise adds
-};
-
+/// The statistic of some members that the others forecast, and two standard deviations of what
+/// noise adds to it.
 /// @param others  the ensemble without these members
-OfMembers forecast_from(const TrajectoryEnsemble& others, const Eigen::MatrixXd& members,
-                        const Gauge& gauge, const Eigen::MatrixXd& sums) {
+/// @return        (member, instant)
+Eigen::MatrixXd reached_by(const Eigen::MatrixXd& members, const TrajectoryEnsemble& others,
+                           const Gauge& gauge, const Eigen::MatrixXd& sums) {
   // What is read at an instant stands for all readings since the one before it.
   const Eigen::Index instants = others.time.size();
   const double whole = others.time(instants - 1) - others.time(0);
@@ -145,8 +142,21 @@ OfMembers forecast_from(const TrajectoryEnsemble& others, const Eigen::MatrixXd&
   const Eigen::MatrixXd of_members = to_statistic * (members.rowwise() - expected).transpose();
   const Eigen::VectorXd of_noise = noise * to_statistic.rowwise().norm();
   const Eigen::VectorXd of_zero = gauge.zero * to_statistic.rowwise().sum();
-  return {of_members.cwiseAbs().rowwise().maxCoeff(),
-          (of_noise.array().square() + of_zero.array().square()).sqrt()};
+  const Eigen::VectorXd deviation = (of_noise.array().square() + of_zero.array().square()).sqrt();
+  return (of_members.cwiseAbs().colwise() + 2.0 * deviation).transpose();
+}
+
+/// The largest statistic near each of some values of the quantity, over the limit; one at least.
+/// @param members, reached  (member, instant) the quantity and the statistic
+/// @param within            how far a member may be from a value [unit]
+Eigen::VectorXd largest_near(const Eigen::VectorXd& values, double within,
+                             const Eigen::MatrixXd& members, const Eigen::MatrixXd& reached) {
+  Eigen::VectorXd largest = Eigen::VectorXd::Ones(values.size());
+  for (Eigen::Index i = 0; i < members.size(); ++i)
+    for (Eigen::Index at = 0; at < values.size(); ++at)
+      if (std::abs(members(i) - values(at)) <= within)
+        largest(at) = std::max(largest(at), reached(i) / limit);
+  return largest;
 }
 
 }  // namespace
@@ -157,10 +167,11 @@ double normalised(const Innovation& innovation) {
 
 Curve scale_of_members(const TrajectoryEnsemble& whole, const Gauge& gauge) {
   const TrajectoryEnsemble ensemble = thinned(whole);
-  const Eigen::MatrixXd sums = window_sums(ensemble.time);
-  const Eigen::Index instants = ensemble.time.size();
-  Eigen::VectorXd largest = Eigen::VectorXd::Zero(instants);
+  const double lowest = ensemble.members.minCoeff(), highest = ensemble.members.maxCoeff();
+  if (highest <= lowest) return Curve(1.0);
 
+  const Eigen::MatrixXd sums = window_sums(ensemble.time);
+  Eigen::MatrixXd reached(ensemble.members.rows(), ensemble.members.cols());
   constexpr Eigen::Index parts = 6;
   for (Eigen::Index part = 0; part < parts; ++part) {
     std::vector<Eigen::Index> forecast, used;
@@ -170,24 +181,22 @@ Curve scale_of_members(const TrajectoryEnsemble& whole, const Gauge& gauge) {
 
     TrajectoryEnsemble others = ensemble;
     others.members = ensemble.members(used, Eigen::all);
-    const OfMembers reached =
-        forecast_from(others, ensemble.members(forecast, Eigen::all), gauge, sums);
-    largest = largest.cwiseMax(reached.largest + 2.0 * reached.of_noise);
+    reached(forecast, Eigen::all) =
+        reached_by(ensemble.members(forecast, Eigen::all), others, gauge, sums);
   }
 
-  const Eigen::VectorXd& time = ensemble.time;
-  Eigen::VectorXd scale = Eigen::VectorXd::Ones(instants);
-  for (Eigen::Index at = 0; at < instants; ++at)
-    for (Eigen::Index near = 0; near < instants; ++near)
-      if (std::abs(time(near) - time(at)) <= window)
-        scale(at) = std::max(scale(at), largest(near) / limit);
-  return {Abscissa::time, {time.begin(), time.end()}, {scale.begin(), scale.end()}};
+  constexpr Eigen::Index points = 100;
+  const Eigen::VectorXd values = Eigen::VectorXd::LinSpaced(points, lowest, highest);
+  const double within = 2.0 * gauge.noise + 0.5 * (values(1) - values(0));
+  const Eigen::VectorXd scale = largest_near(values, within, ensemble.members, reached);
+  return {Abscissa::distance, {values.begin(), values.end()}, {scale.begin(), scale.end()}};
 }
 
 std::vector<Departure> find_departures(const std::vector<Innovation>& innovations, double noise,
                                        const Curve& scale) {
   std::vector<double> scaled;
-  for (const Innovation& each : innovations) scaled.push_back(normalised(each) / scale(each.time));
+  for (const Innovation& each : innovations)
+    scaled.push_back(normalised(each) / scale(each.expected.value));
 
   std::vector<Departure> departures;
   bool departed = false;

@@ -22,13 +22,14 @@ inline constexpr double farthest_innovation = 4.0;
 /// Reading minus expectation, in standard deviations.
 double normalised(const Innovation& innovation);
 
-/// By what factor innovations of sound castings may exceed what a Gaussian prior permits, over time
-/// [s]; one or more. The members of an ensemble are sound castings, yet not always Gaussian: where
-/// each begins to curl at its own time, a few are far from what the others permit.
+/// By what factor innovations of sound castings may exceed what a Gaussian prior permits, against
+/// the quantity that is expected [unit]; one or more. The members of an ensemble are sound
+/// castings, yet not always Gaussian: each begins to curl at its own time, and a few are then far
+/// from what the others permit. Once the curl is there, nothing of this is left, at whatever time.
 ///
 /// Each sixth of the members is forecast from the others. The largest statistic of find_departures
-/// that a member reaches within 10 s, and two standard deviations of what noise adds to it, must
-/// stay below the limit there. Readings come every second.
+/// that a member reaches near a value, within two standard deviations of a reading, and two of what
+/// noise adds to it, must stay below the limit. Readings come every second.
 /// @throws std::invalid_argument  as prior_of, of five sixths of the members
 Curve scale_of_members(const TrajectoryEnsemble& ensemble, const Gauge& gauge);
 
@@ -50,7 +51,7 @@ struct Departure {
 /// Peschon 1971). A departure begins where their sum over 10 s exceeds 4.2 times the root of their
 /// number, or where four outliers follow each other; it ends at half of that sum. An outlier counts
 /// as one of four standard deviations, so that no single one is a departure. Innovations are
-/// divided by their scale first.
+/// divided by the scale at the expected reading first.
 ///
 /// A step is told from a drift by least squares over 20 s before and 10 s after: readings minus
 /// their first mean are a straight line and either a step or a bend, whichever leaves less. It is a

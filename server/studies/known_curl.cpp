@@ -51,7 +51,8 @@ LearnedCurl learn(const TrajectoryForecast& before, const std::vector<CurlReadin
   return learned;
 }
 
-/// By what factor innovations may be larger than the prior permits, since its members are.
+/// By what factor innovations may be larger than the prior permits, since its members are, against
+/// the curl [m].
 Curve scale_of(const CurlPrior& prior, const statistics::Gauge& gauge) {
   if (!prior.ensemble) return Curve(1.0);
   return statistics::scale_of_members(*prior.ensemble, gauge);

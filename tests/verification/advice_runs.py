@@ -8,13 +8,13 @@ states at the times asked for is compared with runs at that quality whose levers
 length. The daemon must be running; the studies are kept and taken up again by the same command.
 """
 import argparse
-import subprocess
 import sys
 import time
 
 import grpc
 import numpy
 
+import forecast_castings
 from dccast.v1 import case_pb2, follow_pb2, options_pb2, service_pb2, service_pb2_grpc, study_pb2
 
 # Words of the advice, key of the schedule, factor on its table, and what is added to it.
@@ -86,28 +86,20 @@ def until_ended(options, study):
         time.sleep(1)
 
 
-def ensemble(options):
-    label = f"advice-runs-{options.members}"
-    subprocess.run([options.dccast, "--server", options.server, "uncertainty", options.case, "--set",
-                    "quality=draft", "--runs", str(options.members), "--label", label, "--json"], check=True,
-                   stdout=subprocess.DEVNULL)
-    listed = options.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=30).studies
-    return next(each.id for each in listed if label in each.labels)
-
-
 def advised(options, plan, measured):
     """By time and words: what the forecast states of a casting with this curl."""
     study = options.stub.CreateStudy(study_pb2.CreateStudyRequest(
         request_id=f"advice-runs-levers-{plan.case.title}", case=plan.case, levers=study_pb2.LeversPlan()),
                                      timeout=30)
     until_ended(options, study.id)
+    ensemble, _ = forecast_castings.study(options, 0, options.members, "draft")
 
     case = case_pb2.Case()
     case.CopyFrom(plan.case)
     case.quality = case_pb2.DRAFT
     gauge = follow_pb2.Gauge(monitor=options.monitor, noise_m=1e-3)
     job = options.stub.SubmitJob(service_pb2.SubmitJobRequest(case=case, following=follow_pb2.Following(
-        ensemble=ensemble(options), levers=study.id, gauges=[gauge])), timeout=60).id
+        ensemble=ensemble, levers=study.id, gauges=[gauge])), timeout=60).id
     stated = {}
     for t in range(int(max(options.at)) + 1):
         curl = numpy.interp(t, measured.time_s, numpy.nan_to_num(measured.curl_m))

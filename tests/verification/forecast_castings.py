@@ -15,8 +15,13 @@ With --pairs the ensemble is that of `dccast follow --prepare`, with its runs at
 
 With --cast the hidden castings leave the plan. Their levers are read too, and the followed run computes what
 these do; with --blind the forecast takes the levers as planned.
+
+With --fault-at SECOND it is counted how soon a warning follows a fault: --slip-mm of the gauge, or what
+--cast does from then on, whose levers are then not read (--unreported).
 """
 import argparse
+import collections
+import math
 import pathlib
 import random
 import re
@@ -48,6 +53,9 @@ def arguments():
     parser.add_argument("--cast", action="append", default=[], metavar="KEY=VALUE",
                         help="what is cast instead of the plan, e.g. schedule.water_flow.scale=0.7")
     parser.add_argument("--blind", action="store_true", help="the forecast takes the levers as planned")
+    parser.add_argument("--unreported", action="store_true", help="the levers are not read")
+    parser.add_argument("--fault-at", type=float, metavar="SECOND", help="when a fault begins")
+    parser.add_argument("--slip-mm", type=float, default=0.0, help="the gauge slips by it at --fault-at")
     parser.add_argument("--monitor", default="corner")
     parser.add_argument("--noise-mm", type=float, default=1.0)
     parser.add_argument("--zero-mm", type=float, default=0.0, help="standard deviation, hidden")
@@ -167,7 +175,8 @@ def errors_of(options, basis, mean, truth, band, shots, levers=None):
     rows = []
     end = int(truth[0][-1])
     for t in range(0, end - min(AHEAD)):
-        measured = factor * at(t) + zero + shots.gauss(0, 1e-3 * options.noise_mm)
+        slip = 1e-3 * options.slip_mm if options.fault_at is not None and t >= options.fault_at else 0.0
+        measured = factor * at(t) + zero + slip + shots.gauss(0, 1e-3 * options.noise_mm)
         curl = follow_pb2.MeasuredCurl(monitor=options.monitor, curl_m=measured)
         options.stub.AppendReadings(follow_pb2.AppendReadingsRequest(
             id=job, readings=[follow_pb2.Reading(number=t + 1, time_s=t, curls=[curl],
@@ -189,7 +198,25 @@ def errors_of(options, basis, mean, truth, band, shots, levers=None):
             rows.append((t, ahead, value - come, plan(s) - come,
                          plan(s) + measured - plan(t) - come, lower <= come <= upper, upper - lower))
     options.stub.CancelJob(service_pb2.CancelJobRequest(id=job), timeout=30)
-    return numpy.array(rows, dtype=float), [each.text for each in whole.warnings]
+    return numpy.array(rows, dtype=float), list(whole.warnings)
+
+
+def print_warnings(options, outcomes):
+    """Which castings had warnings; where there is a fault, how soon it was found."""
+    begin = math.inf if options.fault_at is None else options.fault_at
+    without_cause = [[each for each in warnings if each.time_s < begin] for _, warnings in outcomes]
+    print(f"{sum(map(bool, without_cause))} of {len(outcomes)} had warnings without a cause")
+    for warnings in filter(None, without_cause):
+        print("  " + "; ".join(each.text for each in warnings))
+    if begin == math.inf:
+        return
+
+    first = [next((each for each in warnings if each.time_s >= begin), None) for _, warnings in outcomes]
+    found = [each for each in first if each]
+    after = numpy.median([each.time_s - begin for each in found]) if found else math.nan
+    print(f"the fault was found in {len(found)} of {len(outcomes)}, after {after:.0f} s (median)")
+    for cause, count in collections.Counter(each.causes[0] for each in found).most_common():
+        print(f"  {count}: {cause}")
 
 
 def main():
@@ -206,8 +233,8 @@ def main():
         ensemble, members = study(options, 0, options.members, "draft")
         basis = {"ensemble": ensemble}
     hidden, truths = study(options, 1, options.castings, options.quality, options.cast)
-    levers = levers_of(options, hidden) if options.cast else None
-    if options.cast and not options.blind:
+    levers = levers_of(options, hidden) if options.cast and not options.unreported else None
+    if levers and not options.blind:
         basis["plan_job"] = run_of_plan(options)[0]
     band = mesh_band_of(options, hidden)
     times = numpy.arange(0, members[0][0][-1])
@@ -216,10 +243,8 @@ def main():
     shots = random.Random(1)
     outcomes = [errors_of(options, basis, mean, truth, band, shots, levers) for truth in truths]
     castings = [rows for rows, _ in outcomes]
-    warned = [warnings for _, warnings in outcomes if warnings]
-    print(f"{len(castings)} castings, {len(members)} members; {len(warned)} had warnings, without a cause")
-    for warnings in warned:
-        print("  " + "; ".join(warnings))
+    print(f"{len(castings)} castings, {len(members)} members")
+    print_warnings(options, outcomes)
     print("rms mm at 30 / 60 / 120 s ahead; share of 90 % bands that hold, and their width in mm, at 60 s")
     for name, begin, stop in PHASES:
         cells = []

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Do castings on a line make the forecast of the next one better? (docs/forecasts.md)
 
-    line_castings.py CASE [--lines 3] [--castings 10] [--other KEY=VALUE] [--server ADDRESS]
+    line_castings.py CASE [--lines 3] [--castings 10] [--other KEY=VALUE]
+                     [--server ADDRESS]
 
 A line has hidden data, drawn once from their ranges, and a factor from the band of mesh and time steps.
 Each casting on it draws a share of every range anew (--scatter), and the zero of its gauge; its curl is
@@ -21,6 +22,7 @@ import time
 import grpc
 import numpy
 
+import forecast_castings
 from dccast.v1 import follow_pb2, job_pb2, line_pb2, service_pb2, service_pb2_grpc, study_pb2
 
 AFTER = (0, 1, 3, 5, 10)
@@ -43,6 +45,7 @@ def arguments():
     parser.add_argument("--zero-mm", type=float, default=2.0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--server", default="unix:/run/dccast/dccastd.sock")
+    parser.add_argument("--dccast", default="dccast")
     return parser.parse_args()
 
 
@@ -53,13 +56,13 @@ class Recipe:
         self.options = options
         with open(options.case, encoding="utf-8") as file:
             text = file.read()
-        self.changes = [job_pb2.CaseChange(key=key, value=value) for key, value in changes]
+        self.changes = [job_pb2.CaseChange(key=key, value=value)
+                        for key, value in (each.split("=", 1) for each in changes)]
         self.changes.append(job_pb2.CaseChange(key="quality", value="draft"))
         self.case = options.stub.ReadCase(service_pb2.ReadCaseRequest(
             text=text, changes=self.changes), timeout=30).case
-        self.ensemble = self.study(study_pb2.SweepPlan(
-            design=study_pb2.SweepPlan.LATIN_HYPERCUBE, purpose=study_pb2.SweepPlan.UNCERTAINTY,
-            runs=options.members, seed=0))
+        ensemble, _ = forecast_castings.study(options, 0, options.members, "draft", changes)
+        self.ensemble = options.stub.GetStudy(study_pb2.GetStudyRequest(id=ensemble), timeout=30)
         members = self.curves(self.ensemble)
         self.times = numpy.arange(APART_S, min(curve[0][-1] for curve in members.values()) + 1e-6,
                                   APART_S)
@@ -196,7 +199,7 @@ def run_line(options, number, recipes, truths, errors):
 def main():
     options = arguments()
     options.stub = service_pb2_grpc.SimulationServiceStub(grpc.insecure_channel(options.server))
-    recipes = [Recipe(options, []), Recipe(options, [options.other.split("=", 1)])]
+    recipes = [Recipe(options, []), Recipe(options, [options.other])]
 
     # Data of all castings, as shares of their ranges.
     shots = numpy.random.default_rng(options.seed)
