@@ -20,7 +20,6 @@ PARTS_SEEN = {
 CORE_ROOMS = ["base", "statistics", "storage", "mesh", "fem", "linalg", "material", "thermal", "mechanics",
               "results", "case", "findings", "casting"]
 CORE_ROOMS_SEEN = {room: set(CORE_ROOMS[:i + 1]) for i, room in enumerate(CORE_ROOMS)}
-CORE_ROOMS_SEEN["statistics"] = {"statistics"}
 CORE_ROOMS_SEEN["results"] = {"results", "storage", "base"}
 for room in ("mesh", "fem", "linalg", "material", "thermal", "mechanics"):  # no files
     CORE_ROOMS_SEEN[room] -= {"storage"}
