@@ -25,6 +25,7 @@ std::string last_job(Connection& connection) {
   v1::ListJobsRequest request;
   request.set_owner(user_name(connection));
   const std::string owner = request.owner();
+
   // Reads pages, because runs of a study may be newer.
   for (int looked_at = 0; looked_at < most_looked_at;) {
     const auto found = connection.call(&Stub::ListJobs, request);
@@ -34,6 +35,7 @@ std::string last_job(Connection& connection) {
     request.set_page_token(found.next_page_token());
     if (request.page_token().empty()) break;
   }
+
   throw CommandFailed(ExitCode::not_found,
                       "'last': no job on " + connection.server() + " belongs to " + owner +
                           ", besides runs of studies; name one by its id (dccast list)");

@@ -1,8 +1,7 @@
 #!/usr/bin/python3
 """Do castings on a line make the forecast of the next one better? (docs/forecasts.md)
 
-    line_castings.py CASE [--lines 3] [--castings 10] [--other KEY=VALUE]
-                     [--server ADDRESS]
+    line_castings.py CASE [--lines 3] [--castings 10] [--other KEY=VALUE] [--server ADDRESS]
 
 A line has hidden data, drawn once from their ranges, and a factor from the band of mesh and time steps.
 Each casting on it draws a share of every range anew (--scatter), and the zero of its gauge; its curl is
