@@ -121,10 +121,18 @@ private:
   std::vector<SidePiece<Dim>> side_;
 };
 
+/// Distance of two points [m].
+template <int Dim>
+double apart(const std::array<double, Dim>& a, const std::array<double, Dim>& b) {
+  double squared = 0.0;
+  for (std::size_t d = 0; d < Dim; ++d) squared += (a[d] - b[d]) * (a[d] - b[d]);
+  return std::sqrt(squared);
+}
+
 /// The point of the isotherm nearest to the side and its distance [m], infinite if there is none.
 template <int Dim>
 Located<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
-  Located<Dim> nearest{std::numeric_limits<double>::infinity(), {}};
+  Located<Dim> nearest{std::numeric_limits<double>::infinity(), {}}, last;
   cut.for_each_element([&](const auto& points) {
     for (const auto& cold : points)
       for (const auto& hot : points) {
@@ -133,8 +141,10 @@ Located<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
         // The temperature is linear between a cold and a hot point.
         const double share = (isotherm - cold.value) / (hot.value - cold.value);
         const auto place = interpolate(cold, hot, share).place;
-        const double depth = cut.distance_from_side(place);
-        if (depth < nearest.value) nearest = {depth, place};
+        // A point is at most as much nearer as it is apart from the last one: few need a search.
+        if (last.value - apart<Dim>(place, last.place) >= nearest.value) continue;
+        last = {cut.distance_from_side(place), place};
+        if (last.value < nearest.value) nearest = last;
       }
   });
   return nearest;
@@ -143,11 +153,12 @@ Located<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
 /// The point of the cut farthest from the side and its distance [m].
 template <int Dim>
 Located<Dim> farthest_from_side(const Cut<Dim>& cut) {
-  Located<Dim> farthest;
+  Located<Dim> farthest, last;
   cut.for_each_element([&](const auto& points) {
     for (const auto& point : points) {
-      const double depth = cut.distance_from_side(point.place);
-      if (depth > farthest.value) farthest = {depth, point.place};
+      if (last.value + apart<Dim>(point.place, last.place) <= farthest.value) continue;
+      last = {cut.distance_from_side(point.place), point.place};
+      if (last.value > farthest.value) farthest = last;
     }
   });
   return farthest;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <numeric>
 #include <utility>
 
 namespace dccast::linalg {
@@ -13,10 +14,9 @@ namespace {
 /// [multiplications and additions]: docs/developers/threads.md.
 constexpr double shared_row_flops = 2e5;
 
-/// Smallest portions of a pass through a matrix or a factor that several threads share: some 20 us
-/// of one thread.
-constexpr std::size_t least_entries_per_call = 20'000;
-constexpr std::size_t least_tiles_per_call = 500;
+/// Smallest number of rows of tiles that several threads share in a pass through the matrix: some
+/// 20 us of one thread.
+constexpr std::size_t least_rows_per_call = 20;
 
 /// Calls use(entry, row, column), row >= column, both places in the order of elimination.
 template <class Use>
@@ -64,17 +64,7 @@ void BandCholesky::analyze(const SparsityPattern& pattern, std::span<const int> 
   shape_ = std::move(shape);
   place_.assign(place.begin(), place.end());
 
-  entry_.resize(pattern.entries());
-  entry_row_.resize(pattern.entries());
-  for_each_entry(pattern, place, [&](std::size_t k, int row, int column) {
-    const std::size_t i = std::size_t(row / tile_size);
-    const std::size_t tile = shape_.start[i] + std::size_t(column / tile_size - shape_.first[i]);
-    entry_[k] = tile * tile_size * tile_size +
-                std::size_t(column % tile_size * tile_size + row % tile_size);
-    entry_row_[k] = row / tile_size;
-  });
-
-  values_.assign(pattern.entries(), 0.0);
+  sort_entries(pattern);
   whole_ = false;
   tile_.reserve(tiles());
   inverse_.resize(shape_.first.size());
@@ -86,49 +76,67 @@ void BandCholesky::analyze(const SparsityPattern& pattern, std::span<const int> 
   sums_.assign(streams() ? std::size_t(reach) + 1 : 0, Tile{});
 }
 
+void BandCholesky::sort_entries(const SparsityPattern& pattern) {
+  row_start_.assign(shape_.first.size() + 1, 0);
+  for_each_entry(pattern, place_, [&](std::size_t, int row, int) {
+    ++row_start_[std::size_t(row / tile_size) + 1];
+  });
+  std::partial_sum(row_start_.begin(), row_start_.end(), row_start_.begin());
+
+  source_.resize(pattern.entries());
+  target_.resize(pattern.entries());
+  std::vector<std::size_t> next(row_start_.begin(), row_start_.end() - 1);
+  for_each_entry(pattern, place_, [&](std::size_t k, int row, int column) {
+    const std::size_t i = std::size_t(row / tile_size), place = next[i]++;
+    const int tile = column / tile_size - shape_.first[i];
+    source_[place] = static_cast<int>(k);
+    target_[place] = (tile * tile_size + column % tile_size) * tile_size + row % tile_size;
+  });
+  values_.assign(pattern.entries(), 0.0);
+}
+
 bool BandCholesky::streams() const {
   return tiles() * sizeof(Tile) > cache_bytes;
 }
 
 std::size_t BandCholesky::memory_bytes() const {
   return tile_.bytes() + (inverse_.size() + right_.size()) * sizeof(TileRow) +
-         entry_.size() * (sizeof(std::size_t) + sizeof(int) + sizeof(double));
+         values_.size() * (2 * sizeof(int) + sizeof(double));
+}
+
+bool BandCholesky::has_changed(std::size_t row, std::span<const double> values) const {
+  // Compare bitwise: rows of the factor are reused only for identical entries.
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+  for (std::size_t k = row_start_[row]; k < row_start_[row + 1]; ++k) {
+    if (bits(values[std::size_t(source_[k])]) != bits(values_[k])) return true;
+  }
+  return false;
 }
 
 int BandCholesky::first_changed_row(std::span<const double> values) const {
   if (!whole_) return 0;
-  std::atomic<int> first{shape_.rows()};
-  for_each_stretch(values.size(), least_entries_per_call, [&](std::size_t k, std::size_t end) {
-    int row = shape_.rows();
-    for (; k < end; ++k) {
-      // Compare bitwise: rows of the factor are reused only for identical entries.
-      const bool same =
-          std::bit_cast<std::uint64_t>(values[k]) == std::bit_cast<std::uint64_t>(values_[k]);
-      if (!same) row = std::min(row, entry_row_[k]);
-    }
-
-    // Atomic minimum.
-    for (int lowest = first; row < lowest && !first.compare_exchange_weak(lowest, row);) {
-    }
-  });
-  return first;
+  int row = 0;
+  while (row < shape_.rows() && !has_changed(std::size_t(row), values)) ++row;
+  return row;
 }
 
-/// Copies the entries from a row of tiles on, and sets the diagonal past the last unknown to one.
-void BandCholesky::copy_matrix(std::span<const double> values, int from) {
-  Tile* const first = tile_.get() + shape_.start[std::size_t(from)];
-  const std::size_t count = tiles() - shape_.start[std::size_t(from)];
-  for_each_stretch(count, least_tiles_per_call, [&](std::size_t begin, std::size_t end) {
-    std::fill(first + begin, first + end, Tile{});
-  });
+/// A row of tiles is zeroed just before its entries are set, while it is in the cache. The values
+/// are kept, so that the next factorisation finds the first row that changes.
+void BandCholesky::copy_row(std::size_t row, std::span<const double> values) {
+  Tile* const tiles = tile_.get() + shape_.start[row];
+  std::fill(tiles, tile_.get() + shape_.start[row + 1], Tile{});
 
-  // The values are kept, so that the next factorisation finds the first row that changes.
-  double* number = tile_.get()->entry;
-  for_each_stretch(values.size(), least_entries_per_call, [&](std::size_t k, std::size_t end) {
-    for (; k < end; ++k) {
-      if (entry_row_[k] >= from) number[entry_[k]] = values[k];
-      values_[k] = values[k];
-    }
+  double* const number = tiles->entry;
+  for (std::size_t k = row_start_[row]; k < row_start_[row + 1]; ++k) {
+    values_[k] = values[std::size_t(source_[k])];
+    number[target_[k]] = values_[k];
+  }
+}
+
+void BandCholesky::copy_matrix(std::span<const double> values, int from) {
+  const std::size_t first = std::size_t(from), rows = std::size_t(shape_.rows());
+  for_each_stretch(rows - first, least_rows_per_call, [&](std::size_t row, std::size_t end) {
+    for (; row < end; ++row) copy_row(first + row, values);
   });
 
   for (std::size_t u = place_.size(); u < right_.size() * tile_size; ++u) {

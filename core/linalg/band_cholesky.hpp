@@ -68,12 +68,18 @@ public:
   double share_computed() const { return share_computed_; }
 
 private:
+  /// Finds the places of the entries of a matrix in the tiles of `shape_`.
+  void sort_entries(const SparsityPattern& pattern);
   /// Tiles of the factor.
   std::size_t tiles() const { return shape_.start.empty() ? 0 : shape_.start.back(); }
   /// First row of tiles whose entries differ in any bit from those of the present factor.
   int first_changed_row(std::span<const double> values) const;
+  /// Whether the entries of a row of tiles differ in any bit from those of the present factor.
+  bool has_changed(std::size_t row, std::span<const double> values) const;
   /// Copies the entries from a row of tiles on; the diagonal past the last unknown is one.
   void copy_matrix(std::span<const double> values, int from);
+  /// Copies the entries of a row of tiles, and zeroes the rest of it.
+  void copy_row(std::size_t row, std::span<const double> values);
   /// Whether a solution has to read the factor from memory: it exceeds cache_bytes.
   bool streams() const;
   /// Whether a factorisation is large enough to pay for the synchronisation of a team.
@@ -85,11 +91,13 @@ private:
 
   const TileKernels* kernels_;
   BandShape shape_;
-  std::vector<int> place_;          ///< (unknown) position in the order of elimination
-  std::vector<std::size_t> entry_;  ///< (entry of the pattern) its index in the tiles
-  std::vector<int> entry_row_;      ///< (entry of the pattern) its row of tiles
-  std::vector<double> values_;      ///< (entry of the pattern) matrix of the present factor
-  bool whole_ = false;              ///< the factor is complete and belongs to `values_`
+  std::vector<int> place_;  ///< (unknown) position in the order of elimination
+  // The entries of the matrix, sorted by rows of tiles.
+  std::vector<std::size_t> row_start_;  ///< (row of tiles + 1) its first entry
+  std::vector<int> source_;             ///< (entry) its index in the pattern
+  std::vector<int> target_;             ///< (entry) its index in the row of tiles
+  std::vector<double> values_;          ///< (entry) matrix of the present factor
+  bool whole_ = false;                  ///< the factor is complete and belongs to `values_`
   TileStorage tile_;
   /// (row of tiles) reciprocals of the diagonal of the factor.
   std::vector<TileRow> inverse_;

@@ -23,7 +23,7 @@ void ConstrainedSystem::lift(std::span<const double> stiffness,
 bool ConstrainedSystem::factorize(std::span<const char> fixed,
                                   std::span<const double> step_of_fixed) {
   lift(work_->stiffness, step_of_fixed);
-  work_->unheld_stiffness = work_->stiffness;
+  work_->unheld_stiffness.swap(work_->stiffness);
   return hold_and_factorize(fixed);
 }
 

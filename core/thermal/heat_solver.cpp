@@ -102,7 +102,8 @@ void HeatSolver::take_elements() {
 /// Chooses conjugate gradients with vertical lines where the mesh has these, else a factorisation.
 void HeatSolver::choose_solver() {
   lines_.reset();
-  if (const auto extrusion = forms_->extrusion()) {
+  const auto extrusion = forms_->extrusion();
+  if (extrusion && linalg::LineGradients::suits(forms_->pattern())) {
     lines_.emplace(forms_->pattern(), extrusion->lines);
     return;
   }
@@ -215,16 +216,12 @@ bool HeatSolver::factorize(Slope kind, double time_step) {
         held_[i] != 0 ? held_diagonal : capacity_[i] / std::max(slope, vanishing_slope * largest);
   }
 
-  return lines_ ? lines_->factorize(forms_->pattern(), matrix_) : solver_.factorize(matrix_);
+  return lines_ ? lines_->factorize(forms_->pattern(), matrix_, held_) : solver_.factorize(matrix_);
 }
 
 /// Returns false if the matrix is not positive definite, or conjugate gradients did not converge.
 bool HeatSolver::solve_by_lines() {
-  const auto by_lines = [this](std::span<const double> r, std::span<double> z) {
-    lines_->apply(r, z);
-  };
-  const auto outcome = gradients_.solve(forms_->pattern(), matrix_, held_, by_lines, right_, y_,
-                                        {gradients_tolerance, most_gradients});
+  const auto outcome = lines_->solve(right_, y_, {gradients_tolerance, most_gradients});
   return outcome.end == linalg::CgOutcome::End::converged;
 }
 

@@ -5,9 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "core/linalg/conjugate_gradients.hpp"
 #include "core/linalg/direct_solver.hpp"
-#include "core/linalg/line_preconditioner.hpp"
+#include "core/linalg/line_gradients.hpp"
 #include "core/material/thermal_properties.hpp"
 #include "core/thermal/heat_forms.hpp"
 #include "core/thermal/surface_cooling.hpp"
@@ -132,10 +131,8 @@ private:
   double tolerance_;  ///< [1]
   int maximum_iterations_;
 
-  /// Preconditioner of conjugate gradients for solids with rows; empty on other meshes, whose
-  /// matrix is factorised.
-  std::optional<linalg::LinePreconditioner> lines_;
-  linalg::ConjugateGradients gradients_;
+  /// Conjugate gradients for solids with rows; empty on other meshes, whose matrix is factorised.
+  std::optional<linalg::LineGradients> lines_;
   linalg::DirectSolver solver_;
   std::vector<int> top_nodes_;  ///< held at the casting temperature
   std::vector<char> held_;      ///< (node) at the casting temperature
