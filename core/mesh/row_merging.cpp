@@ -9,6 +9,9 @@ namespace {
 constexpr double same_height = 1e-6;  // relative
 constexpr double round_off = 1e-9;    // relative
 constexpr int top_rows = 2;           // of cells, which growth changes
+/// A merging sets up the systems of heat and mechanics anew, which takes as long as a step: rows
+/// wait until it removes at least one in so many.
+constexpr std::size_t rows_per_removed = 32;
 
 }  // namespace
 
@@ -30,6 +33,7 @@ std::vector<int> rows_to_merge(std::span<const double> height, int first,
     removed.push_back(row);
     ++row;  // the next row of nodes is a boundary of the merged row
   }
+  if (removed.size() * rows_per_removed < height.size()) removed.clear();
   return removed;
 }
 

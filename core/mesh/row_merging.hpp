@@ -19,7 +19,7 @@ struct RowMerging {
 
 /// Rows of nodes to remove, ascending and never two neighbours, so that the two rows of cells next
 /// to each become one. Only pairs of equal height are merged, and never the two rows at the top,
-/// which growth changes.
+/// which growth changes. Empty while too few rows can be removed to pay for a merging.
 /// @param height  [m] of the rows of nodes, ascending
 /// @param first   row of nodes below the first row of cells that may be merged
 std::vector<int> rows_to_merge(std::span<const double> height, int first,

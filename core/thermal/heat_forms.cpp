@@ -23,12 +23,12 @@ class HeatFormsOf : public HeatForms {
 public:
   explicit HeatFormsOf(const Mesh& mesh) : mesh_(mesh) {}
 
-  /// Integrates only the part of the mesh that has grown or stretched; the result is bit-identical
-  /// to an integration of the whole mesh.
+  /// Integrates only the part of the mesh that has grown, stretched or merged; the result is
+  /// bit-identical to an integration of the whole mesh.
   bool update() override {
     const bool changed = element_node_ != mesh_.element_node || volume_.empty();
     const std::size_t from = first_node_to_integrate();
-    if (changed) take_elements(from > 0);
+    if (changed) take_elements(from > 0 && element_node_.size() <= mesh_.element_node.size());
     integrate_from(from);
     placed_ = mesh_.node;
     return changed;
@@ -156,19 +156,22 @@ private:
     for (const int n : nodes) side_column_[std::size_t(n)] = 0;
   }
 
-  /// First node of an element that is new or has a node that has moved.
+  /// First node of an element that is new, lost its neighbour or has a node that has moved.
   std::size_t first_node_to_integrate() const {
-    const auto& known = element_node_;
-    const bool grown = !known.empty() && known.size() <= mesh_.element_node.size() &&
-                       placed_.size() <= mesh_.node.size() &&
-                       std::equal(known.begin(), known.end(), mesh_.element_node.begin());
-    if (!grown) return 0;
+    const std::vector<int>&known = element_node_, &present = mesh_.element_node;
+    const std::size_t common = std::min(known.size(), present.size());
+    if (common == 0 ||
+        !std::equal(present.begin(), present.begin() + std::ptrdiff_t(common), known.begin()))
+      return 0;
 
-    const auto changed = std::mismatch(placed_.begin(), placed_.end(), mesh_.node.begin()).first;
+    const auto end = placed_.begin() + std::ptrdiff_t(std::min(placed_.size(), mesh_.node.size()));
+    const auto changed = std::mismatch(placed_.begin(), end, mesh_.node.begin()).first;
     std::size_t moved = std::size_t(changed - placed_.begin()) / dim;
-    for (std::size_t i = known.size(); i < mesh_.element_node.size(); ++i)
-      moved = std::min(moved, std::size_t(mesh_.element_node[i]));
-    return first_node_beside(moved, mesh_.element_node.size());
+    for (const auto* elements : {&known, &present}) {
+      for (std::size_t i = common; i < elements->size(); ++i)
+        moved = std::min(moved, std::size_t((*elements)[i]));
+    }
+    return first_node_beside(moved, present.size());
   }
 
   /// First node of the elements that have a node numbered `moved` or higher.

@@ -32,6 +32,12 @@ TEST(RowMerging, NeverTouchesTheRowsThatGrow) {
   }
 }
 
+TEST(RowMerging, WaitsUntilOneRowIn32CanBeRemoved) {
+  const std::vector<double> rows = even_rows(65, 0.01);  // 66 rows of nodes: three at once
+  EXPECT_TRUE(rows_to_merge(rows, 0, {0.609, 0.02}).empty()) << "two pairs lie deep enough";
+  EXPECT_EQ(rows_to_merge(rows, 0, {0.589, 0.02}), (std::vector{1, 3, 5}));
+}
+
 TEST(RowMerging, MergesOnlyRowsOfOneHeight) {
   std::vector<double> rows{0.0, 0.02, 0.03, 0.04, 0.06, 0.08, 0.09};
   for (int i = 1; i <= 6; ++i) rows.push_back(0.09 + 0.01 * i);
