@@ -27,8 +27,8 @@ constexpr double smallest_capacity = 0.05;
 constexpr double smallest_damping = 1.0 / 64.0;
 /// The factorisation is kept while the residual decreases by more than this ratio [1].
 constexpr double keep_factor_while_falling_by = 50.0;
-/// Relative tolerance of conjugate gradients [1]. Newton's method removes what is left: with 1e-8
-/// it needs a fifth fewer iterations, which cost a tenth more in all.
+/// Relative tolerance of conjugate gradients [1]. Newton's method removes what is left: with 1e-8,
+/// in double precision, it needs a fifth fewer iterations, which cost a tenth more in all.
 constexpr double gradients_tolerance = 1e-4;
 constexpr int most_gradients = 200;
 
