@@ -75,6 +75,19 @@ TEST(RowMerging, ALinearProfileIsLinearAgainOnceItsNeighboursAreMergedToo) {
   }
 }
 
+/// Only what lies above the lowest merged row is integrated anew.
+TEST(RowMerging, LeavesTheFormsOfTheMergedMeshToTheLastBit) {
+  Slab slab([](int, double) { return 1.7e9; });
+  slab.merge({7});
+  slab.merge({5, 8});
+
+  const auto anew = make_heat_forms(slab.mesh.mesh());
+  anew->update();
+  EXPECT_EQ(slab.forms->volume(), anew->volume());
+  EXPECT_EQ(slab.forms->pattern().row(), anew->pattern().row());
+  EXPECT_TRUE(std::ranges::equal(slab.forms->stiffness(), anew->stiffness()));
+}
+
 TEST(RowMerging, AUniformFieldStaysUniform) {
   Slab slab([](int, double) { return 1.7e9; });
   slab.merge({1, 3, 9});
