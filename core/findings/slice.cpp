@@ -141,7 +141,7 @@ Located<Dim> nearest_hot(const Cut<Dim>& cut, double isotherm) {
         // The temperature is linear between a cold and a hot point.
         const double share = (isotherm - cold.value) / (hot.value - cold.value);
         const auto place = interpolate(cold, hot, share).place;
-        // A point is at most as much nearer as it is apart from the last one: few need a search.
+        // The depth changes by at most the distance between two points: few need a search.
         if (last.value - apart<Dim>(place, last.place) >= nearest.value) continue;
         last = {cut.distance_from_side(place), place};
         if (last.value < nearest.value) nearest = last;

@@ -13,11 +13,6 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
-/// y <- y + factor x
-void add(double factor, const std::vector<double>& x, std::vector<double>& y) {
-  for (std::size_t i = 0; i < y.size(); ++i) y[i] += factor * x[i];
-}
-
 }  // namespace
 
 void ConjugateGradients::mask(std::span<const char> held, std::vector<double>& v) const {
@@ -27,12 +22,11 @@ void ConjugateGradients::mask(std::span<const char> held, std::vector<double>& v
 }
 
 void ConjugateGradients::start(std::span<const double> b, std::span<const char> held) {
-  residual_.assign(b.begin(), b.end());
-  mask(held, residual_);
-  solution_.assign(b.size(), 0.0);
-  direction_.assign(b.size(), 0.0);
-  preconditioned_.resize(b.size());
-  product_.resize(b.size());
+  vectors_.residual.assign(b.begin(), b.end());
+  mask(held, vectors_.residual);
+  for (auto* vector :
+       {&vectors_.solution, &vectors_.preconditioned, &vectors_.direction, &vectors_.product})
+    vector->resize(b.size());
 }
 
 CgOutcome ConjugateGradients::solve(const SparsityPattern& pattern, std::span<const double> values,
@@ -40,44 +34,19 @@ CgOutcome ConjugateGradients::solve(const SparsityPattern& pattern, std::span<co
                                     std::span<const double> b, std::span<double> x,
                                     const Limits& limits) {
   start(b, held);
+  const auto precondition_free = [&] {
+    precondition(vectors_.residual, vectors_.preconditioned);
+    mask(held, vectors_.preconditioned);
+  };
+  const auto multiply_free = [&] {
+    multiply(pattern, values, vectors_.direction, vectors_.product);
+    mask(held, vectors_.product);
+  };
 
-  const double right_norm = std::sqrt(dot(residual_, residual_));
-  CgOutcome outcome;
-  outcome.residual = right_norm > 0.0 ? 1.0 : 0.0;
-  double previous_energy = 1.0;
-
-  // The negated comparison lets a residual that is not a number enter the loop; it ends as
-  // indefinite there.
-  while (!(outcome.residual <= limits.tolerance)) {
-    outcome.end = CgOutcome::End::too_many;
-    if (outcome.iterations == limits.iterations) break;
-
-    // New direction, conjugate to the previous ones.
-    precondition(residual_, preconditioned_);
-    mask(held, preconditioned_);
-    const double energy = dot(residual_, preconditioned_);
-    const double share = outcome.iterations == 0 ? 0.0 : energy / previous_energy;
-    for (std::size_t i = 0; i < direction_.size(); ++i) {
-      direction_[i] = preconditioned_[i] + share * direction_[i];
-    }
-
-    // Step length that minimises the energy along the direction.
-    multiply(pattern, values, direction_, product_);
-    mask(held, product_);
-    const double stiffness = dot(direction_, product_);
-    outcome.end = CgOutcome::End::indefinite;
-    if (!(energy > 0.0 && stiffness > 0.0 && std::isfinite(stiffness))) break;
-
-    add(energy / stiffness, direction_, solution_);
-    add(-energy / stiffness, product_, residual_);
-    previous_energy = energy;
-
-    ++outcome.iterations;
-    outcome.residual = std::sqrt(dot(residual_, residual_)) / right_norm;
-    outcome.end = CgOutcome::End::converged;
-  }
-
-  std::copy(solution_.begin(), solution_.end(), x.begin());
+  const double right_norm = std::sqrt(dot(vectors_.residual, vectors_.residual));
+  const CgOutcome outcome =
+      iterate_gradients(vectors_, right_norm, precondition_free, multiply_free, dot, limits);
+  std::copy(vectors_.solution.begin(), vectors_.solution.end(), x.begin());
   return outcome;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <span>
 #include <vector>
@@ -19,6 +21,12 @@ struct [[nodiscard]] CgOutcome {
   End end = End::converged;
   int iterations = 0;
   double residual = 0.0;  ///< [1] norm on the free unknowns, relative to the right-hand side
+};
+
+/// Work vectors of conjugate gradients, by unknown.
+template <class Number>
+struct GradientVectors {
+  std::vector<Number> solution, residual, preconditioned, direction, product;
 };
 
 /// Preconditioned conjugate gradients (Hestenes, Stiefel 1952) with some unknowns held at zero.
@@ -50,7 +58,56 @@ private:
   /// Sets the components of held unknowns to zero.
   void mask(std::span<const char> held, std::vector<double>& v) const;
 
-  std::vector<double> solution_, residual_, preconditioned_, direction_, product_;
+  GradientVectors<double> vectors_;
 };
+
+/// The iterations of conjugate gradients, from x = 0 where the residual is the right-hand side.
+/// @param v             `residual` holds the right-hand side
+/// @param right_norm    its norm
+/// @param precondition  computes `preconditioned` from `residual`
+/// @param multiply      computes `product` from `direction`
+/// @param dot           scalar product of two vectors
+template <class Number, class Precondition, class Multiply, class Dot>
+CgOutcome iterate_gradients(GradientVectors<Number>& v, double right_norm,
+                            const Precondition& precondition, const Multiply& multiply,
+                            const Dot& dot, const ConjugateGradients::Limits& limits) {
+  std::fill(v.solution.begin(), v.solution.end(), Number(0));
+  std::fill(v.direction.begin(), v.direction.end(), Number(0));
+  CgOutcome outcome;
+  outcome.residual = right_norm > 0.0 ? 1.0 : 0.0;
+  double previous_energy = 1.0;
+
+  // The negated comparison lets a residual that is not a number enter the loop; it ends as
+  // indefinite there.
+  while (!(outcome.residual <= limits.tolerance)) {
+    outcome.end = CgOutcome::End::too_many;
+    if (outcome.iterations == limits.iterations) break;
+
+    // New direction, conjugate to the previous ones.
+    precondition();
+    const double energy = dot(v.residual, v.preconditioned);
+    const Number share = outcome.iterations == 0 ? Number(0) : Number(energy / previous_energy);
+    for (std::size_t i = 0; i < v.direction.size(); ++i)
+      v.direction[i] = v.preconditioned[i] + share * v.direction[i];
+
+    // Step length that minimises the energy along the direction.
+    multiply();
+    const double stiffness = dot(v.direction, v.product);
+    outcome.end = CgOutcome::End::indefinite;
+    if (!(energy > 0.0 && stiffness > 0.0 && std::isfinite(stiffness))) break;
+
+    const Number length = Number(energy / stiffness);
+    for (std::size_t i = 0; i < v.solution.size(); ++i) {
+      v.solution[i] += length * v.direction[i];
+      v.residual[i] -= length * v.product[i];
+    }
+    previous_energy = energy;
+
+    ++outcome.iterations;
+    outcome.residual = std::sqrt(dot(v.residual, v.residual)) / right_norm;
+    outcome.end = CgOutcome::End::converged;
+  }
+  return outcome;
+}
 
 }  // namespace dccast::linalg

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "core/base/instructions.hpp"
 
@@ -48,30 +49,33 @@ double dot(const std::vector<float>& a, const std::vector<float>& b) {
 
 }  // namespace
 
-bool LineGradients::suits(const SparsityPattern& pattern) {
-  return !offsets_of(pattern).empty();
+std::optional<LineGradients> LineGradients::of(const SparsityPattern& pattern, int lines) {
+  std::vector<int> offsets = offsets_of(pattern);
+  if (offsets.empty()) return std::nullopt;
+  return LineGradients(pattern, lines, std::move(offsets));
 }
 
-LineGradients::LineGradients(const SparsityPattern& pattern, int lines)
+LineGradients::LineGradients(const SparsityPattern& pattern, int lines, std::vector<int> offset)
     : unknowns_(std::size_t(pattern.unknowns())),
       lines_(std::size_t(lines)),
-      offset_(offsets_of(pattern)),
+      offset_(std::move(offset)),
       place_(pattern.entries()),
       diagonal_(unknowns_),
       coupling_(offset_.size() * unknowns_, 0.0F),
       pivot_(unknowns_),
       inverse_pivot_(unknowns_),
       below_(unknowns_, 0.0F) {
-  for (auto* vector : {&solution_, &residual_, &preconditioned_, &direction_, &product_})
+  for (auto* vector : {&vectors_.solution, &vectors_.residual, &vectors_.preconditioned,
+                       &vectors_.direction, &vectors_.product})
     vector->assign(unknowns_, 0.0F);
 
   const std::vector<int>& start = pattern.column_start();
   for (int n = 0; n < pattern.unknowns(); ++n) {
     for (int k = start[std::size_t(n)] + 1; k < start[std::size_t(n) + 1]; ++k) {
-      const int offset = pattern.row()[std::size_t(k)] - n;
-      const auto diagonal = std::ranges::lower_bound(offset_, offset) - offset_.begin();
+      const int apart = pattern.row()[std::size_t(k)] - n;
+      const auto diagonal = std::ranges::lower_bound(offset_, apart) - offset_.begin();
       place_[std::size_t(k)] = std::size_t(diagonal) * unknowns_ + std::size_t(n);
-      if (offset == lines) above_.push_back(k);
+      if (apart == lines) above_.push_back(k);
     }
   }
 }
@@ -114,9 +118,9 @@ bool LineGradients::factorize_lines(const SparsityPattern& pattern, std::span<co
 }
 
 void LineGradients::solve_lines() {
-  const float *const r = residual_.data(), *const below = below_.data(),
+  const float *const r = vectors_.residual.data(), *const below = below_.data(),
                      *const inverse = inverse_pivot_.data();
-  float* const z = preconditioned_.data();
+  float* const z = vectors_.preconditioned.data();
 
   // Forward substitution, row by row upwards.
   std::copy_n(r, lines_, z);
@@ -141,8 +145,8 @@ void LineGradients::multiply() {
 }
 
 void LineGradients::multiply(std::size_t first, std::size_t end) {
-  const float* const x = direction_.data();
-  float* const y = product_.data();
+  const float* const x = vectors_.direction.data();
+  float* const y = vectors_.product.data();
   for (std::size_t i = first; i < end; ++i) y[i] = diagonal_[i] * x[i];
 
   for (std::size_t d = 0; d < offset_.size(); ++d) {
@@ -156,59 +160,21 @@ void LineGradients::multiply(std::size_t first, std::size_t end) {
   }
 }
 
-CgOutcome LineGradients::iterate(const ConjugateGradients::Limits& limits) {
-  CgOutcome outcome;
-  outcome.residual = 1.0;
-  double previous_energy = 1.0;
-
-  // The negated comparison lets a residual that is not a number enter the loop; it ends as
-  // indefinite there.
-  while (!(outcome.residual <= limits.tolerance)) {
-    outcome.end = CgOutcome::End::too_many;
-    if (outcome.iterations == limits.iterations) break;
-
-    // New direction, conjugate to the previous ones.
-    solve_lines();
-    const double energy = dot(residual_, preconditioned_);
-    const float share =
-        outcome.iterations == 0 ? 0.0F : static_cast<float>(energy / previous_energy);
-    for (std::size_t i = 0; i < unknowns_; ++i)
-      direction_[i] = preconditioned_[i] + share * direction_[i];
-
-    // Step length that minimises the energy along the direction.
-    multiply();
-    const double stiffness = dot(direction_, product_);
-    outcome.end = CgOutcome::End::indefinite;
-    if (!(energy > 0.0 && stiffness > 0.0 && std::isfinite(stiffness))) break;
-
-    const float length = static_cast<float>(energy / stiffness);
-    for (std::size_t i = 0; i < unknowns_; ++i) {
-      solution_[i] += length * direction_[i];
-      residual_[i] -= length * product_[i];
-    }
-    previous_energy = energy;
-
-    ++outcome.iterations;
-    outcome.residual = std::sqrt(dot(residual_, residual_));
-    outcome.end = CgOutcome::End::converged;
-  }
-  return outcome;
-}
-
 CgOutcome LineGradients::solve(std::span<const double> b, std::span<double> x,
                                const ConjugateGradients::Limits& limits) {
-  std::ranges::fill(solution_, 0.0F);
-  const double scale = std::sqrt(std::inner_product(b.begin(), b.end(), b.begin(), 0.0));
-  if (scale == 0.0) {
-    std::ranges::fill(x, 0.0);
-    return {};
-  }
-
   // With a right-hand side of norm one nothing overflows or vanishes in single precision.
-  for (std::size_t i = 0; i < unknowns_; ++i) residual_[i] = static_cast<float>(b[i] / scale);
+  const double scale = std::sqrt(std::inner_product(b.begin(), b.end(), b.begin(), 0.0));
+  const double norm = scale != 0.0 ? 1.0 : 0.0;
+  for (std::size_t i = 0; i < unknowns_; ++i)
+    vectors_.residual[i] = scale != 0.0 ? static_cast<float>(b[i] / scale) : 0.0F;
+
   CgOutcome outcome;
-  with_lanes([&]<int>() { outcome = iterate(limits); });
-  for (std::size_t i = 0; i < unknowns_; ++i) x[i] = scale * double(solution_[i]);
+  with_lanes([&]<int>() {
+    outcome = iterate_gradients(
+        vectors_, norm, [this] { solve_lines(); }, [this] { multiply(); },
+        [](const Vector& a, const Vector& c) { return dot(a, c); }, limits);
+  });
+  for (std::size_t i = 0; i < unknowns_; ++i) x[i] = scale * double(vectors_.solution[i]);
   return outcome;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,12 +26,9 @@ public:
   /// Smallest residual that single precision reaches reliably [1], relative to the right-hand side.
   static constexpr double least_tolerance = 1e-5;
 
-  /// Whether the entries of a pattern lie on as few diagonals as those of a plan of columns and
-  /// layers.
-  static bool suits(const SparsityPattern& pattern);
-
-  /// @param lines  number of vertical lines: nodes per row @pre suits(pattern)
-  LineGradients(const SparsityPattern& pattern, int lines);
+  /// Nothing if the entries lie on more diagonals than those of a plan of columns and layers.
+  /// @param lines  number of vertical lines: nodes per row
+  static std::optional<LineGradients> of(const SparsityPattern& pattern, int lines);
 
   /// @param pattern  that of the constructor
   /// @param values   its entries
@@ -48,11 +46,11 @@ public:
 private:
   using Vector = std::vector<float>;
 
+  /// @param offset  of the diagonals
+  LineGradients(const SparsityPattern& pattern, int lines, std::vector<int> offset);
   /// The pivots of a line and its couplings, without those to held unknowns.
   [[nodiscard]] bool factorize_lines(const SparsityPattern& pattern, std::span<const double> values,
                                      std::span<const char> held);
-  /// Iterates from x = 0. @pre residual_ has norm one
-  CgOutcome iterate(const ConjugateGradients::Limits& limits);
   /// preconditioned = M^-1 residual.
   void solve_lines();
   /// product = A direction.
@@ -69,7 +67,7 @@ private:
   std::vector<double> pivot_;       ///< (node) of its line
   Vector inverse_pivot_;            ///< (node)
   Vector below_;                    ///< (node) coupling to the node below times its inverse pivot
-  Vector solution_, residual_, preconditioned_, direction_, product_;
+  GradientVectors<float> vectors_;
 };
 
 }  // namespace dccast::linalg

@@ -102,11 +102,10 @@ void HeatSolver::take_elements() {
 /// Chooses conjugate gradients with vertical lines where the mesh has these, else a factorisation.
 void HeatSolver::choose_solver() {
   lines_.reset();
-  const auto extrusion = forms_->extrusion();
-  if (extrusion && linalg::LineGradients::suits(forms_->pattern())) {
-    lines_.emplace(forms_->pattern(), extrusion->lines);
-    return;
-  }
+  if (const auto extrusion = forms_->extrusion())
+    lines_ = linalg::LineGradients::of(forms_->pattern(), extrusion->lines);
+  if (lines_) return;
+
   const auto fronts = forms_->fronts();
   solver_.analyze(forms_->pattern(), forms_->geometry(), fronts);
 }

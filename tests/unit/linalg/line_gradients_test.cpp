@@ -48,7 +48,7 @@ struct FlatCells {
 
 /// Solves to the least tolerance with nothing held. @return iterations
 int solve(const FlatCells& cells, std::vector<double>& x) {
-  LineGradients gradients(cells.pattern, cells.lines);
+  LineGradients gradients = *LineGradients::of(cells.pattern, cells.lines);
   const std::vector<char> held(cells.b.size(), 0);
   EXPECT_TRUE(gradients.factorize(cells.pattern, cells.values, held));
 
@@ -101,6 +101,20 @@ TEST(LineGradients, ScalesWithTheRightHandSide) {
   EXPECT_EQ(small, std::vector<double>(small.size(), 0.0));
 }
 
+TEST(LineGradients, ASolutionThatFailedLeavesNothingToTheNextOne) {
+  const FlatCells cells(0.03);
+  LineGradients gradients = *LineGradients::of(cells.pattern, cells.lines);
+  ASSERT_TRUE(
+      gradients.factorize(cells.pattern, cells.values, std::vector<char>(cells.b.size(), 0)));
+
+  std::vector<double> x(cells.b.size());
+  const ConjugateGradients::Limits limits{LineGradients::least_tolerance, 100};
+  EXPECT_EQ(gradients.solve(std::vector<double>(x.size(), NAN), x, limits).end,
+            CgOutcome::End::indefinite);
+  EXPECT_EQ(gradients.solve(cells.b, x, limits).end, CgOutcome::End::converged);
+  EXPECT_LE(residual(cells, x), 3.0 * single_precision);
+}
+
 /// The same as without the rows and columns of the held unknowns.
 TEST(LineGradients, LeavesHeldUnknownsAtZero) {
   FlatCells cells(0.03);
@@ -109,7 +123,7 @@ TEST(LineGradients, LeavesHeldUnknownsAtZero) {
   for (std::size_t n = 0; n < held.size(); ++n)
     if (held[n] != 0) cells.b[n] = 0.0;
 
-  LineGradients gradients(cells.pattern, cells.lines);
+  LineGradients gradients = *LineGradients::of(cells.pattern, cells.lines);
   ASSERT_TRUE(gradients.factorize(cells.pattern, cells.values, held));
   std::vector<double> x(held.size()), product(held.size());
   const CgOutcome outcome = gradients.solve(cells.b, x, {LineGradients::least_tolerance, 100});
@@ -126,7 +140,7 @@ TEST(LineGradients, LeavesHeldUnknownsAtZero) {
 
 TEST(LineGradients, FindsALineThatIsNotPositiveDefinite) {
   FlatCells cells(0.03);
-  LineGradients gradients(cells.pattern, cells.lines);
+  LineGradients gradients = *LineGradients::of(cells.pattern, cells.lines);
   cells.values[std::size_t(cells.pattern.diagonal(100))] = -1.0;
   const std::vector<char> held(cells.b.size(), 0);
   EXPECT_FALSE(gradients.factorize(cells.pattern, cells.values, held));
@@ -134,11 +148,12 @@ TEST(LineGradients, FindsALineThatIsNotPositiveDefinite) {
 
 /// A plan without columns and layers has couplings on many diagonals.
 TEST(LineGradients, SuitsPlansOfColumnsAndLayers) {
-  EXPECT_TRUE(LineGradients::suits(FlatCells(0.03).pattern));
+  const FlatCells cells(0.03);
+  EXPECT_TRUE(LineGradients::of(cells.pattern, cells.lines));
 
   std::vector<int> pairs;
   for (int n = 1; n < 20; ++n) pairs.insert(pairs.end(), {0, n});
-  EXPECT_FALSE(LineGradients::suits(SparsityPattern(20, pairs, 2)));
+  EXPECT_FALSE(LineGradients::of(SparsityPattern(20, pairs, 2), 4));
 }
 
 }  // namespace
