@@ -1,6 +1,5 @@
 #include <functional>
 #include <iostream>
-#include <limits>
 #include <map>
 #include <set>
 
@@ -56,16 +55,23 @@ View view_of(const ListOptions& options) {
   return asks_for_some || options.ids || options.json ? View::flat : View::folded;
 }
 
-/// The studies of the jobs by id.
+/// The studies of the jobs by id. A study that no longer exists has nothing but its id.
 std::map<std::string, v1::Study> studies_of(Connection& connection,
                                             const std::vector<v1::Job>& jobs) {
   std::map<std::string, v1::Study> studies;
   for (const v1::Job& job : jobs)
     if (!job.study().empty()) studies[job.study()].set_id(job.study());
-  if (studies.empty()) return studies;
 
-  for (const v1::Study& study : list_studies(connection, std::numeric_limits<int>::max()))
-    if (const auto found = studies.find(study.id()); found != studies.end()) found->second = study;
+  // The newest jobs belong to the newest studies, so the first page mostly has them all.
+  std::size_t missing = studies.size();
+  if (missing == 0) return studies;
+  read_studies(connection, {}, [&](const v1::Study& study) {
+    if (const auto found = studies.find(study.id()); found != studies.end()) {
+      found->second = study;
+      --missing;
+    }
+    return missing > 0;
+  });
   return studies;
 }
 
@@ -389,10 +395,9 @@ void add_unpin(cli::CommandLine& line, Program& program) {
 }
 
 void add_show(cli::CommandLine& line, Program& program) {
-  const auto [command, options] =
-      declare<ShowOptions>(line, program, run, "show",
-                           "Everything about one job, and what follows from its run so far",
-                           "dccast show JOB");
+  const auto [command, options] = declare<ShowOptions>(
+      line, program, run, "show", "Everything about one job, and what follows from its run so far",
+      "dccast show JOB");
   command.option("JOB", options.id, job_help, cli::required);
   command.json(options.json);
 }

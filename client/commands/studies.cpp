@@ -19,6 +19,8 @@ namespace {
 
 struct StudiesOptions {
   int limit = 50;
+  std::vector<std::string> labels;
+  bool mine = false;
   std::string id;
   std::string reason;
   std::string output = "study.h5";
@@ -29,7 +31,10 @@ struct StudiesOptions {
 
 ExitCode list(const StudiesOptions& options, Program& program) {
   Connection connection = program.connect();
-  const auto studies = list_studies(connection, options.limit);
+  v1::ListStudiesRequest request;
+  request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
+  if (options.mine) request.set_owner(user_name(connection));
+  const auto studies = list_studies(connection, std::move(request), options.limit);
   if (options.json) {
     print_line(json_list(studies, to_json));
     return ExitCode::done;
@@ -257,8 +262,12 @@ void add_studies(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<StudiesOptions>(
       line, program, list, "studies",
       "List studies, newest first; show, fetch, cancel, resume or delete one",
-      "dccast studies\n  dccast studies cancel STUDY\n  dccast studies resume --failed STUDY");
+      "dccast studies --mine\n  dccast studies --label trial-7 --json | jq -r '.[].id'\n"
+      "  dccast studies cancel STUDY\n  dccast studies resume --failed STUDY");
 
+  command.repeatable("--label", options.labels, "Only studies with this label; repeatable",
+                     {.comma_separated = true});
+  command.flag("--mine", options.mine, "Only your own studies");
   command.number("-n,--limit", options.limit, 1, 1000000, "At most this many");
   command.json(options.json);
   add_action(command, program, options, "show", "Everything about one study", show);

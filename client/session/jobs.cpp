@@ -52,14 +52,12 @@ std::string ambiguous(const std::string& prefix, const v1::ListJobsResponse& fou
 /// Lists show studies among the jobs, so that a user may name one where a job is meant. Empty if
 /// none begins so, or the server does not tell.
 std::string if_a_study(Connection& connection, const std::string& prefix) {
-  constexpr int newest = 1000;
   v1::ListStudiesRequest request;
-  request.set_page_size(newest);
+  request.set_id_prefix(prefix);
+  request.set_page_size(1);
   v1::ListStudiesResponse found;
   if (!connection.try_call(&Stub::ListStudies, request, found).ok()) return "";
-  const bool is_study = std::ranges::any_of(
-      found.studies(), [&](const v1::Study& study) { return study.id().starts_with(prefix); });
-  return is_study ? "; a study does: see dccast studies --help" : "";
+  return found.studies().empty() ? "" : "; a study does: see dccast studies --help";
 }
 
 std::string job_that_begins(Connection& connection, const std::string& prefix) {

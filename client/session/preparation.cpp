@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <limits>
+#include <utility>
 
 #include "client/model/answer.hpp"
 #include "client/session/case_faults.hpp"
@@ -41,12 +40,16 @@ Labels labels_of(v1::Case plan, const Attachments& attachments) {
 }
 
 /// The newest study with a label that was not cancelled.
-std::optional<v1::Study> labelled(const std::vector<v1::Study>& studies, const std::string& label) {
-  const auto found = std::ranges::find_if(studies, [&](const v1::Study& study) {
-    return study.state() != v1::STUDY_CANCELLED &&
-           std::ranges::find(study.labels(), label) != study.labels().end();
+std::optional<v1::Study> labelled(Connection& connection, const std::string& label) {
+  v1::ListStudiesRequest request;
+  request.add_labels(label);
+
+  std::optional<v1::Study> newest;
+  read_studies(connection, std::move(request), [&](const v1::Study& study) {
+    if (study.state() != v1::STUDY_CANCELLED) newest = study;
+    return !newest;
   });
-  return found == studies.end() ? std::nullopt : std::optional(*found);
+  return newest;
 }
 
 /// Makes the runs of a study of this quality, whatever the case says.
@@ -81,10 +84,10 @@ void lay_out_pairs(const v1::StudyResult& ensemble, v1::CreateStudyRequest& requ
 std::optional<Preparation> find_preparation(Connection& connection, const v1::Case& plan,
                                             const Attachments& attachments) {
   const Labels labels = labels_of(plan, attachments);
-  const auto studies = list_studies(connection, std::numeric_limits<int>::max());
-  const auto ensemble = labelled(studies, labels.ensemble);
+  const auto ensemble = labelled(connection, labels.ensemble);
   if (!ensemble) return std::nullopt;
-  return Preparation{*ensemble, labelled(studies, labels.pairs), labelled(studies, labels.levers)};
+  return Preparation{*ensemble, labelled(connection, labels.pairs),
+                     labelled(connection, labels.levers)};
 }
 
 std::optional<Preparation> prepare(Connection& connection, const StudyCase& base,

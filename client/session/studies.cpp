@@ -43,6 +43,29 @@ Stream read_stream(Connection& connection, const std::string& id,
   return stream;
 }
 
+std::string newest_study(Connection& connection) {
+  v1::ListStudiesRequest request;
+  request.set_owner(user_name(connection));
+  const auto newest = list_studies(connection, request, 1);
+  if (!newest.empty()) return newest.front().id();
+  throw CommandFailed(ExitCode::not_found, "'last': no study on " + connection.server() +
+                                               " belongs to " + request.owner() +
+                                               " (dccast studies)");
+}
+
+std::string study_that_begins(Connection& connection, const std::string& prefix) {
+  v1::ListStudiesRequest request;
+  request.set_id_prefix(prefix);
+  const auto found = list_studies(connection, request, 2);
+  if (found.empty())
+    throw CommandFailed(ExitCode::not_found, "no study on " + connection.server() +
+                                                 " begins with '" + prefix + "' (dccast studies)");
+  if (found.size() > 1)
+    throw invalid("'" + prefix + "' is the beginning of more than one study:\n  " + found[0].id() +
+                  "\n  " + found[1].id());
+  return found.front().id();
+}
+
 }  // namespace
 
 std::optional<v1::Study> create_study(
@@ -103,37 +126,32 @@ v1::Study follow_study(Connection& connection, const std::string& id,
                                                  "; the study itself goes on");
 }
 
-std::vector<v1::Study> list_studies(Connection& connection, int limit) {
-  constexpr int largest_page = 1000;  // service.proto
-  std::vector<v1::Study> studies;
-  v1::ListStudiesRequest request;
+void read_studies(Connection& connection, v1::ListStudiesRequest request,
+                  const std::function<bool(const v1::Study&)>& take) {
   do {
-    request.set_page_size(std::min(largest_page, limit - static_cast<int>(studies.size())));
     const auto page = connection.call(&Stub::ListStudies, request);
-    studies.insert(studies.end(), page.studies().begin(), page.studies().end());
+    for (const v1::Study& study : page.studies())
+      if (!take(study)) return;
     request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty() && static_cast<int>(studies.size()) < limit);
+  } while (!request.page_token().empty());
+}
+
+std::vector<v1::Study> list_studies(Connection& connection, v1::ListStudiesRequest request,
+                                    int limit) {
+  constexpr int largest_page = 1000;  // service.proto
+  request.set_page_size(std::min(largest_page, limit));
+
+  std::vector<v1::Study> studies;
+  read_studies(connection, std::move(request), [&](const v1::Study& study) {
+    studies.push_back(study);
+    return static_cast<int>(studies.size()) < limit;
+  });
   return studies;
 }
 
 std::string resolve_study(Connection& connection, const std::string& text) {
   if (text != "last" && !can_begin_an_id(text)) return text;
-  const std::string user = text == "last" ? user_name(connection) : "";
-  std::string found;
-  for (const v1::Study& study : list_studies(connection, std::numeric_limits<int>::max())) {
-    if (text == "last" && study.owner() == user) return study.id();
-    if (text == "last" || !study.id().starts_with(text)) continue;
-    if (!found.empty())
-      throw invalid("'" + text + "' is the beginning of more than one " + "study:\n  " + found +
-                    "\n  " + study.id());
-    found = study.id();
-  }
-  if (!found.empty()) return found;
-  throw CommandFailed(ExitCode::not_found,
-                      text == "last" ? "'last': no study on " + connection.server() +
-                                           " belongs to " + user + " (dccast studies)"
-                                     : "no study on " + connection.server() + " begins with '" +
-                                           text + "' (dccast studies)");
+  return text == "last" ? newest_study(connection) : study_that_begins(connection, text);
 }
 
 ExitCode exit_code_of(v1::StudyState state) {

@@ -34,8 +34,14 @@ v1::Study follow_study(Connection& connection, const std::string& id,
                        const std::function<void(const v1::Study&)>& on_study,
                        std::ostream& messages, const RetryPolicy& policy = {});
 
-/// At most so many studies, newest first. Throws CommandFailed.
-std::vector<v1::Study> list_studies(Connection& connection, int limit);
+/// Passes the studies that a request selects to `take`, newest first, until it returns false.
+/// @param request  page_size: of each page that is read. Throws CommandFailed.
+void read_studies(Connection& connection, v1::ListStudiesRequest request,
+                  const std::function<bool(const v1::Study&)>& take);
+
+/// At most so many of them. Throws CommandFailed.
+std::vector<v1::Study> list_studies(Connection& connection, v1::ListStudiesRequest request,
+                                    int limit);
 
 /// The id of the study that a user means: a complete id, a unique beginning of one, or `last` for
 /// the newest study of this user. Throws CommandFailed: no such study, or several.

@@ -249,7 +249,7 @@ void check_pattern(const std::string& title) {
 }
 
 /// The jobs that a request selects, reduced to those its caller may read.
-jobs::JobStore::Page select_jobs(const Context& context, const access::Caller& caller,
+jobs::JobStore::Page select_jobs(const Context& context, const Call& call,
                                  const v1::ListJobsRequest& request) {
   check_study_of_job(request.study());
   check_labels(request.labels());
@@ -265,16 +265,7 @@ jobs::JobStore::Page select_jobs(const Context& context, const access::Caller& c
   for (const int state : request.states())
     wanted.states.push_back(static_cast<v1::JobState>(state));
   wanted.study = request.study();
-  wanted.owner = request.owner();
-
-  // Users who read only their own jobs must not learn of others by a filter.
-  if (context.gate.authority().reads_own_only(caller)) {
-    if (!wanted.owner.empty() && wanted.owner != caller.name)
-      refuse(ErrorInfo::NOT_PERMITTED, "{} reads only jobs of their own (read = \"own\")",
-             caller.name);
-    wanted.owner = caller.name;
-  }
-
+  wanted.owner = owner_of_list(context, call, request.owner());
   wanted.since_ms = jobs::milliseconds(request.since());
   wanted.title = request.title();
   wanted.id_prefix = request.id_prefix();
@@ -421,7 +412,7 @@ Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v
 Unary* SimulationService::ListJobs(Wire* wire, const v1::ListJobsRequest* request,
                                    v1::ListJobsResponse* response) {
   return answer(wire, *request, lanes_.status, [=, this](const Call& call) {
-    fill(context_, select_jobs(context_, call.caller, *request), *response);
+    fill(context_, select_jobs(context_, call, *request), *response);
   });
 }
 

@@ -293,10 +293,11 @@ void check_study_id(const std::string& id) {
 
 void check_line_name(const std::string& name) {
   if (studies::is_line_name(name)) return;
-  refuse(Remedy{"name it like \"pit-3\""},
-         "\"{}\" is no name of a line; permitted: 1 to 64 of a-z, A-Z, 0-9, \"-\", \"_\" and \".\", "
-         "the first a letter or digit",
-         values::shortened(name));
+  refuse(
+      Remedy{"name it like \"pit-3\""},
+      "\"{}\" is no name of a line; permitted: 1 to 64 of a-z, A-Z, 0-9, \"-\", \"_\" and \".\", "
+      "the first a letter or digit",
+      values::shortened(name));
 }
 
 void check_study_of_job(const std::string& study) {
@@ -313,13 +314,22 @@ void check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels)
   if (labels.size() > most_labels)
     refuse("there are {} labels; a job has at most {}", labels.size(), most_labels);
   for (const std::string& label : labels) {
-    const std::string given =
-        fmt::format("the label \"{}\"", values::shown(label));
+    const std::string given = fmt::format("the label \"{}\"", values::shown(label));
     if (label.empty() || label.size() > longest_label)
       refuse("{} is not one line of 1 to {} bytes", given, longest_label);
     if (const auto character = values::unprintable(label))
       refuse(Remedy{"leave that character out"}, "{} contains {}", given, *character);
   }
+}
+
+std::string owner_of_list(const Context& context, const Call& call, const std::string& asked) {
+  const access::Caller& caller = call.caller;
+  if (!context.gate.authority().reads_own_only(caller)) return asked;
+
+  if (!asked.empty() && asked != caller.name)
+    refuse(ErrorInfo::NOT_PERMITTED, "{} reads only what is their own (read = \"own\")",
+           caller.name);
+  return caller.name;
 }
 
 void check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& changes) {

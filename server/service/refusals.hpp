@@ -84,6 +84,9 @@ void check_study_of_job(const std::string& study);
 void check_text(const std::string& name, const std::string& text);
 /// Checks that there are at most 20 labels, each one printable line of 1 to 64 bytes.
 void check_labels(const google::protobuf::RepeatedPtrField<std::string>& labels);
+/// Whose entries a list shows: `asked`, empty for everyone; the caller where users read only their
+/// own. @throws Refusal  PERMISSION_DENIED: others were asked for, of whom a filter must not tell
+std::string owner_of_list(const Context& context, const Call& call, const std::string& asked);
 /// Checks that the changes are printable and not longer than a job keeps.
 void check_changes(const google::protobuf::RepeatedPtrField<v1::CaseChange>& changes);
 /// A run of a study that is to be created.

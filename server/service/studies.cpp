@@ -216,7 +216,8 @@ std::vector<judging::JudgedRun> judged_runs(Context& context, const v1::StudyRes
 
     auto steps = read_steps(context, run.job());
     if (!steps)
-      refuse(ErrorInfo::CHANGED_MEANWHILE, "job {} has gone back to a checkpoint; ask again", run.job());
+      refuse(ErrorInfo::CHANGED_MEANWHILE, "job {} has gone back to a checkpoint; ask again",
+             run.job());
     judged.steps = std::move(*steps);
     jobs::read_complete_case(context.jobs_directory / run.job(), judged.description);
   }
@@ -264,8 +265,7 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
 
   *response.mutable_judgement() = judging::judge_study(study);
   *response.mutable_study() = study.result.study();
-  if (request.has_case_())
-    response.set_case_file(write_found_case(context, request, study.result));
+  if (request.has_case_()) response.set_case_file(write_found_case(context, request, study.result));
   if (request.with_result()) *response.mutable_result() = std::move(study.result);
 }
 
@@ -340,13 +340,18 @@ Unary* SimulationService::GetStudy(Wire* wire, const v1::GetStudyRequest* reques
 Unary* SimulationService::ListStudies(Wire* wire, const v1::ListStudiesRequest* request,
                                       v1::ListStudiesResponse* response) {
   return answer(wire, *request, lanes_.status, [=, this](const Call& call) {
+    check_labels(request->labels());
     const AgePage page =
         read_page("the list of studies", request->page_token(), request->page_size());
 
     // One study more than the page holds shows whether there is a next page.
-    const bool own = context_.gate.authority().reads_own_only(call.caller);
-    auto studies = context_.studies.list(
-        {page.before_ms, page.before_id, page.size + 1, own ? call.caller.name : ""});
+    auto studies =
+        context_.studies.list({.before_ms = page.before_ms,
+                               .before_id = page.before_id,
+                               .size = page.size + 1,
+                               .owner = owner_of_list(context_, call, request->owner()),
+                               .id_prefix = request->id_prefix(),
+                               .labels = {request->labels().begin(), request->labels().end()}});
 
     const bool more = static_cast<int>(studies.size()) > page.size;
     if (more) studies.pop_back();

@@ -58,6 +58,12 @@ std::string id_of(const Statement& row) {
   return row.text(0);
 }
 
+bool has_labels(const StudyRecord& study, const std::vector<std::string>& labels) {
+  return std::ranges::all_of(labels, [&](const std::string& label) {
+    return std::ranges::find(study.request.labels(), label) != study.request.labels().end();
+  });
+}
+
 void insert_runs(Database& database, const std::string& id, const std::vector<RunRecord>& runs) {
   for (const RunRecord& run : runs)
     execute(database,
@@ -146,13 +152,34 @@ std::vector<StudyRecord> StudyStore::removing() {
 }
 
 std::vector<StudyRecord> StudyStore::list(const Page& page) {
+  if (page.labels.empty()) return with_any_label(page);
+
+  // Labels stand in the request alone, which SQLite cannot read.
+  constexpr int rows_at_a_time = 100;
+  std::vector<StudyRecord> found;
+  Page rest = page;
+  rest.size = rows_at_a_time;
+  for (;;) {
+    std::vector<StudyRecord> studies = with_any_label(rest);
+    for (StudyRecord& study : studies) {
+      rest.before_ms = study.created_ms;
+      rest.before_id = study.id;
+      if (has_labels(study, page.labels)) found.push_back(std::move(study));
+      if (static_cast<int>(found.size()) == page.size) return found;
+    }
+    if (static_cast<int>(studies.size()) < rows_at_a_time) return found;
+  }
+}
+
+std::vector<StudyRecord> StudyStore::with_any_label(const Page& page) {
   const std::lock_guard lock(mutex_);
+  // '~' sorts after every character of an id: these are hexadecimal digits and '-'.
   return rows(database_,
               select_studies +
-                  "WHERE removing = 0 AND (created_ms < ? OR (created_ms = ? AND id < ?)) "
-                  "AND (? = '' OR owner = ?) ORDER BY created_ms DESC, id DESC LIMIT ?",
-              record_of, page.before_ms, page.before_ms, page.before_id, page.owner, page.owner,
-              page.size);
+                  "WHERE removing = 0 AND (created_ms, id) < (?, ?) AND (? = '' OR owner = ?) "
+                  "AND (? = '' OR (id >= ? AND id < ?)) ORDER BY created_ms DESC, id DESC LIMIT ?",
+              record_of, page.before_ms, page.before_id, page.owner, page.owner, page.id_prefix,
+              page.id_prefix, page.id_prefix + "~", page.size);
 }
 
 RunCounts StudyStore::counts(const std::string& id) {

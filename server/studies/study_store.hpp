@@ -56,7 +56,9 @@ public:
         INT64_MAX;  ///< only studies created before, or then and with a lesser id
     std::string before_id{};
     int size = 50;
-    std::string owner{};  ///< empty: all
+    std::string owner{};                ///< empty: all
+    std::string id_prefix{};            ///< empty: all
+    std::vector<std::string> labels{};  ///< only studies that have all of them
   };
   /// Newest first.
   std::vector<StudyRecord> list(const Page& page);
@@ -82,6 +84,9 @@ public:
   void queue_again(const std::string& id, const std::vector<RunRecord>& runs);
 
 private:
+  /// As list(), without regard to labels.
+  std::vector<StudyRecord> with_any_label(const Page& page);
+
   std::mutex mutex_;
   jobs::Database database_;
 };

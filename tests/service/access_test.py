@@ -366,6 +366,8 @@ class Owners(AccessTest):
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.CompareRuns, compared)
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.ListJobs,
                      service_pb2.ListJobsRequest(owner="anna"))
+        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.ListStudies,
+                     study_pb2.ListStudiesRequest(owner="anna"))
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.SubmitJob,
                      service_pb2.SubmitJobRequest(case=fake("steps=3"), after=[job.id]))
         anna.SubmitJob(service_pb2.SubmitJobRequest(case=fake("steps=3"), after=[job.id]), timeout=10)

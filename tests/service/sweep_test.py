@@ -230,6 +230,21 @@ class Sweep(StudyTest):
                 break
         self.assertEqual(sorted(listed), sorted(studies))
 
+    def test_studies_are_listed_by_label_owner_and_the_beginning_of_an_id(self):
+        def listed(**filters):
+            answer = self.client.stub.ListStudies(study_pb2.ListStudiesRequest(**filters), timeout=10)
+            return [study.id for study in answer.studies]
+
+        both = self.create(fake_case("steps=1"), {"mesh.rows": [1]}, labels=["trial", "night shift"])
+        one = self.create(fake_case("steps=1"), {"mesh.rows": [2]}, labels=["trial"])
+        self.assertEqual(listed(labels=["trial"]), [one.id, both.id])
+        self.assertEqual(listed(labels=["trial", "night shift"]), [both.id])
+        self.assertEqual(listed(labels=["tri"]), [])
+        self.assertEqual(listed(id_prefix=both.id[:13]), [both.id])
+        self.assertEqual(listed(owner=both.owner), [one.id, both.id])
+        self.assertEqual(listed(owner="nobody at all"), [])
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, listed, labels=["two\nlines"])
+
 
 class Killed(StudyTest):
     def test_nothing_is_lost_or_done_twice(self):

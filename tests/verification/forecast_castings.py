@@ -88,8 +88,8 @@ def study(options, seed, runs, quality, changes=()):
 
 def with_label(options, label):
     """The newest study with a label; None if there is none."""
-    listed = options.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=30).studies
-    return next((each for each in listed if label in each.labels), None)
+    request = study_pb2.ListStudiesRequest(labels=[label], page_size=1)
+    return next(iter(options.stub.ListStudies(request, timeout=30).studies), None)
 
 
 def prepared(options):

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Union
+from typing import Any, TypeVar, Union
 
 import grpc
 
@@ -15,6 +15,8 @@ from dccast.runs import Answer
 from dccast.studies import Study
 from dccast.transport import Transport, endpoint
 from dccast.v1 import case_pb2, job_pb2, judgement_pb2, recipe_pb2, service_pb2, study_pb2
+
+Entry = TypeVar("Entry", Job, Study)
 
 #: Keys of a case: names, or the two ends of each by name.
 Ranges = Union[Mapping[str, Sequence[Value]], Sequence[str]]
@@ -168,15 +170,23 @@ class Service:
         request = service_pb2.ListJobsRequest(
             states=[job_pb2.JobState.Value(state.upper()) for state in states], labels=labels,
             owner=owner, study=study)
-        jobs: list[Job] = []
-        while len(jobs) < limit:
-            request.page_size = min(1000, limit - len(jobs))
-            page = self._transport.call("ListJobs", request)
-            jobs += [Job(self._transport, message) for message in page.jobs]
+        return self._listed("ListJobs", request, limit, "jobs", Job)
+
+    def _listed(self, method: str, request: Any, limit: int, field: str,
+                entry: Callable[[Transport, Any], Entry]) -> list[Entry]:
+        """Reads the pages of a list until there are `limit` entries or no more.
+
+        @param field  of a page: its entries
+        """
+        found: list[Entry] = []
+        while len(found) < limit:
+            request.page_size = min(1000, limit - len(found))
+            page = self._transport.call(method, request)
+            found += [entry(self._transport, message) for message in getattr(page, field)]
             request.page_token = page.next_page_token
             if not page.next_page_token:
                 break
-        return jobs
+        return found
 
     def sweep(self, case: Source, axes: Mapping[str, Sequence[Value]], *, design: str = "grid",
               runs: int = 0, seed: int = 0, changes: Changes | None = None, priority: str = "normal",
@@ -296,10 +306,10 @@ class Service:
         """A study by its id."""
         return Study(self._transport, self._transport.call("GetStudy", study_pb2.GetStudyRequest(id=study)))
 
-    def studies(self, limit: int = 50) -> list[Study]:
-        """Studies, newest first; at most 1000."""
-        page = self._transport.call("ListStudies", study_pb2.ListStudiesRequest(page_size=limit))
-        return [Study(self._transport, message) for message in page.studies]
+    def studies(self, limit: int = 50, *, labels: Sequence[str] = (), owner: str = "") -> list[Study]:
+        """Studies, newest first, e.g. studies(labels=["trial-7"])."""
+        request = study_pb2.ListStudiesRequest(labels=labels, owner=owner)
+        return self._listed("ListStudies", request, limit, "studies", Study)
 
     def judge(self, run: Job | Answer | Source, with_frame: bool = False) -> Judgement:
         """What the server concludes from one run: the largest curl with its error, when it came and where

@@ -155,6 +155,35 @@ TEST_F(StudyStoreTest, ListsNewestFirstPageByPage) {
   EXPECT_EQ(second[2].id, ids[4]);
 }
 
+TEST_F(StudyStoreTest, ListsByOwnerBeginningOfIdAndLabels) {
+  StudyRecord both = study("a", 1001), one = study("b", 1000);
+  both.owner = "jo";
+  both.request.add_labels("trial");
+  both.request.add_labels("a b");
+  one.request.add_labels("trial");
+  store_.insert(both, {});
+  store_.insert(one, {});
+
+  EXPECT_EQ(store_.list({.owner = "jo"}).size(), 1u);
+  EXPECT_EQ(store_.list({.labels = {"trial"}}).size(), 2u);
+  EXPECT_EQ(store_.list({.size = 1, .labels = {"trial"}}).front().id, both.id);
+  EXPECT_EQ(store_.list({.labels = {"trial", "a b"}}).size(), 1u);
+  EXPECT_TRUE(store_.list({.labels = {"tri"}}).empty());
+  EXPECT_TRUE(store_.list({.owner = "jo", .id_prefix = one.id}).empty());
+  EXPECT_EQ(store_.list({.id_prefix = one.id.substr(0, 13)}).front().id, one.id);
+}
+
+TEST_F(StudyStoreTest, FindsALabelBehindManyStudiesWithoutIt) {
+  StudyRecord oldest = study("oldest", 1);
+  oldest.request.add_labels("trial");
+  store_.insert(oldest, {});
+  for (int i = 0; i < 250; ++i) store_.insert(study("r" + std::to_string(i), 1000), {});
+
+  const auto found = store_.list({.size = 2, .labels = {"trial"}});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found.front().id, oldest.id);
+}
+
 TEST_F(StudyStoreTest, AFileSaysWhatTheRowSays) {
   const StudyRecord record = study();
   write_study_file(folder_.path(), record);
