@@ -59,6 +59,31 @@ constexpr const char* completion_examples =
   dccast completion zsh > "${fpath[1]}/_dccast"
   dccast completion fish > ~/.config/fish/completions/dccast.fish)";
 
+struct Group {
+  const char* heading;
+  std::vector<Add*> commands;
+};
+
+/// Commands in the order of the help text.
+const std::vector<Group>& groups() {
+  static const std::vector<Group> all{
+      {"Commands to prepare a case", {add_new, add_validate, add_schema, add_alloys}},
+      {"Commands to ask at once", {add_query, add_compare}},
+      {"Commands to run jobs",
+       {add_submit, add_follow, add_forecast, add_line, add_replay, add_watch, add_wait, add_list,
+        add_show, add_top, add_cancel, add_pause, add_resume, add_label, add_pin, add_unpin,
+        add_delete}},
+      {"Commands to read results",
+       {add_curl, add_report, add_dashboard, add_probe, add_contraction, add_fetch, add_case,
+        add_logs}},
+      {"Commands to study a case",
+       {add_convergence, add_uncertainty, add_sensitivity, add_calibrate, add_remedy, add_sweep,
+        add_predict, add_design_recipe, add_design_mould, add_studies}},
+      {"Commands to reach a server",
+       {add_login, add_logout, add_whoami, add_doctor, add_info, add_usage, add_completion}}};
+  return all;
+}
+
 }  // namespace
 
 Endpoint Program::endpoint() const {
@@ -107,33 +132,6 @@ void print_answer(const StudyOptions& options, const v1::StudyJudgement& answer,
   std::cout << std::flush;
 }
 
-namespace {
-
-struct Group {
-  const char* heading;
-  std::vector<Add*> commands;
-};
-
-/// Commands in the order of the help text.
-const std::vector<Group>& groups() {
-  static const std::vector<Group> all{
-      {"Commands to prepare a case", {add_new, add_validate, add_schema, add_alloys}},
-      {"Commands to ask at once", {add_query, add_compare}},
-      {"Commands to run jobs",
-       {add_submit, add_follow, add_forecast, add_line, add_replay, add_watch, add_wait, add_list,
-        add_show, add_top, add_cancel, add_pause, add_resume, add_label, add_pin, add_unpin, add_delete}},
-      {"Commands to read results",
-       {add_curl, add_report, add_dashboard, add_probe, add_contraction, add_fetch, add_case,
-        add_logs}},
-      {"Commands to study a case",
-       {add_convergence, add_uncertainty, add_sensitivity, add_calibrate, add_remedy, add_sweep,
-        add_predict, add_design_recipe, add_design_mould, add_studies}},
-      {"Commands to reach a server",
-       {add_login, add_logout, add_whoami, add_doctor, add_info, add_usage, add_completion}}};
-  return all;
-}
-
-}  // namespace
 }  // namespace dccast::client::commands
 
 namespace dccast::client {

@@ -11,6 +11,7 @@
 #include "client/session/studies.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/study_text.hpp"
+#include "client/text/sweep_csv.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/quality.hpp"
 

@@ -9,6 +9,7 @@
 #include "client/text/job_text.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
+#include "client/text/watch_output.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"

@@ -9,9 +9,9 @@
 
 #include "client/commands/commands.hpp"
 #include "client/session/jobs.hpp"
-#include "client/text/job_text.hpp"
 #include "client/text/terminal.hpp"
 #include "client/text/terminal_guard.hpp"
+#include "client/text/top_page.hpp"
 
 namespace dccast::client::commands {
 namespace {

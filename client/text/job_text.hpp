@@ -18,6 +18,9 @@ std::string largest_curl_text(const v1::Job& job);
 /// Local time of a time stamp, "2024-05-01 13:45:10"; "-" for none.
 std::string time_text(const google::protobuf::Timestamp& time);
 
+/// "4 min 10 s"; "a moment" if a worker is about to become free.
+std::string start_text(double starts_in_s);
+
 /// One line about an event that is not a step.
 std::string event_line(const v1::JobEvent& event);
 
@@ -48,19 +51,5 @@ struct ListLine {
 /// @param columns  from job_columns(); empty: the usual ones, plus curl, findings and labels if one
 ///                 of the jobs has them
 std::string job_table(const std::vector<ListLine>& lines, std::vector<std::string> columns);
-
-/// What `dccast top` shows at one moment.
-struct TopView {
-  /// Address of the server, and its report of itself and of its jobs.
-  std::string server;
-  v1::GetServerInfoResponse about{};
-  std::vector<v1::Job> running{};
-  std::vector<v1::Job> queued{};  ///< newest first; may be some of many
-};
-
-/// A page of at most so many columns and lines, each ended; with what does not fit left out.
-/// @param lines    0: as many as there are
-/// @param now_unix [s since 1970]
-std::string top_page(const TopView& view, int columns, int lines, std::int64_t now_unix);
 
 }  // namespace dccast::client::render

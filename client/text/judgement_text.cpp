@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "client/text/braille.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/plant_words.hpp"
 #include "proto/values/plant_units.hpp"

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "client/model/answer.hpp"
-#include "client/model/json.hpp"
 #include "client/text/terminal.hpp"
 #include "dccast/v1/job.pb.h"
 
@@ -72,20 +71,5 @@ std::string step_line(const v1::StepReport& step);
 
 /// "1 h 03 min", "4 min 10 s", "7 s".
 std::string duration_text(double seconds);
-
-/// Turns events into the lines of `watch --json`. Every line has `sequence`, `event` (state, step,
-/// message, resumed, validity_lost or finding), `state`, `step`, `time_s`, `cast_length_m`,
-/// `iterations`, `beyond_validity`, `monitors` [{name, displacement_m}]; before the first step the
-/// numbers are null. Events that are not steps repeat those of the last step.
-class WatchOutput {
-public:
-  /// An event as one line of JSON.
-  Json line(const v1::JobEvent& event);
-
-private:
-  v1::JobState state_ = v1::JOB_STATE_UNSPECIFIED;
-  bool stepped_ = false;
-  v1::StepReport step_;
-};
 
 }  // namespace dccast::client::render

@@ -44,8 +44,4 @@ private:
   int shown_tenth_ = -1;
 };
 
-/// The runs of a sweep as CSV, with their values, curls in metres and outcome; missing numbers are
-/// empty.
-std::string sweep_csv(const v1::StudyResult& result);
-
 }  // namespace dccast::client::render

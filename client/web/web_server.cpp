@@ -74,22 +74,6 @@ std::unique_ptr<http::Server> server_for(const Listening& at) {
   }
 }
 
-}  // namespace
-
-std::string Request::value(const std::string& key) const {
-  const auto found = query.find(key);
-  return found == query.end() ? "" : found->second;
-}
-
-std::vector<std::string> Request::values(const std::string& key) const {
-  std::vector<std::string> all;
-  const auto [begin, end] = query.equal_range(key);
-  for (auto at = begin; at != end; ++at) all.push_back(at->second);
-  return all;
-}
-
-namespace {
-
 http::Reply answer_of(const WebServer::Handler& handler, const Request& request) {
   Reply reply;
   try {
@@ -174,6 +158,18 @@ private:
 };
 
 }  // namespace
+
+std::string Request::value(const std::string& key) const {
+  const auto found = query.find(key);
+  return found == query.end() ? "" : found->second;
+}
+
+std::vector<std::string> Request::values(const std::string& key) const {
+  std::vector<std::string> all;
+  const auto [begin, end] = query.equal_range(key);
+  for (auto at = begin; at != end; ++at) all.push_back(at->second);
+  return all;
+}
 
 class WebServer::Parts {
 public:

@@ -25,6 +25,16 @@ bool covers(std::string_view path, std::string_view key) {
          (path == "alloy.card" && key.starts_with("alloy."));
 }
 
+void check_mesh(CaseFindings& found) {
+  const mesh::SectionSpec& section = found.casting.section;
+  if (mesh::has_plan_file(section))
+    check_plan_file(found);
+  else if (mesh::has_mesh_file(section))
+    check_imported_mesh(found);
+  else
+    check_built_in_size(found);
+}
+
 }  // namespace
 
 std::string CaseFindings::fault_of(std::string_view key) const {
@@ -51,20 +61,6 @@ CheckedCase CaseFindings::answer() {
     warning(key, "", "further checks wait until this is fixed");
   return {std::move(faults), std::move(warnings_), estimate};
 }
-
-namespace {
-
-void check_mesh(CaseFindings& found) {
-  const mesh::SectionSpec& section = found.casting.section;
-  if (mesh::has_plan_file(section))
-    check_plan_file(found);
-  else if (mesh::has_mesh_file(section))
-    check_imported_mesh(found);
-  else
-    check_built_in_size(found);
-}
-
-}  // namespace
 
 CheckedCase check(const Case& casting_case, const std::vector<std::string>& faulty_keys) {
   CaseFindings found(casting_case, faulty_keys);

@@ -5,9 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "core/case/case.hpp"
-#include "core/case/casting_schedule.hpp"
-#include "core/casting/run_mesh.hpp"
 #include "core/findings/judge.hpp"
 #include "core/findings/run_failure.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
@@ -39,27 +36,11 @@ struct RunState {
 };
 
 /// Converts a state to the sections of a checkpoint, and back. Whether the arrays fit the mesh is
-/// checked separately: misfit().
+/// checked separately: misfit() in run_shape.hpp.
 template <int Dim>
 results::Sections to_sections(const RunState<Dim>& state);
 /// @throws std::out_of_range  a section is missing or has the wrong type
 template <int Dim>
 RunState<Dim> state_of(const results::Sections& sections);
-
-/// The run against which a state read from a checkpoint is checked.
-template <int Dim>
-struct RunShape {
-  /// Case, schedule and mesh of the run that is to continue.
-  const Case& casting_case;
-  const CastingSchedule& schedule;
-  const RunMesh<Dim>& mesh;
-  std::size_t points = 0;  ///< integration points per element
-};
-
-/// Why a state does not belong to a run: an array does not fit the mesh, or a time lies outside the
-/// case; empty if it does belong. A checksum only finds damage; this check keeps an array of the
-/// wrong length from being read out of bounds.
-template <int Dim>
-std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run);
 
 }  // namespace dccast::casting

@@ -23,6 +23,19 @@ constexpr double no_direction = 1e-6;       // [1] length of the remainder of a 
 constexpr double touching = 1e-9;           // gap of a node that stands at block or wall [m]
 constexpr double round_off_of_turns = 16.0 * std::numeric_limits<double>::epsilon();
 
+template <int Dim, class Turn>
+std::vector<double> turned(const std::vector<NodalFrame<Dim>>& frames, std::vector<double> v,
+                           Turn&& turn) {
+  for (const auto& frame : frames) {
+    double* at = &v[std::size_t(frame.node) * Dim];
+    typename NodalFrame<Dim>::Vector of_node;
+    std::copy_n(at, Dim, of_node.begin());
+    of_node = turn(frame, of_node);
+    std::copy(of_node.begin(), of_node.end(), at);
+  }
+  return v;
+}
+
 }  // namespace
 
 /// The faces that bound the slab at a node, as unit normals [1]: horizontal ones of symmetry planes
@@ -140,7 +153,8 @@ public:
              return d.cwiseAbs().maxCoeff() >= along_axis;
            });
   }
-  /// Frame of these directions, completed by the remaining ones; its last axis is that of the block.
+  /// Frame of these directions, completed by the remaining ones; its last axis is that of the
+  /// block.
   NodalFrame<Dim> frame(int node) const {
     std::vector<Vector> axis = direction;
     if constexpr (Dim == 3) {
@@ -275,21 +289,6 @@ void SlabSupports<Dim>::add_wall(StepProblem<Dim>& problem, const Direction& dir
   if (!problem.initial_gap.empty()) problem.initial_gap.push_back(0.0);
   closed.push_back(was_released && gap <= touching ? 1 : 0);
 }
-
-namespace {
-template <int Dim, class Turn>
-std::vector<double> turned(const std::vector<NodalFrame<Dim>>& frames, std::vector<double> v,
-                           Turn&& turn) {
-  for (const auto& frame : frames) {
-    double* at = &v[std::size_t(frame.node) * Dim];
-    typename NodalFrame<Dim>::Vector of_node;
-    std::copy_n(at, Dim, of_node.begin());
-    of_node = turn(frame, of_node);
-    std::copy(of_node.begin(), of_node.end(), at);
-  }
-  return v;
-}
-}  // namespace
 
 /// A displacement held in a local frame is zero up to the round-off of two rotations. It is reset
 /// to zero; otherwise a step would begin by moving held unknowns.

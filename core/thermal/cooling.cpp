@@ -51,6 +51,31 @@ SurfaceFlux convection(Coefficient h, double temperature, double surroundings) {
   return {h.value * excess, h.value + h.d_temperature * excess, 0.0};
 }
 
+/// Contact and air gap in series, beside radiation. @param wall  [°C]
+SurfaceFlux gap_flux(const SideZone& zone, const SurfaceState& surface, const SidePlace& place,
+                     double wall) {
+  constexpr double stefan_boltzmann = 5.670374e-8;  // [W/(m2 K4)]
+  const MouldGap& gap = *zone.gap;
+  const double width = std::max(0.0, place.inward - gap.taper * place.distance);  // [m]
+
+  const double fraction = surface.liquid_fraction, excess = surface.temperature - wall;
+  const Coefficient liquid = coefficient(zone.liquid_coefficient, surface.temperature, place);
+  const Coefficient solid = coefficient(zone.solid_coefficient, surface.temperature, place);
+  const double contact = fraction * liquid.value + (1.0 - fraction) * solid.value;
+
+  // h = contact / (1 + contact g/k), and its derivative by the contact coefficient.
+  const double series = 1.0 / (1.0 + contact * width / gap.air_conductivity);
+  const double h = contact * series, d_contact = series * series;
+  const double d_contact_by_temperature =
+      fraction * liquid.d_temperature + (1.0 - fraction) * solid.d_temperature;
+
+  const double hot = surface.temperature - absolute_zero, cold = wall - absolute_zero;
+  const double radiation = stefan_boltzmann * gap.emissivity;
+  return {h * excess + radiation * (std::pow(hot, 4) - std::pow(cold, 4)),
+          h + d_contact * d_contact_by_temperature * excess + 4.0 * radiation * std::pow(hot, 3),
+          d_contact * (liquid.value - solid.value) * excess};
+}
+
 }  // namespace
 
 double critical_heat_flux(const Water& water, const Film& film, double depth) {
@@ -143,35 +168,6 @@ SurfaceFlux water_flux(const Water& water, const WaterPlace& film, const Surface
   if (flux.flux > film.largest_flux) flux = {film.largest_flux, 0.0, 0.0};
   return flux;
 }
-
-namespace {
-
-/// Contact and air gap in series, beside radiation. @param wall  [°C]
-SurfaceFlux gap_flux(const SideZone& zone, const SurfaceState& surface, const SidePlace& place,
-                     double wall) {
-  constexpr double stefan_boltzmann = 5.670374e-8;  // [W/(m2 K4)]
-  const MouldGap& gap = *zone.gap;
-  const double width = std::max(0.0, place.inward - gap.taper * place.distance);  // [m]
-
-  const double fraction = surface.liquid_fraction, excess = surface.temperature - wall;
-  const Coefficient liquid = coefficient(zone.liquid_coefficient, surface.temperature, place);
-  const Coefficient solid = coefficient(zone.solid_coefficient, surface.temperature, place);
-  const double contact = fraction * liquid.value + (1.0 - fraction) * solid.value;
-
-  // h = contact / (1 + contact g/k), and its derivative by the contact coefficient.
-  const double series = 1.0 / (1.0 + contact * width / gap.air_conductivity);
-  const double h = contact * series, d_contact = series * series;
-  const double d_contact_by_temperature =
-      fraction * liquid.d_temperature + (1.0 - fraction) * solid.d_temperature;
-
-  const double hot = surface.temperature - absolute_zero, cold = wall - absolute_zero;
-  const double radiation = stefan_boltzmann * gap.emissivity;
-  return {h * excess + radiation * (std::pow(hot, 4) - std::pow(cold, 4)),
-          h + d_contact * d_contact_by_temperature * excess + 4.0 * radiation * std::pow(hot, 3),
-          d_contact * (liquid.value - solid.value) * excess};
-}
-
-}  // namespace
 
 SurfaceFlux zone_flux(const SideZone& zone, const SurfaceState& surface, const SidePlace& place,
                       double ambient_temperature) {

@@ -44,49 +44,6 @@ std::string shown_number(const std::string& number, const std::string& unit) {
   return real && number.size() > most_written ? with_digits(value, 9) : number;
 }
 
-}  // namespace
-
-std::string plant_number(double value) {
-  if (!std::isfinite(value)) return "-";
-  if (std::abs(value) >= 1e4 && std::abs(value) < 1e15) return with_digits(std::round(value), 15);
-  return with_digits(value == 0.0 ? 0.0 : value, 4);
-}
-
-std::string plant_mm(double metres) {
-  return plant_number(1e3 * metres) + " mm";
-}
-
-std::string curve_in_words(const v1::Curve& curve, double factor, const std::string& unit) {
-  const int count = std::min(curve.at_size(), curve.value_size());
-  const auto value = [&](int i) { return plant_number(factor * curve.value(i)) + " " + unit; };
-  if (curve.value_size() == 0) return "-";
-  if (count < 2) return value(0);
-  std::string text = value(0) + " to " + place_in_words(curve, 0);
-  for (int i = 1; i < count; ++i) {
-    const bool level = curve.value(i) == curve.value(i - 1);
-    text += level ? ", held to " + place_in_words(curve, i)
-                  : ", then to " + value(i) + " at " + place_in_words(curve, i);
-  }
-  return text;
-}
-
-std::string readable_toml(const v1::Case& input) {
-  const std::string text = to_toml(input);
-  // Converts values only, not numbers in a title: speeds, water, and numbers with too many digits.
-  static const std::regex value(
-      R"re(((?:= |\[|, )"?)([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)( m2?/s")?(?=[ ",\]\n]))re");
-  std::string readable;
-  auto rest = text.cbegin();
-  for (std::sregex_iterator match(text.begin(), text.end(), value), end; match != end; ++match) {
-    readable.append(rest, (*match)[0].first);
-    rest = (*match)[0].second;
-    readable += match->str(1) + shown_number(match->str(2), match->str(3));
-  }
-  return readable.append(rest, text.cend());
-}
-
-namespace {
-
 bool has_values(const v1::Curve& curve) {
   return curve.value_size() > 0 && curve.value_size() == curve.at_size();
 }
@@ -153,6 +110,45 @@ std::string water_text(const v1::Case& c) {
 }
 
 }  // namespace
+
+std::string plant_number(double value) {
+  if (!std::isfinite(value)) return "-";
+  if (std::abs(value) >= 1e4 && std::abs(value) < 1e15) return with_digits(std::round(value), 15);
+  return with_digits(value == 0.0 ? 0.0 : value, 4);
+}
+
+std::string plant_mm(double metres) {
+  return plant_number(1e3 * metres) + " mm";
+}
+
+std::string curve_in_words(const v1::Curve& curve, double factor, const std::string& unit) {
+  const int count = std::min(curve.at_size(), curve.value_size());
+  const auto value = [&](int i) { return plant_number(factor * curve.value(i)) + " " + unit; };
+  if (curve.value_size() == 0) return "-";
+  if (count < 2) return value(0);
+  std::string text = value(0) + " to " + place_in_words(curve, 0);
+  for (int i = 1; i < count; ++i) {
+    const bool level = curve.value(i) == curve.value(i - 1);
+    text += level ? ", held to " + place_in_words(curve, i)
+                  : ", then to " + value(i) + " at " + place_in_words(curve, i);
+  }
+  return text;
+}
+
+std::string readable_toml(const v1::Case& input) {
+  const std::string text = to_toml(input);
+  // Converts values only, not numbers in a title: speeds, water, and numbers with too many digits.
+  static const std::regex value(
+      R"re(((?:= |\[|, )"?)([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)( m2?/s")?(?=[ ",\]\n]))re");
+  std::string readable;
+  auto rest = text.cbegin();
+  for (std::sregex_iterator match(text.begin(), text.end(), value), end; match != end; ++match) {
+    readable.append(rest, (*match)[0].first);
+    rest = (*match)[0].second;
+    readable += match->str(1) + shown_number(match->str(2), match->str(3));
+  }
+  return readable.append(rest, text.cend());
+}
 
 std::string casting_summary(const v1::Case& c) {
   std::string text = size_text(c);

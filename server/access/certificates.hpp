@@ -47,7 +47,4 @@ private:
   const std::filesystem::path directory_;
 };
 
-/// Names by which clients may reach this machine: its host name, its addresses, and loopback.
-std::vector<std::string> names_of_this_machine();
-
 }  // namespace dccast::access

@@ -15,6 +15,7 @@
 #include "core/storage/storage_error.hpp"
 #include "proto/values/address.hpp"
 #include "server/access/certificates.hpp"
+#include "server/access/machine_names.hpp"
 #include "server/access/users.hpp"
 #include "server/service/gate.hpp"
 #include "server/state/state_folder.hpp"

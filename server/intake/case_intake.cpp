@@ -131,6 +131,20 @@ std::string printable(const std::string& text) {
   return values::escaped(text, values::Lines::several);
 }
 
+/// A value as written in a case file.
+const char* name_of_quality(v1::Quality quality) {
+  switch (quality) {
+    case v1::DRAFT:
+      return "draft";
+    case v1::ENGINEERING:
+      return "engineering";
+    case v1::FINE:
+      return "fine";
+    default:
+      return "";
+  }
+}
+
 }  // namespace
 
 void check_attachment_names(const v1::Case& submitted, const jobs::Attachments& attachments,
@@ -355,24 +369,6 @@ std::string answer_key(v1::Case complete, const jobs::Attachments& attachments) 
   complete.mutable_alloy()->clear_uncertainty();
   return fingerprint(complete, attachments);
 }
-
-namespace {
-
-/// A value as written in a case file.
-const char* name_of_quality(v1::Quality quality) {
-  switch (quality) {
-    case v1::DRAFT:
-      return "draft";
-    case v1::ENGINEERING:
-      return "engineering";
-    case v1::FINE:
-      return "fine";
-    default:
-      return "";
-  }
-}
-
-}  // namespace
 
 jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachments,
                      const ExaminedCase& examined) {

@@ -57,58 +57,6 @@ std::string loss_text(const v1::StudyResult& result) {
   });
 }
 
-}  // namespace
-
-double shown_curl_m(double curl_m) {
-  constexpr double small_m = 1e-2;
-  return std::abs(curl_m) < small_m ? 1e-5 : 1e-4;
-}
-
-std::string mm(double metres) {
-  return fmt::format("{:.{}f}", 1e3 * metres, std::abs(metres) < 1e-3 ? 2 : 1);
-}
-
-std::string percent(double share) {
-  return fmt::format("{:.0f}", 100.0 * share);
-}
-
-bool is_valid(const v1::StudyRun& run) {
-  return run.state() == v1::SUCCEEDED && !run.beyond_validity();
-}
-
-std::string outcome_code(const v1::StudyRun& run) {
-  if (run.beyond_validity()) return "beyond_validity";
-  if (run.has_failure()) return lower_case(v1::Finding_Kind_Name(run.failure().kind()));
-  if (run.job().empty() && run.state() == v1::QUEUED) return "waiting";
-  return lower_case(v1::JobState_Name(run.state()));
-}
-
-void add_lost_runs(const v1::StudyResult& result, JudgementPart::Place place,
-                   v1::Judgement& judgement) {
-  const auto is_lost = [](const v1::StudyRun& run) { return !is_valid(run); };
-  if (std::ranges::none_of(result.runs(), is_lost)) return;
-
-  v1::Table& table =
-      add_table(judgement, "lost_runs", "runs that the figures do not rest on", place);
-  *table.add_columns() = number_column("run", "run", "", 1.0);
-  *table.add_columns() = text_column("values", "values");
-  *table.add_columns() = text_column("outcome", "outcome");
-  *table.add_columns() = text_column("message", "why");
-  for (int i = 0; i < result.runs_size(); ++i) {
-    const v1::StudyRun& run = result.runs(i);
-    if (!is_lost(run)) continue;
-    std::string values;
-    for (int axis = 0; axis < run.values_size(); ++axis)
-      if (!run.values(axis).empty())
-        values += fmt::format("{}{} = {}", values.empty() ? "" : "; ",
-                              result.study().sweep().axes(axis).key(), run.values(axis));
-    add_row(table, {number_cell(i + 1), text_cell(values), code_cell(outcome_code(run)),
-                    text_cell(run.failure().message())});
-  }
-}
-
-namespace {
-
 /// What mesh and time steps leave uncertain of a curl of a run; empty: not known.
 std::optional<case_file::CurlError> mesh_error(const v1::StudyRun& run, double curl_m) {
   if (!run.has_mesh_error()) return std::nullopt;
@@ -162,6 +110,54 @@ void add_run_columns(const v1::StudyResult& result, v1::Table& table) {
 }
 
 }  // namespace
+
+double shown_curl_m(double curl_m) {
+  constexpr double small_m = 1e-2;
+  return std::abs(curl_m) < small_m ? 1e-5 : 1e-4;
+}
+
+std::string mm(double metres) {
+  return fmt::format("{:.{}f}", 1e3 * metres, std::abs(metres) < 1e-3 ? 2 : 1);
+}
+
+std::string percent(double share) {
+  return fmt::format("{:.0f}", 100.0 * share);
+}
+
+bool is_valid(const v1::StudyRun& run) {
+  return run.state() == v1::SUCCEEDED && !run.beyond_validity();
+}
+
+std::string outcome_code(const v1::StudyRun& run) {
+  if (run.beyond_validity()) return "beyond_validity";
+  if (run.has_failure()) return lower_case(v1::Finding_Kind_Name(run.failure().kind()));
+  if (run.job().empty() && run.state() == v1::QUEUED) return "waiting";
+  return lower_case(v1::JobState_Name(run.state()));
+}
+
+void add_lost_runs(const v1::StudyResult& result, JudgementPart::Place place,
+                   v1::Judgement& judgement) {
+  const auto is_lost = [](const v1::StudyRun& run) { return !is_valid(run); };
+  if (std::ranges::none_of(result.runs(), is_lost)) return;
+
+  v1::Table& table =
+      add_table(judgement, "lost_runs", "runs that the figures do not rest on", place);
+  *table.add_columns() = number_column("run", "run", "", 1.0);
+  *table.add_columns() = text_column("values", "values");
+  *table.add_columns() = text_column("outcome", "outcome");
+  *table.add_columns() = text_column("message", "why");
+  for (int i = 0; i < result.runs_size(); ++i) {
+    const v1::StudyRun& run = result.runs(i);
+    if (!is_lost(run)) continue;
+    std::string values;
+    for (int axis = 0; axis < run.values_size(); ++axis)
+      if (!run.values(axis).empty())
+        values += fmt::format("{}{} = {}", values.empty() ? "" : "; ",
+                              result.study().sweep().axes(axis).key(), run.values(axis));
+    add_row(table, {number_cell(i + 1), text_cell(values), code_cell(outcome_code(run)),
+                    text_cell(run.failure().message())});
+  }
+}
 
 void add_runs(const v1::StudyResult& result, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "runs", "");

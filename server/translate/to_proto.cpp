@@ -171,6 +171,18 @@ void add_run(const v1::StudyRun& run, results::StudyTable& table) {
   table.failure.push_back(run.failure().message());
 }
 
+v1::Finding to_finding(const casting::RunFailure& failure) {
+  v1::Finding to;
+  to.set_code(failure.finding);
+  to.set_kind(translate::to_proto(failure.kind));
+  to.set_message(failure.message);
+  to.set_time_s(failure.time);
+  to.set_time_step_s(failure.time_step);
+  fill(failure.residual_history, to.mutable_residual_history());
+  fill(failure.place, to.mutable_place_m());
+  return to;
+}
+
 }  // namespace
 
 v1::ValidateCaseResponse to_proto(const casting::CheckedCase& checked) {
@@ -255,22 +267,6 @@ results::StepReport to_core(const v1::StepReport& report, int dimension) {
   to.process_seconds = report.process_s();
   return to;
 }
-
-namespace {
-
-v1::Finding to_finding(const casting::RunFailure& failure) {
-  v1::Finding to;
-  to.set_code(failure.finding);
-  to.set_kind(translate::to_proto(failure.kind));
-  to.set_message(failure.message);
-  to.set_time_s(failure.time);
-  to.set_time_step_s(failure.time_step);
-  fill(failure.residual_history, to.mutable_residual_history());
-  fill(failure.place, to.mutable_place_m());
-  return to;
-}
-
-}  // namespace
 
 v1::Finding to_proto(const casting::RunFailures& failures) {
   v1::Finding to = to_finding(failures.at(0));

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/storage/file.hpp"
+#include "server/access/machine_names.hpp"
 #include "server/access/users.hpp"
 #include "tests/support/temporary_folder.hpp"
 

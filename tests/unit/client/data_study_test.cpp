@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "client/text/study_text.hpp"
+#include "client/text/sweep_csv.hpp"
 #include "tests/support/study_result.hpp"
 
 namespace dccast::client {

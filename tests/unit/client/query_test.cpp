@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/text/braille.hpp"
 #include "client/text/judgement_text.hpp"
 #include "client/text/terminal.hpp"
 #include "client_run.hpp"
@@ -56,9 +57,9 @@ TEST_F(Query, FindingsComeFirst) {
   finding.set_severity(v1::Finding::WARNING);
   finding.set_code("no_superheat");
   finding.set_message("the metal is poured at its liquidus");
-  EXPECT_THAT(
-      run({"query", file}).out,
-      testing::StartsWith("warning: no_superheat: the metal is poured at its liquidus\ncurls at the end"));
+  EXPECT_THAT(run({"query", file}).out,
+              testing::StartsWith(
+                  "warning: no_superheat: the metal is poured at its liquidus\ncurls at the end"));
 }
 
 TEST_F(Query, JsonHasTheHistory) {

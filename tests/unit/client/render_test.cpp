@@ -7,9 +7,11 @@
 
 #include "client/html/html_parts.hpp"
 #include "client/html/pages.hpp"
+#include "client/text/braille.hpp"
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
+#include "client/text/watch_output.hpp"
 #include "fake_service.hpp"
 #include "json_reading.hpp"
 #include "proto/case_file/case_file.hpp"
@@ -222,8 +224,8 @@ TEST(CastingDrawing, NamesWhatItShows) {
   case_file::apply_defaults(c);
   c.set_title("<b>");
   const std::string page = casting_page(c);
-  for (const char* name : {"data-kind='casting'", "\"name\":\"mould contact\"", "<h1>&lt;b&gt;</h1>",
-                           "speed 40 -&gt; 60 mm/min"})
+  for (const char* name : {"data-kind='casting'", "\"name\":\"mould contact\"",
+                           "<h1>&lt;b&gt;</h1>", "speed 40 -&gt; 60 mm/min"})
     EXPECT_THAT(page, HasSubstr(name));
 }
 

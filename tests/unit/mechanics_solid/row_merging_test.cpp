@@ -1,5 +1,5 @@
 // State of points where rows of hexahedra are merged.
-#include "core/mechanics/slab_growth.hpp"
+#include "core/mechanics/rows_of_points.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace dccast::access {
+
+/// Names by which clients may reach this machine: its host name, its addresses, and loopback.
+std::vector<std::string> names_of_this_machine();
+
+}  // namespace dccast::access
