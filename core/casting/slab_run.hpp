@@ -104,9 +104,11 @@ private:
   std::vector<double> element_temperature() const;
   /// (node of the heat's mesh, coordinate) [m].
   std::vector<double> displacement() const;
-  /// The slab on the heat's mesh. @param carried  storage for one that has to be carried there
+  /// The slab on the heat's mesh.
+  /// @param stressed  with its stresses and viscoplastic strains, which are large
+  /// @param carried   storage for one that has to be carried there
   const mechanics::SlabState<Dim>& slab_of_results(
-      std::optional<mechanics::SlabState<Dim>>& carried) const;
+      bool stressed, std::optional<mechanics::SlabState<Dim>>& carried) const;
   std::vector<double> bottom_pressure() const;  ///< (bottom node of the heat's mesh) [Pa]
   double metal_level() const;                   ///< [m]
 

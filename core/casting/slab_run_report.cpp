@@ -108,17 +108,14 @@ void add_stresses(const mechanics::SlabState<Dim>& slab, std::size_t elements,
       element_means<Dim>(elements, points, [&](std::size_t i) { return slab.viscoplastic[i]; });
 }
 
-/// The fields of a slab from which results are made, carried to a mesh of the heat's own.
+/// The motion of a slab, carried to a mesh of the heat's own.
 template <int Dim>
-mechanics::SlabState<Dim> on_heat_mesh(const mechanics::SlabState<Dim>& slab,
-                                       const mesh::PlanTransfer& transfer, std::size_t points) {
+mechanics::SlabState<Dim> motion_on_heat_mesh(const mechanics::SlabState<Dim>& slab,
+                                              const mesh::PlanTransfer& transfer) {
   mechanics::SlabState<Dim> carried;
   carried.started = slab.started;
   carried.displacement = transfer.at_heat_nodes(slab.displacement, Dim);
   carried.solid = transfer.in_heat_elements(slab.solid);
-  carried.viscoplastic = transfer.in_heat_elements(slab.viscoplastic, points);
-  carried.deviator = transfer.in_heat_elements(slab.deviator, points);
-  carried.pressure = transfer.in_heat_elements(slab.pressure, points);
   return carried;
 }
 
@@ -126,9 +123,16 @@ mechanics::SlabState<Dim> on_heat_mesh(const mechanics::SlabState<Dim>& slab,
 
 template <int Dim>
 const mechanics::SlabState<Dim>& SlabRun<Dim>::slab_of_results(
-    std::optional<mechanics::SlabState<Dim>>& carried) const {
-  if (mesh_.transfer().same_mesh()) return state_.slab;
-  carried = on_heat_mesh(state_.slab, mesh_.transfer(), mechanics_.points());
+    bool stressed, std::optional<mechanics::SlabState<Dim>>& carried) const {
+  const mesh::PlanTransfer& transfer = mesh_.transfer();
+  if (transfer.same_mesh()) return state_.slab;
+
+  carried = motion_on_heat_mesh(state_.slab, transfer);
+  if (!stressed) return *carried;
+  const std::size_t points = mechanics_.points();
+  carried->viscoplastic = transfer.in_heat_elements(state_.slab.viscoplastic, points);
+  carried->deviator = transfer.in_heat_elements(state_.slab.deviator, points);
+  carried->pressure = transfer.in_heat_elements(state_.slab.pressure, points);
   return *carried;
 }
 
@@ -151,9 +155,10 @@ MonitorReadings SlabRun<Dim>::read_monitors() const {
 template <int Dim>
 StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings& monitors) {
   std::optional<mechanics::SlabState<Dim>> carried;
-  const mechanics::SlabState<Dim>& slab = slab_of_results(carried);
+  const mechanics::SlabState<Dim>& slab = slab_of_results(finished(), carried);
   const std::vector<double> in_mechanics = element_temperature();
-  const std::vector<double> of_stress = mesh_.transfer().in_heat_elements(in_mechanics);
+  const std::vector<double> creep_rate =
+      mesh_.transfer().in_heat_elements(meter_.tears().creep_rates(state_.slab, in_mechanics));
 
   const MechanicsView<Dim> own{.mesh = mesh_.mesh(),
                                .slab = state_.slab,
@@ -168,7 +173,7 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
                            .heat = accepted.heat,
                            .temperature = state_.heat.temperature,
                            .slab = slab,
-                           .stress_temperature = of_stress,
+                           .creep_rate = creep_rate,
                            .mechanics = own,
                            .checks = mechanics_.checks(),
                            .superheat = state_.superheat,
@@ -268,9 +273,10 @@ results::Frame SlabRun<Dim>::take_frame() {
   frame.temperature = state_.heat.temperature;
   frame.liquid_fraction = state_.heat.liquid_fraction;
   std::optional<mechanics::SlabState<Dim>> carried;
-  const mechanics::SlabState<Dim>& slab = slab_of_results(carried);
+  const bool stressed = case_.output.stresses && case_.mechanics.enabled;
+  const mechanics::SlabState<Dim>& slab = slab_of_results(stressed, carried);
   frame.displacement = slab.displacement;
-  if (case_.output.stresses && case_.mechanics.enabled) {
+  if (stressed) {
     add_stresses(slab, std::size_t(mesh().elements()), frame);
     for (const double t : frame.temperature)
       frame.thermal_strain.push_back(mechanics_.properties().thermal_stretch(t) - 1.0);

@@ -218,8 +218,7 @@ void StepMeter<Dim>::measure_frozen_metal(const StepView<Dim>& view, StepFigures
                                           FigureHistory& history) const {
   tears_.follow({.mesh = view.mesh,
                  .temperature = view.temperature,
-                 .slab = view.slab,
-                 .stress_temperature = view.stress_temperature,
+                 .creep_rate = view.creep_rate,
                  .time = view.time_step,
                  .metal_level = view.metal_level,
                  .growing = view.growing},

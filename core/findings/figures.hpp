@@ -37,9 +37,8 @@ struct StepView {
   const mesh::Mesh<Dim>& mesh;
   const thermal::HeatStepOutcome& heat;
   std::span<const double> temperature;    ///< (node) [°C]
-  const mechanics::SlabState<Dim>& slab;  ///< carried to this mesh
-  /// (element) mean temperature of the mechanics' element in which it lies [°C].
-  std::span<const double> stress_temperature;
+  const mechanics::SlabState<Dim>& slab;  ///< carried to this mesh; stresses in the last step only
+  std::span<const double> creep_rate;     ///< (element) of HotTears::creep_rates() [1/s]
   const MechanicsView<Dim>& mechanics;
   const mechanics::SlabChecks& checks;  ///< of the mechanical step; ignored before the first one
   double superheat = 0.0;               ///< [J/m], [J/rad], [J] of the metal poured so far

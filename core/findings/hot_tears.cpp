@@ -111,24 +111,27 @@ HotTears<Dim>::HotTears(const material::AlloyCard& card, const mesh::SectionSpec
   window_end_ = material::coherency_at(card, card.hot_tears.end);
 }
 
-/// Equivalent creep rate at the end of a step [1/s], which the implicit step holds throughout;
-/// mean of the points.
 template <int Dim>
-double HotTears<Dim>::strain_rate(const Step& step, std::size_t e) const {
-  const mechanics::SlabState<Dim>& slab = step.slab;
-  if (!slab.started || slab.solid[e] == 0) return 0.0;
-
-  const double kappa = properties_.creep_factors(step.stress_temperature[e]).deviatoric;
+std::vector<double> HotTears<Dim>::creep_rates(const mechanics::SlabState<Dim>& slab,
+                                               std::span<const double> temperature) const {
+  if (!has_window_ || !slab.started) return {};
   const double exponent = properties_.creep().exponent;
-  const std::size_t points = slab.deviator.size() / std::size_t(step.mesh.elements());
+  const std::size_t points = slab.deviator.size() / slab.solid.size();
 
-  // Norton-Hoff law: kappa |s|^(q-2) |s|, as an equivalent rate.
-  double sum = 0.0;
-  for (std::size_t q = 0; q < points; ++q) {
-    const double norm = slab.deviator[e * points + q].norm();
-    sum += mechanics::equivalent_of_norm * kappa * material::creep_power(norm, exponent) * norm;
+  std::vector<double> rates(slab.solid.size(), 0.0);
+  for (std::size_t e = 0; e < rates.size(); ++e) {
+    if (slab.solid[e] == 0) continue;
+    const double kappa = properties_.creep_factors(temperature[e]).deviatoric;
+
+    // Norton-Hoff law: kappa |s|^(q-2) |s|, as an equivalent rate.
+    double sum = 0.0;
+    for (std::size_t q = 0; q < points; ++q) {
+      const double norm = slab.deviator[e * points + q].norm();
+      sum += mechanics::equivalent_of_norm * kappa * material::creep_power(norm, exponent) * norm;
+    }
+    rates[e] = sum / static_cast<double>(points);
   }
-  return sum / static_cast<double>(points);
+  return rates;
 }
 
 template <int Dim>
@@ -146,8 +149,9 @@ void HotTears<Dim>::pass(const Step& step, int e, MushPassage& passage) const {
     return;
   }
 
-  const double rate = strain_rate(step, std::size_t(e));
-  if (step.slab.started) {
+  const bool started = !step.creep_rate.empty();
+  const double rate = started ? step.creep_rate[std::size_t(e)] : 0.0;
+  if (started) {
     const double seconds = step.time * share_within(from, to, window_end_, window_begin_);
     passage.time += seconds;
     passage.strain += seconds * rate;

@@ -66,15 +66,19 @@ public:
   struct Step {
     const mesh::Mesh<Dim>& mesh;
     std::span<const double> temperature;  ///< (node) [°C]
-    const mechanics::SlabState<Dim>& slab;
-    /// (element) of the metal that has the stress of the slab there [°C]
-    std::span<const double> stress_temperature;
-    double time = 0.0;         ///< [s] length of the step
-    double metal_level = 0.0;  ///< [m]
-    int growing = 0;           ///< first element of the row that still stretches
+    std::span<const double> creep_rate;   ///< (element) [1/s], see creep_rates()
+    double time = 0.0;                    ///< [s] length of the step
+    double metal_level = 0.0;             ///< [m]
+    int growing = 0;                      ///< first element of the row that still stretches
   };
 
   HotTears(const material::AlloyCard& card, const mesh::SectionSpec& section);
+
+  /// Equivalent creep rates at the end of a step, which the implicit step holds throughout: means
+  /// of the points, zero of melt. Empty before the mechanics begins, and without a window.
+  /// @param temperature  (element) [°C] @return  (element) [1/s], of the mesh of the slab
+  std::vector<double> creep_rates(const mechanics::SlabState<Dim>& slab,
+                                  std::span<const double> temperature) const;
 
   /// Follows the elements through a step. @param passages  (element) updated; may be shorter
   void follow(const Step& step, std::vector<MushPassage>& passages) const;
@@ -87,8 +91,6 @@ public:
 private:
   /// Follows one element through the window in a step.
   void pass(const Step& step, int e, MushPassage& passage) const;
-  /// Equivalent creep rate of an element at the end of a step [1/s], the mean of its points.
-  double strain_rate(const Step& step, std::size_t e) const;
 
   material::MechanicalProperties properties_;
   MushFeeding feeding_;

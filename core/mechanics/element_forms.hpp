@@ -60,13 +60,15 @@ struct ElementForms : ElementFormsBase<Element, Number> {
   static constexpr std::size_t hoop = 2;  ///< component zz of a tensor
   using Point = typename Cell::Point;
 
-  /// Strain at a point, with its trace replaced by the mean dilatation of the element.
-  static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
-    Tensor strain = symmetric_gradient(c.point[q], v);
-    if constexpr (points > 1) {
-      strain.add_identity((Base::mean_dilatation(c, v) - strain.trace()) / 3.0);
+  /// Strain at every point [1], with its trace replaced by the mean dilatation of the element.
+  static Tensors strains(const Cell& c, const Vectors& v) {
+    const Number dilatation = Base::mean_dilatation(c, v);
+    Tensors strains;
+    for (std::size_t q = 0; q < points; ++q) {
+      strains[q] = symmetric_gradient(c.point[q], v);
+      if constexpr (points > 1) strains[q].add_identity((dilatation - strains[q].trace()) / 3.0);
     }
-    return strain;
+    return strains;
   }
 
   /// Deviator of the strain at every point.
@@ -190,9 +192,12 @@ struct ElementForms<Element, Number, true> : ElementFormsBase<Element, Number> {
   /// Two axes of the section, each with a bending mode; the hoop strain varies likewise.
   static constexpr std::size_t modes = axisymmetric ? 4 : 2;
 
-  /// Strain at a point [1]. @param q  point
-  static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
-    return strain_deviators(c, v)[q].add_identity(Base::mean_dilatation(c, v) / 3.0);
+  /// Strain at every point [1].
+  static Tensors strains(const Cell& c, const Vectors& v) {
+    Tensors strains = strain_deviators(c, v);
+    const Number dilatation = Base::mean_dilatation(c, v);
+    for (Tensor& strain : strains) strain.add_identity(dilatation / 3.0);
+    return strains;
   }
 
   /// Strain deviators [1] at every point: that of the mean, and each mode with the lever of its

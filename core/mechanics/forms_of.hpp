@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "core/mechanics/element_forms.hpp"
@@ -110,8 +111,11 @@ public:
     });
   }
 
-  Tensor strain(std::size_t e, std::size_t point, std::span<const double> u) const override {
-    return Forms::strain(cell_of(e), point, local(e, u));
+  typename Base::PointTensors strains(std::size_t e, std::span<const double> u) const override {
+    const auto of_cell = Forms::strains(cell_of(e), local(e, u));
+    typename Base::PointTensors strains{};
+    std::copy(of_cell.begin(), of_cell.end(), strains.begin());
+    return strains;
   }
   double mean_dilatation(std::size_t e, std::span<const double> u) const override {
     return Forms::mean_dilatation(geometry_.mean_gradient(static_cast<int>(e)), local(e, u));

@@ -58,6 +58,8 @@ class MechanicsForms {
 public:
   using Tensor = SymmetricTensor<Dim>;
   using Mesh = mesh::Mesh<Dim>;
+  /// (point) of an element; those beyond its last point are zero.
+  using PointTensors = std::array<Tensor, 1 << Dim>;
 
   virtual ~MechanicsForms() = default;
 
@@ -93,9 +95,13 @@ public:
                              std::span<const double> bulk, const linalg::SparsityPattern& pattern,
                              std::span<double> values) const = 0;
 
-  /// Strain at a point of an element [1], with the mean dilatation of the element as its trace.
-  virtual Tensor strain(std::size_t element, std::size_t point,
-                        std::span<const double> displacement) const = 0;
+  /// Strains at the points of an element [1], with its mean dilatation as their trace.
+  virtual PointTensors strains(std::size_t element, std::span<const double> displacement) const = 0;
+  /// The strain at one point [1]; costs as much as those at all points.
+  Tensor strain(std::size_t element, std::size_t point,
+                std::span<const double> displacement) const {
+    return strains(element, displacement)[point];
+  }
   /// Mean dilatation of an element [1] for a displacement [m].
   virtual double mean_dilatation(std::size_t element,
                                  std::span<const double> displacement) const = 0;

@@ -11,30 +11,39 @@ namespace dccast::mechanics {
 
 namespace {
 
-/// Elastic strains including the thermal part, for the points from `first` on [1].
+/// Elastic strains including the thermal part, for the points of the elements from `first` on [1].
 /// @param displacement  by unknown [m], which has set the rotations of the forms
 template <int Dim>
 std::vector<SymmetricTensor<Dim>> elastic_strains(const MechanicsForms<Dim>& forms,
                                                   const SlabState<Dim>& state,
                                                   std::span<const double> displacement,
                                                   std::size_t first = 0) {
+  const std::size_t points = forms.points();
   std::vector<SymmetricTensor<Dim>> elastic;
-  for (std::size_t i = first; i < state.inelastic.size(); ++i) {
-    elastic.push_back(forms.strain(i / forms.points(), i % forms.points(), displacement));
-    elastic.back().add(-1.0, state.inelastic[i]);
+  for (std::size_t e = first; e < forms.elements(); ++e) {
+    const auto strains = forms.strains(e, displacement);
+    for (std::size_t q = 0; q < points; ++q) {
+      elastic.push_back(strains[q]);
+      elastic.back().add(-1.0, state.inelastic[e * points + q]);
+    }
   }
   return elastic;
 }
 
-/// Sets the inelastic strains from point `first` on such that the elastic strains are the given
-/// ones; zero for points beyond these.
+/// Sets the inelastic strains of the elements from `first` on such that the elastic strains are the
+/// given ones; zero for points beyond these.
 template <int Dim>
 void set_elastic_strains(const MechanicsForms<Dim>& forms, SlabState<Dim>& state,
                          std::span<const double> displacement,
                          const std::vector<SymmetricTensor<Dim>>& elastic, std::size_t first = 0) {
-  for (std::size_t i = first; i < state.inelastic.size(); ++i) {
-    state.inelastic[i] = forms.strain(i / forms.points(), i % forms.points(), displacement);
-    if (i - first < elastic.size()) state.inelastic[i].add(-1.0, elastic[i - first]);
+  const std::size_t points = forms.points();
+  for (std::size_t e = first; e < forms.elements(); ++e) {
+    const auto strains = forms.strains(e, displacement);
+    for (std::size_t q = 0; q < points; ++q) {
+      const std::size_t i = e * points + q, known = i - first * points;
+      state.inelastic[i] = strains[q];
+      if (known < elastic.size()) state.inelastic[i].add(-1.0, elastic[known]);
+    }
   }
 }
 
@@ -43,7 +52,7 @@ void set_elastic_strains(const MechanicsForms<Dim>& forms, SlabState<Dim>& state
 template <int Dim>
 void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int nodes_per_row,
                                        int first_moved) {
-  const std::size_t first = std::size_t(first_moved) * points_;
+  const std::size_t first = std::size_t(first_moved);
   const int old_nodes = static_cast<int>(state.released.size());
   std::vector<double> u = supports_.by_unknown(state.displacement);
   set_rotations(u, state.solid);

@@ -236,9 +236,10 @@ void SlabMechanics<Dim>::complete_newborn(State& state, const Birth& birth,
   const double thermal =
       properties_.thermal_stretch(birth.temperature) + birth.share * problem_.thermal[e];
 
+  const auto strains = forms_->strains(e, u);
   for (std::size_t q = 0; q < points_; ++q) {
     const std::size_t i = e * points_ + q;
-    state.inelastic[i] = forms_->strain(e, q, u);
+    state.inelastic[i] = strains[q];
     state.inelastic[i].add(-0.5 / shear, state.deviator[i]);
     state.inelastic[i].add_identity(-state.pressure[i] / (3.0 * bulk) - thermal);
 
@@ -250,9 +251,10 @@ void SlabMechanics<Dim>::complete_newborn(State& state, const Birth& birth,
 /// Resets the history: the element is stress-free at the strain of the start of the step.
 template <int Dim>
 void SlabMechanics<Dim>::forget_history(State& state, std::size_t e) const {
+  const auto strains = forms_->strains(e, displacement_);
   for (std::size_t q = 0; q < points_; ++q) {
     const std::size_t i = e * points_ + q;
-    state.inelastic[i] = forms_->strain(e, q, displacement_);
+    state.inelastic[i] = strains[q];
     state.viscoplastic[i] = {};
     if (!state.hardened.empty()) state.hardened[i] = 0.0;
     state.deviator[i] = {};

@@ -23,9 +23,12 @@ struct ElementForms<fem::BendingHexahedron, Number, true>
   static constexpr std::size_t warps = Bending::warps, modes = Bending::modes,
                                levers = Bending::levers, means = 6, generalised = means + modes;
 
-  /// Strain at a point [1]. @param q  point
-  static Tensor strain(const Cell& c, std::size_t q, const Vectors& v) {
-    return strain_deviators(c, v)[q].add_identity(Base::mean_dilatation(c, v) / 3.0);
+  /// Strain at every point [1].
+  static Tensors strains(const Cell& c, const Vectors& v) {
+    Tensors strains = strain_deviators(c, v);
+    const Number dilatation = Base::mean_dilatation(c, v);
+    for (Tensor& strain : strains) strain.add_identity(dilatation / 3.0);
+    return strains;
   }
 
   /// Strain deviators [1] at every point: that of the mean, and each lever with its linear strain.

@@ -147,24 +147,21 @@ public:
     for (double front = 0.0; front <= 0.25; front += velocity * seconds) {
       set_temperature(front);
       set_rates(largest_rate);
-      tears_.follow(
-          {mesh(), temperature_, state_, element_temperature(), seconds, 0.2, mesh().elements()},
-          passages);
+      tears_.follow({mesh(), temperature_, creep_rates(), seconds, 0.2, mesh().elements()},
+                    passages);
     }
     return tears_.indices(mesh(), passages);
   }
   TearMap map_of_melt() {
     std::vector<MushPassage> passages;
     set_temperature(-0.1);
-    tears_.follow(
-        {mesh(), temperature_, state_, element_temperature(), 1.0, 0.2, mesh().elements()},
-        passages);
+    tears_.follow({mesh(), temperature_, creep_rates(), 1.0, 0.2, mesh().elements()}, passages);
     return tears_.map(passages);
   }
 
 private:
-  std::vector<double> element_temperature() const {
-    return mesh::PlanTransfer().element_means<2>(mesh(), temperature_);
+  std::vector<double> creep_rates() const {
+    return tears_.creep_rates(state_, mesh::PlanTransfer().element_means<2>(mesh(), temperature_));
   }
   void set_temperature(double front) {
     temperature_.clear();
