@@ -17,6 +17,7 @@ import math
 import os
 import re
 import resource
+import shutil
 import statistics
 import subprocess
 import tempfile
@@ -277,6 +278,9 @@ def compare(options, folder):
 
 def main():
     options = parsed()
+    if shutil.which("ccx") is None:
+        raise SystemExit("there is no ccx: install Debian's calculix-ccx")
+
     ratios = []
     with tempfile.TemporaryDirectory(prefix="calculix-block-") as scratch:
         for step, (seconds, lift, iterations) in compare(options, options.keep or scratch):
