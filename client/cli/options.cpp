@@ -123,7 +123,7 @@ void Command::choice(const std::string& names, int& value, const std::map<std::s
 
 Command Command::command(const std::string& name, const std::string& description) const {
   CLI::App* const added = app_->add_subcommand(name, description);
-  added->group("Commands");  // else the heading under which its parent is listed
+  added->group("Commands");  // CLI11 would repeat the heading of the parent
   app_->require_subcommand(0, 1);
   return Command(*added, *chosen_);
 }

@@ -35,11 +35,12 @@ v1::Study follow_study(Connection& connection, const std::string& id,
                        std::ostream& messages, const RetryPolicy& policy = {});
 
 /// Passes the studies that a request selects to `take`, newest first, until it returns false.
-/// @param request  page_size: of each page that is read. Throws CommandFailed.
+/// Throws CommandFailed.
+/// @param request  its page_size is that of each call
 void read_studies(Connection& connection, v1::ListStudiesRequest request,
                   const std::function<bool(const v1::Study&)>& take);
 
-/// At most so many of them. Throws CommandFailed.
+/// The newest of these studies, at most `limit`. Throws CommandFailed.
 std::vector<v1::Study> list_studies(Connection& connection, v1::ListStudiesRequest request,
                                     int limit);
 

@@ -17,25 +17,31 @@ const char* add_particulars(const v1::JobEvent& event, Json& line) {
       line["contact_length_m"] = event.step().contact_length_m();
       line["sump_depth_m"] = event.step().sump_depth_m();
       return "step";
+
     case v1::JobEvent::kStateChange:
       line["cause"] = event.state_change().cause();
       line["terminal"] = event.state_change().terminal();
       if (event.state_change().has_failure())
         line["failure"] = to_json(event.state_change().failure());
       return "state";
+
     case v1::JobEvent::kMessage:
       line["text"] = event.message().text();
       return "message";
+
     case v1::JobEvent::kResumed:
       line["resumed_step"] = event.resumed().step();
       line["resumed_time_s"] = event.resumed().time_s();
       return "resumed";
+
     case v1::JobEvent::kValidityLost:
       line["validity_loss"] = to_json(event.validity_lost());
       return "validity_lost";
+
     case v1::JobEvent::kFinding:
       line["finding"] = to_json(event.finding());
       return "finding";
+
     default:
       return "unknown";
   }

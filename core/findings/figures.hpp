@@ -38,7 +38,7 @@ struct StepView {
   const thermal::HeatStepOutcome& heat;
   std::span<const double> temperature;    ///< (node) [°C]
   const mechanics::SlabState<Dim>& slab;  ///< carried to this mesh; stresses in the last step only
-  std::span<const double> creep_rate;     ///< (element) of HotTears::creep_rates() [1/s]
+  std::span<const double> creep_rate;     ///< (element) [1/s], see HotTears::creep_rates()
   const MechanicsView<Dim>& mechanics;
   const mechanics::SlabChecks& checks;  ///< of the mechanical step; ignored before the first one
   double superheat = 0.0;               ///< [J/m], [J/rad], [J] of the metal poured so far
