@@ -64,8 +64,8 @@ void print_line(const Json& json);
 void print_answer(const StudyOptions& options, const v1::StudyJudgement& answer,
                   const std::string& other_output = {});
 
-/// Prints what the server concludes from a run that has a step. One that it cannot judge gets a line
-/// on standard error.
+/// Prints what the server concludes from a run that has a step. One that it cannot judge gets a
+/// line on standard error.
 void print_judgement(Connection& connection, const v1::ComparedRun& run, std::ostream& stream);
 
 /// Follows a job as `watch` does and reports how it ended; results on stdout unless

@@ -191,8 +191,8 @@ void print_pdf(const std::string& page, const fs::path& file) {
                                  "--headless",
                                  "--disable-gpu",
                                  "--no-pdf-header-footer",
-                                 "--enable-unsafe-swiftshader",    // WebGL without a graphics card
-                                 "--virtual-time-budget=60000",    // until the page has drawn
+                                 "--enable-unsafe-swiftshader",  // WebGL without a graphics card
+                                 "--virtual-time-budget=60000",  // until the page has drawn
                                  "--user-data-dir=" + (folder.path / "profile").string(),
                                  "--print-to-pdf=" + pdf.string(),
                                  "file://" + html.string()};

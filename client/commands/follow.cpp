@@ -70,11 +70,13 @@ void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& reque
   const auto found = find_preparation(connection, request.case_(), request.attachments());
   if (!found) {
     remark(fmt::format(
-        "this plan is not prepared: the forecast is its run, job {}, plus the last difference between "
+        "this plan is not prepared: the forecast is its run, job {}, plus the last difference "
+        "between "
         "measured and computed curl. Before the next casting: dccast follow --prepare {}",
         following.plan_job(), options.file));
     if (!options.line.empty())
-      remark(fmt::format("line {} learns nothing from a casting that is not prepared", options.line));
+      remark(
+          fmt::format("line {} learns nothing from a casting that is not prepared", options.line));
     return;
   }
   following.set_ensemble(found->ensemble.id());
@@ -144,8 +146,8 @@ std::unique_ptr<LineSource> open_source(const FollowOptions& options) {
   return source;
 }
 
-/// Works beside the watch of the job, in a thread and with a connection of its own, and is interrupted
-/// when it is destroyed.
+/// Works beside the watch of the job, in a thread and with a connection of its own, and is
+/// interrupted when it is destroyed.
 class Companion {
 public:
   explicit Companion(const Connection& connection)
@@ -250,7 +252,8 @@ ExitCode run(const FollowOptions& options, Program& program) {
   return watch_with_alarms(connection, id, alarms, options);
 }
 
-constexpr const char* examples = R"(dccast follow --prepare my.toml        # before the casting; takes minutes
+constexpr const char* examples =
+    R"(dccast follow --prepare my.toml        # before the casting; takes minutes
   plant-logger | dccast follow my.toml --line pit-3
   dccast follow my.toml --readings today.csv --growing
   dccast follow my.toml --readings mqtt://broker/pit3 --columns plc.toml --notify 'beep'
@@ -278,17 +281,19 @@ void add_follow(cli::CommandLine& line, Program& program) {
                      {.comma_separated = true});
 
   // Where the readings come from.
-  command.option("--readings", options.readings,
-                 "File with the readings, or MQTT topic such as mqtt://HOST/TOPIC; - for standard input "
-                 "(default)",
-                 {.placeholder = "SOURCE"});
+  command.option(
+      "--readings", options.readings,
+      "File with the readings, or MQTT topic such as mqtt://HOST/TOPIC; - for standard input "
+      "(default)",
+      {.placeholder = "SOURCE"});
   command.option("--broker", options.broker,
                  "TOML file with the login at the broker: user, password, ca, certificate, key",
                  {.placeholder = "FILE"});
   add_columns_option(command, options.columns);
-  command.flag("--growing", options.growing,
-               "The file grows: wait for further lines at its end. Otherwise its end is that of the "
-               "casting");
+  command.flag(
+      "--growing", options.growing,
+      "The file grows: wait for further lines at its end. Otherwise its end is that of the "
+      "casting");
 
   // What the forecast rests on.
   const cli::Rules length{.fault = [](const std::string& text) {
@@ -299,10 +304,11 @@ void add_follow(cli::CommandLine& line, Program& program) {
   command.option("--ensemble", options.ensemble,
                  "Study of uncertainty of this plan instead of what --prepare computed",
                  {.placeholder = "STUDY"});
-  command.option("--line", options.line,
-                 "Line on which the casting is made: the forecast learns from its earlier castings, "
-                 "and the next ones from this (dccast line)",
-                 {.placeholder = "NAME", .excludes = {"--job", "--prepare"}});
+  command.option(
+      "--line", options.line,
+      "Line on which the casting is made: the forecast learns from its earlier castings, "
+      "and the next ones from this (dccast line)",
+      {.placeholder = "NAME", .excludes = {"--job", "--prepare"}});
   command.option("--noise", options.noise,
                  "Standard deviation of a measured curl; default \"1 mm\"", length);
   command.option("--zero", options.zero,

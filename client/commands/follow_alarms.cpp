@@ -26,14 +26,16 @@ using Tell = std::function<void(const std::string& text, Json facts)>;
 Tell tell_by(const AlarmOptions& options, const std::string& broker, const std::string& job) {
   std::shared_ptr<MqttConnection> connection;
   if (!options.topic.empty()) {
-    const auto remark = [](const std::string& text) { std::cerr << "alarms: " << text << std::endl; };
-    connection = std::make_shared<MqttConnection>(
-        parse_topic(options.topic), read_broker_login(broker), MqttConnection::Handlers{.remark = remark});
+    const auto remark = [](const std::string& text) {
+      std::cerr << "alarms: " << text << std::endl;
+    };
+    connection =
+        std::make_shared<MqttConnection>(parse_topic(options.topic), read_broker_login(broker),
+                                         MqttConnection::Handlers{.remark = remark});
   }
 
   return [=, command = options.command](const std::string& text, Json facts) {
-    if (!command.empty())
-      run_user_command(command, {{"DCCAST_JOB", job}, {"DCCAST_ALARM", text}});
+    if (!command.empty()) run_user_command(command, {{"DCCAST_JOB", job}, {"DCCAST_ALARM", text}});
     if (!connection) return;
     facts["job"] = job;
     facts["alarm"] = text;
@@ -69,11 +71,13 @@ AlarmHandlers alarm_handlers(const AlarmOptions& options, const std::string& bro
 }
 
 void add_alarm_options(const cli::Command& command, AlarmOptions& options) {
-  command.option("--notify", options.command,
-                 "Run this in a shell for each warning of the forecast and each finding beyond notes, "
-                 "with DCCAST_JOB and DCCAST_ALARM in its environment",
-                 {.placeholder = "COMMAND"});
-  command.option("--alarms", options.topic, "Publish these as JSON on a topic, as mqtt://HOST/TOPIC",
+  command.option(
+      "--notify", options.command,
+      "Run this in a shell for each warning of the forecast and each finding beyond notes, "
+      "with DCCAST_JOB and DCCAST_ALARM in its environment",
+      {.placeholder = "COMMAND"});
+  command.option("--alarms", options.topic,
+                 "Publish these as JSON on a topic, as mqtt://HOST/TOPIC",
                  {.placeholder = "TOPIC"});
 }
 

@@ -39,10 +39,11 @@ void print_line_memory(const v1::ForecastCurl& curl) {
     std::cout << fmt::format("{}: no earlier casting on the line counts\n", curl.monitor());
     return;
   }
-  std::cout << fmt::format("{}: {} earlier casting{} on the line; {:.0f} % of the variance differs from "
-                           "casting to casting, the model is off by {:.0f} %\n",
-                           curl.monitor(), line.castings(), line.castings() == 1 ? "" : "s",
-                           100.0 * line.scatter(), 100.0 * line.model_error());
+  std::cout << fmt::format(
+      "{}: {} earlier casting{} on the line; {:.0f} % of the variance differs from "
+      "casting to casting, the model is off by {:.0f} %\n",
+      curl.monitor(), line.castings(), line.castings() == 1 ? "" : "s", 100.0 * line.scatter(),
+      100.0 * line.model_error());
 }
 
 void print_forecast(const v1::Forecast& forecast) {

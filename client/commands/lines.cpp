@@ -22,9 +22,10 @@ ExitCode list(const LineOptions& options, Program& program) {
   Connection connection = program.connect();
   const auto answer = connection.call(&Stub::ListLines, v1::ListLinesRequest());
   for (const std::string& name : answer.damaged())
-    std::cerr << fmt::format("line {0} is damaged: restore its file from a backup, or dccast line forget "
-                             "{0}\n",
-                             name);
+    std::cerr << fmt::format(
+        "line {0} is damaged: restore its file from a backup, or dccast line forget "
+        "{0}\n",
+        name);
   if (options.json) {
     print_line(json_list(answer.lines(), [](const v1::Line& line) { return to_json(line); }));
     return ExitCode::done;
@@ -32,8 +33,9 @@ ExitCode list(const LineOptions& options, Program& program) {
 
   render::Table table({"LINE", "OWNER", ">CASTINGS", "SINCE"});
   for (const v1::Line& line : answer.lines())
-    table.add({line.name(), line.owner(), std::to_string(line.castings_size()),
-               render::time_text(line.has_restart_time() ? line.restart_time() : line.create_time())});
+    table.add(
+        {line.name(), line.owner(), std::to_string(line.castings_size()),
+         render::time_text(line.has_restart_time() ? line.restart_time() : line.create_time())});
   if (answer.lines().empty() && answer.damaged().empty())
     std::cerr << "no lines: dccast follow CASE --line NAME begins one\n";
   else if (!answer.lines().empty())
@@ -85,8 +87,7 @@ Request request_for(const LineOptions& options) {
 
 ExitCode show(const LineOptions& options, Program& program) {
   Connection connection = program.connect();
-  return print(options,
-               connection.call(&Stub::GetLine, request_for<v1::GetLineRequest>(options)));
+  return print(options, connection.call(&Stub::GetLine, request_for<v1::GetLineRequest>(options)));
 }
 
 ExitCode restart(const LineOptions& options, Program& program) {
@@ -110,7 +111,8 @@ ExitCode forget(const LineOptions& options, Program& program) {
 void add_line(cli::CommandLine& line, Program& program) {
   const auto [command, options] = declare<LineOptions>(
       line, program, list, "line",
-      "Lines, on which castings share mould, water and metal; show, restart or forget one. A casting "
+      "Lines, on which castings share mould, water and metal; show, restart or forget one. A "
+      "casting "
       "joins a line by dccast follow --line",
       "dccast line list\n  dccast line show pit-3\n  dccast line restart pit-3    new mould, new "
       "water: earlier castings do not count any more");

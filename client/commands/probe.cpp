@@ -102,8 +102,8 @@ Probe ask(Connection& connection, const std::string& id, const ProbeOptions& opt
   if (!options.time.empty()) {
     const auto time = case_file::parse_quantity(options.time, "s").value;
     if (!time)
-      throw invalid(fmt::format("--time \"{}\": a time with its unit is expected, e.g. 60 s",
-                                options.time));
+      throw invalid(
+          fmt::format("--time \"{}\": a time with its unit is expected, e.g. 60 s", options.time));
     request.set_time_s(*time);
   } else if (probe.line) {
     request.set_last(true);
@@ -140,7 +140,8 @@ std::string shown(const v1::FrameField& field, double value) {
 std::string heading(const v1::FrameField& field, int number) {
   if (number == 0) return ">temperature °C";
   if (field.unit() != "m") return fmt::format(">{}", field.name());
-  if (field.name().starts_with("displacement_")) return fmt::format(">moved {} mm", axes[number - 1]);
+  if (field.name().starts_with("displacement_"))
+    return fmt::format(">moved {} mm", axes[number - 1]);
   return fmt::format(">{} mm", field.name().substr(0, field.name().size() - 2));  // without "_m"
 }
 
@@ -180,8 +181,7 @@ Json samples_json(const Probe& probe) {
                 {"cast_length_m", instant.cast_length_m()},
                 {"at_m", Json(probe.points[p])}};
     for (std::size_t i = 0; i < values.size(); ++i)
-      sample[probe.found.fields(int(i)).name()] =
-          std::isnan(values[i]) ? Json() : Json(values[i]);
+      sample[probe.found.fields(int(i)).name()] = std::isnan(values[i]) ? Json() : Json(values[i]);
     samples.push_back(std::move(sample));
   });
   return samples;

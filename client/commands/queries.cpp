@@ -59,8 +59,7 @@ std::optional<Answer> ask(Connection& connection, CaseUnderCheck& checked,
 
 void print(Connection& connection, const Answer& answer) {
   std::cout << render::answer_text(answer);
-  if (!answer.history.time_s.empty())
-    print_judgement(connection, compared_run(answer), std::cout);
+  if (!answer.history.time_s.empty()) print_judgement(connection, compared_run(answer), std::cout);
   std::cout << std::flush;
 }
 
@@ -250,8 +249,7 @@ ExitCode run(const CompareOptions& options, Program& program) {
   Connection connection = program.connect();
   const v1::Comparison comparison = compare(connection, runs_of(options), options.paired);
 
-  if (!options.output.empty())
-    write_output(options.output, render::comparison_page(comparison));
+  if (!options.output.empty()) write_output(options.output, render::comparison_page(comparison));
   if (options.json)
     print_line(comparison_json(comparison));
   else

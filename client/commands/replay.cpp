@@ -28,8 +28,7 @@ public:
     first_s_ = std::min(first_s_, time_s);
     const std::chrono::duration<double> due((time_s - first_s_) / pace_);
     const auto left = begin_ + due - Clock::now();
-    if (left.count() > 0)
-      interruption_.sleep(std::chrono::ceil<std::chrono::milliseconds>(left));
+    if (left.count() > 0) interruption_.sleep(std::chrono::ceil<std::chrono::milliseconds>(left));
   }
 
 private:
@@ -57,11 +56,12 @@ ExitCode run(const ReplayOptions& options, Program& program) {
 }  // namespace
 
 void add_replay(cli::CommandLine& line, Program& program) {
-  const auto [command, options] = declare<ReplayOptions>(
-      line, program, run, "replay",
-      "Write a recorded table of readings as a plant would, line by line at the times of its column "
-      "\"time\"",
-      "dccast replay casting-41.csv --pace 50 | dccast follow my.toml");
+  const auto [command, options] =
+      declare<ReplayOptions>(line, program, run, "replay",
+                             "Write a recorded table of readings as a plant would, line by line at "
+                             "the times of its column "
+                             "\"time\"",
+                             "dccast replay casting-41.csv --pace 50 | dccast follow my.toml");
   command.option("FILE", options.file, "The table, as `dccast follow` takes it", cli::required);
   add_columns_option(command, options.columns);
   command.number("--pace", options.pace, 1, 1000, "How many times faster than it was");

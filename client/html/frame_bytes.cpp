@@ -77,9 +77,9 @@ std::optional<std::string> frame_bytes(const v1::Frame& frame, Precision precisi
 
   const int dimension = frame.dimension(), nodes = frame.temperature_c_size();
   Bytes bytes(precision);
-  for (const int count : {nodes, frame.element_node_size() / frame.nodes_per_element(),
-                          frame.nodes_per_element(), frame.skin_triangle_size() / 3,
-                          frame.skin_edge_size() / 2, dimension, 0, 0})
+  for (const int count :
+       {nodes, frame.element_node_size() / frame.nodes_per_element(), frame.nodes_per_element(),
+        frame.skin_triangle_size() / 3, frame.skin_edge_size() / 2, dimension, 0, 0})
     bytes.add(count);
   for (const double value :
        {frame.time_s(), frame.cast_length_m(), frame.liquidus_c(), frame.solidus_c()})

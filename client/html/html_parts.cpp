@@ -35,7 +35,8 @@ std::string scripts() {
 }
 
 constexpr const char* without_scripts =
-    "<noscript><p class='note'>Charts and the slab are drawn by the script in this page, which does "
+    "<noscript><p class='note'>Charts and the slab are drawn by the script in this page, which "
+    "does "
     "not run here. Figures, tables and findings are complete.</p></noscript>";
 
 }  // namespace

@@ -159,8 +159,7 @@ std::string slab_part(const ReportedRun& run, const CurlHistory& history) {
   if (!run.result.has_frame())
     return card("Slab", "<p>No stored frame: the run has not ended with a result.</p>");
   const v1::Frame& frame = run.result.frame();
-  const FrameSeries shown =
-      run.series.frames.empty() ? FrameSeries{1, {frame}, {}} : run.series;
+  const FrameSeries shown = run.series.frames.empty() ? FrameSeries{1, {frame}, {}} : run.series;
   const auto json = slab_json(shown, history);
   if (!json)
     return card("Slab", "<p>The stored frame cannot be drawn: its arrays are inconsistent.</p>");
@@ -184,14 +183,14 @@ std::string first_sheet(const ReportedRun& run, const CurlHistory& history) {
   return "<div class='first'>" + failure_banner(run.job) + validity_banner(run.job, history) +
          sentences(run.judgement) + findings_part(run.job.findings()) + headline(run) +
          "<div class='cards'>" + curl_figure(run.judgement) +
-         facts_card(find_table(run.judgement, "recipe")) + slab_part(run, history) +
-         "</div></div>";
+         facts_card(find_table(run.judgement, "recipe")) + slab_part(run, history) + "</div></div>";
 }
 
 // Tables that stand in a place of their own: beside a chart or a picture, or as facts.
 constexpr std::array<std::string_view, 4> tables_of_histories{"forecast", "warnings", "bottom",
                                                               "pull_in"};
-constexpr std::array<std::string_view, 5> placed_tables{"curls", "end", "recipe", "checks", "basis"};
+constexpr std::array<std::string_view, 5> placed_tables{"curls", "end", "recipe", "checks",
+                                                        "basis"};
 
 /// The histories of the run, and what its last frame shows.
 std::string details(const v1::Judgement& judgement) {
@@ -262,9 +261,10 @@ std::string report_page(const ReportedRun& run) {
 
 std::string casting_page(const v1::Case& complete) {
   const std::string title = html_escaped(complete.title());
-  return whole_page(title, element("h1", title),
-                    element("p class='answer'", html_escaped(case_file::casting_summary(complete))) +
-                        card("Start of the casting", drawn("casting", to_json(complete))));
+  return whole_page(
+      title, element("h1", title),
+      element("p class='answer'", html_escaped(case_file::casting_summary(complete))) +
+          card("Start of the casting", drawn("casting", to_json(complete))));
 }
 
 std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes,

@@ -210,8 +210,8 @@ Download download(Connection& connection, const Source& source, const fs::path& 
   }
 
   throw CommandFailed(ExitCode::unreachable,
-                      fmt::format("could not fetch {} with the right checksum from {}",
-                                  source.name, connection.server()));
+                      fmt::format("could not fetch {} with the right checksum from {}", source.name,
+                                  connection.server()));
 }
 
 }  // namespace

@@ -49,7 +49,8 @@ public:
       rest_.resize(std::min(rest_.size(), longest_kept));
     }
     // The last line of a file may have no end.
-    if (!more && !rest_.empty() && !stop.stop_requested()) lines.push_back(std::exchange(rest_, {}));
+    if (!more && !rest_.empty() && !stop.stop_requested())
+      lines.push_back(std::exchange(rest_, {}));
     return lines;
   }
 
@@ -130,7 +131,8 @@ std::unique_ptr<LineSource> lines_of_file(const std::string& path, FileEnd end) 
   return std::make_unique<FileLines>(path, end);
 }
 
-std::unique_ptr<LineSource> lines_of_topic(const Topic& topic, const BrokerLogin& login, Remark remark) {
+std::unique_ptr<LineSource> lines_of_topic(const Topic& topic, const BrokerLogin& login,
+                                           Remark remark) {
   return std::make_unique<TopicLines>(topic, login, std::move(remark));
 }
 

@@ -33,6 +33,7 @@ std::unique_ptr<LineSource> lines_of_file(const std::string& path, FileEnd end);
 /// Lines of the messages that a topic receives from now on; there are always more.
 /// @param remark  receives whether the broker is there
 /// Throws CommandFailed: the broker does not answer, or refuses.
-std::unique_ptr<LineSource> lines_of_topic(const Topic& topic, const BrokerLogin& login, Remark remark);
+std::unique_ptr<LineSource> lines_of_topic(const Topic& topic, const BrokerLogin& login,
+                                           Remark remark);
 
 }  // namespace dccast::client

@@ -5,6 +5,7 @@
 #include <mqtt_protocol.h>
 #include <sys/stat.h>
 
+#include <toml++/toml.h>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
@@ -13,7 +14,6 @@
 #include <cstring>
 #include <map>
 #include <mutex>
-#include <toml++/toml.h>
 #include <utility>
 
 #include "client/session/failure.hpp"
@@ -44,7 +44,8 @@ int port_of(const std::string& text, const std::string& digits) {
   constexpr int largest_port = 65535;
   int port = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  if (error != std::errc() || end != digits.data() + digits.size() || port < 1 || port > largest_port)
+  if (error != std::errc() || end != digits.data() + digits.size() || port < 1 ||
+      port > largest_port)
     refuse_topic(text, "the port is not between 1 and 65535");
   return port;
 }
@@ -69,7 +70,8 @@ private:
 /// The library is ready as long as the process lives.
 void start_library() {
   static const int started = mosquitto_lib_init();
-  if (started != MOSQ_ERR_SUCCESS) throw CommandFailed(ExitCode::unreachable, "MQTT cannot be used");
+  if (started != MOSQ_ERR_SUCCESS)
+    throw CommandFailed(ExitCode::unreachable, "MQTT cannot be used");
 }
 
 std::string reason_of_error(int error) {
@@ -93,12 +95,14 @@ Topic parse_topic(const std::string& text) {
   const std::string rest = text.substr(std::strlen(topic.over_tls ? over_tls : plain));
 
   const std::size_t slash = rest.find('/');
-  if (slash == std::string::npos || slash + 1 == rest.size()) refuse_topic(text, "the topic is missing");
+  if (slash == std::string::npos || slash + 1 == rest.size())
+    refuse_topic(text, "the topic is missing");
   topic.name = rest.substr(slash + 1);
   // The password is not repeated.
   if (rest.substr(0, slash).find('@') != std::string::npos)
-    throw invalid("the address of a topic names a user; permitted: mqtt://HOST[:PORT]/TOPIC; user and "
-                  "password belong into the file of --broker");
+    throw invalid(
+        "the address of a topic names a user; permitted: mqtt://HOST[:PORT]/TOPIC; user and "
+        "password belong into the file of --broker");
   const values::HostAndPort place = values::host_and_port(rest.substr(0, slash));
   if (place.host.empty()) refuse_topic(text, "the host is missing");
   topic.host = place.host;
@@ -116,7 +120,8 @@ BrokerLogin read_broker_login(const std::string& file) {
   if (::stat(file.c_str(), &status) != 0)
     throw invalid(fmt::format("{} cannot be read: {}", file, std::strerror(errno)));
   if ((status.st_mode & 0077) != 0)
-    throw invalid(fmt::format("{}: other users may read the password in it; chmod 600 {}", file, file));
+    throw invalid(
+        fmt::format("{}: other users may read the password in it; chmod 600 {}", file, file));
 
   const std::map<std::string, std::string*> texts{{"user", &login.user},
                                                   {"password", &login.password},
@@ -128,9 +133,10 @@ BrokerLogin read_broker_login(const std::string& file) {
       const auto text = texts.find(std::string(key.str()));
       const auto value = node.value<std::string>();
       if (text == texts.end() || !value)
-        throw invalid(fmt::format("{}: {}: permitted: texts with the keys user, password, ca, "
-                                  "certificate, key; remove or quote it",
-                                  file, values::shown(key.str())));
+        throw invalid(
+            fmt::format("{}: {}: permitted: texts with the keys user, password, ca, "
+                        "certificate, key; remove or quote it",
+                        file, values::shown(key.str())));
       *text->second = *value;
     }
   } catch (const toml::parse_error& error) {
@@ -170,7 +176,9 @@ public:
   }
 
 private:
-  std::string broker() const { return fmt::format("the broker at {}:{}", topic_.host, topic_.port); }
+  std::string broker() const {
+    return fmt::format("the broker at {}:{}", topic_.host, topic_.port);
+  }
 
   [[noreturn]] void fail(const std::string& reason) const {
     throw CommandFailed(ExitCode::unreachable, fmt::format("{} {}", broker(), reason));
@@ -197,20 +205,20 @@ private:
         client_, [](mosquitto*, void* self, int reason, int, const mosquitto_property*) {
           static_cast<Session*>(self)->connected(reason);
         });
-    mosquitto_subscribe_v5_callback_set(
-        client_,
-        [](mosquitto*, void* self, int, int count, const int* granted, const mosquitto_property*) {
-          static_cast<Session*>(self)->subscribed(count > 0 ? granted[0] : MQTT_RC_UNSPECIFIED);
-        });
+    mosquitto_subscribe_v5_callback_set(client_, [](mosquitto*, void* self, int, int count,
+                                                    const int* granted, const mosquitto_property*) {
+      static_cast<Session*>(self)->subscribed(count > 0 ? granted[0] : MQTT_RC_UNSPECIFIED);
+    });
     mosquitto_disconnect_v5_callback_set(
         client_, [](mosquitto*, void* self, int reason, const mosquitto_property*) {
           static_cast<Session*>(self)->disconnected(reason);
         });
-    mosquitto_message_callback_set(
-        client_, [](mosquitto*, void* self, const mosquitto_message* message) {
-          static_cast<Session*>(self)->handlers_.message(
-              {static_cast<const char*>(message->payload), static_cast<std::size_t>(message->payloadlen)});
-        });
+    mosquitto_message_callback_set(client_,
+                                   [](mosquitto*, void* self, const mosquitto_message* message) {
+                                     static_cast<Session*>(self)->handlers_.message(
+                                         {static_cast<const char*>(message->payload),
+                                          static_cast<std::size_t>(message->payloadlen)});
+                                   });
   }
 
   /// Connects and waits for the answer to that and to the subscription.
@@ -218,8 +226,8 @@ private:
     Properties properties;
     properties.add(MQTT_PROP_SESSION_EXPIRY_INTERVAL, session_expiry_s)
         .add(MQTT_PROP_MAXIMUM_PACKET_SIZE, largest_packet);
-    require(mosquitto_connect_bind_v5(client_, topic_.host.c_str(), topic_.port, keep_alive_s, nullptr,
-                                      properties.list()),
+    require(mosquitto_connect_bind_v5(client_, topic_.host.c_str(), topic_.port, keep_alive_s,
+                                      nullptr, properties.list()),
             "does not answer");
     require(mosquitto_loop_start(client_), "cannot be used");
 
@@ -284,7 +292,8 @@ private:
       const std::lock_guard lock(mutex_);
       if (ends_ || !ready_) return;
     }
-    handlers_.remark(fmt::format("{} is away ({}); it is tried again", broker(), reason_of_error(reason)));
+    handlers_.remark(
+        fmt::format("{} is away ({}); it is tried again", broker(), reason_of_error(reason)));
   }
 
   Topic topic_;

@@ -7,7 +7,8 @@
 #include "client/session/studies.hpp"
 
 /// The studies and the run of a plan on which the forecast of its casting rests
-/// (docs/following.md). Labels made from the case name them, so that the same case finds them again.
+/// (docs/following.md). Labels made from the case name them, so that the same case finds them
+/// again.
 namespace dccast::client {
 
 struct Preparation {
@@ -31,8 +32,8 @@ std::optional<Preparation> find_preparation(
 std::optional<Preparation> prepare(Connection& connection, const StudyCase& base,
                                    const std::function<void(const v1::Study&)>& await);
 
-/// The job that computes a plan as it is: the newest that is queued, runs or has succeeded, else a new
-/// one. Throws CommandFailed, Interrupted.
+/// The job that computes a plan as it is: the newest that is queued, runs or has succeeded, else a
+/// new one. Throws CommandFailed, Interrupted.
 /// @param submission  of the plan, with its files
 std::string find_or_run_plan(Connection& connection, const v1::SubmitJobRequest& submission);
 

@@ -53,8 +53,7 @@ bool RecordSender::send_numbered(const std::vector<v1::Reading>& readings) {
   const grpc::Status status = append(request);
   if (status.ok()) return true;
   if (status.error_code() == grpc::FAILED_PRECONDITION) return false;
-  if (status.error_code() != grpc::INVALID_ARGUMENT)
-    throw failure_of(status, connection_.server());
+  if (status.error_code() != grpc::INVALID_ARGUMENT) throw failure_of(status, connection_.server());
 
   // One reading among them is refused: only that one is lost.
   if (readings.size() == 1) {

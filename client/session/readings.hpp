@@ -8,8 +8,8 @@
 
 namespace dccast::client {
 
-/// Adds readings to the record of a job, each once and in order. While the server is away it goes on
-/// trying.
+/// Adds readings to the record of a job, each once and in order. While the server is away it goes
+/// on trying.
 class RecordSender {
 public:
   /// @param remark  receives what is left out, and why

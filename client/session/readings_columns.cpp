@@ -127,9 +127,10 @@ private:
                    const std::string& monitor) {
     const toml::table* const table = node.as_table();
     if (!table)
-      return refuse(node, path,
-                    fmt::format("permitted: a table; write {} = {{ name = \"...\", unit = \"{}\" }}",
-                                path, kind.example));
+      return refuse(
+          node, path,
+          fmt::format("permitted: a table; write {} = {{ name = \"...\", unit = \"{}\" }}", path,
+                      kind.example));
 
     Column column;
     column.measured = kind.measured;
@@ -157,7 +158,8 @@ private:
     if (!node) return {};
     const auto text = node->value<std::string>();
     if (text && !text->empty()) return *text;
-    refuse(*node, fmt::format("{}.{}", path, key), "permitted: a text that is not empty, in quotes");
+    refuse(*node, fmt::format("{}.{}", path, key),
+           "permitted: a text that is not empty, in quotes");
     return {};
   }
 
@@ -172,17 +174,18 @@ private:
 
   void read_zero(const toml::table& table, const Column& column) {
     const std::string text = text_in(table, "zero", "time");
-    const auto seconds = column.unit.empty() ? std::nullopt
-                                             : case_file::parse_quantity(text, "s").value;
+    const auto seconds =
+        column.unit.empty() ? std::nullopt : case_file::parse_quantity(text, "s").value;
     map_.zero.at_motion = text == "motion";
     if (map_.zero.at_motion) return;
     const auto zero = seconds ? seconds : seconds_of_stamp(text);
     if (zero && std::abs(*zero) < longest_time_s)
       map_.zero.at_s = *zero;
     else
-      refuse(*table.get("zero"), "time.zero",
-             "permitted: \"motion\", or when the bottom block starts to move as a time stamp, such as "
-             "\"2026-11-27T04:00:12Z\"; of times with a unit also \"1200 s\"");
+      refuse(
+          *table.get("zero"), "time.zero",
+          "permitted: \"motion\", or when the bottom block starts to move as a time stamp, such as "
+          "\"2026-11-27T04:00:12Z\"; of times with a unit also \"1200 s\"");
   }
 
   /// @param node  of the column, for its place
@@ -207,10 +210,11 @@ private:
     const bool is_total = is_flow(column.measured) && !column.per_m &&
                           case_file::convertible(column.unit, total_flow);
     refuse(*table.get("unit"), path + ".unit",
-           is_total ? "is a flow in total; give the length that it wets, such as per = \"5.2 m\""
-                    : fmt::format("cannot be converted to {}; permitted: a unit such as \"{}\"; give "
-                                  "that of the plant",
-                                  unit, column.per_m ? "m3/h" : kind.example));
+           is_total
+               ? "is a flow in total; give the length that it wets, such as per = \"5.2 m\""
+               : fmt::format("cannot be converted to {}; permitted: a unit such as \"{}\"; give "
+                             "that of the plant",
+                             unit, column.per_m ? "m3/h" : kind.example));
   }
 
   const std::string& name_;
@@ -233,10 +237,10 @@ std::optional<Column> column_of_heading(const std::string& heading) {
   if (kind == kinds().end()) return std::nullopt;
 
   if (!case_file::convertible(parts->unit, kind->unit))
-    throw invalid(fmt::format("[{}] of \"{}\" cannot be converted to {}; permitted: a unit such as "
-                              "{}",
-                              values::shown(parts->unit), values::shown(parts->name), kind->unit,
-                              kind->example));
+    throw invalid(fmt::format(
+        "[{}] of \"{}\" cannot be converted to {}; permitted: a unit such as "
+        "{}",
+        values::shown(parts->unit), values::shown(parts->name), kind->unit, kind->example));
   Column column;
   column.name = heading;
   column.measured = kind->measured;

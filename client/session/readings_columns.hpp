@@ -45,8 +45,8 @@ std::optional<Column> column_of_heading(const std::string& heading);
 /// What is wrong with these columns together, with the remedy; empty: nothing.
 std::string fault_among(const std::vector<Column>& columns);
 
-/// Reads a file of columns (docs/plc.md); nothing where `file` is empty. @throws CommandFailed  every
-/// fault with its place, value, what is permitted and the remedy
+/// Reads a file of columns (docs/plc.md); nothing where `file` is empty. @throws CommandFailed
+/// every fault with its place, value, what is permitted and the remedy
 std::optional<ColumnMap> read_columns(const std::string& file);
 /// The same of a text. @param name  of its file, for messages
 ColumnMap parse_columns(const std::string& text, const std::string& name);

@@ -19,8 +19,8 @@ namespace {
 
 /// Longest time between two readings in which a lever is taken as known (follow.proto) [s].
 constexpr double longest_gap_s = 10.0;
-/// A cast length that has not risen yet for so long tells that the block stands, whatever the steps of
-/// its counter [s].
+/// A cast length that has not risen yet for so long tells that the block stands, whatever the steps
+/// of its counter [s].
 constexpr double longest_step_of_counter_s = 10.0;
 /// A sensor that shows exactly the same for so long may be dead [s].
 constexpr double longest_repetition_s = 120.0;
@@ -35,35 +35,43 @@ constexpr std::size_t most_waiting = 3600;
 constexpr std::size_t most_names = 1000;
 
 constexpr const char* header_form =
-    "\"time [s], speed [mm/min], water [l/min/m], narrow water [l/min/m], metal [degC], curl corner "
+    "\"time [s], speed [mm/min], water [l/min/m], narrow water [l/min/m], metal [degC], curl "
+    "corner "
     "[mm]\", or a JSON object with such names";
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::string quoted_list(const std::vector<std::string>& names) {
   std::vector<std::string> quoted;
-  for (const std::string& name : names) quoted.push_back(fmt::format("\"{}\"", values::shown(name)));
+  for (const std::string& name : names)
+    quoted.push_back(fmt::format("\"{}\"", values::shown(name)));
   return fmt::format("{}", fmt::join(quoted, ", "));
 }
 
 /// Sets a value of a reading [unit of the message], but time and cast length.
 void set_value(const Column& column, double value, v1::Reading& reading) {
   switch (column.measured) {
-    case Measured::casting_speed: return reading.set_casting_speed_m_per_s(value);
-    case Measured::casting_temperature: return reading.set_casting_temperature_c(value);
-    case Measured::water_flow: return reading.set_water_flow_m2_per_s(value);
-    case Measured::narrow_water_flow: return reading.set_narrow_water_flow_m2_per_s(value);
+    case Measured::casting_speed:
+      return reading.set_casting_speed_m_per_s(value);
+    case Measured::casting_temperature:
+      return reading.set_casting_temperature_c(value);
+    case Measured::water_flow:
+      return reading.set_water_flow_m2_per_s(value);
+    case Measured::narrow_water_flow:
+      return reading.set_narrow_water_flow_m2_per_s(value);
     case Measured::curl: {
       v1::MeasuredCurl& measured = *reading.add_curls();
       measured.set_monitor(column.monitor);
       return measured.set_curl_m(value);
     }
     case Measured::time:
-    case Measured::cast_length: return;
+    case Measured::cast_length:
+      return;
   }
 }
 
-/// A number in the unit of the message, or a time stamp in seconds since 1970; empty: it is neither.
+/// A number in the unit of the message, or a time stamp in seconds since 1970; empty: it is
+/// neither.
 std::optional<double> value_in(const std::string& cell, const Column& column) {
   if (column.unit.empty()) return seconds_of_stamp(cell);
   const auto number = number_in(cell);
@@ -128,8 +136,8 @@ void ReadingsTable::take_row(const std::string& text, Line& line) {
   const auto row = cells_of(text, separator_);
   if (row == header_) return;  // a logger that starts again writes its header again
   if (row.size() != header_.size()) {
-    line.remarks.push_back(at_line(fmt::format("left out: it has {} columns, the header {}",
-                                               row.size(), header_.size())));
+    line.remarks.push_back(at_line(
+        fmt::format("left out: it has {} columns, the header {}", row.size(), header_.size())));
     return;
   }
 
@@ -182,23 +190,24 @@ void ReadingsTable::read_header(std::vector<std::string> names, Line& line) {
 
   std::vector<std::string> left_out;
   for (const std::string& name : header_)
-    if (std::ranges::find(columns_, name, &Column::name) == columns_.end()) left_out.push_back(name);
+    if (std::ranges::find(columns_, name, &Column::name) == columns_.end())
+      left_out.push_back(name);
   if (!left_out.empty())
     line.remarks.push_back("columns that are left out: " + quoted_list(left_out));
 }
 
-/// Reports names that the first object lacks, each once. The columns stay those of the first object, as
-/// the job has its gauges from there.
+/// Reports names that the first object lacks, each once. The columns stay those of the first
+/// object, as the job has its gauges from there.
 void ReadingsTable::report_new_names(const std::vector<std::string>& names, Line& line) {
   for (const std::string& name : names) {
     if (header_.size() >= most_names) return;
     if (std::ranges::find(header_, name) != header_.end()) continue;
     header_.push_back(name);
     if (std::ranges::find(columns_, name, &Column::name) != columns_.end()) continue;
-    line.remarks.push_back(at_line(
-        fmt::format("\"{}\" is left out: the first object does not have it; there null stands for no "
-                    "value",
-                    values::shown(name))));
+    line.remarks.push_back(at_line(fmt::format(
+        "\"{}\" is left out: the first object does not have it; there null stands for no "
+        "value",
+        values::shown(name))));
   }
 }
 
@@ -220,23 +229,25 @@ void ReadingsTable::find_columns_of_map(Line& line) {
   for (const Column& column : columns_) {
     const auto count = std::ranges::count(header_, column.name);
     if (count > 1)
-      throw invalid(fmt::format("readings, line {}: \"{}\" is there twice; give each column a name of "
-                                "its own",
-                                number_, values::shown(column.name)));
+      throw invalid(
+          fmt::format("readings, line {}: \"{}\" is there twice; give each column a name of "
+                      "its own",
+                      number_, values::shown(column.name)));
     if (count == 0) missing.push_back(column.name);
   }
   if (missing.empty()) return;
 
   // An object may hold some of the values only.
-  const std::string text = fmt::format("there is no {} among {}", quoted_list(missing),
-                                       quoted_list(header_));
+  const std::string text =
+      fmt::format("there is no {} among {}", quoted_list(missing), quoted_list(header_));
   if (separator_ == 0) {
     line.remarks.push_back(at_line(text));
     return;
   }
-  throw invalid(fmt::format("readings, line {}: {}; name one of these in the file of columns, or "
-                            "leave the column out of it",
-                            number_, text));
+  throw invalid(
+      fmt::format("readings, line {}: {}; name one of these in the file of columns, or "
+                  "leave the column out of it",
+                  number_, text));
 }
 
 void ReadingsTable::read_cells(const std::vector<std::string>& cells, Line& line) {
@@ -277,13 +288,13 @@ bool ReadingsTable::follows_last(double time_s, Line& line) {
     return zero_s_ ? fmt::format("{:g} s", seconds - *zero_s_) : clock_text(seconds);
   };
   if (last_s_ && time_s < *last_s_ + least_step_s) {
-    line.remarks.push_back(at_line(
-        fmt::format("left out: {} is not later than {}", text(time_s), text(*last_s_))));
+    line.remarks.push_back(
+        at_line(fmt::format("left out: {} is not later than {}", text(time_s), text(*last_s_))));
     return false;
   }
   if (last_s_ && time_s - *last_s_ > longest_gap_s)
-    line.remarks.push_back(at_line(fmt::format(
-        "no reading for {:g} s: the plan of the case holds there", time_s - *last_s_)));
+    line.remarks.push_back(at_line(
+        fmt::format("no reading for {:g} s: the plan of the case holds there", time_s - *last_s_)));
   last_s_ = time_s;
   return true;
 }
@@ -310,8 +321,7 @@ void ReadingsTable::set_speed(double time_s, double length_m, v1::Reading& readi
 }
 
 /// Reports a value that is exactly the same for long since the block moves.
-void ReadingsTable::report_repetition(std::size_t column, double value, double time_s,
-                                      Line& line) {
+void ReadingsTable::report_repetition(std::size_t column, double value, double time_s, Line& line) {
   if (!zero_s_ || time_s < *zero_s_) return;
   auto& repetition = repetitions_[column];
   if (!repetition || repetition->value != value) {
@@ -349,18 +359,19 @@ void ReadingsTable::place_in_time(v1::Reading reading, Line& line) {
 void ReadingsTable::leave_out_oldest(Line& line) {
   waiting_.pop_front();
   if (std::exchange(leaves_out_oldest_, true)) return;
-  line.remarks.push_back(
-      at_line(fmt::format("the block has not moved for {} readings; older ones are left out from now on",
-                          most_waiting)));
+  line.remarks.push_back(at_line(
+      fmt::format("the block has not moved for {} readings; older ones are left out from now on",
+                  most_waiting)));
 }
 
 /// The block moves: it started when it was last seen to stand.
 void ReadingsTable::find_zero(double time_s, Line& line) {
   if (!still_s_)
-    throw invalid(fmt::format("readings, line {1}: the bottom block moves already at {0}, so its start "
-                              "is not known; give it in the file of columns, such as time.zero = "
-                              "\"{0}\"",
-                              clock_text(time_s), number_));
+    throw invalid(
+        fmt::format("readings, line {1}: the bottom block moves already at {0}, so its start "
+                    "is not known; give it in the file of columns, such as time.zero = "
+                    "\"{0}\"",
+                    clock_text(time_s), number_));
 
   zero_s_ = still_s_;
   line.remarks.push_back(at_line(

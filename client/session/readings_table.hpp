@@ -14,7 +14,8 @@ namespace dccast::client {
 /// Reads what a plant measures, line by line: rows of a table whose first line names the columns
 /// with their units,
 ///
-///     time [s], speed [mm/min], water [l/min/m], narrow water [l/min/m], metal [degC], curl corner [mm]
+///     time [s], speed [mm/min], water [l/min/m], narrow water [l/min/m], metal [degC], curl corner
+///     [mm]
 ///
 /// or JSON objects with such names, {"time [s]": 12, "speed [mm/min]": 40}. With a file of columns
 /// the names are those of the plant. Other columns are left out.
@@ -75,11 +76,11 @@ private:
   int number_ = 0;                   ///< of the line, from 1
 
   /// What the last reading leaves.
-  std::optional<double> last_s_;                         ///< on the clock of the source
+  std::optional<double> last_s_;                          ///< on the clock of the source
   std::optional<std::pair<double, double>> last_length_;  ///< its time [s], and [m]
   double first_length_s_ = 0.0;
   bool length_rises_ = false;
-  std::vector<std::optional<Repetition>> repetitions_;    ///< (column)
+  std::vector<std::optional<Repetition>> repetitions_;  ///< (column)
 
   /// The time zero on the clock of the source; empty: the block has not moved.
   std::optional<double> zero_s_ = 0.0;

@@ -19,7 +19,8 @@ CurlToCome curl_to_come(const v1::ForecastCurl& curl, double at_s) {
   const auto mm = [&](const google::protobuf::RepeatedField<double>& values) {
     return 1e3 * values::at_instants({at_s}, times, {values.begin(), values.end()}).front();
   };
-  return {.curl_mm = mm(curl.curl_m()), .lower_mm = mm(curl.lower_m()), .upper_mm = mm(curl.upper_m())};
+  return {
+      .curl_mm = mm(curl.curl_m()), .lower_mm = mm(curl.lower_m()), .upper_mm = mm(curl.upper_m())};
 }
 
 std::string forecast_line(const v1::Forecast& forecast) {
@@ -34,7 +35,8 @@ std::string forecast_line(const v1::Forecast& forecast) {
                          at_s < end_s ? fmt::format(" at {:.0f} s", at_s) : " at the end",
                          there.lower_mm, there.upper_mm);
     };
-    parts.push_back(curl.monitor() + " " + (soon_s < end_s ? text(soon_s) + ", " : "") + text(end_s));
+    parts.push_back(curl.monitor() + " " + (soon_s < end_s ? text(soon_s) + ", " : "") +
+                    text(end_s));
   }
   return fmt::format("forecast at {:.0f} s: {}", forecast.time_s(), fmt::join(parts, "; "));
 }

@@ -14,8 +14,8 @@ std::string for_terminal(std::string_view text);
 
 /// Stands between a stream and its terminal, as texts of case files, of other machines and of their
 /// servers come to a screen in many places: everything goes through for_terminal(). Nothing is
-/// changed where the stream is no terminal, so that files get each byte. Threads may write through it
-/// at the same time: each text that a stream hands on in one piece comes out in one piece.
+/// changed where the stream is no terminal, so that files get each byte. Threads may write through
+/// it at the same time: each text that a stream hands on in one piece comes out in one piece.
 class TerminalGuard : public std::streambuf {
 public:
   /// Guards the stream as long as this lives. @param descriptor  what it writes to

@@ -292,9 +292,9 @@ Json uploaded(Connection& connection, Bases& bases, const Request& request) {
 /// The case of a slab from a few figures, as `dccast new --slab` makes it.
 Json slab_json(const Request& request) {
   const case_file::NewCase made = case_file::new_case({.slab = request.value("slab"),
-                                 .alloy = request.value("alloy"),
-                                 .speed = request.value("speed"),
-                                 .water = request.value("water")});
+                                                       .alloy = request.value("alloy"),
+                                                       .speed = request.value("speed"),
+                                                       .water = request.value("water")});
   Json json{{"text", made.text}, {"summary", made.summary}, {"complete", Json()}, {"faults", ""}};
   std::string faults;
   for (const std::string& fault : made.faults) faults += fault + "\n";
@@ -401,8 +401,9 @@ void add_frames(WebServer& server, const Connect& connect) {
   get("/field", [](Connection& connection, const Request& request) {
     const int number = std::atoi(request.value("number").c_str());
     const auto result = frame_of(connection, request.name, number, request.value("name"));
-    return Reply{.body = render::float_bytes(result.frame().field().values(), render::Precision::full),
-                 .type = "application/octet-stream"};
+    return Reply{
+        .body = render::float_bytes(result.frame().field().values(), render::Precision::full),
+        .type = "application/octet-stream"};
   });
 }
 

@@ -25,8 +25,8 @@ public:
   /// @throws std::logic_error  the two differ in number
   Curve(Abscissa abscissa, std::vector<double> at, std::vector<double> value);
 
-  /// [quantity] at `x` [abscissa]. A table out of order, or with a NaN, gives some value too: a case
-  /// is translated before all its faults are known.
+  /// [quantity] at `x` [abscissa]. A table out of order, or with a NaN, gives some value too: a
+  /// case is translated before all its faults are known.
   double operator()(double x) const;
   /// Derivative [quantity/abscissa] at `x` [abscissa]; at a point of the table the right-hand one;
   /// zero outside.

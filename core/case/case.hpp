@@ -113,9 +113,9 @@ struct Validity {
 
 /// Limits of the findings; docs/findings.md has their sources.
 struct Plausibility {
-  double minimum_superheat = 0.0;                 ///< [K]
-  double minimum_shell = 0.0;                     ///< [m]
-  double minimum_meniscus = 0.0;                  ///< [m]
+  double minimum_superheat = 0.0;     ///< [K]
+  double minimum_shell = 0.0;         ///< [m]
+  double minimum_meniscus = 0.0;      ///< [m]
   double greatest_steam_share = 0.0;  ///< [1] force of the steam under the butt, of the weight
   std::optional<double> maximum_mush_strain;      ///< [1]; absent: not judged
   std::optional<double> reference_tear_rate;      ///< [1/s] of a recipe known to be sound

@@ -20,8 +20,8 @@ struct Leap {
   double to = 0.0;  ///< [s] time at its end
 };
 
-/// The operating conditions of the casting as functions of time and cast length: those that the case
-/// plans and, of a casting under way, those that were measured up to the last reading.
+/// The operating conditions of the casting as functions of time and cast length: those that the
+/// case plans and, of a casting under way, those that were measured up to the last reading.
 ///
 /// Units: in all functions time [s] and (cast) length [m].
 class CastingSchedule {

@@ -23,8 +23,8 @@ auto first_at_or_after(const std::vector<LeverReading>& rows, double time) {
 void add(std::vector<LeverStretch>& stretches, double from, double to,
          std::optional<double> integral) {
   if (to <= from) return;
-  const bool goes_on = !stretches.empty() &&
-                       stretches.back().integral.has_value() == integral.has_value();
+  const bool goes_on =
+      !stretches.empty() && stretches.back().integral.has_value() == integral.has_value();
   if (!goes_on) {
     stretches.push_back({from, to, integral});
     return;

@@ -30,8 +30,8 @@ struct LeverStretch {
 };
 
 /// The levers of a casting as they were measured, up to the last reading. Between two readings a
-/// lever is interpolated linearly. A reading without it keeps its last value for `longest_gap`; after
-/// that, and between readings farther apart, it is not known.
+/// lever is interpolated linearly. A reading without it keeps its last value for `longest_gap`;
+/// after that, and between readings farther apart, it is not known.
 ///
 /// A value depends on the readings up to the next one only. A run that never goes beyond the last
 /// reading is therefore the same, whether it follows the casting or repeats it.
@@ -53,7 +53,7 @@ public:
   std::vector<LeverStretch> stretches(Lever lever, double from, double to) const;
 
 private:
-  std::vector<LeverReading> rows_;  ///< by time; values as they were measured or kept
+  std::vector<LeverReading> rows_;    ///< by time; values as they were measured or kept
   std::array<double, 4> measured_{};  ///< (lever) [s] time of its last own value
 };
 

@@ -57,7 +57,7 @@ public:
   /// What has arrived since the last call, in the order of time; all from the beginning at first.
   struct Arrived {
     std::vector<LeverReading> readings;
-    bool closed = false;          ///< no more will come
+    bool closed = false;         ///< no more will come
     Order order = Order::go_on;  ///< what the run does instead of waiting any longer
   };
   /// Waits until there is a reading of a time [s] or later, the record is closed, or the run has to

@@ -203,11 +203,10 @@ private:
   results::MeasuredLevers used_levers() const {
     results::MeasuredLevers used = levers_;
     const auto end = std::ranges::lower_bound(used.time, run_->time());
-    const auto count = std::min(used.time.size(),
-                                static_cast<std::size_t>(end - used.time.begin()) + 1);
-    for (std::vector<double>* column :
-         {&used.time, &used.casting_speed, &used.casting_temperature, &used.water_flow,
-          &used.narrow_water_flow})
+    const auto count =
+        std::min(used.time.size(), static_cast<std::size_t>(end - used.time.begin()) + 1);
+    for (std::vector<double>* column : {&used.time, &used.casting_speed, &used.casting_temperature,
+                                        &used.water_flow, &used.narrow_water_flow})
       column->resize(count);
     return used;
   }
@@ -324,7 +323,7 @@ private:
   std::vector<results::Finding> reported_;         ///< findings as the observer has them
 
   results::MeasuredLevers levers_;  ///< readings of the levers so far
-  bool record_ended_ = false;        ///< the levers of the next step will never be known
+  bool record_ended_ = false;       ///< the levers of the next step will never be known
 };
 
 }  // namespace

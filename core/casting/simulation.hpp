@@ -33,7 +33,8 @@ struct RunDirectory {
 /// written is a failure of the run of kind `storage`.
 /// @param threads  number of threads for a quarter slab, at least 1; other sections use one. The
 ///                 results do not depend on it, and a run may be resumed with another number
-/// @param feed     of a casting under way: no step goes beyond the last reading, and the run ends with
+/// @param feed     of a casting under way: no step goes beyond the last reading, and the run ends
+/// with
 ///                 the record. None: the case alone is computed
 /// @throws InvalidCase  a file of the case cannot be read
 RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObserver& observer,

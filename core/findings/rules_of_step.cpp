@@ -343,8 +343,8 @@ Found lift_too_large(const Case& c, const StepFigures& f) {
 }
 
 /// Judged for the prestressed liquid only: with the paper's weak liquid the pressure is wrong by a
-/// factor of up to a hundred, and it has to be chosen explicitly. Once nothing is poured any more, the
-/// last melt of the head sinks into a pipe, which has no pressure.
+/// factor of up to a hundred, and it has to be chosen explicitly. Once nothing is poured any more,
+/// the last melt of the head sinks into a pipe, which has no pressure.
 Found liquid_pressure_lost(const Case& c, const StepFigures& f) {
   const double limit = c.validity.maximum_liquid_pressure_error;
   if (f.time > c.time.end) return std::nullopt;

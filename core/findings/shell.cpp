@@ -94,8 +94,8 @@ struct Tip {
   bool operator>(const Tip& other) const { return length > other.length; }
 };
 
-/// (node) height above the block [m], also over its bowl: above the node of the bottom below it. In an
-/// imported mesh, whose nodes need not stand above each other, above the height 0.
+/// (node) height above the block [m], also over its bowl: above the node of the bottom below it. In
+/// an imported mesh, whose nodes need not stand above each other, above the height 0.
 template <int Dim>
 std::vector<double> heights_above_block(const mesh::Mesh<Dim>& mesh) {
   using Place = std::array<double, Dim - 1>;

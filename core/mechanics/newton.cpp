@@ -171,8 +171,8 @@ private:
     return whole && most == 1.0;
   }
 
-  /// A limit that the case sets holds; the default one leaves the descent, which changes one pair at
-  /// a time, as many iterations as it needs.
+  /// A limit that the case sets holds; the default one leaves the descent, which changes one pair
+  /// at a time, as many iterations as it needs.
   int most_iterations() const {
     const bool further = descending_ && !options_.maximum_iterations;
     return iteration_limit(options_) + (further ? further_iterations : 0);
@@ -280,10 +280,10 @@ private:
   double acting_ = 0.0;
   double length_ = 0.0;        ///< share of the last direction that was taken [1]
   int slow_since_factor_ = 0;  ///< iterations that hardly reduced the residual
-  bool descending_ = false;   ///< the contact set moves by feasible descent
-  bool blocked_ = false;      ///< the last step ended at a pair that closed
-  bool pushed_back_ = false;  ///< that step had zero length
-  bool one_by_one_ = false;   ///< releasing several pairs at once did not succeed
+  bool descending_ = false;    ///< the contact set moves by feasible descent
+  bool blocked_ = false;       ///< the last step ended at a pair that closed
+  bool pushed_back_ = false;   ///< that step had zero length
+  bool one_by_one_ = false;    ///< releasing several pairs at once did not succeed
 };
 
 }  // namespace

@@ -137,7 +137,8 @@ public:
   /// (bottom node) tributary area [m^(Dim-1)], axisymmetric: [m2/rad].
   const std::vector<double>& bottom_area() const { return supports_.bottom_area(); }
   const material::MechanicalProperties& properties() const { return properties_; }
-  /// Gap between a bottom node and the block, along its normal [m]. @param place  index in bottom_nodes()
+  /// Gap between a bottom node and the block, along its normal [m]. @param place  index in
+  /// bottom_nodes()
   double bottom_gap(const State& state, std::size_t place) const;
   const Options& options() const { return options_; }
   std::size_t points() const { return points_; }  ///< of an element

@@ -18,9 +18,9 @@ struct SlabState;
 /// treated there as one, with their mean normal; otherwise a shared node is held along both
 /// normals.
 ///
-/// The block pushes along the normal of its surface. Over the wall of a bowl that is oblique, too: the
-/// third axis of the frame is then the normal, less what the node's other held directions take of
-/// it.
+/// The block pushes along the normal of its surface. Over the wall of a bowl that is oblique, too:
+/// the third axis of the frame is then the normal, less what the node's other held directions take
+/// of it.
 template <int Dim>
 class SlabSupports {
 public:

@@ -60,11 +60,11 @@ struct Workspace {
   std::vector<double> unheld_stiffness;  ///< [force/m] before any unknown was held
   std::vector<double> residual;          ///< [force]
   std::vector<double> direction;         ///< [m]
-  std::vector<double> last_residual;  ///< [force] of the iteration before, for the secants
-  std::vector<double> lifted;  ///< [force] caused by held unknowns that still have to move
+  std::vector<double> last_residual;     ///< [force] of the iteration before, for the secants
+  std::vector<double> lifted;     ///< [force] caused by held unknowns that still have to move
   linalg::SecantUpdates secants;  ///< of the factor in `solver`
-  bool is_solid = false;         ///< geometry of the mesh
-  long gradient_iterations = 0;  ///< of conjugate gradients, total
+  bool is_solid = false;          ///< geometry of the mesh
+  long gradient_iterations = 0;   ///< of conjugate gradients, total
   CostSplit cost;
   /// Replaces the factor if that would be too large.
   std::unique_ptr<linalg::TwoGrid<3>> two_grid;
@@ -83,9 +83,7 @@ struct Workspace {
   }
 
   /// Whether a kept factor learns from the iterations: that of a band in 3D, which is expensive.
-  bool has_secants() const {
-    return is_solid && two_grid == nullptr && solver.uses_band();
-  }
+  bool has_secants() const { return is_solid && two_grid == nullptr && solver.uses_band(); }
 };
 
 /// Runs the iterations of a step and records in its outcome how often the solver was used.

@@ -158,7 +158,7 @@ public:
     collect(u, residual);
     constexpr double length_scale = 1e-3;
     return mechanics::complementarity_error(gap_, reaction_, length_scale,
-                                          std::max(problem_->weight, 1e-30));
+                                            std::max(problem_->weight, 1e-30));
   }
 
 private:

@@ -94,8 +94,8 @@ void add_piece(Base<3>& base, std::size_t first, const std::string& name,
 /// Extent in y of the plan of a quarter slab at a position x [m] along its wide face [m].
 double reach_of(const Base<3>& plan, double x);
 
-/// Distance of a place from the edge of the block, that of a section or of a quarter slab's plan [m]: from
-/// the nearer face, along x or y; negative outside.
+/// Distance of a place from the edge of the block, that of a section or of a quarter slab's plan
+/// [m]: from the nearer face, along x or y; negative outside.
 double distance_from_edge(const SectionSpec& spec, double x);
 double distance_from_edge(const SectionSpec& spec, const Base<3>& plan, double x, double y);
 

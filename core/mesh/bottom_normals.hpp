@@ -17,8 +17,8 @@ std::vector<std::array<double, Dim>> inward_normals(const Mesh<Dim>& mesh,
                                                     const std::vector<int>& nodes) {
   std::vector<std::array<double, Dim>> sum(std::size_t(mesh.nodes()));
   for_each_facet(mesh, PatchKind::bottom, [&](const Facet<Dim>& facet, const auto&) {
-    // Facets turn counterclockwise seen from outside, so that this vector points outward. Its length
-    // is the area: of a quadrilateral, half the product of the diagonals.
+    // Facets turn counterclockwise seen from outside, so that this vector points outward. Its
+    // length is the area: of a quadrilateral, half the product of the diagonals.
     std::array<double, Dim> outward{};
     const auto corner = [&](int k) { return mesh.point(facet.node[std::size_t(k)]); };
     if constexpr (Dim == 2) {

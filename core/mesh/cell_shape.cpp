@@ -7,12 +7,7 @@ namespace dccast::mesh {
 
 const std::vector<CellShape>& cell_shapes() {
   static const std::vector<CellShape> shapes{
-      {.dimension = 1,
-       .nodes = 2,
-       .gmsh = 1,
-       .plural = "lines",
-       .edges = {{0, 1}},
-       .facets = {}},
+      {.dimension = 1, .nodes = 2, .gmsh = 1, .plural = "lines", .edges = {{0, 1}}, .facets = {}},
       {.dimension = 2,
        .nodes = 3,
        .gmsh = 2,
@@ -35,10 +30,20 @@ const std::vector<CellShape>& cell_shapes() {
        .nodes = 8,
        .gmsh = 5,
        .plural = "hexahedra",
-       .edges = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
-                 {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}},
-       .facets = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                  {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}},
+       .edges = {{0, 1},
+                 {1, 2},
+                 {2, 3},
+                 {3, 0},
+                 {4, 5},
+                 {5, 6},
+                 {6, 7},
+                 {7, 4},
+                 {0, 4},
+                 {1, 5},
+                 {2, 6},
+                 {3, 7}},
+       .facets =
+           {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}},
   };
   return shapes;
 }

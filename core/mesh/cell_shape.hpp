@@ -7,9 +7,9 @@
 
 namespace dccast::mesh {
 
-/// The shape of a cell, and of the facets between cells: its name, its number in mesh files, and which
-/// of its nodes make its edges and facets. An element with other nodes needs a row
-/// of cell_shapes(), its interpolation in core/fem/element.hpp, and the division of a cell of the
+/// The shape of a cell, and of the facets between cells: its name, its number in mesh files, and
+/// which of its nodes make its edges and facets. An element with other nodes needs a row of
+/// cell_shapes(), its interpolation in core/fem/element.hpp, and the division of a cell of the
 /// built-in mesh into it (extrusion.cpp).
 struct CellShape {
   int dimension;       ///< 1 for a facet of a section
@@ -17,8 +17,8 @@ struct CellShape {
   int gmsh;            ///< Gmsh's number of it; reference manual, "MSH file format"
   const char* plural;  ///< in messages
   std::vector<std::array<int, 2>> edges;
-  /// Corners of each facet. The cell lies to the left of a facet of a section; those of a solid turn
-  /// counterclockwise seen from outside.
+  /// Corners of each facet. The cell lies to the left of a facet of a section; those of a solid
+  /// turn counterclockwise seen from outside.
   std::vector<std::vector<int>> facets;
 };
 

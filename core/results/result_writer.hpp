@@ -64,7 +64,8 @@ public:
   /// @param frame  of the last step appended, or of the initial state
   void append(const Frame& frame);
 
-  /// Time of the last frame, also of one that a resumed run finds in the journal [s]; empty: none yet.
+  /// Time of the last frame, also of one that a resumed run finds in the journal [s]; empty: none
+  /// yet.
   std::optional<double> last_frame_time() const { return last_frame_time_; }
 
   /// Hands the appended records to the operating system, so that they survive the end of this
@@ -102,9 +103,9 @@ private:
 
   RunFiles files_;
   Journal journal_;
-  std::int64_t records_ = 0;         ///< appended to the journal
+  std::int64_t records_ = 0;               ///< appended to the journal
   std::optional<double> last_frame_time_;  ///< [s]
-  std::vector<StepReport> history_;  ///< read by the thread in finish(), when no step follows
+  std::vector<StepReport> history_;        ///< read by the thread in finish(), when no step follows
   std::unique_ptr<ResultFileBuilder> builder_;  ///< used by the background thread only
   /// Last member: its thread ends before the others are destroyed.
   storage::Background background_;

@@ -18,7 +18,7 @@ constexpr double window = 10.0;         ///< of the sum [s]
 constexpr double before_window = 20.0;  ///< of the least squares [s]
 constexpr double limit = 4.2;           ///< of the sum over the root of its number
 constexpr int outliers_in_row = 4;
-constexpr double surely_a_step = 9.0;   ///< [variances of a reading]
+constexpr double surely_a_step = 9.0;  ///< [variances of a reading]
 
 /// The readings of the window up to one of them.
 struct Recent {
@@ -66,7 +66,8 @@ Fit fit(std::span<const Innovation> readings, Column column) {
 
 /// The readings around a departure.
 std::span<const Innovation> around(const std::vector<Innovation>& innovations, double time) {
-  const auto begin = std::ranges::lower_bound(innovations, time - before_window, {}, &Innovation::time);
+  const auto begin =
+      std::ranges::lower_bound(innovations, time - before_window, {}, &Innovation::time);
   const auto end = std::ranges::upper_bound(innovations, time + window, {}, &Innovation::time);
   return {begin, end};
 }

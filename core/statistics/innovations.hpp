@@ -10,10 +10,10 @@ namespace dccast::statistics {
 
 /// A reading and what was expected of it. Units are those of the quantity.
 struct Innovation {
-  double time = 0.0;       ///< [s]
+  double time = 0.0;  ///< [s]
   double reading = 0.0;
   double first_mean = 0.0;  ///< expected before anything was measured
-  Estimated expected;      ///< from the readings before, noise and zero included
+  Estimated expected;       ///< from the readings before, noise and zero included
 };
 
 /// A reading farther from what was expected is an outlier [standard deviations].

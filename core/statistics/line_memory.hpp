@@ -15,8 +15,8 @@ struct MeasuredCasting {
   double zero = 0.0;  ///< standard deviation of a constant error of all readings [unit]
 };
 
-/// How alike the castings on a line are. What differs between two castings that are k castings apart
-/// has the correlation (1 - scatter) kept^k.
+/// How alike the castings on a line are. What differs between two castings that are k castings
+/// apart has the correlation (1 - scatter) kept^k.
 struct BetweenCastings {
   double scatter = 0.2;  ///< [1] share of the variance that each casting draws anew, 0 to 1
   double kept = 1.0;     ///< [1] how much of the rest stays from one casting to the next, 0 to 1
@@ -24,13 +24,14 @@ struct BetweenCastings {
 
 /// What castings have told of the next one.
 struct Informed {
-  TrajectoryPrior prior;         ///< of the next casting
-  double log_likelihood = 0.0;   ///< of all that was measured
+  TrajectoryPrior prior;        ///< of the next casting
+  double log_likelihood = 0.0;  ///< of all that was measured
 };
 
 /// Conditions the next casting on those before it (Rasmussen and Williams 2006, eq. 2.25, 2.26 and
 /// 2.30). Of each casting alone the joint prior holds, whatever the scatter.
-/// @param joint     trajectories of the same data on several recipes, one after the other: first the
+/// @param joint     trajectories of the same data on several recipes, one after the other: first
+/// the
 ///                  instants of the next casting, then those of earlier recipes in any order
 /// @param instants  of the next casting, at the begin of the joint prior
 /// @param castings  the oldest first; the next casting follows the last of them

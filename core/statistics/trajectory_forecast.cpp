@@ -30,8 +30,8 @@ Eigen::MatrixXd exponential_correlation(const Eigen::VectorXd& time) {
 Eigen::MatrixXd covariance_of_misfit(const TrajectoryEnsemble& ensemble) {
   const Eigen::MatrixXd sample = covariance(ensemble.misfits);
   const Eigen::VectorXd deviation = sample.diagonal().cwiseSqrt();
-  const Eigen::MatrixXd smooth = deviation.asDiagonal() *
-                                 exponential_correlation(ensemble.time) * deviation.asDiagonal();
+  const Eigen::MatrixXd smooth =
+      deviation.asDiagonal() * exponential_correlation(ensemble.time) * deviation.asDiagonal();
   return 0.5 * sample + 0.5 * smooth;
 }
 

@@ -37,8 +37,8 @@ struct TrajectoryEnsemble {
 TrajectoryPrior prior_of(const TrajectoryEnsemble& ensemble);
 
 /// The prior of a quantity of which one nominal run is known alone. The deviation is a random walk
-/// along the way of the nominal run: after a reading the last deviation is expected to stay, neither
-/// decaying nor growing. At the end its standard deviation is a share of that way:
+/// along the way of the nominal run: after a reading the last deviation is expected to stay,
+/// neither decaying nor growing. At the end its standard deviation is a share of that way:
 ///
 ///     covariance(t, s) = share^2 w(end) w(min(t, s))
 ///

@@ -57,7 +57,7 @@ struct Wetting {
 struct Water {
   /// Whether there is water at all; without it the side below the mould is dry.
   bool enabled = false;
-  double from = 0.0;                ///< [m] below the metal level
+  double from = 0.0;  ///< [m] below the metal level
   /// [m] below the metal level a wiper takes the water off; absent: it runs down to the butt
   std::optional<double> wiped_at{};
   double start = 0.0;               ///< [s]
@@ -118,8 +118,8 @@ struct BottomBlock {
   /// The same with a path from the edge, a mass flow and boiling; absent: the constant coefficient.
   std::optional<GapWater> gap_water{};
   std::vector<DrainHole> drain_holes{};  ///< through which water and steam leave the gap
-  /// [m] gap that is open between block and slab at the start, against the distance from x = 0 and, in a
-  /// quarter slab, from y = 0; the two are added. Empty: none.
+  /// [m] gap that is open between block and slab at the start, against the distance from x = 0 and,
+  /// in a quarter slab, from y = 0; the two are added. Empty: none.
   Curve profile_x, profile_y;
 };
 

@@ -24,7 +24,8 @@ double friction_factor(double reynolds) {
 std::map<std::size_t, EdgeSupply> join(std::span<const EdgeSupply> supplies) {
   std::map<std::size_t, EdgeSupply> joined;
   for (const EdgeSupply& supply : supplies) {
-    EdgeSupply& sum = joined.try_emplace(supply.edge, EdgeSupply{supply.edge, {}, 0.0}).first->second;
+    EdgeSupply& sum =
+        joined.try_emplace(supply.edge, EdgeSupply{supply.edge, {}, 0.0}).first->second;
     const double before = sum.film.flow * sum.width, added = supply.film.flow * supply.width;
     if (added <= 0.0) continue;
 
@@ -44,8 +45,7 @@ public:
       : gap_(gap), law_(law), width_(supply.width) {
     // The streams cover a share of the width: there the water that gets in flows together.
     touched_width_ = gap.touching_share * supply.width;
-    film_ = {supply.film.temperature,
-             gap.inflow_share * supply.film.flow / gap.touching_share};
+    film_ = {supply.film.temperature, gap.inflow_share * supply.film.flow / gap.touching_share};
   }
 
   void add(std::size_t node, const GapSurface& at, double distance) {
@@ -54,8 +54,8 @@ public:
     // The block's surface cools while it warms the water: 1 / (1 + compliance h) of the heat that
     // its temperature at the start would give.
     const double share = gap_.touching_share * at.open;
-    const double wall = gap_.block_coefficient /
-                        (1.0 + at.block.compliance * share * gap_.block_coefficient);
+    const double wall =
+        gap_.block_coefficient / (1.0 + at.block.compliance * share * gap_.block_coefficient);
     piece_.push_back({.area = share * at.area,
                       .at = {0.0, law_.from + law_.wetting.jet_length + distance},
                       .surface_temperature = at.temperature,
@@ -105,8 +105,7 @@ private:
     film_ = {end.film.temperature, onward * end.film.flow};
     const bool runs_on =
         !end.boiled_away && !end.thrown_off && film_.flow >= law_.wetting.least_flow;
-    if (runs_on && !water.empty())
-      reserve_heat(film_capacity(film_, touched_width_), reach, water);
+    if (runs_on && !water.empty()) reserve_heat(film_capacity(film_, touched_width_), reach, water);
 
     FaceWater& total = streams.water;
     total.boiled_away = total.boiled_away || end.boiled_away;
@@ -148,10 +147,9 @@ std::vector<std::size_t> sort_by_distance(std::span<const std::optional<GapRoute
 
 /// Adds the pressure of the steam that flows to one opening from all places nearest to it.
 /// @param places  from the opening inwards @param steam  (bottom node) [kg/s]
-void add_steam(std::span<const std::size_t> places,
-               std::span<const std::optional<GapRoute>> route, const GapPassage& passage,
-               std::span<const GapSurface> bottom, std::span<const double> steam,
-               GapStreams& streams) {
+void add_steam(std::span<const std::size_t> places, std::span<const std::optional<GapRoute>> route,
+               const GapPassage& passage, std::span<const GapSurface> bottom,
+               std::span<const double> steam, GapStreams& streams) {
   std::vector<GapPiece> pieces;
   std::vector<double> given_off;
   for (const std::size_t n : places) {
@@ -267,10 +265,9 @@ std::vector<GapHole> find_gap_holes(std::span<const DrainHole> holes,
   return found;
 }
 
-GapStreams lay_gap_water(const GapWater& gap, const Water& law,
-                         std::span<const BottomPath> paths, std::span<const GapSurface> bottom,
-                         std::span<const EdgeSupply> supplies, std::span<const GapHole> holes,
-                         double instant, double time_step) {
+GapStreams lay_gap_water(const GapWater& gap, const Water& law, std::span<const BottomPath> paths,
+                         std::span<const GapSurface> bottom, std::span<const EdgeSupply> supplies,
+                         std::span<const GapHole> holes, double instant, double time_step) {
   GapStreams streams;
   streams.place.resize(bottom.size());
   const auto joined = join(supplies);

@@ -119,9 +119,8 @@ struct GapStreams {
 /// @param law       the water of the faces, thrown off after GapWater::steam_reach
 /// @param supplies  in any order; those to the same place are joined
 /// @param instant   [s] end of the step @param time_step  [s]
-GapStreams lay_gap_water(const GapWater& gap, const Water& law,
-                         std::span<const BottomPath> paths, std::span<const GapSurface> bottom,
-                         std::span<const EdgeSupply> supplies, std::span<const GapHole> holes,
-                         double instant, double time_step);
+GapStreams lay_gap_water(const GapWater& gap, const Water& law, std::span<const BottomPath> paths,
+                         std::span<const GapSurface> bottom, std::span<const EdgeSupply> supplies,
+                         std::span<const GapHole> holes, double instant, double time_step);
 
 }  // namespace dccast::thermal

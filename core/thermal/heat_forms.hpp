@@ -144,7 +144,7 @@ protected:
   std::vector<double> stiffness_;  ///< @see stiffness() [1], [m] in 3D
   std::vector<double> volume_;     ///< (node) [m^Dim], [m3/rad]
   std::vector<int> bottom_nodes_;
-  std::vector<double> bottom_weight_;  ///< (bottom node) [m^(Dim-1)], [m2/rad]
+  std::vector<double> bottom_weight_;                 ///< (bottom node) [m^(Dim-1)], [m2/rad]
   std::vector<std::array<double, 2>> bottom_places_;  ///< (bottom node) [m]
   std::vector<BottomPath> bottom_paths_;
   std::vector<int> top_nodes_;

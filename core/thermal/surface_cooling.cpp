@@ -308,9 +308,8 @@ void SurfaceCooling::lay_gap(const HeatForms& forms, const material::ThermalProp
   }
 
   const auto holes = find_gap_holes(cooling_.bottom_block.drain_holes, forms.bottom_places());
-  gap_streams_ =
-      lay_gap_water(*cooling_.bottom_block.gap_water, gap_law_, forms.bottom_paths(), surface,
-                    edge_supply_, holes, input.time, input.time_step);
+  gap_streams_ = lay_gap_water(*cooling_.bottom_block.gap_water, gap_law_, forms.bottom_paths(),
+                               surface, edge_supply_, holes, input.time, input.time_step);
 
   // The heat from block to water is fixed for the step: it lowers the block's own temperature.
   for (std::size_t i = 0; i < bottom_.size(); ++i) {
@@ -394,10 +393,9 @@ void SurfaceCooling::evaluate(const HeatForms& forms, std::span<const ThermalSta
 
   add_side(state, input);
 
-  bottom_power_ = add_patch(forms.bottom_nodes(), forms.bottom_weight(), state,
-                            [&](std::size_t i, const SurfaceState& surface) {
-                              return flux_at_bottom(i, surface).slab;
-                            });
+  bottom_power_ = add_patch(
+      forms.bottom_nodes(), forms.bottom_weight(), state,
+      [&](std::size_t i, const SurfaceState& surface) { return flux_at_bottom(i, surface).slab; });
   if (cooling_.bottom_block.gap_water) {
     gap_streams_.water.taken = gap_from_block_;
     for (std::size_t i = 0; i < bottom_.size(); ++i) {
@@ -452,8 +450,7 @@ void SurfaceCooling::store_gap_wetted(const HeatForms& forms, std::span<const Th
     const double surface = state[std::size_t(forms.bottom_nodes()[i])].temperature;
     const double end =
         gap.share > 0.0 ? wet_in_the_end(gap_law_.wetting, surface, gap.water.rewetting) : 0.0;
-    field.gap_wetted[i] =
-        wetted_after(gap_law_.wetting, field.gap_wetted[i], end, input.time_step);
+    field.gap_wetted[i] = wetted_after(gap_law_.wetting, field.gap_wetted[i], end, input.time_step);
   }
 }
 

@@ -90,13 +90,12 @@ FilmEnd march_film(const Water& water, const Film& supply, double width, double 
     const double surface = piece.surface_temperature;
     const double rewetting = rewetting_temperature(w, film);
 
-    const WaterPlace here{
-        .film = film,
-        .wetted = mean_wetted_share(w, piece.wetted, wet_in_the_end(w, surface, rewetting),
-                                    time_step),
-        .rewetting = rewetting,
-        .critical_heat_flux = critical_heat_flux(water, film, depth),
-        .film_coefficient = film_coefficient(w, film, depth)};
+    const WaterPlace here{.film = film,
+                          .wetted = mean_wetted_share(
+                              w, piece.wetted, wet_in_the_end(w, surface, rewetting), time_step),
+                          .rewetting = rewetting,
+                          .critical_heat_flux = critical_heat_flux(water, film, depth),
+                          .film_coefficient = film_coefficient(w, film, depth)};
 
     // A piece takes at most the heat that boils away the whole stream.
     const double wanted = water_flux(water, here, {surface, 0.0}, piece.at).flux;
@@ -109,8 +108,7 @@ FilmEnd march_film(const Water& water, const Film& supply, double width, double 
 
     if (piece.wall_coefficient > 0.0) {
       const double excess = std::max(0.0, piece.wall_temperature - stream.film().temperature);
-      const double heat =
-          std::min(piece.wall_coefficient * excess * piece.area, stream.capacity());
+      const double heat = std::min(piece.wall_coefficient * excess * piece.area, stream.capacity());
       stream.take(heat);
       place.back().wall_flux = heat / piece.area;
     }

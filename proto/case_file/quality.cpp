@@ -71,8 +71,8 @@ const Discretisation& section_discretisation(v1::Quality quality) {
 /// mechanics' cells, and these are few, for their cost grows with the square of their number. The
 /// lowest rows resolve the shell over the block, which is 4 to 15 mm thick in the first minute.
 /// Rows that growth adds have little effect; deep ones are merged. While the butt curls, steps of
-/// 1 s halve the error of steps of 2 s, which is as large as that of the mesh. The runs on which this
-/// is based are in docs/developers/discretisation.md.
+/// 1 s halve the error of steps of 2 s, which is as large as that of the mesh. The runs on which
+/// this is based are in docs/developers/discretisation.md.
 const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
   static const Ladder filling{{0, 1}, {10, 4}}, start{{0, 0.25}, {2, 1}, {150, 2}};
   static const Discretisation draft{.column = 94e-3,
@@ -129,8 +129,7 @@ int limited_count(double cells, int fewest) {
 }
 
 void fill_columns(const Discretisation& d, double half_width, v1::Mesh& mesh) {
-  if (!mesh.has_columns())
-    mesh.set_columns(limited_count(half_width / d.column, d.fewest_columns));
+  if (!mesh.has_columns()) mesh.set_columns(limited_count(half_width / d.column, d.fewest_columns));
   if (!mesh.has_side_cell_m()) mesh.set_side_cell_m(half_width / mesh.columns());
 }
 

@@ -246,9 +246,8 @@ std::optional<v1::Fault> text_fault(const FieldDescriptor& field, const std::str
 
   const auto character = values::unprintable(text, permitted_lines(field));
   if (!character) return std::nullopt;
-  return make_fault(path, quoted(values::shown(text)),
-                    fmt::format("contains {}", *character), "printable characters",
-                    "remove this character");
+  return make_fault(path, quoted(values::shown(text)), fmt::format("contains {}", *character),
+                    "printable characters", "remove this character");
 }
 
 std::optional<v1::Fault> count_fault(const FieldDescriptor& field, std::size_t count,

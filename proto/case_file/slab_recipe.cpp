@@ -128,8 +128,8 @@ public:
     for (const std::string& line : lines_)
       if (line.starts_with(key + " = ")) {
         const auto begin = key.size() + 3;
-        return std::string(trimmed(
-            std::string_view(line).substr(begin, line.find(" #", begin) - begin)));
+        return std::string(
+            trimmed(std::string_view(line).substr(begin, line.find(" #", begin) - begin)));
       }
     return {};
   }

@@ -118,9 +118,10 @@ std::optional<refusal::Facts> Authority::owner_fault(const Caller& caller, const
 
   return refusal::Facts{
       .reason = v1::ErrorInfo::NOT_PERMITTED,
-      .cause = fmt::format("{} is of {}, and {} ({}) may {} only jobs, studies and lines of their own",
-                           subject, owner.empty() ? "no known user" : owner, display_name(caller),
-                           text_of(caller.role), rule.changes() ? "change" : "read"),
+      .cause =
+          fmt::format("{} is of {}, and {} ({}) may {} only jobs, studies and lines of their own",
+                      subject, owner.empty() ? "no known user" : owner, display_name(caller),
+                      text_of(caller.role), rule.changes() ? "change" : "read"),
       .remedy = fmt::format("ask {}an admin: {}",
                             owner.empty() ? "" : fmt::format("{}, or ", owner), describe_admins())};
 }

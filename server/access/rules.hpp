@@ -20,9 +20,7 @@ struct CallRule {
   bool touches_job() const { return is_any_of({v1::READS_JOB, v1::CHANGES_JOB}); }
   bool touches_study() const { return is_any_of({v1::READS_STUDY, v1::CHANGES_STUDY}); }
   bool touches_line() const { return is_any_of({v1::READS_LINE, v1::CHANGES_LINE}); }
-  bool changes() const {
-    return is_any_of({v1::CHANGES_JOB, v1::CHANGES_STUDY, v1::CHANGES_LINE});
-  }
+  bool changes() const { return is_any_of({v1::CHANGES_JOB, v1::CHANGES_STUDY, v1::CHANGES_LINE}); }
 
 private:
   bool is_any_of(std::initializer_list<v1::Touches> kinds) const {

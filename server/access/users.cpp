@@ -172,8 +172,8 @@ refusal::Facts disabled(const std::string& name) {
 v1::Role parse_role(const std::string& text) {
   const auto found = roles.find(text);
   if (found != roles.end()) return found->second;
-  throw Refused(fmt::format("\"{}\" is no role; permitted: viewer, submitter, admin",
-                            values::shown(text)));
+  throw Refused(
+      fmt::format("\"{}\" is no role; permitted: viewer, submitter, admin", values::shown(text)));
 }
 
 std::string text_of(v1::Role role) {

@@ -304,7 +304,6 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
                .check_timeout = milliseconds(settings.checks().timeout_s())},
               study_store, scheduler, intake),
       lines(directory.lines()) {
-
   scheduler.observe_transitions([this](const v1::Job& job, v1::JobState from) {
     tally.count(job, from);
     if (jobs::is_terminal(job.state())) readings.close(job.id());

@@ -34,9 +34,9 @@ struct ExaminedCase {
 
 /// A stored frame of a run: all of it, or one field.
 struct FrameChoice {
-  int number = 0;       ///< 1 is the first, 0 the last
-  std::string field{};  ///< name of a v1::FrameField; empty: mesh and temperature
-  bool drawing = false; ///< as QueryResultRequest has it
+  int number = 0;        ///< 1 is the first, 0 the last
+  std::string field{};   ///< name of a v1::FrameField; empty: mesh and temperature
+  bool drawing = false;  ///< as QueryResultRequest has it
 };
 
 /// Examines cases before they are queued. The schema checks single values here; the core checks how
@@ -79,7 +79,8 @@ public:
 
   /// Fields of a job's frames at points.
   /// @param results  artifact of the job; null: its run has not ended, and its journal is read
-  /// @return         without a dimension where there is no frame, without instants where a point does
+  /// @return         without a dimension where there is no frame, without instants where a point
+  /// does
   ///                 not have as many coordinates as the mesh
   /// @throws jobs::WorkerDidNotAnswer, jobs::UnsoundResult
   v1::ProbeResultResponse probe(const std::filesystem::path& job_folder,

@@ -51,10 +51,11 @@ void add_forecast_chart(const v1::ForecastCurl& gauge, const PastForecast& past,
   forecast.mutable_low()->Add(past.lower_m.begin(), past.lower_m.end());
   forecast.mutable_high()->Add(past.upper_m.begin(), past.upper_m.end());
 
-  chart.set_note(fmt::format(
-      "Forecast: what the gauge was expected to show, as of {:.0f} s before each time, with the band "
-      "of nine in ten. Computed: the run with the measured levers.",
-      far_s));
+  chart.set_note(
+      fmt::format("Forecast: what the gauge was expected to show, as of {:.0f} s before each time, "
+                  "with the band "
+                  "of nine in ten. Computed: the run with the measured levers.",
+                  far_s));
 }
 
 void add_forecast_table(const FollowedCasting& followed, v1::Judgement& judgement) {

@@ -9,8 +9,8 @@
 
 namespace dccast::judging {
 
-/// What a gauge was expected to show, as of a fixed time before. All arrays are by reading; readings
-/// that were left out are not there.
+/// What a gauge was expected to show, as of a fixed time before. All arrays are by reading;
+/// readings that were left out are not there.
 struct PastForecast {
   std::string monitor;
   double ahead_s = 0.0;
@@ -27,9 +27,9 @@ struct FollowedCasting {
   std::string no_forecast{};         ///< why there is none; empty: there is one
 };
 
-/// Adds a chart "forecast" for each gauge: measured, computed, and what had been forecast 60 s before
-/// each time. Then the table "forecast" with the errors by time ahead, and the table "warnings".
-/// Without a forecast the table "forecast" has the reason as its note.
+/// Adds a chart "forecast" for each gauge: measured, computed, and what had been forecast 60 s
+/// before each time. Then the table "forecast" with the errors by time ahead, and the table
+/// "warnings". Without a forecast the table "forecast" has the reason as its note.
 void add_followed(const FollowedCasting& followed, const JudgedRun& run, v1::Judgement& judgement);
 
 }  // namespace dccast::judging

@@ -65,8 +65,8 @@ std::string table_of(const std::string& key) {
 void apply(const v1::CaseChange& change, v1::Case& complete, v1::Case& description) {
   const auto refuse = [&](const std::vector<v1::Fault>& faults) {
     if (!faults.empty())
-      throw UnfitCase(fmt::format("{} = {} does not fit the case: {}", change.key(),
-                                  change.value(), faults.front().message()));
+      throw UnfitCase(fmt::format("{} = {} does not fit the case: {}", change.key(), change.value(),
+                                  faults.front().message()));
   };
   refuse(case_file::apply_changes(complete, {change}));
 

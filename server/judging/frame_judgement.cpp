@@ -47,8 +47,7 @@ void add_bottom(const v1::Frame& frame, const std::string& mark, v1::Judgement& 
   const auto contacts = std::ranges::count_if(frame.bottom_pressure_pa(),
                                               [](double pressure) { return pressure > 0.0; });
 
-  v1::Table& table =
-      add_table(judgement, "bottom", "gap under the butt", v1::JudgementPart::PAGE);
+  v1::Table& table = add_table(judgement, "bottom", "gap under the butt", v1::JudgementPart::PAGE);
   *table.add_columns() = number_column("largest_gap", "largest gap", "m", 1e-5);
   *table.add_columns() = number_column("x", "at x", "m", 1e-3);
   *table.add_columns() = number_column("y", "at y", "m", 1e-3);
@@ -100,9 +99,11 @@ void add_pull_in_table(const std::vector<NamedRow>& rows, v1::Judgement& judgeme
   v1::Table& table =
       add_table(judgement, "pull_in", "pull-in of the wide face", v1::JudgementPart::PAGE);
   *table.add_columns() = text_column("place", "place");
-  for (const auto& [key, heading, resolution_m] :
-       {std::tuple("height", "height", 1e-3), {"x", "x", 1e-3}, {"mould", "mould", 1e-4},
-        {"slab", "slab", 1e-4}, {"pull_in", "pull-in", 1e-4}})
+  for (const auto& [key, heading, resolution_m] : {std::tuple("height", "height", 1e-3),
+                                                   {"x", "x", 1e-3},
+                                                   {"mould", "mould", 1e-4},
+                                                   {"slab", "slab", 1e-4},
+                                                   {"pull_in", "pull-in", 1e-4}})
     *table.add_columns() = number_column(key, heading, "m", resolution_m);
   *table.add_columns() = number_column("share", "share", "1", 1e-3);
 
@@ -110,10 +111,10 @@ void add_pull_in_table(const std::vector<NamedRow>& rows, v1::Judgement& judgeme
     const std::size_t last = row.points.size() - 1;
     for (const std::size_t i : {std::size_t{0}, last / 2, last}) {
       const FacePoint& point = row.points[i];
-      add_row(table, {text_cell(name), number_cell(row.height_m), number_cell(point.x_m),
-                      number_cell(point.mould_m), number_cell(point.now_m),
-                      number_cell(point.pull_in_m()),
-                      number_cell(point.pull_in_m() / point.mould_m)});
+      add_row(table,
+              {text_cell(name), number_cell(row.height_m), number_cell(point.x_m),
+               number_cell(point.mould_m), number_cell(point.now_m), number_cell(point.pull_in_m()),
+               number_cell(point.pull_in_m() / point.mould_m)});
     }
   }
 }
@@ -124,9 +125,8 @@ void add_pull_in(const v1::Case& solved, const v1::Frame& frame, const std::stri
   const FaceRow& head = highest_solid(face, solved.section(), frame);
   const std::vector<NamedRow> rows = shown_rows(face, head);
 
-  v1::Chart& chart =
-      add_chart(judgement, "pull_in", "pull-in of the wide face",
-                {"distance from the middle of the wide face", "m", "pull-in", "m"});
+  v1::Chart& chart = add_chart(judgement, "pull_in", "pull-in of the wide face",
+                               {"distance from the middle of the wide face", "m", "pull-in", "m"});
   for (const auto& [name, row] : rows) {
     std::vector<double> places, pull_in;
     for (const FacePoint& point : row.points) {

@@ -68,8 +68,7 @@ void add_water_facts(const v1::Case& input, v1::Table& table) {
 
   const v1::Cooling& cooling = input.cooling();
   const bool has_narrow_flow = recipe.has_narrow_water_flow_m2_per_s();
-  const bool has_two =
-      is_quarter(input) && (has_narrow_flow || cooling.has_narrow_water());
+  const bool has_two = is_quarter(input) && (has_narrow_flow || cooling.has_narrow_water());
   add(has_two ? "Water, wide face" : "Water", recipe.water_flow_m2_per_s(), cooling.water());
   if (has_two)
     add("Water, narrow face",
@@ -159,7 +158,8 @@ void add_checks(const JudgedRun& run, bool is_beyond, v1::Judgement& judgement) 
     cut += step.failed_attempts();
   }
   const auto steps = double(run.steps.size());
-  add_fact(table, "Steps", fmt::format("{:.0f}", steps), fmt::format("{:.0f} attempts were cut", cut));
+  add_fact(table, "Steps", fmt::format("{:.0f}", steps),
+           fmt::format("{:.0f} attempts were cut", cut));
   add_fact(table, "Mechanical iterations", fmt::format("{:.0f}", iterations),
            fmt::format("{:.2f} a step", iterations / steps));
   add_fact(table, "Mesh at the end", fmt::format("{} nodes", last.nodes()),

@@ -17,7 +17,7 @@ struct RunToJudge {
   std::optional<double> valid_until_s{};
   v1::StudyResult refinement{};  ///< the evaluated refinement study of the run; empty: none
   std::optional<FollowedCasting> followed{};  ///< empty: the run follows no casting
-  std::optional<v1::Frame> last_frame{};  ///< the last stored one; empty: it is not judged
+  std::optional<v1::Frame> last_frame{};      ///< the last stored one; empty: it is not judged
 };
 
 /// What one run shows: a sentence about the largest curl at the end, its error and the plant's
@@ -33,8 +33,8 @@ v1::Judgement judge_run(const RunToJudge& run);
 /// time; those without a figure other than zero are left out. For two steps or more.
 void add_histories(const JudgedRun& run, v1::Judgement& judgement);
 
-/// Of a frame: gap and pressure along the bottom of a section; of a quarter slab the table "bottom",
-/// and the pull-in of its wide face as chart and table, where the mesh permits it.
+/// Of a frame: gap and pressure along the bottom of a section; of a quarter slab the table
+/// "bottom", and the pull-in of its wide face as chart and table, where the mesh permits it.
 /// @param is_beyond  whether the frame was stored after the model had stopped being valid
 void add_frame(const v1::Case& solved, const v1::Frame& frame, bool is_beyond,
                v1::Judgement& judgement);

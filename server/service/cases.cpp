@@ -36,10 +36,8 @@ namespace {
 
 /// The case text of a slab. @throws Refusal  all faults of its figures
 std::string write_slab(const v1::SlabStart& slab) {
-  const auto made = case_file::new_case({.slab = slab.size(),
-                                         .alloy = slab.alloy(),
-                                         .speed = slab.speed(),
-                                         .water = slab.water()});
+  const auto made = case_file::new_case(
+      {.slab = slab.size(), .alloy = slab.alloy(), .speed = slab.speed(), .water = slab.water()});
   if (!made.faults.empty())
     refuse("{}", values::escaped(fmt::format("{}", fmt::join(made.faults, "; "))));
   return made.text;
@@ -52,8 +50,7 @@ std::string find_case_text(const v1::ReadCaseRequest& request) {
   const auto& cases = shipped::case_templates();
   if (const auto* known = shipped::find(cases, request.shipped())) return known->text;
   refuse(ErrorInfo::NOT_FOUND, "no case called \"{}\" is built in; there are {}",
-         values::shown(request.shipped()),
-         fmt::join(shipped::names_of(cases), ", "));
+         values::shown(request.shipped()), fmt::join(shipped::names_of(cases), ", "));
 }
 
 void describe(const access::Caller& caller, v1::WhoAmIResponse& response) {
@@ -69,8 +66,7 @@ Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* reques
                                    v1::ReadCaseResponse* response) {
   return answer(wire, *request, lanes_.histories, [=](const Call&) {
     response->set_text(find_case_text(*request));
-    auto read =
-        case_file::read_elsewhere(response->text(), "case", *response->mutable_case_());
+    auto read = case_file::read_elsewhere(response->text(), "case", *response->mutable_case_());
 
     // A text that is not TOML has one fault without a field, and no key that could be changed.
     const bool parsed = read.faults.size() != 1 || !read.faults.front().field().empty();

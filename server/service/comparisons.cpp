@@ -175,9 +175,8 @@ void compare(Context& context, const Call& call, const v1::CompareRunsRequest& r
   }
 
   *comparison.mutable_judgement() =
-      runs.size() == 1
-          ? judge_alone(context, call, std::move(runs.front()), request.with_frame())
-          : judge_together(context, call, std::move(runs), request);
+      runs.size() == 1 ? judge_alone(context, call, std::move(runs.front()), request.with_frame())
+                       : judge_together(context, call, std::move(runs), request);
   if (const std::size_t size = comparison.ByteSizeLong(); size > answer_bytes)
     refuse(ErrorInfo::ANSWER_TOO_LARGE, Remedy{"compare fewer runs"},
            "the comparison has {} bytes, more than an answer of 4 MiB holds", size);

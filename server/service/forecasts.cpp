@@ -81,8 +81,8 @@ bool has_run_at(Context& context, const std::string& id, v1::Quality quality) {
          computed.quality() == quality;
 }
 
-/// The castings of a line that come before a job and have ended, the oldest first. A job that is not
-/// on the line any more has none.
+/// The castings of a line that come before a job and have ended, the oldest first. A job that is
+/// not on the line any more has none.
 std::vector<studies::EarlierCasting> castings_before(const std::string& job, const v1::Line& line,
                                                      EvaluatedStudies& studies) {
   const auto own = std::ranges::find(line.castings(), job, &v1::LineCasting::job);
@@ -144,10 +144,11 @@ private:
              Remedy{"give the readings a column \"curl MONITOR\" and follow again"},
              "job {} measures no curl, so there is nothing to forecast from", id);
     if (following_.ensemble().empty() && following_.plan_job().empty())
-      refuse(ErrorInfo::WRONG_STATE,
-             Remedy{"`dccast follow --prepare CASE` before a casting computes an ensemble, or give a "
-                    "study by `dccast follow --ensemble STUDY`"},
-             "job {} has neither an ensemble nor a run of its plan, on which a forecast rests", id);
+      refuse(
+          ErrorInfo::WRONG_STATE,
+          Remedy{"`dccast follow --prepare CASE` before a casting computes an ensemble, or give a "
+                 "study by `dccast follow --ensemble STUDY`"},
+          "job {} has neither an ensemble nor a run of its plan, on which a forecast rests", id);
   }
 
   v1::Following following_;

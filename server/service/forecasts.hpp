@@ -15,14 +15,14 @@ namespace dccast::service {
 /// Refuses a job that is no live one. @throws Refusal
 void require_following(const Context& context, const std::string& id);
 
-/// Adds how far the casting has been measured to a running job that follows one. It is left out, with
-/// a line in the log, where the record cannot be read.
+/// Adds how far the casting has been measured to a running job that follows one. It is left out,
+/// with a line in the log, where the record cannot be read.
 void add_casting(const Context& context, v1::Job& job);
 
 /// The castings that running jobs follow, for metrics.
 struct FollowedCastings {
   int castings = 0;
-  int warnings = 0;              ///< in the latest forecast of each
+  int warnings = 0;               ///< in the latest forecast of each
   double oldest_reading_s = 0.0;  ///< longest time since the last reading of a casting arrived
 };
 FollowedCastings followed_castings(Context& context);

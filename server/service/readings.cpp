@@ -88,8 +88,8 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
   try {
     record->append(request.readings());
   } catch (const jobs::MissingReading& error) {
-    refuse(ErrorInfo::OUT_OF_RANGE, Remedy{"send the readings after the last one"},
-           "job {}: {}", request.id(), error.what());
+    refuse(ErrorInfo::OUT_OF_RANGE, Remedy{"send the readings after the last one"}, "job {}: {}",
+           request.id(), error.what());
   } catch (const jobs::UnfitReading& error) {
     refuse(Remedy{"send what was measured later"}, "job {}: {}", request.id(), error.what());
   }

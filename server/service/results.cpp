@@ -70,8 +70,8 @@ void add_frame(Context& context, const Call& call, const v1::QueryResultRequest&
 
   const int frames = stored.frame_time_s_size();
   if (frames == 0)
-    refuse_state(job, artifact_of(job, results_file) ? "its results hold no frame"
-                                                     : "it has no frame yet");
+    refuse_state(
+        job, artifact_of(job, results_file) ? "its results hold no frame" : "it has no frame yet");
   if (!stored.has_frame())
     refuse(ErrorInfo::OUT_OF_RANGE,
            Remedy{fmt::format("ask for one of 1 to {}, or 0 for the last", frames)},

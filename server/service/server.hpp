@@ -25,10 +25,10 @@ struct TlsListening {
   relay::TlsFiles files;
 };
 
-/// SimulationService, health and reflection, at a Unix socket for local users and over TLS for others.
-/// Health by name: "alive" is SERVING while calls are answered; "ready" and the service's own name
-/// while jobs are started, so neither while the queue is held nor once the daemon is ending; the
-/// empty name until the daemon is ending.
+/// SimulationService, health and reflection, at a Unix socket for local users and over TLS for
+/// others. Health by name: "alive" is SERVING while calls are answered; "ready" and the service's
+/// own name while jobs are started, so neither while the queue is held nor once the daemon is
+/// ending; the empty name until the daemon is ending.
 class PublicServer {
 public:
   /// @param local  a Unix socket, of local users

@@ -130,8 +130,8 @@ private:
 
     upload_ = uploads_.begin(call_.caller.name, announced);
     call_.note->set_reason(fmt::format("{} of {} bytes, SHA-256 {}",
-                                       values::shown(announced.name()),
-                                       announced.size_bytes(), announced.sha256()));
+                                       values::shown(announced.name()), announced.size_bytes(),
+                                       announced.sha256()));
     if_open([this] { StartSendInitialMetadata(); });  // the client may send the content
     return true;
   }

@@ -16,8 +16,8 @@ namespace dccast::studies {
 
 namespace {
 
-/// Standard deviation of the error of the model besides data and mesh, as a share of the curl, where
-/// no casting on the line has told it (docs/forecasts.md).
+/// Standard deviation of the error of the model besides data and mesh, as a share of the curl,
+/// where no casting on the line has told it (docs/forecasts.md).
 constexpr double model_error = 0.05;
 /// Pairs that tell the error of the mesh at least: fewer have no scatter.
 constexpr int fewest_pairs = 2;
@@ -96,8 +96,10 @@ std::vector<double> instants_of(const Recipe& recipe) {
 /// Curls at instants [m]; zero while there is none.
 Eigen::VectorXd curl_at(const std::vector<double>& instants, const v1::CurlCurve& curve) {
   std::vector<double> curl(curve.curl_m().begin(), curve.curl_m().end());
-  std::ranges::replace_if(curl, [](double each) { return !std::isfinite(each); }, 0.0);
-  const auto at = values::at_instants(instants, {curve.time_s().begin(), curve.time_s().end()}, curl);
+  std::ranges::replace_if(
+      curl, [](double each) { return !std::isfinite(each); }, 0.0);
+  const auto at =
+      values::at_instants(instants, {curve.time_s().begin(), curve.time_s().end()}, curl);
   return Eigen::VectorXd::Map(at.data(), static_cast<Eigen::Index>(at.size()));
 }
 
@@ -135,8 +137,8 @@ v1::RelativeError mesh_error_of(const v1::StudyResult& study) {
 }
 
 /// Runs of the same data on all recipes, and the error of the mesh that pairs, or without pairs the
-/// members themselves, leave: the band of their quality. By its middle they are too low, and half its
-/// width is the error of nine in ten.
+/// members themselves, leave: the band of their quality. By its middle they are too low, and half
+/// its width is the error of nine in ten.
 class JointEnsemble {
 public:
   JointEnsemble(const std::vector<Block>& blocks, const ForecastBasis& basis) {
@@ -187,8 +189,8 @@ struct CountingCasting {
 
 /// What was measured until a time.
 v1::ObservedCurl observed_until(double end_s, v1::ObservedCurl curl) {
-  const auto count = static_cast<int>(
-      std::ranges::upper_bound(curl.time_s(), end_s) - curl.time_s().begin());
+  const auto count =
+      static_cast<int>(std::ranges::upper_bound(curl.time_s(), end_s) - curl.time_s().begin());
   curl.mutable_time_s()->Truncate(count);
   curl.mutable_curl_m()->Truncate(count);
   curl.mutable_deviation_m()->Truncate(count);
@@ -250,8 +252,8 @@ std::vector<statistics::MeasuredCasting> measured(const std::vector<CountingCast
   return all;
 }
 
-/// The prior that castings on the line leave. How much differs from casting to casting, and the error
-/// of the model, are weighed by how likely they make what was measured.
+/// The prior that castings on the line leave. How much differs from casting to casting, and the
+/// error of the model, are weighed by how likely they make what was measured.
 statistics::TrajectoryPrior informed_prior(const JointEnsemble& joint, Eigen::Index instants,
                                            const std::vector<CountingCasting>& castings,
                                            v1::LineMemory& line) {
@@ -295,8 +297,8 @@ CurlPrior prior_of_plan(const ForecastBasis& basis, const std::string& monitor) 
 }  // namespace
 
 double error_of_plan(const v1::Section& section) {
-  // With these the bands hold nine of ten castings whose data are drawn from the ranges of a shipped
-  // case (tests/verification/forecast_castings.py --unprepared).
+  // With these the bands hold nine of ten castings whose data are drawn from the ranges of a
+  // shipped case (tests/verification/forecast_castings.py --unprepared).
   constexpr double of_quarter_slab = 0.25, of_section = 0.5;
   return section.kind() == v1::Section::QUARTER_SLAB ? of_quarter_slab : of_section;
 }

@@ -12,8 +12,8 @@ namespace dccast::studies {
 /// Half the width of a band that holds nine of ten, in standard deviations.
 inline constexpr double nine_of_ten = 1.645;
 
-/// Standard deviation of what data put the curl of a plan off, as a share of the whole curl, where no
-/// ensemble tells it.
+/// Standard deviation of what data put the curl of a plan off, as a share of the whole curl, where
+/// no ensemble tells it.
 double error_of_plan(const v1::Section& section);
 
 /// What is known of the curl at a gauge before its first reading.
@@ -23,8 +23,8 @@ struct CurlPrior {
   /// The runs of the recipe, as they are without castings on the line; empty: of the run of the
   /// plan
   std::optional<statistics::TrajectoryEnsemble> ensemble{};
-  std::optional<v1::LineMemory> line{};      ///< empty: the casting is on no line
-  std::vector<std::string> notes{};          ///< why castings on the line do not count
+  std::optional<v1::LineMemory> line{};  ///< empty: the casting is on no line
+  std::vector<std::string> notes{};      ///< why castings on the line do not count
 };
 
 /// The prior of the curl at a gauge: of the ensemble, its pairs and the castings on the line

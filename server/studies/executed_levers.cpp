@@ -10,7 +10,8 @@ namespace dccast::studies {
 
 namespace {
 
-/// How uncertain an effect is a minute after it is known last, as a share of it (docs/forecasts.md).
+/// How uncertain an effect is a minute after it is known last, as a share of it
+/// (docs/forecasts.md).
 constexpr double share_after_minute = 0.5;
 
 }  // namespace
@@ -21,8 +22,8 @@ double share_of_minute(double time_s, double since_s) {
 }
 
 ExecutedLevers::ExecutedLevers(const v1::CurlCurve& followed, const v1::CurlCurve& planned) {
-  const auto planned_m = at_instants({followed.time_s().begin(), followed.time_s().end()}, planned,
-                                     planned.curl_m());
+  const auto planned_m =
+      at_instants({followed.time_s().begin(), followed.time_s().end()}, planned, planned.curl_m());
   for (int i = 0; i < followed.time_s_size(); ++i) {
     const double effect_m = followed.curl_m(i) - planned_m[static_cast<std::size_t>(i)];
     if (!std::isfinite(effect_m)) continue;  // one of the runs has no curl yet
@@ -37,8 +38,7 @@ statistics::Estimated ExecutedLevers::effect_at(double time_s, double known_unti
   const double known_s = std::min(known_until_s, time_s_.back());
   const double at_s = std::clamp(time_s, time_s_.front(), known_s);
   const double effect_m = values::at_instants({at_s}, time_s_, effect_m_).front();
-  return {effect_m,
-          share_after_minute * share_of_minute(time_s, known_s) * std::abs(effect_m)};
+  return {effect_m, share_after_minute * share_of_minute(time_s, known_s) * std::abs(effect_m)};
 }
 
 }  // namespace dccast::studies

@@ -14,9 +14,9 @@ namespace dccast::studies {
 double share_of_minute(double time_s, double since_s);
 
 /// What levers that have left the plan did to the curl at a gauge: the curl of the run that follows
-/// them minus that of the run of the plan, at equal mesh and data. It is known up to the last step of
-/// the run that follows. From there on it is expected to stay, since the levers are expected to return
-/// to the plan; how it goes on is uncertain by a share of itself that grows over a minute.
+/// them minus that of the run of the plan, at equal mesh and data. It is known up to the last step
+/// of the run that follows. From there on it is expected to stay, since the levers are expected to
+/// return to the plan; how it goes on is uncertain by a share of itself that grows over a minute.
 class ExecutedLevers {
 public:
   /// The levers are as planned, or it is not known what they did.

@@ -31,8 +31,8 @@ struct CurveLimit {
 ///
 /// 1.25 is Roache's factor for three meshes. An order above one is not trusted: the steps are those
 /// of backward Euler and are halved with the cells, so that the second order seen on coarse meshes
-/// does not last (docs/developers/discretisation.md has the figures). The maximum of two measures keeps the
-/// interval open where two curves cross.
+/// does not last (docs/developers/discretisation.md has the figures). The maximum of two measures
+/// keeps the interval open where two curves cross.
 ///
 /// Without three such curves, or if they do not converge, there is no order. The uncertainty is
 /// then 1.25 times the largest difference between the curves up to that instant.

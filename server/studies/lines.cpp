@@ -36,9 +36,8 @@ bool is_line_name(const std::string& text) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
   };
   return !text.empty() && text.size() <= longest && is_alphanumeric(text.front()) &&
-         std::ranges::all_of(text, [&](char c) {
-           return is_alphanumeric(c) || c == '-' || c == '_' || c == '.';
-         });
+         std::ranges::all_of(
+             text, [&](char c) { return is_alphanumeric(c) || c == '-' || c == '_' || c == '.'; });
 }
 
 std::optional<v1::Line> Lines::read(const std::string& name) const {
@@ -49,7 +48,8 @@ std::optional<v1::Line> Lines::read(const std::string& name) const {
   const std::string_view all = bytes;
   v1::Line line;
   if (all.starts_with(header()))
-    if (const auto record = storage::short_records.first_of(all.substr(header().size()), largest_line);
+    if (const auto record =
+            storage::short_records.first_of(all.substr(header().size()), largest_line);
         record && line.ParseFromString(std::string(record->payload)) && line.name() == name)
       return line;
   throw DamagedLine(fmt::format("the file of line {}, {}, is damaged", name, path.string()));

@@ -54,8 +54,8 @@ void PlannedLevers::follow(const v1::Reading& reading) {
   time_s_ = reading.time_s();
   if (time_s_ < 0.0) return;
 
-  const double speed = reading.has_casting_speed_m_per_s() ? reading.casting_speed_m_per_s()
-                                                           : planned_speed();
+  const double speed =
+      reading.has_casting_speed_m_per_s() ? reading.casting_speed_m_per_s() : planned_speed();
   cast_length_m_ += 0.5 * (speed_m_per_s_ + speed) * (time_s_ - from_s);
   speed_m_per_s_ = speed;
 }

@@ -7,8 +7,9 @@
 
 namespace dccast::studies {
 
-/// The levers that a plan has where a casting is. Tables of a plan may be against cast length, which
-/// is the integral of the measured speed; where the speed was not measured, of the planned one.
+/// The levers that a plan has where a casting is. Tables of a plan may be against cast length,
+/// which is the integral of the measured speed; where the speed was not measured, of the planned
+/// one.
 class PlannedLevers {
 public:
   explicit PlannedLevers(const v1::Schedule& plan) : plan_(plan) {}
@@ -19,7 +20,7 @@ public:
   v1::Reading levers() const;
 
 private:
-  double planned_speed() const;  ///< [m/s]
+  double planned_speed() const;                       ///< [m/s]
   double planned_flow(const v1::Curve& table) const;  ///< [m2/s]
 
   const v1::Schedule& plan_;

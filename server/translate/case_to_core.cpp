@@ -121,14 +121,15 @@ Curve metal_property(const material::AlloyCard& card, const v1::Curve& table,
 /// Density at the end of feeding: from there on a cell keeps its mass.
 /// @pre density, liquidus, solidus and liquid fraction are set in the card
 double fed_density(const v1::Alloy& from, const material::AlloyCard& card) {
-  const double end = from.has_coalescence_solid_fraction() ? from.coalescence_solid_fraction() : 1.0;
+  const double end =
+      from.has_coalescence_solid_fraction() ? from.coalescence_solid_fraction() : 1.0;
   return material::density_at_solid_fraction(card, end);
 }
 
 /// Smallest horizontal size of a section [m]: diameter of a billet, thickness of a slab.
 double size_across(const mesh::SectionSpec& section) {
-  const double half = section.half_thickness.empty() ? section.half_width
-                                                     : section.half_thickness(0.0);
+  const double half =
+      section.half_thickness.empty() ? section.half_width : section.half_thickness(0.0);
   return 2.0 * std::min(half, section.half_width);
 }
 

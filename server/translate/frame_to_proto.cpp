@@ -91,8 +91,8 @@ std::vector<ScalarField> probed_fields(const results::Frame& frame,
 
   const std::vector<ScalarField> others = scalar_fields(frame);
   for (const std::string& name : request.fields()) {
-    const auto found = std::ranges::find_if(
-        others, [&](const ScalarField& field) { return field.name == name; });
+    const auto found =
+        std::ranges::find_if(others, [&](const ScalarField& field) { return field.name == name; });
     fields.push_back(found != others.end() ? *found : ScalarField{name.c_str(), "", "", true, {}});
   }
   return fields;
@@ -100,8 +100,7 @@ std::vector<ScalarField> probed_fields(const results::Frame& frame,
 
 template <int Dim>
 void add_values(const results::Frame& frame, const v1::ProbeResultRequest& request,
-                const std::vector<ScalarField>& fields,
-                v1::ProbeResultResponse::Instant& instant) {
+                const std::vector<ScalarField>& fields, v1::ProbeResultResponse::Instant& instant) {
   mesh::Mesh<Dim> mesh;
   mesh.node = frame.node;
   mesh.nodes_per_element = frame.nodes_per_element;

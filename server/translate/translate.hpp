@@ -46,8 +46,10 @@ void make_drawing(v1::Frame& frame);
 v1::Frame field_to_proto(const results::Frame& frame, const std::string& name);
 
 /// Adds a frame's temperature, displacement and further fields at points.
-/// @param request   has at least one point; each has as many coordinates as the frame has dimensions
-/// @param response  gets the instant, and names and units of the fields; a field that no frame so far
+/// @param request   has at least one point; each has as many coordinates as the frame has
+/// dimensions
+/// @param response  gets the instant, and names and units of the fields; a field that no frame so
+/// far
 ///                  has is without unit, its values are NaN
 void add_probed(const results::Frame& frame, const v1::ProbeResultRequest& request,
                 v1::ProbeResultResponse& response);

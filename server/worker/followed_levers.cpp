@@ -19,8 +19,7 @@ casting::LeverReading to_core(const v1::Reading& reading) {
       reading.casting_speed_m_per_s());
   set(casting::Lever::casting_temperature, reading.has_casting_temperature_c(),
       reading.casting_temperature_c());
-  set(casting::Lever::water_flow, reading.has_water_flow_m2_per_s(),
-      reading.water_flow_m2_per_s());
+  set(casting::Lever::water_flow, reading.has_water_flow_m2_per_s(), reading.water_flow_m2_per_s());
   set(casting::Lever::narrow_water_flow, reading.has_narrow_water_flow_m2_per_s(),
       reading.narrow_water_flow_m2_per_s());
   return levers;

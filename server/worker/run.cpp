@@ -160,14 +160,14 @@ v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
   if (!order.job_id().empty() && jobs::follows_readings(directory))
     levers.emplace(directory, [&link] { return link.order(); });
 
-  const auto outcome = casting::run(casting_case,
-                                    {.path = directory,
-                                     .resume = order.resume(),
-                                     .other_version = translate::to_core(order.other_version()),
-                                     .leaves_run_files = true,
-                                     .keeps_nothing = order.job_id().empty()},
-                                    observer, std::max(order.threads(), 1),
-                                    levers ? &*levers : nullptr);
+  const auto outcome =
+      casting::run(casting_case,
+                   {.path = directory,
+                    .resume = order.resume(),
+                    .other_version = translate::to_core(order.other_version()),
+                    .leaves_run_files = true,
+                    .keeps_nothing = order.job_id().empty()},
+                   observer, std::max(order.threads(), 1), levers ? &*levers : nullptr);
 
   return make_run_end(outcome, order);
 }

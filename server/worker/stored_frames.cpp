@@ -21,8 +21,8 @@ StoredFrames::StoredFrames(const std::filesystem::path& directory, bool running)
 }
 
 std::size_t StoredFrames::nearest(double time) const {
-  const auto closest = std::ranges::min_element(
-      times_, {}, [&](double stored) { return std::abs(stored - time); });
+  const auto closest =
+      std::ranges::min_element(times_, {}, [&](double stored) { return std::abs(stored - time); });
   return std::size_t(closest - times_.begin());
 }
 

@@ -3,8 +3,8 @@
 //
 //   dccast-plan-study CASE QUALITY [KEY=NUMBER ...]
 //
-// One line: nodes of the heat's mesh, steps, iterations, processor seconds, wall seconds by task, the
-// corner at 60, 120 and 250 s, and what was found, with value and limit.
+// One line: nodes of the heat's mesh, steps, iterations, processor seconds, wall seconds by task,
+// the corner at 60, 120 and 250 s, and what was found, with value and limit.
 
 #include <cstdio>
 #include <cstdlib>
@@ -93,8 +93,7 @@ int main(int count, char** values) {
 
   for (int i = 1; i < count; ++i) std::printf("%s ", values[i]);
   std::printf("| nodes %lld steps %d iterations %d seconds %.2f |",
-              static_cast<long long>(last.nodes), steps, iterations,
-              last.solver_seconds);
+              static_cast<long long>(last.nodes), steps, iterations, last.solver_seconds);
   const mechanics::CostSplit& cost = run.mechanics_cost();
   std::printf(" heat %.2f tangents %.2f forces %.2f factors %.2f solutions %.2f |",
               run.heat_seconds(), cost.stiffness, cost.forces, cost.preconditioner, cost.solution);

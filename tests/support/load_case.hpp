@@ -8,7 +8,7 @@
 namespace dccast::v1 {
 class Case;
 enum Quality : int;
-}
+}  // namespace dccast::v1
 
 namespace dccast::support {
 

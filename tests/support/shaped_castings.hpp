@@ -80,11 +80,8 @@ auto ask_of(const v1::StudyResult& runs, const std::vector<v1::Reading>& measure
             const v1::StudyResult& pairs = {}, double zero_m = 0.0) {
   const v1::Following with = following(zero_m);
   const v1::Schedule schedule = plan();
-  return ask(ForecastBasis{.ensemble = runs,
-                           .pairs = pairs,
-                           .plan = schedule,
-                           .following = with,
-                           .readings = measured});
+  return ask(ForecastBasis{
+      .ensemble = runs, .pairs = pairs, .plan = schedule, .following = with, .readings = measured});
 }
 
 inline v1::Forecast whole_forecast(const v1::StudyResult& runs,

@@ -12,7 +12,7 @@ using storage::short_records;
 
 namespace {
 
-constexpr std::int64_t header_size = 16;      // [bytes]
+constexpr std::int64_t header_size = 16;          // [bytes]
 constexpr std::uint64_t largest_entry = 1 << 16;  // [bytes]
 
 std::string header() {
@@ -23,8 +23,8 @@ std::filesystem::path path_in(const std::filesystem::path& job_folder) {
   return job_folder / readings_file;
 }
 
-/// Cuts off what follows the last whole reading. A crash leaves the readings of one call there, which
-/// were not acknowledged; anything else is damage, so the bytes are kept in a file.
+/// Cuts off what follows the last whole reading. A crash leaves the readings of one call there,
+/// which were not acknowledged; anything else is damage, so the bytes are kept in a file.
 void cut_tail(storage::RecordLog& log, std::int64_t end) {
   const storage::File& file = log.file();
   std::string tail(static_cast<std::size_t>(file.size() - end), '\0');
@@ -71,8 +71,7 @@ std::optional<v1::RecordEntry> ReadingsReader::next(storage::FileWindow& window)
 
   v1::RecordEntry entry;
   if (!entry.ParseFromArray(record->payload.data(), static_cast<int>(record->payload.size())))
-    throw DamagedReadings(
-        fmt::format("{} is damaged after reading {}", readings_file, number_));
+    throw DamagedReadings(fmt::format("{} is damaged after reading {}", readings_file, number_));
   end_ += record->size;
   return entry;
 }
@@ -82,8 +81,7 @@ std::vector<v1::Reading> ReadingsReader::read_new() {
   storage::FileWindow window(file_);
   while (auto entry = next(window)) {
     if (entry->reading().number() != number_ + 1)
-      throw DamagedReadings(
-          fmt::format("{} is damaged after reading {}", readings_file, number_));
+      throw DamagedReadings(fmt::format("{} is damaged after reading {}", readings_file, number_));
     ++number_;
     last_arrival_ = entry->has_arrive_time() ? std::optional(entry->arrive_time()) : std::nullopt;
     readings.push_back(std::move(*entry->mutable_reading()));
@@ -110,11 +108,11 @@ v1::AppendReadingsResponse ReadingsLog::state() const {
 
 void ReadingsLog::advance(v1::AppendReadingsResponse& state, const v1::Reading& reading) {
   if (reading.number() != state.number() + 1)
-    throw MissingReading(fmt::format("reading {} follows reading {}", reading.number(),
-                                     state.number()));
+    throw MissingReading(
+        fmt::format("reading {} follows reading {}", reading.number(), state.number()));
   if (state.closed())
-    throw UnfitReading(fmt::format("reading {} comes after the end of the record",
-                                   reading.number()));
+    throw UnfitReading(
+        fmt::format("reading {} comes after the end of the record", reading.number()));
 
   state.set_number(reading.number());
   if (reading.closes()) return state.set_closed(true);

@@ -25,8 +25,8 @@ struct Attempt {
   std::string job_id;
   int number = 0;  ///< attempts at the job are counted from 1
   std::shared_ptr<EventLog> log;
-  bool adopted = false;     ///< its worker was started by an earlier daemon
-  bool goes_first = false;  ///< runs in addition to the capacity of the executor
+  bool adopted = false;             ///< its worker was started by an earlier daemon
+  bool goes_first = false;          ///< runs in addition to the capacity of the executor
   bool waits_for_readings = false;  ///< it follows a casting: a silence of any length is no stall
   JobRecord record;
 

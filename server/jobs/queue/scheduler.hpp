@@ -61,8 +61,8 @@ public:
   void observe_transitions(TransitionObserver observer) {
     state_.ledger.observe_transitions(std::move(observer));
   }
-  /// Sets what looks at each job before it is deleted, while its folder is still there; before start().
-  /// It must not throw.
+  /// Sets what looks at each job before it is deleted, while its folder is still there; before
+  /// start(). It must not throw.
   void look_before_removal(JobObserver look) { requests_.look_before_removal(std::move(look)); }
   /// Cancels a job; see JobRequests::stop(). @param reason  stored as its cause
   Reply cancel(const std::string& id, const std::string& reason) {

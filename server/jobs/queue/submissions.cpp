@@ -7,9 +7,9 @@
 
 #include "core/storage/file.hpp"
 #include "proto/refusal/refusal.hpp"
-#include "server/jobs/logs/readings_log.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/logs/readings_log.hpp"
 
 namespace dccast::jobs {
 

@@ -1,8 +1,8 @@
 // The record of a job that follows a casting. A text whose first byte is odd stands for whole
 // entries, so that what they hold is reached: 255 ends each of them.
+#include "server/jobs/logs/readings_log.hpp"
 #include "core/storage/file.hpp"
 #include "core/storage/record_log.hpp"
-#include "server/jobs/logs/readings_log.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 using namespace dccast;
@@ -52,7 +52,8 @@ void read() {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   std::string_view text = fuzz::text_of(bytes, size);
   const bool whole = fuzz::take_choice(text) % 2 == 1;
-  storage::write_file(fuzz::folder() / jobs::readings_file, whole ? framed(text) : std::string(text));
+  storage::write_file(fuzz::folder() / jobs::readings_file,
+                      whole ? framed(text) : std::string(text));
   try {
     read();
   } catch (const jobs::DamagedReadings&) {

@@ -123,11 +123,11 @@ const std::vector<Isotherm>& measured_isotherms() {
 
 const std::vector<Isotherm>& measured_in_aa6008() {
   static const std::vector<Isotherm> table{
-      {0, 600, 0.1863},       {0, 550, 0.1916},        {0, 500, 0.1972},
-      {0, 450, 0.2045},       {0.0325, 600, 0.1738},   {0.0325, 550, 0.18065},
-      {0.0325, 500, 0.18755}, {0.0325, 450, 0.19515},  {0.0325, 400, 0.20375},
-      {0.062, 600, 0.1518},   {0.062, 550, 0.1568},    {0.062, 500, 0.16135},
-      {0.062, 450, 0.1666},   {0.062, 400, 0.1723},    {0.062, 350, 0.17965},
+      {0, 600, 0.1863},       {0, 550, 0.1916},       {0, 500, 0.1972},
+      {0, 450, 0.2045},       {0.0325, 600, 0.1738},  {0.0325, 550, 0.18065},
+      {0.0325, 500, 0.18755}, {0.0325, 450, 0.19515}, {0.0325, 400, 0.20375},
+      {0.062, 600, 0.1518},   {0.062, 550, 0.1568},   {0.062, 500, 0.16135},
+      {0.062, 450, 0.1666},   {0.062, 400, 0.1723},   {0.062, 350, 0.17965},
       {0.062, 300, 0.1896},   {0.062, 250, 0.20285},
   };
   return table;
@@ -144,9 +144,11 @@ BilletRun run_billet(const casting::Case& billet, const std::vector<Isotherm>& m
     if (report.time > billet.time.end - averaged_over) {
       const double by_radian = report.wall_heat_flux * billet.section.half_width;
       result.wall_heat += by_radian * report.time_step / averaged_over;
-      result.top_heat += report.level_heat * billet.section.half_width * report.time_step / averaged_over;
+      result.top_heat +=
+          report.level_heat * billet.section.half_width * report.time_step / averaged_over;
     }
-    if (before.empty() && report.time >= billet.time.end - still_over) before = depths(run, measured);
+    if (before.empty() && report.time >= billet.time.end - still_over)
+      before = depths(run, measured);
   }
   result.depth = depths(run, measured);
   result.still = largest_relative_change(before, result.depth);

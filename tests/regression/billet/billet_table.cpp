@@ -147,6 +147,5 @@ int main(int count, char** argument) {
   print_depths(run);
   print_variants(billet);
   print_stirring(regression::refined(billet, 1));
-  print_stirring_by_size(regression::refined(billet, 1),
-                         support::load_case(DCCAST_AA6008));
+  print_stirring_by_size(regression::refined(billet, 1), support::load_case(DCCAST_AA6008));
 }

@@ -40,28 +40,27 @@ v1::RelativeError band(const Truth& casting, v1::Quality quality) {
 
 TEST(Start3dBands, HoldTheTruths) {
   const auto change = case_file::change_of;
-  const Truth truths[] = {
-      {.name = "start-3d-paper", .corner_mm = 39.0, .uncertainty_mm = 0.4},
-      {.name = "start-3d-paper",
-       .changes = {change("schedule.water_flow.scale", "0.5")},
-       .corner_mm = 36.6,
-       .uncertainty_mm = 0.4},
-      {.name = "start-3d-paper",
-       .changes = {change("schedule.casting_speed.scale", "0.7")},
-       .corner_mm = 26.9,
-       .uncertainty_mm = 0.5},
-      {.name = "start-3d-aa1050", .corner_mm = 27.7, .uncertainty_mm = 0.8},
-      {.name = "start-3d-aa3104", .corner_mm = 37.0, .uncertainty_mm = 0.8},
-      {.name = "start-3d-aa3104",
-       .changes = {change("schedule.casting_temperature.offset", "20 K")},
-       .corner_mm = 38.5,
-       .uncertainty_mm = 1.0},
-      {.name = "start-3d-aa3104",
-       .changes = {change("section.block_above_water", "30 mm")},
-       .corner_mm = 36.5,
-       .uncertainty_mm = 0.5},
-      {.name = "start-3d-aa6063", .corner_mm = 34.5, .uncertainty_mm = 0.7},
-      {.name = "start-3d-aa5182", .corner_mm = 42.2, .uncertainty_mm = 1.2}};
+  const Truth truths[] = {{.name = "start-3d-paper", .corner_mm = 39.0, .uncertainty_mm = 0.4},
+                          {.name = "start-3d-paper",
+                           .changes = {change("schedule.water_flow.scale", "0.5")},
+                           .corner_mm = 36.6,
+                           .uncertainty_mm = 0.4},
+                          {.name = "start-3d-paper",
+                           .changes = {change("schedule.casting_speed.scale", "0.7")},
+                           .corner_mm = 26.9,
+                           .uncertainty_mm = 0.5},
+                          {.name = "start-3d-aa1050", .corner_mm = 27.7, .uncertainty_mm = 0.8},
+                          {.name = "start-3d-aa3104", .corner_mm = 37.0, .uncertainty_mm = 0.8},
+                          {.name = "start-3d-aa3104",
+                           .changes = {change("schedule.casting_temperature.offset", "20 K")},
+                           .corner_mm = 38.5,
+                           .uncertainty_mm = 1.0},
+                          {.name = "start-3d-aa3104",
+                           .changes = {change("section.block_above_water", "30 mm")},
+                           .corner_mm = 36.5,
+                           .uncertainty_mm = 0.5},
+                          {.name = "start-3d-aa6063", .corner_mm = 34.5, .uncertainty_mm = 0.7},
+                          {.name = "start-3d-aa5182", .corner_mm = 42.2, .uncertainty_mm = 1.2}};
 
   for (const Truth& truth : truths)
     for (const v1::Quality quality : {v1::DRAFT, v1::ENGINEERING}) {

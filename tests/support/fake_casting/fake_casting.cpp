@@ -295,8 +295,8 @@ const std::string& solver_identity() {
   return identity;
 }
 
-RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObserver& observer,
-               int, LeverFeed*) {
+RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObserver& observer, int,
+               LeverFeed*) {
   const Script script(casting_case.title);
   const std::int64_t widest_mm = script.number("fail_open_mm", 0);
   FakeRun fake{script, directory, observer, script.number("steps", 20),

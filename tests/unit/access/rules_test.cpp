@@ -42,7 +42,8 @@ TEST(Rules, CallsThatChangeNeedASubmitter) {
   for (int i = 0; i < service().method_count(); ++i) {
     const std::string name = service().method(i)->name();
     const v1::CallAccess& access = rule_of(*service().method(i)->input_type()).access;
-    for (const char* verb : {"Submit", "Upload", "Create", "Cancel", "Pause", "Resume", "Restart", "Delete"})
+    for (const char* verb :
+         {"Submit", "Upload", "Create", "Cancel", "Pause", "Resume", "Restart", "Delete"})
       EXPECT_TRUE(!name.starts_with(verb) || access.role() >= v1::SUBMITTER) << name;
     for (const char* verb : {"Cancel", "Pause", "Resume", "Restart", "Delete"})
       if (name.starts_with(verb)) {

@@ -135,6 +135,18 @@ class Sources(unittest.TestCase):
     def assert_none(self, broken):
         self.assertFalse(broken, "\n" + "\n".join(broken))
 
+    def test_sources_are_as_clang_format_writes_them(self):
+        """The rules of .clang-format; `git ls-files '*.cpp' '*.hpp' '*.proto' | xargs clang-format-14 -i`."""
+        formatted = [path for path in FILES if path.suffix in (".cpp", ".hpp", ".proto")]
+        check = subprocess.run(["clang-format-14", "--dry-run", *formatted], cwd=ROOT,
+                               capture_output=True, text=True, check=True)
+        self.assert_none(sorted(set(re.findall(r"^(\S+?):\d+:", check.stderr, re.MULTILINE))))
+
+    def test_lines_of_the_contract_have_at_most_100_columns(self):
+        self.assert_none([f"{path}:{number}" for path in FILES if path.suffix == ".proto"
+                          for number, line in enumerate(text_of(path).splitlines(), 1)
+                          if len(line) > 100])
+
     def test_there_are_sources_to_scan(self):
         self.assertGreater(len(SOURCES), 20)
         self.assertIn("core/results/frame.hpp",

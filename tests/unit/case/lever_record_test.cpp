@@ -73,8 +73,8 @@ TEST(LeverRecord, TheIntegralDoesNotDependOnTheDivisionOfTime) {
 
 /// What was known while the casting was followed is what is found when it is repeated.
 TEST(LeverRecord, LaterReadingsDoNotChangeWhatWasKnown) {
-  const std::vector<LeverReading> readings{reading(0.0, 1.0, 3.0), reading(1.0, {}, 4.0),
-                                           reading(2.0, 2.0), reading(3.5, 2.5, 5.0),
+  const std::vector<LeverReading> readings{reading(0.0, 1.0, 3.0),  reading(1.0, {}, 4.0),
+                                           reading(2.0, 2.0),       reading(3.5, 2.5, 5.0),
                                            reading(20.0, 1.0, 1.0), reading(20.5, 1.5)};
   const LeverRecord whole = record(readings);
   LeverRecord followed;

@@ -92,7 +92,9 @@ const Mistake mistakes[] = {
     {"BowlWiderThanTheBlock", "cooling.bottom_block.bowl.wall",
      [](Case& c) { c.section.bowl = {.depth = 0.02, .lip = 0.10, .wall = 0.08}; }},
     {"HoleBesideTheBlock", "cooling.bottom_block.drain_hole[1]",
-     [](Case& c) { drill(c, {{0.1, 0.1, 0.02}, {0.275, 0.1, 0.02}}); }},
+     [](Case& c) {
+       drill(c, {{0.1, 0.1, 0.02}, {0.275, 0.1, 0.02}});
+     }},
     {"HoleInTheRoundedCorner", "cooling.bottom_block.drain_hole[0]",
      [](Case& c) {
        c.section.corner_radius = 0.06;
@@ -100,9 +102,13 @@ const Mistake mistakes[] = {
        drill(c, {{0.265, 0.125, 0.02}});
      }},
     {"HoleCutByAPlaneOfSymmetry", "cooling.bottom_block.drain_hole[0].x",
-     [](Case& c) { drill(c, {{0.005, 0.1, 0.02}}); }},
+     [](Case& c) {
+       drill(c, {{0.005, 0.1, 0.02}});
+     }},
     {"HoleWithoutWaterInTheGap", "cooling.bottom_block.drain_hole",
-     [](Case& c) { c.cooling.bottom_block.drain_holes = {{0.1, 0.1, 0.02}}; }},
+     [](Case& c) {
+       c.cooling.bottom_block.drain_holes = {{0.1, 0.1, 0.02}};
+     }},
     {"CornerBeyondTheLastBreakPoint", "section.corner_radius",
      [](Case& c) { c.section.corner_radius = 0.17; }},
     {"CornerThatHoldsNoCells", "section.corner_radius",

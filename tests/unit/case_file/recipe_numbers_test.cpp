@@ -54,7 +54,9 @@ TEST(RecipeNumbers, AnotherFillingMovesTheStartOfTheMechanics) {
     ASSERT_TRUE(apply_changes(after, changes).empty());
     EXPECT_NEAR(after.mechanics().start_s(), start_s == 0.0 ? 0.0 : 50.6 - 59.88, 1e-9);
     for (const auto& change : changes)
-      if (change.key() == "mechanics.start") { EXPECT_EQ(change.value(), "-9.28 s"); }
+      if (change.key() == "mechanics.start") {
+        EXPECT_EQ(change.value(), "-9.28 s");
+      }
   }
 }
 

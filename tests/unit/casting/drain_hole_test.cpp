@@ -36,7 +36,8 @@ std::vector<results::StepReport> run_all(const Case& c) {
   return recorder.reports;
 }
 
-/// Heat in equals heat out, the water takes no more than it can, and behind the holes it takes less.
+/// Heat in equals heat out, the water takes no more than it can, and behind the holes it takes
+/// less.
 TEST(DrainHoles, KeepTheBalanceOfACasting) {
   const auto closed = run_all(quarter_over({}));
   const auto drained = run_all(quarter_over({{0.2, 0.0, 0.05}, {0.2, 0.1, 0.05}}));

@@ -18,7 +18,8 @@ using testing::small_casting;
 
 constexpr double radius = 0.1, duration = 10.0;  // [m], [s]
 
-/// A long elastic cylinder, free of stress at one temperature, then with a parabola over its radius.
+/// A long elastic cylinder, free of stress at one temperature, then with a parabola over its
+/// radius.
 /// @param rise  [K] of the axis above the face
 results::StepReport cylinder_with_parabola(double rise) {
   const TemporaryFolder folder;

@@ -23,7 +23,8 @@ narrow_water = { name = "FT102", unit = "l/min/m" }
 [curl]
 corner = { name = "LVDT 1", unit = "in" }
 "middle of the wide face" = { name = "LVDT 2", unit = "mm" }
-)", "plant.toml");
+)",
+                                      "plant.toml");
   EXPECT_EQ(map.zero.at_s, 1200.0);
   EXPECT_FALSE(map.zero.at_motion);
   ASSERT_EQ(map.columns.size(), 7u);
@@ -68,7 +69,8 @@ narrow_water = { name = "G", unit = "m3/h", per = "5 kg" }
 curl = { corner = { unit = "mm", range = 3 } }
 )");
   for (const char* part :
-       {"plant.toml:1:29: time.unit = 'kg': cannot be converted to s; permitted: a unit such as \"s\"",
+       {"plant.toml:1:29: time.unit = 'kg': cannot be converted to s; permitted: a unit such as "
+        "\"s\"",
         "plant.toml:2:18: speed.name = 3: permitted: a text",
         "plant.toml:3:9: metal = 'TT3': permitted: a table; write metal = { name = \"...\", unit = "
         "\"degC\" }",

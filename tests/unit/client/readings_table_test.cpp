@@ -101,8 +101,8 @@ TEST(ReadingsTable, AColumnGivenTwiceIsRefused) {
 
 TEST(ReadingsTable, ReadsObjectsWithTheSameNames) {
   ReadingsTable table;
-  const auto first = table.take(
-      R"({"time [s]": 1, "speed [mm/min]": 60, "curl corner [mm]": "4.5", "batch": 7})");
+  const auto first =
+      table.take(R"({"time [s]": 1, "speed [mm/min]": 60, "curl corner [mm]": "4.5", "batch": 7})");
   EXPECT_THAT(first.remarks, ElementsAre("columns that are left out: \"batch\""));
   ASSERT_EQ(first.readings.size(), 1u);
   EXPECT_DOUBLE_EQ(first.readings[0].casting_speed_m_per_s(), 1e-3);
@@ -133,8 +133,7 @@ TEST(ReadingsTable, SaysWhatIsWrongWithAnObject) {
   EXPECT_EQ(remark("{}"), "line 7: left out: it has no time");
 
   const std::string nested(60000, '[');
-  EXPECT_EQ(remark(R"({"time [s]": )" + nested),
-            "line 8: left out: it is no complete JSON object");
+  EXPECT_EQ(remark(R"({"time [s]": )" + nested), "line 8: left out: it is no complete JSON object");
   EXPECT_EQ(remark(R"({"time [s]": 9, "x": )" + nested + std::string(nested.size(), ']') + "}"),
             "line 9: left out: longer than 65536 bytes");
   EXPECT_EQ(reading_of(table, R"({"time [s]": 10, "speed [mm/min]": 60})").time_s(), 10.0);
@@ -150,8 +149,13 @@ TEST(ReadingsTable, AnObjectAmongRowsIsLeftOut) {
 TEST(ReadingsTable, BytesThatAreNoTextAreShownEscaped) {
   ReadingsTable table;
   table.take("time [s], speed [mm/min]");
-  EXPECT_THAT(table.take(std::string("1, 4\0" "0\x1b[2J", 10)).remarks,
-              ElementsAre("line 2: \"4\\u{0}0\\u{1B}[2J\" of speed [mm/min] is no number and left out"));
+  EXPECT_THAT(
+      table
+          .take(std::string("1, 4\0"
+                            "0\x1b[2J",
+                            10))
+          .remarks,
+      ElementsAre("line 2: \"4\\u{0}0\\u{1B}[2J\" of speed [mm/min] is no number and left out"));
   EXPECT_THAT(table.take(std::string("\0\0\0", 3)).remarks,
               ElementsAre("line 3: left out: it has 1 columns, the header 2"));
   EXPECT_THAT(table.take(std::string("{\0}", 3)).remarks,
@@ -188,7 +192,8 @@ TEST(ReadingsTable, TheSpeedFollowsFromTheCastLength) {
   EXPECT_DOUBLE_EQ(reading_of(table, "4, 13, 680").casting_speed_m_per_s(), 0.5e-3);
 
   const auto reset = table.take("5, 0, 680");
-  EXPECT_THAT(reset.remarks, ElementsAre(HasSubstr("falls from 13 to 0 mm; the speed is left out")));
+  EXPECT_THAT(reset.remarks,
+              ElementsAre(HasSubstr("falls from 13 to 0 mm; the speed is left out")));
   EXPECT_FALSE(reset.readings.front().has_casting_speed_m_per_s());
   EXPECT_DOUBLE_EQ(reading_of(table, "6, 1, 680").casting_speed_m_per_s(), 1e-3);
 }
@@ -217,8 +222,11 @@ TEST(ReadingsTable, ReadsTheNamesUnitsAndClockOfAPlant) {
   EXPECT_THAT(table.gauges(), ElementsAre("corner"));
 
   // While the block stands nobody knows the time of the case.
-  EXPECT_THAT(table.take(R"({"ts": "2026-11-27T05:00:10+01:00", "DB12.CastSpeed": 0, "FT101": 18,
-                             "LVDT": 0.1})").readings, IsEmpty());
+  EXPECT_THAT(table
+                  .take(R"({"ts": "2026-11-27T05:00:10+01:00", "DB12.CastSpeed": 0, "FT101": 18,
+                             "LVDT": 0.1})")
+                  .readings,
+              IsEmpty());
   const auto still = table.take(R"({"ts": "2026-11-27T04:00:11Z", "DB12.CastSpeed": 0.2})");
   EXPECT_THAT(still.readings, IsEmpty());
   EXPECT_TRUE(still.time_s);
@@ -269,12 +277,13 @@ TEST(ReadingsTable, ReadingsThatWaitTooLongAreNotLostSilently) {
   table.take("ts, DB12.CastSpeed, FT101, LVDT");
   std::vector<std::string> remarks;
   for (int i = 0; i < 3700; ++i) {
-    const auto line = table.take(
-        fmt::format("2026-11-27T{:02}:{:02}:{:02}Z, 0, 18, 0.1", 4 + i / 3600, i / 60 % 60, i % 60));
+    const auto line = table.take(fmt::format("2026-11-27T{:02}:{:02}:{:02}Z, 0, 18, 0.1",
+                                             4 + i / 3600, i / 60 % 60, i % 60));
     remarks.insert(remarks.end(), line.remarks.begin(), line.remarks.end());
   }
-  EXPECT_THAT(remarks, ElementsAre("line 3602: the block has not moved for 3600 readings; older ones "
-                                   "are left out from now on"));
+  EXPECT_THAT(remarks,
+              ElementsAre("line 3602: the block has not moved for 3600 readings; older ones "
+                          "are left out from now on"));
 }
 
 TEST(ReadingsTable, AnEmptyObjectIsNoHeader) {
@@ -288,12 +297,12 @@ TEST(ReadingsTable, ANameThatAppearsLaterIsReportedOnce) {
   ReadingsTable table;
   table.take(R"({"time [s]": 1, "speed [mm/min]": 60})");
   const char* const later = R"({"time [s]": 2, "speed [mm/min]": 60, "curl corner [mm]": 3})";
-  EXPECT_THAT(table.take(later).remarks,
-              ElementsAre("line 2: \"curl corner [mm]\" is left out: the first object does not have it; "
-                          "there null stands for no value"));
   EXPECT_THAT(
-      table.take(R"({"time [s]": 3, "speed [mm/min]": 60, "curl corner [mm]": 3})").remarks,
-      IsEmpty());
+      table.take(later).remarks,
+      ElementsAre("line 2: \"curl corner [mm]\" is left out: the first object does not have it; "
+                  "there null stands for no value"));
+  EXPECT_THAT(table.take(R"({"time [s]": 3, "speed [mm/min]": 60, "curl corner [mm]": 3})").remarks,
+              IsEmpty());
 }
 
 TEST(ReadingsTable, ANameThatAHeaderHasTwiceIsRefused) {
@@ -308,8 +317,9 @@ TEST(ReadingsTable, ANameThatAHeaderHasTwiceIsRefused) {
 
 TEST(ReadingsTable, ANameThatTheSourceLacksIsReported) {
   ReadingsTable objects(parse_columns(names_of_plant, "plant.toml"));
-  EXPECT_THAT(objects.take(R"({"ts": "2026-11-27 04:00:12", "DB12.CastSpeed": 0})").remarks,
-              ElementsAre("line 1: there is no \"LVDT\", \"FT101\" among \"DB12.CastSpeed\", \"ts\""));
+  EXPECT_THAT(
+      objects.take(R"({"ts": "2026-11-27 04:00:12", "DB12.CastSpeed": 0})").remarks,
+      ElementsAre("line 1: there is no \"LVDT\", \"FT101\" among \"DB12.CastSpeed\", \"ts\""));
 
   ReadingsTable rows(parse_columns(names_of_plant, "plant.toml"));
   EXPECT_THROW(rows.take("ts, DB12.CastSpeed"), CommandFailed);

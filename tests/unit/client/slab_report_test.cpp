@@ -134,8 +134,7 @@ TEST(ReportPage, OfAQuarterSlabHasItsPicturesAndThePlantsFigures) {
   for (const char* const part :
        {"Gap under the butt", "180 l/min/m", "Shell", "Sump", "Temperatures",
         "Heat through each face", "Contact with the block", "narrow face",
-        "<td>20.00</td><td>600</td><td>400</td><td>2</td><td>9</td>",
-        "<strong>1.00</strong> dm2"})
+        "<td>20.00</td><td>600</td><td>400</td><td>2</td><td>9</td>", "<strong>1.00</strong> dm2"})
     EXPECT_THAT(page, HasSubstr(part));
   for (const char* const absent : {"http://", "src=", ">nan", "nan mm", "Gap along the bottom"})
     EXPECT_THAT(page, Not(HasSubstr(absent)));
@@ -147,9 +146,9 @@ TEST(ReportPage, HasThePullInOfTheWideFaceAsFiguresAndAsLines) {
   *result.mutable_frame() = frames::testing::cooled(frames::testing::hot_above);
   result.add_steps()->set_time_s(1000.0);
   const std::string page = report_of_run(v1::Job(), result);
-  for (const char* const part : {"<h2>Pull-in of the wide face</h2>", "\"quantity\":\"pull-in\"",
-                                 "<th>pull-in, mm</th>", "<td class='text'>head</td>",
-                                 "<td class='text'>butt</td>"})
+  for (const char* const part :
+       {"<h2>Pull-in of the wide face</h2>", "\"quantity\":\"pull-in\"", "<th>pull-in, mm</th>",
+        "<td class='text'>head</td>", "<td class='text'>butt</td>"})
     EXPECT_THAT(page, HasSubstr(part));
   EXPECT_THAT(report_of_run(v1::Job(), run_with(35, 45)), Not(HasSubstr("Pull-in")))
       << "of a frame whose case has no mould";

@@ -21,7 +21,7 @@
 namespace {
 /// Allocations of this thread that still succeed; empty: all.
 thread_local std::optional<int> allocations_left;
-}
+}  // namespace
 
 void* operator new(std::size_t size) {
   const bool succeeds = !allocations_left || (*allocations_left)-- > 0;

@@ -33,9 +33,9 @@ TEST(FoundCase, HasTheCalibratedValueItsRangeAndWhereItIsFrom) {
   v1::Case complete = submitted;
   complete.mutable_schedule()->set_hold_s(60.0);
 
-  const std::string text =
-      found_case(calibrated("schedule.hold", "50 s"), submitted, complete);
-  EXPECT_THAT(text, testing::StartsWith("# calibrated from curl.csv by dccast calibrate, study id."));
+  const std::string text = found_case(calibrated("schedule.hold", "50 s"), submitted, complete);
+  EXPECT_THAT(text,
+              testing::StartsWith("# calibrated from curl.csv by dccast calibrate, study id."));
   EXPECT_THAT(text, HasSubstr("#   schedule.hold = 50 s; before: 40..80 s, after: 45 s to 55 s"));
   EXPECT_THAT(text, HasSubstr("\"schedule.hold\" = \"45..55 s\"  # calibrated from curl.csv"));
 

@@ -7,7 +7,8 @@
 
 namespace dccast::linalg::testing {
 
-/// Unknowns of the square cells of a grid of columns x rows of nodes, numbered row by row, four a cell.
+/// Unknowns of the square cells of a grid of columns x rows of nodes, numbered row by row, four a
+/// cell.
 inline std::vector<int> grid_cells(int columns, int rows) {
   std::vector<int> unknown;
   for (int row = 0; row + 1 < rows; ++row) {
@@ -18,7 +19,9 @@ inline std::vector<int> grid_cells(int columns, int rows) {
   }
   return unknown;
 }
-inline std::vector<int> grid_cells(int n) { return grid_cells(n, n); }
+inline std::vector<int> grid_cells(int n) {
+  return grid_cells(n, n);
+}
 
 /// Sum over the cells of the graph Laplacian of their four corners with a weight by cell, plus
 /// `shift` on the diagonal: positive definite for a positive shift.

@@ -87,8 +87,8 @@ TEST(ThermalProperties, AFedVolumeGivesOffTheHeatOfAllItsMetal) {
   card.fed_density = density_at_solid_fraction(card, 1.0);
   const ThermalProperties fed(card);
   EXPECT_NEAR(fed.enthalpy(680.0) - fed.enthalpy(20.0), exact, 1e-4 * exact);
-  EXPECT_NEAR(fed.solidification_enthalpy() - 2557.4 * (heat_per_kilogram(card, 649.0) -
-                                                       heat_per_kilogram(card, 620.0)),
+  EXPECT_NEAR(fed.solidification_enthalpy() -
+                  2557.4 * (heat_per_kilogram(card, 649.0) - heat_per_kilogram(card, 620.0)),
               0.0, 1e-4 * exact);
 
   // By the density at its temperature a place gives off 3.9 % less latent heat, and cools metal
@@ -271,8 +271,8 @@ TEST(MixedByFraction, WeighsSolidAndLiquidByTheirFractions) {
   EXPECT_EQ(mixed(700.0), 2360.0);
 
   card.liquid_fraction = {};
-  EXPECT_NEAR(mixed_by_fraction(card, solid, 2360.0)(634.5),
-              0.5 * solid(634.5) + 0.5 * 2360.0, 0.05);
+  EXPECT_NEAR(mixed_by_fraction(card, solid, 2360.0)(634.5), 0.5 * solid(634.5) + 0.5 * 2360.0,
+              0.05);
 
   card.solidus = card.liquidus;
   EXPECT_EQ(mixed_by_fraction(card, solid, 2360.0)(card.liquidus + 1.0), 2360.0);

@@ -88,9 +88,9 @@ TYPED_TEST(ContactOf, ConditionsAndBalanceHoldOnACurvedFloor) {
     const auto floor = block.floor(unknowns);
     EXPECT_GT(closed_of(unknowns.contact), 0) << slope;
     EXPECT_NEAR(floor.total, block.body.problem.weight, 1e-8 * block.body.problem.weight) << slope;
-    EXPECT_LE(
-        mechanics::complementarity_error(floor.gap, floor.reaction, 1e-3, block.body.problem.weight),
-        1e-8)
+    EXPECT_LE(mechanics::complementarity_error(floor.gap, floor.reaction, 1e-3,
+                                               block.body.problem.weight),
+              1e-8)
         << slope;
     EXPECT_EQ(unknowns.contact.front() != 0, slope > 0.0) << slope;
     EXPECT_EQ(unknowns.contact.back() != 0, slope < 0.0) << slope;

@@ -23,7 +23,8 @@ public:
     state.released.assign(std::size_t(slab.mesh().nodes()), 0);
     const std::vector<double> hot(std::size_t(slab.mesh().nodes()), 650.0);
     std::vector<char> closed(supports.bottom_nodes().size(), 1);
-    supports.hold_sides(problem, state, dccast::testing::usual_options(1e-8), hot, 620.0, 0.0, {}, closed);
+    supports.hold_sides(problem, state, dccast::testing::usual_options(1e-8), hot, 620.0, 0.0, {},
+                        closed);
     for (const auto& frame : supports.frames()) frame_of[frame.node] = frame;
   }
 

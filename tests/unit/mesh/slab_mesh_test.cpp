@@ -313,7 +313,8 @@ TEST(SlabMesh, NormalsOfTheBottomAreThoseOfTheBowl) {
   for (std::size_t i = 0; i < bottom.size(); ++i) {
     const double inward = 0.28 - slab.mesh().point(bottom[i])[0];
     const double share = std::clamp((inward - 0.04) / 0.12, 0.0, 1.0);
-    const double slope = 0.5 * 0.03 * M_PI / 0.12 * std::sin(M_PI * share);  // the block rises along x
+    const double slope =
+        0.5 * 0.03 * M_PI / 0.12 * std::sin(M_PI * share);  // the block rises along x
     EXPECT_NEAR(normals[i][0], -slope / std::hypot(1.0, slope), 5e-3) << inward;
     EXPECT_GT(normals[i][1], 0.9);
     if (inward < 0.03) {

@@ -62,7 +62,8 @@ std::vector<Innovation> simulated(const TrajectoryPrior& p, const Eigen::VectorX
     const double share = t / 2.0 - static_cast<double>(left);
     const double curl = (1.0 - share) * truth(left) + share * truth(left + 1);
     const double reading = curl + zero + fault.at(t) + gauge.noise * normal(random);
-    innovations.push_back({t, reading, first.expected_reading(t).value, forecast.expected_reading(t)});
+    innovations.push_back(
+        {t, reading, first.expected_reading(t).value, forecast.expected_reading(t)});
     if (std::abs(normalised(innovations.back())) <= farthest_innovation) forecast.learn(t, reading);
   }
   return innovations;
@@ -108,8 +109,7 @@ Outcome outcome_of(const char* name, const Castings& faulty, Watch watch) {
   outcome.seconds /= std::max(found, 1);
   outcome.steps = static_cast<double>(steps) / std::max(found, 1);
   std::printf("%-34s found %3.0f %%, after %4.1f s; steps %3.0f %%; early %4.1f %%\n", name,
-              100.0 * outcome.found, outcome.seconds, 100.0 * outcome.steps,
-              100.0 * outcome.early);
+              100.0 * outcome.found, outcome.seconds, 100.0 * outcome.steps, 100.0 * outcome.early);
   return outcome;
 }
 
@@ -148,7 +148,8 @@ TEST(Innovations, FindASlippedGaugeAndAFastDriftBetterThanAThreshold) {
   std::printf("threshold %.1f mm\n", threshold);
   const auto plain = by_threshold(threshold);
 
-  const Outcome sound = outcome_of("sound, innovations", simulated_castings({}, 1000), by_innovations);
+  const Outcome sound =
+      outcome_of("sound, innovations", simulated_castings({}, 1000), by_innovations);
   EXPECT_LE(sound.found + sound.early, 0.02);
 
   const Castings slipped = simulated_castings({.slip = 4.0}, 1000);

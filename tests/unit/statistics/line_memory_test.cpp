@@ -25,7 +25,9 @@ MeasuredCasting measured(double value, double noise = 0.5, double zero = 1.0) {
   return {{0}, Eigen::VectorXd::Constant(1, value), Eigen::VectorXd::Constant(1, noise), zero};
 }
 
-double variance_of(const Informed& informed) { return informed.prior.covariance(0, 0); }
+double variance_of(const Informed& informed) {
+  return informed.prior.covariance(0, 0);
+}
 
 TEST(LineMemory, EqualsTheMeanOfCastingsInClosedForm) {
   const std::vector<MeasuredCasting> castings{measured(13.0), measured(17.0), measured(16.5)};
@@ -67,16 +69,18 @@ TEST(LineMemory, OrderDoesNotMatterUnlessOldCastingsFade) {
   std::vector<MeasuredCasting> castings{measured(13.0), measured(17.0), measured(16.5)};
   std::vector<MeasuredCasting> turned(castings.rbegin(), castings.rend());
   const BetweenCastings lasting{.scatter = 0.3}, fading{.scatter = 0.3, .kept = 0.8};
-  const auto expected = [](const std::vector<MeasuredCasting>& all, const BetweenCastings& between) {
+  const auto expected = [](const std::vector<MeasuredCasting>& all,
+                           const BetweenCastings& between) {
     return inform(scalar(), 1, all, between);
   };
   EXPECT_NEAR(expected(castings, lasting).prior.deviation(0),
               expected(turned, lasting).prior.deviation(0), 1e-12);
-  EXPECT_NEAR(expected(castings, lasting).log_likelihood,
-              expected(turned, lasting).log_likelihood, 1e-12);
+  EXPECT_NEAR(expected(castings, lasting).log_likelihood, expected(turned, lasting).log_likelihood,
+              1e-12);
 
   // The lowest comes last: it counts most.
-  EXPECT_GT(expected(castings, fading).prior.deviation(0), expected(turned, fading).prior.deviation(0));
+  EXPECT_GT(expected(castings, fading).prior.deviation(0),
+            expected(turned, fading).prior.deviation(0));
   EXPECT_GT(variance_of(expected(castings, fading)), variance_of(expected(castings, lasting)));
 }
 
@@ -94,21 +98,23 @@ TEST(LineMemory, InformsAnotherRecipeThroughTheSharedData) {
                               Eigen::VectorXd::Zero(next + before),
                               Eigen::VectorXd::Zero(next + before), both * both.transpose()};
   const double noise = 0.4;
-  MeasuredCasting casting{{}, Eigen::VectorXd::NullaryExpr(before, drawn),
-                          Eigen::VectorXd::Constant(before, noise), 0.0};
+  MeasuredCasting casting{{},
+                          Eigen::VectorXd::NullaryExpr(before, drawn),
+                          Eigen::VectorXd::Constant(before, noise),
+                          0.0};
   for (int i = 0; i < before; ++i) casting.instants.push_back(next + i);
   const Informed informed = inform(joint, next, {casting}, {.scatter = 0.0});
 
-  const Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(data, data) +
-                                    on_before.transpose() * on_before / (noise * noise);
+  const Eigen::MatrixXd precision =
+      Eigen::MatrixXd::Identity(data, data) + on_before.transpose() * on_before / (noise * noise);
   const Eigen::MatrixXd of_data = precision.inverse();
   const Eigen::VectorXd mean = of_data * on_before.transpose() * casting.values / (noise * noise);
   EXPECT_LT((informed.prior.deviation - on_next * mean).norm(), 1e-10);
   EXPECT_LT((informed.prior.covariance - on_next * of_data * on_next.transpose()).norm(), 1e-10);
 }
 
-/// Lines whose castings have a curl of `instants` values, of which `scatter` of the variance is drawn
-/// anew with each casting.
+/// Lines whose castings have a curl of `instants` values, of which `scatter` of the variance is
+/// drawn anew with each casting.
 struct DrawnLines {
   static constexpr int instants = 6;
   double scatter;
@@ -158,8 +164,8 @@ TEST(LineMemory, BandsOfTheNextCastingHoldNineOfTen) {
       squares += off * off;
       alone += truth * truth;
     }
-    std::printf("after %d castings: bands hold %d of %d, error %.2f of that without\n", before, held,
-                lines, std::sqrt(squares / alone));
+    std::printf("after %d castings: bands hold %d of %d, error %.2f of that without\n", before,
+                held, lines, std::sqrt(squares / alone));
     EXPECT_NEAR(held, 0.9 * lines, 0.04 * lines);
     EXPECT_LT(squares, 0.6 * alone);
   }

@@ -88,7 +88,8 @@ TEST(RobustSearch, AnErrorOfTheValueIsARisk) {
     outcomes.error = 0.1;
     return outcomes;
   };
-  const DesignScore score = score_design(uncertain, Eigen::RowVector2d(0.5, 0.9), hypercube(10, 1, 3));
+  const DesignScore score =
+      score_design(uncertain, Eigen::RowVector2d(0.5, 0.9), hypercube(10, 1, 3));
   EXPECT_NEAR(score.risk, 0.3173, 1e-4);  // beyond one standard deviation
   EXPECT_NEAR(score.high, 0.5 + 0.16449, 1e-4);
 }

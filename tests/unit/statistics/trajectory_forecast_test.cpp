@@ -38,7 +38,8 @@ TrajectoryPrior prior() {
 
 /// A trajectory drawn from the prior.
 Eigen::VectorXd drawn_truth(const TrajectoryPrior& from, std::mt19937_64& random) {
-  const Eigen::MatrixXd regular = from.covariance + 1e-9 * Eigen::MatrixXd::Identity(instants, instants);
+  const Eigen::MatrixXd regular =
+      from.covariance + 1e-9 * Eigen::MatrixXd::Identity(instants, instants);
   const Eigen::VectorXd numbers =
       Eigen::VectorXd::NullaryExpr(instants, [&](Eigen::Index) { return normal(random); });
   return from.nominal + from.deviation + regular.llt().matrixL() * numbers;

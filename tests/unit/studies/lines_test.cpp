@@ -71,9 +71,9 @@ TEST(Lines, BeginAfreshOrAreRemoved) {
 
 TEST(Lines, NamesArePermittedThatStayInTheFolder) {
   for (const char* name : {"pit-3", "A", "2", "line_4.b"}) EXPECT_TRUE(is_line_name(name)) << name;
-  for (const std::string& name : {std::string(), std::string("../x"), std::string(".x"),
-                                  std::string("a b"), std::string("a/b"), std::string("\xC3\xA4"),
-                                  std::string(65, 'a')})
+  for (const std::string& name :
+       {std::string(), std::string("../x"), std::string(".x"), std::string("a b"),
+        std::string("a/b"), std::string("\xC3\xA4"), std::string(65, 'a')})
     EXPECT_FALSE(is_line_name(name)) << name;
 
   const TemporaryFolder folder;

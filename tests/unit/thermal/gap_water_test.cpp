@@ -89,8 +89,7 @@ TEST(GapWater, NeverOffersMoreThanItsCapacity) {
     double most = 0.0;
     for (std::size_t i = 0; i < places; ++i) {
       const GapPlace& at = streams.place[i];
-      if (at.share > 0.0)
-        most += butt[i].area * (at.share * at.water.largest_flux + at.block_flux);
+      if (at.share > 0.0) most += butt[i].area * (at.share * at.water.largest_flux + at.block_flux);
     }
     EXPECT_LE(most, capacity * (1.0 + 1e-12)) << flow;
     EXPECT_GT(most, 0.5 * capacity) << flow;
@@ -135,7 +134,8 @@ TEST(GapWater, WithoutSupplyIsDry) {
 /// Two columns of water at a corner: mass and heat add up.
 TEST(GapWater, JoinsWhatComesDownAtOnePlace) {
   const auto butt = open_butt(100.0, 1.0);
-  const std::vector<EdgeSupply> two{{places - 1, {30.0, 1e-3}, 0.5}, {places - 1, {60.0, 3e-3}, 0.5}};
+  const std::vector<EdgeSupply> two{{places - 1, {30.0, 1e-3}, 0.5},
+                                    {places - 1, {60.0, 3e-3}, 0.5}};
   const std::vector<EdgeSupply> mixed{{places - 1, {52.5, 2e-3}, 1.0}};
   const auto joined = lay_gap_water(gap_water, law(), chain(), butt, two, {}, 0.0, 1.0);
   const auto same = lay_gap_water(gap_water, law(), chain(), butt, mixed, {}, 0.0, 1.0);
@@ -168,8 +168,8 @@ TEST(Steam, RisesSteeplyInANarrowGap) {
   EXPECT_LT(last(1e-3), 8.0 * last(2e-3));
 }
 
-/// Slow steam that flows to a hole from all sides: 12 mu m / (angle rho g^3) ln((r + s) / r), and the
-/// velocity head at the rim.
+/// Slow steam that flows to a hole from all sides: 12 mu m / (angle rho g^3) ln((r + s) / r), and
+/// the velocity head at the rim.
 TEST(Steam, FlowsRadiallyToAHole) {
   const double gap = 1e-3, radius = 0.02, reach = 0.3, flow = 1e-3;  // [m], [m], [m], [kg/s]
   const double angle = 0.5 * std::numbers::pi;

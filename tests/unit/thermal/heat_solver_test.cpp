@@ -289,8 +289,9 @@ TEST(HeatSolver, OpenGapCoolsLess) {
   EXPECT_GT(bottom_heat({}), 15.0 * bottom_heat(open));
 }
 
-/// A slab that cools through a gap of given width on its side only: Carslaw and Jaeger, section 3.11,
-/// with h = 1 / (1/2000 + 0.01 mm / 0.05 W/(m K)) = 1429 W/(m2 K), a Biot number of 2.
+/// A slab that cools through a gap of given width on its side only: Carslaw and Jaeger,
+/// section 3.11, with h = 1 / (1/2000 + 0.01 mm / 0.05 W/(m K)) = 1429 W/(m2 K), a Biot number
+/// of 2.
 TEST(HeatSolver, CoolsThroughAGapAsTheSeries) {
   constexpr double width = 0.28, conductivity = 200.0, capacity = 2.6e6, hot = 500.0, wall = 25.0;
   material::AlloyCard card = casting_alloy();

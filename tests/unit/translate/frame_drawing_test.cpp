@@ -1,5 +1,5 @@
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <map>
 #include <set>
@@ -94,8 +94,7 @@ TEST(FrameDrawing, LiquidStandsLevel) {
 
   for (int n = 0; n < 9; ++n) frame.set_temperature_c(n, 640.0);
   make_drawing(frame);
-  for (int i = 2; i < frame.displacement_m_size(); i += 3)
-    EXPECT_EQ(frame.displacement_m(i), 0.0);
+  for (int i = 2; i < frame.displacement_m_size(); i += 3) EXPECT_EQ(frame.displacement_m(i), 0.0);
 }
 
 }  // namespace

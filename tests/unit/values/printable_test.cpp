@@ -6,7 +6,8 @@ namespace dccast::values {
 namespace {
 
 TEST(Unprintable, LetsTextOfAnyLanguagePass) {
-  for (const char* text : {"", "start-3d 60 mm/min", "K\u00fchlung \u00b0C", "\u94dd\u677f", "\U0001F525"})
+  for (const char* text :
+       {"", "start-3d 60 mm/min", "K\u00fchlung \u00b0C", "\u94dd\u677f", "\U0001F525"})
     EXPECT_FALSE(unprintable(text)) << text;
 }
 
@@ -23,7 +24,8 @@ TEST(Unprintable, NamesTheCharacterAndItsPlace) {
 }
 
 TEST(Unprintable, FindsWhatIsNoUtf8) {
-  for (const char* text : {"\x80", "\xc0\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82", "\xff"})
+  for (const char* text :
+       {"\x80", "\xc0\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82", "\xff"})
     EXPECT_TRUE(unprintable(text)) << text;
   EXPECT_EQ(first_broken_utf8("\u00b0\xe9"), 2u);
   EXPECT_FALSE(first_broken_utf8("\u00b0 \x1b"));

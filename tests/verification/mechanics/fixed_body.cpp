@@ -38,8 +38,8 @@ void subdivide(const Triangle& t, int levels, double area,
     constexpr double near = 2.0 / 3.0, far = 1.0 / 6.0;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vector2 &a = t[k], &b = t[(k + 1) % 3], &c = t[(k + 2) % 3];
-      out.push_back({{near * a[0] + far * (b[0] + c[0]), near * a[1] + far * (b[1] + c[1])},
-                     area / 3.0});
+      out.push_back(
+          {{near * a[0] + far * (b[0] + c[0]), near * a[1] + far * (b[1] + c[1])}, area / 3.0});
     }
     return;
   }
@@ -55,8 +55,7 @@ Vector2 position(const mesh::Mesh2D& mesh, int node) {
 }
 
 std::vector<IntegrationPoint> on_triangle(const mesh::Mesh2D& mesh, const int* node) {
-  const Triangle corners{position(mesh, node[0]), position(mesh, node[1]),
-                         position(mesh, node[2])};
+  const Triangle corners{position(mesh, node[0]), position(mesh, node[1]), position(mesh, node[2])};
   const auto [a, b, c] = corners;
   const double twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
   std::vector<std::pair<Vector2, double>> points;
@@ -74,7 +73,8 @@ std::vector<IntegrationPoint> on_quadrilateral(const mesh::Mesh2D& mesh, const i
   constexpr int parts = 6;  // by the midpoint of each part
   std::vector<IntegrationPoint> result;
   for (int i = 0; i < parts * parts; ++i) {
-    const Vector2 p{(2.0 * (i % parts) + 1.0) / parts - 1.0, (2.0 * (i / parts) + 1.0) / parts - 1.0};
+    const Vector2 p{(2.0 * (i % parts) + 1.0) / parts - 1.0,
+                    (2.0 * (i / parts) + 1.0) / parts - 1.0};
     const auto shape = fem::Q1Quadrilateral::shape(p);
     const auto gradient = fem::Q1Quadrilateral::shape_gradient(p);
     double x = 0, y = 0, xa = 0, xb = 0, ya = 0, yb = 0;

@@ -32,7 +32,9 @@ struct RelativeNorm {
       add((c < 3 ? 1.0 : 2.0) * weight, computed[c], reference[c]);
     }
   }
-  double value() const { return exact > 0.0 ? std::sqrt(difference / exact) : std::sqrt(difference); }
+  double value() const {
+    return exact > 0.0 ? std::sqrt(difference / exact) : std::sqrt(difference);
+  }
 };
 
 template <class Element>

@@ -13,10 +13,10 @@ namespace dccast::verification {
 /// How one of the paper's tests is run.
 struct TestRun {
   mechanics::Options options = testing::usual_options(1e-8);
-  double dt = 0.0625;                                  ///< [s]
-  int cells = 0;                                       ///< per side; 0: the paper's mesh
+  double dt = 0.0625;  ///< [s]
+  int cells = 0;       ///< per side; 0: the paper's mesh
   mesh::ElementKind element = mesh::ElementKind::p1;
-  std::optional<double> end;                           ///< [s]; absent: the paper's
+  std::optional<double> end;  ///< [s]; absent: the paper's
   /// Halve a step that fails; absent: unless plain.
   std::optional<bool> cut_steps;
 };

@@ -1,5 +1,5 @@
-#include "tests/support/usual_options.hpp"
 #include "tests/verification/mechanics/t1.hpp"
+#include "tests/support/usual_options.hpp"
 
 #include <cmath>
 #include <stdexcept>

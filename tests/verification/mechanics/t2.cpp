@@ -27,7 +27,9 @@ double thermal_strain(double t) {
 }
 
 /// Where the slab lifts off: the front of contact moves from 0.4 m to 0.2 m.
-double front(double t) { return 0.4 - 1e-3 * t; }
+double front(double t) {
+  return 0.4 - 1e-3 * t;
+}
 
 Vector2 exact_displacement(double x, double y, double t) {
   const double h = x - front(t), scale = (1.0 + poisson) * thermal_strain(t);
@@ -38,7 +40,8 @@ PlaneStress exact_stress(double x, double y, double t) {
   const double h = x - front(t), out_of_plane = -young * thermal_strain(t);
   if (h > 0.0) return {{0.0, 0.0, out_of_plane, 3.0 * mu * h * h}};
   const double h3 = h * h * h;
-  return {{lambda * h3, (lambda + 2.0 * mu) * h3, out_of_plane + lambda * h3, 3.0 * mu * h * h * y}};
+  return {
+      {lambda * h3, (lambda + 2.0 * mu) * h3, out_of_plane + lambda * h3, 3.0 * mu * h * h * y}};
 }
 
 Vector2 body_force(double x, double y, double t) {
@@ -90,7 +93,8 @@ Result run_contact_square(const TestRun& run) {
 }  // namespace
 
 Result run_t2(const TestRun& run) {
-  return with_element(run.element, [&]<class Element>() { return run_contact_square<Element>(run); });
+  return with_element(run.element,
+                      [&]<class Element>() { return run_contact_square<Element>(run); });
 }
 
 }  // namespace dccast::verification

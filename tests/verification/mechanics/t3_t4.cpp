@@ -48,15 +48,21 @@ Result run_square(const TestRun& run, bool contact) {
   });
   const double h = stretch(end), p = traction_rate * end;
   add_errors(
-      result, body, [h](double x, double y) { return Vector2{h * x, -h * y}; },
-      [p](double, double) { return PlaneStress{{p, -p, 0.0, 0.0}}; });
+      result, body,
+      [h](double x, double y) {
+        return Vector2{h * x, -h * y};
+      },
+      [p](double, double) {
+        return PlaneStress{{p, -p, 0.0, 0.0}};
+      });
   return result;
 }
 
 }  // namespace
 
 Result run_t3(const TestRun& run) {
-  return with_element(run.element, [&]<class Element>() { return run_square<Element>(run, false); });
+  return with_element(run.element,
+                      [&]<class Element>() { return run_square<Element>(run, false); });
 }
 
 Result run_t4(const TestRun& run) {
