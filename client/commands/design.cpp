@@ -72,7 +72,7 @@ constexpr const char* mould_examples =
   dccast design-mould --study ID --plot mould.html   show an existing design, with a page of charts
 
 The first run casts in the mould of the case; each further one in an opening corrected
-by the deviation of the cold slab (docs/mould-design.md). Exit code 3 when no opening within the
+by the deviation of the cold slab (docs/contraction.md). Exit code 3 when no opening within the
 tolerance was found, or when the face that was found is not steady yet.)";
 
 struct RecipeOptions : StudyOptions {

@@ -102,7 +102,7 @@ enum class WhenLost {
   go_on,  ///< the run continues; every later step is marked
 };
 
-/// Limits of the model; docs/developers/validity.md explains how they were chosen.
+/// Limits of the model; docs/validity.md explains how they were chosen.
 struct Validity {
   WhenLost when_lost = WhenLost::stop;
   double maximum_liquid_pressure_error = 0.0;  ///< [1] relative; for the prestressed liquid only

@@ -8,7 +8,7 @@ namespace dccast::casting {
 
 namespace {
 
-// Seconds on one core of a server of 2023, fitted to the cases of docs/developers/validity.md:
+// Seconds on one core of a server of 2023, fitted to the cases of docs/developers/decisions.md:
 // within a factor of 1.5 on the shipped cases and on refinement 2 with newton, and on steps halved
 // and quartered with the cells. Fits, not theory: the cost of a step goes with the nodes times
 // those of a row, the band of the matrix.
@@ -34,7 +34,7 @@ constexpr double solid_mechanics_by_node = 1.8e-5;  // [s] iterations of newton 
 
 // The same with the two-grid solver instead of the factor: peak memory of whole processes from
 // 6,000 to 97,000 nodes was 13 to 17 kB per node, the time of a step 40 to 60 us per node
-// (docs/developers/large-solids.md).
+// (docs/developers/factorisation.md).
 constexpr double grids_memory_by_node = 1.8e4;  // [bytes]
 constexpr double grids_seconds_by_node = 5e-5;  // [s] a mechanical step
 constexpr double memory_before_grids = 1.5e8;   // [bytes] of the largest factor before the switch

@@ -126,7 +126,7 @@ struct BendingQuadrilateral : Q1Quadrilateral {};
 /// mean, the strain has the bending and twisting modes of three plates, one normal to each axis of
 /// the cell: stretches and shear in the plane of the other two axes, linear through the thickness,
 /// with the opposite strain through the thickness and no transverse shear. Three bilinear stretches
-/// complete it, so that there are no zero-energy modes. docs/developers/elements.md explains the
+/// complete it, so that there are no zero-energy modes. docs/developers/decisions.md explains the
 /// choice.
 struct BendingHexahedron : Q1Hexahedron {};
 

@@ -175,7 +175,7 @@ Found freezes_at_meniscus(const Case& c, const StepFigures& f) {
 
 /// A shell that is about to fail has lost this share of its largest thickness, and its remaining
 /// thickness is below this multiple of the limit. Sound castings stay above
-/// (docs/developers/findings.md).
+/// (docs/findings.md).
 constexpr double lost_share = 0.4;
 constexpr double limits_left = 3.0;
 

@@ -11,7 +11,7 @@ namespace dccast::linalg {
 namespace {
 
 /// Work of a row of tiles from which a team gains more than its members wait for each other
-/// [multiplications and additions]: docs/developers/threads.md.
+/// [multiplications and additions]: docs/developers/decisions.md.
 constexpr double shared_row_flops = 2e5;
 
 /// Smallest number of rows of tiles that several threads share in a pass through the matrix: some

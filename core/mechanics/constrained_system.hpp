@@ -17,7 +17,7 @@ namespace dccast::mechanics {
 /// solutions: the factor is kept as preconditioner of conjugate gradients as long as it is good
 /// enough, through changes of the held unknowns and of the stiffness. If even one factor is too
 /// large, the two-grid preconditioner of the workspace replaces it:
-/// docs/developers/large-solids.md.
+/// docs/developers/factorisation.md.
 class ConstrainedSystem {
 public:
   ConstrainedSystem(const linalg::SparsityPattern& pattern, Workspace& work)

@@ -17,7 +17,7 @@ enum class Confinement { exact, penalty };
 enum class Kinematics {
   small_strain,  ///< symmetric gradient of the displacement, as in the paper
   corotational,  ///< the same after removing the rotation of each solid element,
-                 ///< docs/developers/kinematics.md
+                 ///< docs/developers/decisions.md
 };
 
 /// Parameters of the paper's algorithms; case.proto gives the section numbers.
@@ -56,7 +56,7 @@ struct Options {
   std::optional<int> maximum_iterations;
   AlgorithmParameters parameters;
   /// Number of unknowns of an extruded solid from which `newton` uses the two-grid solver instead
-  /// of a factorisation. Measured; not a key of a case (docs/developers/large-solids.md).
+  /// of a factorisation. Measured; not a key of a case (docs/developers/factorisation.md).
   int two_grids_from_unknowns = 15000;
 };
 

@@ -19,7 +19,7 @@ template <int Dim>
 constexpr int up = Dim - 1;
 
 /// From 4 to 32 smallest rows per coarse row the number of iterations grows by a seventh, while the
-/// coarse factor shrinks to a hundredth: docs/developers/large-solids.md.
+/// coarse factor shrinks to a hundredth: docs/developers/factorisation.md.
 constexpr double rows_per_coarse_row = 32.0;
 
 /// Smallest share of a step that follows the solidification of an element [1]: its moduli, in

@@ -14,7 +14,7 @@ namespace dccast::mesh {
 /// Plane strain through the thickness of a wide slab, a billet, or a quarter of a slab.
 enum class SectionKind { plane_strain, axisymmetric, quarter_slab };
 /// Linear triangles or tetrahedra, B-bar quadrilaterals or hexahedra, and these with bending modes:
-/// docs/developers/elements.md.
+/// docs/developers/decisions.md.
 enum class ElementKind { p1, q1, q1_bending };
 
 /// Number of coordinates of a section.

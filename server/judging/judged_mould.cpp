@@ -1,4 +1,4 @@
-// Which mould opening gives a flat cold slab (docs/mould-design.md).
+// Which mould opening gives a flat cold slab (docs/contraction.md).
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -56,7 +56,7 @@ class WorkerTakenOver(Fault):
         with open(scene.data("jobs", attacking, "taken"), encoding="utf-8") as file:
             for worked in file.read().splitlines():
                 if SANITIZED and worked == "a shared mapping past worker_memory":
-                    continue  # a sanitizer needs memory without a bound (docs/sanitizers.md)
+                    continue  # a sanitizer needs memory without a bound (docs/build.md)
                 count.found("wrong", f"the worker could do this: {worked}")
         if self.state(process) != before:
             count.found("wrong", "the daemon has other limits or another priority")

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """How long a query takes beside its solver: on a daemon with nothing else to do, and on one whose
-batch lane is full of real castings. Prints the table of docs/developers/queries.md.
+batch lane is full of real castings. Prints the table of docs/developers/decisions.md.
 
     tests/faults/queries.py                    of build/release/bin
     tests/faults/queries.py --calls 50 --cancellations 20

@@ -2,7 +2,7 @@
 """Breaks the real programs on purpose and counts what was lost. Exit code 0: nothing.
 
     tests/faults/run.py --short                    what ./tests/run does, in parts
-    tests/faults/run.py --long --table             renews the table of docs/faults.md
+    tests/faults/run.py --long --table             renews the table of tests/faults/RESULTS.md
     tests/faults/run.py --long --only kill-worker --seed 7
     tests/faults/run.py --soak 8                   eight hours of everything; is the daemon growing?
 """
@@ -33,9 +33,9 @@ def arguments():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--bin", default=os.environ.get("DCCAST_BIN", os.path.join(BUILD, "bin")),
                         help="folder of dccastd, dccast, dccast-worker and dccast-worker-fake")
-    parser.add_argument("--table", nargs="?", const=os.path.join(ROOT, "docs", "faults.md"),
+    parser.add_argument("--table", nargs="?", const=os.path.join(ROOT, "tests", "faults", "RESULTS.md"),
                         metavar="FILE", help="renews the rows of what is tried in the table of FILE; "
-                        "without FILE: docs/faults.md")
+                        "without FILE: tests/faults/RESULTS.md")
     parser.add_argument("--list", action="store_true", help="names the faults and does nothing")
     return parser.parse_args()
 

@@ -13,7 +13,7 @@
 #include "core/storage/file.hpp"
 
 /// What the programs of this folder have in common. Each has one function, which libFuzzer calls
-/// with one text after another: docs/fuzzing.md.
+/// with one text after another: tests/fuzz/README.md.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size);
 
 namespace dccast::fuzz {

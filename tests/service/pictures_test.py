@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Every picture of the documentation, those of docs/tour.md among them, made anew from real runs: in the
+"""Every picture of the documentation, those of docs/dashboard.md among them, made anew from real runs: in the
 folder DCCAST_PICTURES, from where they are copied to docs/images when what they show has changed. The script
 states which picture comes from where."""
 import os
@@ -211,8 +211,8 @@ class Following(Wall, Camera):
 
 class Pages(unittest.TestCase):
     def test_the_tour_has_ten_pictures_with_captions(self):
-        tour = (ROOT / "docs/tour.md").read_text(encoding="utf-8")
-        stops = re.findall(r"^## \d+\. .+\n\n(?:.+\n)+\n!\[.+\]\(images/([\w-]+\.png)\)$", tour, re.MULTILINE)
+        tour = (ROOT / "docs/dashboard.md").read_text(encoding="utf-8")
+        stops = re.findall(r"^### \d+\. .+\n\n(?:.+\n)+\n!\[.+\]\(images/([\w-]+\.png)\)$", tour, re.MULTILINE)
         self.assertEqual(len(set(stops)), 10)
 
     def test_pictures_keep_the_repository_small(self):

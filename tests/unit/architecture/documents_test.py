@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Documents that sources name and links of pages exist, and the index of docs/ names every page."""
+"""Documents that sources name and targets of links exist, and the index of docs/ names every page."""
 import pathlib
 import re
 import unittest
@@ -8,6 +8,12 @@ from sources_test import FILES, ROOT, text_of
 
 PAGES = [path for path in FILES if path.suffix == ".md"]
 TEXTS = {".cpp", ".hpp", ".proto", ".py", ".md", ".toml", ".txt", ".sh", ".js", ".yml", ""}
+
+
+def anchors(page):
+    """Names of the headings of a page, as in links."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text("utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
 class Documents(unittest.TestCase):
@@ -21,6 +27,16 @@ class Documents(unittest.TestCase):
         lost = [f"{page}: {target}" for page in PAGES
                 for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text_of(page))
                 if not target.startswith("http") and not (ROOT / page.parent / target).exists()]
+        self.assertEqual(lost, [])
+
+    def test_a_link_into_a_page_leads_to_a_heading(self):
+        lost = []
+        for page in PAGES:
+            for target, anchor in re.findall(r"\]\(([^)#\s]*)#([^)]*)\)", text_of(page)):
+                if target.startswith("http") or (target and not target.endswith(".md")):
+                    continue
+                if anchor not in anchors(ROOT / page.parent / target if target else ROOT / page):
+                    lost.append(f"{page}: {target}#{anchor}")
         self.assertEqual(lost, [])
 
     def test_the_index_names_every_page(self):

@@ -25,7 +25,7 @@ TEST(CaseCheck, AGoodCaseHasNoFaultAndAnEstimate) {
   EXPECT_GT(checked.estimate.memory_bytes, 0.0);
 }
 
-/// A more expensive case gets a higher estimate; docs/developers/validity.md has the measured
+/// A more expensive case gets a higher estimate; docs/developers/decisions.md has the measured
 /// accuracy.
 TEST(CaseCheck, TheEstimateKnowsAlgorithmElementAndPhysics) {
   const auto seconds = [](const std::function<void(Case&)>& change) {

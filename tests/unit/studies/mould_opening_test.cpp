@@ -20,7 +20,7 @@ struct Place {
 using Law = std::function<double(const Place&)>;
 using Opening = std::function<double(double x)>;
 
-/// 1.9 % at the narrow face, 7 % in the middle: a plant's mould (docs/mould-design.md).
+/// 1.9 % at the narrow face, 7 % in the middle: a plant's mould (docs/contraction.md).
 double of_plants(const Place& at) {
   const double share = at.x / length;
   return wanted * (0.07 - 0.051 * share * share);
