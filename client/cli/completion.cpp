@@ -51,6 +51,7 @@ std::string bash_script(const Commands& commands) {
              "; files=" + (takes_file(command) ? "1" : "") + " ;;\n";
   }
 
+  // Ids are asked of the server at each completion; without a server there are none.
   return "# bash completion of dccast\n"
          "_dccast() {\n"
          "  local current=${COMP_WORDS[COMP_CWORD]} command= word words= jobs= files=\n"
@@ -90,6 +91,7 @@ std::string zsh_script(const Commands& commands) {
              " ;;\n";
   }
 
+  // As for bash: ids are asked of the server at each completion.
   return "#compdef dccast\n"
          "_dccast() {\n"
          "  local -a commands options ids\n"

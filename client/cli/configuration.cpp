@@ -73,6 +73,7 @@ void set_defaults(const toml::key& key, const toml::node& node, cli::CommandLine
   const toml::table* const table = node.as_table();
   if (table == nullptr)
     refuse(file, node.source().begin, "a table of defaults is expected: [" + command->name + "]");
+  // A misspelt option would change nothing, unnoticed.
   const auto options = option_names(*command);
   for (const auto& [option, value] : *table) {
     if (std::ranges::find(options, option.str()) == options.end())
@@ -97,6 +98,7 @@ void apply_configuration(const fs::path& file, cli::CommandLine& line, std::stri
   std::error_code error;
   if (file.empty()) return;
   if (!fs::exists(file, error)) {
+    // The usual file may be missing, one that the user names may not.
     if (file != variable("DCCAST_CONFIG")) return;
     throw invalid("DCCAST_CONFIG names " + file.string() + ", and there is no such file");
   }

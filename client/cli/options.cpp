@@ -45,6 +45,7 @@ std::string nearest_text(const CLI::App& app, const std::vector<std::string>& ar
     if (chosen.empty() || !option.starts_with("--")) continue;
     if (chosen.front()->get_option_no_throw(option) != nullptr) continue;
     if (app.get_option_no_throw(option) != nullptr) continue;
+    // A key of the case that was written as an option.
     if (const std::string change = change_for(*chosen.front(), option); !change.empty())
       return change + "...";
 

@@ -70,6 +70,7 @@ std::vector<v1::MeasuredCurve> read_curves(const MeasuredCase& casting, const v1
     if (!stream) throw invalid("cannot read " + file);
     MeasuredFile read = read_measured(stream, file, monitors);
     for (const std::string& fault : read.faults) faults += "\n  " + fault;
+    // One noise for all curls and one for all temperatures; none leaves it to be inferred.
     for (v1::MeasuredCurve& curve : read.curves) {
       curve.set_noise(curve.curl_m_size() > 0 ? noise.curl_m : noise.temperature_k);
       curves.push_back(std::move(curve));
@@ -170,6 +171,7 @@ ExitCode run(const CalibrateOptions& options, Program& program) {
 
   const std::string come_back = "dccast calibrate --study " + joined(castings);
   if (options.study.empty()) std::cerr << "taken up again by " << come_back << '\n';
+  // A study that was just begun has nothing to show yet but its ids.
   if (options.no_wait && options.study.empty()) {
     std::cout << joined(castings) << std::endl;
     return ExitCode::done;

@@ -113,6 +113,7 @@ ExitCode run(const NewOptions& given, Program&) {
   if (!options.name.empty() && !recipe.slab.empty())
     throw invalid("give the name of a shipped case or --slab, not both");
 
+  // A script is not asked; it gets the names that it could have given.
   if (options.list || (undecided && (options.json || !on_terminal()))) {
     list_names(options.json);
     return ExitCode::done;
@@ -189,6 +190,7 @@ ExitCode run(const ValidateOptions& options, Program& program) {
     check_with_server(checked, connection);
   }
 
+  // A case with faults has no complete form, from which summary and drawing are made.
   if (options.json) {
     Json json = faults_json(checked);
     if (checked.read.ok()) json["casting"] = case_file::casting_summary(complete_case(checked));
@@ -227,6 +229,7 @@ void print(const KeyReference& row, const render::Terminal& terminal) {
   const bool list = row.path.ends_with("[]");
   if (row.type == "table") {
     std::string header = row.path;
+    // Headers of TOML name a list in a list without brackets of its own: [[a.b]].
     for (auto at = header.find("[]"); at != std::string::npos; at = header.find("[]"))
       header.erase(at, 2);
     std::cout << '\n'
@@ -265,6 +268,7 @@ ExitCode run(const SchemaOptions& options, Program&) {
   bool found = false;
   const render::Terminal terminal = render::terminal_of(1);
   for (const KeyReference& row : case_file::reference(descriptor)) {
+    // Any part of a path will do: users know a key, not its table.
     if (row.path.find(options.prefix) == std::string::npos) continue;
     found = true;
     if (options.json)

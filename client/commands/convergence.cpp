@@ -46,6 +46,7 @@ void print_refusal(const CaseUnderCheck& checked, const v1::ValidateCaseResponse
               << describe(fault, checked.read.source) << '\n';
   if (!finer) return;
   std::cerr << "dccast: nothing submitted, refinement " << refinement << " would be refused";
+  // The finest level is refused first: how many coarser ones would be accepted?
   int levels = 0;
   for (int coarser = base; coarser < refinement; coarser *= 2) ++levels;
   if (levels >= 2) std::cerr << "; the coarser ones go with --levels " << levels;
@@ -165,6 +166,7 @@ v1::StudyJudgement judged_after_its_end(Connection& connection, const std::strin
     throw Interrupted("the jobs go on. Come back: dccast convergence --study " + id);
   }
 
+  // Any study can be named by its id; the others have no order of convergence.
   v1::StudyJudgement answer = judge_study(connection, {.id = id});
   if (!answer.study().has_refinement())
     throw invalid("study " + id + " compares no meshes; dccast studies " + id +
@@ -179,6 +181,7 @@ bool report_losses(const v1::StudyResult& result) {
     const std::string level =
         fmt::format("dccast: refinement {} (job {}) is ", run.refinement(), run.job());
     if (run.beyond_validity()) std::cerr << level << render::beyond_validity << '\n';
+    // A run beyond validity has figures all the same; only one that failed is missing.
     if (run.state() == v1::SUCCEEDED) continue;
 
     whole = false;
@@ -206,6 +209,7 @@ ExitCode run(const Options& options, Program& program) {
     std::cerr << "study " << id << "; taken up again by dccast convergence --study " << id << '\n';
     if (!submit(options, id, connection)) return ExitCode::invalid;
   }
+  // Levels that were lost are submitted again, unless only a look is wanted.
   if (!options.as_it_is && !options.study.empty()) repair(connection, id);
 
   const v1::StudyJudgement answer = judged_after_its_end(connection, id, levels);

@@ -64,6 +64,7 @@ std::vector<std::pair<std::string, std::vector<double>>> columns_of(const JobCur
 void print_csv(const JobCurl& curl) {
   const auto& [job, history, study] = curl;
   const auto columns = columns_of(curl);
+  // The limit is valid as long as every run is from which it is extrapolated.
   const bool has_limits = !study.limits().empty();
   const double valid_until_s =
       study.has_valid_until_s() ? study.valid_until_s() : std::numeric_limits<double>::infinity();
@@ -113,6 +114,7 @@ void print_json(const JobCurl& curl) {
 }
 
 void print_table(const CurlHistory& history) {
+  // A column that is empty in nearly every run would only widen the table.
   const bool lost = history.first_beyond().has_value();
   std::vector<std::string> headings{">time s", ">cast mm"};
   for (const auto& series : history.monitors) headings.push_back(">" + series.name + " mm");
@@ -154,6 +156,7 @@ ExitCode run(const CurlOptions& options, Program& program) {
 
   print_table(curl.history);
   if (curl.history.time_s.empty()) return ExitCode::done;
+  // Sentences go to standard error: scripts read the table.
   print_judgement(connection, run_of_job(id), std::cerr);
   print_findings(curl.job);
   return ExitCode::done;
@@ -185,6 +188,7 @@ std::vector<NamedRow> chosen_rows(const Contraction& contraction,
   }
   const FaceRow &butt = contraction.at(frames::butt_height_m), &head = contraction.head();
   add("butt", butt);
+  // A short casting has not frozen through above its butt.
   if (head.height_m <= butt.height_m) return rows;
   add("middle", contraction.at(0.5 * (butt.height_m + head.height_m)));
   add("head", head);
@@ -205,6 +209,7 @@ void print_table(const Contraction& contraction, const ContractionOptions& optio
   if (compared) headings.push_back(">over wanted mm");
   render::Table table(headings);
 
+  // "now" is hot; "20 °C" leaves out residual stresses (docs/contraction.md).
   for (const auto& [name, row] : chosen_rows(contraction, options))
     for (const FacePoint& p : row->points) {
       std::vector<std::string> cells{name,

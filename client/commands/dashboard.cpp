@@ -36,6 +36,7 @@ web::Listening listening_of(const DashboardOptions& options, Program& program) {
     throw invalid("--listen " + options.listen +
                   ": others are served by HTTPS alone; give --certificate and --key, PEM files of "
                   "a certificate for this name");
+  // Whoever opens the page acts with this login: it must not be able to change anything.
   require_viewer(program);
   const values::HostAndPort at = values::host_and_port(options.listen);
   if (at.port.size() > 5 || at.port.find_first_not_of("0123456789") != std::string::npos ||
@@ -76,6 +77,7 @@ ExitCode run(const DashboardOptions& options, Program& program) {
   std::optional<web::RedirectFile> redirect;
   if (options.open) {
     redirect.emplace(address);
+    // The address works once, and lies in a file no longer than that.
     server.when_entered([&redirect] { redirect->remove(); });
     open_in_browser(redirect->path());
   }

@@ -88,6 +88,7 @@ ExitCode run(const FetchOptions& options, Program& program) {
   const fs::path sidecar = fs::path(file).replace_extension(".xdmf");
   for (const fs::path& written : {file, sidecar}) require_free(written, options.force);
   const Download results = download(connection, id, "results.h5", file, std::cerr);
+  // A sidecar is small, and half of one may be that of another job.
   fs::remove(sidecar.string() + ".part");
   download(connection, id, "results.xdmf", sidecar, std::cerr);
   point_sidecar_at(sidecar, file);
@@ -149,6 +150,7 @@ void run_silently(std::vector<std::string> words) {
 
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
+  // A process group of its own, so that its children can be killed with it.
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
   pid_t process = 0;
   const int error =

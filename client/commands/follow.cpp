@@ -68,6 +68,7 @@ void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& reque
   }
 
   const auto found = find_preparation(connection, request.case_(), request.attachments());
+  // Not a fault: a forecast without a study is possible, but less is known of its error.
   if (!found) {
     remark(fmt::format(
         "this plan is not prepared: the forecast is its run, job {}, plus the last difference "
@@ -95,6 +96,7 @@ v1::Following following_of(const FollowOptions& options, const ReadingsTable& ta
   if (!options.line.empty() && table.gauges().empty())
     remark(fmt::format("line {} learns nothing: no column has a measured curl", options.line));
 
+  // Noise and zero are one figure for all gauges of a plant.
   for (const std::string& monitor : table.gauges()) {
     v1::Gauge& gauge = *following.add_gauges();
     gauge.set_monitor(monitor);
@@ -115,6 +117,7 @@ std::string submit(const FollowOptions& options, const ReadingsTable& table,
   }
 
   v1::SubmitJobRequest request = submission_of(checked, connection);
+  // An attempt that is repeated after a lost answer gives the same job.
   request.set_request_id(values::random_uuid());
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
   *request.mutable_following() = following_of(options, table, request, connection);
@@ -212,6 +215,7 @@ ExitCode run_preparation(const FollowOptions& options, Program& program) {
 
   Connection connection = program.connect();
   std::string come_back = "dccast follow --prepare " + options.file;
+  // The changes are part of the plan: without them another case would be prepared.
   for (const std::string& change : options.set) come_back += " --set '" + change + "'";
   const auto await = [&](const v1::Study& study) {
     std::cerr << fmt::format("study {}, {} runs\n", study.id(), study.runs());

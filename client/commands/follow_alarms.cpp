@@ -25,6 +25,7 @@ using Tell = std::function<void(const std::string& text, Json facts)>;
 
 Tell tell_by(const AlarmOptions& options, const std::string& broker, const std::string& job) {
   std::shared_ptr<MqttConnection> connection;
+  // The copies of the function share one connection to the broker.
   if (!options.topic.empty()) {
     const auto remark = [](const std::string& text) {
       std::cerr << "alarms: " << text << std::endl;

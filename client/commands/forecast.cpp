@@ -61,6 +61,7 @@ void print_forecast(const v1::Forecast& forecast) {
                              1e3 * curl.before().lower_m(), 1e3 * curl.before().upper_m());
 
     if (curl.has_line()) print_line_memory(curl);
+    // Only a gauge whose zero is uncertain has a figure for it.
     if (curl.zero_upper_m() > curl.zero_lower_m())
       std::cout << fmt::format("{}: the gauge shows {:.1f} mm too much ({:.1f} to {:.1f})\n",
                                curl.monitor(), 1e3 * curl.zero_m(), 1e3 * curl.zero_lower_m(),

@@ -93,6 +93,7 @@ std::vector<render::ListLine> lines_of(Connection& connection, const std::vector
       lines.push_back({.study = studies.at(job.study())});
       if (view == View::below_study)
         lines.insert(lines.end(), found->second.begin(), found->second.end());
+      // The line of a study stands for all of its runs that follow.
       runs.erase(found);
     }
   }
@@ -122,6 +123,7 @@ ExitCode run(const ListOptions& options, Program& program) {
   if (listing.jobs.empty()) std::cerr << "no jobs\n";
   if (listing.more)
     std::cerr << "these are the newest " << options.limit << "; there are more: --limit\n";
+  // In the list a job that is held looks like one that waits.
   if (!options.json) print_holds(listing.jobs);
   return ExitCode::done;
 }
@@ -227,6 +229,7 @@ v1::Job reached(Connection& connection, v1::Job job, v1::JobState aim) {
                 << "; it becomes " << render::state_text(aim) << " after its present step\n";
       break;
     }
+    // Polled, since a worker reacts within a step and most steps take less than a second.
     connection.interruption().sleep(pause);
     job = connection.call(&Stub::GetJob, job.id());
   }
@@ -257,6 +260,7 @@ cli::Command add_job_command(cli::CommandLine& line, Program& program, const Job
     if (complete) complete(*request);
     Connection connection = program.connect();
     request->set_id(resolve_job(connection, request->id()));
+    // A call that acts must not be sent twice when its answer is lost.
     v1::Job job = about.repeatable ? connection.call(method, *request)
                                    : connection.call_once(method, *request);
     if (about.aim != v1::JOB_STATE_UNSPECIFIED)
@@ -375,6 +379,7 @@ void add_label(cli::CommandLine& line, Program& program) {
       {"label", "Change the labels of one of your jobs: key=value replaces the label with that key",
        "dccast label JOB line=3 checked\n  dccast label JOB --remove line"},
       &Stub::UpdateJob, std::make_shared<v1::UpdateJobRequest>(), marks_of,
+      // Lists of an option cannot be the repeated fields of a message.
       [options](v1::UpdateJobRequest& request) {
         request.mutable_set_labels()->Assign(options->labels.begin(), options->labels.end());
         request.mutable_remove_labels()->Assign(options->remove.begin(), options->remove.end());

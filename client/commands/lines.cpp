@@ -21,6 +21,7 @@ struct LineOptions {
 ExitCode list(const LineOptions& options, Program& program) {
   Connection connection = program.connect();
   const auto answer = connection.call(&Stub::ListLines, v1::ListLinesRequest());
+  // A file that cannot be read hides no other line.
   for (const std::string& name : answer.damaged())
     std::cerr << fmt::format(
         "line {0} is damaged: restore its file from a backup, or dccast line forget "
@@ -64,6 +65,7 @@ ExitCode print(const LineOptions& options, const v1::Line& line) {
                            render::time_text(line.create_time()));
   if (line.has_restart_time())
     std::cout << fmt::format("begun afresh {}\n", render::time_text(line.restart_time()));
+  // Ids are cut to the length that still tells these jobs apart.
   std::vector<std::string> jobs;
   for (const v1::LineCasting& casting : line.castings()) jobs.push_back(casting.job());
   const std::size_t length = short_id_length(jobs);
@@ -118,6 +120,7 @@ void add_line(cli::CommandLine& line, Program& program) {
       "water: earlier castings do not count any more");
   command.json(options.json);
 
+  // Without an action of its own `dccast line` lists them, as `dccast studies` does.
   const auto add = [&, &options = options](const std::string& name, const std::string& description,
                                            ExitCode (*run)(const LineOptions&, Program&)) {
     const cli::Command added = command.command(name, description);

@@ -53,6 +53,7 @@ ExitCode log_out(Program& program) {
   v1::RevokeTokenResponse response;
   const grpc::Status status =
       connection.try_once(&Stub::RevokeToken, v1::RevokeTokenRequest(), response);
+  // Forgotten here in any case: a server that is gone would keep the user logged in.
   servers.remove(name);
   std::cerr << "logged out of " << name << '\n';
   if (!status.ok())

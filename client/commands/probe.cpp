@@ -105,6 +105,7 @@ Probe ask(Connection& connection, const std::string& id, const ProbeOptions& opt
       throw invalid(
           fmt::format("--time \"{}\": a time with its unit is expected, e.g. 60 s", options.time));
     request.set_time_s(*time);
+    // A single point is read over all frames, a line at one of them.
   } else if (probe.line) {
     request.set_last(true);
   }
@@ -158,6 +159,7 @@ std::string table_text(const Probe& probe) {
     headings.push_back(heading(probe.found.fields(i), i));
 
   render::Table table(headings);
+  // Rows are the places on a line, or the instants of one point.
   for_each_sample(probe, [&](const auto& instant, std::size_t p, std::span<const double> values) {
     const Point& point = probe.points[p];
     std::vector<std::string> row;
@@ -198,6 +200,7 @@ std::string csv_text(const Probe& probe) {
     text += fmt::format("{:.9g},{:.9g}", instant.time_s(), instant.cast_length_m());
     for (const double coordinate : probe.points[p]) text += fmt::format(",{:.9g}", coordinate);
     for (const double value : values)
+      // Outside of the slab there is no value: an empty cell.
       text += std::isnan(value) ? "," : fmt::format(",{:.9g}", value);
     text += "\n";
   });

@@ -40,6 +40,7 @@ std::optional<Answer> ask(Connection& connection, CaseUnderCheck& checked,
   const bool draws = !options.json && terminal.interactive;
   render::Progress progress(std::cout, terminal);
   auto answer = ask_query(connection, checked, {.keep = options.keep}, [&](const auto& response) {
+    // The progress display takes the events of a job; a query has only these two of them.
     v1::JobEvent event;
     if (response.has_waiting())
       event.mutable_message()->set_text(render::waiting_text(response.waiting()));
@@ -136,6 +137,7 @@ std::vector<Answer> answers_of_files(Connection& connection, const std::vector<N
   const auto on_wait = [&](std::size_t index, const auto& waiting) {
     std::cerr << files[index].text << ": " << render::waiting_text(waiting) << std::endl;
   };
+  // Answers come in the order of the cases, whichever ended first.
   for (auto& answer : ask_queries(connection, cases, on_wait)) {
     const NamedRun& file = files[answers.size()];
     if (!answer) refuse(cases[answers.size()], file.text);

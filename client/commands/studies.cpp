@@ -41,6 +41,7 @@ ExitCode list(const StudiesOptions& options, Program& program) {
     return ExitCode::done;
   }
 
+  // Ids are cut to the length that still tells these studies apart.
   std::vector<std::string> ids;
   for (const v1::Study& study : studies) ids.push_back(study.id());
   const std::size_t length = short_id_length(ids);
@@ -170,6 +171,7 @@ ExitCode wait_and_print(Connection& connection, const SweepOptions& options,
     std::cerr << "wrote " << options.output << " (" << table.bytes
               << " bytes, checksum verified)\n";
   }
+  // A study under way is no failure of the command.
   if (options.no_wait && answer.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
   return exit_code_of(answer.study().state());
 }

@@ -58,6 +58,7 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& o
     cases.push_back(read_case_of_job(connection, resolve_job(connection, options.from),
                                      changes_of(options.set)));
 
+  // All faults of all files at once.
   bool sound = true;
   for (CaseUnderCheck& checked : cases) {
     check_with_server(checked, connection);
@@ -76,6 +77,8 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& o
 v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const SubmitOptions& options,
                                 Connection& connection, std::size_t number) {
   v1::SubmitJobRequest request = submission_of(checked, connection);
+  // The same id and case give the same job, so one id serves a whole list of files only with a
+  // number.
   if (options.request_id.empty())
     request.set_request_id(values::random_uuid());
   else
@@ -152,6 +155,7 @@ ExitCode run(const WatchOptions& options, Program& program) {
 void print_curl(const CurlHistory& history) {
   if (history.monitors.empty()) return;
   std::vector<std::string> headings{"monitor", ">curl mm", ">x mm"};
+  // A quarter slab moves in two horizontal directions, a section in one.
   if (history.monitors.front().horizontal_m.back().size() == 2) headings.push_back(">y mm");
   render::Table table(headings);
   for (const auto& series : history.monitors) {

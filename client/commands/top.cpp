@@ -77,6 +77,7 @@ std::string page_now(Connection& connection, int columns, int lines) {
 bool wait_for_key(Connection& connection, bool keys, int seconds) {
   constexpr int tick_ms = 100;
   for (int waited = 0; waited < 1000 * seconds; waited += tick_ms) {
+    // Standard input that is no terminal belongs to someone else: only Ctrl-C ends the view.
     if (!keys) {
       connection.interruption().sleep(std::chrono::milliseconds(tick_ms));
       continue;

@@ -35,6 +35,7 @@ double curl_of(const v1::MonitorValue& monitor) {
 }
 
 void CurlHistory::add(const v1::StepReport& report) {
+  // A run that was resumed from its checkpoint reports some steps again.
   if (report.step() > 0) rewind(report.step() - 1);
   step.push_back(report.step());
   time_s.push_back(report.time_s());
@@ -45,6 +46,7 @@ void CurlHistory::add(const v1::StepReport& report) {
   for (const v1::MonitorValue& value : report.monitors()) {
     auto found = std::ranges::find(monitors, value.name(), &Series::name);
     if (found == monitors.end()) found = monitors.insert(monitors.end(), {.name = value.name()});
+    // A monitor that appears later has no values before.
     resize(*found, time_s.size() - 1);
     found->curl_m.push_back(curl_of(value));
     const bool has_error = value.has_curl_upper_error_m();

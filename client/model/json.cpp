@@ -144,8 +144,8 @@ std::optional<std::map<std::string, std::string>> members_of_object(const std::s
   std::map<std::string, std::string> members;
   for (const auto& [name, member] : object.items()) {
     std::string& value = members[name];
-    if (member.is_string())
-      value = member.get<std::string>();
+    if (member.is_string()) value = member.get<std::string>();
+    // No column is a list or an object; a remark can still name what stood there.
     else if (member.is_structured())
       value = member.is_object() ? "{...}" : "[...]";
     else if (!member.is_null())

@@ -43,6 +43,7 @@ public:
 
     if (at_unit_.empty() && file_.faults.empty())
       fault(1, "is empty; permitted: a header such as " + std::string(header_form));
+    // A single reading gives no noise, and a curve none of its shape.
     for (Column& column : columns_) {
       const int count = column.curve.curl_m_size() + column.curve.temperature_c_size();
       if (file_.faults.empty() && count < 2)
@@ -72,6 +73,7 @@ private:
         read_column(i, *heading);
     }
     if (cells.size() < 2) fault(1, std::string("has one column; permitted: ") + header_form);
+    // Without its header no reading can be judged.
     header_failed_ = !file_.faults.empty();
   }
 
@@ -123,6 +125,7 @@ private:
       fault(1, cells[0] + " does not lie after the reading before; permitted: increasing values");
     last_at_ = at;
 
+    // Gauges may be read at times of their own: an empty cell is no reading.
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (cells[i + 1].empty()) continue;
       Column& column = columns_[i];

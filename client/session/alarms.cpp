@@ -17,6 +17,7 @@ void AlarmWatch::look_at_forecast(Connection& connection) {
   last_forecast_s_ = forecast.time_s();
   if (is_new && handlers_.forecast) handlers_.forecast(forecast);
 
+  // Every forecast repeats the warnings so far; each is passed on once.
   for (const v1::ForecastWarning& warning : forecast.warnings()) {
     const bool unknown =
         warnings_.emplace(warning.time_s(), warning.monitor(), warning.text()).second;

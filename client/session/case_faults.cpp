@@ -47,6 +47,7 @@ std::optional<v1::ValidateCaseResponse> ask(Connection& connection, const CaseUn
     v1::ValidateCaseRequest request;
     *request.mutable_case_() = checked.description;
     name_files(checked, request);
+    // What follows from keys that could not be read is not judged.
     for (const v1::Fault& fault : checked.faults) request.add_faulty_keys(fault.field());
     return connection.call(&Stub::ValidateCase, request);
   } catch (const Interrupted&) {
@@ -167,6 +168,7 @@ void print_faults(const CaseUnderCheck& checked, std::ostream& stream) {
 }
 
 Json faults_json(const CaseUnderCheck& checked) {
+  // Line and column are known to the client alone, which has the file.
   const auto placed = [&](const v1::Fault& fault) {
     return fault_json(fault, checked.read.source);
   };

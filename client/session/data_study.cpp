@@ -54,6 +54,7 @@ v1::Case complete_case(Connection& connection, const v1::CreateStudyRequest& req
   const v1::ValidateCaseResponse verdict = connection.call(&Stub::ValidateCase, question);
   if (verdict.has_complete()) return verdict.complete();
 
+  // A valid case without its completed form: the server does not know this field.
   if (verdict.faults().empty())
     throw CommandFailed(ExitCode::unreachable,
                         "this dccastd is older than the command: update the server");
@@ -110,6 +111,7 @@ std::vector<std::string> add_checks(Connection& connection, const v1::Calibratio
       for (const auto& place : calibration.checks()) values.add_values(place.values(axis));
     }
 
+    // An id made of the content: the same command again finds the studies that it has made.
     request.set_request_id(casting.front() + "/" +
                            values::sha256(sweep.SerializeAsString()).substr(0, 16));
     const v1::Study study = connection.call(&Stub::CreateStudy, request);

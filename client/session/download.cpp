@@ -83,6 +83,8 @@ Attempt append_rest(Connection& connection, const Source& source, const std::str
   PartFile file(part);
   grpc::ClientContext context;
   const Interruption::Call call(connection.interruption(), context);
+  // The server continues behind the bytes that are there, if the checksum is still that of its
+  // file.
   const auto reader = source.open(context, size_of(part), sha256);
   Attempt attempt;
   v1::FetchResultResponse chunk;
@@ -198,6 +200,8 @@ Download download(Connection& connection, const Source& source, const fs::path& 
     if (attempt.received) cuts.received();
     if (cut(attempt, part.path()) && cuts.may_go_on(connection, part.path(), messages)) continue;
 
+    // Another file has taken the place of the one that was begun: begin again. A checksum that does
+    // not match has the same remedy.
     if (!of_another(attempt)) {
       if (!attempt.status.ok() && size_of(part.path()) == 0) fs::remove(part.path());
       check(attempt.status, connection.server());
@@ -253,6 +257,7 @@ std::string read_file_of_job(Connection& connection, const std::string& id,
   v1::FetchResultResponse chunk;
   while (reader->Read(&chunk)) text += chunk.data();
   const grpc::Status status = reader->Finish();
+  // Ctrl-C cancels the call, whose status then blames the server.
   if (!status.ok() && connection.interruption().came()) throw Interrupted("nothing was fetched");
   check(status, connection.server());
   return text;

@@ -16,6 +16,7 @@ ExitCode exit_code_of(grpc::StatusCode code) {
     case grpc::OUT_OF_RANGE:
       return ExitCode::invalid;
     case grpc::NOT_FOUND:
+    // To a caller without access an object does not exist.
     case grpc::PERMISSION_DENIED:
     case grpc::UNAUTHENTICATED:
       return ExitCode::not_found;

@@ -144,6 +144,7 @@ v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, 
     if (!is_passing(stream.status.error_code()))
       throw failure_of(stream.status, connection.server());
 
+    // A stream that brought events is sound: attempts count those in a row that brought none.
     attempt = stream.progressed ? 1 : attempt + 1;
     if (stream.progressed) pause = policy.first_pause;
     if (attempt == policy.attempts) break;
@@ -193,6 +194,7 @@ std::int64_t seconds_of_past(const std::string& text) {
   std::tm day{};
   ::localtime_r(&now, &day);
   day.tm_hour = day.tm_min = day.tm_sec = 0;
+  // mktime() then finds out whether summer time held on that day.
   day.tm_isdst = -1;
 
   if (text == "yesterday") --day.tm_mday;

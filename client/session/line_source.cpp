@@ -70,6 +70,8 @@ private:
       return true;
     }
     if (count < 0 && errno == EINTR) return true;
+    // poll() reports the end of a file as readable: wait, since a plant's logger may still append
+    // to it.
     if (end_ == FileEnd::ends_source) return false;
     std::this_thread::sleep_for(between_looks);
     return true;

@@ -123,6 +123,7 @@ BrokerLogin read_broker_login(const std::string& file) {
     throw invalid(
         fmt::format("{}: other users may read the password in it; chmod 600 {}", file, file));
 
+  // A key that is misspelt would connect without the login.
   const std::map<std::string, std::string*> texts{{"user", &login.user},
                                                   {"password", &login.password},
                                                   {"ca", &login.ca},
@@ -191,6 +192,7 @@ private:
   /// Options, login and callbacks, before there is a thread.
   void prepare(const BrokerLogin& login) {
     mosquitto_int_option(client_, MOSQ_OPT_PROTOCOL_VERSION, MQTT_PROTOCOL_V5);
+    // Between 1 and 10 s, doubled each time: a broker that restarts is not stormed.
     mosquitto_reconnect_delay_set(client_, 1, 10, true);
     if (!login.user.empty())
       mosquitto_username_pw_set(client_, login.user.c_str(), or_null(login.password));

@@ -77,6 +77,7 @@ std::string names_of(X509* certificate) {
       text.assign(reinterpret_cast<const char*>(ASN1_STRING_get0_data(name->d.dNSName)),
                   static_cast<std::size_t>(ASN1_STRING_length(name->d.dNSName)));
     if (name->type == GEN_IPADD) {
+      // An address stands as 4 or 16 raw bytes.
       std::array<char, INET6_ADDRSTRLEN> number{};
       ::inet_ntop(ASN1_STRING_length(name->d.iPAddress) == 4 ? AF_INET : AF_INET6,
                   ASN1_STRING_get0_data(name->d.iPAddress), number.data(), number.size());
@@ -141,6 +142,7 @@ Diagnosis no_handshake(const values::HostAndPort& to, const std::string& address
     return {"the server at " + address + " ends each connection at once",
             "it may have too many of them; try again later"};
 
+  // The first bytes of the answer show what is spoken in place of TLS.
   switch (language_of(second.exchange(http2_greeting))) {
     case Speaks::http2:
       return {"the server speaks no TLS at " + address +
@@ -173,6 +175,7 @@ Diagnosis secure(const Socket& socket, const values::HostAndPort& to, const Endp
   if (const Diagnosis wrong = judge_certificate(hands.session.get(), to); !wrong.sound())
     return wrong;
   found.push_back("its certificate is good for " + to.host);
+  // gRPC needs HTTP/2, which the peer chooses in the handshake (ALPN, "h2").
   const unsigned char* protocol = nullptr;
   unsigned size = 0;
   SSL_get0_alpn_selected(hands.session.get(), &protocol, &size);
@@ -213,6 +216,8 @@ Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
                               who.name().empty() ? "a local user" : who.name(),
                               role_text(who.role()), who.proof()));
 
+  // Versions that differ are the likely cause of what a user sees next, a role that is too low the
+  // second.
   v1::GetServerInfoResponse info;
   if (connection.try_once(&Stub::GetServerInfo, v1::GetServerInfoRequest(), info).ok() &&
       info.version() != options.version)
@@ -306,6 +311,8 @@ std::string certificate_with_fingerprint(const std::string& address, const std::
   const Handshake hands(socket, to, "");
   if (!hands.made) throw refuse(no_handshake(to, address, options));
 
+  // Nothing is trusted yet: the fingerprint, which came by another way, decides which certificate
+  // of the chain is the CA of the server.
   STACK_OF(X509)* chain = SSL_get_peer_cert_chain(hands.session.get());
   for (int i = 0; i < sk_X509_num(chain); ++i) {
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest;

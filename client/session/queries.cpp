@@ -35,6 +35,7 @@ void take(const v1::QueryButtCurlResponse& response, Clock::time_point begin, An
     answer.key = response.accepted().answer();
     answer.description = response.accepted().case_();
   } else if (response.has_step()) {
+    // The time to the first point is what a user feels as the latency.
     if (answer.history.time_s.empty()) answer.first_point_s = seconds_since(begin);
     answer.history.add(response.step());
   } else if (response.has_finding()) {
@@ -184,6 +185,7 @@ FrameSeries fetch_frames(Connection& connection, const std::string& id,
   request.set_frame(true);
   request.set_drawing(true);
   request.set_page_size(1);
+  // The last frame came with the answer that named their number.
   for (const int number : evenly_chosen(series.stored, most)) {
     request.set_frame_number(number);
     series.frames.push_back(number == series.stored

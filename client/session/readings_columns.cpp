@@ -74,6 +74,7 @@ public:
         read_column(node, name, *kind, {});
     }
 
+    // Faults of single keys first: a column that was refused would also be missed here.
     if (faults_.empty())
       if (const std::string fault = fault_among(map_.columns); !fault.empty())
         throw invalid(fmt::format("{}: {}", name_, fault));
@@ -142,6 +143,7 @@ private:
       if (std::ranges::find(known, key.str()) == known.end())
         refuse_unknown(value, fmt::format("{}.{}", path, key.str()), std::string(key.str()), known);
 
+    // text_in() has refused a name that is there and is no text.
     column.name = text_in(*table, "name", path);
     column.unit = text_in(*table, "unit", path);
     if (column.name.empty() && !table->contains("name"))
@@ -178,6 +180,7 @@ private:
         column.unit.empty() ? std::nullopt : case_file::parse_quantity(text, "s").value;
     map_.zero.at_motion = text == "motion";
     if (map_.zero.at_motion) return;
+    // A time without a unit is a time stamp, as in the column itself.
     const auto zero = seconds ? seconds : seconds_of_stamp(text);
     if (zero && std::abs(*zero) < longest_time_s)
       map_.zero.at_s = *zero;
@@ -230,6 +233,7 @@ std::optional<Column> column_of_heading(const std::string& heading) {
   if (!parts) return std::nullopt;
 
   const bool is_curl = parts->name.starts_with(curl_begins);
+  // "curl corner" names the monitor behind the quantity; all others have fixed headings.
   const auto kind = std::ranges::find_if(kinds(), [&](const Kind& each) {
     return is_curl ? each.measured == Measured::curl
                    : std::ranges::find(each.headings, parts->name) != each.headings.end();
@@ -255,6 +259,7 @@ std::string fault_among(const std::vector<Column>& columns) {
   };
   if (count(Measured::time) != 1 || columns.size() < 2)
     return "a column for the time and one for a lever or a curl are needed";
+  // The speed follows from the cast length, so the two could contradict each other.
   if (count(Measured::cast_length) > 0 && count(Measured::casting_speed) > 0)
     return "speed and cast length are both given; leave one of them out";
 
@@ -271,6 +276,7 @@ ColumnMap parse_columns(const std::string& text, const std::string& name) {
     throw invalid(fmt::format("{}:{}:{}: {}; {}", name, fault->position.line,
                               fault->position.column, fault->message, fault->remedy));
 
+  // Texts that would exhaust memory or stack were refused above.
   toml::table table;
   try {
     table = toml::parse(text, std::string_view(name));

@@ -64,6 +64,7 @@ void set_value(const Column& column, double value, v1::Reading& reading) {
       measured.set_monitor(column.monitor);
       return measured.set_curl_m(value);
     }
+    // Both place the reading; they are no value of it.
     case Measured::time:
     case Measured::cast_length:
       return;
@@ -116,6 +117,7 @@ ReadingsTable::Line ReadingsTable::take(const std::string& text) {
 
   const std::string body = trimmed(text);
   if (body.empty() || body.starts_with('#')) return line;
+  // The first line decides between rows and JSON objects; see take_object().
   if (body.starts_with('{'))
     take_object(body, line);
   else
@@ -172,6 +174,7 @@ void ReadingsTable::take_object(const std::string& text, Line& line) {
   else
     read_header(std::move(names), line);
 
+  // A member that is missing is an empty cell: the last value holds.
   std::vector<std::string> cells;
   for (const Column& column : columns_) {
     const auto member = members->find(column.name);
@@ -186,6 +189,7 @@ void ReadingsTable::read_header(std::vector<std::string> names, Line& line) {
     find_columns_of_map(line);
   else
     read_columns_of_header();
+  // A sensor that is dead repeats itself; see report_repetition().
   repetitions_.resize(columns_.size());
 
   std::vector<std::string> left_out;
@@ -269,6 +273,7 @@ void ReadingsTable::read_cells(const std::vector<std::string>& cells, Line& line
     line.remarks.push_back(at_line("left out: it has no time"));
     return;
   }
+  // Speed from length, and repetitions, need readings in their order.
   if (!follows_last(*line.time_s, line)) return;
 
   v1::Reading reading;
@@ -292,6 +297,7 @@ bool ReadingsTable::follows_last(double time_s, Line& line) {
         at_line(fmt::format("left out: {} is not later than {}", text(time_s), text(*last_s_))));
     return false;
   }
+  // The last values hold for this long and no longer.
   if (last_s_ && time_s - *last_s_ > longest_gap_s)
     line.remarks.push_back(at_line(
         fmt::format("no reading for {:g} s: the plan of the case holds there", time_s - *last_s_)));
@@ -322,6 +328,7 @@ void ReadingsTable::set_speed(double time_s, double length_m, v1::Reading& readi
 
 /// Reports a value that is exactly the same for long since the block moves.
 void ReadingsTable::report_repetition(std::size_t column, double value, double time_s, Line& line) {
+  // A sensor at rest before the block moves may well repeat its value.
   if (!zero_s_ || time_s < *zero_s_) return;
   auto& repetition = repetitions_[column];
   if (!repetition || repetition->value != value) {
@@ -349,6 +356,7 @@ void ReadingsTable::place_in_time(v1::Reading reading, Line& line) {
   if (waiting_.size() > most_waiting) leave_out_oldest(line);
   if (!zero_s_) return;
 
+  // The block moves: what was measured during the hold gets its negative times now.
   for (v1::Reading& each : waiting_) {
     each.set_time_s(each.time_s() - *zero_s_);
     line.readings.push_back(std::move(each));

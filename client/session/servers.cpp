@@ -58,6 +58,7 @@ toml::table table_of(StoredServer server) {
 StoredServers::StoredServers(fs::path file) : file_(std::move(file)) {
   std::error_code error;
   if (file_.empty() || !fs::exists(file_, error)) return;
+  // Tokens in the file stand for the user: a file that others may read is refused, not mended.
   struct stat status;
   if (::stat(file_.c_str(), &status) == 0 && (status.st_mode & 0077) != 0)
     fail(file_, "other users may read the tokens in it; chmod 600 " + file_.string());
@@ -104,6 +105,8 @@ void StoredServers::write() const {
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);
   const std::string whole = content.str(), part = file_.string() + ".part";
+  // Created with mode 0600 and renamed when complete: no moment in which others can read it, and a
+  // full disk leaves the old file.
   ::unlink(part.c_str());
 
   const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);

@@ -24,6 +24,7 @@ using Certificate = values::Owned<X509, X509_free>;
 int connect_within(int descriptor, const addrinfo& to, std::chrono::milliseconds timeout) {
   const int flags = ::fcntl(descriptor, F_GETFL);
   ::fcntl(descriptor, F_SETFL, flags | O_NONBLOCK);
+  // A blocking connect() would wait for minutes where packets are dropped.
   if (::connect(descriptor, to.ai_addr, to.ai_addrlen) != 0) {
     if (errno != EINPROGRESS) return errno;
     pollfd waiting{descriptor, POLLOUT, 0};

@@ -195,6 +195,7 @@ Diagnosis SshTunnel::open_and_greet(const std::string& greeting, milliseconds ti
   const auto seconds = std::chrono::ceil<std::chrono::seconds>(timeout).count();
   command_.insert(command_.begin() + 1, {"-o", fmt::format("ConnectTimeout={}", seconds)});
 
+  // The login may take several exchanges, each within the time limit of ssh.
   const auto end = Clock::now() + 4 * timeout;
   start();
   const Login login = wait_for_login(end);

@@ -32,6 +32,7 @@ Stream read_stream(Connection& connection, const std::string& id,
   request.set_id(id);
   grpc::ClientContext context;
   const Interruption::Call call(connection.interruption(), context);
+  // Each message is the whole study, so a stream that is taken up again misses nothing.
   const auto reader = connection.stub().WatchStudy(&context, request);
   Stream stream;
   v1::Study study;
@@ -111,6 +112,7 @@ v1::Study follow_study(Connection& connection, const std::string& id,
     if (!is_passing(stream.status.error_code()))
       throw failure_of(stream.status, connection.server());
 
+    // A stream that brought a state is sound: attempts count those in a row that brought none.
     attempt = stream.last ? 1 : attempt + 1;
     if (stream.last) pause = policy.first_pause;
     if (attempt == policy.attempts) break;

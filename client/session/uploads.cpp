@@ -34,6 +34,7 @@ grpc::Status upload(Connection& connection, const case_file::AttachedFile& file)
   request.mutable_attachment()->set_sha256(file.sha256);
   request.mutable_attachment()->set_size_bytes(file.bytes);
   bool wanted = writer->Write(request);
+  // The server ends the stream at once where it has a file of this checksum.
   if (wanted) wait_for_server(*writer);
 
   std::array<char, chunk_bytes> chunk;

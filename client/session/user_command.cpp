@@ -38,6 +38,7 @@ void run_user_command(const std::string& command, const std::map<std::string, st
   for (std::string& variable : variables) environment.push_back(variable.data());
   environment.push_back(nullptr);
 
+  // Facts pass in the environment, where no quoting of a shell can change them.
   std::string shell = "sh", option = "-c", text = command;
   std::array<char*, 4> arguments{shell.data(), option.data(), text.data(), nullptr};
   pid_t child = 0;

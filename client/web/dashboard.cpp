@@ -71,6 +71,7 @@ const std::map<std::string, Call>& calls() {
       {"ListStudies", unary(&Stub::ListStudies)},
       {"GetStudy", unary(&Stub::GetStudy)},
       {"EvaluateStudy", unary(&Stub::EvaluateStudy)},
+      // Refusals of these are answers that the page shows in their place.
       {"PredictStudy", unless_refused(unary(&Stub::PredictStudy))},
       {"CompareRuns", unless_refused(unary(&Stub::CompareRuns))},
       {"ForecastJob", unless_refused(unary(&Stub::ForecastJob))},
@@ -128,6 +129,7 @@ Json sketch_json(Connection& connection, const std::string& id) {
       time_s.push_back(history.time_s[i]);
       curl_m.push_back(series->curl_m[i]);
     }
+    // The end is what a list is read for, whatever the stride.
     time_s.push_back(history.time_s.back());
     curl_m.push_back(series->curl_m.back());
   }
@@ -335,6 +337,7 @@ void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
           last = now;
           send(Json{{"progress", response.step().progress()}, {"steps", history_json(history)}}
                    .dump());
+          // The page has these steps: the next message carries the new ones alone.
           history = {};
         }
       });
@@ -395,6 +398,7 @@ void add_frames(WebServer& server, const Connect& connect) {
     return Reply{frames_json(connection, request.name).dump()};
   });
   get("/frame", [](Connection& connection, const Request& request) {
+    // 0, also of a number that is missing, is the last frame.
     const int number = std::atoi(request.value("number").c_str());
     return frame_reply(frame_of(connection, request.name, number).frame());
   });
@@ -450,6 +454,7 @@ void add_results(WebServer& server, const Connect& connect) {
 }
 
 void add_what_if(WebServer& server, const Connect& connect, const std::vector<std::string>& cases) {
+  // Shared by the handlers, which outlive this call.
   const auto bases = std::make_shared<Bases>(cases);
   server.post("/upload", connected(connect, [=](Connection& connection, const Request& request) {
                 return Reply{uploaded(connection, *bases, request).dump()};
@@ -478,6 +483,7 @@ void add_dashboard(WebServer& server, const Connect& connect,
                    const std::vector<std::string>& cases) {
   add_pages(server);
   server.post("/call", [=](const Request& request) {
+    // A page of another site that got hold of a session could still make no other call.
     const auto call = calls().find(request.name);
     if (call == calls().end())
       throw CommandFailed(ExitCode::not_found, "pages do not call " + request.name);

@@ -42,6 +42,8 @@ RedirectFile::RedirectFile(const std::string& address) {
       "<meta name=\"referrer\" content=\"no-referrer\">\n"
       "<meta http-equiv=\"refresh\" content=\"0; url={}\">\n",
       address);
+  // The address holds a key: in a file of the user others cannot read it, on the command line of
+  // the browser they could.
   const int file = ::open(path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   const bool is_written =
       file >= 0 && ::write(file, page.data(), page.size()) == static_cast<ssize_t>(page.size());

@@ -62,6 +62,7 @@ std::unique_ptr<http::Server> server_for(const Listening& at) {
             .host = at.host, .port = at.port, .certificate = at.certificate, .key = at.key},
         limits);
   } catch (const http::BadCertificate&) {
+    // The library's message names neither option nor remedy.
     throw CommandFailed(ExitCode::invalid,
                         fmt::format("--certificate {}, --key {}: are not a certificate and its "
                                     "key; give PEM files",
@@ -233,6 +234,7 @@ private:
                                             .is_first_page = request.path == "/"});
     if (decision.admitted) return answer(request);
 
+    // Neither a session nor a key that gives one.
     if (decision.cookie.empty())
       return {.body = decision.refusal + "\n", .status = 403, .headers = {{policy, own_policy}}};
     when_entered_();
