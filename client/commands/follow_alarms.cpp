@@ -20,10 +20,11 @@ namespace {
 /// How often the forecast is written [s of the casting].
 constexpr double between_forecasts_s = 30.0;
 
-/// Tells an alarm to whom the options name. @param facts  what it is about, for programs
-using Tell = std::function<void(const std::string& text, Json facts)>;
+/// Passes an alarm on. @param text  for people @param facts  the same for programs
+using Notify = std::function<void(const std::string& text, Json facts)>;
 
-Tell tell_by(const AlarmOptions& options, const std::string& broker, const std::string& job) {
+/// Passes alarms to the command and the topic that the options name.
+Notify notifier_of(const AlarmOptions& options, const std::string& broker, const std::string& job) {
   std::shared_ptr<MqttConnection> connection;
   // The copies of the function share one connection to the broker.
   if (!options.topic.empty()) {
@@ -48,7 +49,7 @@ Tell tell_by(const AlarmOptions& options, const std::string& broker, const std::
 
 AlarmHandlers alarm_handlers(const AlarmOptions& options, const std::string& broker,
                              const std::string& job) {
-  const Tell tell = tell_by(options, broker, job);
+  const Notify notify = notifier_of(options, broker, job);
   AlarmHandlers handlers;
 
   handlers.forecast = [last_s = std::optional<double>()](const v1::Forecast& forecast) mutable {
@@ -57,16 +58,16 @@ AlarmHandlers alarm_handlers(const AlarmOptions& options, const std::string& bro
     std::cerr << render::forecast_line(forecast) << std::endl;
   };
 
-  handlers.warning = [tell](const v1::ForecastWarning& warning) {
+  handlers.warning = [notify](const v1::ForecastWarning& warning) {
     const std::string text =
         fmt::format("warning at {:.0f} s, {}", warning.time_s(), render::warning_text(warning));
     std::cerr << text << std::endl;
-    tell(text, Json{{"warning", to_json(warning)}});
+    notify(text, Json{{"warning", to_json(warning)}});
   };
 
   // The watch of the job has printed it already.
-  handlers.finding = [tell](const v1::Finding& finding) {
-    tell(render::finding_line(finding), Json{{"finding", to_json(finding)}});
+  handlers.finding = [notify](const v1::Finding& finding) {
+    notify(render::finding_line(finding), Json{{"finding", to_json(finding)}});
   };
   return handlers;
 }

@@ -141,11 +141,12 @@ std::optional<std::map<std::string, std::string>> members_of_object(const std::s
   const auto object = nlohmann::json::parse(text, nullptr, false);
   if (!object.is_object()) return std::nullopt;
 
+  // No column is a list or an object; a remark can still name what stood there.
   std::map<std::string, std::string> members;
   for (const auto& [name, member] : object.items()) {
     std::string& value = members[name];
-    if (member.is_string()) value = member.get<std::string>();
-    // No column is a list or an object; a remark can still name what stood there.
+    if (member.is_string())
+      value = member.get<std::string>();
     else if (member.is_structured())
       value = member.is_object() ? "{...}" : "[...]";
     else if (!member.is_null())

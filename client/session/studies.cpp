@@ -186,12 +186,12 @@ v1::StudyJudgement judge_study(Connection& connection, const StudyQuestion& ques
 
 std::string found_case(Connection& connection, v1::JudgeStudyRequest question,
                        const StudyCase& base) {
-  const CaseUnderCheck read = read_case(base.file, changes_of(base.set));
-  if (!read.faults.empty()) {
-    print_faults(read, std::cerr);
+  const CaseUnderCheck checked = read_case(base.file, changes_of(base.set));
+  if (!checked.faults.empty()) {
+    print_faults(checked, std::cerr);
     throw invalid(base.file + " has faults");
   }
-  *question.mutable_case_() = read.description;
+  *question.mutable_case_() = checked.description;
   return connection.call(&Stub::JudgeStudy, question).case_file();
 }
 

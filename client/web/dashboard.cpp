@@ -176,11 +176,13 @@ Json frames_json(Connection& connection, const std::string& id) {
 constexpr const char* html = "text/html; charset=utf-8";
 
 Reply report(Connection& connection, const std::string& id) {
-  std::ostringstream unseen;  // the page itself states what it lacks
-  grpc::Status frame_status;  // the page says what it lacks
-  return {.body = render::report_of(connection, job_of(connection, id), unseen, frame_status),
-          .type = html,
-          .stands_alone = true};
+  // The page itself states what is missing in it.
+  std::ostringstream unused_messages;
+  grpc::Status unused_status;
+  return {
+      .body = render::report_of(connection, job_of(connection, id), unused_messages, unused_status),
+      .type = html,
+      .stands_alone = true};
 }
 
 Reply comparison(Connection& connection, const std::vector<std::string>& ids) {
@@ -195,9 +197,9 @@ Reply comparison(Connection& connection, const std::vector<std::string>& ids) {
 
 /// Cases available for a what-if: files named when the dashboard was started, cases uploaded by a
 /// page, and the shipped ones. Pages get names without folders.
-class Bases {
+class BaseCases {
 public:
-  explicit Bases(const std::vector<std::string>& files) {
+  explicit BaseCases(const std::vector<std::string>& files) {
     for (const std::string& file : files) {
       const std::filesystem::path path = file;
       std::string name = path.filename();
@@ -280,7 +282,7 @@ Json case_json(const CaseUnderCheck& checked) {
 }
 
 /// An uploaded case. It is kept if neither client nor server finds a fault.
-Json uploaded(Connection& connection, Bases& bases, const Request& request) {
+Json uploaded(Connection& connection, BaseCases& bases, const Request& request) {
   constexpr std::size_t longest_name = 100;
   const std::string name = request.name.substr(0, longest_name);
   CaseUnderCheck checked = read_case_elsewhere(request.body, name);
@@ -342,7 +344,7 @@ void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
         }
       });
 
-  Bases::require(checked);
+  BaseCases::require(checked);
   if (answer) send(Json{{"answer", answer_json(*answer)}}.dump());
 }
 
@@ -353,7 +355,7 @@ v1::Job kept(Connection& connection, CaseUnderCheck checked) {
   v1::Job job;
   const grpc::Status status = submit_with_retries(connection, request, job);
   checked.faults = faults_of(status);
-  Bases::require(checked);
+  BaseCases::require(checked);
   check(status, connection.server());
   return job;
 }
@@ -455,7 +457,7 @@ void add_results(WebServer& server, const Connect& connect) {
 
 void add_what_if(WebServer& server, const Connect& connect, const std::vector<std::string>& cases) {
   // Shared by the handlers, which outlive this call.
-  const auto bases = std::make_shared<Bases>(cases);
+  const auto bases = std::make_shared<BaseCases>(cases);
   server.post("/upload", connected(connect, [=](Connection& connection, const Request& request) {
                 return Reply{uploaded(connection, *bases, request).dump()};
               }));

@@ -42,7 +42,7 @@ bool belongs_to_this_user(const std::string& folder) {
 
 }  // namespace
 
-std::string make_place_of_socket() {
+std::string default_socket_path() {
   for (const char* variable : {"RUNTIME_DIRECTORY", "XDG_RUNTIME_DIR"})
     if (const auto path = socket_in(variable)) return *path;
 

@@ -187,7 +187,7 @@ v1::WorkerAnswer identify_worker(jobs::WarmWorkers& workers) {
 
 /// Address for the users of this machine: "unix:PATH".
 std::string local_address(const v1::DaemonConfig& config) {
-  return config.listen().socket().empty() ? values::unix_scheme + values::make_place_of_socket()
+  return config.listen().socket().empty() ? values::unix_scheme + values::default_socket_path()
                                           : config.listen().socket();
 }
 
