@@ -34,7 +34,7 @@ std::string single_quoted(const std::string& text) {
   return quoted + "'";
 }
 
-std::string option_names(const cli::CommandSummary& command) {
+std::string option_words(const cli::CommandSummary& command) {
   std::string names;
   for (const cli::OptionSummary& option : command.options)
     for (const std::string& name : option.names) names += (names.empty() ? "" : " ") + name;
@@ -46,7 +46,7 @@ std::string bash_script(const Commands& commands) {
   std::string names, cases;
   for (const cli::CommandSummary& command : commands) {
     names += command.name + " ";
-    cases += "    " + command.name + ") words=" + single_quoted(option_names(command)) +
+    cases += "    " + command.name + ") words=" + single_quoted(option_words(command)) +
              "; jobs=" + (takes_job(command) ? "1" : "") +
              "; files=" + (takes_file(command) ? "1" : "") + " ;;\n";
   }

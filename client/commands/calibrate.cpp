@@ -189,7 +189,7 @@ ExitCode run(const CalibrateOptions& options, Program& program) {
   return answer.result().has_calibration() ? ExitCode::done : ExitCode::solve_failed;
 }
 
-constexpr const char* examples =
+constexpr const char* calibrate_examples =
     R"(dccast calibrate my.toml --measured curl.csv --free alloy.coherency_solid_fraction=0.85..1 \
       --free 'cooling.bottom_block.wet_gap=2..5 mm' -o calibrated.toml --plot page.html
   dccast calibrate a.toml --measured a.csv --casting b.toml:b.csv     two castings, one answer
@@ -208,7 +208,7 @@ void add_calibrate(cli::CommandLine& line, Program& program) {
       declare<CalibrateOptions>(line, program, run, "calibrate",
                                 "Infer uncertain data from a measured curl or temperature: values, "
                                 "ranges, and keys that the measurement cannot separate",
-                                examples);
+                                calibrate_examples);
 
   command.option("FILE", options.base.file, "Case file");
   command.repeatable("--measured", options.measured,

@@ -145,7 +145,7 @@ struct ValidateOptions {
 };
 
 /// "no faults, 1 danger, 2 warnings".
-std::string verdict_of(const CaseUnderCheck& checked) {
+std::string verdict_text(const CaseUnderCheck& checked) {
   std::string text = "no faults";
   for (const auto& [severity, name] :
        {std::pair(v1::Finding::DANGER, " danger"), {v1::Finding::WARNING, " warning"}}) {
@@ -166,13 +166,13 @@ void print_verdict(const CaseUnderCheck& checked, bool local) {
   if (!checked.faults.empty())
     std::cerr << checked.faults.size() << (checked.faults.size() == 1 ? " fault\n" : " faults\n");
   else if (checked.estimate)
-    std::cout << verdict_of(checked) << ": " << checked.estimate->nodes() << " nodes, "
+    std::cout << verdict_text(checked) << ": " << checked.estimate->nodes() << " nodes, "
               << checked.estimate->elements() << " elements, " << checked.estimate->steps()
               << " steps, about " << render::duration_text(checked.estimate->solver_s())
               << " of computing\n"
               << checked.uncertain.size() << " data have a range (--ranges, docs/uncertainty.md)\n";
   else
-    std::cout << (local ? "no faults found without a server" : verdict_of(checked)) << '\n';
+    std::cout << (local ? "no faults found without a server" : verdict_text(checked)) << '\n';
 }
 
 void print_ranges(const CaseUnderCheck& checked) {

@@ -219,7 +219,7 @@ ExitCode run(const Options& options, Program& program) {
   return report_losses(answer.result()) ? ExitCode::done : ExitCode::solve_failed;
 }
 
-constexpr const char* examples =
+constexpr const char* convergence_examples =
     "dccast convergence my.toml\n"
     "  dccast convergence --levels 2 --json my.toml\n"
     "  dccast convergence --study ID                     take it up again, after an interruption "
@@ -241,7 +241,7 @@ void add_convergence(cli::CommandLine& line, Program& program) {
       declare<Options>(line, program, run, "convergence",
                        "How much of a curl is discretisation: runs the case with cells and steps "
                        "halved again and again, and extrapolates the curl of every monitor",
-                       examples);
+                       convergence_examples);
   command.option("FILE", options.file, "Case file; needed to begin a study");
   add_set_option(command, options.set);
   command.option("--study", options.study,

@@ -25,7 +25,7 @@ v1::MouldPlan plan_of(const MouldOptions& options) {
 }
 
 /// A search that is still running has not failed. A face that is not steady is not a result yet.
-ExitCode exit_code_of(const v1::StudyResult& result) {
+ExitCode design_exit_code(const v1::StudyResult& result) {
   if (result.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
   return result.mould().within_tolerance() && result.mould().is_steady() ? ExitCode::done
                                                                          : ExitCode::solve_failed;
@@ -39,7 +39,7 @@ ExitCode wait_and_print(Connection& connection, const MouldOptions& options,
     throw invalid("study " + id + " designs no mould; dccast studies show " + id +
                   " shows what it is");
   print_answer(options, answer);
-  return exit_code_of(answer.result());
+  return design_exit_code(answer.result());
 }
 
 ExitCode run(const MouldOptions& options, Program& program) {

@@ -256,7 +256,7 @@ ExitCode run(const FollowOptions& options, Program& program) {
   return watch_with_alarms(connection, id, alarms, options);
 }
 
-constexpr const char* examples =
+constexpr const char* follow_examples =
     R"(dccast follow --prepare my.toml        # before the casting; takes minutes
   plant-logger | dccast follow my.toml --line pit-3
   dccast follow my.toml --readings today.csv --growing
@@ -275,7 +275,7 @@ void add_follow(cli::CommandLine& line, Program& program) {
       line, program, run, "follow",
       "Compute a casting while it is cast: measured speed, water and metal temperature replace the "
       "plan of the case up to the last reading. Ctrl-C ends the sending alone, the job waits",
-      examples);
+      follow_examples);
 
   command.option("FILE", options.file, "Case file: the plan");
   command.option("--job", options.job, "Instead of a FILE: go on with this job, which waits",

@@ -21,7 +21,7 @@ struct ProbeOptions {
   bool json = false;
 };
 
-constexpr const char* axes = "xyz";
+constexpr const char* axis_names = "xyz";
 
 /// Reads "660 mm, 285 mm, 50 mm" or "660,285,50 mm": a unit holds for the numbers before it.
 /// Throws CommandFailed, naming the option.
@@ -126,7 +126,7 @@ void for_each_sample(const Probe& probe, const Use& use) {
 std::string place_text(const std::vector<double>& point) {
   std::string text;
   for (std::size_t i = 0; i < point.size(); ++i)
-    text += fmt::format("{}{} {} mm", i == 0 ? "" : ", ", axes[i], render::mm(point[i]));
+    text += fmt::format("{}{} {} mm", i == 0 ? "" : ", ", axis_names[i], render::mm(point[i]));
   return text;
 }
 
@@ -142,7 +142,7 @@ std::string heading(const v1::FrameField& field, int number) {
   if (number == 0) return ">temperature °C";
   if (field.unit() != "m") return fmt::format(">{}", field.name());
   if (field.name().starts_with("displacement_"))
-    return fmt::format(">moved {} mm", axes[number - 1]);
+    return fmt::format(">moved {} mm", axis_names[number - 1]);
   return fmt::format(">{} mm", field.name().substr(0, field.name().size() - 2));  // without "_m"
 }
 
@@ -151,7 +151,7 @@ std::string table_text(const Probe& probe) {
   if (probe.line) {
     headings = {">along mm"};
     for (std::size_t i = 0; i < probe.points.front().size(); ++i)
-      headings.push_back(fmt::format(">{} mm", axes[i]));
+      headings.push_back(fmt::format(">{} mm", axis_names[i]));
   } else {
     headings = {">time s", ">cast mm"};
   }
@@ -192,7 +192,7 @@ Json samples_json(const Probe& probe) {
 std::string csv_text(const Probe& probe) {
   std::string text = "time_s,cast_length_m";
   for (std::size_t i = 0; i < probe.points.front().size(); ++i)
-    text += fmt::format(",{}_m", axes[i]);
+    text += fmt::format(",{}_m", axis_names[i]);
   for (const v1::FrameField& field : probe.found.fields()) text += "," + field.name();
   text += "\n";
 

@@ -31,7 +31,7 @@ struct SubmitOptions {
   bool strict = false;
 };
 
-ExitCode refuse(const CaseUnderCheck& checked, bool json) {
+ExitCode refuse_submission(const CaseUnderCheck& checked, bool json) {
   if (json) print_line(faults_json(checked));
   print_faults(checked, std::cerr);
   std::cerr << "dccast: not submitted, " << checked.faults.size()
@@ -62,7 +62,7 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& o
   bool sound = true;
   for (CaseUnderCheck& checked : cases) {
     check_with_server(checked, connection);
-    if (!checked.faults.empty()) refuse(checked, options.json);
+    if (!checked.faults.empty()) refuse_submission(checked, options.json);
     sound = sound && checked.faults.empty();
   }
 
@@ -101,7 +101,7 @@ std::optional<v1::Job> submit(CaseUnderCheck& checked, const SubmitOptions& opti
   const grpc::Status status = submit_with_retries(connection, request, job);
   checked.faults = faults_of(status);
   if (!checked.faults.empty()) {
-    refuse(checked, options.json);
+    refuse_submission(checked, options.json);
     return std::nullopt;
   }
   check(status, connection.server());

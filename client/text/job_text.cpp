@@ -53,7 +53,7 @@ enum class Shown { always, if_any, on_request };  // if_any: where a job has som
 using Row = const v1::Job&;
 using StudyRow = const v1::Study&;
 
-struct Column {
+struct ListColumn {
   const char* name;
   const char* heading;
   std::string (*cell)(Row);
@@ -74,38 +74,38 @@ std::string study_title(StudyRow study) {
   return fmt::format("{} (study, {})", title, runs_text(study));
 }
 
-const std::array columns{
-    Column{"job", "JOB", [](Row job) { return job.id(); }, Shown::always,
-           [](StudyRow study) { return study.id(); }},
-    Column{"state", "STATE", full_state_text, Shown::always,
-           [](StudyRow study) { return state_text(study); }},
-    Column{"done", ">DONE", done_cell, Shown::always,
-           [](StudyRow study) { return fixed(100.0 * study.progress(), 0) + " %"; }},
-    Column{"curl", ">CURL mm", largest_curl_text, Shown::always,
-           [](StudyRow) { return std::string("-"); }},
-    Column{"findings", "FINDINGS", [](Row job) { return findings_count(job.findings()); },
-           Shown::if_any},
-    Column{"left", ">LEFT", left_cell, Shown::if_any},
-    Column{"created", "CREATED", [](Row job) { return time_text(job.create_time()); },
-           Shown::always, [](StudyRow study) { return time_text(study.create_time()); }},
-    Column{"labels", "LABELS", [](Row job) { return joined(job.labels(), ","); }, Shown::if_any,
-           [](StudyRow study) { return joined(study.labels(), ","); }},
-    Column{"changes", "CHANGES", [](Row job) { return changes_text(job.changes()); },
-           Shown::on_request},
-    Column{"owner", "OWNER", [](Row job) { return job.owner(); }, Shown::on_request,
-           [](StudyRow study) { return study.owner(); }},
-    Column{"study", "STUDY", [](Row job) { return job.study(); }, Shown::on_request,
-           [](StudyRow study) { return study.id(); }},
-    Column{"title", "TITLE", [](Row job) { return job.title(); }, Shown::always, study_title},
+const std::array list_columns{
+    ListColumn{"job", "JOB", [](Row job) { return job.id(); }, Shown::always,
+               [](StudyRow study) { return study.id(); }},
+    ListColumn{"state", "STATE", full_state_text, Shown::always,
+               [](StudyRow study) { return state_text(study); }},
+    ListColumn{"done", ">DONE", done_cell, Shown::always,
+               [](StudyRow study) { return fixed(100.0 * study.progress(), 0) + " %"; }},
+    ListColumn{"curl", ">CURL mm", largest_curl_text, Shown::always,
+               [](StudyRow) { return std::string("-"); }},
+    ListColumn{"findings", "FINDINGS", [](Row job) { return findings_count(job.findings()); },
+               Shown::if_any},
+    ListColumn{"left", ">LEFT", left_cell, Shown::if_any},
+    ListColumn{"created", "CREATED", [](Row job) { return time_text(job.create_time()); },
+               Shown::always, [](StudyRow study) { return time_text(study.create_time()); }},
+    ListColumn{"labels", "LABELS", [](Row job) { return joined(job.labels(), ","); }, Shown::if_any,
+               [](StudyRow study) { return joined(study.labels(), ","); }},
+    ListColumn{"changes", "CHANGES", [](Row job) { return changes_text(job.changes()); },
+               Shown::on_request},
+    ListColumn{"owner", "OWNER", [](Row job) { return job.owner(); }, Shown::on_request,
+               [](StudyRow study) { return study.owner(); }},
+    ListColumn{"study", "STUDY", [](Row job) { return job.study(); }, Shown::on_request,
+               [](StudyRow study) { return study.id(); }},
+    ListColumn{"title", "TITLE", [](Row job) { return job.title(); }, Shown::always, study_title},
 };
 
-std::string cell_of(const Column& column, const ListLine& line) {
+std::string cell_of(const ListColumn& column, const ListLine& line) {
   return line.study ? column.study_cell(*line.study) : column.cell(line.job);
 }
 
 std::vector<std::string> usual_columns(const std::vector<ListLine>& lines) {
   std::vector<std::string> names;
-  for (const Column& column : columns) {
+  for (const ListColumn& column : list_columns) {
     const auto says_something = [&](const ListLine& line) {
       return !cell_of(column, line).empty();
     };
@@ -116,8 +116,9 @@ std::vector<std::string> usual_columns(const std::vector<ListLine>& lines) {
   return names;
 }
 
-const Column& column_of(const std::string& name) {
-  return *std::ranges::find(columns, name, [](const Column& c) { return std::string(c.name); });
+const ListColumn& column_of(const std::string& name) {
+  return *std::ranges::find(list_columns, name,
+                            [](const ListColumn& c) { return std::string(c.name); });
 }
 
 }  // namespace
@@ -256,7 +257,7 @@ std::string job_sheet(const v1::Job& job) {
 
 std::vector<std::string> job_columns() {
   std::vector<std::string> names;
-  for (const Column& column : columns) names.emplace_back(column.name);
+  for (const ListColumn& column : list_columns) names.emplace_back(column.name);
   return names;
 }
 

@@ -11,12 +11,10 @@ namespace dccast::casting {
 
 namespace {
 
-constexpr double round_off = 1e-9;  // [m]
-
 /// A hole that a plane of symmetry cuts beside its centre would not be round.
 void check_symmetry_of_hole(CaseFindings& found, const std::string& field, double centre,
                             double diameter) {
-  if (centre <= round_off || centre >= 0.5 * diameter - round_off) return;
+  if (centre <= length_round_off || centre >= 0.5 * diameter - length_round_off) return;
   found.fault(field, with_unit(centre, "m"),
               "lies so near the plane of symmetry that it cuts the hole",
               "0 m, or at least half the diameter, " + with_unit(0.5 * diameter, "m"),
@@ -111,7 +109,7 @@ void check_drain_holes(CaseFindings& found) {
 
     if (!found.sound(plan_keys) || !found.sound({"mesh.file"})) continue;
     const double inward = distance_from_edge(found, hole);
-    if (inward < 0.5 * hole.diameter - round_off)
+    if (inward < 0.5 * hole.diameter - length_round_off)
       found.fault(field,
                   fmt::format("x = {}, y = {}", with_unit(hole.x, "m"), with_unit(hole.y, "m")),
                   "does not lie in the block",
@@ -132,9 +130,9 @@ void check_block_profile(CaseFindings& found) {
   // The slab must rest on the block somewhere, since depths are measured from the contact.
   const double along_x = least_depth(block.profile_x, s.half_width);
   const double along_y = found.solid() ? least_depth(block.profile_y, s.half_thickness(0.0)) : 0.0;
-  if (along_x + along_y <= round_off) return;
+  if (along_x + along_y <= length_round_off) return;
 
-  const bool of_x = along_x > round_off;
+  const bool of_x = along_x > length_round_off;
   found.fault(of_x ? "cooling.bottom_block.profile_x" : "cooling.bottom_block.profile_y",
               with_unit(of_x ? along_x : along_y, "m"),
               "is the least depth of the block: the slab would touch it nowhere",

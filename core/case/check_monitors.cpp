@@ -10,9 +10,6 @@ namespace dccast::casting {
 
 namespace {
 
-/// Tolerance of coordinates: a point this far outside of the mesh is still found in it [m].
-constexpr double round_off = 1e-9;
-
 void lies_outside(CaseFindings& found, const std::string& field, double coordinate,
                   const std::string& permitted, const std::string& remedy = "move the monitor") {
   found.fault(field, with_unit(coordinate, "m"), "lies outside the slab", permitted, remedy);
@@ -20,7 +17,7 @@ void lies_outside(CaseFindings& found, const std::string& field, double coordina
 
 void above(CaseFindings& found, const std::string& field, double height) {
   if (!found.sound({field}) || !found.sound(course_keys)) return;
-  if (height > *found.final_level + round_off)
+  if (height > *found.final_level + length_round_off)
     lies_outside(found, field, height,
                  "0 m to the final metal level, " + with_unit(*found.final_level, "m"));
 }
@@ -37,7 +34,7 @@ double depth_of_block(const CaseFindings& found, const Monitor& m) {
 
 /// Whether a point lies in the block. @param depth  of the block there [m]
 void below(CaseFindings& found, const std::string& field, double height, double depth) {
-  if (height < -depth - round_off)
+  if (height < -depth - length_round_off)
     lies_outside(found, field, height, "at least " + with_unit(-depth, "m") + ", the block there");
 }
 
@@ -56,7 +53,7 @@ void behind(CaseFindings& found, const std::string& field, const Monitor& m) {
   double opening = section.half_thickness(m.x);
   if (section.corner_radius > 0.0 && found.sound(plan_keys))
     opening = std::min(opening, mesh::reach_of(mesh::base_of<3>(section, mesh::Plan::heat), m.x));
-  if (m.y > opening + round_off)
+  if (m.y > opening + length_round_off)
     lies_outside(found, field + ".y", m.y,
                  "0 m to half the opening of the mould there, " + with_unit(opening, "m"),
                  "move the monitor; its height is z");
@@ -64,7 +61,7 @@ void behind(CaseFindings& found, const std::string& field, const Monitor& m) {
 
 void beside_or_above(CaseFindings& found, const std::string& field, const Monitor& m) {
   const double half_width = found.casting.section.half_width;
-  if (found.sound({field + ".x", "section.half_width"}) && m.x > half_width + round_off)
+  if (found.sound({field + ".x", "section.half_width"}) && m.x > half_width + length_round_off)
     lies_outside(found, field + ".x", m.x,
                  "0 m to section.half_width = " + with_unit(half_width, "m"));
   if (!found.solid()) {

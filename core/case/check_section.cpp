@@ -64,8 +64,6 @@ void check_section(CaseFindings& found) {
 
 namespace {
 
-constexpr double round_off = 1e-9;  // [m]
-
 /// Slope of piece `i` of a table [1].
 double slope(const Curve& table, std::size_t i) {
   return (table.value()[i + 1] - table.value()[i]) / (table.at()[i + 1] - table.at()[i]);
@@ -78,7 +76,7 @@ void opening_not_convex(CaseFindings& found, const Curve& opening, double half_w
   double steepest = 0.0;
   for (std::size_t i = 0; i + 1 < opening.at().size(); ++i) {
     const double falls = slope(opening, i);
-    if (falls > steepest + round_off) {
+    if (falls > steepest + length_round_off) {
       found.fault("section.half_thickness", with_unit(opening.at()[i + 1], "m"),
                   falls > 0.0 ? "widens towards the narrow face up to here"
                               : "narrows less than before up to here, so that the face is hollow",
@@ -88,7 +86,7 @@ void opening_not_convex(CaseFindings& found, const Curve& opening, double half_w
     steepest = falls;
   }
 
-  if (steepest < 0.0 && opening.at().back() < half_width - round_off) {
+  if (steepest < 0.0 && opening.at().back() < half_width - length_round_off) {
     found.fault("section.half_thickness", with_unit(opening.at().back(), "m"),
                 "is the last point of the table, beyond which the face would run straight",
                 "a last point at section.half_width = " + with_unit(half_width, "m"),
@@ -105,9 +103,10 @@ bool break_points_have_nodes(const mesh::SectionSpec& s) {
 
   bool fits = std::ranges::is_sorted(x, std::less_equal{});
   for (const double point : s.half_thickness.at()) {
-    const bool inside = point > 0.0 && point < s.half_width - round_off;
-    fits &= !inside || std::ranges::any_of(
-                           x, [&](double other) { return std::abs(other - point) <= round_off; });
+    const bool inside = point > 0.0 && point < s.half_width - length_round_off;
+    fits &= !inside || std::ranges::any_of(x, [&](double other) {
+      return std::abs(other - point) <= length_round_off;
+    });
   }
   return fits;
 }
@@ -152,7 +151,7 @@ void check_opening(CaseFindings& found) {
 double largest_radius(const mesh::SectionSpec& s) {
   double last = 0.0;
   for (const double point : s.half_thickness.at())
-    if (point < s.half_width - round_off) last = std::max(last, point);
+    if (point < s.half_width - length_round_off) last = std::max(last, point);
   return std::min(s.half_width - last, s.half_thickness(s.half_width));
 }
 
@@ -172,7 +171,7 @@ void check_corner(CaseFindings& found) {
 
   if (!found.sound(plan_keys)) return;
   const double most = largest_radius(s);
-  if (s.corner_radius > most + round_off)
+  if (s.corner_radius > most + length_round_off)
     return fault(
         "reaches beyond the middle of the slab or the last break point of "
         "section.half_thickness",

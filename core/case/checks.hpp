@@ -16,6 +16,8 @@ namespace dccast::casting {
 
 using Keys = std::vector<std::string>;
 
+inline constexpr double length_round_off = 1e-9;  ///< [m] lengths that differ by less are equal
+
 /// A value with its unit: "0.28 m". @param value  [`unit`]
 std::string with_unit(double value, const char* unit);
 

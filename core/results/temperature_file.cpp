@@ -15,7 +15,7 @@ namespace dccast::results {
 
 namespace {
 
-constexpr const char* field = "thermal.file";
+constexpr const char* case_key = "thermal.file";
 /// Range of temperatures in a casting [°C]; values outside are in kelvin or from a wrong column.
 constexpr double coldest = -273.15;
 constexpr double hottest = 3000.0;
@@ -28,10 +28,11 @@ std::string format_shape(const hdf5::Shape& shape) {
 void check_times(const std::string& name, const std::vector<double>& time, Faults& faults) {
   for (std::size_t i = 0; i < time.size(); ++i) {
     if (!std::isfinite(time[i]))
-      return faults.add(field, name, fmt::format("time_s[{}] is not a number", i),
+      return faults.add(case_key, name, fmt::format("time_s[{}] is not a number", i),
                         "finite times in s", "write the time of each row of temperature_c");
     if (i > 0 && time[i] <= time[i - 1])
-      return faults.add(field, name, fmt::format("time_s[{}] is not later than the one before", i),
+      return faults.add(case_key, name,
+                        fmt::format("time_s[{}] is not later than the one before", i),
                         "strictly increasing times in s", "sort the rows by time");
   }
 }
@@ -42,7 +43,7 @@ void check_temperatures(const std::string& name, const std::vector<double>& temp
   for (std::size_t i = 0; i < temperature.size(); ++i) {
     if (temperature[i] >= coldest && temperature[i] <= hottest) continue;  // false for NaN
     return faults.add(
-        field, name,
+        case_key, name,
         fmt::format("temperature_c[{}, {}] = {:f}", i / nodes, i % nodes, temperature[i]),
         "-273.15 to 3000 degC", "write temperatures in degC");
   }
@@ -54,7 +55,7 @@ bool check_shapes(const std::string& name, const hdf5::File& file, std::size_t n
   bool found = true;
   for (const char* dataset : {"/time_s", "/temperature_c"}) {
     if (file.has(dataset)) continue;
-    faults.add(field, name, fmt::format("has no dataset {}", dataset),
+    faults.add(case_key, name, fmt::format("has no dataset {}", dataset),
                "time_s (t) in s and temperature_c (t, node) in degC", "add the dataset");
     found = false;
   }
@@ -64,12 +65,12 @@ bool check_shapes(const std::string& name, const hdf5::File& file, std::size_t n
   const auto time = file.shape_of("/time_s");
   const auto temperature = file.shape_of("/temperature_c");
   if (time.size() != 1 || time[0] == 0) {
-    faults.add(field, name, fmt::format("time_s has the shape {}", format_shape(time)),
+    faults.add(case_key, name, fmt::format("time_s has the shape {}", format_shape(time)),
                "(t), t at least 1", "write the times as one row");
     return false;
   }
   if (temperature != hdf5::Shape{time[0], nodes}) {
-    faults.add(field, name,
+    faults.add(case_key, name,
                fmt::format("temperature_c has the shape {}", format_shape(temperature)),
                fmt::format("{}: the times of time_s, the nodes of the mesh",
                            format_shape({time[0], nodes})),
@@ -121,7 +122,7 @@ std::optional<TemperatureHistory> read_temperature_file(const std::filesystem::p
     if (faults.list().size() != faults_before) return std::nullopt;
     return TemperatureHistory(std::move(time), std::move(temperature));
   } catch (const storage::StorageError& error) {
-    faults.add(field, name, error.what(), "a readable HDF5 file",
+    faults.add(case_key, name, error.what(), "a readable HDF5 file",
                "name an existing file, or leave thermal.file out");
     return std::nullopt;
   }

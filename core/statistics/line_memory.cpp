@@ -11,14 +11,14 @@ namespace dccast::statistics {
 namespace {
 
 /// All readings of all castings, one after the other.
-struct Readings {
+struct JointReadings {
   std::vector<Eigen::Index> instants;
   std::vector<int> casting;  ///< number of the casting, from 0
   Eigen::VectorXd values;
 };
 
-Readings readings_of(const std::vector<MeasuredCasting>& castings) {
-  Readings all;
+JointReadings readings_of(const std::vector<MeasuredCasting>& castings) {
+  JointReadings all;
   for (std::size_t i = 0; i < castings.size(); ++i) {
     const MeasuredCasting& casting = castings[i];
     const auto count = static_cast<Eigen::Index>(casting.instants.size());
@@ -39,7 +39,7 @@ double correlation_between(int a, int b, const BetweenCastings& between) {
 }
 
 /// Covariance of the readings: of the trajectories, and of zeros and noise of their gauges.
-Eigen::MatrixXd covariance_of(const Readings& readings, const Eigen::MatrixXd& of_joint,
+Eigen::MatrixXd covariance_of(const JointReadings& readings, const Eigen::MatrixXd& of_joint,
                               const std::vector<MeasuredCasting>& castings,
                               const BetweenCastings& between) {
   const auto& casting = readings.casting;
@@ -71,7 +71,7 @@ Informed inform(const TrajectoryPrior& joint, Eigen::Index instants,
                      .nominal = joint.nominal.head(instants),
                      .deviation = joint.deviation.head(instants),
                      .covariance = joint.covariance.topLeftCorner(instants, instants)}};
-  const Readings readings = readings_of(castings);
+  const JointReadings readings = readings_of(castings);
   if (readings.instants.empty()) return informed;
 
   // What the readings have in common with the next casting.

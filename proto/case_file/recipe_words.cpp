@@ -20,7 +20,7 @@ struct Part {
 };
 
 /// The parts of "FACTOR from PLACE until PLACE".
-struct Recipe {
+struct WrittenRecipe {
   Part factor;
   std::optional<Part> from, until;
 };
@@ -44,12 +44,12 @@ Part part_after(const std::string& text, std::size_t word, std::size_t length, s
   return {std::string(trimmed(std::string_view(text).substr(begin, end - begin))), word + 1};
 }
 
-Recipe split_recipe(const std::string& text) {
+WrittenRecipe split_recipe(const std::string& text) {
   constexpr std::string_view from = " from ", until = " until ";
   const std::size_t until_at = text.find(until);
   const std::size_t from_at = text.substr(0, until_at).find(from);
 
-  Recipe recipe;
+  WrittenRecipe recipe;
   recipe.factor = {
       std::string(trimmed(std::string_view(text).substr(0, std::min(from_at, until_at)))), 0};
   if (from_at != std::string::npos)
@@ -109,7 +109,7 @@ v1::Curve make_steps(double factor, const std::optional<Place>& from,
 
 /// Checks that the two places of a recipe have the same abscissa and are in order.
 /// @return false, with a fault, if they are not
-bool check_order(Walk& walk, const Recipe& recipe, const std::optional<Place>& from,
+bool check_order(Walk& walk, const WrittenRecipe& recipe, const std::optional<Place>& from,
                  const std::optional<Place>& until, const std::string& path) {
   if (!from || !until) return true;
   if (from->abscissa != until->abscissa)
@@ -142,7 +142,7 @@ std::string recipe_paths(const Descriptor& descriptor, const std::string& path) 
 
 v1::Curve read_scale(Walk& walk, const std::string& text, const FieldDescriptor& field,
                      const std::string& path) {
-  const Recipe recipe = split_recipe(text);
+  const WrittenRecipe recipe = split_recipe(text);
   std::optional<Place> from, until;
   const auto factor = read_factor(walk, recipe.factor, field, path);
   if (recipe.from) from = read_place(walk, *recipe.from, field, path);

@@ -67,7 +67,7 @@ std::vector<double> differences_along(const Course& course, const JudgedRun& fir
   return difference;
 }
 
-using Runs = std::vector<const JudgedRun*>;
+using RunPointers = std::vector<const JudgedRun*>;
 
 /// The same casting at another quality.
 bool is_companion(const JudgedRun& candidate, const JudgedRun& run) {
@@ -95,7 +95,7 @@ std::optional<double> error_by_companions(const CurlDifference& difference, cons
 }
 
 std::optional<double> error_from_qualities(const CurlDifference& difference, const JudgedRun& first,
-                                           const JudgedRun& other, const Runs& runs) {
+                                           const JudgedRun& other, const RunPointers& runs) {
   for (const JudgedRun* mine : runs) {
     if (!is_companion(*mine, first)) continue;
     for (const JudgedRun* theirs : runs) {
@@ -108,7 +108,7 @@ std::optional<double> error_from_qualities(const CurlDifference& difference, con
 }
 
 void find_error(CurlDifference& difference, const JudgedRun& first, const JudgedRun& other,
-                const Runs& runs) {
+                const RunPointers& runs) {
   difference.error_m = error_from_qualities(difference, first, other, runs);
   if (difference.error_m) {
     difference.error_source = ErrorSource::qualities;
@@ -201,7 +201,7 @@ std::vector<KeyDifference> differing_keys(const std::vector<JudgedRun>& runs) {
 
 std::vector<CurlDifference> curl_differences(const std::vector<JudgedRun>& runs,
                                              const std::vector<JudgedRun>& companions) {
-  Runs all;
+  RunPointers all;
   for (const auto* list : {&runs, &companions})
     for (const JudgedRun& run : *list) all.push_back(&run);
 

@@ -17,8 +17,6 @@ constexpr double shown_place_m = 1e-3;
 constexpr double shown_thickness_m = 1e-5;
 constexpr double shown_share = 1e-3;
 
-constexpr int most_lines = 6;  ///< of a chart, as many as a page has colours
-
 /// A length in millimetres, for sentences.
 std::string mm_text(double metres, int decimals) {
   return fmt::format("{:.{}f}", 1e3 * metres, decimals);

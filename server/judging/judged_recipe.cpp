@@ -105,14 +105,14 @@ void add_front(const v1::StudyResult& result, v1::Judgement& judgement) {
     if (is_in(plan, number.name))
       *table.add_columns() =
           number_column(number.name, number.heading, number.unit, number.resolution);
-  constexpr double shown_m = 1e-4;  // no recipe is known better
-  *table.add_columns() = number_column("curl", "5..95 %", "m", shown_m);
+  constexpr double resolution_m = 1e-4;  // no recipe is known better
+  *table.add_columns() = number_column("curl", "5..95 %", "m", resolution_m);
   table.mutable_columns()->rbegin()->set_has_bars(true);
   *table.add_columns() = number_column("risk", "risk", "1", 0.01);
   table.mutable_columns()->rbegin()->set_has_error(true);
   *table.add_columns() = number_column("lost", "lost", "", 1.0);
   *table.add_columns() = number_column("casting_time", "time", "s", 1.0);
-  *table.add_columns() = number_column("full_curl", "full", "m", shown_m);
+  *table.add_columns() = number_column("full_curl", "full", "m", resolution_m);
   for (const char* key : {"castings", "full_job"}) *table.add_columns() = text_column(key, "");
   table.set_note(
       "5..95 %: curl of 9 of 10 castings; lost: castings outside the band or with a danger; full: "
@@ -155,7 +155,7 @@ std::string changes_text(const Candidate& candidate) {
   });
 }
 
-void add_sentences(const v1::StudyResult& result, v1::Judgement& judgement) {
+void add_recipe_sentences(const v1::StudyResult& result, v1::Judgement& judgement) {
   const v1::RecipePlan& plan = result.study().recipe();
   const v1::RecipeFound& found = result.recipe();
   if (found.runs() == 0) {
@@ -187,7 +187,7 @@ void add_sentences(const v1::StudyResult& result, v1::Judgement& judgement) {
 }  // namespace
 
 void judge_recipe(const v1::StudyResult& result, v1::Judgement& judgement) {
-  add_sentences(result, judgement);
+  add_recipe_sentences(result, judgement);
   add_front(result, judgement);
 }
 

@@ -27,7 +27,7 @@ int least_certain(const v1::CurlCurve& curve) {
   return worst;
 }
 
-void add_sentences(const v1::StudyResult& result, v1::Judgement& judgement) {
+void add_refinement_sentences(const v1::StudyResult& result, v1::Judgement& judgement) {
   if (result.limits().empty())
     judgement.add_sentences("No limit yet: two levels that succeeded are needed.");
 
@@ -103,7 +103,7 @@ void add_limits(const v1::StudyResult& result, v1::Judgement& judgement) {
 }  // namespace
 
 void judge_refinement(const v1::StudyResult& result, v1::Judgement& judgement) {
-  add_sentences(result, judgement);
+  add_refinement_sentences(result, judgement);
   add_runs(result, judgement);
   if (result.limits().empty()) return;
 

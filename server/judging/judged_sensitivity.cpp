@@ -17,7 +17,7 @@ struct End {
   bool failed = false;
 };
 
-struct Effect {
+struct AxisEffect {
   int axis = 0;
   End low, high;
 
@@ -28,13 +28,13 @@ struct Effect {
 };
 
 struct Effects {
-  std::optional<double> base_m;   ///< curl of the case itself; empty: no valid run
-  std::optional<double> error_m;  ///< to which a small difference of two runs is known
-  std::vector<Effect> effects;    ///< largest first
+  std::optional<double> base_m;     ///< curl of the case itself; empty: no valid run
+  std::optional<double> error_m;    ///< to which a small difference of two runs is known
+  std::vector<AxisEffect> effects;  ///< largest first
 
   /// Below it a curl does not respond: a fiftieth of a millimetre, a tenth of the error.
   double negligible_m() const { return std::max(2e-5, 0.1 * error_m.value_or(0.0)); }
-  bool responds(const Effect& effect) const {
+  bool responds(const AxisEffect& effect) const {
     const bool complete = effect.low.difference_m && effect.high.difference_m;
     return !complete || effect.largest_m() >= negligible_m();
   }
@@ -65,13 +65,13 @@ Effects find_effects(const StudyToJudge& study) {
   for (const v1::StudyRun& run : result.runs()) {
     const int axis = moved_axis(run);
     if (axis < 0) continue;
-    Effect& effect = found.effects[static_cast<std::size_t>(axis)];
+    AxisEffect& effect = found.effects[static_cast<std::size_t>(axis)];
     End& end = run.values(axis) == axes[axis].values(0) ? effect.low : effect.high;
     const auto curl_m = end_curl(run, study.monitor);
     end.failed = !curl_m;
     if (curl_m && found.base_m) end.difference_m = *curl_m - *found.base_m;
   }
-  std::ranges::stable_sort(found.effects, std::ranges::greater(), &Effect::largest_m);
+  std::ranges::stable_sort(found.effects, std::ranges::greater(), &AxisEffect::largest_m);
   if (study.difference_error && found.base_m)
     found.error_m = *study.difference_error * std::abs(*found.base_m);
   return found;
@@ -89,7 +89,8 @@ v1::Cell end_cell(const End& end) {
 
 void add_effect_table(const v1::StudyResult& result, const std::string& key,
                       const std::string& heading, JudgementPart::Place place,
-                      const std::vector<Effect>& effects, double base_m, v1::Judgement& judgement) {
+                      const std::vector<AxisEffect>& effects, double base_m,
+                      v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, key, heading, place);
   *table.add_columns() = text_column("kind", "kind");
   *table.add_columns() = text_column("name", "key");
@@ -102,7 +103,7 @@ void add_effect_table(const v1::StudyResult& result, const std::string& key,
   }
   *table.add_columns() = text_column("key", "");
 
-  for (const Effect& effect : effects) {
+  for (const AxisEffect& effect : effects) {
     const v1::SweepPlan::Axis& axis = result.study().sweep().axes(effect.axis);
     add_row(table, {code_cell(case_file::is_lever(axis.key()) ? "lever" : "datum"),
                     text_cell(name_of(axis)), text_cell(case_file::range_of(axis)),
@@ -133,13 +134,13 @@ void judge_sensitivity(const StudyToJudge& study, v1::Judgement& judgement) {
   }
 
   // Levers of the plant first; a terminal leaves out what does not matter.
-  std::vector<Effect> all = found.effects;
-  std::stable_partition(all.begin(), all.end(), [&](const Effect& effect) {
+  std::vector<AxisEffect> all = found.effects;
+  std::stable_partition(all.begin(), all.end(), [&](const AxisEffect& effect) {
     return case_file::is_lever(result.study().sweep().axes(effect.axis).key());
   });
-  std::vector<Effect> responding;
+  std::vector<AxisEffect> responding;
   std::ranges::copy_if(all, std::back_inserter(responding),
-                       [&](const Effect& effect) { return found.responds(effect); });
+                       [&](const AxisEffect& effect) { return found.responds(effect); });
   const std::string& monitor = result.monitors(study.monitor);
   add_case_itself(monitor, found, judgement);
   add_effect_table(
@@ -158,7 +159,7 @@ void judge_sensitivity(const StudyToJudge& study, v1::Judgement& judgement) {
                                   mm(*found.error_m))
                     : "The error of a difference has not been measured for such a case.");
   std::vector<std::string> without_response;
-  for (const Effect& effect : found.effects)
+  for (const AxisEffect& effect : found.effects)
     if (!found.responds(effect))
       without_response.push_back(name_of(result.study().sweep().axes(effect.axis)));
   if (!without_response.empty())

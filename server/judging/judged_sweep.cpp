@@ -11,8 +11,6 @@
 namespace dccast::judging {
 namespace {
 
-constexpr std::size_t most_lines = 6;  ///< of a chart, as many as a page has colours
-
 /// A curl at a place on one or two axes.
 struct Point {
   double x;  ///< [SI]
@@ -85,7 +83,7 @@ void add_curl_chart(const v1::StudyResult& result, int axis, int monitor,
   v1::Chart& chart = add_chart(judgement, "curl_against_key",
                                fmt::format("curl of the {} at the end against {}", name, key),
                                axes_of(result, axis, "curl", "m"));
-  if (has_lines && lines.size() <= most_lines) {
+  if (has_lines && std::ssize(lines) <= most_lines) {
     for (const auto& [values, points] : lines)
       add_points(chart, values.empty() ? name : values, points);
     return;
@@ -111,7 +109,7 @@ void add_pair_chart(const v1::StudyResult& result, int x, int y, int monitor,
       fmt::format("curl of the {} at the end, a dot for each run", result.monitors(monitor)),
       axes_of(result, x, key, axis_unit(key)));
   std::ranges::sort(points, {}, &Point::curl_m);
-  const std::size_t classes = std::min(most_lines - 1, points.size());
+  const std::size_t classes = std::min<std::size_t>(most_lines - 1, points.size());
   for (std::size_t i = 0; i < classes; ++i) {
     const auto begin = points.begin() + static_cast<std::ptrdiff_t>(i * points.size() / classes);
     const auto end =

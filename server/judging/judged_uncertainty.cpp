@@ -15,7 +15,6 @@ using v1::JudgementPart;
 using Values = google::protobuf::RepeatedField<double>;
 
 constexpr double small_share = 0.01;  ///< of the variance
-constexpr int most_lines = 6;         ///< of a chart, as many as a page has colours
 
 double last(const Values& values) {
   return values.empty() ? 0.0 : values[values.size() - 1];
@@ -91,13 +90,13 @@ void add_history(const v1::Spread& spread, v1::Judgement& judgement) {
   constexpr int most_instants = 8;
   v1::Table& table =
       add_table(judgement, "history", "curl of the " + spread.monitor(), JudgementPart::TERMINAL);
-  const double shown_m = shown_curl_m(last(spread.high_m()));
+  const double resolution_m = shown_curl_m(last(spread.high_m()));
   *table.add_columns() = number_column("time", "t", "s", 1.0);
   *table.add_columns() = number_column("cast_length", "cast", "m", 1e-3);
-  *table.add_columns() = number_column("low", "5 %", "m", shown_m);
-  *table.add_columns() = number_column("median", "50 %", "m", shown_m);
-  *table.add_columns() = number_column("high", "95 %", "m", shown_m);
-  *table.add_columns() = number_column("surface_error", "surface off by", "m", shown_m);
+  *table.add_columns() = number_column("low", "5 %", "m", resolution_m);
+  *table.add_columns() = number_column("median", "50 %", "m", resolution_m);
+  *table.add_columns() = number_column("high", "95 %", "m", resolution_m);
+  *table.add_columns() = number_column("surface_error", "surface off by", "m", resolution_m);
 
   // During the hold nothing curls.
   const auto& time_s = spread.time_s();

@@ -8,6 +8,8 @@
 /// The judgements of the kinds of studies, and what they share.
 namespace dccast::judging {
 
+inline constexpr int most_lines = 6;  ///< of a chart, as many as a page has colours
+
 /// Smallest difference worth showing beside a curl [m]: a tenth of a millimetre, of a small curl a
 /// hundredth.
 double shown_curl_m(double curl_m);

@@ -15,11 +15,11 @@ namespace dccast::studies {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_figure = std::numeric_limits<double>::quiet_NaN();
 
 /// Curl of a monitor [m]; NaN where it has none.
 double curl_of(const v1::MonitorValue& monitor) {
-  return monitor.has_curl_m() ? monitor.curl_m() : unknown;
+  return monitor.has_curl_m() ? monitor.curl_m() : no_figure;
 }
 
 v1::CurlCurve& curve_of(RunHistory& history, const std::string& monitor) {
@@ -31,7 +31,7 @@ v1::CurlCurve& curve_of(RunHistory& history, const std::string& monitor) {
 
 /// Pads with NaN: a monitor has no value before its first report, nor in a step that omits it.
 void fill_up(v1::CurlCurve& curve, std::size_t count) {
-  while (curve.curl_m_size() < static_cast<int>(count)) curve.add_curl_m(unknown);
+  while (curve.curl_m_size() < static_cast<int>(count)) curve.add_curl_m(no_figure);
 }
 
 void add_instants(v1::CurlCurve& curve, const std::vector<v1::StepReport>& steps) {
@@ -57,7 +57,7 @@ std::optional<double> first_beyond(const v1::Job& job, const std::vector<v1::Ste
 double curl_at(const v1::StepReport& step, const std::string& monitor) {
   for (const v1::MonitorValue& value : step.monitors())
     if (value.name() == monitor) return curl_of(value);
-  return unknown;
+  return no_figure;
 }
 
 /// Describes a run by its job.
@@ -132,7 +132,7 @@ RunHistory run_history(const v1::Job& job, const std::vector<v1::StepReport>& st
       curve.add_curl_m(curl_of(value));
       if (!value.has_temperature_c()) continue;
       auto& temperature_c = history.temperature_c[value.name()];
-      temperature_c.resize(steps.size(), unknown);
+      temperature_c.resize(steps.size(), no_figure);
       temperature_c[i] = value.temperature_c();
     }
 
@@ -211,7 +211,7 @@ std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, con
 
     for (const v1::Monitor& monitor : record.request.case_().monitor())
       evaluated.run.add_end_curl_m(evaluated.succeeded() ? curl_at(job->last_step(), monitor.name())
-                                                         : unknown);
+                                                         : no_figure);
 
     if (!evaluated.succeeded()) continue;
     if (depth.histories) evaluated.history = history_of(*job);

@@ -28,11 +28,6 @@ std::string escaped(const std::string& text) {
   return values::escaped(text, values::Lines::several);
 }
 
-template <class Numbers, class Field>
-void fill(const Numbers& from, Field* to) {
-  to->Add(from.begin(), from.end());
-}
-
 v1::Fault to_proto(const Fault& from) {
   v1::Fault to;
   to.set_field(escaped(from.field));
@@ -96,7 +91,7 @@ void add_monitors(const results::StepReport& report, const std::vector<casting::
   for (std::size_t i = 0; i < report.monitor_displacement.size(); ++i) {
     auto* value = to.add_monitors();
     if (i < monitors.size()) value->set_name(monitors[i].name);
-    fill(report.monitor_displacement[i], value->mutable_displacement_m());
+    for (const double along : report.monitor_displacement[i]) value->add_displacement_m(along);
     if (i < report.monitor_temperature.size() && std::isfinite(report.monitor_temperature[i]))
       value->set_temperature_c(report.monitor_temperature[i]);
     case_file::add_curl(mesh_error, *value);
@@ -178,8 +173,9 @@ v1::Finding to_finding(const casting::RunFailure& failure) {
   to.set_message(failure.message);
   to.set_time_s(failure.time);
   to.set_time_step_s(failure.time_step);
-  fill(failure.residual_history, to.mutable_residual_history());
-  fill(failure.place, to.mutable_place_m());
+  to.mutable_residual_history()->Add(failure.residual_history.begin(),
+                                     failure.residual_history.end());
+  to.mutable_place_m()->Add(failure.place.begin(), failure.place.end());
   return to;
 }
 
