@@ -43,7 +43,7 @@ Target read_target(const std::string& server) {
   // A name that begins with a dash would be an option of ssh.
   static const std::regex form(
       R"(ssh://((?:[A-Za-z0-9_.][\w.-]*@)?[A-Za-z0-9_.][\w.-]*)(?::(\d{1,5}))?(/[\w./@+-]*)?)");
-  // Earlier versions took a port here.
+  // A path of digits is a port in the wrong place.
   static const std::regex port(R"(/\d{1,5})");
   constexpr std::size_t longest = sizeof sockaddr_un::sun_path - 1;
 

@@ -179,7 +179,7 @@ void override_key(const std::string& override_text, v1::DaemonConfig& config, st
   config.MergeFrom(one);
 }
 
-/// The address of local users. Earlier versions took host and port.
+/// The address of local users, which is never one of TCP.
 void check_listen(const std::string& listen, std::string& faults) {
   if (listen.empty() || listen.starts_with(values::unix_scheme)) return;
   faults += fmt::format(
