@@ -2,6 +2,7 @@
 """Documents that sources name and targets of links exist, and the index of docs/ names every page."""
 import pathlib
 import re
+import sys
 import unittest
 
 from sources_test import FILES, ROOT, text_of
@@ -38,6 +39,14 @@ class Documents(unittest.TestCase):
                 if anchor not in anchors(ROOT / page.parent / target if target else ROOT / page):
                     lost.append(f"{page}: {target}#{anchor}")
         self.assertEqual(lost, [])
+
+    def test_the_runs_of_a_table_fit_its_rows_and_columns(self):
+        sys.path.insert(0, str(ROOT / "docs"))
+        import tables
+        for page in PAGES:
+            for mark in tables.MARK.finditer(text_of(page)):
+                with self.subTest(page=page):
+                    tables.table_of(mark)
 
     def test_the_index_names_every_page(self):
         index = text_of(pathlib.PurePosixPath("docs/README.md"))
