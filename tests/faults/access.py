@@ -14,7 +14,7 @@ from certificates import TestCa, openssl_time
 from dccast.v1 import service_pb2, service_pb2_grpc
 from fault import Fault
 from oracle import must
-from scene import Scene, limit
+from scene import Scene, limit, pause
 from support import BIN, connected, setting_options, until
 
 LONG = "steps=400 sleep_ms=10"
@@ -96,7 +96,7 @@ class TokenRevokedUnderWatch(RemoteFault):
                  for name in ("anna", "bert")]
         job_id = scene.submit(fake(LONG))
         anna, bert = (Watch(stub, job_id) for stub in stubs)
-        time.sleep(scene.chance.uniform(0.0, 1.0))
+        pause(scene.chance, 1.0)
         admin(scene, "user", scene.chance.choice(("rotate", "disable", "remove")), "anna")
         anna.ended_with(grpc.StatusCode.UNAUTHENTICATED, count, 2)
         bert.ended_with(grpc.StatusCode.OK, count, 30)

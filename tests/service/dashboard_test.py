@@ -571,7 +571,7 @@ class Pages(InBrowser):
         self.wait_for("onerror", "tbody")
         for page in ("jobs", f"job/{job}", f"compare/{job}/{job}", "wall", "studies"):
             self.go(page)
-            time.sleep(0.5)
+            time.sleep(0.5)  # in which a script among the names would run
             self.assertNotIn("broken", self.browser.title)
             self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, "main img"), [])
 

@@ -20,7 +20,7 @@ class NoDaemonComes(AdoptionTest):
         expected = self.expected_curve(400)
         job_id, worker = self.running_job("steps=400 checkpoint=1000 sleep_ms=10")
         self.daemon.kill()
-        time.sleep(0.5)
+        time.sleep(0.5)  # half of what it waits for a daemon
         self.assertTrue(start_ticks(worker))
         self.ends(worker)
         self.restart()

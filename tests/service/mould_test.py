@@ -109,7 +109,7 @@ class Mould(StudyTest):
         self.cancel(study.id)
         ended = self.until_ended(study.id)
         self.assertEqual(ended.state, study_pb2.STUDY_CANCELLED)
-        time.sleep(0.3)
+        time.sleep(0.3)  # in which further runs would come
         self.assertEqual(len(self.jobs_of(study.id)), 1)
         self.assertEqual(self.resume(study.id).state, study_pb2.STUDY_RUNNING)
         self.assertEqual(self.until_ended(study.id).state, study_pb2.STUDY_SUCCEEDED)

@@ -71,7 +71,7 @@ class RealSteering(ServiceTest):
     def assert_stands_still(self, job_id):
         until(lambda: not self.daemon.worker_processes(), 10)
         step = self.client.job(job_id).last_step.step
-        time.sleep(0.3)
+        time.sleep(0.3)  # in which it would go on
         job = self.client.job(job_id)
         self.assertEqual((job.state, job.last_step.step), (job_pb2.PAUSED, step))
         return step

@@ -161,7 +161,7 @@ class Sweep(StudyTest):
         self.assertGreater(cancelled.cancelled, 20)
         self.assertTrue(all(job.state in TERMINAL for job in self.jobs_of(study.id)))
         before = len(self.jobs_of(study.id))
-        time.sleep(0.3)
+        time.sleep(0.3)  # in which further runs would come
         self.assertEqual(len(self.jobs_of(study.id)), before)
 
         self.assertEqual(self.resume(study.id).state, study_pb2.STUDY_RUNNING)

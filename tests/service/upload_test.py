@@ -5,7 +5,7 @@ import hashlib
 import os
 import re
 import subprocess
-import time
+import threading
 
 import grpc
 
@@ -82,14 +82,17 @@ class Uploads(ServiceTest):
         until(lambda: self.uploaded() == [], 5)
 
     def test_an_upload_that_is_cancelled_leaves_nothing(self):
+        cancelled = threading.Event()
+
         def endless():
             yield service_pb2.UploadAttachmentRequest(attachment=job_pb2.Attachment(
                 name="slab.msh", sha256="0" * 64, size_bytes=50_000_000))
             yield service_pb2.UploadAttachmentRequest(chunk=b"x" * 1000)
-            time.sleep(30)
+            cancelled.wait(30)
         call = self.client.stub.UploadAttachment.future(endless())
         until(lambda: len(self.uploaded()) == 1, 10)
         call.cancel()
+        cancelled.set()
         until(lambda: self.uploaded() == [], 10)
 
     def test_a_study_keeps_the_files_of_its_case(self):
@@ -147,13 +150,16 @@ class Quota(ServiceTest):
         self.client.upload("second.msh", b"b" * 600_000)  # the job has its own copy of the first
 
     def test_an_upload_that_stands_still_is_ended(self):
+        ended = threading.Event()
+
         def stalled():
             yield service_pb2.UploadAttachmentRequest(attachment=job_pb2.Attachment(
                 name="slab.msh", sha256="0" * 64, size_bytes=500_000))
             yield service_pb2.UploadAttachmentRequest(chunk=b"x" * 1000)
-            time.sleep(20)
+            ended.wait(20)
         error = self.refused(grpc.StatusCode.DEADLINE_EXCEEDED,
                              self.client.stub.UploadAttachment, stalled(), timeout=15)
+        ended.set()
         self.assertIn("did not come", error.details())
         until(lambda: os.listdir(os.path.join(self.folder, "data", "uploads")) == [], 5)
 

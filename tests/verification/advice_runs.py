@@ -9,7 +9,6 @@ length. The daemon must be running; the studies are kept and taken up again by t
 """
 import argparse
 import sys
-import time
 
 import grpc
 import numpy
@@ -78,12 +77,10 @@ class Plan:
 
 
 def until_ended(options, study):
-    while True:
-        found = options.stub.GetStudy(study_pb2.GetStudyRequest(id=study), timeout=30)
-        if found.state != study_pb2.STUDY_RUNNING:
-            request = study_pb2.EvaluateStudyRequest(id=study, curves=True)
-            return options.stub.EvaluateStudy(request, timeout=60)
-        time.sleep(1)
+    for _ in options.stub.WatchStudy(study_pb2.WatchStudyRequest(id=study)):
+        pass
+    request = study_pb2.EvaluateStudyRequest(id=study, curves=True)
+    return options.stub.EvaluateStudy(request, timeout=60)
 
 
 def advised(options, plan, measured):

@@ -73,9 +73,8 @@ class Recipe:
         request = study_pb2.CreateStudyRequest(case=self.case, sweep=plan, changes=self.changes)
         request.request_id = hashlib.sha256(request.SerializeToString(deterministic=True)).hexdigest()
         study = stub.CreateStudy(request, timeout=60)
-        while study.state == study_pb2.STUDY_RUNNING:
-            time.sleep(1)
-            study = stub.GetStudy(study_pb2.GetStudyRequest(id=study.id), timeout=30)
+        for study in stub.WatchStudy(study_pb2.WatchStudyRequest(id=study.id)):
+            pass
         return study
 
     def curves(self, study):
@@ -121,8 +120,8 @@ def forecast_before(options, recipe, line):
 def end(options, job):
     """Ends a job, and waits until it has ended."""
     options.stub.CancelJob(service_pb2.CancelJobRequest(id=job), timeout=30)
-    while options.stub.GetJob(service_pb2.GetJobRequest(id=job), timeout=30).state < job_pb2.SUCCEEDED:
-        time.sleep(0.05)
+    for _ in options.stub.WatchJob(service_pb2.WatchJobRequest(id=job), timeout=60):
+        pass
 
 
 def cast(options, job, curve, shots):

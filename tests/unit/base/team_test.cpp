@@ -93,7 +93,7 @@ TEST(Team, WakesMembersThatHaveGoneToSleep) {
   Team team(2);
   const Team::Lent lent(&team);
   for (int call = 0; call < 20; ++call) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // longer than members spin
     std::atomic<int> parts{0};
     for_each_part(4, [&](std::size_t) { ++parts; });
     ASSERT_EQ(parts, 4);

@@ -12,6 +12,8 @@
 #include <list>
 #include <thread>
 
+#include "tests/support/eventually.hpp"
+
 namespace dccast::http {
 namespace {
 
@@ -167,7 +169,7 @@ TEST_F(HttpServer, APeerThatIsBeingAnsweredIsNotClosedForANewOne) {
   std::atomic<bool> may_end = false;
   handler_ = [&](const Request&) {
     ++at_work;
-    while (!may_end) std::this_thread::sleep_for(milliseconds(1));
+    may_end.wait(false);
     return Reply{.body = "done"};
   };
   start({.connections = 2, .time = std::chrono::minutes(5)});
@@ -175,9 +177,10 @@ TEST_F(HttpServer, APeerThatIsBeingAnsweredIsNotClosedForANewOne) {
   std::list<Peer> peers;
   for (int i = 0; i < 2; ++i)
     peers.emplace_back(port()).send("GET / HTTP/1.1\r\nHost: own\r\nConnection: close\r\n\r\n");
-  while (at_work < 2) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_TRUE(eventually([&] { return at_work == 2; }));
   EXPECT_EQ(Peer(port()).receive(), "");  // there is no room for it
   may_end = true;
+  may_end.notify_all();
   for (Peer& peer : peers) EXPECT_TRUE(peer.receive().ends_with("done"));
 }
 
@@ -186,7 +189,7 @@ TEST_F(HttpServer, StreamsEndWithTheirSourceOrTheServer) {
   handler_ = [&](const Request& request) {
     const int most = request.path == "/three" ? 3 : 1 << 30;
     return Reply{.type = "text/event-stream", .next_part = [&parts, most, sent = 0]() mutable {
-                   std::this_thread::sleep_for(milliseconds(1));
+                   std::this_thread::sleep_for(milliseconds(1));  // the pace of a source
                    ++parts;
                    return sent++ < most ? std::string("part\n") : std::string();
                  }};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -8,6 +9,7 @@
 #include <thread>
 
 #include "server/jobs/executors/worker_claim.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace dccast::jobs {
 
@@ -17,8 +19,11 @@ class ClaimingProcess {
 public:
   ClaimingProcess(const std::filesystem::path& folder, const WorkerClaim& claim) : id_(::fork()) {
     if (id_ == 0) hold(folder, claim);
-    while (!find_holder(folder)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    while (!find_holder(folder)->claim) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto has_claimed = [&] {
+      const auto holder = find_holder(folder);
+      return holder && holder->claim;
+    };
+    EXPECT_TRUE(eventually(has_claimed)) << "the process did not claim " << folder;
   }
   ClaimingProcess(const ClaimingProcess&) = delete;
   ~ClaimingProcess() {

@@ -4,9 +4,9 @@
 #include <sys/stat.h>
 
 #include <chrono>
-#include <thread>
 
 #include "core/storage/file.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -27,9 +27,7 @@ protected:
     return std::filesystem::exists(lines()) ? storage::read_file(lines()) : "";
   }
   bool becomes(const std::string& wanted) const {
-    for (int i = 0; i < 1000 && text() != wanted; ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return text() == wanted;
+    return eventually([&] { return text() == wanted; });
   }
   static v1::Job job(v1::JobState state, const std::string& owner) {
     v1::Job job;

@@ -11,10 +11,10 @@
 #include <optional>
 #include <random>
 #include <set>
-#include <thread>
 
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/logs/event_logs.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/jobs/failing_sync.hpp"
 
@@ -445,8 +445,7 @@ TEST_F(EventLogTest, WatchersAreCalledAsLongAsTheyLive) {
   auto watcher = std::make_shared<CountingWatcher>();
   logs.watch("job", watcher);
   const auto wait_for_calls = [&](int calls) {
-    for (int i = 0; i < 2000 && watcher->calls < calls; ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    eventually([&] { return watcher->calls >= calls; });
     return watcher->calls.load();
   };
   EXPECT_EQ(wait_for_calls(1), 1);
@@ -457,9 +456,7 @@ TEST_F(EventLogTest, WatchersAreCalledAsLongAsTheyLive) {
   const std::weak_ptr<CountingWatcher> gone = watcher;
   watcher.reset();
   append_steps(*log, 2, 3);
-  for (int i = 0; i < 2000 && !gone.expired(); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  EXPECT_TRUE(gone.expired());
+  EXPECT_TRUE(eventually([&] { return gone.expired(); }));
 }
 
 /// Counts what it gives out and takes back.
@@ -487,10 +484,8 @@ TEST_F(EventLogTest, NothingIsKeptOfAWatcherThatHasGone) {
   int pieces = 0;
   auto watcher = std::allocate_shared<CountingWatcher>(CountingAllocator<CountingWatcher>(pieces));
   logs.watch("ended", watcher);
-  for (int i = 0; i < 2000 && watcher->calls < 1; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  for (int i = 0; i < 2000 && watcher.use_count() > 1; ++i)  // the notifier has it, too
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_TRUE(eventually([&] { return watcher->calls >= 1; }));
+  EXPECT_TRUE(eventually([&] { return watcher.use_count() == 1; })) << "the notifier has it, too";
   ASSERT_EQ(pieces, 1);
 
   watcher.reset();

@@ -251,7 +251,7 @@ TEST_F(SchedulerFaults, TheTimersOfAStoppedWorkerStandStill) {
   run_a_job(daemon);
   daemon.executor.stopped(worker_->launch(), "a more urgent query runs");
   EXPECT_EQ(daemon.scheduler.find(id_)->held(), "a more urgent query runs");
-  std::this_thread::sleep_for(3 * limit);
+  std::this_thread::sleep_for(3 * limit);  // a timer that ran would have ended
   EXPECT_EQ(daemon.executor.kills(), 0);
 
   daemon.executor.stopped(worker_->launch(), "");

@@ -17,6 +17,7 @@
 #include "dccast/v1/worker.pb.h"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/queue/scheduler.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -220,14 +221,6 @@ protected:
             .case_sha256 = "h",
             .submitted_case = "",
             .complete_case = ""};
-  }
-  static bool eventually(const std::function<bool()>& condition) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > end) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    return true;
   }
   static v1::JobState state(Daemon& daemon, const std::string& id) {
     return daemon.scheduler.find(id)->state();

@@ -13,6 +13,7 @@
 #include "core/storage/file.hpp"
 #include "server/jobs/executors/worker_claim.hpp"
 #include "server/jobs/logs/event_log.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -108,9 +109,7 @@ protected:
     return changed_.wait_for(lock, 10s, [&] { return waits_.find(why) != std::string::npos; });
   }
   bool is_asked(const std::string& words) {
-    for (int i = 0; i < 1000 && asked().find(words) == std::string::npos; ++i)
-      std::this_thread::sleep_for(10ms);
-    return asked().find(words) != std::string::npos;
+    return eventually([&] { return asked().find(words) != std::string::npos; });
   }
   void end_run(int attempt = 1) {
     EventLog log(job_ / "events.log");
@@ -204,7 +203,7 @@ TEST_F(SlurmExecutorTest, NothingIsSubmittedBesideAnEarlierStart) {
   shows_start("RUNNING", "None", 1);
   begin(2);
   ASSERT_TRUE(is_asked("scancel --name=dccast-a-job.1"));
-  std::this_thread::sleep_for(200ms);
+  std::this_thread::sleep_for(200ms);  // in which it asks Slurm several times
   EXPECT_THAT(asked(), Not(HasSubstr("sbatch")));
   shows_start("CANCELLED", "None", 1);
   EXPECT_TRUE(is_asked("--job-name=dccast-a-job.2"));
@@ -227,7 +226,7 @@ TEST_F(SlurmExecutorTest, AJobHeldAfterAFailedLaunchIsCancelledOnceItsFolderIsSi
   shows_start("PENDING", "launch_failed_requeued_held");
   for (int i = 0; i < 75; ++i) {
     std::ofstream(job_ / "events.log", std::ios::app) << "grows";
-    std::this_thread::sleep_for(20ms);
+    std::this_thread::sleep_for(20ms);  // longer in all than a folder may be silent
   }
   EXPECT_THAT(asked(), Not(HasSubstr("scancel")));
   EXPECT_TRUE(is_asked("scancel --name=dccast-a-job.1"));

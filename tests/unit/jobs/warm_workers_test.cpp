@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <fstream>
 #include <string>
-#include <thread>
 
 #include "server/jobs/processes.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -138,7 +138,7 @@ TEST_F(WarmWorkersTest, EventsComeInOrderBeforeTheEnd) {
 TEST_F(WarmWorkersTest, OneThatWasKilledIsReplacedAtOnce) {
   WarmWorkers workers(program_);
   EXPECT_EQ(reason(workers, "abort"), Why::died);
-  while (programs_begun() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_TRUE(eventually([&] { return programs_begun() >= 2; }));
   std::ofstream(program_) << "no program any more";
   EXPECT_EQ(ask(workers, "again").second, "again");
 }
@@ -218,12 +218,12 @@ TEST_F(WarmWorkersTest, SaysWhatIsMissing) {
 TEST_F(WarmWorkersTest, OneThatIsTakenIsReplaced) {
   WarmWorkers workers(program_, {.kept = 1});
   const auto taken = workers.take();
-  while (programs_begun() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_TRUE(eventually([&] { return programs_begun() >= 2; }));
   std::ofstream(program_) << "no program any more";
   EXPECT_EQ(ask(workers, "first").second, "first");
   EXPECT_FALSE(taken->exit());
   taken->signal(SIGKILL);
-  while (!taken->exit()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(eventually([&] { return taken->exit().has_value(); }));
 }
 
 /// Reading for an answer may have changed it.

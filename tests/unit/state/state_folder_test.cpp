@@ -19,7 +19,7 @@ TEST(StateLock, WaitsForOneThatIsAboutToBeGivenUp) {
   const StateFolder folder(temporary.path());
   auto held = std::make_unique<StateLock>(folder);
   const std::jthread giver([&held] {
-    std::this_thread::sleep_for(200ms);
+    std::this_thread::sleep_for(200ms);  // the other waits by then
     held.reset();
   });
   EXPECT_NO_THROW(StateLock{folder});

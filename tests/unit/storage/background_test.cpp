@@ -30,7 +30,7 @@ TEST(Background, EndsWhatWasPostedBeforeItGoes) {
     Background background;
     for (int i = 0; i < 3; ++i)
       background.post([&done] {
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));  // so that some wait
         ++done;
       });
   }
@@ -71,7 +71,7 @@ TEST(Background, HoldsBackWhoIsFarAhead) {
   Background background;
   for (int i = 0; i < 20; ++i) {
     background.post([&waiting] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // slower than who posts
       --waiting;
     });
     most = std::max<int>(most, ++waiting);

@@ -6,6 +6,7 @@
 
 #include "core/storage/file.hpp"
 #include "server/jobs/folder/job_folder.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::worker {
@@ -92,8 +93,7 @@ TEST_F(JobRunTest, GivesSignsOfLife) {
   order_.set_heartbeat_interval_s(0.01);
   const JobRun run(order_, *claim_);
   const auto first = jobs::signs_in(order_.directory()).claimed_ns;
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  EXPECT_NE(jobs::signs_in(order_.directory()).claimed_ns, first);
+  EXPECT_TRUE(eventually([&] { return jobs::signs_in(order_.directory()).claimed_ns != first; }));
 }
 
 TEST_F(JobRunTest, StopsAtACheckpointWhenNoDaemonComes) {
@@ -107,9 +107,7 @@ TEST_F(JobRunTest, StopsAtACheckpointWhenNoDaemonComes) {
   }
   EXPECT_EQ(run.order(), casting::Order::go_on);
 
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (run.order() == casting::Order::go_on && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(eventually([&] { return run.order() != casting::Order::go_on; }));
   EXPECT_EQ(run.order(), casting::Order::stop_at_checkpoint);
 }
 
