@@ -142,7 +142,7 @@ std::string ranges_of(const v1::Case& message) {
   return all;
 }
 
-v1::Case sound() {
+v1::Case sound_defaults() {
   v1::Case message;
   message.mutable_section()->set_half_width_m(0.28);
   message.mutable_section()->set_initial_depth_m(0.1);
@@ -151,9 +151,9 @@ v1::Case sound() {
 }
 
 TEST(CheckRanges, FindsEverythingInAMessageFromTheWire) {
-  EXPECT_EQ(ranges_of(sound()), "");
+  EXPECT_EQ(ranges_of(sound_defaults()), "");
 
-  v1::Case message = sound();
+  v1::Case message = sound_defaults();
   message.mutable_section()->set_half_width_m(std::nan(""));
   message.mutable_section()->set_kind(static_cast<v1::Section::Kind>(77));
   message.mutable_time()->clear_end_s();
@@ -176,7 +176,7 @@ TEST(CheckRanges, FindsEverythingInAMessageFromTheWire) {
 }
 
 TEST(CheckRanges, RefusesTwoLawsOfStirring) {
-  v1::Case message = sound();
+  v1::Case message = sound_defaults();
   message.mutable_alloy()->set_melt_stirring(9.0);
   EXPECT_EQ(ranges_of(message), "");
 

@@ -7,7 +7,7 @@
 namespace dccast::case_file {
 namespace {
 
-v1::Case changed(const std::string& key, const std::string& value) {
+v1::Case changed_number(const std::string& key, const std::string& value) {
   v1::Case description;
   description.add_monitor()->set_name("corner");
   v1::CaseChange change;
@@ -19,7 +19,7 @@ v1::Case changed(const std::string& key, const std::string& value) {
 
 TEST(KeyNumber, IsInTheUnitOfTheSchema) {
   const auto number = [](const std::string& key, const std::string& value) {
-    return number_at(changed(key, value), key);
+    return number_at(changed_number(key, value), key);
   };
   EXPECT_DOUBLE_EQ(*number("schedule.casting_speed", "60 mm/min"), 1e-3);
   EXPECT_DOUBLE_EQ(*number("section.half_width", "25 cm"), 0.25);
@@ -30,9 +30,10 @@ TEST(KeyNumber, IsInTheUnitOfTheSchema) {
 }
 
 TEST(KeyNumber, TablesTextsAndAbsentKeysHaveNone) {
-  EXPECT_FALSE(number_at(changed("alloy.card", "paper"), "alloy.card"));
-  EXPECT_FALSE(number_at(changed("schedule.casting_speed", "[[0 s, 40 mm/min], [9 s, 60 mm/min]]"),
-                         "schedule.casting_speed"));
+  EXPECT_FALSE(number_at(changed_number("alloy.card", "paper"), "alloy.card"));
+  EXPECT_FALSE(
+      number_at(changed_number("schedule.casting_speed", "[[0 s, 40 mm/min], [9 s, 60 mm/min]]"),
+                "schedule.casting_speed"));
   const v1::Case empty;
   for (const char* const key :
        {"mesh.rows", "mesh.lines", "monitor[0].x", "monitor.x", "mesh", "x"})

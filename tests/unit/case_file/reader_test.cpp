@@ -18,17 +18,17 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string sound =
+const std::string sound_text =
     "[section]\nhalf_width = \"0.28 m\"\ninitial_depth = \"10 cm\"\n[time]\nend = \"145 s\"\n";
 
-ReadOutcome read(const std::string& text) {
+ReadOutcome read_lines(const std::string& text) {
   v1::Case message;
   return read_text(text, "my.toml", message);
 }
 
 /// The one fault on `field`, described as the client prints it.
 std::string fault_on(const std::string& field, const std::string& text) {
-  const ReadOutcome outcome = read(text);
+  const ReadOutcome outcome = read_lines(text);
   std::string found;
   for (const v1::Fault& fault : outcome.faults)
     if (fault.field() == field) found += describe(fault, outcome.source) + "\n";
@@ -37,7 +37,7 @@ std::string fault_on(const std::string& field, const std::string& text) {
 
 TEST(Reader, ReadsUnitsEnumsCurvesAndTables) {
   v1::Case message;
-  const auto outcome = read_text(sound +
+  const auto outcome = read_text(sound_text +
                                      "[mesh]\nelement = \"q1\"\ncolumns = "
                                      "12\n[schedule]\ncasting_speed = [[\"0 s\", \"40 mm/min\"], "
                                      "[\"1 min\", \"60 mm/min\"]]\ncasting_temperature = \"953.15 "
@@ -60,19 +60,19 @@ TEST(Reader, ReadsUnitsEnumsCurvesAndTables) {
 
 TEST(Reader, TheUnitOfTheAbscissaDecidesWhatItIs) {
   v1::Case message;
-  read_text(
-      sound + "[schedule]\nwater_flow = [[\"0 mm\", \"1e-3 m2/s\"], [\"5 cm\", \"2e-3 m2/s\"]]\n",
-      "f", message);
+  read_text(sound_text +
+                "[schedule]\nwater_flow = [[\"0 mm\", \"1e-3 m2/s\"], [\"5 cm\", \"2e-3 m2/s\"]]\n",
+            "f", message);
   EXPECT_EQ(message.schedule().water_flow_m2_per_s().abscissa(), v1::CAST_LENGTH);
   EXPECT_THAT(
       fault_on(
           "schedule.water_flow[1]",
-          sound +
+          sound_text +
               "[schedule]\nwater_flow = [[\"0 mm\", \"1e-3 m2/s\"],\n [\"5 s\", \"2e-3 m2/s\"]]\n"),
       HasSubstr("my.toml:8:"));
-  EXPECT_THAT(
-      fault_on("schedule.water_flow[0]", sound + "[schedule]\nwater_flow = [[5, \"2e-3 m2/s\"]]\n"),
-      HasSubstr("time [s], cast length [m]"));
+  EXPECT_THAT(fault_on("schedule.water_flow[0]",
+                       sound_text + "[schedule]\nwater_flow = [[5, \"2e-3 m2/s\"]]\n"),
+              HasSubstr("time [s], cast length [m]"));
 
   v1::Alloy alloy;
   read_text("melt_conductivity_factor = [[0.3, 1], [0.8, 3.0]]", "f", alloy);
@@ -94,7 +94,7 @@ TEST(Reader, CollectsEveryFaultWithItsPlace) {
       "columns = 30.5\n"  // 11: type
       "end = 3\n"         // 12: stands elsewhere
       "[time]\n";         // end is missing
-  const ReadOutcome outcome = read(text);
+  const ReadOutcome outcome = read_lines(text);
   std::string all;
   for (const v1::Fault& fault : outcome.faults) all += describe(fault, outcome.source) + "\n";
   EXPECT_EQ(outcome.faults.size(), 10u) << all;
@@ -144,14 +144,15 @@ TEST(Reader, ATableThatIsAbsentAltogetherIsReportedByItsRequiredKeys) {
 TEST(Reader, WrongTypesSayWhatIsExpected) {
   EXPECT_THAT(fault_on("section", "section = 3\n[time]\nend=\"1 s\""),
               HasSubstr("write [section]"));
-  EXPECT_THAT(fault_on("monitor", sound + "[monitor]\nname = \"a\"\n"), HasSubstr("[[monitor]]"));
-  EXPECT_THAT(fault_on("mesh.growth", sound + "[mesh]\ngrowth = \"yes\"\n"),
+  EXPECT_THAT(fault_on("monitor", sound_text + "[monitor]\nname = \"a\"\n"),
+              HasSubstr("[[monitor]]"));
+  EXPECT_THAT(fault_on("mesh.growth", sound_text + "[mesh]\ngrowth = \"yes\"\n"),
               HasSubstr("true or false"));
-  EXPECT_THAT(fault_on("title", "title = 3\n" + sound), HasSubstr("text is expected"));
-  EXPECT_THAT(fault_on("mesh.columns", sound + "[mesh]\ncolumns = 99999999999\n"),
+  EXPECT_THAT(fault_on("title", "title = 3\n" + sound_text), HasSubstr("text is expected"));
+  EXPECT_THAT(fault_on("mesh.columns", sound_text + "[mesh]\ncolumns = 99999999999\n"),
               HasSubstr("1 to 2000"));
-  EXPECT_THAT(fault_on("time.step", sound + "step = []\n"), HasSubstr("at least one point"));
-  EXPECT_THAT(fault_on("time.step[0]", sound + "step = [[\"1 s\"]]\n"), HasSubstr("pair"));
+  EXPECT_THAT(fault_on("time.step", sound_text + "step = []\n"), HasSubstr("at least one point"));
+  EXPECT_THAT(fault_on("time.step[0]", sound_text + "step = [[\"1 s\"]]\n"), HasSubstr("pair"));
 }
 
 TEST(Reader, BrokenTextsAreOneClearFault) {
@@ -161,12 +162,12 @@ TEST(Reader, BrokenTextsAreOneClearFault) {
         std::string(maximum_file_bytes + 1, '#'),
         "a = " + std::string(100000, '[') + std::string(100000, ']')}) {
     const auto begin = std::chrono::steady_clock::now();
-    const ReadOutcome outcome = read(text);
+    const ReadOutcome outcome = read_lines(text);
     EXPECT_FALSE(outcome.ok());
     EXPECT_GT(outcome.source.find("").line, 0);
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
   }
-  EXPECT_THAT(read("[section\nx = 1").faults.front().message(), HasSubstr("not valid TOML"));
+  EXPECT_THAT(read_lines("[section\nx = 1").faults.front().message(), HasSubstr("not valid TOML"));
 }
 
 TEST(Reader, AManyFaultedFileIsBoundedInTimeAndFaults) {
@@ -174,7 +175,7 @@ TEST(Reader, AManyFaultedFileIsBoundedInTimeAndFaults) {
   for (int i = 0; i < 100000; ++i)
     text += "key_number_" + std::to_string(i) + " = " + std::to_string(i) + "\n";
   const auto begin = std::chrono::steady_clock::now();
-  EXPECT_LE(read(text).faults.size(), 600u);
+  EXPECT_LE(read_lines(text).faults.size(), 600u);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
 }
 
@@ -183,7 +184,7 @@ TEST(Reader, AttachmentsAreReadRelativeToTheFile) {
   std::filesystem::create_directories(folder / "in");
   std::ofstream(folder / "in" / "slab.msh") << "mesh";
   std::ofstream(folder / "my.toml")
-      << sound << "[mesh]\nfile = \"in/slab.msh\"\n[thermal]\nfile = \"no.h5\"\n";
+      << sound_text << "[mesh]\nfile = \"in/slab.msh\"\n[thermal]\nfile = \"no.h5\"\n";
   v1::Case message;
   const ReadOutcome outcome = read_file(folder / "my.toml", message);
 
@@ -202,7 +203,7 @@ TEST(Reader, ACardOfOnesOwnTravelsWithTheCase) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "dccast_own_card_test";
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "mine.toml") << "solidus = \"620 degC\"";
-  std::ofstream(folder / "case.toml") << sound << "[alloy]\ncard = \"./mine.toml\"\n";
+  std::ofstream(folder / "case.toml") << sound_text << "[alloy]\ncard = \"./mine.toml\"\n";
   v1::Case message;
   const ReadOutcome outcome = read_file(folder / "case.toml", message);
   ASSERT_EQ(outcome.attachments.size(), 1u);
@@ -210,7 +211,7 @@ TEST(Reader, ACardOfOnesOwnTravelsWithTheCase) {
   EXPECT_EQ(message.alloy().card(), "mine.toml");
 
   // The name of a known card is no file.
-  std::string named = sound;
+  std::string named = sound_text;
   v1::Case other;
   EXPECT_TRUE(read_text(named + "[alloy]\ncard = \"aa5182\"\n", "x", other).attachments.empty());
   EXPECT_EQ(other.alloy().card(), "aa5182");
@@ -229,7 +230,7 @@ TEST(Reader, WhatIsWrittenReadsBackTheSame) {
 }
 
 TEST(SourceMap, AnAbsentKeyIsShownAtItsTable) {
-  const ReadOutcome outcome = read(sound);
+  const ReadOutcome outcome = read_lines(sound_text);
   EXPECT_EQ(outcome.source.find("section.half_width").line, 2);
   EXPECT_EQ(outcome.source.find("section.kind").line, 1);
   EXPECT_EQ(outcome.source.find("monitor[3].x").line, 1);

@@ -21,13 +21,13 @@ v1::Finding finding(const std::string& code) {
   return finding;
 }
 
-v1::Case completed(v1::Case description) {
+v1::Case completed_recipe(v1::Case description) {
   apply_quality(description);
   apply_defaults(description);
   return description;
 }
 
-std::vector<std::string> words_of(const std::string& code, const v1::Case& description) {
+std::vector<std::string> remedy_words(const std::string& code, const v1::Case& description) {
   std::vector<std::string> words;
   for (const Advice& advice : advice_against(finding(code)))
     for (const LeverDraft& draft : lever_drafts(advice, description))
@@ -51,7 +51,7 @@ TEST(Remedies, OfALimitOnBothSidesFollowTheSide) {
 }
 
 TEST(Remedies, AreTriedInThreeDraftsForEachLever) {
-  EXPECT_THAT(words_of("thin_shell", shipped_case("start-2d-thickness")),
+  EXPECT_THAT(remedy_words("thin_shell", shipped_case("start-2d-thickness")),
               ElementsAre("cast 10 % slower", "cast 20 % slower", "cast 10 % faster",
                           "pour 10 K colder", "pour 20 K colder", "pour 10 K hotter"));
 }
@@ -59,14 +59,15 @@ TEST(Remedies, AreTriedInThreeDraftsForEachLever) {
 /// Slower castings end later, not shorter.
 TEST(Remedies, CastTheSameLength) {
   const v1::Case base = shipped_case("start-3d");
-  const double length_m = cast_length_at_end(completed(base));
+  const double length_m = cast_length_at_end(completed_recipe(base));
   int drafts = 0;
   for (const char* code : {"bottom_shell_open", "slip_too_large"})
     for (const Advice& advice : advice_against(finding(code)))
       for (const LeverDraft& draft : lever_drafts(advice, base)) {
         v1::Case changed = base;
         ASSERT_THAT(apply_changes(changed, draft.changes), IsEmpty());
-        EXPECT_NEAR(cast_length_at_end(completed(changed)), length_m, 2e-4) << draft.step.words();
+        EXPECT_NEAR(cast_length_at_end(completed_recipe(changed)), length_m, 2e-4)
+            << draft.step.words();
         ++drafts;
       }
   EXPECT_EQ(drafts, 24);
@@ -75,11 +76,11 @@ TEST(Remedies, CastTheSameLength) {
 TEST(Remedies, LeaveOutLeversThatACaseDoesNotHaveAndStepsThatItCannotTake) {
   v1::Case base = shipped_case("start-3d");
   base.mutable_schedule()->set_filling_s(50.0);  // a hold of 45 s would be shorter
-  EXPECT_THAT(words_of("bottom_shell_open", base),
+  EXPECT_THAT(remedy_words("bottom_shell_open", base),
               testing::AllOf(testing::Contains("hold 30 s longer"),
                              testing::Not(testing::Contains("hold 15 s shorter"))));
   base.mutable_cooling()->mutable_water()->set_enabled(false);
-  EXPECT_THAT(words_of("water_thrown_off", base),
+  EXPECT_THAT(remedy_words("water_thrown_off", base),
               testing::Not(testing::Contains("use 15 % more water")));
 }
 

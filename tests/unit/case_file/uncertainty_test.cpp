@@ -17,17 +17,17 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-v1::Case completed(v1::Case description) {
+v1::Case completed_with_ranges(v1::Case description) {
   apply_defaults(description);
   complete_alloy(alloy_card(description.alloy().card()).alloy, *description.mutable_alloy());
   return description;
 }
 
-v1::Case shipped_case(const std::string& name) {
+v1::Case uncertain_case(const std::string& name) {
   v1::Case description;
   for (const auto& shipped : shipped::case_templates())
     if (shipped.name == name) read_text(shipped.text, name, description);
-  return completed(description);
+  return completed_with_ranges(description);
 }
 
 void add_range(v1::Case& description, const std::string& key, const std::string& range) {
@@ -37,7 +37,7 @@ void add_range(v1::Case& description, const std::string& key, const std::string&
 }
 
 std::string first_fault(const std::string& key, const std::string& range) {
-  v1::Case description = shipped_case("start-2d-thickness");
+  v1::Case description = uncertain_case("start-2d-thickness");
   description.clear_uncertainty();
   add_range(description, key, range);
   const auto faults = uncertainty_faults(description);
@@ -113,7 +113,7 @@ TEST(Uncertainty, IsHeldAgainstTheCase) {
 }
 
 TEST(Uncertainty, OfCaseCardAndDefaultsAreOneList) {
-  v1::Case description = shipped_case("start-3d-aa5182");
+  v1::Case description = uncertain_case("start-3d-aa5182");
   const auto keys = uncertain_keys(description);
   ASSERT_NE(found(keys, "alloy.reference_creep.stress"), nullptr);
   EXPECT_EQ(found(keys, "alloy.reference_creep.stress")->origin, "card");
@@ -132,7 +132,7 @@ TEST(Uncertainty, OfACardOrDefaultDoesNotHoldForAValueOfTheCase) {
       description,
       {*parse_change("alloy.card=aa5182"), *parse_change("alloy.latent_heat=387 kJ/kg"),
        *parse_change("cooling.water.wetting.lag=1 s"), *parse_change("cooling.top=insulated")});
-  const auto keys = uncertain_keys(completed(description));
+  const auto keys = uncertain_keys(completed_with_ranges(description));
   EXPECT_EQ(found(keys, "alloy.latent_heat"), nullptr);
   EXPECT_EQ(found(keys, "cooling.water.wetting.lag"), nullptr);
   EXPECT_EQ(found(keys, "cooling.level_coefficient"), nullptr);
@@ -141,7 +141,7 @@ TEST(Uncertainty, OfACardOrDefaultDoesNotHoldForAValueOfTheCase) {
 }
 
 TEST(Uncertainty, OfTheCaseDoesNotHoldForAValueThatAChangeGives) {
-  v1::Case description = shipped_case("start-2d-thickness");
+  v1::Case description = uncertain_case("start-2d-thickness");
   description.clear_uncertainty();
   add_range(description, "schedule.hold", "50..70 s");
   v1::CaseChange change;
@@ -158,7 +158,7 @@ TEST(Uncertainty, OfTheShippedDataIsSound) {
     EXPECT_THAT(uncertainty_faults(alloy_card(name).alloy), IsEmpty()) << name;
 
   for (const auto& shipped : shipped::case_templates()) {
-    v1::Case all = shipped_case(shipped.name);
+    v1::Case all = uncertain_case(shipped.name);
     const auto keys = uncertain_keys(all);
     all.clear_uncertainty();
     for (const UncertainKey& datum : keys) add_range(all, datum.key, datum.range);
@@ -171,7 +171,7 @@ TEST(Uncertainty, OfTheShippedDataIsSound) {
 }
 
 TEST(Changes, ScaleOffsetAndPointsChangeWhatIsThere) {
-  v1::Case description = shipped_case("start-2d-thickness");
+  v1::Case description = uncertain_case("start-2d-thickness");
   const double before = description.alloy().density_kg_per_m3().value(1);
   const auto faults =
       apply_changes(description, {*parse_change("alloy.density.scale=1.02"),

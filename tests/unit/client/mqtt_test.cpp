@@ -28,7 +28,7 @@ TEST(Mqtt, ATopicHasAHostAPortAndAName) {
   EXPECT_FALSE(is_topic("mqtt.csv"));
 }
 
-void expect_refused(const std::string& text, const std::string& why) {
+void expect_address_refused(const std::string& text, const std::string& why) {
   try {
     parse_topic(text);
     FAIL() << text;
@@ -40,13 +40,13 @@ void expect_refused(const std::string& text, const std::string& why) {
 }
 
 TEST(Mqtt, AnAddressThatNamesNoTopicIsRefused) {
-  expect_refused("mqtt://broker", "the topic is missing");
-  expect_refused("mqtt://broker/", "the topic is missing");
-  expect_refused("mqtt:///pit3", "the host is missing");
-  expect_refused("mqtt://broker:0/pit3", "the port is not between 1 and 65535");
-  expect_refused("mqtt://broker:1883x/pit3", "the port is not between");
-  expect_refused("mqtt://anna:secret@broker/pit3", "belong into the file of --broker");
-  expect_refused("tcp://broker/pit3", "is no address of a topic");
+  expect_address_refused("mqtt://broker", "the topic is missing");
+  expect_address_refused("mqtt://broker/", "the topic is missing");
+  expect_address_refused("mqtt:///pit3", "the host is missing");
+  expect_address_refused("mqtt://broker:0/pit3", "the port is not between 1 and 65535");
+  expect_address_refused("mqtt://broker:1883x/pit3", "the port is not between");
+  expect_address_refused("mqtt://anna:secret@broker/pit3", "belong into the file of --broker");
+  expect_address_refused("tcp://broker/pit3", "is no address of a topic");
 }
 
 }  // namespace

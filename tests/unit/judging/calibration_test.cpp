@@ -68,12 +68,12 @@ v1::StudyResult calibrated() {
   return result;
 }
 
-v1::Judgement judged(v1::StudyResult result) {
+v1::Judgement judged_calibration(v1::StudyResult result) {
   return judge_study({std::move(result)});
 }
 
 TEST(Calibration, StatesWhatIsNarrowedAndWhatCannotBeSeparated) {
-  const v1::Judgement judgement = judged(calibrated());
+  const v1::Judgement judgement = judged_calibration(calibrated());
   EXPECT_THAT(
       judgement.sentences(),
       ElementsAre(
@@ -103,7 +103,7 @@ TEST(Calibration, CurvesHaveTheirFiguresWithTheUnitOfWhatWasMeasured) {
   second.mutable_measured()->set_monitor("tc 1");
   second.mutable_measured()->add_temperature_c(600.0);
   second.mutable_noise()->set_median(2.0);
-  const v1::Judgement judgement = judged(result);
+  const v1::Judgement judgement = judged_calibration(result);
 
   const v1::Table curls = table_of(judgement, "curls");
   ASSERT_EQ(curls.rows_size(), 1);
@@ -126,8 +126,9 @@ TEST(Calibration, StatesThatTheModelIsWrongAndThatTheSurfaceDidNotHold) {
   curve.mutable_misfit()->set_low(0.6e-3);
   curve.set_check_error(2e-3);
   curve.set_is_confirmed(false);
-  EXPECT_THAT(judged(result).sentences(), Contains(HasSubstr("something is wrong or missing")));
-  EXPECT_THAT(judged(result).sentences(), Contains(HasSubstr("it did not hold")));
+  EXPECT_THAT(judged_calibration(result).sentences(),
+              Contains(HasSubstr("something is wrong or missing")));
+  EXPECT_THAT(judged_calibration(result).sentences(), Contains(HasSubstr("it did not hold")));
 }
 
 TEST(Calibration, StatesWhereTheFitBecameWorse) {
@@ -135,22 +136,23 @@ TEST(Calibration, StatesWhereTheFitBecameWorse) {
   auto& curve = *result.mutable_calibration()->mutable_curves(0);
   curve.set_off_before(0.2e-3);
   curve.set_off_after(0.5e-3);
-  EXPECT_THAT(judged(result).sentences(),
+  EXPECT_THAT(judged_calibration(result).sentences(),
               Contains(HasSubstr("The fit to the curl of corner became worse: 0.20 off before, "
                                  "0.50 mm after.")));
   curve.set_off_after(0.1e-3);
-  EXPECT_THAT(judged(result).sentences(), Not(Contains(HasSubstr("became worse"))));
+  EXPECT_THAT(judged_calibration(result).sentences(), Not(Contains(HasSubstr("became worse"))));
 }
 
 TEST(Calibration, NamesTheReasonForNoAnswer) {
   v1::StudyResult result = calibrated();
   result.clear_calibration();
   result.set_calibration_fault("needs 43 valid runs");
-  EXPECT_THAT(judged(result).sentences(), ElementsAre("No answer yet: needs 43 valid runs"));
+  EXPECT_THAT(judged_calibration(result).sentences(),
+              ElementsAre("No answer yet: needs 43 valid runs"));
 }
 
 TEST(Calibration, DrawsReadingsAsDotsOverTheBandsOfDataAndMesh) {
-  const v1::Judgement judgement = judged(calibrated());
+  const v1::Judgement judgement = judged_calibration(calibrated());
   const auto part = std::ranges::find_if(judgement.parts(), &v1::JudgementPart::has_chart);
   ASSERT_NE(part, judgement.parts().end());
   const v1::Chart& chart = part->chart();

@@ -52,12 +52,12 @@ v1::StudyResult design(double residual_m, bool within) {
   return result;
 }
 
-v1::Judgement judged(v1::StudyResult result) {
+v1::Judgement judged_mould(v1::StudyResult result) {
   return judge_study({std::move(result)});
 }
 
 TEST(Mould, StatesWhatWasFound) {
-  const v1::Judgement judgement = judged(design(0.3e-3, true));
+  const v1::Judgement judgement = judged_mould(design(0.3e-3, true));
   EXPECT_THAT(
       judgement.sentences(),
       ElementsAre("A mould with half-openings of 304.00 mm from the middle to 200 mm, 298.00 mm at "
@@ -82,30 +82,32 @@ TEST(Mould, StatesWhatWasFound) {
 
 TEST(Mould, StatesWhyItIsNotFlat) {
   v1::StudyResult result = design(0.8e-3, false);
-  EXPECT_THAT(judged(result).sentences(0), HasSubstr("three straight segments cannot come closer"));
+  EXPECT_THAT(judged_mould(result).sentences(0),
+              HasSubstr("three straight segments cannot come closer"));
   result.mutable_study()->mutable_mould()->set_maximum_runs(2);
-  EXPECT_THAT(judged(result).sentences(0), HasSubstr("these were all the runs permitted"));
+  EXPECT_THAT(judged_mould(result).sentences(0), HasSubstr("these were all the runs permitted"));
   result.mutable_study()->set_state(v1::STUDY_RUNNING);
-  EXPECT_THAT(judged(result).sentences(0), HasSubstr("within 0.80 mm of flat so far"));
-  EXPECT_THAT(judged(result).sentences(1), Not(HasSubstr("not steady")));
+  EXPECT_THAT(judged_mould(result).sentences(0), HasSubstr("within 0.80 mm of flat so far"));
+  EXPECT_THAT(judged_mould(result).sentences(1), Not(HasSubstr("not steady")));
   result.mutable_mould()->set_is_steady(false);
-  EXPECT_THAT(judged(result).sentences(1), HasSubstr("not steady yet and may contract further"));
+  EXPECT_THAT(judged_mould(result).sentences(1),
+              HasSubstr("not steady yet and may contract further"));
 }
 
 TEST(Mould, NamesTheReasonOfARunWithoutASlab) {
   v1::StudyResult result = design(0.8e-3, false);
   result.mutable_runs(1)->clear_face();
   result.mutable_runs(1)->set_face_fault("it melted through");
-  const v1::Judgement judgement = judged(result);
+  const v1::Judgement judgement = judged_mould(result);
   EXPECT_EQ(table_of(judgement, "trials").note(), "run 2: it melted through");
   EXPECT_FALSE(table_of(judgement, "trials").rows(1).cells(4).has_value());
 
   result.clear_runs();
-  EXPECT_THAT(judged(result).sentences(), ElementsAre("No run has shown a cold slab yet."));
+  EXPECT_THAT(judged_mould(result).sentences(), ElementsAre("No run has shown a cold slab yet."));
 }
 
 TEST(Mould, ChartsHaveMouldAndSlabOfEveryRunAndWhatIsWanted) {
-  const v1::Judgement judgement = judged(design(0.3e-3, true));
+  const v1::Judgement judgement = judged_mould(design(0.3e-3, true));
   std::vector<v1::Chart> charts;
   for (const v1::JudgementPart& part : judgement.parts())
     if (part.has_chart()) charts.push_back(part.chart());

@@ -56,7 +56,7 @@ v1::StudyResult recipes() {
   return result;
 }
 
-v1::Judgement judged(const v1::StudyResult& result) {
+v1::Judgement judged_recipe(const v1::StudyResult& result) {
   return judge_study({result});
 }
 
@@ -69,7 +69,7 @@ v1::Cell cell_of(const v1::Table& table, int row, const std::string& key) {
 }
 
 TEST(Recipe, ShowsTheFrontTheChosenOneAndWhatItRestsOn) {
-  const v1::Judgement judgement = judged(recipes());
+  const v1::Judgement judgement = judged_recipe(recipes());
   EXPECT_THAT(judgement.sentences(0), HasSubstr("Recipe 2: 20 ± 10 % of castings"));
   EXPECT_THAT(judgement.sentences(), Contains("It is schedule.hold = 60 s."));
   EXPECT_THAT(judgement.sentences(), Contains(HasSubstr("off by 2.6 mm")));
@@ -95,7 +95,7 @@ TEST(Recipe, NumbersThatThePlanLeavesAloneHaveNoColumn) {
   plan.mutable_numbers()->DeleteSubrange(3, 1);
   for (auto& candidate : *result.mutable_recipe()->mutable_front())
     candidate.mutable_numbers()->erase(candidate.numbers().begin() + 3);
-  const v1::Judgement judgement = judged(result);
+  const v1::Judgement judgement = judged_recipe(result);
   for (const auto& column : judgement.parts(0).table().columns())
     EXPECT_NE(column.key(), "filling");
   EXPECT_DOUBLE_EQ(cell_of(judgement.parts(0).table(), 0, "hold").value(), 60.0);
@@ -104,20 +104,21 @@ TEST(Recipe, NumbersThatThePlanLeavesAloneHaveNoColumn) {
 TEST(Recipe, SaysWhereNothingIsSafeOrConfirmedOrThere) {
   auto lost = recipes();
   for (auto& candidate : *lost.mutable_recipe()->mutable_front()) candidate.set_risk(0.9);
-  EXPECT_THAT(judged(lost).sentences(),
+  EXPECT_THAT(judged_recipe(lost).sentences(),
               Contains(HasSubstr("No recipe within these limits is safe")));
 
   auto unconfirmed = recipes();
   unconfirmed.mutable_recipe()->set_chosen(-1);
-  EXPECT_THAT(judged(unconfirmed).sentences(0), HasSubstr("No recipe is confirmed: the run"));
+  EXPECT_THAT(judged_recipe(unconfirmed).sentences(0),
+              HasSubstr("No recipe is confirmed: the run"));
 
   unconfirmed.mutable_recipe()->mutable_front(0)->set_full_state(v1::QUEUED);
-  EXPECT_THAT(judged(unconfirmed).sentences(0), HasSubstr("are to come"));
+  EXPECT_THAT(judged_recipe(unconfirmed).sentences(0), HasSubstr("are to come"));
 
   v1::StudyResult open;
   open.mutable_study()->mutable_recipe();
   open.mutable_recipe()->set_fault("the drafts of this study have not all ended");
-  EXPECT_THAT(judged(open).sentences(), ElementsAre(HasSubstr("No answer yet: the drafts")));
+  EXPECT_THAT(judged_recipe(open).sentences(), ElementsAre(HasSubstr("No answer yet: the drafts")));
 }
 
 }  // namespace
