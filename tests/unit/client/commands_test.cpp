@@ -38,18 +38,6 @@ struct Commands : testing::Test {
   }
 };
 
-TEST_F(Commands, EveryCommandHasAnExample) {
-  for (const char* const name :
-       {"new",    "validate", "query",       "submit",  "watch",  "wait",   "list",
-        "show",   "curl",     "contraction", "compare", "fetch",  "report", "convergence",
-        "cancel", "pause",    "resume",      "delete",  "schema", "alloys", "info"}) {
-    const Result result = run({name, "--help"});
-    EXPECT_EQ(result.code, 0);
-    EXPECT_THAT(result.out, HasSubstr("Example:\n  dccast " + std::string(name)));
-    EXPECT_THAT(result.out, HasSubstr("--json")) << name;
-  }
-}
-
 TEST_F(Commands, SubmitPrintsTheIdAndSendsARequestId) {
   const Result result = run({"submit", "--priority", "high", file});
   EXPECT_EQ(result.code, 0) << result.err;

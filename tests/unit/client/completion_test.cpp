@@ -1,6 +1,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +13,8 @@
 namespace dccast::client {
 namespace {
 
+using testing::ContainsRegex;
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 std::string script_for(const std::string& shell) {
@@ -45,6 +50,28 @@ TEST(Completion, BashCompletesCommandsAndOptions) {
   EXPECT_EQ(completed("dccast sub"), "submit");
   EXPECT_EQ(completed("dccast submit --prio"), "--priority");
   EXPECT_EQ(completed("dccast comp"), "compare completion");
+}
+
+/// The program names its commands; what is asked of each is asked of all.
+TEST(Completion, EveryCommandHasAnExampleAndAnswersInJson) {
+  std::istringstream words(completed("dccast \"\""));
+  std::set<std::string> commands, without_json;
+  for (std::string word; words >> word;)
+    if (!word.starts_with('-')) commands.insert(word);
+  EXPECT_GE(commands.size(), 40u);
+
+  for (const std::string& name : commands) {
+    const Result help = dccast({name, "--help"}, "127.0.0.1:1");
+    EXPECT_EQ(help.code, 0) << name;
+    const auto example = help.out.find("Example:\n");
+    ASSERT_NE(example, std::string::npos) << name;
+    EXPECT_THAT(help.out.substr(example), ContainsRegex("dccast (--server [a-z]+ )?" + name));
+    if (help.out.find("  --json") == std::string::npos) without_json.insert(name);
+  }
+
+  // These print a file or a script as it is, show a screen, or concern the user's own machine.
+  EXPECT_THAT(without_json, ElementsAre("case", "completion", "dashboard", "doctor", "login",
+                                        "logout", "logs", "replay", "top"));
 }
 
 }  // namespace
