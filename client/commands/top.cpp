@@ -55,7 +55,7 @@ private:
   const bool keys_;
 };
 
-int lines_of_terminal() {
+int terminal_lines() {
   winsize size{};
   constexpr int usual = 24;
   return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 2 ? size.ws_row : usual;
@@ -103,13 +103,13 @@ ExitCode run(const TopOptions& options, Program& program) {
     return ExitCode::done;
   }
 
-  std::string page = page_now(connection, render::columns_now(terminal), lines_of_terminal() - 1);
+  std::string page = page_now(connection, render::columns_now(terminal), terminal_lines() - 1);
   const FullScreen screen;
   try {
     for (;;) {
       screen.show(page);
       if (wait_for_key(connection, screen.reads_keys(), options.interval_s)) break;
-      page = page_now(connection, render::columns_now(terminal), lines_of_terminal() - 1);
+      page = page_now(connection, render::columns_now(terminal), terminal_lines() - 1);
     }
   } catch (const Interrupted&) {  // Ctrl-C is one way to leave
   }

@@ -74,7 +74,7 @@ void start_library() {
     throw CommandFailed(ExitCode::unreachable, "MQTT cannot be used");
 }
 
-std::string reason_of_error(int error) {
+std::string error_reason(int error) {
   return error == MOSQ_ERR_ERRNO ? std::strerror(errno) : mosquitto_strerror(error);
 }
 
@@ -173,7 +173,7 @@ public:
                              text.data(), at_least_once, false, nullptr);
     // Without a connection the library keeps the message until there is one.
     if (error != MOSQ_ERR_SUCCESS && error != MOSQ_ERR_NO_CONN)
-      handlers_.remark(fmt::format("{} takes no message: {}", broker(), reason_of_error(error)));
+      handlers_.remark(fmt::format("{} takes no message: {}", broker(), error_reason(error)));
   }
 
 private:
@@ -186,7 +186,7 @@ private:
   }
 
   void require(int error, const std::string& action) const {
-    if (error != MOSQ_ERR_SUCCESS) fail(fmt::format("{}: {}", action, reason_of_error(error)));
+    if (error != MOSQ_ERR_SUCCESS) fail(fmt::format("{}: {}", action, error_reason(error)));
   }
 
   /// Options, login and callbacks, before there is a thread.
@@ -257,7 +257,7 @@ private:
     if (!handlers_.message) return become_ready();
     const int error = mosquitto_subscribe_v5(client_, nullptr, topic_.name.c_str(), at_least_once,
                                              MQTT_SUB_OPT_SEND_RETAIN_NEVER, nullptr);
-    if (error != MOSQ_ERR_SUCCESS) refused("the topic: " + reason_of_error(error));
+    if (error != MOSQ_ERR_SUCCESS) refused("the topic: " + error_reason(error));
   }
 
   void subscribed(int granted) {
@@ -295,7 +295,7 @@ private:
       if (ends_ || !ready_) return;
     }
     handlers_.remark(
-        fmt::format("{} is away ({}); it is tried again", broker(), reason_of_error(reason)));
+        fmt::format("{} is away ({}); it is tried again", broker(), error_reason(reason)));
   }
 
   Topic topic_;

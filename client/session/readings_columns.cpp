@@ -49,7 +49,7 @@ const Kind& kind_of(Measured measured) {
 constexpr const char* total_flow = "m3/s";
 constexpr const char* curl_begins = "curl ";  // before the monitor of a gauge
 
-std::string unit_of_reading(const Column& column) {
+std::string reading_unit(const Column& column) {
   return column.per_m ? total_flow : kind_of(column.measured).unit;
 }
 
@@ -208,7 +208,7 @@ private:
       return;
     }
 
-    const std::string unit = unit_of_reading(column);
+    const std::string unit = reading_unit(column);
     if (case_file::convertible(column.unit, unit)) return;
     const bool is_total = is_flow(column.measured) && !column.per_m &&
                           case_file::convertible(column.unit, total_flow);
@@ -299,7 +299,7 @@ std::optional<ColumnMap> read_columns(const std::string& file) {
 }
 
 double converted(double value, const Column& column) {
-  const double number = case_file::convert(value, column.unit, unit_of_reading(column)).value();
+  const double number = case_file::convert(value, column.unit, reading_unit(column)).value();
   return number / column.per_m.value_or(1.0);
 }
 

@@ -165,7 +165,7 @@ StoredServer log_in(const EnrolmentLine& line, const std::string& name,
 
   v1::EnrolRequest request;
   request.set_secret(line.secret);
-  request.set_machine(name_of_this_machine());
+  request.set_machine(host_name());
   v1::EnrolResponse response;
   const grpc::Status status = connection.try_once(&Stub::Enrol, request, response);
 

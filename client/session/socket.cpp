@@ -68,7 +68,7 @@ Certificate parse(const std::string& pem) {
 
 }  // namespace
 
-std::string name_of_this_machine() {
+std::string host_name() {
   std::array<char, 256> name{};
   ::gethostname(name.data(), name.size() - 1);
   return name.data();

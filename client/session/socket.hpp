@@ -12,7 +12,7 @@
 namespace dccast::client {
 
 /// Host name, for messages.
-std::string name_of_this_machine();
+std::string host_name();
 
 /// A TCP connection with a time limit for each step. Neither gRPC nor a proxy is involved.
 class Socket {

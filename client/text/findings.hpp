@@ -30,8 +30,7 @@ inline constexpr const char* beyond_validity = "beyond validity";
 std::string place_text(const google::protobuf::RepeatedField<double>& place_m);
 
 /// "beyond validity from 166.20 s on: at t = 166.2 s the butt ... has slid 63.1 mm ...": the
-/// message of the run, which has place and amount, or what stands beside it where there is
-/// none.
+/// message of the run with place and amount; without one its kind, value and limit, and place.
 std::string validity_text(const v1::Finding& loss);
 
 }  // namespace dccast::client::render

@@ -29,8 +29,8 @@ std::vector<ShownColumn> shown_columns(const v1::Table& table);
 /// "+12.3 mm" as a figure of an axis or of a bar: its plant unit and the factor from SI.
 std::string axis_label(const v1::Chart::Axis& axis);
 
-/// What the numbers of a row that are worth bars span, with zero unless they are a range; relative
-/// to the largest one of the table, -1 to 1.
+/// The bar of a row: from its smallest to its largest number, or from zero to its only one;
+/// relative to the largest number of the table, -1 to 1.
 struct Bar {
   /// Ends of the values that bars are drawn for [unit of the column].
   double low = 0.0;

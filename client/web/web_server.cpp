@@ -205,7 +205,7 @@ public:
 
 private:
   static std::string named(const std::string& host) {
-    return host == "0.0.0.0" || host == "::" ? name_of_this_machine() : host;
+    return host == "0.0.0.0" || host == "::" ? host_name() : host;
   }
 
   http::Reply reply_to(const http::Request& request) {

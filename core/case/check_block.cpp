@@ -93,7 +93,7 @@ void check_drain_holes(CaseFindings& found) {
   const thermal::BottomBlock& block = found.casting.cooling.bottom_block;
   if (block.drain_holes.empty()) return;
 
-  if (!found.solid()) return only_of_a_quarter_slab(found, "cooling.bottom_block.drain_hole", true);
+  if (!found.solid()) return quarter_slab_only(found, "cooling.bottom_block.drain_hole", true);
   if (!block.gap_water)
     found.fault("cooling.bottom_block.drain_hole", "given",
                 "has no effect: no water with a flow gets into the gap",

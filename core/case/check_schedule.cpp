@@ -69,16 +69,17 @@ void check_pulses(CaseFindings& found, const std::string& key, const thermal::Wa
 void check_faces(CaseFindings& found) {
   const Case& c = found.casting;
   if (found.solid() || !found.sound({"section.kind"})) return;
-  const auto only_of_a_slab = [&](const std::string& key, const char* value) {
+  const auto narrow_face_only = [&](const std::string& key, const char* value) {
     found.fault(key, value, "names a face, and the section has one side",
                 "section.kind = \"quarter_slab\" with a face of its own", "leave it out");
   };
   for (std::size_t i = 0; i < c.cooling.zones.size(); ++i)
     if (const auto& face = c.cooling.zones[i].face)
-      only_of_a_slab("cooling.zone[" + std::to_string(i) + "].face",
-                     *face == thermal::Face::wide ? "wide" : "narrow");
-  if (c.cooling.narrow_water) only_of_a_slab("cooling.narrow_water", "given");
-  if (!c.schedule.narrow_water_flow.empty()) only_of_a_slab("schedule.narrow_water_flow", "given");
+      narrow_face_only("cooling.zone[" + std::to_string(i) + "].face",
+                       *face == thermal::Face::wide ? "wide" : "narrow");
+  if (c.cooling.narrow_water) narrow_face_only("cooling.narrow_water", "given");
+  if (!c.schedule.narrow_water_flow.empty())
+    narrow_face_only("schedule.narrow_water_flow", "given");
 }
 
 }  // namespace

@@ -243,7 +243,7 @@ void check_heat_cells(CaseFindings& found) {
 
 }  // namespace
 
-void only_of_a_quarter_slab(CaseFindings& found, const char* key, bool given) {
+void quarter_slab_only(CaseFindings& found, const char* key, bool given) {
   if (!given || !found.sound({"section.kind"})) return;
   found.fault(key, "given", "applies to a quarter slab only",
               "section.kind = \"quarter_slab\" with it",
@@ -260,12 +260,12 @@ void check_quarter_slab(CaseFindings& found) {
     return;
   }
 
-  only_of_a_quarter_slab(found, "section.half_thickness", !c.section.half_thickness.empty());
-  only_of_a_quarter_slab(found, "section.corner_radius", c.section.corner_radius > 0.0);
-  only_of_a_quarter_slab(found, "mesh.merge_below", c.section.merging.below > 0.0);
-  for (const char* key : given_heat_cells(c.section)) only_of_a_quarter_slab(found, key, true);
-  only_of_a_quarter_slab(found, "cooling.bottom_block.profile_y",
-                         !c.cooling.bottom_block.profile_y.empty());
+  quarter_slab_only(found, "section.half_thickness", !c.section.half_thickness.empty());
+  quarter_slab_only(found, "section.corner_radius", c.section.corner_radius > 0.0);
+  quarter_slab_only(found, "mesh.merge_below", c.section.merging.below > 0.0);
+  for (const char* key : given_heat_cells(c.section)) quarter_slab_only(found, key, true);
+  quarter_slab_only(found, "cooling.bottom_block.profile_y",
+                    !c.cooling.bottom_block.profile_y.empty());
 }
 
 }  // namespace dccast::casting

@@ -111,7 +111,7 @@ void check_section(CaseFindings& found);
 /// The plan of a quarter slab, and keys that apply to quarter slabs only.
 void check_quarter_slab(CaseFindings& found);
 /// Reports a key that applies to quarter slabs only.
-void only_of_a_quarter_slab(CaseFindings& found, const char* key, bool given);
+void quarter_slab_only(CaseFindings& found, const char* key, bool given);
 /// Water under the butt follows one law, and boils as that of the faces.
 void check_gap_water(CaseFindings& found);
 /// A bowl must fit into the block, and its wall must be at least as wide as it is deep.

@@ -107,7 +107,7 @@ private:
   /// The slab on the heat's mesh.
   /// @param stressed  with its stresses and viscoplastic strains, which are large
   /// @param carried   storage for one that has to be carried there
-  const mechanics::SlabState<Dim>& slab_of_results(
+  const mechanics::SlabState<Dim>& reported_slab(
       bool stressed, std::optional<mechanics::SlabState<Dim>>& carried) const;
   std::vector<double> bottom_pressure() const;  ///< (bottom node of the heat's mesh) [Pa]
   double metal_level() const;                   ///< [m]

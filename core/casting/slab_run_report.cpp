@@ -122,7 +122,7 @@ mechanics::SlabState<Dim> motion_on_heat_mesh(const mechanics::SlabState<Dim>& s
 }  // namespace
 
 template <int Dim>
-const mechanics::SlabState<Dim>& SlabRun<Dim>::slab_of_results(
+const mechanics::SlabState<Dim>& SlabRun<Dim>::reported_slab(
     bool stressed, std::optional<mechanics::SlabState<Dim>>& carried) const {
   const mesh::PlanTransfer& transfer = mesh_.transfer();
   if (transfer.same_mesh()) return state_.slab;
@@ -155,7 +155,7 @@ MonitorReadings SlabRun<Dim>::read_monitors() const {
 template <int Dim>
 StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings& monitors) {
   std::optional<mechanics::SlabState<Dim>> carried;
-  const mechanics::SlabState<Dim>& slab = slab_of_results(finished(), carried);
+  const mechanics::SlabState<Dim>& slab = reported_slab(finished(), carried);
   const std::vector<double> in_mechanics = element_temperature();
   const std::vector<double> creep_rate =
       mesh_.transfer().in_heat_elements(meter_.tears().creep_rates(state_.slab, in_mechanics));
@@ -274,7 +274,7 @@ results::Frame SlabRun<Dim>::take_frame() {
   frame.liquid_fraction = state_.heat.liquid_fraction;
   std::optional<mechanics::SlabState<Dim>> carried;
   const bool stressed = case_.output.stresses && case_.mechanics.enabled;
-  const mechanics::SlabState<Dim>& slab = slab_of_results(stressed, carried);
+  const mechanics::SlabState<Dim>& slab = reported_slab(stressed, carried);
   frame.displacement = slab.displacement;
   if (stressed) {
     add_stresses(slab, std::size_t(mesh().elements()), frame);

@@ -27,11 +27,11 @@ template <int Dim, class Turn>
 std::vector<double> turned(const std::vector<NodalFrame<Dim>>& frames, std::vector<double> v,
                            Turn&& turn) {
   for (const auto& frame : frames) {
-    double* at = &v[std::size_t(frame.node) * Dim];
-    typename NodalFrame<Dim>::Vector of_node;
-    std::copy_n(at, Dim, of_node.begin());
-    of_node = turn(frame, of_node);
-    std::copy(of_node.begin(), of_node.end(), at);
+    double* components = &v[std::size_t(frame.node) * Dim];
+    typename NodalFrame<Dim>::Vector vector;
+    std::copy_n(components, Dim, vector.begin());
+    vector = turn(frame, vector);
+    std::copy(vector.begin(), vector.end(), components);
   }
   return v;
 }
@@ -90,11 +90,11 @@ void SlabSupports<Dim>::find_bottom(const Mesh& mesh, const MechanicsForms<Dim>&
 
 template <int Dim>
 void SlabSupports<Dim>::find_directions(const Mesh& mesh, const MechanicsForms<Dim>& forms) {
-  std::map<int, Normals> of_node;
-  const auto of_block = mesh::inward_normals(mesh, bottom_nodes_);
-  for (std::size_t i = 0; i < of_block.size(); ++i) {
-    if (of_block[i][up] >= along_axis) continue;
-    of_node[bottom_nodes_[i]].block = typename Normals::Vector(of_block[i].data());
+  std::map<int, Normals> node_normals;
+  const auto block_normals = mesh::inward_normals(mesh, bottom_nodes_);
+  for (std::size_t i = 0; i < block_normals.size(); ++i) {
+    if (block_normals[i][up] >= along_axis) continue;
+    node_normals[bottom_nodes_[i]].block = typename Normals::Vector(block_normals[i].data());
   }
 
   const auto horizontal = [](const std::array<double, Dim>& normal) {
@@ -105,25 +105,25 @@ void SlabSupports<Dim>::find_directions(const Mesh& mesh, const MechanicsForms<D
   mesh::for_each_facet(mesh, mesh::PatchKind::symmetry, [&](const auto& facet, const auto& patch) {
     const auto normal = horizontal(patch.normal);
     for (int k = 0; normal && k < facet.nodes; ++k) {
-      of_node[facet.node[std::size_t(k)]].symmetry.push_back(*normal);
+      node_normals[facet.node[std::size_t(k)]].symmetry.push_back(*normal);
     }
   });
   mesh::for_each_facet(mesh, mesh::PatchKind::side, [&](const auto& facet, const auto& patch) {
     const auto normal = horizontal(patch.normal);
     const auto area = forms.facet_shares(facet);
     for (std::size_t k = 0; normal && k < std::size_t(facet.nodes); ++k) {
-      of_node[facet.node[k]].add_side(*normal, area[k]);
+      node_normals[facet.node[k]].add_side(*normal, area[k]);
     }
   });
 
   side_nodes_.clear();
   symmetry_unknowns_.clear();
   frames_.clear();
-  for (const auto& [node, normals] : of_node) add_node(node, mesh.point(node)[up], normals);
+  for (const auto& [node, normals] : node_normals) add_node(node, mesh.point(node)[up], normals);
 
   upward_.assign(bottom_nodes_.size(), 1.0);
   for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
-    if (of_block[i][up] >= along_axis) continue;
+    if (block_normals[i][up] >= along_axis) continue;
     const auto frame = std::ranges::find(frames_, bottom_nodes_[i], &NodalFrame<Dim>::node);
     if (frame != frames_.end()) upward_[i] = frame->axis[up][up];
   }

@@ -110,7 +110,7 @@ Eigen::SparseVector<double> TrajectoryForecast::weights_at(double time) const {
   return weights;
 }
 
-Eigen::SparseVector<double> TrajectoryForecast::weights_of_reading(double time) const {
+Eigen::SparseVector<double> TrajectoryForecast::reading_weights(double time) const {
   Eigen::SparseVector<double> weights = weights_at(time);
   weights.insert(weights.size() - 1) = 1.0;
   return weights;
@@ -121,12 +121,12 @@ double TrajectoryForecast::variance_of(const Eigen::SparseVector<double>& weight
 }
 
 Estimated TrajectoryForecast::expected_reading(double time) const {
-  const Eigen::SparseVector<double> weights = weights_of_reading(time);
+  const Eigen::SparseVector<double> weights = reading_weights(time);
   return {weights.dot(mean_), std::sqrt(variance_of(weights) + noise_ * noise_)};
 }
 
 void TrajectoryForecast::learn(double time, double value) {
-  const Eigen::SparseVector<double> weights = weights_of_reading(time);
+  const Eigen::SparseVector<double> weights = reading_weights(time);
   const Eigen::VectorXd with_reading = covariance_ * weights;
   const double variance = weights.dot(with_reading) + noise_ * noise_;
   if (variance <= 0.0) return;  // the reading was known beforehand

@@ -86,7 +86,7 @@ private:
   /// Weights of the instants around a time, and none of the zero.
   Eigen::SparseVector<double> weights_at(double time) const;
   /// The same with the zero, which a reading has too.
-  Eigen::SparseVector<double> weights_of_reading(double time) const;
+  Eigen::SparseVector<double> reading_weights(double time) const;
   double variance_of(const Eigen::SparseVector<double>& weights) const;
 
   Eigen::VectorXd time_;  ///< (instant) [s]

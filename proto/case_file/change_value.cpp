@@ -46,7 +46,7 @@ TracedText quote_words(std::string_view value) {
     const char first = value[begin];
     const bool in_quotes = first == '"' || first == '\'';
     const bool is_word = !in_quotes && std::string_view("[],").find(first) == std::string::npos;
-    end = in_quotes ? end_of_string(value, begin)
+    end = in_quotes ? string_end(value, begin)
           : is_word ? std::min(value.find_first_of("[],\"'", begin), value.size())
                     : begin + 1;
 

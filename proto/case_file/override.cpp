@@ -282,19 +282,19 @@ private:
     return curve;
   }
 
-  static bool is_of_alloy(const v1::CaseChange& change) {
+  static bool is_alloy_key(const v1::CaseChange& change) {
     return change.key().starts_with("alloy.");
   }
 
   static std::string remedy_without_value(const v1::CaseChange& change) {
-    return is_of_alloy(change)
+    return is_alloy_key(change)
                ? "give the key in the case; `dccast alloys CARD` prints those of a card"
                : "give the key in the case";
   }
 
   /// The values of a key that the case leaves to its alloy card; empty if the card is not at hand.
   v1::Curve values_of_card(const Entry& entry, const v1::CaseChange& change) const {
-    if (relative_ == Relative::to_case || !is_of_alloy(change)) return {};
+    if (relative_ == Relative::to_case || !is_alloy_key(change)) return {};
 
     v1::Case resolved = root_;
     apply_defaults(*resolved.mutable_alloy());

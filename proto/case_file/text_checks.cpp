@@ -72,7 +72,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
   return best;
 }
 
-std::size_t end_of_string(std::string_view text, std::size_t begin) {
+std::size_t string_end(std::string_view text, std::size_t begin) {
   const char quote = text[begin];
   const std::string three(3, quote);
   const bool several_lines = text.substr(begin).starts_with(three);
@@ -95,7 +95,7 @@ std::optional<TextFault> check_nesting(std::string_view text) {
 
     // Brackets and dots in strings and comments do not count.
     if (c == '"' || c == '\'') {
-      i = end_of_string(text, i);
+      i = string_end(text, i);
       continue;
     }
     if (c == '#') {

@@ -22,7 +22,7 @@ std::optional<TextFault> check_text(std::string_view text);
 
 /// End of the string that begins at byte `begin`: behind its last quote, or, if it is not closed,
 /// behind the end of the line or of the text.
-std::size_t end_of_string(std::string_view text, std::size_t begin);
+std::size_t string_end(std::string_view text, std::size_t begin);
 
 /// Number of insertions, deletions, replacements and swaps of neighbours between two words.
 int edit_distance(std::string_view a, std::string_view b);

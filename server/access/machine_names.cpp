@@ -59,7 +59,7 @@ std::vector<std::string> ipv6_addresses() {
 
 }  // namespace
 
-std::vector<std::string> names_of_this_machine() {
+std::vector<std::string> host_names() {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
   std::vector<std::string> names{host.data(), "localhost"};

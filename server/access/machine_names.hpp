@@ -6,6 +6,6 @@
 namespace dccast::access {
 
 /// Names by which clients may reach this machine: its host name, its addresses, and loopback.
-std::vector<std::string> names_of_this_machine();
+std::vector<std::string> host_names();
 
 }  // namespace dccast::access

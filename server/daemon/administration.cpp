@@ -80,7 +80,7 @@ bool is_any_address(const std::string& host) {
 
 /// Names for the certificate: those of this machine and of the settings.
 std::vector<std::string> server_names(const v1::DaemonConfig& config) {
-  auto names = access::names_of_this_machine();
+  auto names = access::host_names();
   for (const std::string& address : {config.listen().tls(), config.listen().public_address()}) {
     const std::string host = values::host_and_port(address).host;
     if (!is_any_address(host) && std::find(names.begin(), names.end(), host) == names.end())
@@ -99,7 +99,7 @@ std::string login_address(const v1::DaemonConfig& config) {
         "\"0.0.0.0:7118\" below [listen], restart dccastd, and name the settings here, too "
         "(--config)");
   if (!is_any_address(values::host_and_port(listen).host)) return listen;
-  return access::names_of_this_machine().front() + listen.substr(listen.rfind(':'));
+  return access::host_names().front() + listen.substr(listen.rfind(':'));
 }
 
 /// The line that an admin hands over: address, fingerprint of the CA, one-time secret.

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "server/jobs/log.hpp"
+#include "server/relay/acceptor.hpp"
 #include "server/relay/connection.hpp"
-#include "server/relay/door.hpp"
 
 namespace dccast::relay {
 
@@ -34,23 +34,23 @@ public:
   ~Loop() override { close(); }
 
   void add(const Listener& listener, const Bounds& bounds, std::optional<TlsFiles> tls) {
-    doors_.push_back(
-        std::make_unique<Door>(context_, *this, listener, bounds,
-                               tls ? std::make_unique<TlsContext>(*std::move(tls)) : nullptr));
+    acceptors_.push_back(
+        std::make_unique<Acceptor>(context_, *this, listener, bounds,
+                                   tls ? std::make_unique<TlsContext>(*std::move(tls)) : nullptr));
   }
 
   void start() {
-    for (const auto& door : doors_) door->wait_for_client();
+    for (const auto& acceptor : acceptors_) acceptor->wait_for_client();
     refresh_certificates();
     thread_ = std::thread([this] { run(); });
   }
 
-  /// Waits for the relay thread: no door accepts once this has returned.
+  /// Waits for the relay thread: no acceptor accepts once this has returned.
   void stop_accepting() {
     if (!thread_.joinable()) return;
     const auto stopped = std::make_shared<std::promise<void>>();
     asio::post(context_, [this, stopped] {
-      for (const auto& door : doors_) door->stop_accepting();
+      for (const auto& acceptor : acceptors_) acceptor->stop_accepting();
       stopped->set_value();
     });
     stopped->get_future().wait();
@@ -67,7 +67,7 @@ public:
       last_answers_.expires_after(time_for_last_answers);
       last_answers_.async_wait([this](const boost::system::error_code& cancelled) {
         if (cancelled) return;
-        for (const auto& door : doors_) door->end_all();
+        for (const auto& acceptor : acceptors_) acceptor->end_all();
       });
       closing_ = true;
       stop_when_empty();
@@ -91,8 +91,8 @@ public:
   }
 
   void on_end(const Connection& connection, bool hostile) override {
-    for (const auto& door : doors_)
-      if (door->remove(connection, hostile)) break;
+    for (const auto& acceptor : acceptors_)
+      if (acceptor->remove(connection, hostile)) break;
     if (hostile) trim_later();
     stop_when_empty();
   }
@@ -111,7 +111,7 @@ private:
     certificates_.expires_after(between_looks_at_certificates);
     certificates_.async_wait([this](const boost::system::error_code& cancelled) {
       if (cancelled) return;
-      for (const auto& door : doors_) door->refresh_certificates();
+      for (const auto& acceptor : acceptors_) acceptor->refresh_certificates();
       refresh_certificates();
     });
   }
@@ -120,9 +120,9 @@ private:
   void bound_memory() {
     for (;;) {
       std::vector<std::shared_ptr<Connection>> connections;
-      for (const auto& door : doors_)
-        connections.insert(connections.end(), door->connections().begin(),
-                           door->connections().end());
+      for (const auto& acceptor : acceptors_)
+        connections.insert(connections.end(), acceptor->connections().begin(),
+                           acceptor->connections().end());
 
       std::vector<HeldMemory> held;
       held.reserve(connections.size());
@@ -145,8 +145,8 @@ private:
   }
 
   void stop_when_empty() {
-    const auto is_empty = [](const auto& door) { return door->connections().empty(); };
-    if (closing_ && std::ranges::all_of(doors_, is_empty)) context_.stop();
+    const auto is_empty = [](const auto& acceptor) { return acceptor->connections().empty(); };
+    if (closing_ && std::ranges::all_of(acceptors_, is_empty)) context_.stop();
   }
 
   PeerTable& peers_;
@@ -154,7 +154,7 @@ private:
   const MemoryBounds memory_;
   asio::io_context context_{1};  // hint: one thread
   asio::steady_timer certificates_{context_}, trim_{context_}, last_answers_{context_};
-  std::vector<std::unique_ptr<Door>> doors_;
+  std::vector<std::unique_ptr<Acceptor>> acceptors_;
   std::size_t grown_ = 0;
   bool closing_ = false;
   std::thread thread_;

@@ -35,7 +35,7 @@ std::string token_in(const Metadata& metadata) {
 
 /// What the client presents with a call: its connection and its token.
 /// @throws std::runtime_error  the connection has ended
-Shown shown_in(const Metadata& metadata, const relay::PeerTable& peers) {
+Credentials credentials_in(const Metadata& metadata, const relay::PeerTable& peers) {
   const auto peer = peers.find(header_in(metadata, relay::connection_header));
   if (!peer) throw std::runtime_error("this call names no connection that is open");
   return {.peer = peer, .token = token_in(metadata)};
@@ -58,19 +58,19 @@ public:
     const access::CallRule& rule = access::rule_of(*method->input_type());
     if (rule.access.role() == v1::ANYONE) return grpc::Status::OK;
 
-    const Shown shown = shown_in(metadata, gate_.peers());
-    if (!shown.peer->over_tls)
+    const Credentials credentials = credentials_in(metadata, gate_.peers());
+    if (!credentials.peer->over_tls)
       return grpc::Status::OK;  // admit() looks local users up: it may wait
 
-    const access::Caller caller = gate_.identify(shown);
+    const access::Caller caller = gate_.identify(credentials);
     if (caller.proven()) {
       gate_.peers().set_user(header_in(metadata, relay::connection_header), caller.name);
       return grpc::Status::OK;
     }
 
     // The audit log records refusals that reach no handler, too.
-    const grpc::Status status = gate_.permit(caller, rule, shown.peer->address);
-    gate_.record({}, caller, rule, shown.peer->address, status);
+    const grpc::Status status = gate_.permit(caller, rule, credentials.peer->address);
+    gate_.record({}, caller, rule, credentials.peer->address, status);
     return status;
   } catch (const std::exception& error) {
     return make_status({.reason = ErrorInfo::BUSY, .cause = error.what()});
@@ -108,16 +108,16 @@ CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
       id_(id_of(request, *rule_)),
       deadline_(context.deadline()) {
   try {
-    shown_ = shown_in(context.client_metadata(), gate.peers());
-    if (shown_.peer->over_tls) judge();
+    credentials_ = credentials_in(context.client_metadata(), gate.peers());
+    if (credentials_.peer->over_tls) judge();
   } catch (const std::exception& error) {
     refusal_ = make_status({.reason = ErrorInfo::BUSY, .cause = error.what()});
   }
 }
 
 void CallOrigin::judge() {
-  caller_ = gate_->identify(shown_);
-  refusal_ = gate_->permit(*caller_, *rule_, shown_.peer->address);
+  caller_ = gate_->identify(credentials_);
+  refusal_ = gate_->permit(*caller_, *rule_, credentials_.peer->address);
   if (!refusal_.ok()) record_refusal(refusal_);
 }
 
@@ -152,7 +152,7 @@ void CallOrigin::record(const Call& call, const grpc::Status& status) const {
   if (rule_->touches_job()) event.set_job(id_);
   if (rule_->touches_study()) event.set_study(id_);
   if (rule_->touches_line()) event.set_line(id_);
-  gate_->record(std::move(event), call.caller, *rule_, shown_.peer->address, status);
+  gate_->record(std::move(event), call.caller, *rule_, credentials_.peer->address, status);
 }
 
 void CallOrigin::record_refusal(const grpc::Status& status) const {

@@ -66,7 +66,7 @@ private:
   /// Role that the method needs, and whether it touches a job, study or line.
   const access::CallRule* rule_;
   std::string id_;  ///< of the job or study named in the request
-  Shown shown_;
+  Credentials credentials_;
   std::chrono::system_clock::time_point deadline_;
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   std::optional<access::Caller> caller_;  ///< set when judged

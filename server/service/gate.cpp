@@ -40,11 +40,11 @@ Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& 
       streams_(limits.streams, limits.streams_per_user),
       watcher_([this](const std::stop_token& stop) { watch_for_lapses(stop); }) {}
 
-access::Caller Gate::identify(const Shown& shown) {
-  const relay::Peer& peer = *shown.peer;
+access::Caller Gate::identify(const Credentials& credentials) {
+  const relay::Peer& peer = *credentials.peer;
   if (!peer.over_tls)
     return authority_.local_user(peer.user_id ? local_users_.name_of(*peer.user_id) : "");
-  if (!shown.token.empty()) return authority_.by_token(shown.token, std::time(nullptr));
+  if (!credentials.token.empty()) return authority_.by_token(credentials.token, std::time(nullptr));
   if (!peer.certificate_name.empty())
     return authority_.by_certificate(peer.certificate_name, peer.certificate_ends_unix,
                                      std::time(nullptr));

@@ -41,7 +41,7 @@ public:
 };
 
 /// Credentials that a client presents with a call.
-struct Shown {
+struct Credentials {
   std::shared_ptr<const relay::Peer> peer;  ///< other end of its connection
   std::string token{};
 };
@@ -83,7 +83,7 @@ public:
   Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits, Owners owners);
 
   /// Determines the caller; may block to look up the name of a local user.
-  access::Caller identify(const Shown& shown);
+  access::Caller identify(const Credentials& credentials);
   /// Checks role and call rate.
   grpc::Status permit(const access::Caller& caller, const access::CallRule& rule,
                       const std::string& peer);

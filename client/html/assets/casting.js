@@ -81,7 +81,7 @@ function labels(start, zones, holes) {
 function sectionDrawing(given) {
   const start = startOf(given), {x, y} = start, zones = given.cooling.zone || [];
   const holes = given.cooling.bottom_block.drain_hole || [], surface = blockSurface(start);
-  const ofBlock = surface.map(([px, py]) => [Math.min(px, face - 3), py]);  // a gap to the mould
+  const blockTop = surface.map(([px, py]) => [Math.min(px, face - 3), py]);  // a gap to the mould
   const [foot, block, end] = [y(start.water), y(start.block), y(start.foot)];
   const middle = (x + face) / 2;
   const plane = given.section.kind === 'AXISYMMETRIC' ? 'axis' : 'symmetry plane';
@@ -94,7 +94,7 @@ function sectionDrawing(given) {
       'aria-label': 'Section through the start of the casting'
     },
     h('polyline', {class: 'metal', points: corners([[x, level], ...surface, [face, level]])}),
-    h('polyline', {class: 'block', points: corners([[x, end], ...ofBlock, [face - 3, end]])}),
+    h('polyline', {class: 'block', points: corners([[x, end], ...blockTop, [face - 3, end]])}),
     holesOf(start, holes),
     rect('mould', face, level - 25, mould, foot - level + 25),
     zones.map(zone => line('border', face, y(zone.to_m), face + mould, y(zone.to_m))),

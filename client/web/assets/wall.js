@@ -36,9 +36,11 @@ const forecastOf = id => call('ForecastJob', {id}).then(
   forecast => ({forecast}), fault => ({noForecast: fault.message}));
 
 export function wallPage(element, signal, label) {
-  let drawCasting = null, left = null;  // of the casting that is shown
+  // The casting that is shown: draws its new state, and ends its page.
+  let drawCasting = null;
+  let castingPage = null;
   function leaveCasting() {
-    left?.abort();
+    castingPage?.abort();
     drawCasting = null;
     element.classList.remove('stale');
   }
@@ -56,8 +58,8 @@ export function wallPage(element, signal, label) {
       return drawRun(element, seen);
     }
     if (!drawCasting) {
-      left = new AbortController();
-      drawCasting = followedWall(element, left.signal);
+      castingPage = new AbortController();
+      drawCasting = followedWall(element, castingPage.signal);
     }
     drawCasting({...seen, ...forecast, asked});
   });

@@ -133,7 +133,7 @@ public:
     content_.sound_header = header == event_log_header() || header == former_event_log_header();
     while (const auto record = next_record()) add(*record);
     settle_last_step();
-    content_.torn = ends_in_part_of_a_record();
+    content_.torn = ends_in_partial_record();
   }
 
   /// Reads up to the first record that is not whole.
@@ -227,7 +227,7 @@ private:
     last_step_.clear();
   }
 
-  bool ends_in_part_of_a_record() {
+  bool ends_in_partial_record() {
     const std::string_view head = file_.at(content_.end, head_size);
     if (head.size() < short_records.head_size) return true;
 

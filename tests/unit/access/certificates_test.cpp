@@ -78,7 +78,7 @@ TEST(Pki, NamesThatAreNoneAreRefused) {
 }
 
 TEST(Pki, ThisMachineHasANameAndLoopback) {
-  const auto names = names_of_this_machine();
+  const auto names = host_names();
   EXPECT_NE(std::find(names.begin(), names.end(), "127.0.0.1"), names.end());
   EXPECT_NE(std::find(names.begin(), names.end(), "localhost"), names.end());
 }

@@ -1,4 +1,4 @@
-#include "server/relay/door.hpp"
+#include "server/relay/acceptor.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -45,8 +45,8 @@ std::string origin_of(const Peer& peer) {
 
 }  // namespace
 
-Door::Door(boost::asio::io_context& loop, ConnectionOwner& owner, const Listener& listener,
-           const Bounds& bounds, std::unique_ptr<TlsContext> tls)
+Acceptor::Acceptor(boost::asio::io_context& loop, ConnectionOwner& owner, const Listener& listener,
+                   const Bounds& bounds, std::unique_ptr<TlsContext> tls)
     : loop_(loop),
       owner_(owner),
       bounds_(bounds),
@@ -54,18 +54,18 @@ Door::Door(boost::asio::io_context& loop, ConnectionOwner& owner, const Listener
       socket_(loop, ::fcntl(listener.socket(), F_DUPFD_CLOEXEC, 0)),
       pause_(loop) {}
 
-void Door::refresh_certificates() {
+void Acceptor::refresh_certificates() {
   if (tls_) tls_->refresh();
 }
 
-void Door::wait_for_client() {
+void Acceptor::wait_for_client() {
   socket_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
                      [this](const boost::system::error_code& closed) {
                        if (!closed) accept();
                      });
 }
 
-void Door::stop_accepting() {
+void Acceptor::stop_accepting() {
   boost::system::error_code ignored;
   pause_.cancel(ignored);
   socket_.close(ignored);
@@ -74,36 +74,36 @@ void Door::stop_accepting() {
   end_those([](const Connection& connection) { return connection.in_handshake(); });
 }
 
-void Door::end_all() {
+void Acceptor::end_all() {
   end_those([](const Connection&) { return true; });
 }
 
-bool Door::remove(const Connection& connection, bool hostile) {
+bool Acceptor::remove(const Connection& connection, bool hostile) {
   const auto removed = std::erase_if(
       connections_, [&](const auto& candidate) { return candidate.get() == &connection; });
   if (removed > 0 && hostile) delay_next(connection.peer());
   return removed > 0;
 }
 
-void Door::delay_next(const Peer& peer) {
+void Acceptor::delay_next(const Peer& peer) {
   const auto now = Connection::Clock::now();
   std::erase_if(not_before_, [&](const auto& entry) { return entry.second <= now; });
   auto& time = not_before_[origin_of(peer)];
   time = std::min(std::max(time, now) + delay_per_hostile, now + longest_delay);
 }
 
-Connection::Clock::time_point Door::first_turn(const Peer& peer) const {
+Connection::Clock::time_point Acceptor::first_turn(const Peer& peer) const {
   const auto found = not_before_.find(origin_of(peer));
   return found == not_before_.end() ? Connection::Clock::time_point() : found->second;
 }
 
-void Door::end_those(const Condition& condition) {
+void Acceptor::end_those(const Condition& condition) {
   const auto connections = connections_;  // a copy: end() removes from the vector
   for (const auto& connection : connections)
     if (condition(*connection)) connection->end();
 }
 
-void Door::accept() {
+void Acceptor::accept() {
   sockaddr_storage from{};
   socklen_t size = sizeof from;
   const int socket = ::accept4(socket_.native_handle(), reinterpret_cast<sockaddr*>(&from), &size,
@@ -128,9 +128,9 @@ void Door::accept() {
   wait_for_client();
 }
 
-void Door::admit(int socket, Peer peer) {
+void Acceptor::admit(int socket, Peer peer) {
   const bool was_full = std::exchange(full_, !make_room(peer.host));
-  // Logged once, not for each connection that a full door closes.
+  // Logged once, not for each connection that a full acceptor closes.
   if (full_) {
     if (!was_full)
       log::warn(
@@ -152,7 +152,7 @@ void Door::admit(int socket, Peer peer) {
   }
 }
 
-bool Door::make_room(const std::string& host) {
+bool Acceptor::make_room(const std::string& host) {
   const auto has_its_share = [&] {
     return static_cast<std::size_t>(std::ranges::count(connections_, host, [](const auto& other) {
              return other->peer().host;
@@ -164,7 +164,7 @@ bool Door::make_room(const std::string& host) {
 
 /// Ends the oldest connection without a request after its first second, to make room for another.
 /// @param host  only connections of this host; empty: of any
-bool Door::end_a_silent_one(const std::string& host) {
+bool Acceptor::end_a_silent_one(const std::string& host) {
   const auto now = Connection::Clock::now();
   const auto may_give_way = [&](const auto& connection) {
     return now - connection->since() >= time_to_first_request &&
@@ -179,7 +179,7 @@ bool Door::end_a_silent_one(const std::string& host) {
 
 /// Bounds concurrent handshakes, which cost most of the processor time. The host with the most of
 /// them loses its oldest.
-void Door::bound_handshakes() {
+void Acceptor::bound_handshakes() {
   std::map<std::string, std::size_t> of_host;
   std::size_t handshakes = 0;
   for (const auto& connection : connections_) {

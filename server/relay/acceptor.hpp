@@ -20,11 +20,11 @@ namespace dccast::relay {
 /// A listener and its connections. When all are in use, the oldest connection without a request is
 /// ended. If each has made a request, or a machine has its maximum, a further connection is closed.
 /// Used only by the relay thread.
-class Door {
+class Acceptor {
 public:
   /// @param tls  null for connections without TLS
-  Door(boost::asio::io_context& loop, ConnectionOwner& owner, const Listener& listener,
-       const Bounds& bounds, std::unique_ptr<TlsContext> tls);
+  Acceptor(boost::asio::io_context& loop, ConnectionOwner& owner, const Listener& listener,
+           const Bounds& bounds, std::unique_ptr<TlsContext> tls);
 
   /// Reloads TLS files that have changed.
   void refresh_certificates();
@@ -33,11 +33,11 @@ public:
 
   /// Accepts clients when they come, until stop_accepting().
   void wait_for_client();
-  /// Closes the listener for this door; open connections stay.
+  /// Closes the listener for this acceptor; open connections stay.
   void stop_accepting();
   /// Ends all connections, as at the end of the daemon.
   void end_all();
-  /// @return whether the connection belonged to this door
+  /// @return whether the connection belonged to this acceptor
   bool remove(const Connection& connection, bool hostile);
 
 private:
