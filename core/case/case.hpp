@@ -36,7 +36,6 @@ struct Schedule {
 
 /// Table `thermal`: the heat solver, or temperatures from a file.
 struct ThermalOptions {
-  std::optional<double> initial_temperature;  ///< [°C]; absent: the casting temperature
   double tolerance = 0.0;  ///< [1] residual relative to the heat exchanged in a step
   int maximum_iterations = 0;
   std::filesystem::path file;  ///< prescribed temperatures; empty: use the heat solver

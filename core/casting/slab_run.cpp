@@ -86,9 +86,7 @@ SlabRun<Dim>::SlabRun(const Case& c, int threads)
   state_.next_frame = state_.time;
   state_.step_limit = control_.limit();
 
-  state_.heat = heat_.initial_field(
-      state_.time,
-      c.thermal.initial_temperature.value_or(schedule_.casting_temperature(state_.time, 0.0)));
+  state_.heat = heat_.initial_field(state_.time, schedule_.casting_temperature(state_.time, 0.0));
   state_.slab = mechanics_.initial_state();
   state_.superheat = heat_.superheat(state_.heat);
   if (mesh_.in_rows()) state_.row_heights = mesh_.in_rows()->row_heights();

@@ -101,12 +101,6 @@ double film_coefficient(const Wetting& w, const Film& film, double depth) {
          std::sqrt(film.flow / start_flow) * (0.3 + 0.7 * subcooling(film) / stated_subcooling);
 }
 
-double fixed_film_share(const Water& water, double surface_temperature) {
-  constexpr double blend = 5.0;  // [K]
-  if (!water.film_boiling) return 0.0;
-  return std::clamp((surface_temperature - water.film_boiling_above) / blend + 0.5, 0.0, 1.0);
-}
-
 bool is_open(const Water& water, double time) {
   if (!water.enabled || time <= water.start) return false;
   if (water.pulse_period <= 0.0 || time >= water.pulse_end) return true;

@@ -57,11 +57,6 @@ double wet_in_the_end(const Wetting& wetting, double surface_temperature, double
 ///   h (flow / start_flow)^(1/2) (0.3 + 0.7 s / 75 K). @param depth  [m] below the water line
 double film_coefficient(const Wetting& wetting, const Film& film, double depth);
 
-/// Share of the surface under a vapour film [1] where the case fixes the temperature above which it
-/// stands. An implicit step would have several solutions there; so the surface temperature at the
-/// start of a step decides, blended over 5 K. @param surface_temperature  [°C]
-double fixed_film_share(const Water& water, double surface_temperature);
-
 /// Whether the valve is open. It is closed before the start; each pulse begins with its open part.
 /// @param time  [s]
 bool is_open(const Water& water, double time);

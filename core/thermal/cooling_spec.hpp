@@ -63,12 +63,9 @@ struct Water {
   double start = 0.0;               ///< [s]
   Curve temperature;                ///< [°C]
   double critical_heat_flux = 0.0;  ///< [W/m2]
-  bool film_boiling = false;
-  double film_boiling_coefficient = 0.0;  ///< [W/(m2 K)]
-  double film_boiling_above = 0.0;        ///< [°C]
   /// The critical flux is that of the jet at `full_flow` and 25 °C; all limits follow flow and film
   /// temperature, and the film's heat is marched down the face (water_film.hpp). Otherwise the
-  /// three values above hold everywhere.
+  /// critical flux holds everywhere, and no vapour film stands.
   bool boiling_follows_flow = false;
   Wetting wetting;
   double pulse_period = 0.0;  ///< [s] from one opening of the valve to the next; 0: no pulses

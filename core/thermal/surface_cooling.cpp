@@ -201,12 +201,7 @@ FilmEnd SurfaceCooling::lay_column(std::span<const std::size_t> shares, double w
   // With fixed boiling properties the film does not change on its way.
   FilmEnd end{.film = supply};
   if (!water.boiling_follows_flow) {
-    film_.clear();
-    for (const WetPiece& piece : pieces)
-      film_.push_back({.film = supply,
-                       .wetted = 1.0 - fixed_film_share(water, piece.surface_temperature),
-                       .critical_heat_flux = water.critical_heat_flux,
-                       .film_coefficient = water.film_boiling_coefficient});
+    film_.assign(pieces.size(), {.film = supply, .critical_heat_flux = water.critical_heat_flux});
   } else {
     end = march_film(water, supply, width, input.time_step, pieces, film_);
     total.boiled_away = total.boiled_away || end.boiled_away;

@@ -237,9 +237,6 @@ thermal::Water water(const v1::Water& from) {
           .start = from.start_s(),
           .temperature = to_core(from.temperature_c()),
           .critical_heat_flux = from.critical_heat_flux_w_per_m2(),
-          .film_boiling = from.film_boiling(),
-          .film_boiling_coefficient = from.film_boiling_coefficient_w_per_m2_k(),
-          .film_boiling_above = from.film_boiling_above_c(),
           .boiling_follows_flow = from.boiling_follows_flow(),
           .wetting = wetting(from.wetting()),
           .pulse_period = from.pulse_period_s(),
@@ -410,8 +407,6 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   to.cooling = cooling(complete.cooling(), -to.schedule.hold);
 
   const v1::Thermal& thermal = complete.thermal();
-  to.thermal.initial_temperature =
-      given(thermal.has_initial_temperature_c(), thermal.initial_temperature_c());
   to.thermal.tolerance = thermal.tolerance();
   to.thermal.maximum_iterations = thermal.maximum_iterations();
   to.thermal.file = attached(thermal.file(), attachments);

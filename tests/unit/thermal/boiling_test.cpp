@@ -86,16 +86,6 @@ TEST(Boiling, MeetsTheEquilibriumFluxes) {
   EXPECT_NEAR(flux(180, 300, 0.03), 2.4, 0.05);
 }
 
-TEST(Boiling, AFixedFilmIsOffByDefaultAndBlendedWhenOn) {
-  Water water = start_up_water();
-  water.boiling_follows_flow = false;
-  EXPECT_EQ(fixed_film_share(water, 600.0), 0.0);
-  water.film_boiling = true;
-  EXPECT_EQ(fixed_film_share(water, 347.0), 0.0);
-  EXPECT_EQ(fixed_film_share(water, 350.0), 0.5);
-  EXPECT_EQ(fixed_film_share(water, 353.0), 1.0);
-}
-
 TEST(Valve, PulsesFromTheStartToTheirEnd) {
   Water water = start_up_water();
   water.start = 2.0;

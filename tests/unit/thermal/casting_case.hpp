@@ -54,8 +54,6 @@ inline Water water() {
   water.enabled = true;
   water.from = 0.065;
   water.critical_heat_flux = 4e6;
-  water.film_boiling_coefficient = 500.0;
-  water.film_boiling_above = 350.0;
   water.pulse_share = 0.5;
   return water;
 }

@@ -138,15 +138,6 @@ TEST(HeatSolver, TheLevelLosesHeatToTheAir) {
   EXPECT_NEAR(outcome.balance.top, outcome.balance.stored, 1e-6 * -outcome.balance.top);
 }
 
-TEST(HeatSolver, FilmBoilingConvergesAndConserves) {
-  CoolingSpec cooling = casting_cooling();
-  cooling.water.film_boiling = true;
-  const Casting casting =
-      cast(casting_alloy(), cooling, ElementKind::p1, SectionKind::plane_strain, 30.0);
-  EXPECT_TRUE(casting.converged);
-  EXPECT_LT(casting.worst_balance, 1e-10);
-}
-
 /// Boiling tables fall with temperature and make the residual's derivative negative at the surface.
 TEST(HeatSolver, FallingCoefficientsKeepNewtonFast) {
   CoolingSpec cooling = casting_cooling();
