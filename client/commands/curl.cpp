@@ -25,7 +25,7 @@ struct CurlOptions {
 /// A job with its curl.
 struct JobCurl {
   v1::Job job;
-  CurlHistory history;
+  figures::RunHistory history;
   v1::StudyResult study{};  ///< without limits if the job belongs to no refinement study
 };
 
@@ -37,9 +37,9 @@ struct Error {
   std::vector<double> upper_m;
 };
 
-Error error_of(const JobCurl& curl, const CurlHistory::Series& series) {
+Error error_of(const JobCurl& curl, const figures::MonitorSeries& series) {
   const auto& [job, history, study] = curl;
-  if (auto limit = limit_at(history.time_s, study, series.name))
+  if (auto limit = limit_at(history.time_s(), study, series.name))
     return {std::move(limit->value_m), limit->uncertainty_m, limit->uncertainty_m};
 
   if (!series.has_error()) return {};
@@ -49,7 +49,8 @@ Error error_of(const JobCurl& curl, const CurlHistory::Series& series) {
 /// Columns of the CSV after time and cast length, by name.
 std::vector<std::pair<std::string, std::vector<double>>> columns_of(const JobCurl& curl) {
   std::vector<std::pair<std::string, std::vector<double>>> columns;
-  for (const auto& series : curl.history.monitors) {
+  for (const std::string& monitor : curl.history.monitors()) {
+    const figures::MonitorSeries series = curl.history.series(monitor);
     columns.emplace_back(series.name + "_curl_m", series.curl_m);
     Error error = error_of(curl, series);
     if (!error.limit_m.empty())
@@ -71,18 +72,19 @@ void print_csv(const JobCurl& curl) {
   std::cout << "time_s,cast_length_m";
   for (const auto& [name, values] : columns) std::cout << ',' << render::csv_text(name);
   std::cout << ",beyond_validity" << (has_limits ? ",limit_beyond_validity\n" : "\n");
-  for (std::size_t i = 0; i < history.time_s.size(); ++i) {
-    std::cout << case_file::number_text(history.time_s[i]) << ','
-              << case_file::number_text(history.cast_length_m[i]);
+  for (std::size_t i = 0; i < history.steps.size(); ++i) {
+    const v1::StepReport& step = history.steps[i];
+    std::cout << case_file::number_text(step.time_s()) << ','
+              << case_file::number_text(step.cast_length_m());
     for (const auto& [name, values] : columns)
       std::cout << ',' << case_file::number_text(values[i]);
-    std::cout << ',' << history.beyond[i];
-    if (has_limits) std::cout << ',' << (history.time_s[i] >= valid_until_s);
+    std::cout << ',' << step.beyond_validity();
+    if (has_limits) std::cout << ',' << (step.time_s() >= valid_until_s);
     std::cout << '\n';
   }
 }
 
-Json monitor_json(const JobCurl& curl, const CurlHistory::Series& series) {
+Json monitor_json(const JobCurl& curl, const figures::MonitorSeries& series) {
   // One number for each time in a section, [x, y] in a quarter slab.
   const auto horizontal = [](const auto& u) { return u.size() == 1 ? Json(u[0]) : Json(u); };
   Json json{{"name", series.name},
@@ -101,32 +103,33 @@ Json monitor_json(const JobCurl& curl, const CurlHistory::Series& series) {
 void print_json(const JobCurl& curl) {
   const auto& [job, history, study] = curl;
   Json json{{"job", job.id()},
-            {"time_s", history.time_s},
-            {"cast_length_m", history.cast_length_m},
-            {"beyond_validity", history.beyond},
+            {"time_s", history.time_s()},
+            {"cast_length_m", history.cast_length_m()},
+            {"beyond_validity", history.beyond()},
             {"validity_loss", job.has_validity_loss() ? to_json(job.validity_loss()) : Json()},
             {"findings", json_list(job.findings(), to_json)}};
   if (study.has_valid_until_s()) json["limit_valid_until_s"] = study.valid_until_s();
-  json["monitors"] = json_list(history.monitors, [&](const CurlHistory::Series& series) {
-    return monitor_json(curl, series);
+  json["monitors"] = json_list(history.monitors(), [&](const std::string& monitor) {
+    return monitor_json(curl, curl.history.series(monitor));
   });
   print_line(json);
 }
 
-void print_table(const CurlHistory& history) {
+void print_table(const figures::RunHistory& history) {
   // A column that is empty in nearly every run would only widen the table.
-  const bool lost = history.first_beyond().has_value();
+  const bool lost = history.beyond_from_s().has_value();
+  const std::vector<std::string> monitors = history.monitors();
   std::vector<std::string> headings{">time s", ">cast mm"};
-  for (const auto& series : history.monitors) headings.push_back(">" + series.name + " mm");
+  for (const std::string& monitor : monitors) headings.push_back(">" + monitor + " mm");
   if (lost) headings.push_back("validity");
 
   render::Table table(headings);
-  for (std::size_t i = 0; i < history.time_s.size(); ++i) {
-    std::vector<std::string> row{render::fixed(history.time_s[i], 2),
-                                 render::fixed(1e3 * history.cast_length_m[i], 2)};
-    for (const auto& series : history.monitors)
-      row.push_back(render::fixed(1e3 * series.curl_m[i], 3));
-    if (lost) row.push_back(history.beyond[i] ? render::beyond_validity : "");
+  for (const v1::StepReport& step : history.steps) {
+    std::vector<std::string> row{render::fixed(step.time_s(), 2),
+                                 render::mm(step.cast_length_m(), 2)};
+    for (const std::string& monitor : monitors)
+      row.push_back(render::mm(figures::curl_of(figures::monitor_of(step, monitor)), 3));
+    if (lost) row.push_back(step.beyond_validity() ? render::beyond_validity : "");
     table.add(std::move(row));
   }
   std::cout << table.text() << std::flush;
@@ -143,7 +146,7 @@ ExitCode run(const CurlOptions& options, Program& program) {
   Connection connection = program.connect();
   const std::string id = resolve_job(connection, options.id);
   JobCurl curl{connection.call(&Stub::GetJob, id), {}, {}};
-  curl.history = curl_history(curl.job, query_result(connection, id));
+  curl.history = run_history(curl.job, query_result(connection, id));
 
   if (options.csv || options.json) {
     curl.study = refinement_of(connection, curl.job);
@@ -155,7 +158,7 @@ ExitCode run(const CurlOptions& options, Program& program) {
   }
 
   print_table(curl.history);
-  if (curl.history.time_s.empty()) return ExitCode::done;
+  if (curl.history.steps.empty()) return ExitCode::done;
   // Sentences go to standard error: scripts read the table.
   print_judgement(connection, run_of_job(id), std::cerr);
   print_findings(curl.job);

@@ -60,7 +60,7 @@ std::optional<Answer> ask(Connection& connection, CaseUnderCheck& checked,
 
 void print(Connection& connection, const Answer& answer) {
   std::cout << render::answer_text(answer);
-  if (!answer.history.time_s.empty()) print_judgement(connection, compared_run(answer), std::cout);
+  if (!answer.history.steps.empty()) print_judgement(connection, compared_run(answer), std::cout);
   std::cout << std::flush;
 }
 

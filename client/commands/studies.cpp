@@ -213,22 +213,24 @@ struct PredictOptions {
 
 void print(const v1::Prediction& prediction) {
   std::vector<std::string> headings{"monitor", ">curl mm", ">surface \u00b1 mm"};
-  const bool has_error = prediction.has_mesh_error();
+  const bool has_error = !prediction.end_upper_error_m().empty();
   if (has_error) headings.push_back(">mesh and steps mm");
   headings.insert(headings.end(), {">at s", ">cast mm"});
   render::Table table(headings);
 
-  for (const v1::CurlCurve& curve : prediction.curves()) {
+  for (int i = 0; i < prediction.curves_size(); ++i) {
+    const v1::CurlCurve& curve = prediction.curves(i);
     const int last = curve.time_s_size() - 1;
     if (last < 0 || !std::isfinite(curve.curl_m(last))) continue;
     // The larger of the two errors determines the number of digits of the curl.
     const double curl_m = curve.curl_m(last), surface_m = curve.uncertainty_m(last);
-    const auto mesh = case_file::curl_error(prediction.mesh_error(), curl_m);
-    const int decimals = render::mm_decimals(std::max(surface_m, mesh.larger_m()));
+    const double lower_m = has_error ? prediction.end_lower_error_m(i) : 0.0;
+    const double upper_m = has_error ? prediction.end_upper_error_m(i) : 0.0;
+    const int decimals = render::mm_decimals(std::max({surface_m, lower_m, upper_m}));
 
     std::vector<std::string> row{curve.monitor(), render::mm(curl_m, decimals),
                                  render::mm(surface_m, decimals)};
-    if (has_error) row.push_back(render::mm_errors(mesh.lower_m, mesh.upper_m, decimals));
+    if (has_error) row.push_back(render::mm_errors(lower_m, upper_m, decimals));
     row.push_back(render::fixed(curve.time_s(last), 2));
     row.push_back(render::fixed(1e3 * curve.cast_length_m(last), 1));
     table.add(std::move(row));

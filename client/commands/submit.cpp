@@ -152,21 +152,24 @@ ExitCode run(const WatchOptions& options, Program& program) {
                    false, options.strict);
 }
 
-void print_curl(const CurlHistory& history) {
-  if (history.monitors.empty()) return;
+void print_curl(const figures::RunHistory& history) {
+  const std::vector<std::string> monitors = history.monitors();
+  if (monitors.empty()) return;
   std::vector<std::string> headings{"monitor", ">curl mm", ">x mm"};
   // A quarter slab moves in two horizontal directions, a section in one.
-  if (history.monitors.front().horizontal_m.back().size() == 2) headings.push_back(">y mm");
+  if (history.series(monitors.front()).horizontal_m.back().size() == 2) headings.push_back(">y mm");
   render::Table table(headings);
-  for (const auto& series : history.monitors) {
+  for (const std::string& monitor : monitors) {
+    const figures::MonitorSeries series = history.series(monitor);
     std::vector<std::string> row{series.name, render::fixed(1e3 * series.curl_m.back(), 3)};
     for (const double u : series.horizontal_m.back()) row.push_back(render::fixed(1e3 * u, 3));
     row.resize(headings.size());
     table.add(std::move(row));
   }
-  std::cout << "at " << render::fixed(history.time_s.back(), 2) << " s, cast length "
-            << render::fixed(1e3 * history.cast_length_m.back(), 1) << " mm"
-            << (history.beyond.back() ? ", beyond validity" : "") << '\n'
+  const v1::StepReport& last = history.steps.back();
+  std::cout << "at " << render::fixed(last.time_s(), 2) << " s, cast length "
+            << render::mm(last.cast_length_m()) << " mm"
+            << (last.beyond_validity() ? ", beyond validity" : "") << '\n'
             << table.text() << std::flush;
 }
 

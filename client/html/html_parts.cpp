@@ -14,9 +14,8 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
 
 std::string styles() {
   std::string css;
-  for (const char* const name : {"style.css", "report.css"})  // that of reports amends the other
-    for (const PageAsset& asset : page_assets())
-      if (asset.name == name) css += asset.text;
+  for (const PageAsset& asset : page_assets())
+    if (asset.name == "style.css") css += asset.text;
   return element("style", css);
 }
 
@@ -64,8 +63,8 @@ std::string whole_page(const std::string& title, const std::string& header,
   const bool has_drawings = body.find("class='drawn'") != body.npos;
   return "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
          "content='width=device-width, initial-scale=1'>" +
-         element("title", title) + styles() + "</head><body><main>" + element("header", header) +
-         (has_drawings ? without_scripts : "") + body + "</main>" +
+         element("title", title) + styles() + "</head><body class='report'><main>" +
+         element("header", header) + (has_drawings ? without_scripts : "") + body + "</main>" +
          (has_drawings ? scripts() : "") + "</body></html>\n";
 }
 

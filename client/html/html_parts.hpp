@@ -35,8 +35,8 @@ inline std::string row(const std::string& name, const std::string& value,
 
 /// A table of figures. @param head  cells @param body  rows
 inline std::string figures_table(const std::string& head, const std::string& body) {
-  return "<div class='scroll'><table class='figures'><thead>" + head + "</thead><tbody>" + body +
-         "</tbody></table></div>";
+  return "<div class='scroll'><table class='figures sheet'><thead>" + head + "</thead><tbody>" +
+         body + "</tbody></table></div>";
 }
 
 /// A script or style sheet of the pages, embedded at build time (cmake/embed_texts.cmake) from
@@ -48,7 +48,7 @@ struct PageAsset {
 const std::vector<PageAsset>& page_assets();
 
 /// A place where a script of the page (report.js) draws. @param kind  "chart", "slab", "casting"
-/// @param data  of the drawing: v1::Chart, frames, v1::Case
+/// @param data  of the drawing: chart, frames, v1::Case
 std::string drawn(const std::string& kind, const Json& data);
 
 /// A whole page that needs no other file. @param title  HTML

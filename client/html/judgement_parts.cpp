@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -13,60 +14,77 @@
 #include "client/text/findings.hpp"
 #include "client/text/judgement_text.hpp"
 #include "client/text/table.hpp"
+#include "proto/figures/plant_units.hpp"
 
 namespace dccast::client::render {
 namespace {
 
 using Numbers = google::protobuf::RepeatedField<double>;
 
-/// Every so many numbers and the last one, with six digits: what a picture shows.
-Json thinned(const Numbers& values, int stride) {
+std::string capitalised(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+/// Every so many numbers and the last one, in plant units, with six digits: what a picture shows.
+Json thinned(const Numbers& values, double factor, int stride) {
   Json shown = Json::array();
   const int last = values.size() - 1;
   const auto add = [&](double value) {
-    shown.push_back(std::isfinite(value) ? std::stod(fmt::format("{:.6g}", value)) : value);
+    const double drawn = factor * value;
+    shown.push_back(std::isfinite(drawn) ? std::stod(fmt::format("{:.6g}", drawn)) : drawn);
   };
   for (int i = 0; i < last; i += stride) add(values[i]);
   if (last >= 0) add(values[last]);
   return shown;
 }
 
-Json chart_json(const v1::Chart& chart) {
-  constexpr int most_points = 400;  // of a line, in a drawing 640 wide
-  Json json = to_json(chart);
+/// A chart as chart.js draws it, in plant units.
+Json chart_json(const v1::Chart& chart, int most_points) {
+  const double x = figures::plant_unit(chart.x().unit()).factor();
+  const v1::PlantUnit unit = figures::plant_unit(chart.y().unit());
+  const double y = unit.factor();
+
   Json lines = Json::array();
   for (const v1::Chart::Line& line : chart.lines()) {
-    const int stride = (line.x_size() + most_points - 1) / most_points;
-    lines.push_back({{"name", line.name()},
-                     {"x", thinned(line.x(), stride)},
-                     {"y", thinned(line.y(), stride)},
-                     {"low", thinned(line.low(), stride)},
-                     {"high", thinned(line.high(), stride)},
-                     {"is_dotted", line.is_dotted()}});
+    const int stride = 1 + (line.x_size() - 1) / most_points;
+    Json drawn{{"name", line.name()},
+               {"x", thinned(line.x(), x, stride)},
+               {"y", thinned(line.y(), y, stride)},
+               {"dots", line.is_dotted()}};
+    if (!line.low().empty()) drawn["low"] = thinned(line.low(), y, stride);
+    if (!line.high().empty()) drawn["high"] = thinned(line.high(), y, stride);
+    lines.push_back(std::move(drawn));
   }
-  json["lines"] = lines;
+
+  Json json{{"lines", lines},
+            {"title", capitalised(chart.heading())},
+            {"xLabel", axis_label(chart.x())},
+            {"yLabel", axis_label(chart.y())},
+            {"unit", unit.name()}};
+  if (chart.has_region())
+    json["wanted"] = {{"low", y * chart.region().low()},
+                      {"high", y * chart.region().high()},
+                      {"name", chart.region().name()}};
+  if (chart.has_beyond_x()) json["beyond"] = x * chart.beyond_x();
   return json;
 }
 
-std::string capitalised(std::string text) {
-  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  return html_escaped(text);
-}
-
-/// "12.3 ± 1.4", "35.5, -0.0 +3.9".
-std::string with_error(const std::string& value, const std::string& error) {
-  if (error.empty()) return value;
-  return value + (error.starts_with('-') ? ", " : " ± ") + error;
+/// "12.3 ± 1.4", "35.5, -0 +3.9".
+std::string with_error(const ShownColumn& column, std::size_t row) {
+  if (!column.has_error || column.errors[row].empty()) return column.cells[row];
+  const std::string& errors = column.errors[row];
+  return figures::with_errors(column.cells[row], errors.starts_with('-') ? errors : "± " + errors);
 }
 
 /// @param both  bars extend to both sides of zero; otherwise zero is at the left
 std::string bar_part(const Bar& bar, bool both) {
-  const double zero = both ? 50.0 : 0.0;  // [%] of the width
+  const double zero = both ? 50.0 : 0.0;  // of 100
   const double scale = 100.0 - zero;
   return fmt::format(
-      "<span class='scale{}' aria-hidden='true'><span style='left:{:.1f}%;"
-      "width:{:.1f}%'></span></span>",
-      both ? " both" : "", zero + scale * bar.low, scale * (bar.high - bar.low));
+      "<svg class='scale' viewBox='0 0 100 10' preserveAspectRatio='none' aria-hidden='true'>"
+      "<rect x='{:.1f}' y='1' width='{:.1f}' height='8'/><path d='M{} 0v10'/></svg>",
+      zero + scale * bar.low, scale * (bar.high - bar.low), zero);
 }
 
 std::string findings_list(const v1::Comparison& comparison) {
@@ -84,8 +102,9 @@ std::string findings_list(const v1::Comparison& comparison) {
 }  // namespace
 
 std::string chart_figure(const v1::Chart& chart) {
-  return figure(capitalised(chart.heading()), drawn("chart", chart_json(chart)),
-                html_escaped(chart.note()));
+  constexpr int most_points = 400;  // of a line, in a drawing 640 wide
+  return figure(html_escaped(capitalised(chart.heading())),
+                drawn("chart", chart_json(chart, most_points)), html_escaped(chart.note()));
 }
 
 const v1::Table& find_table(const v1::Judgement& judgement, const std::string& key) {
@@ -95,22 +114,22 @@ const v1::Table& find_table(const v1::Judgement& judgement, const std::string& k
 }
 
 std::string table_part(const v1::Table& table) {
-  const std::string note = table.note().empty() ? "" : element("p", html_escaped(table.note()));
+  const std::string note =
+      table.note().empty() ? "" : element("p class='soft'", html_escaped(table.note()));
   if (table.rows().empty()) return note;
 
   std::string head;
   std::vector<std::string> rows(static_cast<std::size_t>(table.rows_size()));
   const auto add = [&](const std::string& kind, const std::string& heading, auto cell_of) {
-    head += element("th" + kind, html_escaped(heading));
+    const std::string name = html_escaped(heading);
+    head += element("th scope='col'" + kind, name);
     for (std::size_t row = 0; row < rows.size(); ++row)
-      rows[row] += element("td" + kind, cell_of(row));
+      rows[row] += element("td data-label='" + name + "'" + kind, cell_of(row));
   };
   for (const ShownColumn& column : shown_columns(table))
     add(column.is_number ? "" : " class='text'",
-        column.heading + (column.unit.empty() ? "" : ", " + column.unit), [&](std::size_t row) {
-          return html_escaped(
-              with_error(column.cells[row], column.has_error ? column.errors[row] : ""));
-        });
+        column.heading + (column.unit.empty() ? "" : ", " + column.unit),
+        [&](std::size_t row) { return html_escaped(with_error(column, row)); });
   if (const auto bars = bars_of(table); !bars.empty()) {
     const bool both = std::ranges::any_of(bars, [](const Bar& bar) { return bar.low < 0.0; });
     add("", both ? "less | more" : "", [&](std::size_t row) { return bar_part(bars[row], both); });
@@ -122,7 +141,7 @@ std::string table_part(const v1::Table& table) {
 }
 
 std::string table_card(const v1::Table& table, const std::string& picture) {
-  return card(capitalised(table.heading()), picture + table_part(table));
+  return card(html_escaped(capitalised(table.heading())), picture + table_part(table));
 }
 
 std::string facts_card(const v1::Table& facts, const std::string& more) {
@@ -130,7 +149,19 @@ std::string facts_card(const v1::Table& facts, const std::string& more) {
   for (const v1::Table::Row& fact : facts.rows())
     rows += row(html_escaped(fact.cells(0).text()), html_escaped(fact.cells(1).text()),
                 html_escaped(fact.cells(2).text()));
-  return rows.empty() ? "" : card(capitalised(facts.heading()), element("table", rows) + more);
+  return rows.empty() ? ""
+                      : card(html_escaped(capitalised(facts.heading())),
+                             element("table class='facts'", rows) + more);
+}
+
+std::string part_of_card(const v1::JudgementPart& part) {
+  if (part.has_chart()) {
+    const std::string& note = part.chart().note();
+    return drawn("chart", chart_json(part.chart(), std::numeric_limits<int>::max())) +
+           (note.empty() ? "" : element("p class='soft'", html_escaped(note)));
+  }
+  const std::string heading = html_escaped(capitalised(part.table().heading()));
+  return (heading.empty() ? "" : element("h3", heading)) + table_part(part.table());
 }
 
 std::string sentences_part(const v1::Judgement& judgement) {

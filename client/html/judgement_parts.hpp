@@ -23,6 +23,9 @@ std::string table_card(const v1::Table& table, const std::string& picture = {});
 /// @param more  HTML below them
 std::string facts_card(const v1::Table& facts, const std::string& more = {});
 
+/// A table with its heading, or a chart with its note, as it stands in a card of the dashboard.
+std::string part_of_card(const v1::JudgementPart& part);
+
 /// The sentences as they open a page.
 std::string sentences_part(const v1::Judgement& judgement);
 

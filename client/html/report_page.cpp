@@ -31,7 +31,7 @@ std::string run_table(const v1::Job& job) {
                      row("Case SHA-256", element("code", html_escaped(job.case_sha256())));
   if (job.has_last_step()) rows += row("Solver time", duration_text(job.last_step().solver_s()));
   if (job.has_failure()) rows += row("Failure", html_escaped(failure_text(job.failure())));
-  return card("Run", element("table", rows));
+  return card("Run", element("table class='facts'", rows));
 }
 
 /// What the result rests on, with the whole case.
@@ -54,12 +54,12 @@ std::string failure_banner(const v1::Job& job) {
 }
 
 /// The sentence at the top of a page with figures beyond validity.
-std::string validity_banner(const v1::Job& job, const CurlHistory& history) {
-  const auto first = history.first_beyond();
-  if (!first && !job.has_validity_loss()) return {};
+std::string validity_banner(const v1::Job& job, const figures::RunHistory& history) {
+  const auto from_s = history.beyond_from_s();
+  if (!from_s && !job.has_validity_loss()) return {};
   const std::string loss = job.has_validity_loss() ? validity_text(job.validity_loss())
                                                    : std::string(beyond_validity) + " from " +
-                                                         fixed(history.time_s[*first], 2) + " s on";
+                                                         fixed(*from_s, 2) + " s on";
   return element("p class='invalid'",
                  "This run is " + html_escaped(loss) +
                      ". Figures after that time are marked; they are not valid.");
@@ -132,7 +132,7 @@ std::string curl_figure(const v1::Judgement& judgement) {
 }
 
 /// The frames as report.js reads them; empty if the last one cannot be drawn.
-std::optional<Json> slab_json(const FrameSeries& series, const CurlHistory& history) {
+std::optional<Json> slab_json(const FrameSeries& series, const figures::RunHistory& history) {
   Json json{{"times", Json::array()},
             {"fields", Json::array()},
             {"frames", Json::array()},
@@ -150,12 +150,12 @@ std::optional<Json> slab_json(const FrameSeries& series, const CurlHistory& hist
     json["fields"].push_back(to_json(field));
     json["values"][field.name()] = packed(float_bytes(field.values(), Precision::drawing));
   }
-  if (const auto first = history.first_beyond()) json["beyond_s"] = history.time_s[*first];
+  if (const auto from_s = history.beyond_from_s()) json["beyond_s"] = *from_s;
   return json;
 }
 
 /// The stored frames, which a script of the page draws. A line reports that there is none.
-std::string slab_part(const ReportedRun& run, const CurlHistory& history) {
+std::string slab_part(const ReportedRun& run, const figures::RunHistory& history) {
   if (!run.result.has_frame())
     return card("Slab", "<p>No stored frame: the run has not ended with a result.</p>");
   const v1::Frame& frame = run.result.frame();
@@ -164,8 +164,8 @@ std::string slab_part(const ReportedRun& run, const CurlHistory& history) {
   if (!json)
     return card("Slab", "<p>The stored frame cannot be drawn: its arrays are inconsistent.</p>");
 
-  const auto first = history.first_beyond();
-  const bool is_valid = !first || frame.time_s() < history.time_s[*first];
+  const auto from_s = history.beyond_from_s();
+  const bool is_valid = !from_s || frame.time_s() < *from_s;
   const auto count = static_cast<int>(shown.frames.size());
   const std::string caption = fmt::format(
       "{}The last frame is at {} s, cast length {} mm; {} stored frames are in this page. Grey "
@@ -179,7 +179,7 @@ std::string slab_part(const ReportedRun& run, const CurlHistory& history) {
 }
 
 /// The part for the plant, printed on one sheet.
-std::string first_sheet(const ReportedRun& run, const CurlHistory& history) {
+std::string first_sheet(const ReportedRun& run, const figures::RunHistory& history) {
   return "<div class='first'>" + failure_banner(run.job) + validity_banner(run.job, history) +
          sentences(run.judgement) + findings_part(run.job.findings()) + headline(run) +
          "<div class='cards'>" + curl_figure(run.judgement) +
@@ -252,7 +252,7 @@ FrameSeries frames_of_page(Connection& connection, const std::string& id,
 }  // namespace
 
 std::string report_page(const ReportedRun& run) {
-  const CurlHistory history = curl_history(run.job, run.result);
+  const figures::RunHistory history = run_history(run.job, run.result);
   const std::string title =
       html_escaped(run.job.title().empty() ? "Casting " + run.job.id() : run.job.title());
   return whole_page(title, page_header(run.job, title),

@@ -36,7 +36,7 @@ void take(const v1::QueryButtCurlResponse& response, Clock::time_point begin, An
     answer.description = response.accepted().case_();
   } else if (response.has_step()) {
     // The time to the first point is what a user feels as the latency.
-    if (answer.history.time_s.empty()) answer.first_point_s = seconds_since(begin);
+    if (answer.history.steps.empty()) answer.first_point_s = seconds_since(begin);
     answer.history.add(response.step());
   } else if (response.has_finding()) {
     take(response.finding(), answer.findings);

@@ -10,7 +10,7 @@
 namespace dccast::client::render {
 namespace {
 
-Json monitor_json(const CurlHistory::Series& series) {
+Json monitor_json(const figures::MonitorSeries& series) {
   return {{"name", series.name},
           {"curl_m", series.curl_m},
           {"temperature_c", series.temperature_c},
@@ -54,16 +54,16 @@ Json answer_json(const Answer& answer) {
             {"changes", json_list(answer.changes, to_json)},
             {"findings", json_list(answer.findings, to_json)},
             {"validity_loss", answer.validity_loss ? to_json(*answer.validity_loss) : Json()},
-            {"time_s", answer.history.time_s},
-            {"cast_length_m", answer.history.cast_length_m},
-            {"beyond_validity", answer.history.beyond},
+            {"time_s", answer.history.time_s()},
+            {"cast_length_m", answer.history.cast_length_m()},
+            {"beyond_validity", answer.history.beyond()},
             {"monitors", Json::array()},
             {"solver_s", answer.solver_s},
             {"first_point_s", answer.first_point_s},
             {"elapsed_s", answer.elapsed_s}};
 
-  for (const auto& series : answer.history.monitors)
-    json["monitors"].push_back(monitor_json(series));
+  for (const std::string& monitor : answer.history.monitors())
+    json["monitors"].push_back(monitor_json(answer.history.series(monitor)));
   return json;
 }
 

@@ -106,7 +106,8 @@ std::string findings_part(const Findings& findings) {
   for (const v1::Finding* finding : ordered) rows += html_row(*finding);
   return "<section class='card findings'><h2>Findings: " + findings_count(findings) +
          "</h2><table>" + rows +
-         "</table><p>What each means, its limit and where that comes from: docs/findings.md.</p>"
+         "</table><p class='soft'>What each means, its limit and where that comes from: "
+         "docs/findings.md.</p>"
          "</section>";
 }
 

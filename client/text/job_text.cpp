@@ -124,10 +124,8 @@ const ListColumn& column_of(const std::string& name) {
 }  // namespace
 
 std::string largest_curl_text(const v1::Job& job) {
-  double largest = NAN;
-  for (const v1::MonitorValue& monitor : job.last_step().monitors())
-    if (!(std::abs(curl_of(monitor)) <= std::abs(largest))) largest = curl_of(monitor);
-  return std::isfinite(largest) ? mm(largest, 2) : "-";
+  const v1::MonitorValue* const largest = figures::largest_curl(job.last_step());
+  return largest == nullptr ? "-" : mm(largest->curl_m(), 2);
 }
 
 std::string state_text(v1::JobState state) {

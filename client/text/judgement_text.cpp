@@ -12,7 +12,7 @@
 #include "client/text/braille.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/plant_words.hpp"
-#include "proto/values/plant_units.hpp"
+#include "proto/figures/plant_units.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::client::render {
@@ -33,15 +33,6 @@ int decimals_of(const Column& column, double factor) {
   return std::max(0, static_cast<int>(digits));
 }
 
-/// A number without "-0.0".
-std::string rounded_text(double value, int decimals) {
-  std::string text = fixed(value, decimals);
-  if (text.find_first_of("123456789") == std::string::npos && text.starts_with('-') &&
-      text.size() > 1)
-    text.erase(0, 1);
-  return text;
-}
-
 std::string cell_text(const Column& column, const v1::Cell& cell) {
   if (!cell.text().empty()) return cell.text();
   if (!cell.case_value().empty()) return shown_value(cell.case_value());
@@ -50,23 +41,22 @@ std::string cell_text(const Column& column, const v1::Cell& cell) {
   if (!cell.has_value()) return words;
 
   const bool own_unit = column.unit().empty();
-  const auto plant = values::plant_unit(own_unit ? cell.unit() : column.unit());
-  const int decimals = decimals_of(column, plant.factor);
-  std::string text = rounded_text(plant.factor * cell.value(), decimals);
+  const auto plant = figures::plant_unit(own_unit ? cell.unit() : column.unit());
+  const int decimals = decimals_of(column, plant.factor());
+  std::string text = fixed(plant.factor() * cell.value(), decimals);
   if (cell.has_until())
-    text += fmt::format(" to {}", rounded_text(plant.factor * cell.until(), decimals));
+    text += fmt::format(" to {}", fixed(plant.factor() * cell.until(), decimals));
   if (column.is_signed() && !text.starts_with('-')) text.insert(0, "+");
-  if (own_unit && !plant.name.empty()) text += fmt::format(" {}", plant.name);
+  if (own_unit && !plant.name().empty()) text += fmt::format(" {}", plant.name());
   return words.empty() ? text : fmt::format("{} {}", text, words);
 }
 
 std::string error_text(const Column& column, const v1::Cell& cell) {
   if (!cell.has_upper_error()) return {};
-  const double factor = values::plant_unit(column.unit()).factor;
+  const double factor = figures::plant_unit(column.unit()).factor();
   const int decimals = decimals_of(column, factor);
-  const std::string upper = rounded_text(factor * cell.upper_error(), decimals);
-  if (cell.lower_error() == cell.upper_error()) return upper;
-  return fmt::format("-{} +{}", rounded_text(factor * cell.lower_error(), decimals), upper);
+  if (cell.lower_error() == cell.upper_error()) return fixed(factor * cell.upper_error(), decimals);
+  return figures::errors_text(factor * cell.lower_error(), factor * cell.upper_error(), decimals);
 }
 
 /// A text in a column of a table; a longer one is cut.
@@ -170,14 +160,14 @@ std::string chart_text(const v1::Chart& chart, const Terminal& terminal) {
   constexpr int rows = 6;
   constexpr int widest = 60;
   constexpr int beside = 14;  // columns for the ends of the axis
-  const auto plant = values::plant_unit(chart.y().unit());
+  const auto plant = figures::plant_unit(chart.y().unit());
 
   std::vector<BrailleLine> lines;
   std::string legend;
   for (const v1::Chart::Line& line : chart.lines()) {
     BrailleLine& drawn = lines.emplace_back();
     drawn.x.assign(line.x().begin(), line.x().end());
-    for (const double y : line.y()) drawn.y.push_back(plant.factor * y);
+    for (const double y : line.y()) drawn.y.push_back(plant.factor() * y);
     if (!legend.empty()) legend += "  ";
     const std::size_t number = lines.size() - 1;
     legend += coloured(fmt::format("{} {}", braille_sample(number), line.name()), number, terminal);
@@ -189,9 +179,9 @@ std::string chart_text(const v1::Chart& chart, const Terminal& terminal) {
   for (std::size_t row = 0; row < drawn.cells.size(); ++row) {
     for (const BrailleCell& cell : drawn.cells[row])
       text += cell.line ? coloured(cell.text, *cell.line, terminal) : cell.text;
-    if (row == 0) text += fmt::format(" {} {}", fixed(drawn.high, 2), plant.name);
+    if (row == 0) text += fmt::format(" {} {}", fixed(drawn.high, 2), plant.name());
     if (row + 1 == drawn.cells.size())
-      text += fmt::format(" {} {}", fixed(drawn.low, 2), plant.name);
+      text += fmt::format(" {} {}", fixed(drawn.low, 2), plant.name());
     text += "\n";
   }
   return text;
@@ -234,7 +224,7 @@ std::vector<ShownColumn> shown_columns(const v1::Table& table) {
 
     ShownColumn& shown = columns.emplace_back();
     shown.heading = column.heading();
-    shown.unit = values::plant_unit(column.unit()).name;
+    shown.unit = figures::plant_unit(column.unit()).name();
     shown.is_number = !column.unit().empty() || column.resolution() > 0.0;
     shown.has_error = column.has_error();
     for (const v1::Table::Row& row : table.rows()) {
@@ -260,8 +250,9 @@ std::vector<Bar> bars_of(const v1::Table& table) {
 }
 
 std::string axis_label(const v1::Chart::Axis& axis) {
-  const auto plant = values::plant_unit(axis.unit());
-  return plant.name.empty() ? axis.quantity() : fmt::format("{}, {}", axis.quantity(), plant.name);
+  const auto plant = figures::plant_unit(axis.unit());
+  return plant.name().empty() ? axis.quantity()
+                              : fmt::format("{}, {}", axis.quantity(), plant.name());
 }
 
 std::string table_text(const v1::Table& table, const TextStyle& style) {

@@ -23,11 +23,10 @@ std::string signed_mm(double metres) {
 }
 
 /// ", beyond validity from 166 s on"; empty for a valid run.
-std::string beyond_note(const CurlHistory& history) {
-  const auto first = history.first_beyond();
-  if (!first) return {};
-  return std::string(", ") + beyond_validity + " from " + fixed(history.time_s[*first], 0) +
-         " s on";
+std::string beyond_note(const figures::RunHistory& history) {
+  const auto from_s = history.beyond_from_s();
+  if (!from_s) return {};
+  return std::string(", ") + beyond_validity + " from " + fixed(*from_s, 0) + " s on";
 }
 
 /// "eta 3 s"; empty if unknown and at the end.
@@ -42,7 +41,7 @@ std::string step_facts(const v1::StepReport& step) {
       "step {}  t {} s  {}cast {} mm", step.step(), fixed(step.time_s(), 2),
       step.beyond_validity() ? std::string(beyond_validity) + "  " : "", mm(step.cast_length_m()));
   for (const v1::MonitorValue& monitor : step.monitors())
-    text += "  " + monitor.name() + " " + signed_mm(curl_of(monitor));
+    text += "  " + monitor.name() + " " + signed_mm(figures::curl_of(monitor));
   return text + "  " + std::to_string(step.iterations()) + " it";
 }
 
@@ -106,8 +105,8 @@ void Progress::show(const v1::JobEvent& event) {
   if (!terminal_.interactive)
     return line(step_line(event.step()) + (eta.empty() ? "" : "  " + eta));
   std::string curve;
-  if (const auto* series = history_.largest())
-    curve = braille_curve(series->curl_m, curve_columns, 1).front();
+  if (const v1::MonitorValue* const largest = figures::largest_curl(event.step()))
+    curve = braille_curve(history_.curl_m(largest->name()), curve_columns, 1).front();
   // The most important figures come first, because a narrow window cuts off the end of the line.
   renew(fmt::format("{:3.0f} % {}{}{} {}", 100.0 * event.step().progress(), eta,
                     eta.empty() ? "" : " ", curve, step_facts(event.step())),
@@ -121,19 +120,22 @@ void Progress::end_line() {
 
 void Progress::finish() {
   end_line();
-  const auto* const series = history_.largest();
-  if (!terminal_.interactive || series == nullptr || history_.time_s.size() < 2) return;
+  if (!terminal_.interactive || history_.steps.size() < 2) return;
+  const v1::StepReport &first = history_.steps.front(), &last = history_.steps.back();
+  const v1::MonitorValue* const largest = figures::largest_curl(last);
+  if (largest == nullptr) return;
 
   const int columns = std::min(60, columns_now(terminal_) - 12);
-  stream_ << "curl of " << series->name << ", " << fixed(history_.time_s.front(), 0) << " to "
-          << fixed(history_.time_s.back(), 0) << " s" << beyond_note(history_) << '\n';
+  stream_ << "curl of " << largest->name() << ", " << fixed(first.time_s(), 0) << " to "
+          << fixed(last.time_s(), 0) << " s" << beyond_note(history_) << '\n';
+  const std::vector<double> curl_m = history_.curl_m(largest->name());
   double low = 0.0, high = 0.0;
-  for (const double curl : series->curl_m) {
+  for (const double curl : curl_m) {
     low = std::min(low, curl);
     high = std::max(high, curl);
   }
 
-  const auto lines = braille_curve(series->curl_m, columns, 5);
+  const auto lines = braille_curve(curl_m, columns, 5);
   for (std::size_t i = 0; i < lines.size(); ++i)
     stream_ << lines[i]
             << (i == 0                  ? " " + signed_mm(high)

@@ -47,8 +47,8 @@ public:
   /// Ends the updated line and draws the curl of the run, if there is one.
   void finish();
 
-  /// Curves of the steps shown so far.
-  const CurlHistory& history() const { return history_; }
+  /// The steps shown so far.
+  const figures::RunHistory& history() const { return history_; }
 
 private:
   /// Writes a line above the line of progress.
@@ -60,7 +60,7 @@ private:
 
   std::ostream& stream_;
   Terminal terminal_;
-  CurlHistory history_;
+  figures::RunHistory history_;
   Pace pace_;
   bool line_open_ = false;
   std::chrono::steady_clock::time_point renewed_{};

@@ -1,13 +1,11 @@
 #include "client/text/sweep_csv.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include <fmt/core.h>
 
 #include "client/text/table.hpp"
 #include "proto/case_file/key_place.hpp"
-#include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
 
@@ -37,22 +35,19 @@ std::string csv_head(const v1::StudyResult& result) {
   return head + ",solver_s,beyond_validity,findings,failure\n";
 }
 
-/// Error of mesh and time steps of a run's curl; NaN if unknown.
-case_file::CurlError mesh_error(const v1::StudyRun& run, double curl_m) {
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  return run.has_mesh_error() ? case_file::curl_error(run.mesh_error(), curl_m)
-                              : case_file::CurlError{unknown, unknown};
+/// A figure of a monitor; empty where it is not known.
+std::string csv_figure(const google::protobuf::RepeatedField<double>& by_monitor, int monitor) {
+  return monitor < by_monitor.size() ? csv_number(by_monitor[monitor]) : "";
 }
 
 std::string csv_row(const v1::StudyRun& run, int number) {
   std::string row = fmt::format("{},{},{}", number, run.job(), v1::JobState_Name(run.state()));
   for (int i = 0; i < run.values_size(); ++i)
     row += "," + csv_text(run.values(i)) + "," + csv_number(run.numbers(i));
-  for (const double curl_m : run.end_curl_m()) {
-    const case_file::CurlError error = mesh_error(run, curl_m);
-    for (const double figure : {curl_m, error.lower_m, error.upper_m})
-      row += "," + csv_number(figure);
-  }
+  for (int i = 0; i < run.end_curl_m_size(); ++i)
+    for (const auto* figures :
+         {&run.end_curl_m(), &run.end_lower_error_m(), &run.end_upper_error_m()})
+      row += "," + csv_figure(*figures, i);
   return row + fmt::format(",{},{:d},{},{}\n", csv_number(run.solver_s()), run.beyond_validity(),
                            joined(run.findings(), " ", &v1::Finding::code),
                            csv_text(run.failure().message()));

@@ -1,9 +1,6 @@
 #include "client/text/table.hpp"
 
 #include <algorithm>
-#include <cmath>
-
-#include <fmt/core.h>
 
 #include "client/text/terminal.hpp"
 
@@ -49,36 +46,6 @@ std::string csv_text(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : cell) quoted += c == '"' ? "\"\"" : std::string(1, c);
   return quoted + "\"";
-}
-
-std::string fixed(double value, int decimals) {
-  if (!std::isfinite(value)) return "-";
-  const double step = std::pow(10.0, -decimals);
-  // Zero has no sign, also after rounding.
-  return fmt::format("{:.{}f}", std::abs(value) < 0.5 * step ? 0.0 : value, std::max(decimals, 0));
-}
-
-int mm_decimals(const std::optional<double>& error_m) {
-  constexpr int hundredths = 2;  // no curl is known better
-  if (!error_m || !std::isfinite(*error_m) || *error_m <= 0.0) return hundredths;
-
-  const double error_mm = 1e3 * *error_m;
-  const int decimals = 1 - static_cast<int>(std::floor(std::log10(error_mm)));
-  // 0.996 is rounded to 1.0, which has one decimal less.
-  const bool carries = std::round(error_mm * std::pow(10.0, decimals)) >= 99.5;
-  return std::clamp(carries ? decimals - 1 : decimals, 0, hundredths);
-}
-
-std::string mm_errors(double lower_m, double upper_m, int decimals) {
-  if (lower_m == upper_m) return "± " + mm(upper_m, decimals);
-  // An error that rounds to nothing reads as none: "-0 +0.01".
-  const double least_m = 0.5e-3 * std::pow(10.0, -decimals);
-  const auto side = [&](double error_m) { return error_m < least_m ? "0" : mm(error_m, decimals); };
-  return fmt::format("-{} +{}", side(lower_m), side(upper_m));
-}
-
-std::string mm(double metres, int decimals) {
-  return fixed(1e3 * metres, decimals);
 }
 
 }  // namespace dccast::client::render

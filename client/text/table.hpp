@@ -1,9 +1,10 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
+
+#include "proto/figures/rounding.hpp"
 
 namespace dccast::client::render {
 
@@ -31,19 +32,7 @@ std::string sheet_line(const std::string& name, const std::string& value);
 /// apostrophe before it.
 std::string csv_text(const std::string& text);
 
-/// A number [any unit] with a fixed number of decimals; "-" if it is not finite.
-std::string fixed(double value, int decimals);
-
-/// Decimals of a curl in millimetres, 0 to 2: its error [m] has two digits, and it has as many
-/// decimals; 2 without an error.
-int mm_decimals(const std::optional<double>& error_m);
-
-/// The errors of a curl [m] in millimetres, without unit: "± 0.36", "-0 +4.9" where they differ.
-/// @param lower_m, upper_m  how far the true curl may lie below and above
-std::string mm_errors(double lower_m, double upper_m, int decimals);
-
-/// A length [m] in millimetres, likewise.
-std::string mm(double metres, int decimals = 1);
+using figures::fixed, figures::mm, figures::mm_decimals, figures::mm_errors;
 
 /// "a, b, c". @param text_of  gives the text of an element
 template <class Elements, class TextOf = std::identity>

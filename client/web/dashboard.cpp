@@ -15,6 +15,7 @@
 
 #include "client/html/frame_bytes.hpp"
 #include "client/html/html_parts.hpp"
+#include "client/html/judgement_parts.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
 #include "client/model/json.hpp"
@@ -27,6 +28,8 @@
 #include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/case_file/slab_recipe.hpp"
+#include "proto/figures/plant_units.hpp"
+#include "proto/figures/rounding.hpp"
 #include "proto/values/digests.hpp"
 
 namespace dccast::client::web {
@@ -36,13 +39,44 @@ namespace {
 
 using Call = std::function<std::string(Connection&, const std::string& body)>;
 
+template <class Request>
+Request request_of(const std::string& body) {
+  Request request;
+  const auto status = google::protobuf::util::JsonStringToMessage(body, &request);
+  if (!status.ok()) throw CommandFailed(ExitCode::invalid, std::string(status.message()));
+  return request;
+}
+
 template <class Request, class Response>
 Call unary(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*)) {
   return [method](Connection& connection, const std::string& body) {
-    Request request;
-    const auto status = google::protobuf::util::JsonStringToMessage(body, &request);
-    if (!status.ok()) throw CommandFailed(ExitCode::invalid, std::string(status.message()));
-    return to_json(connection.call_once(method, request)).dump();
+    return to_json(connection.call_once(method, request_of<Request>(body))).dump();
+  };
+}
+
+/// A judgement as pages show it: its sentences, and its parts as HTML.
+Json shown_json(const v1::Judgement& judgement) {
+  Json parts = Json::array();
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.place() != v1::JudgementPart::TERMINAL)
+      parts.push_back({{"key", part.has_table() ? part.table().key() : part.chart().key()},
+                       {"html", render::part_of_card(part)}});
+  return {
+      {"heading", judgement.heading()},
+      {"sentences", json_list(judgement.sentences(), [](const auto& text) { return Json(text); })},
+      {"parts", parts}};
+}
+
+/// A call whose response has a judgement.
+template <class Request, class Response>
+Call judged(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*)) {
+  return [method](Connection& connection, const std::string& body) {
+    Response response = connection.call_once(method, request_of<Request>(body));
+    const Json shown = shown_json(response.judgement());
+    response.clear_judgement();
+    Json json = to_json(response);
+    json["judgement"] = shown;
+    return json.dump();
   };
 }
 
@@ -73,24 +107,25 @@ const std::map<std::string, Call>& calls() {
       {"EvaluateStudy", unary(&Stub::EvaluateStudy)},
       // Refusals of these are answers that the page shows in their place.
       {"PredictStudy", unless_refused(unary(&Stub::PredictStudy))},
-      {"CompareRuns", unless_refused(unary(&Stub::CompareRuns))},
+      {"CompareRuns", unless_refused(judged(&Stub::CompareRuns))},
       {"ForecastJob", unless_refused(unary(&Stub::ForecastJob))},
-      {"JudgeStudy", unless_refused(unary(&Stub::JudgeStudy))},
+      {"JudgeStudy", unless_refused(judged(&Stub::JudgeStudy))},
   };
   return all;
 }
 
 // ---- Results evaluated by the client.
 
-Json history_json(const CurlHistory& history) {
-  Json json{{"time_s", history.time_s}, {"cast_length_m", history.cast_length_m}};
-  Json& monitors = json["monitors"] = Json::array();
-  for (const auto& series : history.monitors)
-    monitors.push_back(Json{{"name", series.name},
-                            {"curl_m", series.curl_m},
-                            {"lower_error_m", series.lower_error_m},
-                            {"upper_error_m", series.upper_error_m}});
-  return json;
+/// What a page draws of a step, named as in StepReport.
+Json step_json(const v1::StepReport& step) {
+  const auto shown = [](v1::MonitorValue monitor) {
+    monitor.clear_displacement_m();
+    return to_json(monitor);
+  };
+  return {{"step", step.step()},
+          {"time_s", step.time_s()},
+          {"cast_length_m", step.cast_length_m()},
+          {"monitors", json_list(step.monitors(), shown)}};
 }
 
 /// The range of curl that the case accepts [m]; a missing limit is null.
@@ -106,33 +141,68 @@ v1::Job job_of(Connection& connection, const std::string& id) {
   return connection.call(&Stub::GetJob, request);
 }
 
+/// The levers of a followed casting, now and as planned, in plant units.
+Json levers_json(const v1::CastingNow& casting) {
+  struct Lever {
+    const char* name;
+    const char* field;  ///< of v1::Reading
+    const char* unit;
+    int decimals;
+  };
+  static constexpr Lever levers[] = {
+      {"Speed", "casting_speed_m_per_s", "m/s", 1},
+      {"Water", "water_flow_m2_per_s", "m2/s", 0},
+      {"Narrow water", "narrow_water_flow_m2_per_s", "m2/s", 0},
+      {"Metal", "casting_temperature_c", "degC", 0},
+  };
+
+  static constexpr const char* unknown = "–";
+  Json json = Json::array();
+  for (const Lever& lever : levers) {
+    const auto* const field = v1::Reading::descriptor()->FindFieldByName(lever.field);
+    const v1::PlantUnit unit = figures::plant_unit(lever.unit);
+    const auto text = [&](const v1::Reading& reading) {
+      const auto& reflection = *v1::Reading::GetReflection();
+      if (!reflection.HasField(reading, field)) return std::string(unknown);
+      return figures::fixed(unit.factor() * reflection.GetDouble(reading, field), lever.decimals);
+    };
+    const std::string now = text(casting.measured()), plan = text(casting.planned());
+    if (now != unknown || plan != unknown)
+      json.push_back({{"name", lever.name}, {"now", now}, {"plan", plan}, {"unit", unit.name()}});
+  }
+  return json;
+}
+
 /// A job with its curl, the error of mesh and steps, and the times of its stored frames.
 Json job_json(Connection& connection, const std::string& id) {
   const v1::Job job = job_of(connection, id);
   const v1::QueryResultResponse result = query_result(connection, job.id());
   return {{"job", to_json(job)},
-          {"history", history_json(curl_history(job, result))},
+          {"steps", json_list(result.steps(), step_json)},
           {"wanted", wanted_json(result.case_())},
+          {"levers", levers_json(job.casting())},
           {"dimension", result.case_().section().kind() == v1::Section::QUARTER_SLAB ? 3 : 2},
           {"case", case_file::to_toml(result.case_())}};
 }
 
 /// The largest curl of a job at some instants, for a thumbnail in a list.
 Json sketch_json(Connection& connection, const std::string& id) {
-  constexpr std::size_t points = 60;
+  constexpr int points = 60;
   const v1::Job job = job_of(connection, id);
-  const CurlHistory history = curl_history(job, query_result(connection, job.id()));
+  const auto steps = query_result(connection, job.id()).steps();
+  const v1::MonitorValue* const largest =
+      steps.empty() ? nullptr : figures::largest_curl(*steps.rbegin());
+  if (largest == nullptr) return {{"time_s", Json::array()}, {"curl_m", Json::array()}};
+
   std::vector<double> time_s, curl_m;
-  if (const auto* series = history.largest()) {
-    const std::size_t stride = history.time_s.size() / points + 1;
-    for (std::size_t i = 0; i < history.time_s.size(); i += stride) {
-      time_s.push_back(history.time_s[i]);
-      curl_m.push_back(series->curl_m[i]);
-    }
-    // The end is what a list is read for, whatever the stride.
-    time_s.push_back(history.time_s.back());
-    curl_m.push_back(series->curl_m.back());
-  }
+  const auto add = [&](const v1::StepReport& step) {
+    time_s.push_back(step.time_s());
+    curl_m.push_back(figures::curl_of(figures::monitor_of(step, largest->name())));
+  };
+  const int stride = steps.size() / points + 1;
+  for (int i = 0; i < steps.size(); i += stride) add(steps[i]);
+  // The end is what a list is read for, whatever the stride.
+  add(*steps.rbegin());
   return {{"time_s", time_s}, {"curl_m", curl_m}};
 }
 
@@ -309,7 +379,7 @@ Json slab_json(const Request& request) {
 }
 
 Json answer_json(const Answer& answer) {
-  Json json{{"history", history_json(answer.history)},
+  Json json{{"steps", json_list(answer.history.steps, step_json)},
             {"wanted", wanted_json(answer.description)},
             {"state", v1::JobState_Name(answer.state)},
             {"failure", answer.failure ? to_json(*answer.failure) : Json()},
@@ -325,7 +395,7 @@ Json answer_json(const Answer& answer) {
 void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
   constexpr std::chrono::milliseconds pause{100};
   auto last = std::chrono::steady_clock::now();
-  CurlHistory history;
+  Json steps = Json::array();
 
   const auto answer =
       ask_query(connection, checked, {}, [&](const v1::QueryButtCurlResponse& response) {
@@ -334,13 +404,12 @@ void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
                     {"expected_s", response.waiting().expected_s()}}
                    .dump());
         if (!response.has_step()) return;
-        history.add(response.step());
+        steps.push_back(step_json(response.step()));
         if (const auto now = std::chrono::steady_clock::now(); now - last > pause) {
           last = now;
-          send(Json{{"progress", response.step().progress()}, {"steps", history_json(history)}}
-                   .dump());
+          send(Json{{"progress", response.step().progress()}, {"steps", std::move(steps)}}.dump());
           // The page has these steps: the next message carries the new ones alone.
-          history = {};
+          steps = Json::array();
         }
       });
 

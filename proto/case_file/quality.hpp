@@ -40,6 +40,18 @@ struct CurlError {
 /// @param curl_m  [m]
 CurlError curl_error(const v1::RelativeError& error, double curl_m);
 
+/// Sets the errors of curls at the end [m] of a run of a study or of a prediction, which has those
+/// relative to them; none where they are not known.
+template <class Curls, class Message>
+void set_end_errors(const Curls& curls_m, Message& message) {
+  if (!message.has_mesh_error()) return;
+  for (const double curl_m : curls_m) {
+    const CurlError error = curl_error(message.mesh_error(), curl_m);
+    message.add_end_lower_error_m(error.lower_m);
+    message.add_end_upper_error_m(error.upper_m);
+  }
+}
+
 /// Adds curl and errors to a monitor that has its displacement: its last coordinate, if it has
 /// several and metal has reached it. Every curl of a run is made here.
 /// @param mesh_error  empty: not known

@@ -175,9 +175,9 @@ std::string level_text(const char* name, const char* unit, const Pair& pair, std
   for (std::size_t i = 0; i < end; ++i)
     if (std::abs(pair.difference(i)) > std::abs(pair.difference(place))) place = i;
 
-  const PlantUnit plant = plant_unit(unit);
-  return fmt::format("{} {:.0f} -> {:.0f} {} at {}", name, plant.factor * pair.first[place],
-                     plant.factor * pair.other[place], plant.name,
+  const v1::PlantUnit plant = plant_unit(unit);
+  return fmt::format("{} {:.0f} -> {:.0f} {} at {}", name, plant.factor() * pair.first[place],
+                     plant.factor() * pair.other[place], plant.name(),
                      pair.course.text(pair.course.places[place]));
 }
 

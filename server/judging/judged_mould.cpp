@@ -17,13 +17,8 @@ constexpr double shown_place_m = 1e-3;
 constexpr double shown_thickness_m = 1e-5;
 constexpr double shown_share = 1e-3;
 
-/// A length in millimetres, for sentences.
-std::string mm_text(double metres, int decimals) {
-  return fmt::format("{:.{}f}", 1e3 * metres, decimals);
-}
-
 std::string listed_mm(const Values& metres, int decimals) {
-  return joined(metres, ", ", [&](double value) { return mm_text(value, decimals); });
+  return joined(metres, ", ", [&](double value) { return figures::mm(value, decimals); });
 }
 
 /// The run with the opening that was found; null: none has a face yet.
@@ -45,8 +40,8 @@ std::string opening_text(const MouldFound& found) {
     if (is_flat) continue;
 
     text += fmt::format("{}{} mm {} {} mm", text.empty() ? "" : ", ",
-                        mm_text(found.half_opening_m(i), 2), was_flat ? "from the middle to" : "at",
-                        mm_text(found.x_m(i), 0));
+                        figures::mm(found.half_opening_m(i), 2),
+                        was_flat ? "from the middle to" : "at", figures::mm(found.x_m(i), 0));
   }
   return text;
 }
@@ -56,8 +51,8 @@ std::string end_text(const v1::StudyResult& result) {
   constexpr int usual_runs = 12;  // study.proto
   const v1::Study& study = result.study();
   const v1::MouldPlan& plan = study.mould();
-  const std::string residual = mm_text(result.mould().residual_m(), 2);
-  const std::string tolerance = mm_text(plan.tolerance_m(), 2);
+  const std::string residual = figures::mm(result.mould().residual_m(), 2);
+  const std::string tolerance = figures::mm(plan.tolerance_m(), 2);
   if (result.mould().within_tolerance())
     return fmt::format("flat within {} mm (tolerance {} mm)", residual, tolerance);
   if (study.state() != v1::STUDY_SUCCEEDED)
@@ -82,13 +77,13 @@ void add_sentences(const v1::StudyResult& result, const v1::StudyRun* best,
   judgement.add_sentences(fmt::format(
       "A mould with half-openings of {} gives a cold slab of half-thickness {} mm, {}, after {} "
       "run{}.",
-      opening_text(found), mm_text(found.wanted_half_thickness_m(), 2), end_text(result), succeeded,
-      succeeded == 1 ? "" : "s"));
+      opening_text(found), figures::mm(found.wanted_half_thickness_m(), 2), end_text(result),
+      succeeded, succeeded == 1 ? "" : "s"));
 
   const v1::MouldFace& face = best->face();
   judgement.add_sentences(fmt::format(
       "Read {} mm above the block, around which the half-thickness changes by {} mm{}.",
-      mm_text(face.height_m(), 0), mm_text(face.change_m(), 2),
+      figures::mm(face.height_m(), 0), figures::mm(face.change_m(), 2),
       found.is_steady()
           ? ""
           : ", more than the tolerance: the face is not steady yet and may contract further, the "

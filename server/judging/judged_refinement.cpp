@@ -11,11 +11,6 @@ namespace {
 
 constexpr double shown_m = 1e-6;  ///< levels differ by less than any plant measures
 
-/// "4.800", for sentences.
-std::string fine_mm(double metres) {
-  return fmt::format("{:.3f}", 1e3 * metres);
-}
-
 /// Index of the instant with the largest uncertainty; 0 where none is known.
 int least_certain(const v1::CurlCurve& curve) {
   int worst = 0;
@@ -35,8 +30,8 @@ void add_refinement_sentences(const v1::StudyResult& result, v1::Judgement& judg
     const v1::CurlCurve& curve = limit.curve();
     const int last = curve.curl_m_size() - 1;
     if (last < 0) continue;
-    const std::string end =
-        fmt::format("{} ± {} mm", fine_mm(curve.curl_m(last)), fine_mm(curve.uncertainty_m(last)));
+    const std::string end = fmt::format("{} ± {} mm", figures::mm(curve.curl_m(last), 3),
+                                        figures::mm(curve.uncertainty_m(last), 3));
     judgement.add_sentences(
         limit.has_order()
             ? fmt::format("The curl of the {} at the end tends to {}, with order {:.2f}.",

@@ -234,12 +234,10 @@ private:
 /// A figure in the unit of a plant, with the decimals that its error leaves; two digits where none
 /// is known.
 std::string figure_text(double value, const std::string& unit, std::optional<double> error) {
-  const PlantUnit plant = plant_unit(unit);
-  const double shown = plant.factor * value;
-  const double known = plant.factor * error.value_or(0.05 * std::abs(value));
-  const int decimals =
-      known > 0.0 ? std::clamp(static_cast<int>(-std::floor(std::log10(known))), 0, 6) : 2;
-  return fmt::format("{:.{}f}", shown, decimals);
+  const v1::PlantUnit plant = plant_unit(unit);
+  const double shown = plant.factor() * value;
+  const double known = plant.factor() * error.value_or(0.05 * std::abs(value));
+  return figures::fixed(shown, known > 0.0 ? figures::decimals_by_error(known, 1, 6) : 2);
 }
 
 /// "least shell 12 -> 19 mm, gone; corner -4.0 ± 0.9 mm; raises hot_tears".
@@ -249,7 +247,7 @@ std::string effect_text(const Answer& answer, const Effect& effect) {
     const std::string unit = unit_of(*answer.figure);
     text = fmt::format("{} {} -> {} {}", answer.figure->name,
                        figure_text(*answer.before, unit, answer.error),
-                       figure_text(*effect.value, unit, answer.error), plant_unit(unit).name);
+                       figure_text(*effect.value, unit, answer.error), plant_unit(unit).name());
   }
   if (effect.is_gone) text += text.empty() ? "gone" : ", gone";
   if (effect.curl && effect.curl->verdict() == Verdict::real)
@@ -355,7 +353,7 @@ void add_table_of(const Answer& answer, v1::Judgement& judgement) {
     const std::string unit = unit_of(*answer.figure);
     table.set_note(fmt::format("a difference is known to {} {}: what the draft is off engineering",
                                figure_text(*answer.error, unit, answer.error),
-                               plant_unit(unit).name));
+                               plant_unit(unit).name()));
   }
 }
 

@@ -57,33 +57,30 @@ std::string loss_text(const v1::StudyResult& result) {
   });
 }
 
-/// What mesh and time steps leave uncertain of a curl of a run; empty: not known.
-std::optional<case_file::CurlError> mesh_error(const v1::StudyRun& run, double curl_m) {
-  if (!run.has_mesh_error()) return std::nullopt;
-  return case_file::curl_error(run.mesh_error(), curl_m);
+/// What mesh and time steps leave uncertain of the curl of a monitor; empty: not known.
+std::optional<case_file::CurlError> mesh_error(const v1::StudyRun& run, int monitor) {
+  if (monitor >= run.end_upper_error_m_size()) return std::nullopt;
+  return case_file::CurlError{run.end_lower_error_m(monitor), run.end_upper_error_m(monitor)};
 }
 
 /// Smallest difference worth showing of the curls of a monitor [m]: the smallest of their errors is
 /// shown with two digits, and no curl finer than a hundredth of a millimetre. Levels of a
 /// refinement differ by less.
 double shown_end_curl_m(const v1::StudyResult& result, int monitor) {
-  constexpr double finest_m = 1e-5;
-  constexpr double coarsest_m = 1e-3;
   if (result.study().has_refinement()) return 1e-6;
 
   double least_m = 0.0;
   for (const v1::StudyRun& run : result.runs()) {
     if (monitor >= run.end_curl_m_size()) continue;
-    const double error_m =
-        mesh_error(run, run.end_curl_m(monitor)).value_or(case_file::CurlError{}).larger_m();
+    const double error_m = mesh_error(run, monitor).value_or(case_file::CurlError{}).larger_m();
     if (error_m > 0.0 && (least_m == 0.0 || error_m < least_m)) least_m = error_m;
   }
-  if (least_m == 0.0) return finest_m;
-  return std::clamp(std::pow(10.0, std::floor(std::log10(least_m)) - 1.0), finest_m, coarsest_m);
+  return 1e-3 * std::pow(10.0, -figures::mm_decimals(least_m));
 }
 
 void add_run_columns(const v1::StudyResult& result, v1::Table& table) {
-  const bool has_errors = std::ranges::any_of(result.runs(), &v1::StudyRun::has_mesh_error);
+  const bool has_errors = std::ranges::any_of(
+      result.runs(), [](const v1::StudyRun& run) { return !run.end_upper_error_m().empty(); });
   *table.add_columns() = number_column("run", "run", "", 1.0);
 
   if (result.study().has_refinement()) {
@@ -116,8 +113,12 @@ double shown_curl_m(double curl_m) {
   return std::abs(curl_m) < small_m ? 1e-5 : 1e-4;
 }
 
+int decimals_of(double metres) {
+  return std::abs(metres) < 1e-3 ? 2 : 1;
+}
+
 std::string mm(double metres) {
-  return fmt::format("{:.{}f}", 1e3 * metres, std::abs(metres) < 1e-3 ? 2 : 1);
+  return figures::mm(metres, decimals_of(metres));
 }
 
 std::string percent(double share) {
@@ -179,8 +180,7 @@ void add_runs(const v1::StudyResult& result, v1::Judgement& judgement) {
     for (int monitor = 0; monitor < result.monitors_size(); ++monitor) {
       v1::Cell& cell = *row.add_cells();
       if (monitor >= run.end_curl_m_size()) continue;
-      const double curl_m = run.end_curl_m(monitor);
-      cell = curl_cell(curl_m, mesh_error(run, curl_m));
+      cell = curl_cell(run.end_curl_m(monitor), mesh_error(run, monitor));
     }
 
     const auto findings = std::ranges::count_if(run.findings(), [](const v1::Finding& finding) {

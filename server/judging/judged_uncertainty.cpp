@@ -41,9 +41,7 @@ std::vector<int> axes_by_share_at_end(const v1::Spread& spread) {
 /// "± 0.36 mm", or "-0 +4.9 mm" where the sides differ.
 std::string error_text(const v1::RelativeError& relative, double curl_m) {
   const case_file::CurlError error = case_file::curl_error(relative, curl_m);
-  if (error.lower_m == error.upper_m) return fmt::format("± {} mm", mm(error.upper_m));
-  const auto side = [](double metres) { return metres > 0.0 ? mm(metres) : "0"; };
-  return fmt::format("-{} +{} mm", side(error.lower_m), side(error.upper_m));
+  return figures::mm_errors(error.lower_m, error.upper_m, decimals_of(error.larger_m())) + " mm";
 }
 
 std::string datum(const v1::StudyResult& result, int axis) {

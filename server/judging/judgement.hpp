@@ -8,13 +8,14 @@
 
 #include "dccast/v1/judgement.pb.h"
 #include "proto/case_file/quality.hpp"
-#include "proto/values/plant_units.hpp"
+#include "proto/figures/plant_units.hpp"
+#include "proto/figures/rounding.hpp"
 #include "server/judging/comparison.hpp"
 
 /// Building blocks of a v1::Judgement.
 namespace dccast::judging {
 
-using values::plant_unit, values::PlantUnit;
+using figures::plant_unit;
 
 /// "a, b, c". @param text_of  what of an element is shown
 template <class Elements, class TextOf = std::identity>

@@ -24,10 +24,6 @@ bool is_quarter(const JudgedRun& run) {
   return run.description.section().kind() == v1::Section::QUARTER_SLAB;
 }
 
-std::string in_mm(double metres, int decimals) {
-  return fmt::format("{:.{}f}", 1e3 * metres, decimals);
-}
-
 /// What a curl tends to as cells and time steps go to zero.
 struct Limit {
   double curl_m;
@@ -65,9 +61,9 @@ std::optional<Limit> find_limit(const v1::StudyResult& study, const std::string&
 /// The error that the quality of the case leaves.
 std::optional<case_file::CurlError> reported_error(const v1::StepReport& step,
                                                    const std::string& monitor) {
-  const auto found = std::ranges::find(step.monitors(), monitor, &v1::MonitorValue::name);
-  if (found == step.monitors().end() || !found->has_curl_upper_error_m()) return std::nullopt;
-  return case_file::CurlError{found->curl_lower_error_m(), found->curl_upper_error_m()};
+  const v1::MonitorValue& found = figures::monitor_of(step, monitor);
+  if (!found.has_curl_upper_error_m()) return std::nullopt;
+  return case_file::CurlError{found.curl_lower_error_m(), found.curl_upper_error_m()};
 }
 
 std::vector<MonitoredCurl> monitored_curls(const RunToJudge& judged) {
@@ -152,28 +148,18 @@ std::string band_sentence(const v1::Chart::Region& band, double curl_m,
                      decides ? "" : ", but its limit is within the error: this run cannot decide");
 }
 
-/// "± 1.6", or "-0 +5.6" where the sides differ [mm].
-std::string errors_text(const case_file::CurlError& error) {
-  if (error.lower_m == error.upper_m) return "± " + in_mm(error.upper_m, 1);
-
-  // An error that rounds to nothing reads as none.
-  constexpr double least_m = 0.5e-4;
-  const auto side = [](double error_m) { return error_m < least_m ? "0" : in_mm(error_m, 1); };
-  return fmt::format("-{} +{}", side(error.lower_m), side(error.upper_m));
-}
-
 /// The largest curl at the end: place, value, error, and whether it is within the plant's band.
 std::string curl_sentence(const JudgedRun& run, const MonitoredCurl& curl) {
   const v1::StepReport& last = run.steps.back();
   std::string text =
       fmt::format("At {:.0f} s, after {} mm of casting, {} has {} {} mm since the block started. ",
-                  last.time_s(), in_mm(last.cast_length_m(), 0), curl.monitor,
-                  curl.end_m < 0.0 ? "sunk" : "risen", in_mm(std::abs(curl.end_m), 1));
+                  last.time_s(), figures::mm(last.cast_length_m(), 0), curl.monitor,
+                  curl.end_m < 0.0 ? "sunk" : "risen", figures::mm(std::abs(curl.end_m), 1));
 
   text += curl.error ? fmt::format(
                            "Mesh and time steps leave {} mm of it uncertain; thermal data and "
                            "alloy come on top.",
-                           errors_text(*curl.error))
+                           figures::mm_errors(curl.error->lower_m, curl.error->upper_m, 1))
                      : "Its error from mesh and time steps has not been measured: dccast "
                        "convergence does that.";
 
@@ -220,7 +206,7 @@ std::string cause_sentence(const JudgedRun& run, const MonitoredCurl& curl) {
   const v1::StepReport& end = run.steps[last];
   std::string text = fmt::format(
       "Half of it came between {:.0f} s and {:.0f} s, at {} to {} mm of casting.", begin.time_s(),
-      end.time_s(), in_mm(begin.cast_length_m(), 0), in_mm(end.cast_length_m(), 0));
+      end.time_s(), figures::mm(begin.cast_length_m(), 0), figures::mm(end.cast_length_m(), 0));
 
   const Heat heat = heat_of(std::span(run.steps).subspan(first + 1, last - first));
   if (heat.faces > 0.0 && heat.bottom > 0.0) {

@@ -14,7 +14,9 @@ inline constexpr int most_lines = 6;  ///< of a chart, as many as a page has col
 /// hundredth.
 double shown_curl_m(double curl_m);
 
-/// A length in tenths of a millimetre, for sentences: "12.3"; below one millimetre in hundredths.
+/// Decimals of a length in millimetres, for sentences: 1, below one millimetre 2.
+int decimals_of(double metres);
+/// A length so: "12.3".
 std::string mm(double metres);
 /// A share in whole percent, for sentences: "61".
 std::string percent(double share);

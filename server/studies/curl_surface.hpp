@@ -41,7 +41,7 @@ struct InputRange {
 /// A run at a place of the domain.
 struct SurfaceRun {
   std::vector<double> place;  ///< by input, in the unit of the schema
-  RunHistory history;
+  RunCurves history;
 };
 
 /// Curls of all monitors against time as a function of some inputs. The curves of the runs are

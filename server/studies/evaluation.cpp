@@ -1,10 +1,12 @@
 // Results of studies: runs with their figures and curves, and the conclusions of a plan from them.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iterator>
-#include <limits>
 #include <optional>
 
+#include "proto/case_file/quality.hpp"
+#include "proto/figures/run_history.hpp"
 #include "proto/values/interpolation.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/job_folder.hpp"
@@ -14,51 +16,6 @@
 namespace dccast::studies {
 
 namespace {
-
-constexpr double no_figure = std::numeric_limits<double>::quiet_NaN();
-
-/// Curl of a monitor [m]; NaN where it has none.
-double curl_of(const v1::MonitorValue& monitor) {
-  return monitor.has_curl_m() ? monitor.curl_m() : no_figure;
-}
-
-v1::CurlCurve& curve_of(RunHistory& history, const std::string& monitor) {
-  for (v1::CurlCurve& curve : history.curves)
-    if (curve.monitor() == monitor) return curve;
-  history.curves.emplace_back().set_monitor(monitor);
-  return history.curves.back();
-}
-
-/// Pads with NaN: a monitor has no value before its first report, nor in a step that omits it.
-void fill_up(v1::CurlCurve& curve, std::size_t count) {
-  while (curve.curl_m_size() < static_cast<int>(count)) curve.add_curl_m(no_figure);
-}
-
-void add_instants(v1::CurlCurve& curve, const std::vector<v1::StepReport>& steps) {
-  for (const v1::StepReport& step : steps) {
-    curve.add_time_s(step.time_s());
-    curve.add_cast_length_m(step.cast_length_m());
-  }
-}
-
-/// Time from which on a run is beyond the validity of the model [s]; empty if it never is.
-std::optional<double> first_beyond(const v1::Job& job, const std::vector<v1::StepReport>& steps) {
-  constexpr double margin_s = 1e-9;  // times read from text may differ in rounding
-  const auto beyond = [&job](const v1::StepReport& step) {
-    return step.beyond_validity() ||
-           (job.has_validity_loss() && step.time_s() >= job.validity_loss().time_s() - margin_s);
-  };
-  const auto first = std::ranges::find_if(steps, beyond);
-  if (first == steps.end()) return std::nullopt;
-  return first->time_s();
-}
-
-/// Curl of a monitor in a step [m]; NaN when it is not reported there.
-double curl_at(const v1::StepReport& step, const std::string& monitor) {
-  for (const v1::MonitorValue& value : step.monitors())
-    if (value.name() == monitor) return curl_of(value);
-  return no_figure;
-}
 
 /// Describes a run by its job.
 void describe_job(const v1::Job& job, v1::StudyRun& run) {
@@ -92,7 +49,7 @@ void describe_without_job(const RunRecord& record, v1::StudyRun& run) {
 }
 
 /// Memory of a history [bytes].
-std::size_t bytes_of(const RunHistory& history) {
+std::size_t bytes_of(const RunCurves& history) {
   std::size_t bytes = 0;
   for (const v1::CurlCurve& curve : history.curves) bytes += curve.SpaceUsedLong();
   for (const auto& [monitor, temperature_c] : history.temperature_c)
@@ -109,7 +66,7 @@ const v1::Artifact& results_of(const v1::Job& job) {
 
 }  // namespace
 
-const v1::CurlCurve* RunHistory::curve(const std::string& monitor) const {
+const v1::CurlCurve* RunCurves::curve(const std::string& monitor) const {
   const auto found = std::ranges::find(curves, monitor, &v1::CurlCurve::monitor);
   return found == curves.end() ? nullptr : &*found;
 }
@@ -120,36 +77,37 @@ std::vector<double> at_instants(const std::vector<double>& instants_s, const v1:
                              {figures.begin(), figures.end()});
 }
 
-RunHistory run_history(const v1::Job& job, const std::vector<v1::StepReport>& steps) {
-  RunHistory history;
-  history.beyond_from_s = first_beyond(job, steps);
-  for (const v1::StepReport& step : steps) history.least_shell_m.push_back(step.least_shell_m());
+RunCurves run_curves(const v1::Job& job, std::vector<v1::StepReport> steps) {
+  const figures::RunHistory history = figures::run_history(job, std::move(steps));
+  const std::vector<double> time_s = history.time_s(), cast_length_m = history.cast_length_m();
 
-  for (std::size_t i = 0; i < steps.size(); ++i)
-    for (const v1::MonitorValue& value : steps[i].monitors()) {
-      v1::CurlCurve& curve = curve_of(history, value.name());
-      fill_up(curve, i);
-      curve.add_curl_m(curl_of(value));
-      if (!value.has_temperature_c()) continue;
-      auto& temperature_c = history.temperature_c[value.name()];
-      temperature_c.resize(steps.size(), no_figure);
-      temperature_c[i] = value.temperature_c();
-    }
+  RunCurves curves;
+  curves.beyond_from_s = history.beyond_from_s();
+  for (const v1::StepReport& step : history.steps)
+    curves.least_shell_m.push_back(step.least_shell_m());
 
-  for (v1::CurlCurve& curve : history.curves) {
-    fill_up(curve, steps.size());
-    add_instants(curve, steps);
+  for (const std::string& monitor : history.monitors()) {
+    figures::MonitorSeries series = history.series(monitor);
+    v1::CurlCurve& curve = curves.curves.emplace_back();
+    curve.set_monitor(monitor);
+    curve.mutable_time_s()->Add(time_s.begin(), time_s.end());
+    curve.mutable_cast_length_m()->Add(cast_length_m.begin(), cast_length_m.end());
+    curve.mutable_curl_m()->Add(series.curl_m.begin(), series.curl_m.end());
+
+    const auto is_known = [](double temperature_c) { return std::isfinite(temperature_c); };
+    if (std::ranges::any_of(series.temperature_c, is_known))
+      curves.temperature_c[monitor] = std::move(series.temperature_c);
   }
-  return history;
+  return curves;
 }
 
-RunHistory Studies::history_of(const v1::Job& job) {
+RunCurves Studies::history_of(const v1::Job& job) {
   if (const auto kept = histories_.find(job.id())) return *kept;
 
   const auto log = scheduler_.log(job.id());
-  const auto page = jobs::StepIndex().page(*log, {}, SIZE_MAX, SIZE_MAX);
-  const auto history =
-      std::make_shared<const RunHistory>(page ? run_history(job, page->steps) : RunHistory{});
+  auto page = jobs::StepIndex().page(*log, {}, SIZE_MAX, SIZE_MAX);
+  const auto history = std::make_shared<const RunCurves>(
+      page ? run_curves(job, std::move(page->steps)) : RunCurves{});
 
   // Only the history of an ended job cannot change any more.
   if (jobs::is_terminal(job.state())) histories_.keep(job.id(), history, bytes_of(*history));
@@ -210,8 +168,9 @@ std::vector<EvaluatedRun> Studies::evaluated_runs(const StudyRecord& record, con
       describe_without_job(kept, evaluated.run);
 
     for (const v1::Monitor& monitor : record.request.case_().monitor())
-      evaluated.run.add_end_curl_m(evaluated.succeeded() ? curl_at(job->last_step(), monitor.name())
-                                                         : no_figure);
+      evaluated.run.add_end_curl_m(evaluated.succeeded() ? figures::curl_of(figures::monitor_of(
+                                                               job->last_step(), monitor.name()))
+                                                         : NAN);
 
     if (!evaluated.succeeded()) continue;
     if (depth.histories) evaluated.history = history_of(*job);
@@ -285,6 +244,7 @@ std::optional<v1::StudyResult> Studies::evaluate(const v1::EvaluateStudyRequest&
     if (evaluated.face)
       describe_face(*evaluated.face, result.mould().wanted_half_thickness_m(), *run.mutable_face());
     run.set_face_fault(evaluated.face_fault);
+    case_file::set_end_errors(run.end_curl_m(), run);
     if (curves)
       for (v1::CurlCurve& curve : evaluated.history.curves) *run.add_curves() = std::move(curve);
   }

@@ -29,7 +29,7 @@ constexpr std::array begins{0.1, 0.25};
 /// Castings of different data.
 constexpr int members = 8;
 
-double last_length_m(const RunHistory& history) {
+double last_length_m(const RunCurves& history) {
   return *history.curves.front().cast_length_m().rbegin();
 }
 
@@ -43,7 +43,7 @@ double curl_at_length(const v1::CurlCurve* curve, double length_m) {
 }
 
 /// The least shell from a time on, up to a cast length [m]; empty: no step lies there.
-std::optional<double> least_shell_m(const RunHistory& history, double from_s, double length_m) {
+std::optional<double> least_shell_m(const RunCurves& history, double from_s, double length_m) {
   constexpr double margin_m = 1e-6;
   const v1::CurlCurve& any = history.curves.front();
   std::optional<double> least;

@@ -27,7 +27,7 @@ std::string name_of(const v1::MeasuredCurve& measured) {
 }
 
 /// What a run computes where the curve was measured; empty if the run does not report it.
-History history_of(const RunHistory& run, const v1::MeasuredCurve& measured) {
+History history_of(const RunCurves& run, const v1::MeasuredCurve& measured) {
   const v1::CurlCurve* curve = run.curve(measured.monitor());
   const auto temperature_c = run.temperature_c.find(measured.monitor());
   if (curve == nullptr || (!is_curl(measured) && temperature_c == run.temperature_c.end()))

@@ -320,6 +320,11 @@ v1::Prediction Predictions::predict(const SweepState& sweep,
   prediction.set_runs(found->surface.runs());
   *prediction.mutable_next_run() = {found->next_run.begin(), found->next_run.end()};
   if (found->mesh_error) *prediction.mutable_mesh_error() = *found->mesh_error;
+
+  std::vector<double> end_curl_m;
+  for (const v1::CurlCurve& curve : prediction.curves())
+    end_curl_m.push_back(curve.curl_m().empty() ? NAN : *curve.curl_m().rbegin());
+  case_file::set_end_errors(end_curl_m, prediction);
   return prediction;
 }
 

@@ -147,7 +147,7 @@ private:
   std::vector<RunAndJob> runs_and_jobs(const StudyRecord& study);
 
   /// Curves of a job, from its event log or kept from before.
-  RunHistory history_of(const v1::Job& job);
+  RunCurves history_of(const v1::Job& job);
   /// Contour of the wide face of a run, from its last frame; kept after the first call.
   /// @throws jobs::WorkerDidNotAnswer, jobs::UnsoundResult, frames::NoContraction
   std::shared_ptr<const RunFace> face_of(const v1::Job& job);
@@ -178,9 +178,9 @@ private:
   std::mutex requests_mutex_;  ///< serialises creation, resumption and removal
   std::mutex queueing_mutex_;  ///< makes giving a run its job atomic with its cancellation
   std::mutex files_mutex_;     ///< guards the study files
-  jobs::Recent<const StudyPlan> plans_{32};                ///< by study
-  jobs::Recent<const RunHistory> histories_{128'000'000};  ///< by job that has ended; bytes
-  jobs::Recent<const RunFace> faces_{4096};                ///< by job that succeeded
+  jobs::Recent<const StudyPlan> plans_{32};               ///< by study
+  jobs::Recent<const RunCurves> histories_{128'000'000};  ///< by job that has ended; bytes
+  jobs::Recent<const RunFace> faces_{4096};               ///< by job that succeeded
   std::mutex feeder_mutex_;
   /// Wakes the feeder, as does the end of a job.
   std::condition_variable_any feeder_wake_;

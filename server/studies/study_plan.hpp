@@ -19,8 +19,8 @@ struct PlannedRun {
   std::vector<v1::CaseChange> changes;  ///< already applied to `description`
 };
 
-/// The curl of one run: the vertical displacement of every monitor.
-struct RunHistory {
+/// What studies read of the history of a run: the curl of every monitor, and what limits it.
+struct RunCurves {
   std::vector<v1::CurlCurve> curves;    ///< by monitor, all at the instants of the run's steps
   std::optional<double> beyond_from_s;  ///< first step at which the model was no longer valid
 
@@ -44,7 +44,7 @@ struct RunFace {
 struct EvaluatedRun {
   v1::StudyRun run{};
   int number = 0;                 ///< in the plan, from 0
-  RunHistory history{};           ///< set if the run succeeded and the plan needs histories
+  RunCurves history{};            ///< set if the run succeeded and the plan needs histories
   std::optional<RunFace> face{};  ///< set if the run succeeded and the plan needs faces
   std::string face_fault{};       ///< reason why the face cannot be read
 
@@ -56,8 +56,8 @@ struct EvaluatedRun {
   }
 };
 
-/// Histories of all monitors, from the steps of a job.
-RunHistory run_history(const v1::Job& job, const std::vector<v1::StepReport>& steps);
+/// Those of all monitors, from the steps of a job.
+RunCurves run_curves(const v1::Job& job, std::vector<v1::StepReport> steps);
 
 /// Figures of a curve, one of its fields, at other instants; NaN outside its time.
 std::vector<double> at_instants(const std::vector<double>& instants_s, const v1::CurlCurve& curve,

@@ -148,8 +148,8 @@ class Entrance(WithoutBrowser):
         job = self.finished_job("steps=30")
         seen = json.loads(self.ask(f"/job/{job}")[1])
         steps = self.client.steps(job)
-        self.assertEqual(seen["history"]["time_s"], [step.time_s for step in steps])
-        self.assertEqual(seen["history"]["monitors"][0]["curl_m"],
+        self.assertEqual([step["time_s"] for step in seen["steps"]], [step.time_s for step in steps])
+        self.assertEqual([step["monitors"][0]["curl_m"] for step in seen["steps"]],
                          [step.monitors[0].curl_m for step in steps])
         self.assertEqual(self.call("ListJobs")["jobs"][0]["id"], job)
         report, page = self.ask(f"/report/{job}")
@@ -321,7 +321,7 @@ class RealRuns(WithoutBrowser):
             "set=" + urllib.parse.quote(change) for change in ("quality=draft", "time.end=20 s"))
         answer = self.events(f"/ask/{case}")[-1]["answer"]
         self.assertEqual(answer["state"], "SUCCEEDED")
-        self.assertGreater(answer["history"]["monitors"][0]["upper_error_m"][-1], 0)
+        self.assertGreater(answer["steps"][-1]["monitors"][0]["curl_upper_error_m"], 0)
 
         fault = self.events(f"/ask/{case}&set=schedule.casting_sped%3D1")[-1]
         self.assertIn("casting_sped", fault["error"])

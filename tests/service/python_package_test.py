@@ -6,6 +6,7 @@ import doctest
 import importlib
 import io
 import json
+import math
 import os
 import pathlib
 import re
@@ -23,6 +24,7 @@ import zipfile
 import numpy as np
 
 import dccast
+from dccast.text import millimetres
 from doctor_test import ClientTest
 from support import BIN, ServiceTest, main, until
 
@@ -53,6 +55,14 @@ class PackageTest(ServiceTest):
                                timeout=60, check=False)
         self.assertEqual(ended.returncode, 0, ended.stderr)
         return ended
+
+
+class Figures(unittest.TestCase):
+    def test_curls_are_rounded_as_in_the_examples_of_all_renderers(self):
+        file = pathlib.Path(__file__).resolve().parents[1] / "support" / "figures.json"
+        for curl in json.loads(file.read_text("utf-8"))["curls"]:
+            given = [curl.get(name, math.nan) for name in ("curl_m", "lower_m", "upper_m")]
+            self.assertEqual(millimetres(*given), curl["text"])
 
 
 class Examples(PackageTest):

@@ -168,8 +168,8 @@ class RefinementStudy(ServiceTest):
         for curl, uncertainty in ((ends[0], error), (limit, half)):
             self.assertIn(f"<strong>{curl:.2f}</strong> mm<em>± {uncertainty:.2f} mm</em>", page)
         self.assertIn("How much of it is discretisation", page)
-        self.assertIn(f"<td>{limit:.3f} ± {half:.3f}</td>", page)
-        self.assertIn(f"<td>{ends[2]:.3f}</td>", page)
+        self.assertIn(f">{limit:.3f} ± {half:.3f}</td>", page)
+        self.assertIn(f">{ends[2]:.3f}</td>", page)
         self.assertEqual(page.count(", limit of finer meshes"), 6)  # three monitors in two charts
         self.assertNotIn("Not known", page)
 

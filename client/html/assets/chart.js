@@ -212,32 +212,6 @@ export function valueAt({x, y}, at) {
   return NaN;
 }
 
-/** What a history has of a monitor, by instant. */
-export const curlFigures = ['curl_m', 'lower_error_m', 'upper_error_m'];
-
-/** The monitor of a history with this name; if there is none it is added, without its first figures. */
-export function monitorOf(history, name, missing) {
-  let monitor = history.monitors.find(m => m.name === name);
-  if (!monitor) {
-    monitor = {name};
-    for (const figure of curlFigures) monitor[figure] = new Array(missing).fill(null);
-    history.monitors.push(monitor);
-  }
-  return monitor;
-}
-
-/** The curls of a history with their bands, in mm. */
-export const curlLines = (history, suffix = '') => history.monitors.map(monitor => {
-  const y = monitor.curl_m.map(v => (v === null ? NaN : 1e3 * v));
-  const line = {name: monitor.name + suffix, x: history.time_s, y};
-  if (!Number.isFinite(monitor.upper_error_m.at(-1))) return line;
-  return {
-    ...line,
-    low: y.map((v, i) => v - 1e3 * monitor.lower_error_m[i]),
-    high: y.map((v, i) => v + 1e3 * monitor.upper_error_m[i])
-  };
-});
-
 /** The range of curl that a case accepts, in mm; null where it accepts every one. */
 export function wantedBand(wanted) {
   const {least_m: least, greatest_m: greatest} = wanted || {};

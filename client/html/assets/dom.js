@@ -1,4 +1,5 @@
-// Elements, numbers and words. Text from the server reaches the page as text nodes alone.
+// Elements, numbers and words. Text from the server reaches the page as text nodes, or as HTML in which the
+// client has escaped it.
 
 /**
  * An element: h('a', {href: '#/x', onclick: f}, 'text', child). Attributes that are null are left
@@ -23,10 +24,12 @@ export function replace(parent, ...children) {
   parent.replaceChildren(...children.flat().filter(child => child !== null && child !== undefined));
 }
 
-export const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '–');
+/** A number with so many decimals; zero has no sign. */
+export const fixed = (value, digits) =>
+  Number.isFinite(value) ? value.toFixed(digits).replace(/^-(?=[0.]*$)/, '') : '–';
 export const mm = (metres, digits = 1) => fixed(1e3 * metres, digits);
 
-/** Decimals in mm of a curl with this error, of two digits. No curl is known better than hundredths. */
+/** Decimals in mm of a curl: two digits of its error, and no finer than hundredths. */
 const decimalsFor = error => {
   if (!(error > 0)) return 2;
   const rounded = Number((1e3 * error).toPrecision(2));
@@ -35,26 +38,16 @@ const decimalsFor = error => {
 
 /** "5.25 ± 0.21 mm", "35.5, -0 +4.9 mm"; without errors, in m, where none are known. */
 export const curlText = (curl, lower, upper) => {
-  if (!Number.isFinite(upper)) return `${mm(curl)} mm`;
-  const digits = decimalsFor(Math.max(lower, upper));
-  if (lower === upper) return `${mm(curl, digits)} ± ${mm(upper, digits)} mm`;
-  const [below, above] = [lower, upper].map(error => {
-    const shown = mm(error, digits);
-    return Number(shown) === 0 ? '0' : shown;
-  });
-  return `${mm(curl, digits)}, -${below} +${above} mm`;
+  const digits = decimalsFor(Math.max(lower, upper)), shown = mm(curl, digits);
+  if (!Number.isFinite(upper)) return `${shown} mm`;
+  if (lower === upper) return `${shown} ± ${mm(upper, digits)} mm`;
+  const side = error => mm(error, digits).replace(/^[0.]*$/, '0');
+  return `${shown}, -${side(lower)} +${side(upper)} mm`;
 };
 
-/** The end of a curl's history, with its errors. */
-export const endText = monitor =>
-  curlText(monitor.curl_m.at(-1) ?? NaN, monitor.lower_error_m.at(-1), monitor.upper_error_m.at(-1));
-
-/** The errors of a curl by those relative to it, {lower, upper}; below zero they change sides. */
-export function meshErrors(curl, relative) {
-  if (!relative) return [];
-  const errors = [relative.lower, relative.upper].map(error => Math.abs(curl) * error);
-  return curl < 0 ? errors.reverse() : errors;
-}
+/** The curl of a MonitorValue, with its errors. */
+export const monitorText = monitor =>
+  curlText(monitor.curl_m ?? NaN, monitor.curl_lower_error_m, monitor.curl_upper_error_m);
 
 export const stateText = state => (state || '').toLowerCase().replaceAll('_', ' ');
 export const shortId = id => id.slice(0, 8);

@@ -2,10 +2,10 @@
 // findings stand in the page as text.
 import {castingDrawing} from './casting.js';
 import {h, replace} from './dom.js';
+import {picture} from './drawn.js';
 import {shown} from './frame_data.js';
 import {frameViewer} from './frame.js';
 import {colourBar} from './frame_view.js';
-import {picture} from './judgement.js';
 
 const chartWidth = 640;  // of the drawing: cards of a report are narrower than those of the dashboard
 

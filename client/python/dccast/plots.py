@@ -38,7 +38,7 @@ def plot_curl(bands: Mapping[str, Band], axes: Any = None, against: str = "time_
 
 
 def plot_chart(chart: judgement_pb2.Chart, axes: Any = None) -> Any:
-    """Draws a chart of a judgement, lengths in mm. Returns the matplotlib axes.
+    """Draws a chart of a judgement in the units of a plant. Returns the matplotlib axes.
 
     @param chart  one of `Judgement.charts`
 
@@ -81,5 +81,7 @@ def _add_legend(axes: Any) -> None:
 
 
 def _drawn_unit(unit: str) -> tuple[float, str]:
-    """A unit as it is drawn, and the factor to it."""
-    return {"m": (1e3, "mm"), "degC": (1.0, "°C"), "1": (100.0, "%")}.get(unit, (1.0, unit))
+    """The unit of a plant, by the table in judgement.proto, and the factor to it."""
+    from dccast.v1 import judgement_pb2, options_pb2
+    table = judgement_pb2.DESCRIPTOR.GetOptions().Extensions[options_pb2.plant_unit]
+    return next(((row.factor, row.name) for row in table if row.si == unit), (1.0, unit))

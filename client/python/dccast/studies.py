@@ -124,9 +124,8 @@ class Study:
             columns[key] = [_at(run.numbers, i) for run in runs]
         for i, monitor in enumerate(result.monitors):
             columns[f"{monitor}_end_curl_m"] = [_at(run.end_curl_m, i) for run in runs]
-            errors = [_mesh_errors(run, _at(run.end_curl_m, i)) for run in runs]
-            columns[f"{monitor}_lower_error_m"] = [lower for lower, _ in errors]
-            columns[f"{monitor}_upper_error_m"] = [upper for _, upper in errors]
+            columns[f"{monitor}_lower_error_m"] = [_at(run.end_lower_error_m, i) for run in runs]
+            columns[f"{monitor}_upper_error_m"] = [_at(run.end_upper_error_m, i) for run in runs]
         kinds = {"job": "U36", "state": "U24"}
         table: Table = np.zeros(len(runs), dtype=[(name, kinds.get(name, "f8")) for name in columns])
         for name, values in columns.items():
@@ -171,13 +170,6 @@ def _relative(message: Any) -> tuple[float, float]:
     """The errors of mesh and steps below and above, relative to a curl; NaN: not known."""
     error = message.mesh_error
     return (error.lower, error.upper) if message.HasField("mesh_error") else (np.nan, np.nan)
-
-
-def _mesh_errors(run: Any, curl_m: float) -> tuple[float, float]:
-    """The errors of a curl of a run; below zero they change sides."""
-    lower, upper = _relative(run)
-    errors = (lower * abs(curl_m), upper * abs(curl_m))
-    return errors if curl_m >= 0.0 else errors[::-1]
 
 
 def _at(values: Any, index: int) -> float:

@@ -1,7 +1,7 @@
 // Jobs compared as dccast compare does: what differs, whether it is real, and what differed before it.
 import {call} from './api.js';
 import {findingList, h, replace, shortId} from './dom.js';
-import {judgement} from './judgement.js';
+import {judgement} from './drawn.js';
 
 const runItem = run => h('li', {},
   h('a', {href: `#/job/${run.job}`}, run.title || run.job), ` ${shortId(run.job)}`,

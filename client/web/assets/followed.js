@@ -1,19 +1,12 @@
 // The wall of a casting that is followed: its curl now and to come, its levers, what is off, and how
 // old all of this is. The figures are the server's.
 import {repeat} from './api.js';
-import {chart, curlLines, valueAt, wantedBand} from './chart.js';
+import {chart, valueAt, wantedBand} from './chart.js';
 import {durationText, fixed, gravestFinding, h, mm, replace} from './dom.js';
-import {plant} from './judgement.js';
+import {curlLines} from './history.js';
 
 const oldAfter = 10;  // s without a reading
 const ahead = 60;     // s
-
-const levers = [
-  {name: 'Speed', field: 'casting_speed_m_per_s', unit: 'm/s', digits: 1},
-  {name: 'Water', field: 'water_flow_m2_per_s', unit: 'm2/s', digits: 0},
-  {name: 'Narrow water', field: 'narrow_water_flow_m2_per_s', unit: 'm2/s', digits: 0},
-  {name: 'Metal', field: 'casting_temperature_c', unit: 'degC', digits: 0},
-];
 
 // ---- Curl now and to come
 
@@ -57,17 +50,14 @@ function curlFigures({job, forecast, noForecast}) {
 
 // ---- Levers
 
-function leverRows({measured, planned}) {
-  const text = (values, {field, unit, digits}) =>
-    fixed((values?.[field] ?? NaN) * plant(unit)[1], digits);
-  const known = levers.filter(({field}) => [measured, planned].some(v => Number.isFinite(v?.[field])));
+function leverRows(levers) {
   return h('table', {class: 'levers-now'},
     h('thead', {}, h('tr', {}, ['', 'now', 'plan', ''].map(head => h('th', {scope: 'col'}, head)))),
-    h('tbody', {}, known.map(lever => h('tr', {'data-lever': lever.name},
-      h('th', {scope: 'row'}, lever.name),
-      h('td', {class: 'measured'}, text(measured, lever)),
-      h('td', {class: 'planned'}, text(planned, lever)),
-      h('td', {class: 'unit'}, plant(lever.unit)[0])))));
+    h('tbody', {}, levers.map(({name, now, plan, unit}) => h('tr', {'data-lever': name},
+      h('th', {scope: 'row'}, name),
+      h('td', {class: 'measured'}, now),
+      h('td', {class: 'planned'}, plan),
+      h('td', {class: 'unit'}, unit)))));
 }
 
 // ---- What is off
@@ -102,15 +92,16 @@ const adviceOf = forecast => h(
 
 const inMm = values => values.map(v => v === null ? NaN : 1e3 * v);
 
-function chartLines({history, forecast}) {
-  if (!forecast) return curlLines(history, ', computed');
+function chartLines({steps, forecast}) {
+  if (!forecast) return curlLines(steps, ', computed');
+  const byMonitor = curlLines(steps);
   return forecast.curls.flatMap((curl, i) => {
-    const computed = history.monitors.find(m => m.name === curl.monitor);
+    const computed = byMonitor.find(line => line.monitor === curl.monitor);
     return [
       {name: `${curl.monitor}, forecast`, x: curl.time_s, y: inMm(curl.curl_m),
         low: inMm(curl.lower_m), high: inMm(curl.upper_m), dashed: true, colour: 3 * i + 2},
       computed
-        ? {name: 'computed', x: history.time_s, y: inMm(computed.curl_m), colour: 3 * i + 1}
+        ? {name: 'computed', x: computed.x, y: computed.y, colour: 3 * i + 1}
         : null,
       {name: 'measured', x: curl.measured_time_s, y: inMm(curl.measured_m), dots: true,
         colour: 3 * i}
@@ -147,7 +138,7 @@ function ageText({measured, closed}, seconds) {
 
 /**
  * The wall of a casting that is followed.
- * @return draws what was seen: {job, history, wanted, forecast or noForecast: why there is none,
+ * @return draws what was seen: {job, steps, wanted, forecast or noForecast: why there is none,
  *   asked: when the server was asked, of performance.now()}
  */
 export function followedWall(element, signal) {
@@ -173,7 +164,7 @@ export function followedWall(element, signal) {
     replace(element, h('div', {class: 'casting'},
       h('div', {class: 'place'}, h('h1', {}, following.line || now.job.title || now.job.id),
         h('p', {class: 'when'}, when), age),
-      old, curlFigures(now), leverRows(now.job.casting),
+      old, curlFigures(now), leverRows(now.levers),
       h('div', {class: 'curl-chart'}, curlChart(now)),
       h('div', {class: 'remarks'}, warningsOf(now), adviceOf(now.forecast),
         (now.forecast?.notes || []).map(note => h('p', {class: 'note'}, note)))));

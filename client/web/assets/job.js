@@ -1,9 +1,10 @@
 // One job: its answer, its curl as it grows, its findings, its slab, its report.
 import {call, events, get, getBytes, post, repeat} from './api.js';
 import {cancelJobs} from './cancel.js';
-import {chart, curlFigures, curlLines, monitorOf, wantedBand} from './chart.js';
-import {durationText, endText, findingList, h, mm, replace, shortId, stateText} from './dom.js';
+import {chart, wantedBand} from './chart.js';
+import {durationText, findingList, h, mm, monitorText, replace, shortId, stateText} from './dom.js';
 import {frameViewer} from './frame.js';
+import {addStep, curlLines, lastMonitors} from './history.js';
 
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 
@@ -94,7 +95,7 @@ export function jobPage(element, signal, id) {
   replace(head, title, at, message, tiles, buttons);
   let stateOfButtons = '';
 
-  function drawHead({job, history}) {
+  function drawHead({job, steps}) {
     const step = job.last_step || {};
     const act = (name, text) =>
       h('button', {
@@ -130,10 +131,8 @@ export function jobPage(element, signal, id) {
           'Cancel');
       return button;
     };
-    const last = history.monitors.map(
-      m =>
-        h('div', {class: 'tile'}, h('span', {}, m.name),
-          h('strong', {}, endText(m))));
+    const last = lastMonitors(steps).map(
+      m => h('div', {class: 'tile'}, h('span', {}, m.name), h('strong', {}, monitorText(m))));
     replace(
       title, h('p', {class: 'soft'}, `Job ${shortId(job.id)} of ${job.owner || 'unknown'}`),
       h('h1', {}, job.title || job.id));
@@ -156,54 +155,32 @@ export function jobPage(element, signal, id) {
         'Report'));
   }
 
-  function drawCurves({history, wanted}) {
-    const known = history.monitors.some(m => Number.isFinite(m.upper_error_m.at(-1)));
-    if (history.time_s.length === 0)
-      return replace(curves, h('p', {class: 'soft'}, 'No step yet.'));
-    replace(curves, chart(curlLines(history), {
-              title: known ? 'Curl, with the error of mesh and time steps' : 'Curl',
+  function drawCurves({steps, wanted}) {
+    if (steps.length === 0) return replace(curves, h('p', {class: 'soft'}, 'No step yet.'));
+    const lines = curlLines(steps);
+    replace(curves, chart(lines, {
+              title: lines.some(line => line.low) ? 'Curl, with the error of mesh and time steps' : 'Curl',
               xLabel: 'time, s',
               yLabel: 'mm',
               wanted: wantedBand(wanted)
             }));
   }
 
-  function add(history, step) {
-    const at = history.time_s.findIndex(t => t >= step.time_s);
-    if (at >= 0)
-      for (const list
-             of [history.time_s, history.cast_length_m,
-               ...history.monitors.flatMap(m => curlFigures.map(figure => m[figure]))])
-        list.length = Math.min(list.length, at);
-    history.time_s.push(step.time_s);
-    history.cast_length_m.push(step.cast_length_m);
-    for (const value of step.monitors || []) {
-      const monitor = monitorOf(history, value.name, history.time_s.length - 1);
-      monitor.curl_m.push(value.curl_m ?? null);
-      monitor.lower_error_m.push(value.curl_lower_error_m ?? null);
-      monitor.upper_error_m.push(value.curl_upper_error_m ?? null);
-    }
-  }
-
   // How well the steps of a run are solved, while it is watched.
-  const solved = {time_s: [], equilibrium: [], energy: []};
+  const solved = [];
   const digits = residual => Math.log10(Math.max(Math.abs(residual || 0), 1e-16));
-  function addSolved(step) {
-    const again = solved.time_s.findIndex(t => t >= step.time_s);
-    if (again >= 0) for (const list of Object.values(solved)) list.length = again;
-    solved.time_s.push(step.time_s || 0);
-    solved.equilibrium.push(digits(step.equilibrium_residual));
-    solved.energy.push(digits(step.energy_balance_error));
-  }
   // The disclosure stays: one that is replaced under the pointer is not opened.
   const residuals = h('div');
   function drawSolved() {
-    const {time_s: x, equilibrium, energy} = solved;
-    if (x.length < 2) return;
+    if (solved.length < 2) return;
+    const line = (name, figure) => ({
+      name, x: solved.map(step => step.time_s || 0), y: solved.map(step => digits(step[figure]))
+    });
     if (!residuals.isConnected)
       replace(solver, h('details', {}, h('summary', {}, 'Residuals of the steps'), residuals));
     replace(
-      residuals, chart([{name: 'equilibrium', x, y: equilibrium}, {name: 'energy', x, y: energy}], {
+      residuals,
+      chart([line('equilibrium', 'equilibrium_residual'), line('energy', 'energy_balance_error')], {
         title: 'Residuals of the steps, relative',
         xLabel: 'time, s',
         yLabel: 'log10',
@@ -234,9 +211,9 @@ export function jobPage(element, signal, id) {
       redraw();
     });
     events(`/watch/${id}`, signal, (event, close) => {
-      if (event.step) addSolved(event.step);
+      if (event.step) addStep(solved, event.step);
       if (event.step && event.step.step > (shown.job.last_step?.step || 0)) {
-        add(shown.history, event.step);
+        addStep(shown.steps, event.step);
         shown.job.last_step = event.step;
         redraw();
       } else if (event.finding) {

@@ -1,8 +1,8 @@
 // Studies, and of a sweep the response surface: a slider for each key.
 import {call, repeat} from './api.js';
-import {chart, curlLines} from './chart.js';
-import {ago, curlText, h, meshErrors, mm, replace, sheet, shortId, stateText} from './dom.js';
-import {judgement} from './judgement.js';
+import {chart} from './chart.js';
+import {ago, curlText, h, replace, sheet, shortId, stateText} from './dom.js';
+import {judgement} from './drawn.js';
 
 const kinds = {
   sweep: 'sweep', refinement: 'refinement', mould: 'mould design', recipe: 'recipe', remedy: 'remedy'
@@ -83,15 +83,13 @@ function surfaceLines(curves) {
 }
 
 /** What the response surface predicts, drawn and in words. */
-function prediction({curves, mesh_error: mesh, runs}) {
-  const ends = curves.map(curve => {
-    const end = curve.curl_m.at(-1) ?? NaN;
-    return `${curve.monitor} ${curlText(end, ...meshErrors(end, mesh))}`;
-  });
+function prediction({curves, end_lower_error_m: lower, end_upper_error_m: upper, runs}) {
+  const ends = curves.map(({monitor, curl_m: curl}, i) =>
+    `${monitor} ${curlText(curl.at(-1) ?? NaN, lower[i], upper[i])}`);
   const title = 'Curl by the response surface; the band is twice its own standard error';
   return [
     chart(surfaceLines(curves), {title, xLabel: 'time, s', yLabel: 'mm'}),
-    h('p', {}, `${ends.join(', ')}${mesh ? ' (with mesh and time steps)' : ''}; from ${runs} runs.`)
+    h('p', {}, `${ends.join(', ')}${upper.length ? ' (with mesh and time steps)' : ''}; from ${runs} runs.`)
   ];
 }
 
@@ -99,8 +97,7 @@ function prediction({curves, mesh_error: mesh, runs}) {
 function endCurl(run, k) {
   const end = run.end_curl_m[k];
   if (end === null || end === undefined) return '–';
-  if (!run.mesh_error) return mm(end, 2);
-  return curlText(end, ...meshErrors(end, run.mesh_error)).replace(' mm', '');
+  return curlText(end, run.end_lower_error_m[k], run.end_upper_error_m[k]).replace(' mm', '');
 }
 
 /** The runs of a study with what differs between them. */
@@ -134,7 +131,7 @@ export async function studyPage(element, signal, id) {
     if (signal.aborted) return;
 
     // The table of runs below has links to their jobs.
-    const shown = judgement(found, part => part.table?.key !== 'runs');
+    const shown = judgement(found, key => key !== 'runs');
     answer.hidden = shown.length === 0;
     replace(answer, h('h2', {}, found.heading), shown);
   }

@@ -1,8 +1,9 @@
 // One line for a screen on the wall: what runs now, large enough to be read across the hall.
 import {call, get, repeat} from './api.js';
-import {chart, curlLines, wantedBand} from './chart.js';
-import {curlText, findingList, gravestFinding, h, replace, stateText} from './dom.js';
+import {chart, wantedBand} from './chart.js';
+import {findingList, gravestFinding, h, monitorText, replace, stateText} from './dom.js';
 import {followedWall} from './followed.js';
+import {curlLines} from './history.js';
 import {largestMonitor} from './jobs.js';
 
 /** The job to show: a running one, if possible one that follows a casting; else the newest. */
@@ -13,19 +14,19 @@ async function findJob(label) {
   return (await call('ListJobs', {page_size: 1, ...filter})).jobs[0];
 }
 
-function drawRun(element, {job, history, wanted}) {
+function drawRun(element, {job, steps, wanted}) {
   const findings = (job.findings || []).filter(f => f.severity !== 'NOTE'), last = largestMonitor(job);
   replace(
     element, h('h1', {}, job.title || job.id),
     h('div', {class: 'headline'},
       h('p', {class: 'huge'},
-        last ? curlText(last.curl_m, last.curl_lower_error_m, last.curl_upper_error_m) : '–'),
+        last ? monitorText(last) : '–'),
       gravestFinding(findings)),
     h('p', {}, h('span', {class: `state ${job.state.toLowerCase()}`}, stateText(job.state)),
       job.last_step?.time_s ? ` at ${job.last_step.time_s.toFixed(0)} s` : ''),
-    history.time_s.length
+    steps.length
       ? chart(
-          curlLines(history),
+          curlLines(steps),
           {title: 'Curl', xLabel: 'time, s', yLabel: 'mm', wanted: wantedBand(wanted)})
       : null,
     findings.length > 1 ? findingList(findings) : null);

@@ -1,9 +1,10 @@
 // What-if: a case with a plant's levers changed, computed at once as a draft, beside the case as it
 // is.
 import {call, events, get, getText, post} from './api.js';
-import {chart, curlFigures, curlLines, monitorOf, wantedBand} from './chart.js';
-import {endText, findingList, fixed, h, replace} from './dom.js';
-import {judgement} from './judgement.js';
+import {chart, wantedBand} from './chart.js';
+import {findingList, fixed, h, monitorText, replace} from './dom.js';
+import {judgement} from './drawn.js';
+import {addStep, curlLines, lastMonitors} from './history.js';
 
 // A factor is in %, everything else in its unit; 0 is the case as it is.
 const levers = [
@@ -62,17 +63,6 @@ export function rampText(text) {
     return [place, value];
   });
   return rows.length ? JSON.stringify(rows) : null;
-}
-
-/** Adds the steps of a message to a history. */
-function append(history, steps) {
-  history.time_s.push(...steps.time_s);
-  history.cast_length_m.push(...steps.cast_length_m);
-  for (const given of steps.monitors) {
-    const missing = history.time_s.length - steps.time_s.length;
-    const monitor = monitorOf(history, given.name, missing);
-    for (const figure of curlFigures) monitor[figure].push(...given[figure]);
-  }
 }
 
 /** @param wanted  name of the case to begin with */
@@ -146,10 +136,10 @@ export function whatIfPage(element, signal, wanted) {
   function draw(now, done) {
     const lines = [];
     if (reference)
-      lines.push(...curlLines(reference.history, ' as it is')
+      lines.push(...curlLines(reference.steps, ' as it is')
                    .map((line, i) => ({...line, dashed: true, colour: i})));
     if (now && now !== reference)
-      lines.push(...curlLines(now.history, ' changed')
+      lines.push(...curlLines(now.steps, ' changed')
                    .map((line, i) => ({...line, colour: i})));
     if (lines.length === 0)
       return replace(
@@ -165,9 +155,7 @@ export function whatIfPage(element, signal, wanted) {
     if (!done) return;
     if (reference && now !== reference) compare(now);
     const ends = answer =>
-      answer.history.monitors
-        .map(m => `${m.name} ${endText(m)}`)
-        .join(', ');
+      lastMonitors(answer.steps).map(m => `${m.name} ${monitorText(m)}`).join(', ');
     replace(
       verdict, h('h2', {}, 'Answer'), reference ? h('p', {}, `As it is: ${ends(reference)}`) : null,
       now !== reference ? h('p', {}, h('strong', {}, `Changed: ${ends(now)}`)) : null,
@@ -190,7 +178,7 @@ export function whatIfPage(element, signal, wanted) {
       if (mine === compared)
         replace(
           difference, h('h2', {}, 'Difference of run 2, changed, from run 1, as it is'),
-          judgement(found.judgement, part => part.table?.key === 'differences'));
+          judgement(found.judgement, key => key === 'differences'));
     } catch (fault) {
       if (mine === compared) replace(difference, h('p', {class: 'soft'}, fault.message));
     }
@@ -199,7 +187,7 @@ export function whatIfPage(element, signal, wanted) {
   function compute(list, done) {
     running.abort();
     running = new AbortController();
-    const begin = performance.now(), history = {time_s: [], cast_length_m: [], monitors: []};
+    const begin = performance.now(), steps = [];
     status.textContent = 'Computing…';
     events(
       address('ask', list), running.signal,
@@ -208,8 +196,8 @@ export function whatIfPage(element, signal, wanted) {
           status.textContent = `${event.waiting[0].toUpperCase()}${event.waiting.slice(1)}, about ${
             fixed(Math.max(1, event.expected_s), 0)} s`;
         if (event.steps) {
-          append(history, event.steps);
-          draw({history}, false);
+          event.steps.forEach(step => addStep(steps, step));
+          draw({steps}, false);
           status.textContent = `Computing… ${fixed(100 * event.progress, 0)} %`;
         }
         if (event.answer) {

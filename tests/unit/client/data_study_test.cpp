@@ -3,6 +3,7 @@
 
 #include "client/text/study_text.hpp"
 #include "client/text/sweep_csv.hpp"
+#include "proto/case_file/quality.hpp"
 #include "tests/support/study_result.hpp"
 
 namespace dccast::client {
@@ -31,6 +32,7 @@ TEST(Sweep, CsvHasTheErrorOfMeshAndStepsWhereItIsKnown) {
   add_run(result, 0, 1, 41.0);
   for (v1::StudyRun& run : *result.mutable_runs()) {
     run.mutable_end_curl_m()->Truncate(1);
+    case_file::set_end_errors(run.end_curl_m(), run);
     run.add_numbers(10.0);
   }
   const std::string csv = render::sweep_csv(result);

@@ -119,7 +119,7 @@ grpc::Status FakeService::CompareRuns(grpc::ServerContext*, const v1::CompareRun
   std::vector<judging::JudgedRun> runs;
   for (const v1::ComparedRun& asked : request->runs()) {
     const v1::Case& description = asked.has_job() ? result.case_() : answered_[asked.answer()];
-    runs.push_back({asked.name(), description, {result.steps().begin(), result.steps().end()}});
+    runs.push_back({{{result.steps().begin(), result.steps().end()}}, asked.name(), description});
     comparison->add_runs()->set_name(asked.name());
   }
   if (runs.size() > 1) {

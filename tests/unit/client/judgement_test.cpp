@@ -1,13 +1,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "client/html/judgement_parts.hpp"
 #include "client/model/judgement_json.hpp"
 #include "client/text/judgement_text.hpp"
 #include "json_reading.hpp"
+#include "proto/figures/rounding.hpp"
 
 namespace dccast::client::render {
 namespace {
@@ -65,8 +69,27 @@ TEST(JudgementText, NumbersAreConvertedAndRoundedByTheRenderer) {
 TEST(JudgementText, AnErrorMayBeOneSided) {
   v1::Table table = curl_table();
   add_row(table, "corner", 0.0355, 0.0, 0.0039);
-  EXPECT_THAT(table_text(table), HasSubstr("35.5  -0.0 +3.9"));
-  EXPECT_THAT(table_part(table), HasSubstr("35.5, -0.0 +3.9"));
+  EXPECT_THAT(table_text(table), HasSubstr("35.5  -0 +3.9"));
+  EXPECT_THAT(table_part(table), HasSubstr("35.5, -0 +3.9"));
+}
+
+TEST(JudgementText, ErrorsInTextAndReportAreThoseOfAllRenderers) {
+  std::ifstream file(DCCAST_FIGURES);
+  int shown = 0;
+  for (const auto& example : nlohmann::json::parse(file)["curls"]) {
+    if (!example.contains("upper_m")) continue;
+    const double lower_m = example["lower_m"], upper_m = example["upper_m"];
+    const int decimals = figures::mm_decimals(std::max(lower_m, upper_m));
+    v1::Table table = curl_table();
+    table.mutable_columns(1)->set_resolution(1e-3 * std::pow(10.0, -decimals));
+    add_row(table, "corner", example["curl_m"], lower_m, upper_m);
+
+    std::string text = example["text"];
+    text.resize(text.size() - std::string(" mm").size());
+    EXPECT_THAT(table_part(table), HasSubstr(">" + text + "<"));
+    ++shown;
+  }
+  EXPECT_GT(shown, 10);
 }
 
 TEST(JudgementText, AFigureThatIsNotKnownIsEmptyAndZeroHasNoSign) {
@@ -191,8 +214,8 @@ TEST(JudgementChart, HasItsLinesInTheDataOfThePageWithSixDigits) {
   for (const double y : {0.0212345678, static_cast<double>(NAN)}) line.add_y(y);
   line.set_is_dotted(true);
   const std::string html = chart_figure(chart);
-  for (const char* const part : {"<h2>Curl of the corner</h2>", "\"unit\":\"m\"", "\"x\":[0.1,0.2]",
-                                 "\"y\":[0.0212346,null]", "\"is_dotted\":true"})
+  for (const char* const part : {"<h2>Curl of the corner</h2>", "\"xLabel\":\", mm\"",
+                                 "\"x\":[100.0,200.0]", "\"y\":[0.0212346,null]", "\"dots\":true"})
     EXPECT_THAT(html, HasSubstr(part));
 }
 

@@ -123,7 +123,7 @@ TEST(Progress, StepsComputedAgainReplaceTheFirstOnes) {
   resumed.mutable_resumed()->set_time_s(3.0);
   progress.show(resumed);
   progress.show(events[5]);
-  EXPECT_THAT(progress.history().time_s, testing::ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(progress.history().time_s(), testing::ElementsAre(1, 2, 3, 4));
 }
 
 TEST(Progress, ARunBegunAnewHasOneCurve) {
@@ -134,19 +134,10 @@ TEST(Progress, ARunBegunAnewHasOneCurve) {
   v1::JobEvent anew;
   anew.mutable_resumed()->set_time_s(-30.0);
   progress.show(anew);
-  EXPECT_TRUE(progress.history().time_s.empty());
+  EXPECT_TRUE(progress.history().steps.empty());
   EXPECT_THAT(stream.str(), HasSubstr("started over"));
   for (const v1::JobEvent& event : events) progress.show(event);
-  EXPECT_THAT(progress.history().time_s, testing::ElementsAre(1, 2, 3, 4, 5));
-}
-
-TEST(Progress, AStepReportedAgainWithoutAWordReplacesItself) {
-  CurlHistory history;
-  const auto events = run_of(5);
-  for (const int i : {2, 3, 4, 5, 3, 4}) history.add(events[static_cast<std::size_t>(i)].step());
-  EXPECT_THAT(history.time_s, testing::ElementsAre(1, 2, 3));
-  EXPECT_THAT(history.step, testing::ElementsAre(1, 2, 3));
-  EXPECT_EQ(history.monitors[0].curl_m.size(), 3u);
+  EXPECT_THAT(progress.history().time_s(), testing::ElementsAre(1, 2, 3, 4, 5));
 }
 
 TEST(WatchOutput, EveryLineHasTheKeysThatScriptsRelyOn) {
@@ -193,7 +184,7 @@ TEST(ReportPage, HoldsEveryPartAndLoadsNothing) {
   *result.mutable_frame() = square();
   result.mutable_case_()->mutable_schedule()->set_hold_s(60);
   judging::RunToJudge judged{
-      .run = {"run", result.case_(), {result.steps().begin(), result.steps().end()}},
+      .run = {{{result.steps().begin(), result.steps().end()}}, "run", result.case_()},
       .last_frame = result.frame()};
   const std::string page =
       report_page({.job = job, .result = result, .judgement = judging::judge_run(judged)});
@@ -232,54 +223,6 @@ TEST(CastingDrawing, NamesWhatItShows) {
 TEST(ReportPage, OfAJobWithoutStepsSaysSo) {
   EXPECT_THAT(report_page({.job = v1::Job(), .result = v1::QueryResultResponse()}),
               HasSubstr("no step yet"));
-}
-
-TEST(CurlOf, IsUnknownWhereTheServerHasNone) {
-  v1::MonitorValue monitor;
-  EXPECT_TRUE(std::isnan(curl_of(monitor)));
-  monitor.set_curl_m(-4e-3);
-  EXPECT_EQ(curl_of(monitor), -4e-3);
-}
-
-TEST(MmErrors, ShowTheSidesApartWhereTheyDiffer) {
-  EXPECT_EQ(mm_errors(0.36e-3, 0.36e-3, 2), "± 0.36");
-  EXPECT_EQ(mm_errors(0.0, 4.96e-3, 1), "-0 +5.0");
-  EXPECT_EQ(mm_errors(4.96e-3, 0.0, 1), "-5.0 +0");
-  EXPECT_EQ(mm_errors(0.002e-3, 0.008e-3, 2), "-0 +0.01");
-}
-
-TEST(CurlHistory, HorizontalHasTheComponentsOfItsDimension) {
-  v1::StepReport report;
-  v1::MonitorValue& monitor = *report.add_monitors();
-  for (const double u : {3e-3, -4e-3, 20e-3}) monitor.add_displacement_m(u);
-  CurlHistory history;
-  history.add(report);
-  EXPECT_THAT(history.monitors[0].horizontal_m,
-              testing::ElementsAre(testing::ElementsAre(3e-3, -4e-3)));
-  monitor.clear_displacement_m();
-  for (const double u : {3e-3, 20e-3}) monitor.add_displacement_m(u);
-  CurlHistory section;
-  section.add(report);
-  EXPECT_THAT(section.monitors[0].horizontal_m, testing::ElementsAre(testing::ElementsAre(3e-3)));
-}
-
-TEST(CurlHistory, TemperaturesAreThoseOfTheirStepsAndUnknownBeforeAPointIsPoured) {
-  CurlHistory history;
-  for (int step = 1; step <= 3; ++step) {
-    v1::StepReport report;
-    report.set_step(step);
-    v1::MonitorValue& monitor = *report.add_monitors();
-    monitor.set_name("head");
-    if (step > 1) monitor.set_temperature_c(600.0 + step);
-    history.add(report);
-  }
-  ASSERT_EQ(history.monitors[0].temperature_c.size(), 3u);
-  EXPECT_TRUE(std::isnan(history.monitors[0].temperature_c[0]));
-  EXPECT_EQ(history.monitors[0].temperature_c[2], 603.0);
-
-  history.rewind(2);
-  EXPECT_EQ(history.monitors[0].temperature_c.size(), 2u);
-  EXPECT_EQ(history.monitors[0].curl_m.size(), 2u);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ struct Refinement {
   std::string report(std::size_t level) const {
     v1::QueryResultResponse run;
     *run.add_steps() = jobs[level].last_step();
-    judging::RunToJudge judged{.run = {"run", {}, {jobs[level].last_step()}}};
+    judging::RunToJudge judged{.run = {{{jobs[level].last_step()}}, "run", {}}};
     judged.refinement = result;
     return render::report_page(
         {.job = jobs[level], .result = run, .judgement = judging::judge_run(judged)});
@@ -102,8 +102,8 @@ TEST(StudyPart, TheReportOfARunOfAStudyHasItsErrorItsBandAndTheTables) {
   for (const char* const part :
        {"<strong>4.00</strong> mm<em>± 1.05 mm</em>", "<span>limit, corner</span>",
         "<strong>4.80</strong> mm<em>± 0.25 mm</em>", "corner, limit of finer meshes",
-        "How much of it is discretisation", "This run has refinement 1.", "<td>4.600</td>",
-        "<td>1.00</td>", "<td>4.800 ± 0.250</td>",
+        "How much of it is discretisation", "This run has refinement 1.", ">4.600</td>",
+        ">1.00</td>", ">4.800 ± 0.250</td>",
         "The curl of the corner at the end tends to 4.800 ± 0.250 mm, with order 1.00."})
     EXPECT_THAT(page, HasSubstr(part));
   EXPECT_THAT(page, Not(HasSubstr("is not known")));

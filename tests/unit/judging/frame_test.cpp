@@ -115,7 +115,7 @@ TEST(RunFacts, TheRecipeIsAsAPlantReadsIt) {
 }
 
 TEST(RunFacts, TheChecksAreTheWorstOfAllStepsAndSayWhatTheRunTook) {
-  JudgedRun run{"run", {}, {}};
+  JudgedRun run;
   for (const double residual : {1e-9, -4e-8, 2e-9}) {
     v1::StepReport& step = run.steps.emplace_back();
     step.set_equilibrium_residual(residual);

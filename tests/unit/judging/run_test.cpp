@@ -18,7 +18,7 @@ using testing::SizeIs;
 
 /// Five steps of 50 s and 20 mm; the corner of a quarter slab rises evenly to 40 mm.
 RunToJudge even_rise() {
-  RunToJudge judged{.run = {"run", {}, {}}};
+  RunToJudge judged{.run = {{}, "run", {}}};
   v1::Case& description = judged.run.description;
   description.mutable_section()->set_kind(v1::Section::QUARTER_SLAB);
   description.mutable_time()->set_end_s(250.0);

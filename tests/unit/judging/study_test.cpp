@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "proto/case_file/quality.hpp"
 #include "proto/case_file/study_keys.hpp"
 #include "server/judging/judged_study.hpp"
 #include "tests/support/judged_table.hpp"
@@ -198,7 +199,9 @@ TEST(Runs, AreListedWithTheErrorOfMeshAndStepsWhereItIsKnown) {
   v1::StudyResult result;
   result.add_monitors("corner");
   add_axis(result, "mesh.rows", "10", "20");
-  add_run(result, 0, 0, -40.0).mutable_mesh_error()->set_upper(0.05);
+  v1::StudyRun& run = add_run(result, 0, 0, -40.0);
+  run.mutable_mesh_error()->set_upper(0.05);
+  case_file::set_end_errors(run.end_curl_m(), run);
   add_run(result, 0, 1, 41.0);
   const v1::Table runs = table_of(judged(result, std::nullopt), "runs");
   EXPECT_TRUE(runs.columns(2).has_error());
@@ -207,7 +210,7 @@ TEST(Runs, AreListedWithTheErrorOfMeshAndStepsWhereItIsKnown) {
   EXPECT_FALSE(runs.rows(1).cells(2).has_upper_error());
   EXPECT_DOUBLE_EQ(runs.columns(2).resolution(), 1e-4) << "an error of 2 mm has two digits";
   EXPECT_EQ(runs.rows(1).cells(5).code(), "succeeded");
-  result.mutable_runs(0)->clear_mesh_error();
+  result.mutable_runs(0)->clear_end_upper_error_m();
   EXPECT_FALSE(table_of(judged(result, std::nullopt), "runs").columns(2).has_error());
 }
 

@@ -2,9 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import {
-  chart, curlLines, monitorOf, ticks, valueAt, wantedBand
-} from '../../../client/html/assets/chart.js';
+import {chart, ticks, valueAt, wantedBand} from '../../../client/html/assets/chart.js';
 
 /** As much of a document as a chart needs. */
 class Element {
@@ -63,31 +61,6 @@ test('between the points of a line its value is linear, outside there is none', 
   assert.equal(valueAt({x: [], y: []}, 1), NaN);
   assert.equal(valueAt({x: [0, 1, 2], y: [3, NaN, 5]}, 1.5), NaN, 'a figure that is missing');
   assert.equal(valueAt({x: [0, 1, 1], y: [2, 4, 6]}, 1), 4, 'of a jump the first');
-});
-
-test('curls are in mm, with bands where errors are known', () => {
-  const history = {time_s: [0, 1], monitors: []};
-  Object.assign(monitorOf(history, 'corner', 0), {
-    curl_m: [0.001, 0.002], lower_error_m: [0.0001, 0.0002], upper_error_m: [0.0003, 0.0004]
-  });
-  Object.assign(monitorOf(history, 'late', 1), {curl_m: [null, 0.005]});
-
-  const [corner, late] = curlLines(history, ', run 2');
-  assert.equal(corner.name, 'corner, run 2');
-  assert.deepEqual(corner.y, [1, 2]);
-  assert.deepEqual(corner.low.map(v => Number(v.toFixed(6))), [0.9, 1.8]);
-  assert.deepEqual(corner.high.map(v => Number(v.toFixed(6))), [1.3, 2.4]);
-  assert.deepEqual(late.y, [NaN, 5]);
-  assert.equal(late.low, undefined);
-});
-
-test('a monitor that comes later lacks its first figures', () => {
-  const history = {monitors: []};
-  const monitor = monitorOf(history, 'corner', 2);
-  for (const figure of ['curl_m', 'lower_error_m', 'upper_error_m'])
-    assert.deepEqual(monitor[figure], [null, null]);
-  assert.equal(monitorOf(history, 'corner', 9), monitor);
-  assert.equal(history.monitors.length, 1);
 });
 
 test('a wanted range may have one end, or none', () => {

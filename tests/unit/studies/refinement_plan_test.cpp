@@ -35,7 +35,7 @@ EvaluatedRun run_with(int refinement, double factor, double lost_s = 0.0) {
   EvaluatedRun run;
   run.run.set_refinement(refinement);
   run.run.set_state(v1::SUCCEEDED);
-  run.history = run_history(job, steps);
+  run.history = run_curves(job, steps);
   return run;
 }
 

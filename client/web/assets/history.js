@@ -1,0 +1,30 @@
+// The history of a run: its accepted steps, as StepReport has them, each once.
+
+/** Adds a step. Those from its number on are taken back: the run was resumed before it. */
+export function addStep(steps, step) {
+  while (steps.length > 0 && steps.at(-1).step >= step.step) steps.pop();
+  steps.push(step);
+}
+
+/** The monitors of a history by their names, in the order in which they were first reported. */
+const monitorsOf = steps => [...new Set(steps.flatMap(step => step.monitors.map(m => m.name)))];
+
+const figures = ({monitors}, name) => monitors.find(m => m.name === name) || {name};
+
+/** The last figures of every monitor. */
+export const lastMonitors =
+  steps => monitorsOf(steps).map(name => figures(steps.at(-1), name));
+
+/** The curls of a history with their bands, in mm. */
+export const curlLines = (steps, suffix = '') => monitorsOf(steps).map(name => {
+  const x = steps.map(step => step.time_s);
+  const known = steps.map(step => figures(step, name));
+  const inMm = of => known.map(m => 1e3 * (of(m) ?? NaN));
+  const line = {name: name + suffix, monitor: name, x, y: inMm(m => m.curl_m)};
+  if (!Number.isFinite(known.at(-1).curl_upper_error_m)) return line;
+  return {
+    ...line,
+    low: inMm(m => m.curl_m - m.curl_lower_error_m),
+    high: inMm(m => m.curl_m + m.curl_upper_error_m)
+  };
+});

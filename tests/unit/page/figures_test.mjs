@@ -1,0 +1,18 @@
+// Curls as the page writes them, by the examples that text and Python keep to, too.
+import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
+import test from 'node:test';
+
+import {curlText, fixed} from '../../../client/html/assets/dom.js';
+
+test('curls are rounded as in the examples of all renderers', () => {
+  const {curls} = JSON.parse(readFileSync(new URL('../../support/figures.json', import.meta.url)));
+  assert.ok(curls.length > 10);
+  for (const {curl_m: curl, lower_m: lower, upper_m: upper, text} of curls)
+    assert.equal(curlText(curl, lower, upper), text);
+});
+
+test('zero has no sign', () => {
+  assert.equal(fixed(-0.04, 1), '0.0');
+  assert.equal(fixed(-0.06, 1), '-0.1');
+});
