@@ -48,7 +48,8 @@ std::string residuals_text(const v1::Finding& failure) {
   return text;
 }
 
-enum class Shown { always, if_any, on_request };  // if_any: where a job has something in it
+/// When a column is printed; `if_any`: if some job has something in it.
+enum class Visibility { always, if_any, on_request };
 
 using Row = const v1::Job&;
 using StudyRow = const v1::Study&;
@@ -57,7 +58,7 @@ struct ListColumn {
   const char* name;
   const char* heading;
   std::string (*cell)(Row);
-  Shown shown = Shown::always;
+  Visibility visibility = Visibility::always;
   std::string (*study_cell)(StudyRow) = [](StudyRow) { return std::string(); };
 };
 
@@ -75,28 +76,29 @@ std::string study_title(StudyRow study) {
 }
 
 const std::array list_columns{
-    ListColumn{"job", "JOB", [](Row job) { return job.id(); }, Shown::always,
+    ListColumn{"job", "JOB", [](Row job) { return job.id(); }, Visibility::always,
                [](StudyRow study) { return study.id(); }},
-    ListColumn{"state", "STATE", full_state_text, Shown::always,
+    ListColumn{"state", "STATE", full_state_text, Visibility::always,
                [](StudyRow study) { return state_text(study); }},
-    ListColumn{"done", ">DONE", done_cell, Shown::always,
+    ListColumn{"done", ">DONE", done_cell, Visibility::always,
                [](StudyRow study) { return fixed(100.0 * study.progress(), 0) + " %"; }},
-    ListColumn{"curl", ">CURL mm", largest_curl_text, Shown::always,
+    ListColumn{"curl", ">CURL mm", largest_curl_text, Visibility::always,
                [](StudyRow) { return std::string("-"); }},
     ListColumn{"findings", "FINDINGS", [](Row job) { return findings_count(job.findings()); },
-               Shown::if_any},
-    ListColumn{"left", ">LEFT", left_cell, Shown::if_any},
+               Visibility::if_any},
+    ListColumn{"left", ">LEFT", left_cell, Visibility::if_any},
     ListColumn{"created", "CREATED", [](Row job) { return time_text(job.create_time()); },
-               Shown::always, [](StudyRow study) { return time_text(study.create_time()); }},
-    ListColumn{"labels", "LABELS", [](Row job) { return joined(job.labels(), ","); }, Shown::if_any,
-               [](StudyRow study) { return joined(study.labels(), ","); }},
+               Visibility::always, [](StudyRow study) { return time_text(study.create_time()); }},
+    ListColumn{"labels", "LABELS", [](Row job) { return joined(job.labels(), ","); },
+               Visibility::if_any, [](StudyRow study) { return joined(study.labels(), ","); }},
     ListColumn{"changes", "CHANGES", [](Row job) { return changes_text(job.changes()); },
-               Shown::on_request},
-    ListColumn{"owner", "OWNER", [](Row job) { return job.owner(); }, Shown::on_request,
+               Visibility::on_request},
+    ListColumn{"owner", "OWNER", [](Row job) { return job.owner(); }, Visibility::on_request,
                [](StudyRow study) { return study.owner(); }},
-    ListColumn{"study", "STUDY", [](Row job) { return job.study(); }, Shown::on_request,
+    ListColumn{"study", "STUDY", [](Row job) { return job.study(); }, Visibility::on_request,
                [](StudyRow study) { return study.id(); }},
-    ListColumn{"title", "TITLE", [](Row job) { return job.title(); }, Shown::always, study_title},
+    ListColumn{"title", "TITLE", [](Row job) { return job.title(); }, Visibility::always,
+               study_title},
 };
 
 std::string cell_of(const ListColumn& column, const ListLine& line) {
@@ -109,8 +111,8 @@ std::vector<std::string> usual_columns(const std::vector<ListLine>& lines) {
     const auto says_something = [&](const ListLine& line) {
       return !cell_of(column, line).empty();
     };
-    if (column.shown == Shown::always ||
-        (column.shown == Shown::if_any && std::ranges::any_of(lines, says_something)))
+    if (column.visibility == Visibility::always ||
+        (column.visibility == Visibility::if_any && std::ranges::any_of(lines, says_something)))
       names.emplace_back(column.name);
   }
   return names;

@@ -166,7 +166,7 @@ double normalised(const Innovation& innovation) {
   return (innovation.reading - innovation.expected.value) / innovation.expected.deviation;
 }
 
-Curve scale_of_members(const TrajectoryEnsemble& whole, const Gauge& gauge) {
+Curve member_scale(const TrajectoryEnsemble& whole, const Gauge& gauge) {
   const TrajectoryEnsemble ensemble = thinned(whole);
   const double lowest = ensemble.members.minCoeff(), highest = ensemble.members.maxCoeff();
   if (highest <= lowest) return Curve(1.0);

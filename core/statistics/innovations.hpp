@@ -31,7 +31,7 @@ double normalised(const Innovation& innovation);
 /// that a member reaches near a value, within two standard deviations of a reading, and two of what
 /// noise adds to it, must stay below the limit. Readings come every second.
 /// @throws std::invalid_argument  as prior_of, of five sixths of the members
-Curve scale_of_members(const TrajectoryEnsemble& ensemble, const Gauge& gauge);
+Curve member_scale(const TrajectoryEnsemble& ensemble, const Gauge& gauge);
 
 /// How readings leave what prior and earlier readings permit.
 struct Departure {

@@ -466,7 +466,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   service::Context context = make_context(config, jobs, access.gate);
   service::PublicServer server(context, local, tls.listening());
 
-  jobs.scheduler.look_before_removal(
+  jobs.scheduler.observe_removal(
       [&context](const v1::Job& job) { service::learn_before_removal(context, job); });
   jobs.scheduler.start();
   jobs.studies.start();

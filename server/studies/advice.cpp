@@ -17,7 +17,7 @@ namespace {
 
 constexpr double least_gain_m = 1e-3;
 
-/// Castings that tell an effect at least: fewer have no scatter.
+/// Least number of castings from which an effect is estimated: fewer have no scatter.
 constexpr int fewest_castings = 5;
 /// Standard deviation of an effect by mesh and steps of a draft: a share of it, and what remains of
 /// a small one (docs/forecasts.md).
@@ -101,7 +101,7 @@ struct Sample {
 
 /// Half the width of a band of nine in ten, in standard deviations that were estimated: the
 /// quantile of Student's t (Abramowitz and Stegun 1964, 26.7.5, two terms).
-double nine_of_ten_of(double degrees_of_freedom) {
+double student_quantile(double degrees_of_freedom) {
   const double z = nine_of_ten;
   return z + (z * z * z + z) / (4.0 * degrees_of_freedom);
 }
@@ -133,7 +133,7 @@ v1::ExpectedCurl predicted(const Sample& sample, const v1::ExpectedCurl& curl) {
       1.0 / static_cast<double>(count) + (spread > 0.0 ? distance * distance / spread : 0.0);
   const double of_curl = slope * 0.5 * (curl.upper_m() - curl.lower_m()) / nine_of_ten;
   const double of_mesh = std::hypot(mesh_share * mean, least_error_m);
-  const double half = std::hypot(nine_of_ten_of(degrees) * std::sqrt(scatter2 * (1.0 + of_line)),
+  const double half = std::hypot(student_quantile(degrees) * std::sqrt(scatter2 * (1.0 + of_line)),
                                  nine_of_ten * of_curl, nine_of_ten * of_mesh);
   effect.set_curl_m(mean);
   effect.set_lower_m(mean - half);

@@ -16,7 +16,7 @@ constexpr double share_after_minute = 0.5;
 
 }  // namespace
 
-double share_of_minute(double time_s, double since_s) {
+double minute_share(double time_s, double since_s) {
   constexpr double minute_s = 60.0;
   return std::clamp((time_s - since_s) / minute_s, 0.0, 1.0);
 }
@@ -38,7 +38,7 @@ statistics::Estimated ExecutedLevers::effect_at(double time_s, double known_unti
   const double known_s = std::min(known_until_s, time_s_.back());
   const double at_s = std::clamp(time_s, time_s_.front(), known_s);
   const double effect_m = values::at_instants({at_s}, time_s_, effect_m_).front();
-  return {effect_m, share_after_minute * share_of_minute(time_s, known_s) * std::abs(effect_m)};
+  return {effect_m, share_after_minute * minute_share(time_s, known_s) * std::abs(effect_m)};
 }
 
 }  // namespace dccast::studies

@@ -11,7 +11,7 @@ namespace dccast::studies {
 
 /// The share of a minute that has passed since another time [s], at most 1: what is known of levers
 /// ages as fast.
-double share_of_minute(double time_s, double since_s);
+double minute_share(double time_s, double since_s);
 
 /// What levers that have left the plan did to the curl at a gauge: the curl of the run that follows
 /// them minus that of the run of the plan, at equal mesh and data. It is known up to the last step

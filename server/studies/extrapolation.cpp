@@ -37,7 +37,7 @@ double fitted_ratio(const std::vector<double>& time_s, const std::vector<double>
   return largest > resolved_m ? product / square : std::numeric_limits<double>::quiet_NaN();
 }
 
-bool each_half_of_the_one_before(const std::vector<RefinedCurve>& curves) {
+bool are_halved(const std::vector<RefinedCurve>& curves) {
   const std::size_t n = curves.size();
   return n >= 3 && curves[n - 1].refinement == 2 * curves[n - 2].refinement &&
          curves[n - 2].refinement == 2 * curves[n - 3].refinement;
@@ -60,7 +60,7 @@ CurveLimit without_order(const std::vector<RefinedCurve>& curves) {
 }  // namespace
 
 CurveLimit extrapolate(const std::vector<double>& time_s, const std::vector<RefinedCurve>& curves) {
-  if (!each_half_of_the_one_before(curves)) return without_order(curves);
+  if (!are_halved(curves)) return without_order(curves);
 
   // Differences of successive refinements shrink by the ratio rho, from which the order follows.
   const std::vector<double>& finest = curves.back().value_m;

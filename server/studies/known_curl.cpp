@@ -55,7 +55,7 @@ LearnedCurl learn(const TrajectoryForecast& before, const std::vector<CurlReadin
 /// the curl [m].
 Curve scale_of(const CurlPrior& prior, const statistics::Gauge& gauge) {
   if (!prior.ensemble) return Curve(1.0);
-  return statistics::scale_of_members(*prior.ensemble, gauge);
+  return statistics::member_scale(*prior.ensemble, gauge);
 }
 
 /// Learns from readings of a gauge, once more after each slip that they show.
@@ -101,8 +101,7 @@ statistics::Estimated KnownCurl::with_levers(const statistics::Estimated& as_pla
                                              double known_until_s) const {
   const auto after = std::ranges::upper_bound(off_plan_, known_until_s, {}, &PlanDeparture::time_s);
   const double off = after == off_plan_.begin() ? 0.0 : std::prev(after)->share;
-  const double otherwise =
-      off * share_of_minute(time_s, known_until_s) * before_.at(time_s).deviation;
+  const double otherwise = off * minute_share(time_s, known_until_s) * before_.at(time_s).deviation;
 
   const statistics::Estimated effect = levers_.effect_at(time_s, known_until_s);
   return {as_planned.value + effect.value,

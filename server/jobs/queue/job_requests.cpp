@@ -104,7 +104,7 @@ Reply JobRequests::remove(const std::string& id, const std::string& why,
   const bool may_be_removed = is_terminal(record->job.state()) && !state_.ledger.kept(id) &&
                               (!permits || permits(record->job));
   if (!may_be_removed) return {Reply::Kind::wrong_state, record->job};
-  if (look_before_removal_) look_before_removal_(record->job);
+  if (removal_observer_) removal_observer_(record->job);
   erase(*record);
   log::info("job {}: deleted, {}", id, why);
 

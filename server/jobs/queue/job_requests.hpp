@@ -31,8 +31,8 @@ public:
   Reply stop(const std::string& id, const Request& request);
   /// Puts a paused job back into the queue. wrong_state: it is not paused.
   Reply resume(const std::string& id);
-  /// See Scheduler::look_before_removal().
-  void look_before_removal(JobObserver look) { look_before_removal_ = std::move(look); }
+  /// See Scheduler::observe_removal().
+  void observe_removal(JobObserver observer) { removal_observer_ = std::move(observer); }
   /// See Scheduler::remove().
   Reply remove(const std::string& id, const std::string& why,
                const std::function<bool(const v1::Job& job)>& permits);
@@ -50,7 +50,7 @@ private:
   /// Deletes row and folder of a job that no worker runs.
   void erase(const JobRecord& record);
 
-  JobObserver look_before_removal_;
+  JobObserver removal_observer_;
   QueueState& state_;
   JobViews& views_;
 };

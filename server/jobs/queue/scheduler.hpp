@@ -61,9 +61,9 @@ public:
   void observe_transitions(TransitionObserver observer) {
     state_.ledger.observe_transitions(std::move(observer));
   }
-  /// Sets what looks at each job before it is deleted, while its folder is still there; before
+  /// Sets the observer of jobs that are about to be deleted, whose folder still exists; before
   /// start(). It must not throw.
-  void look_before_removal(JobObserver look) { requests_.look_before_removal(std::move(look)); }
+  void observe_removal(JobObserver observer) { requests_.observe_removal(std::move(observer)); }
   /// Cancels a job; see JobRequests::stop(). @param reason  stored as its cause
   Reply cancel(const std::string& id, const std::string& reason) {
     return requests_.stop(id, {RequestedAction::cancel, reason});

@@ -188,7 +188,7 @@ TEST(ScaleOfMembers, IsOneForNormalMembers) {
   Eigen::MatrixXd members(36, p.time.size());
   for (Eigen::Index i = 0; i < members.rows(); ++i) members.row(i) = drawn(p, random).transpose();
 
-  const Curve scale = scale_of_members(ensemble_of(p.time, members), gauge);
+  const Curve scale = member_scale(ensemble_of(p.time, members), gauge);
   EXPECT_LE(std::ranges::max(scale.value()), 1.1);
   EXPECT_GE(std::ranges::min(scale.value()), 1.0);
 }
@@ -218,7 +218,7 @@ TEST(ScaleOfMembers, LeavesFewerSoundCastingsWithAWarningAndFindsFaultsLater) {
     TrajectoryEnsemble ensemble = ensemble_of(time, curls_with_own_begin(time, 36, random));
     ensemble.model_error = 0.05;
     const TrajectoryPrior p = prior_of(ensemble);
-    const Curve scale = scale_of_members(ensemble, gauge);
+    const Curve scale = member_scale(ensemble, gauge);
 
     const Eigen::MatrixXd truths = curls_with_own_begin(time, count, random);
     for (const auto& truth : truths.rowwise()) {
