@@ -311,7 +311,7 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
   });
 
   scheduler.recover();
-  studies.recover();
+  studies.requests().recover();
 }
 
 /// Decides about access.
@@ -335,7 +335,8 @@ AccessSide::AccessSide(const v1::DaemonConfig& config, JobSide& jobs)
             .streams = static_cast<std::size_t>(config.limits().maximum_streams()),
             .streams_per_user = static_cast<std::size_t>(config.per_user().maximum_streams())},
            {.job = [&jobs](const std::string& id) { return owner(jobs.scheduler.find(id)); },
-            .study = [&jobs](const std::string& id) { return owner(jobs.studies.find(id)); },
+            .study =
+                [&jobs](const std::string& id) { return owner(jobs.studies.requests().find(id)); },
             .line = [&jobs](const std::string& id) { return owner(jobs.lines.find(id)); }}) {}
 
 /// Objects that the calls of the service use.

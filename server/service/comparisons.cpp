@@ -125,12 +125,12 @@ v1::StudyResult refinement_of(Context& context, const Call& call, const std::str
   // Jobs can share a study id that no study of the server has, or that of another owner.
   const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
   if (!context.gate.permit_touch(call.caller, reading, study).ok()) return {};
-  const auto found = context.studies.find(study);
+  const auto found = context.studies.requests().find(study);
   if (!found || !found->has_refinement()) return {};
 
   v1::EvaluateStudyRequest request;
   request.set_id(study);
-  return context.studies.evaluate(request).value_or(v1::StudyResult{});
+  return context.studies.evaluation().evaluate(request).value_or(v1::StudyResult{});
 }
 
 v1::Judgement judge_alone(Context& context, const Call& call, FoundRun run, bool with_frame) {

@@ -36,7 +36,7 @@ public:
     v1::EvaluateStudyRequest request;
     request.set_id(id);
     request.set_curves(true);
-    if (auto found = context_.studies.evaluate(request))
+    if (auto found = context_.studies.evaluation().evaluate(request))
       result = std::make_shared<v1::StudyResult>(std::move(*found));
     return result;
   }
@@ -57,7 +57,7 @@ private:
 std::vector<v1::CurlCurve> curls_of(Context& context, const v1::Job& job) {
   const auto steps = read_steps(context, job.id());
   if (!steps) refuse(ErrorInfo::CHANGED_MEANWHILE, "job {} went on meanwhile; ask again", job.id());
-  return studies::run_history(job, *steps).curves;
+  return studies::run_curves(job, *steps).curves;
 }
 
 /// Curls of the run of the plan. @throws Refusal  it has not succeeded
@@ -161,35 +161,36 @@ private:
   std::vector<studies::EarlierCasting> earlier_;
 };
 
-/// What a casting that has ended tells its line; nothing where no forecast could be made of it.
-std::vector<v1::ObservedCurl> told_by(Context& context, const v1::LineCasting& casting,
-                                      const v1::Line& line, EvaluatedStudies& studies) {
+/// Curls observed in an ended casting, for its line; none where no forecast can be made of it.
+std::vector<v1::ObservedCurl> curls_observed_in(Context& context, const v1::LineCasting& casting,
+                                                const v1::Line& line, EvaluatedStudies& studies) {
   if (casting.following().ensemble().empty()) return {};
   try {
     const RecordedCasting recorded(context, casting.job(), &line, studies);
     return studies::observed_curls(recorded.basis());
   } catch (const studies::CannotForecast& reason) {
-    log::info("line {}: job {} tells nothing: {}", line.name(), casting.job(), reason.what());
+    log::info("line {}: job {} is left out of its forecasts: {}", line.name(), casting.job(),
+              reason.what());
   } catch (const Refusal& refusal) {
-    log::info("line {}: job {} tells nothing: {}", line.name(), casting.job(),
+    log::info("line {}: job {} is left out of its forecasts: {}", line.name(), casting.job(),
               refusal.status.error_message());
   }
   return {};
 }
 
-/// The line with what all castings that have ended tell; empty if there is no such line.
+/// The line with the curls observed in all ended castings; empty if there is no such line.
 std::optional<v1::Line> learn_of_ended(Context& context, const std::string& name,
                                        EvaluatedStudies& studies) {
   auto line = context.lines.find(name);
   if (!line) return line;
 
-  // The oldest first: what it tells sifts the readings of the next.
+  // The oldest first: its curls sift the readings of the next.
   for (v1::LineCasting& casting : *line->mutable_castings()) {
     if (casting.ended()) continue;
     const auto job = context.scheduler.find(casting.job());
     if (job && !jobs::is_terminal(job->state())) continue;
 
-    const auto curls = job ? told_by(context, casting, *line, studies)
+    const auto curls = job ? curls_observed_in(context, casting, *line, studies)
                            : std::vector<v1::ObservedCurl>();  // deleted before it told anything
     context.lines.end_casting(name, casting.job(), curls);
     casting.set_ended(true);

@@ -67,7 +67,7 @@ v1::Study readable_study(Context& context, const Call& call, const std::string& 
   const auto& reading = access::rule_of(*v1::GetStudyRequest::descriptor());
   if (const auto status = context.gate.permit_touch(call.caller, reading, id); !status.ok())
     throw Refusal{status};
-  return of_study(id, context.studies.find(id));
+  return of_study(id, context.studies.requests().find(id));
 }
 
 /// The same of a sweep. @throws Refusal  it is none
@@ -166,7 +166,7 @@ void check_jobs_before(Context& context, const access::Caller& caller,
 void check_joins_own_study(Context& context, const access::Caller& caller, const std::string& id) {
   check_study_of_job(id);
   if (id.empty()) return;
-  const auto study = context.studies.find(id);
+  const auto study = context.studies.requests().find(id);
   if (!study || study->owner() == caller.name) return;
   refuse(ErrorInfo::NOT_PERMITTED, Remedy{"submit the job without a study, or for one of your own"},
          "study {} is of {}, and holds jobs of its owner alone", id,

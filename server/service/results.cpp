@@ -251,7 +251,7 @@ SentFile open_study(Context& context, const Call& call, const v1::FetchStudyRequ
 
   v1::WorkerRequest asked;
   *asked.mutable_write_table()->mutable_study() =
-      of_study(request.id(), context.studies.evaluate(every_curve));
+      of_study(request.id(), context.studies.evaluation().evaluate(every_curve));
 
   // Only a worker may load HDF5: it writes the file.
   const jobs::CheckFolder folder(context.query_directory, {});

@@ -142,14 +142,14 @@ jobs::Attachments complete(Context& context, const Call& call, v1::CreateStudyRe
   if (before.empty()) return complete_axes(context, call, request);
 
   check_may_read_study(context, call, before);
-  auto attachments = context.studies.complete(request);
+  auto attachments = context.studies.requests().complete(request);
   if (!attachments) refuse_unknown_study(before);
   return std::move(*attachments);
 }
 
 v1::Prediction predict(Context& context, const v1::PredictStudyRequest& request) {
   try {
-    return of_study(request.id(), context.studies.predict(request));
+    return of_study(request.id(), context.studies.surfaces().predict(request));
   } catch (const studies::OutsideDomain& outside) {
     refuse(ErrorInfo::OUT_OF_RANGE, "{}", outside.what());
   } catch (const studies::FaultyPlace& fault) {
@@ -184,7 +184,7 @@ v1::CalibratedCasting casting_of(Context& context, const v1::Study& calibration)
   std::vector<std::string> further;
   studies::StudyStore::Page page{.owner = calibration.owner()};
   for (bool found = false; !found;) {
-    const auto newest_first = context.studies.list(page);
+    const auto newest_first = context.studies.requests().list(page);
     if (newest_first.empty()) break;
     for (const v1::Study& study : newest_first) {
       // All further studies are newer than what they belong to.
@@ -229,7 +229,7 @@ std::string write_found_case(Context& context, const v1::JudgeStudyRequest& requ
                              const v1::StudyResult& result) {
   v1::CreateStudyRequest known;
   known.mutable_sweep()->set_further_of(request.id());
-  context.studies.complete(known);
+  context.studies.requests().complete(known);
   try {
     return judging::found_case(result, request.case_(), known.case_());
   } catch (const judging::UnfitCase& fault) {
@@ -242,11 +242,12 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
   evaluation.set_id(request.id());
   evaluation.set_curves(request.with_curves());
   *evaluation.mutable_castings() = request.castings();
-  const v1::Study asked = of_study(request.id(), context.studies.find(request.id()));
+  const v1::Study asked = of_study(request.id(), context.studies.requests().find(request.id()));
   if (request.castings().empty() && is_ended_calibration(asked))
     *evaluation.add_castings() = casting_of(context, asked);
 
-  judging::StudyToJudge study{of_study(request.id(), context.studies.evaluate(evaluation))};
+  judging::StudyToJudge study{
+      of_study(request.id(), context.studies.evaluation().evaluate(evaluation))};
   const auto purpose = study.result.study().sweep().purpose();
   const bool is_remedy = study.result.study().has_remedy();
   if (is_remedy) study.monitor = judging::monitor_of(study.result, request.monitor());
@@ -256,7 +257,7 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
   // An uncertainty is judged with its spread, which costs time and only this purpose needs.
   if (purpose == v1::SweepPlan::UNCERTAINTY) {
     evaluation.set_spread(study.result.monitors(study.monitor));
-    study.result = of_study(request.id(), context.studies.evaluate(evaluation));
+    study.result = of_study(request.id(), context.studies.evaluation().evaluate(evaluation));
   }
 
   if (is_remedy) study.runs = judged_runs(context, study.result);
@@ -279,7 +280,7 @@ public:
 
 private:
   void open(const Call&) override {
-    of_study(id_, context_.studies.find(id_));
+    of_study(id_, context_.studies.requests().find(id_));
     context_.studies.notifier().watch(id_,
                                       std::static_pointer_cast<StudyStream>(shared_from_this()));
   }
@@ -288,7 +289,7 @@ private:
   bool looks_in_lane() const override { return true; }
 
   NextMessage<v1::Study> next() override {
-    auto study = of_study(id_, context_.studies.find(id_));
+    auto study = of_study(id_, context_.studies.requests().find(id_));
     const bool over = study.state() != v1::STUDY_RUNNING;
     const bool leaving = context_.leaving;
 
@@ -323,7 +324,7 @@ Unary* SimulationService::CreateStudy(Wire* wire, const v1::CreateStudyRequest* 
   };
 
   const auto create = [=, this](const Call& call) {
-    *study = context_.studies.create(*whole, *attachments, call.caller.name);
+    *study = context_.studies.requests().create(*whole, *attachments, call.caller.name);
     call.note->set_study(study->id());
   };
 
@@ -333,7 +334,7 @@ Unary* SimulationService::CreateStudy(Wire* wire, const v1::CreateStudyRequest* 
 Unary* SimulationService::GetStudy(Wire* wire, const v1::GetStudyRequest* request,
                                    v1::Study* study) {
   return answer(wire, *request, lanes_.status, [=, this](const Call&) {
-    *study = of_study(request->id(), context_.studies.find(request->id()));
+    *study = of_study(request->id(), context_.studies.requests().find(request->id()));
   });
 }
 
@@ -345,13 +346,13 @@ Unary* SimulationService::ListStudies(Wire* wire, const v1::ListStudiesRequest* 
         read_page("the list of studies", request->page_token(), request->page_size());
 
     // One study more than the page holds shows whether there is a next page.
-    auto studies =
-        context_.studies.list({.before_ms = page.before_ms,
-                               .before_id = page.before_id,
-                               .size = page.size + 1,
-                               .owner = owner_of_list(context_, call, request->owner()),
-                               .id_prefix = request->id_prefix(),
-                               .labels = {request->labels().begin(), request->labels().end()}});
+    auto studies = context_.studies.requests().list(
+        {.before_ms = page.before_ms,
+         .before_id = page.before_id,
+         .size = page.size + 1,
+         .owner = owner_of_list(context_, call, request->owner()),
+         .id_prefix = request->id_prefix(),
+         .labels = {request->labels().begin(), request->labels().end()}});
 
     const bool more = static_cast<int>(studies.size()) > page.size;
     if (more) studies.pop_back();
@@ -364,21 +365,23 @@ Unary* SimulationService::CancelStudy(Wire* wire, const v1::CancelStudyRequest* 
                                       v1::Study* study) {
   return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
     check_text("reason", request->reason());
-    *study = done(context_.studies.cancel(request->id(), request->reason()), request->id());
+    *study =
+        done(context_.studies.requests().cancel(request->id(), request->reason()), request->id());
   });
 }
 
 Unary* SimulationService::ResumeStudy(Wire* wire, const v1::ResumeStudyRequest* request,
                                       v1::Study* study) {
   return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
-    *study = done(context_.studies.resume(request->id(), request->failed()), request->id());
+    *study =
+        done(context_.studies.requests().resume(request->id(), request->failed()), request->id());
   });
 }
 
 Unary* SimulationService::DeleteStudy(Wire* wire, const v1::DeleteStudyRequest* request,
                                       v1::DeleteStudyResponse*) {
   return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
-    done(context_.studies.remove(request->id()), request->id(),
+    done(context_.studies.requests().remove(request->id()), request->id(),
          "cancel it first, and wait until its jobs have ended");
   });
 }
@@ -387,7 +390,7 @@ Unary* SimulationService::EvaluateStudy(Wire* wire, const v1::EvaluateStudyReque
                                         v1::StudyResult* response) {
   return answer(wire, *request, lanes_.histories, [=, this](const Call& call) {
     check_may_read_castings(context_, call, request->castings());
-    *response = of_study(request->id(), context_.studies.evaluate(*request));
+    *response = of_study(request->id(), context_.studies.evaluation().evaluate(*request));
   });
 }
 

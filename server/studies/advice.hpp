@@ -8,8 +8,8 @@ namespace dccast::studies {
 /// Adds to a forecast what can still be done from its time on: each lever of a study (LeversPlan)
 /// with its effect at the end of the casting, and sentences. In each casting of the study an effect
 /// is linear between the times from which on the lever was moved, and none at the end. Over the
-/// castings it is a straight line in the curl of the plan, of which the forecast tells where this
-/// casting lies.
+/// castings it is a straight line in the curl of the plan, on which the forecast places this
+/// casting.
 ///
 /// A lever is advised where it lowers the curl at a gauge by more than 1 mm, the band of nine in
 /// ten does not reach zero, no other gauge rises as much, and in no casting the runs around this

@@ -11,31 +11,25 @@
 #include "core/statistics/line_memory.hpp"
 #include "proto/values/interpolation.hpp"
 #include "server/judging/judged_study.hpp"
+#include "server/studies/run_curves.hpp"
 
 namespace dccast::studies {
 
 namespace {
 
 /// Standard deviation of the error of the model besides data and mesh, as a share of the curl,
-/// where no casting on the line has told it (docs/forecasts.md).
+/// where it is not known from castings on the line (docs/forecasts.md).
 constexpr double model_error = 0.05;
-/// Pairs that tell the error of the mesh at least: fewer have no scatter.
+/// Fewest pairs from which the error of the mesh is estimated: fewer have no scatter.
 constexpr int fewest_pairs = 2;
 
 // What may be true of a line, each as likely as the others before it has castings.
 constexpr std::array model_errors{0.025, 0.05, 0.1};
 constexpr std::array scatters{0.03, 0.1, 0.2, 0.4, 0.7};
-/// After some twenty castings half of what a casting has told is lost.
+/// A casting loses half its weight in some twenty later ones.
 constexpr double kept = 0.97;
 /// Castings on a line that are used, the newest.
 constexpr std::size_t most_castings = 30;
-
-/// The curve of a monitor; null: it has none.
-const v1::CurlCurve* find_curve(const google::protobuf::RepeatedPtrField<v1::CurlCurve>& curves,
-                                const std::string& monitor) {
-  const auto found = std::ranges::find(curves, monitor, &v1::CurlCurve::monitor);
-  return found != curves.end() && found->time_s_size() > 1 ? &*found : nullptr;
-}
 
 /// Curves of runs that count, by the data of the run: keys and values.
 using CurvesByData = std::map<std::string, const v1::CurlCurve*>;
@@ -47,7 +41,7 @@ CurvesByData curves_of(const v1::StudyResult& study, const std::string& monitor)
   CurvesByData curves;
   for (const v1::StudyRun& run : study.runs()) {
     const v1::CurlCurve* const curve = find_curve(run.curves(), monitor);
-    if (curve && judging::is_valid(run))
+    if (curve && curve->time_s_size() > 1 && judging::is_valid(run))
       curves[keys + fmt::format("{}", fmt::join(run.values(), "\n"))] = curve;
   }
   return curves;
@@ -283,12 +277,12 @@ statistics::TrajectoryPrior informed_prior(const JointEnsemble& joint, Eigen::In
 
 /// The prior of the run of the plan alone.
 CurlPrior prior_of_plan(const ForecastBasis& basis, const std::string& monitor) {
-  const auto curve = std::ranges::find(basis.plan_run, monitor, &v1::CurlCurve::monitor);
-  if (curve == basis.plan_run.end() || curve->time_s_size() < 2)
+  const v1::CurlCurve* const curve = find_curve(basis.plan_run, monitor);
+  if (!curve || curve->time_s_size() < 2)
     throw CannotForecast(fmt::format("the run of the plan, job {}, has no curl of \"{}\"",
                                      basis.following.plan_job(), monitor));
 
-  const std::vector<double> instants = instants_of({.members = {{"plan", &*curve}}, .finer = {}});
+  const std::vector<double> instants = instants_of({.members = {{"plan", curve}}, .finer = {}});
   return {.trajectory = statistics::random_walk_about(
               Eigen::VectorXd::Map(instants.data(), std::ssize(instants)),
               curl_at(instants, *curve), basis.error_of_plan)};

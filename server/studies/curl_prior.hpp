@@ -12,8 +12,8 @@ namespace dccast::studies {
 /// Half the width of a band that holds nine of ten, in standard deviations.
 inline constexpr double nine_of_ten = 1.645;
 
-/// Standard deviation of what data put the curl of a plan off, as a share of the whole curl, where
-/// no ensemble tells it.
+/// Standard deviation of the curl of a plan due to its data, as a share of the whole curl, where
+/// no ensemble gives it.
 double error_of_plan(const v1::Section& section);
 
 /// What is known of the curl at a gauge before its first reading.

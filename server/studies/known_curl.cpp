@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "server/studies/run_curves.hpp"
+
 namespace dccast::studies {
 
 namespace {
@@ -25,9 +27,9 @@ std::vector<CurlReading> readings_of(const std::string& monitor,
 
 /// What the levers did at a gauge; nothing where one of the runs is not known.
 ExecutedLevers executed_levers(const ForecastBasis& basis, const std::string& monitor) {
-  const auto followed = std::ranges::find(basis.followed_run, monitor, &v1::CurlCurve::monitor);
-  const auto planned = std::ranges::find(basis.plan_run, monitor, &v1::CurlCurve::monitor);
-  if (followed == basis.followed_run.end() || planned == basis.plan_run.end()) return {};
+  const v1::CurlCurve* const followed = find_curve(basis.followed_run, monitor);
+  const v1::CurlCurve* const planned = find_curve(basis.plan_run, monitor);
+  if (!followed || !planned) return {};
   return {*followed, *planned};
 }
 

@@ -20,7 +20,7 @@ public:
 /// Whether a text may name a line, so that a path made of it stays in its folder.
 bool is_line_name(const std::string& text);
 
-/// The lines: castings that share mould, water and metal, and what each has told.
+/// The lines: castings that share mould, water and metal, with the curls observed in each.
 ///
 /// A line is a file `lines/NAME.bin`, replaced as a whole: a change survives a crash of the machine
 /// once its call has returned. Format: 8 bytes "DCCASTLN", version 1 and zero as in EVENT_LOG.md,
@@ -39,7 +39,7 @@ public:
   v1::Line begin(const std::string& name, const std::string& owner);
   /// Adds a casting; nothing if the line has that job already, or is not there any more.
   void add(const std::string& name, const v1::LineCasting& casting);
-  /// Keeps what a casting that has ended tells; nothing if the line does not have it any more.
+  /// Keeps the curls observed in an ended casting; nothing if the line does not have it any more.
   void end_casting(const std::string& name, const std::string& job,
                    const std::vector<v1::ObservedCurl>& curls);
   /// Takes all castings off the line. @return empty if there is no such line

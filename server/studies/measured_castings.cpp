@@ -14,7 +14,7 @@
 #include "core/statistics/sampling.hpp"
 #include "proto/case_file/study_keys.hpp"
 #include "server/studies/curl_surface.hpp"
-#include "server/studies/predictions.hpp"
+#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 

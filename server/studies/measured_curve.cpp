@@ -8,7 +8,7 @@
 
 #include "core/statistics/sampling.hpp"
 #include "proto/values/interpolation.hpp"
-#include "server/studies/predictions.hpp"
+#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 

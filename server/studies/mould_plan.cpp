@@ -1,11 +1,12 @@
 // The mould opening that gives a flat cold slab: run by run the opening is corrected by what the
 // slab of the runs before it lacked.
 #include <algorithm>
-#include <cstdio>
+#include <cmath>
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
+#include "proto/case_file/quantity.hpp"
 #include "server/intake/case_intake.hpp"
 #include "server/studies/mould_opening.hpp"
 #include "server/studies/study_plan.hpp"
@@ -27,12 +28,8 @@ constexpr double on_the_face = 1e-6;  // [m] from a monitor to the mould
 
 /// Millimetres without the round-off of their conversion.
 std::string in_mm(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6f", 1e3 * metres);
-  std::string number(text);
-  number.erase(number.find_last_not_of('0') + 1);
-  if (number.back() == '.') number.pop_back();
-  return number + " mm";
+  constexpr double per_mm = 1e6;
+  return case_file::quantity_text(std::round(1e3 * metres * per_mm) / per_mm, "mm");
 }
 
 /// Faults of single values of the plan.

@@ -14,7 +14,7 @@ namespace dccast::studies {
 /// @throws CannotForecast
 std::vector<judging::PastForecast> past_forecasts(const ForecastBasis& basis);
 
-/// What a casting that has ended tells the next one on its line: the curl at each gauge at a dozen
+/// Curls that an ended casting leaves to the next ones on its line: at each gauge at a dozen
 /// times, the median of the readings around each, less what levers that left the plan have done.
 /// Readings that a forecast leaves out do not count, nor those after a gauge has slipped.
 /// @throws CannotForecast

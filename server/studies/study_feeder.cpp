@@ -1,25 +1,22 @@
-// Turns the runs of studies into jobs: one thread, a few runs of each study at a time, so that a
-// thousand runs neither fill the queue nor delay later jobs. The store records the progress; after
-// an interruption the last run is repeated, which gives the same job.
+#include "server/studies/study_feeder.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <utility>
 
 #include "proto/case_file/source_map.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
-#include "server/studies/studies.hpp"
-
-#include <fmt/format.h>
+#include "server/studies/study_file.hpp"
 
 namespace dccast::studies {
 
 namespace {
 
 constexpr std::chrono::seconds try_again{1};  // after the queue or the disk took nothing
-constexpr int most_unanswered = 3;            // checks of one run
+constexpr int most_crashed_checks = 3;        // of one run
 
 jobs::NewJob new_job(const StudyRecord& study, const jobs::Attachments& attachments,
                      const PlannedRun& planned, const intake::ExaminedCase& examined) {
@@ -37,98 +34,102 @@ jobs::NewJob new_job(const StudyRecord& study, const jobs::Attachments& attachme
 
 }  // namespace
 
-void Studies::wake_feeder() {
-  const std::lock_guard lock(feeder_mutex_);
-  feeder_woken_ = true;
-  feeder_wake_.notify_all();
+void StudyFeeder::start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
-void Studies::note_change(const std::string& id) {
-  notifier_.note(id);
-  surface_keeper_.look_at(id);
+void StudyFeeder::stop() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
 }
 
-/// Waits until it is woken, at most for this time.
-void Studies::rest(const std::stop_token& stop, std::chrono::steady_clock::duration most) {
-  std::unique_lock lock(feeder_mutex_);
-  feeder_wake_.wait_for(lock, stop, most, [this] { return feeder_woken_; });
-  feeder_woken_ = false;
+void StudyFeeder::wake() {
+  const std::lock_guard lock(mutex_);
+  woken_ = true;
+  changed_.notify_all();
 }
 
-void Studies::feed(const std::stop_token& stop) {
+void StudyFeeder::wait(const std::stop_token& stop, std::chrono::steady_clock::duration most) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, stop, most, [this] { return woken_; });
+  woken_ = false;
+}
+
+void StudyFeeder::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     try {
       for (bool more = true; more && !stop.stop_requested();) {
         more = false;
-        for (const std::string& id : store_.to_feed()) more = feed_study(id) || more;
+        for (const std::string& id : state_.store.to_feed()) more = feed(id) || more;
       }
-      rest(stop, std::chrono::hours(24));
+      wait(stop, std::chrono::hours(24));
     } catch (const std::exception& error) {
-      log::warn("studies wait to be queued: {}", error.what());
-      rest(stop, try_again);
+      log::warn("runs of studies cannot be queued now, next attempt in {} s: {}", try_again.count(),
+                error.what());
+      wait(stop, try_again);
     }
   }
 }
 
-/// Queues one run of a study if it has room. @return whether another look may queue more
-/// @throws std::exception  nothing can be queued now
-bool Studies::feed_study(const std::string& id) {
-  if (store_.counts(id).waiting >= options_.waiting) return false;
-  const auto study = store_.find(id);
-  const auto run = store_.next_to_queue(id);
+bool StudyFeeder::feed(const std::string& id) {
+  if (state_.store.counts(id).waiting >= state_.options.waiting) return false;
+  const auto study = state_.store.find(id);
+  const auto run = state_.store.next_to_queue(id);
   if (!study || !run) return false;
-  const auto plan = plan_of(*study);
+
+  const auto plan = state_.plan_of(*study);
   bool more = true;
   if (run->number < plan->runs())
-    feed_run(*study, *run, plan->run(run->number));
+    queue_run(*study, *run, plan->run(run->number));
   else
-    more = feed_grown(*study, *plan, *run);
-  note_change(id);
+    more = queue_next_run(*study, *plan, *run);
+
+  state_.note_change(id);
   return more;
 }
 
-/// Queues the next run of a growing plan, or drops it if the plan is finished. The run waits from
-/// the moment the one before it is queued, so that the study does not end in between.
-/// @return false: a run on which it depends has not ended
-bool Studies::feed_grown(const StudyRecord& study, const StudyPlan& plan, const RunRecord& run) {
-  const auto before =
-      evaluated_runs(study, {.faces = plan.needs_faces(), .before = plan.rests_on(run.number)});
+bool StudyFeeder::queue_next_run(const StudyRecord& study, const StudyPlan& plan,
+                                 const RunRecord& run) {
+  const auto before = results_.evaluated_runs(
+      study, {.faces = plan.needs_faces(), .before = plan.rests_on(run.number)});
 
-  std::optional<PlannedRun> next;
-  bool stopped = false;
+  bool goes_on = true;
   for (const EvaluatedRun& other : before) {
     if (!jobs::is_terminal(other.run.state())) return false;
-    stopped = stopped || (!other.succeeded() &&
-                          !(plan.outlasts_failures() && other.run.state() == v1::FAILED));
+    const bool outlasted = plan.outlasts_failures() && other.run.state() == v1::FAILED;
+    goes_on = goes_on && (other.succeeded() || outlasted);
   }
 
-  if (!stopped) {
+  std::optional<PlannedRun> next;
+  if (goes_on) {
     // A run whose face cannot be read gives no next mould.
-    for (const EvaluatedRun& other : before)
-      if (!other.face_fault.empty()) {
-        refuse(
-            study, run,
-            fmt::format("job {} says nothing of its mould: {}", other.run.job(), other.face_fault));
-        return true;
-      }
+    const auto has_fault = [](const EvaluatedRun& other) { return !other.face_fault.empty(); };
+    const auto unread = std::ranges::find_if(before, has_fault);
+    if (unread != before.end()) {
+      refuse(study, run,
+             fmt::format("the face of job {}, from which this run follows, cannot be used: {}",
+                         unread->run.job(), unread->face_fault));
+      return true;
+    }
     next = plan.next(run.number, before);
   }
 
   if (next)
-    feed_run(study, run, *next);
+    queue_run(study, run, *next);
   else
-    store_.drop(study.id, run.number);
+    state_.store.drop(study.id, run.number);
   return true;
 }
 
-void Studies::feed_run(const StudyRecord& study, const RunRecord& run, const PlannedRun& planned) {
-  using Why = jobs::WorkerDidNotAnswer::Why;
+void StudyFeeder::queue_run(const StudyRecord& study, const RunRecord& run,
+                            const PlannedRun& planned) {
+  const RunName name{study.id, run.number};
   try {
-    const auto attachments = study_attachments(options_.directory, study);
-
+    const auto attachments = study_attachments(state_.options.directory, study);
+    const auto deadline = std::chrono::steady_clock::now() + state_.options.check_timeout;
     const auto examined =
-        intake_.examine(planned.description, attachments, {},
-                        {.deadline = std::chrono::steady_clock::now() + options_.check_timeout});
+        state_.intake.examine(planned.description, attachments, {}, {.deadline = deadline});
+    crashed_checks_.erase(name);
 
     if (examined.verdict.faults_size() > 0)
       refuse(study, run,
@@ -138,20 +139,19 @@ void Studies::feed_run(const StudyRecord& study, const RunRecord& run, const Pla
       make_job(study, run, planned.key, new_job(study, attachments, planned, examined));
   } catch (const jobs::WorkerDidNotAnswer& error) {
     // A case that brings down workers repeatedly is itself at fault.
-    if (error.why() == Why::not_started) throw;
-    const std::string key = study.id + "/" + std::to_string(run.number);
-    if (++unanswered_[key] < most_unanswered) return;
-    unanswered_.erase(key);
+    if (error.why() == jobs::WorkerDidNotAnswer::Why::not_started) throw;
+    if (++crashed_checks_[name] < most_crashed_checks) return;
+    crashed_checks_.erase(name);
     refuse(study, run, error.what());
   } catch (const jobs::RequestIdTaken& error) {
     refuse(study, run, error.what());
   }
 }
 
-void Studies::make_job(const StudyRecord& study, RunRecord run, const std::string& key,
-                       jobs::NewJob job) {
-  const std::lock_guard lock(queueing_mutex_);
-  const auto next = store_.next_to_queue(study.id);
+void StudyFeeder::make_job(const StudyRecord& study, RunRecord run, const std::string& key,
+                           jobs::NewJob job) {
+  const std::lock_guard lock(state_.queueing_mutex);
+  const auto next = state_.store.next_to_queue(study.id);
   if (!next || next->number != run.number) return;  // cancelled meanwhile
 
   v1::Job queued;
@@ -159,21 +159,21 @@ void Studies::make_job(const StudyRecord& study, RunRecord run, const std::strin
   // this request_id: neither belongs to this attempt.
   do {
     job.request_id = job_request_id(study.id, key, ++run.attempt);
-    queued = scheduler_.submit(job, study_attachments(options_.directory, study));
+    queued = state_.scheduler.submit(job, study_attachments(state_.options.directory, study));
   } while (queued.state() == v1::CANCELLED || queued.owner() != study.owner);
 
   run.job = queued.id();
-  const auto plan = plan_of(study);
-  store_.set_job(study.id, run, plan->grows() && run.number + 1 < plan->most_runs());
+  const auto plan = state_.plan_of(study);
+  state_.store.set_job(study.id, run, plan->grows() && run.number + 1 < plan->most_runs());
 }
 
-void Studies::refuse(const StudyRecord& study, RunRecord run, const std::string& why) {
+void StudyFeeder::refuse(const StudyRecord& study, RunRecord run, const std::string& why) {
   run.outcome = v1::FAILED;
   run.failure.set_kind(v1::Finding::INVALID_CASE);
   run.failure.set_message(why);
-  keep(study, {run});
-  store_.refuse(study.id, run.number, run.failure, jobs::milliseconds(jobs::now()));
-  log::warn("study {}: {}", study.id, why);
+  state_.append_to_file(study, {run});
+  state_.store.refuse(study.id, run.number, run.failure, jobs::milliseconds(jobs::now()));
+  log::warn("study {}: run {} failed without a job: {}", study.id, run.number + 1, why);
 }
 
 }  // namespace dccast::studies

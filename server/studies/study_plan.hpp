@@ -1,15 +1,22 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "dccast/v1/study.pb.h"
 #include "proto/frames/contraction.hpp"
+#include "server/studies/run_curves.hpp"
 
 namespace dccast::studies {
+
+/// No prediction or calibration is possible: not a sweep, or too few runs. The text gives the
+/// remedy.
+struct CannotPredict : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// One run of a plan, before it becomes a job.
 struct PlannedRun {
@@ -17,20 +24,6 @@ struct PlannedRun {
   std::string name;  ///< for messages: "refinement 4"
   v1::Case description;
   std::vector<v1::CaseChange> changes;  ///< already applied to `description`
-};
-
-/// What studies read of the history of a run: the curl of every monitor, and what limits it.
-struct RunCurves {
-  std::vector<v1::CurlCurve> curves;    ///< by monitor, all at the instants of the run's steps
-  std::optional<double> beyond_from_s;  ///< first step at which the model was no longer valid
-
-  /// [degC] by monitor, at the same instants; NaN where not reported.
-  std::map<std::string, std::vector<double>> temperature_c;
-
-  /// [m] by step: least thickness of the side's shell, from the mould contact to the water line.
-  std::vector<double> least_shell_m;
-
-  const v1::CurlCurve* curve(const std::string& monitor) const;  ///< null: not reported
 };
 
 /// Wide face of a quarter slab where its casting is steady, and the section in which it was cast.
@@ -55,13 +48,6 @@ struct EvaluatedRun {
            history.curves.front().time_s_size() > 0;
   }
 };
-
-/// Those of all monitors, from the steps of a job.
-RunCurves run_curves(const v1::Job& job, std::vector<v1::StepReport> steps);
-
-/// Figures of a curve, one of its fields, at other instants; NaN outside its time.
-std::vector<double> at_instants(const std::vector<double>& instants_s, const v1::CurlCurve& curve,
-                                const google::protobuf::RepeatedField<double>& figures);
 
 /// Whether the same case would fail in the same way again.
 bool by_the_case_itself(const v1::Finding& failure);

@@ -70,10 +70,7 @@ public:
   std::string at(double place) const {
     const double value = low_ + place * (high_ - low_);
     // Six digits distinguish any two runs, and can be read.
-    char text[32];
-    const auto end = std::to_chars(text, text + sizeof text, whole_ ? std::round(value) : value,
-                                   std::chars_format::general, 6);
-    const std::string number(text, end.ptr);
+    const std::string number = fmt::format("{:.6g}", whole_ ? std::round(value) : value);
     return unit_.empty() ? number : number + " " + unit_;
   }
 
@@ -269,7 +266,7 @@ RunValues end_values(const v1::SweepPlan& sweep) {
   return runs;
 }
 
-/// Of a sweep without faults.
+/// Values of each run. @param request  with a sweep without faults
 RunValues sweep_values(const v1::CreateStudyRequest& request) {
   const v1::SweepPlan& sweep = request.sweep();
   if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE) return hypercube_values(request);

@@ -88,7 +88,7 @@ class Mould(StudyTest):
         study = self.design("steps=3")
         ended = self.until_ended(study.id)
         self.assertEqual(ended.state, study_pb2.STUDY_FAILED)
-        self.assertIn("says nothing of its mould", ended.message)
+        self.assertIn("cannot be used", ended.message)
 
     def test_kill_9_in_the_middle(self):
         study = self.design("steps=30 sleep_ms=20 mould=70", "mine")

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/statistics/sampling.hpp"
-#include "server/studies/predictions.hpp"
+#include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
 namespace {

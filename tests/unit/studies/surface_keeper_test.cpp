@@ -1,4 +1,4 @@
-#include "server/studies/predictions.hpp"
+#include "server/studies/surface_keeper.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,8 @@ struct Looks {
 
 TEST(SurfaceKeeper, LooksAtAStudyOnceForEachTimeItChanges) {
   Looks looks;
-  SurfaceKeeper keeper([&](const std::string& study) { looks.look(study); });
+  SurfaceKeeper keeper;
+  keeper.start([&](const std::string& study) { looks.look(study); });
   keeper.look_at("a");
   ASSERT_TRUE(looks.until("a", 1));
   keeper.look_at("b");
@@ -43,7 +44,8 @@ TEST(SurfaceKeeper, LooksAtAStudyOnceForEachTimeItChanges) {
 
 TEST(SurfaceKeeper, WhatCannotBeBuiltEndsNothing) {
   Looks looks;
-  SurfaceKeeper keeper([&](const std::string& study) {
+  SurfaceKeeper keeper;
+  keeper.start([&](const std::string& study) {
     looks.look(study);
     throw std::runtime_error("the disk is gone");
   });
@@ -54,7 +56,8 @@ TEST(SurfaceKeeper, WhatCannotBeBuiltEndsNothing) {
 }
 
 TEST(SurfaceKeeper, EndsWithoutAStudy) {
-  SurfaceKeeper keeper([](const std::string&) {});
+  SurfaceKeeper keeper;
+  keeper.start([](const std::string&) {});
   keeper.stop();
   keeper.look_at("a");
 }

@@ -1,14 +1,12 @@
-#include "server/studies/predictions.hpp"
+#include "server/studies/sweep_surfaces.hpp"
 
 #include <fmt/format.h>
-
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "proto/case_file/case_file.hpp"
@@ -189,16 +187,6 @@ SweepSurface sweep_surface(const v1::Case& base, const std::vector<SweptKey>& ke
   return built;
 }
 
-// Runs that end within this time are handled together.
-constexpr std::chrono::milliseconds least_interval{500};
-
-/// Lowers the priority of the calling thread (on Linux priorities are per thread), if permitted.
-void step_back() {
-  constexpr int steps_behind = 10;  // like the workers of jobs
-  const int now = ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()));
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), now + steps_behind);
-}
-
 }  // namespace
 
 /// The axes of a sweep, kept because reading the values of a long list takes longer than
@@ -208,7 +196,24 @@ struct SweptKeys {
   std::vector<SweptKey> keys;
 };
 
-std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) {
+void SweepSurfaces::start() {
+  state_.surface_keeper.start([this](const std::string& id) { prepare(id); });
+  constexpr int likely_asked = 5;  // of the studies in the store, the newest
+  for (const StudyRecord& study : state_.store.list({.size = likely_asked}))
+    state_.surface_keeper.look_at(study.id);
+}
+
+SweepSurfaces::Sweep SweepSurfaces::sweep_of(const StudyRecord& study) {
+  const RunCounts counts = state_.store.counts(study.id);
+  return {study, counts.of(v1::SUCCEEDED), counts.ended() < counts.all()};
+}
+
+const std::vector<EvaluatedRun>& SweepSurfaces::runs_of(Sweep& sweep) {
+  if (!sweep.runs) sweep.runs = results_.evaluated_runs(sweep.study, {.histories = true});
+  return *sweep.runs;
+}
+
+std::shared_ptr<const SweptKeys> SweepSurfaces::keys_of(const StudyRecord& study) {
   const std::lock_guard lock(mutex_);
   auto& kept = studies_[study.id].keys;
   if (kept != nullptr) return kept;
@@ -220,9 +225,8 @@ std::shared_ptr<const SweptKeys> Predictions::keys_of(const StudyRecord& study) 
   return kept = std::make_shared<const SweptKeys>(std::move(keys));
 }
 
-/// @param of_fewer_runs  accepts an outdated surface, too  @return null if there is none
-Predictions::Surface Predictions::kept_surface(const SweepState& sweep, const std::string& kind,
-                                               bool of_fewer_runs) {
+SweepSurfaces::Surface SweepSurfaces::kept_surface(const Sweep& sweep, const std::string& kind,
+                                                   bool of_fewer_runs) {
   const std::lock_guard lock(mutex_);
   auto& surfaces = studies_[sweep.study.id].kept;
   const auto found = surfaces.find(kind);
@@ -233,7 +237,7 @@ Predictions::Surface Predictions::kept_surface(const SweepState& sweep, const st
   return kept.succeeded == sweep.succeeded || recent || of_fewer_runs ? kept.surface : nullptr;
 }
 
-Predictions::Surface Predictions::surface_of(const SweepState& sweep, const std::string& kind) {
+SweepSurfaces::Surface SweepSurfaces::surface_of(Sweep& sweep, const std::string& kind) {
   if (auto surface = kept_surface(sweep, kind)) return surface;
   std::unique_lock one_at_a_time(building_, std::try_to_lock);
   if (!one_at_a_time) {
@@ -247,7 +251,7 @@ Predictions::Surface Predictions::surface_of(const SweepState& sweep, const std:
 
   const auto begin = Clock::now();
   const auto surface = std::make_shared<const SweepSurface>(
-      sweep_surface(sweep.study.request.case_(), keys_of(sweep.study)->keys, kind, sweep.runs()));
+      sweep_surface(sweep.study.request.case_(), keys_of(sweep.study)->keys, kind, runs_of(sweep)));
   const auto now = Clock::now();
   log::debug("study {}: response surface of {} runs in {} ms", sweep.study.id, sweep.succeeded,
              std::chrono::duration_cast<std::chrono::milliseconds>(now - begin).count());
@@ -258,8 +262,7 @@ Predictions::Surface Predictions::surface_of(const SweepState& sweep, const std:
   return surface;
 }
 
-/// Drops the surfaces used longest ago until the rest fit, but never the last one.
-void Predictions::make_room() {
+void SweepSurfaces::make_room() {
   for (;;) {
     std::size_t bytes = 0, count = 0;
     auto oldest = Clock::time_point::max();
@@ -276,12 +279,12 @@ void Predictions::make_room() {
   }
 }
 
-v1::Spread Predictions::spread(const SweepState& sweep, const std::string& monitor) {
-  const v1::CreateStudyRequest& request = sweep.study.request;
+v1::Spread SweepSurfaces::spread(const StudyRecord& study, const std::string& monitor) {
+  const v1::CreateStudyRequest& request = study.request;
   if (request.sweep().design() != v1::SweepPlan::LATIN_HYPERCUBE)
     throw CannotPredict(fmt::format(
         "study {} is not a Latin hypercube: its runs do not cover the ranges of its keys",
-        sweep.study.id));
+        study.id));
 
   // A limit that is not given does not bind.
   const v1::Plausibility& limits = request.case_().plausibility();
@@ -290,6 +293,7 @@ v1::Spread Predictions::spread(const SweepState& sweep, const std::string& monit
     band = CurlBand{limits.has_least_curl_m() ? limits.least_curl_m() : -1e9,
                     limits.has_greatest_curl_m() ? limits.greatest_curl_m() : 1e9};
 
+  Sweep sweep = sweep_of(study);
   v1::Spread spread = surface_of(sweep, "")->surface.spread(monitor, band);
   if (spread.time_s().empty())
     throw CannotPredict(
@@ -297,18 +301,19 @@ v1::Spread Predictions::spread(const SweepState& sweep, const std::string& monit
   return spread;
 }
 
-v1::Prediction Predictions::predict(const SweepState& sweep,
-                                    const v1::PredictStudyRequest& request) {
-  const std::string study = "study " + sweep.study.id;
-  if (!sweep.study.request.has_sweep())
-    throw CannotPredict(study + " is no sweep: nothing lies between its runs");
+std::optional<v1::Prediction> SweepSurfaces::predict(const v1::PredictStudyRequest& request) {
+  const auto study = state_.store.find(request.id());
+  if (!study) return std::nullopt;
+  if (!study->request.has_sweep())
+    throw CannotPredict("study " + study->id + " is no sweep: nothing lies between its runs");
 
   // Runs that vary one key each show nothing of two keys together.
-  if (sweep.study.request.sweep().design() == v1::SweepPlan::ENDS)
-    throw CannotPredict(study +
-                        " changes one key at a time; dccast sweep --lhs "
-                        "makes runs to predict from");
+  if (study->request.sweep().design() == v1::SweepPlan::ENDS)
+    throw CannotPredict(
+        "study " + study->id +
+        " changes one key at a time; dccast sweep --lhs makes runs to predict from");
 
+  Sweep sweep = sweep_of(*study);
   const auto keys = keys_of(sweep.study);
   const Place place = place_of(keys->base, keys->keys, request);
   const auto found = surface_of(sweep, place.kind);
@@ -328,10 +333,16 @@ v1::Prediction Predictions::predict(const SweepState& sweep,
   return prediction;
 }
 
-void Predictions::prepare(const SweepState& sweep) {
+void SweepSurfaces::prepare(const std::string& id) {
+  const auto study = state_.store.find(id);
+  if (!study || !study->request.has_sweep() ||
+      study->request.sweep().design() == v1::SweepPlan::ENDS)
+    return;
+
+  Sweep sweep = sweep_of(*study);
   {
     const std::lock_guard lock(mutex_);
-    int& before = studies_[sweep.study.id].prepared;
+    int& before = studies_[id].prepared;
     if (sweep.succeeded == before) return;
     if (sweep.running && sweep.succeeded < std::max(fewest_prepared, 2 * before)) return;
     before = sweep.succeeded;
@@ -340,7 +351,7 @@ void Predictions::prepare(const SweepState& sweep) {
   // Build the surface of each kind that the runs have.
   const auto keys = keys_of(sweep.study);
   std::set<std::string> kinds;
-  for (const EvaluatedRun& run : sweep.runs())
+  for (const EvaluatedRun& run : runs_of(sweep))
     if (run.counts() && kinds.size() < most_prepared) kinds.insert(kind_of(keys->keys, run));
   for (const std::string& kind : kinds) {
     try {
@@ -351,46 +362,9 @@ void Predictions::prepare(const SweepState& sweep) {
   }
 }
 
-void Predictions::forget(const std::string& study) {
+void SweepSurfaces::forget(const std::string& study) {
   const std::lock_guard lock(mutex_);
   studies_.erase(study);
-}
-
-SurfaceKeeper::SurfaceKeeper(Ready ready)
-    : ready_(std::move(ready)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
-
-void SurfaceKeeper::look_at(const std::string& study) {
-  const std::lock_guard lock(mutex_);
-  to_look_at_.insert(study);
-  changed_.notify_all();
-}
-
-void SurfaceKeeper::stop() {
-  thread_.request_stop();
-  if (thread_.joinable()) thread_.join();
-}
-
-/// Builds the surfaces of a study; one that cannot be built yet is built on request.
-void SurfaceKeeper::build(const std::string& study) const {
-  try {
-    ready_(study);
-  } catch (const std::exception& error) {
-    log::warn("study {}: its response surface is not built yet: {}", study, error.what());
-  }
-}
-
-void SurfaceKeeper::run(const std::stop_token& stop) {
-  step_back();
-  std::unique_lock lock(mutex_);
-  while (!stop.stop_requested()) {
-    changed_.wait(lock, stop, [this] { return !to_look_at_.empty(); });
-    const std::set<std::string> studies = std::exchange(to_look_at_, {});
-    lock.unlock();
-    for (const std::string& study : studies)
-      if (!stop.stop_requested()) build(study);
-    lock.lock();
-    changed_.wait_for(lock, stop, least_interval, [] { return false; });  // or the end
-  }
 }
 
 }  // namespace dccast::studies

@@ -1,0 +1,48 @@
+#include "server/studies/run_curves.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "proto/figures/run_history.hpp"
+#include "proto/values/interpolation.hpp"
+
+namespace dccast::studies {
+
+std::size_t RunCurves::bytes() const {
+  std::size_t bytes = least_shell_m.size() * sizeof(double);
+  for (const v1::CurlCurve& curve : curves) bytes += curve.SpaceUsedLong();
+  for (const auto& [monitor, values] : temperature_c) bytes += values.size() * sizeof(double);
+  return bytes;
+}
+
+std::vector<double> at_instants(const std::vector<double>& instants_s, const v1::CurlCurve& curve,
+                                const google::protobuf::RepeatedField<double>& figures) {
+  return values::at_instants(instants_s, {curve.time_s().begin(), curve.time_s().end()},
+                             {figures.begin(), figures.end()});
+}
+
+RunCurves run_curves(const v1::Job& job, std::vector<v1::StepReport> steps) {
+  const figures::RunHistory history = figures::run_history(job, std::move(steps));
+  const std::vector<double> time_s = history.time_s(), cast_length_m = history.cast_length_m();
+
+  RunCurves curves;
+  curves.beyond_from_s = history.beyond_from_s();
+  for (const v1::StepReport& step : history.steps)
+    curves.least_shell_m.push_back(step.least_shell_m());
+
+  for (const std::string& monitor : history.monitors()) {
+    figures::MonitorSeries series = history.series(monitor);
+    v1::CurlCurve& curve = curves.curves.emplace_back();
+    curve.set_monitor(monitor);
+    curve.mutable_time_s()->Add(time_s.begin(), time_s.end());
+    curve.mutable_cast_length_m()->Add(cast_length_m.begin(), cast_length_m.end());
+    curve.mutable_curl_m()->Add(series.curl_m.begin(), series.curl_m.end());
+
+    const auto is_known = [](double temperature_c) { return std::isfinite(temperature_c); };
+    if (std::ranges::any_of(series.temperature_c, is_known))
+      curves.temperature_c[monitor] = std::move(series.temperature_c);
+  }
+  return curves;
+}
+
+}  // namespace dccast::studies
