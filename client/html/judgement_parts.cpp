@@ -39,37 +39,6 @@ Json thinned(const Numbers& values, double factor, int stride) {
   return shown;
 }
 
-/// A chart as chart.js draws it, in plant units.
-Json chart_json(const v1::Chart& chart, int most_points) {
-  const double x = figures::plant_unit(chart.x().unit()).factor();
-  const v1::PlantUnit unit = figures::plant_unit(chart.y().unit());
-  const double y = unit.factor();
-
-  Json lines = Json::array();
-  for (const v1::Chart::Line& line : chart.lines()) {
-    const int stride = 1 + (line.x_size() - 1) / most_points;
-    Json drawn{{"name", line.name()},
-               {"x", thinned(line.x(), x, stride)},
-               {"y", thinned(line.y(), y, stride)},
-               {"dots", line.is_dotted()}};
-    if (!line.low().empty()) drawn["low"] = thinned(line.low(), y, stride);
-    if (!line.high().empty()) drawn["high"] = thinned(line.high(), y, stride);
-    lines.push_back(std::move(drawn));
-  }
-
-  Json json{{"lines", lines},
-            {"title", capitalised(chart.heading())},
-            {"xLabel", axis_label(chart.x())},
-            {"yLabel", axis_label(chart.y())},
-            {"unit", unit.name()}};
-  if (chart.has_region())
-    json["wanted"] = {{"low", y * chart.region().low()},
-                      {"high", y * chart.region().high()},
-                      {"name", chart.region().name()}};
-  if (chart.has_beyond_x()) json["beyond"] = x * chart.beyond_x();
-  return json;
-}
-
 /// "12.3 ± 1.4", "35.5, -0 +3.9".
 std::string with_error(const ShownColumn& column, std::size_t row) {
   if (!column.has_error || column.errors[row].empty()) return column.cells[row];
@@ -100,6 +69,36 @@ std::string findings_list(const v1::Comparison& comparison) {
 }
 
 }  // namespace
+
+Json chart_json(const v1::Chart& chart, int most_points) {
+  const double x = figures::plant_unit(chart.x().unit()).factor();
+  const v1::PlantUnit unit = figures::plant_unit(chart.y().unit());
+  const double y = unit.factor();
+
+  Json lines = Json::array();
+  for (const v1::Chart::Line& line : chart.lines()) {
+    const int stride = 1 + (line.x_size() - 1) / most_points;
+    Json drawn{{"name", line.name()},
+               {"x", thinned(line.x(), x, stride)},
+               {"y", thinned(line.y(), y, stride)},
+               {"dots", line.is_dotted()}};
+    if (!line.low().empty()) drawn["low"] = thinned(line.low(), y, stride);
+    if (!line.high().empty()) drawn["high"] = thinned(line.high(), y, stride);
+    lines.push_back(std::move(drawn));
+  }
+
+  Json json{{"lines", lines},
+            {"title", capitalised(chart.heading())},
+            {"xLabel", axis_label(chart.x())},
+            {"yLabel", axis_label(chart.y())},
+            {"unit", unit.name()}};
+  if (chart.has_region())
+    json["wanted"] = {{"low", y * chart.region().low()},
+                      {"high", y * chart.region().high()},
+                      {"name", chart.region().name()}};
+  if (chart.has_beyond_x()) json["beyond"] = x * chart.beyond_x();
+  return json;
+}
 
 std::string chart_figure(const v1::Chart& chart) {
   constexpr int most_points = 400;  // of a line, in a drawing 640 wide

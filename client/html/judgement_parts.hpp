@@ -2,10 +2,14 @@
 
 #include <string>
 
+#include "client/model/json.hpp"
 #include "dccast/v1/judgement.pb.h"
 
 /// What the server concludes (judgement.proto), as parts of a page.
 namespace dccast::client::render {
+
+/// A chart as chart.js draws it, in plant units, with at most so many points of a line.
+Json chart_json(const v1::Chart& chart, int most_points);
 
 /// A card with a chart, which a script of the page draws, and its note below it.
 std::string chart_figure(const v1::Chart& chart);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/model/answer.hpp"
+#include "client/model/json.hpp"
 #include "client/session/connection.hpp"
 #include "client/session/queries.hpp"
 #include "dccast/v1/service.pb.h"
@@ -44,5 +45,8 @@ std::string judgement_page(const v1::StudyJudgement& study);
 /// mould, zones, water line and block, beside the ramps of speed and water.
 /// @param complete  case with its defaults
 std::string casting_page(const v1::Case& complete);
+
+/// What casting.js draws of that: the case, and points of speed and water as the levers leave them.
+Json casting_drawing(const v1::Case& complete);
 
 }  // namespace dccast::client::render

@@ -259,14 +259,6 @@ std::string report_page(const ReportedRun& run) {
                     first_sheet(run, history) + details(run.judgement) + evidence(run));
 }
 
-std::string casting_page(const v1::Case& complete) {
-  const std::string title = html_escaped(complete.title());
-  return whole_page(
-      title, element("h1", title),
-      element("p class='answer'", html_escaped(case_file::casting_summary(complete))) +
-          card("Start of the casting", drawn("casting", to_json(complete))));
-}
-
 std::string report_of(Connection& connection, const v1::Job& job, std::ostream& notes,
                       grpc::Status& frame_status) {
   const v1::QueryResultResponse result = result_of(connection, job.id(), notes, frame_status);

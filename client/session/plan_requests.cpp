@@ -16,6 +16,7 @@
 #include "client/session/studies.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/recipe_numbers.hpp"
+#include "proto/case_file/schedule.hpp"
 #include "proto/case_file/uncertainty.hpp"
 #include "proto/values/digests.hpp"
 
@@ -123,7 +124,7 @@ void add_numbers(const v1::Case& complete, const RecipeChoice& choice, v1::Recip
   };
   // A ramp against cast length is not limited by a time.
   const auto ramp = [&](RecipeNumber number, const v1::Curve& curve) -> Limited {
-    if (case_file::ramps_by_length(curve)) return {number, "--ramp", "0..10 m", "m", 0.5, 2.0};
+    if (case_file::is_by_length(curve)) return {number, "--ramp", "0..10 m", "m", 0.5, 2.0};
     return {number, "--ramp", choice.ramp, "s", 0.5, 2.0};
   };
 

@@ -341,13 +341,13 @@ private:
 Json case_json(const CaseUnderCheck& checked) {
   std::ostringstream faults;
   if (!checked.faults.empty()) print_faults(checked, faults);
-  Json json{{"faults", faults.str()}, {"summary", ""}, {"complete", Json()}};
+  Json json{{"faults", faults.str()}, {"summary", ""}, {"drawing", Json()}};
   if (!checked.faults.empty()) return json;
 
   v1::Case complete = checked.description;
   case_file::apply_defaults(complete);
   json["summary"] = case_file::casting_summary(complete);
-  json["complete"] = to_json(complete);
+  json["drawing"] = render::casting_drawing(complete);
   return json;
 }
 
@@ -369,12 +369,12 @@ Json slab_json(const Request& request) {
                                                        .alloy = request.value("alloy"),
                                                        .speed = request.value("speed"),
                                                        .water = request.value("water")});
-  Json json{{"text", made.text}, {"summary", made.summary}, {"complete", Json()}, {"faults", ""}};
+  Json json{{"text", made.text}, {"summary", made.summary}, {"drawing", Json()}, {"faults", ""}};
   std::string faults;
   for (const std::string& fault : made.faults) faults += fault + "\n";
   json["faults"] = faults;
   if (made.faults.empty())
-    json["complete"] = case_json(read_case_elsewhere(made.text, "slab"))["complete"];
+    json["drawing"] = case_json(read_case_elsewhere(made.text, "slab"))["drawing"];
   return json;
 }
 

@@ -22,6 +22,7 @@ struct Leap {
 
 /// The operating conditions of the casting as functions of time and cast length: those that the
 /// case plans and, of a casting under way, those that were measured up to the last reading.
+/// Clients have the plan from proto/case_file/schedule.hpp; a test compares both.
 ///
 /// Units: in all functions time [s] and (cast) length [m].
 class CastingSchedule {
@@ -46,6 +47,8 @@ public:
   /// @param time    at the beginning of the step [s]
   /// @param step    length of the time step [s]
   double cast_length(double length, double time, double step) const;
+  /// Speed by the plan [m/s], whether or not the block moves.
+  double planned_speed(double time, double length) const;
   /// Share of the initial depth that has been poured [1].
   double filled_share(double time) const;
   double casting_temperature(double time, double length) const;  ///< [°C]
@@ -75,7 +78,6 @@ public:
   double cast_length_over(double length, double time, double to, std::int64_t most_pieces) const;
 
 private:
-  double planned_speed(double time, double length) const;  ///< [m/s]
   /// Cast length at the end of a period by the plan [m].
   double planned_length(double length, double from, double to) const;
   bool cools_down(double time) const;

@@ -9,7 +9,7 @@
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/recipe_numbers.hpp"
-#include "proto/frames/contraction.hpp"
+#include "proto/case_file/schedule.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -67,7 +67,7 @@ std::vector<LiveLever> live_levers(const v1::Schedule& schedule) {
 /// there, a jump, and the new ones.
 /// @param from  [unit of the abscissa]
 std::string moved_table(const LiveLever& lever, int towards, const v1::Curve& table, double from) {
-  const bool by_length = table.abscissa() == v1::CAST_LENGTH;
+  const bool by_length = is_by_length(table);
   const double jump = by_length ? jump_m : jump_s;
   const double step = towards * lever.lever.step;
 
@@ -83,8 +83,8 @@ std::string moved_table(const LiveLever& lever, int towards, const v1::Curve& ta
 
   for (int i = 0; i < table.at_size(); ++i)
     if (table.at(i) < from - jump) add(table.at(i), table.value(i));
-  add(from - jump, frames::curve_value(table, from - jump));
-  add(from, moved(frames::curve_value(table, from)));
+  add(from - jump, curve_value(table, from - jump));
+  add(from, moved(curve_value(table, from)));
   for (int i = 0; i < table.at_size(); ++i)
     if (table.at(i) > from) add(table.at(i), moved(table.value(i)));
   return "[" + points + "]";
@@ -101,8 +101,8 @@ std::vector<LeverDraft> lever_drafts_from(const v1::Case& description, double fr
   for (const LiveLever& each : live_levers(schedule)) {
     const PlantLever& lever = each.lever;
     const v1::Curve& table = (schedule.*each.table)();
-    const double from = table.abscissa() == v1::CAST_LENGTH ? cast_length_at(complete, from_s)
-                                                            : from_s - each.comes_later_s;
+    const double from = is_by_length(table) ? CastingSchedule(complete).cast_length_m(from_s)
+                                            : from_s - each.comes_later_s;
 
     for (const int towards : {-1, 1}) {
       LeverDraft draft{{}, {change_of(lever.key, moved_table(each, towards, table, from))}};

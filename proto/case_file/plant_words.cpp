@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
+#include <iterator>
 #include <numbers>
 #include <regex>
+#include <vector>
 
 #include <fmt/core.h>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/schedule.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -48,28 +52,61 @@ bool has_values(const v1::Curve& curve) {
   return curve.value_size() > 0 && curve.value_size() == curve.at_size();
 }
 
-/// "45 -> 55 mm/min": first and last value of a table.
-std::string range_text(double first, double last, const std::string& unit) {
-  const std::string begin = plant_number(first), end = plant_number(last);
-  return (begin == end ? begin : begin + " -> " + end) + " " + unit;
+/// How a quantity changes over the casting.
+struct Change {
+  std::vector<double> turns;  ///< the first value, those between a rise and a fall, and the last
+  Instant begin, end;         ///< of the change
+
+  Change(const std::vector<Instant>& instants, const std::function<double(const Instant&)>& value) {
+    std::vector<double> values;
+    std::ranges::transform(instants, std::back_inserter(values), value);
+    for (const double v : values) add(v);
+
+    const auto is_other_than = [](double reference) {
+      return [reference](double v) { return !is_same(v, reference); };
+    };
+    const auto first = std::ranges::find_if(values, is_other_than(values.front()));
+    if (first == values.end()) return;
+    begin = instants[static_cast<std::size_t>(first - values.begin()) - 1];
+    const auto last = std::find_if(values.rbegin(), values.rend(), is_other_than(values.back()));
+    end = instants[static_cast<std::size_t>(last.base() - values.begin())];
+  }
+
+private:
+  static bool is_same(double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); }
+
+  void add(double value) {
+    if (!turns.empty() && is_same(value, turns.back())) return;
+    const bool goes_on =
+        turns.size() > 1 && (value > turns.back()) == (turns.back() > turns[turns.size() - 2]);
+    if (goes_on)
+      turns.back() = value;
+    else
+      turns.push_back(value);
+  }
+};
+
+/// "45 -> 55 mm/min", "45 -> 36 -> 55 mm/min": the values at which a quantity turns.
+std::string range_text(const Change& change, double factor, const std::string& unit) {
+  constexpr std::size_t most = 5;
+  const std::size_t count = change.turns.size();
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (count > most && i > 1 && i + 2 < count) continue;
+    text += (i == 0 ? "" : " -> ") + plant_number(factor * change.turns[i]);
+    if (count > most && i == 1) text += " -> ...";
+  }
+  return text + " " + unit;
 }
 
-/// Cast length from the first to the last point of a speed table [m].
-double travel(const v1::Curve& speed) {
-  double length = 0.0;
-  for (int i = 1; i < speed.at_size(); ++i)
-    length += (speed.at(i) - speed.at(i - 1)) * (speed.value(i) + speed.value(i - 1)) / 2.0;
-  return length;
-}
-
-/// " from 60 s to 200 s (over 117 mm)"; empty for one value.
-std::string ramp_text(const v1::Curve& speed) {
-  if (speed.at_size() < 2) return {};
-  const bool by_length = speed.abscissa() == v1::CAST_LENGTH;
-  const double first = speed.at(0), last = speed.at(speed.at_size() - 1);
-  const auto place = [&](double at) { return by_length ? plant_mm(at) : plant_number(at) + " s"; };
-  return " from " + place(first) + " to " + place(last) + " (over " +
-         plant_mm(by_length ? last - first : travel(speed)) + ")";
+/// " from 60 s to 200 s (over 117 mm)"; empty where nothing changes.
+std::string ramp_text(const Change& change, bool by_length) {
+  if (change.turns.size() < 2) return {};
+  const auto place = [&](const Instant& at) {
+    return by_length ? plant_mm(at.cast_length_m) : plant_number(at.time_s) + " s";
+  };
+  return " from " + place(change.begin) + " to " + place(change.end) + " (over " +
+         plant_mm(change.end.cast_length_m - change.begin.cast_length_m) + ")";
 }
 
 std::string size_text(const v1::Case& c) {
@@ -81,32 +118,45 @@ std::string size_text(const v1::Case& c) {
   return "slab " + width + " x " + plant_mm(2.0 * thickness.value(0));
 }
 
-/// Water of the whole perimeter at the first or last point of its tables [m3/s]; 0 for a section.
-double total_water(const v1::Case& c, bool last) {
-  const auto value = [last](const v1::Curve& curve) {
-    return last ? *std::prev(curve.value().end()) : curve.value(0);
-  };
-  const v1::Curve& wide = c.schedule().water_flow_m2_per_s();
-  const v1::Curve& given = c.schedule().narrow_water_flow_m2_per_s();
-  const v1::Curve& thickness = c.section().half_thickness_m();
-  const double half_width = c.section().half_width_m();
-  if (c.section().kind() == v1::Section::AXISYMMETRIC)
-    return 2.0 * std::numbers::pi * half_width * value(wide);
-  if (c.section().kind() != v1::Section::QUARTER_SLAB || !has_values(thickness)) return 0.0;
-  const v1::Curve& narrow = has_values(given) ? given : wide;
-  return 4.0 * (half_width * value(wide) + thickness.value(0) * value(narrow));
+/// Water of the whole perimeter per that of each face [m]: m3/s for m2/s; zero for a section.
+struct Perimeter {
+  double wide_m = 0.0, narrow_m = 0.0;
+};
+
+Perimeter perimeter_of(const v1::Section& section) {
+  const double half_width = section.half_width_m();
+  if (section.kind() == v1::Section::AXISYMMETRIC) return {2.0 * std::numbers::pi * half_width};
+  if (section.kind() != v1::Section::QUARTER_SLAB || !has_values(section.half_thickness_m()))
+    return {};
+  return {4.0 * half_width, 4.0 * section.half_thickness_m().value(0)};
 }
 
-std::string water_text(const v1::Case& c) {
-  const v1::Curve& flow = c.schedule().water_flow_m2_per_s();
-  if (!has_values(flow)) return {};
-  std::string text =
-      ", water " + range_text(litres_per_min_per_m * flow.value(0),
-                              litres_per_min_per_m * *std::prev(flow.value().end()), "l/min/m");
-  if (total_water(c, false) > 0.0)
-    text += " = " + range_text(m3_per_hour * total_water(c, false),
-                               m3_per_hour * total_water(c, true), "m3/h");
-  return text;
+/// ", pulsed 2 of 4 s until 30 s"; empty for water that runs without a break.
+std::string pulse_text(const v1::Water& water) {
+  if (water.pulse_period_s() <= 0.0 || water.pulse_end_s() <= water.start_s()) return {};
+  return ", pulsed " + plant_number(water.pulse_share() * water.pulse_period_s()) + " of " +
+         plant_number(water.pulse_period_s()) + " s until " + plant_number(water.pulse_end_s()) +
+         " s";
+}
+
+std::string water_text(const v1::Case& c, const CastingSchedule& schedule,
+                       std::vector<Instant> instants) {
+  const PlannedQuantity wide = schedule.water_flow(Face::wide);
+  const PlannedQuantity narrow = schedule.water_flow(Face::narrow);
+  const v1::Water& water = schedule.water(Face::wide);
+  if (!has_values(wide.table)) return {};
+  if (!water.enabled()) return ", no water";
+
+  std::erase_if(instants, [&](const Instant& at) { return at.time_s < water.start_s(); });
+  const Change flow(instants, [&](const Instant& at) { return wide.at(at); });
+  std::string text = ", water " + range_text(flow, litres_per_min_per_m, "l/min/m");
+
+  const Perimeter perimeter = perimeter_of(c.section());
+  const Change total(instants, [&](const Instant& at) {
+    return perimeter.wide_m * wide.at(at) + perimeter.narrow_m * narrow.at(at);
+  });
+  if (perimeter.wide_m > 0.0) text += " = " + range_text(total, m3_per_hour, "m3/h");
+  return text + pulse_text(water);
 }
 
 }  // namespace
@@ -153,13 +203,18 @@ std::string readable_toml(const v1::Case& input) {
 std::string casting_summary(const v1::Case& c) {
   std::string text = size_text(c);
   if (!c.alloy().card().empty()) text += " of " + c.alloy().card();
-  const v1::Curve& speed = c.schedule().casting_speed_m_per_s();
-  if (has_values(speed))
-    text += ", speed " +
-            range_text(mm_per_min * speed.value(0), mm_per_min * *std::prev(speed.value().end()),
-                       "mm/min") +
-            ramp_text(speed);
-  return text + water_text(c);
+
+  const CastingSchedule schedule(c);
+  const std::vector<Instant> instants = schedule.instants();
+  const PlannedQuantity speed = schedule.casting_speed();
+  if (has_values(speed.table)) {
+    std::vector<Instant> moving = instants;
+    std::erase_if(moving, [](const Instant& at) { return at.time_s < 0.0; });
+    const Change change(moving, [&](const Instant& at) { return speed.at(at); });
+    text += ", speed " + range_text(change, mm_per_min, "mm/min") +
+            ramp_text(change, speed.changes_by_length());
+  }
+  return text + water_text(c, schedule, instants);
 }
 
 }  // namespace dccast::case_file

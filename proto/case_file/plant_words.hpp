@@ -26,7 +26,8 @@ std::string curve_in_words(const v1::Curve& curve, double factor, const std::str
 std::string readable_toml(const v1::Case& input);
 
 /// The casting of a case as a plant puts it, in one line: "slab 1320 x 570 mm of aa5182, speed 45
-/// -> 55 mm/min from 60 s to 200 s (over 117 mm), water 110 -> 198 l/min/m = 25 -> 45 m3/h".
-std::string casting_summary(const v1::Case& description);
+/// -> 55 mm/min from 60 s to 200 s (over 117 mm), water 110 -> 198 l/min/m = 25 -> 45 m3/h". Speed
+/// and water are those that the levers leave, with the values at which they turn.
+std::string casting_summary(const v1::Case& complete);
 
 }  // namespace dccast::case_file

@@ -4,52 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/quantity.hpp"
-#include "proto/frames/contraction.hpp"
+#include "proto/case_file/schedule.hpp"
 
 namespace dccast::case_file {
 namespace {
 
 constexpr double default_ramp_s = 60.0;  // of a table with a single value
-constexpr double integration_step_s = 0.05;
-constexpr double longest_s = 36000.0;  // limit of the search for a cast length
-
-double speed_at(const v1::Schedule& schedule, double time, double length) {
-  return frames::curve_value(schedule.casting_speed_factor(), time, length, 1.0) *
-         frames::curve_value(schedule.casting_speed_m_per_s(),
-                             time - schedule.casting_speed_shift_s(), length, 0.0);
-}
-
-/// Time and cast length of a point of the casting.
-struct Course {
-  double time_s = 0.0, length_m = 0.0;
-};
-
-/// Integrates the speed by the midpoint rule up to a time or a cast length, whichever comes first.
-Course integrate_speed(const v1::Schedule& schedule, double time_s, double length_m) {
-  Course now;
-  while (now.time_s < time_s) {
-    const double h = std::min(integration_step_s, time_s - now.time_s);
-    const double half = now.length_m + 0.5 * h * speed_at(schedule, now.time_s, now.length_m);
-    const double moved = h * speed_at(schedule, now.time_s + 0.5 * h, half);
-
-    // The length is reached within this step: interpolate.
-    if (now.length_m + moved >= length_m) {
-      now.time_s += h * (length_m - now.length_m) / moved;
-      now.length_m = length_m;
-      return now;
-    }
-
-    now.length_m += moved;
-    now.time_s += h;
-  }
-  return now;
-}
 
 /// A table as a ramp: first and last value, begin and length [unit of the abscissa].
 struct Ramp {
@@ -87,15 +52,15 @@ std::string value_text(double value, const std::string& unit) {
 std::string table_text(const v1::Curve& curve, std::span<const double, 3> numbers,
                        const std::string& unit) {
   const double from = read_ramp(curve).from;
-  const std::string at_unit = ramps_by_length(curve) ? "m" : "s";
+  const std::string at_unit = is_by_length(curve) ? "m" : "s";
   return fmt::format(R"([["{}", "{}"], ["{}", "{}"]])", quantity_text(from, at_unit),
                      value_text(numbers[0], unit), format_rounded(from + numbers[2], at_unit),
                      value_text(numbers[1], unit));
 }
 
 /// When the metal has risen to its level [s], without the round-off of the difference.
-double time_of_full_mould(const v1::Schedule& schedule) {
-  return std::round(1e6 * (schedule.filling_s() - schedule.hold_s())) / 1e6;
+double time_of_full_mould(const v1::Case& complete) {
+  return std::round(1e6 * CastingSchedule(complete).full_mould_s()) / 1e6;
 }
 
 bool differ(std::span<const double> a, std::span<const double> b) {
@@ -105,10 +70,6 @@ bool differ(std::span<const double> a, std::span<const double> b) {
 }
 
 }  // namespace
-
-bool ramps_by_length(const v1::Curve& curve) {
-  return curve.abscissa() == v1::CAST_LENGTH;
-}
 
 Recipe recipe_of(const v1::Case& complete) {
   const v1::Schedule& schedule = complete.schedule();
@@ -144,8 +105,8 @@ std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recip
   apply_changes(changed, changes);
 
   // Mechanics that begins with the full mould goes on doing so.
-  const double full = time_of_full_mould(schedule);
-  const double full_after = time_of_full_mould(changed.schedule());
+  const double full = time_of_full_mould(complete);
+  const double full_after = time_of_full_mould(changed);
   if (full_after != full && std::abs(complete.mechanics().start_s() - full) < 1e-6)
     changes.push_back(change_of("mechanics.start", quantity_text(full_after, "s")));
   if (!other_speed) return changes;
@@ -155,24 +116,11 @@ std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recip
   return changes;
 }
 
-double cast_length_at(const v1::Case& complete, double time_s) {
-  return integrate_speed(complete.schedule(), time_s, std::numeric_limits<double>::infinity())
-      .length_m;
-}
-
-double cast_length_at_end(const v1::Case& complete) {
-  return cast_length_at(complete, complete.time().end_s());
-}
-
-double time_of_cast_length(const v1::Case& complete, double length_m) {
-  const Course end = integrate_speed(complete.schedule(), longest_s, length_m);
-  return end.length_m < length_m ? std::numeric_limits<double>::infinity() : end.time_s;
-}
-
 std::optional<v1::CaseChange> end_at_same_length(const v1::Case& changed,
                                                  const v1::Case& complete) {
   constexpr double tolerance_s = 0.05;
-  const double end_s = time_of_cast_length(changed, cast_length_at_end(complete));
+  const double end_s = CastingSchedule(changed).time_of_cast_length_s(
+      CastingSchedule(complete).cast_length_at_end_m());
   if (!std::isfinite(end_s) || std::abs(end_s - complete.time().end_s()) < tolerance_s)
     return std::nullopt;
   return change_of("time.end", quantity_text(std::round(10.0 * end_s) / 10.0, "s"));

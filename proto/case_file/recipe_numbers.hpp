@@ -38,20 +38,10 @@ using Recipe = std::array<double, recipe_size>;
 /// those points; a single value is both, with a ramp of 60 s.
 Recipe recipe_of(const v1::Case& complete);
 
-/// Whether a table is given against cast length.
-bool ramps_by_length(const v1::Curve& curve);
-
 /// Changes that give a complete case another recipe and the same final cast length: tables of speed
 /// and water whose ramps begin where those of the case do, filling, hold, and time.end. Numbers
 /// have four digits. Keys that do not differ are left out.
 std::vector<v1::CaseChange> recipe_changes(const v1::Case& complete, const Recipe& recipe);
-
-/// Cast length of a complete case at a time [s], and at its end [m].
-double cast_length_at(const v1::Case& complete, double time_s);
-double cast_length_at_end(const v1::Case& complete);
-
-/// Time at which a complete case has cast a length [s]; infinite if it never does.
-double time_of_cast_length(const v1::Case& complete, double length_m);
 
 /// The change of time.end with which a changed case casts the length of the case itself, to a tenth
 /// of a second; empty: it does so already, or never.

@@ -9,7 +9,11 @@
 #include <map>
 #include <utility>
 
+#include "proto/case_file/schedule.hpp"
+
 namespace dccast::frames {
+
+using case_file::curve_value;
 
 namespace {
 
@@ -152,28 +156,6 @@ void require_steady_part(const Contraction& contraction, const FaceRow& head) {
 }
 
 }  // namespace
-
-double curve_value(const v1::Curve& curve, double at) {
-  const int count = std::min(curve.at_size(), curve.value_size());
-  const auto begin = curve.at().begin();
-  const auto right = static_cast<int>(std::lower_bound(begin, begin + count, at) - begin);
-  if (right == 0) return curve.value(0);
-  if (right == count) return curve.value(count - 1);
-
-  const double share = (at - curve.at(right - 1)) / (curve.at(right) - curve.at(right - 1));
-  return curve.value(right - 1) + share * (curve.value(right) - curve.value(right - 1));
-}
-
-double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, double otherwise) {
-  if (curve.value().empty()) return otherwise;
-  return curve_value(curve, curve.abscissa() == v1::CAST_LENGTH ? cast_length_m : time_s);
-}
-
-double scheduled_value(const v1::Curve& table, const v1::Curve& factor, double shift_s,
-                       double time_s, double cast_length_m) {
-  return curve_value(factor, time_s, cast_length_m, 1.0) *
-         curve_value(table, time_s - shift_s, cast_length_m, 0.0);
-}
 
 double shell_c(const v1::Frame& frame) {
   return frame.shell_c() > 0.0 ? frame.shell_c() : frame.solidus_c();

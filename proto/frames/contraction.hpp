@@ -8,21 +8,6 @@
 
 namespace dccast::frames {
 
-/// Value of a table, linear between its points and constant outside.
-/// @param at  [unit of the abscissa]
-/// @return    [unit of the curve]
-/// @pre       the curve has a value; without abscissae it is constant
-double curve_value(const v1::Curve& curve, double at);
-
-/// Value of a table at a time [s] or a cast length [m], whichever is its abscissa.
-/// @param otherwise  [unit of the curve] value of a table without points
-double curve_value(const v1::Curve& curve, double time_s, double cast_length_m, double otherwise);
-
-/// A table of the schedule at an instant, times its factor and shifted in time, in its unit; zero
-/// without a table.
-double scheduled_value(const v1::Curve& table, const v1::Curve& factor, double shift_s,
-                       double time_s, double cast_length_m);
-
 /// Half the thickness of a quarter slab at one place along its wide face.
 struct FacePoint {
   double x_m = 0.0;      ///< in the undeformed slab [m]

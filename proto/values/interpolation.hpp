@@ -3,9 +3,22 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace dccast::values {
+
+/// Value of a table, linear between its points and constant outside.
+/// @param at     ascending [unit of `x`]
+/// @param value  as many, at least one [any unit]
+inline double interpolate(std::span<const double> at, std::span<const double> value, double x) {
+  const auto right = static_cast<std::size_t>(std::ranges::lower_bound(at, x) - at.begin());
+  if (right == 0) return value.front();
+  if (right == at.size()) return value.back();
+
+  const double share = (x - at[right - 1]) / (at[right] - at[right - 1]);
+  return value[right - 1] + share * (value[right] - value[right - 1]);
+}
 
 /// Interpolates a curve linearly at other times; NaN outside its range.
 /// @param instants_s  times of the result [s]
@@ -28,8 +41,7 @@ inline std::vector<double> at_instants(const std::vector<double>& instants_s,
     } else if (after == time_s.begin() || after == time_s.end()) {
       result.push_back(std::numeric_limits<double>::quiet_NaN());
     } else {
-      const double part = (instant - time_s[i - 1]) / (time_s[i] - time_s[i - 1]);
-      result.push_back(value[i - 1] + part * (value[i] - value[i - 1]));
+      result.push_back(interpolate(time_s, value, instant));
     }
   }
   return result;

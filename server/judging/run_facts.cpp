@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "proto/case_file/plant_words.hpp"
+#include "proto/case_file/schedule.hpp"
 #include "server/judging/judgement.hpp"
 #include "server/judging/run_judgement.hpp"
 
 namespace dccast::judging {
 namespace {
 
-using case_file::curve_in_words, case_file::plant_mm, case_file::plant_number;
+using case_file::curve_in_words, case_file::Face, case_file::plant_mm, case_file::plant_number;
 using Step = v1::StepReport;
 
 v1::Table& add_facts(v1::Judgement& judgement, const std::string& key, const std::string& heading) {
@@ -58,22 +59,16 @@ std::string water_note(const v1::Water& water) {
 
 /// The water of both faces, in one row where they have the same.
 void add_water_facts(const v1::Case& input, v1::Table& table) {
-  const v1::Schedule& recipe = input.schedule();
-  const std::string changed =
-      changes_in_words(recipe.water_flow_factor(), recipe.water_flow_shift_s());
-  const auto add = [&](const std::string& name, const v1::Curve& flow, const v1::Water& water) {
+  const case_file::CastingSchedule plan(input);
+  const auto add = [&](const std::string& name, Face face) {
+    const auto [flow, factor, shift_s] = plan.water_flow(face);
+    const std::string changed = changes_in_words(factor, shift_s);
     add_fact(table, name, curve_in_words(flow, case_file::litres_per_min_per_m, "l/min/m"),
-             water_note(water) + (changed.empty() ? "" : "; " + changed));
+             water_note(plan.water(face)) + (changed.empty() ? "" : "; " + changed));
   };
 
-  const v1::Cooling& cooling = input.cooling();
-  const bool has_narrow_flow = recipe.has_narrow_water_flow_m2_per_s();
-  const bool has_two = is_quarter(input) && (has_narrow_flow || cooling.has_narrow_water());
-  add(has_two ? "Water, wide face" : "Water", recipe.water_flow_m2_per_s(), cooling.water());
-  if (has_two)
-    add("Water, narrow face",
-        has_narrow_flow ? recipe.narrow_water_flow_m2_per_s() : recipe.water_flow_m2_per_s(),
-        cooling.has_narrow_water() ? cooling.narrow_water() : cooling.water());
+  add(plan.has_narrow_water() ? "Water, wide face" : "Water", Face::wide);
+  if (plan.has_narrow_water()) add("Water, narrow face", Face::narrow);
 }
 
 std::string scientific(double value) {

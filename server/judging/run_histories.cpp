@@ -1,15 +1,16 @@
 // Charts of a single run against time, beside those of its curls.
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <functional>
 
-#include "proto/frames/contraction.hpp"
+#include "proto/case_file/schedule.hpp"
 #include "server/judging/judgement.hpp"
 #include "server/judging/run_judgement.hpp"
 
 namespace dccast::judging {
 namespace {
 
+using case_file::CastingSchedule, case_file::Face, case_file::Instant;
 using Step = v1::StepReport;
 using Section = v1::SectionFigures;
 
@@ -188,21 +189,10 @@ void add_history(const JudgedRun& run, const HistoryChart& history, v1::Judgemen
     chart.set_note(history.note.choose(run));
 }
 
-/// A table of the schedule with its factor and its shift in time.
-struct Ramp {
-  const v1::Curve& table;
-  const v1::Curve& factor;
-  double shift_s;
-  double acts_from_s;  ///< before, its value is zero
-
-  double at(const Step& step) const {
-    if (step.time_s() < acts_from_s) return 0.0;
-    return frames::scheduled_value(table, factor, shift_s, step.time_s(), step.cast_length_m());
-  }
-};
-
-/// Draws a ramp until the casting ends: a slab that cools down is neither cast nor sprayed.
-void add_ramp(const JudgedRun& run, const std::string& name, const Ramp& ramp, v1::Chart& chart) {
+/// Draws a planned quantity until the casting ends: a slab that cools down is neither cast nor
+/// sprayed.
+void add_planned(const JudgedRun& run, const std::string& name, v1::Chart& chart,
+                 const std::function<double(const Instant&)>& value) {
   constexpr double round_off_s = 1e-6;  // of summed time steps
   const double casting_end_s = run.description.time().end_s() + round_off_s;
 
@@ -210,45 +200,30 @@ void add_ramp(const JudgedRun& run, const std::string& name, const Ramp& ramp, v
   for (const Step& step : run.steps) {
     if (step.time_s() > casting_end_s) break;
     times_s.push_back(step.time_s());
-    values.push_back(ramp.at(step));
+    values.push_back(value({step.time_s(), step.cast_length_m()}));
   }
   add_line(chart, name, times_s, values);
 }
 
 void add_speed(const JudgedRun& run, v1::Judgement& judgement) {
-  const v1::Schedule& recipe = run.description.schedule();
+  const CastingSchedule plan(run.description);
   v1::Chart& chart =
       add_chart(judgement, "casting_speed", "casting speed", {"time", "s", "casting speed", "m/s"});
-
-  // The block does not move during the hold, independent of the table.
-  constexpr double after_hold_s = std::numeric_limits<double>::min();
-  add_ramp(run, "casting speed",
-           {recipe.casting_speed_m_per_s(), recipe.casting_speed_factor(),
-            recipe.casting_speed_shift_s(), after_hold_s},
-           chart);
+  add_planned(run, "casting speed", chart,
+              [&](const Instant& instant) { return plan.speed_m_per_s(instant); });
   chart.set_note("As this run had it, factors included.");
 }
 
 void add_water(const JudgedRun& run, v1::Judgement& judgement) {
-  const v1::Schedule& recipe = run.description.schedule();
-  const v1::Cooling& cooling = run.description.cooling();
+  const CastingSchedule plan(run.description);
   v1::Chart& chart = add_chart(judgement, "water", "water", {"time", "s", "water", "m2/s"});
-  const auto add = [&](const char* name, const v1::Curve& flow, const v1::Water& water) {
-    constexpr double never = std::numeric_limits<double>::infinity();
-    add_ramp(run, name,
-             {flow, recipe.water_flow_factor(), recipe.water_flow_shift_s(),
-              water.enabled() ? water.start_s() : never},
-             chart);
+  const auto add = [&](const char* name, Face face) {
+    add_planned(run, name, chart,
+                [&](const Instant& instant) { return plan.flow_m2_per_s(face, instant); });
   };
 
-  const bool has_narrow_flow = recipe.has_narrow_water_flow_m2_per_s();
-  const bool has_narrow_face = run.description.section().kind() == v1::Section::QUARTER_SLAB &&
-                               (has_narrow_flow || cooling.has_narrow_water());
-  add(has_narrow_face ? "wide face" : "water", recipe.water_flow_m2_per_s(), cooling.water());
-  if (has_narrow_face)
-    add("narrow face",
-        has_narrow_flow ? recipe.narrow_water_flow_m2_per_s() : recipe.water_flow_m2_per_s(),
-        cooling.has_narrow_water() ? cooling.narrow_water() : cooling.water());
+  add(plan.has_narrow_water() ? "wide face" : "water", Face::wide);
+  if (plan.has_narrow_water()) add("narrow face", Face::narrow);
   chart.set_note("Litres a minute on a metre of the slab's perimeter, as this run had it.");
 }
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "proto/frames/contraction.hpp"
-
 namespace dccast::studies {
 
 namespace {
@@ -30,52 +28,34 @@ v1::Reading last_values(const std::vector<const v1::Reading*>& readings) {
   return values;
 }
 
-/// No water is planned before the case turns it on.
-void turn_off_water(v1::Reading& levers) {
-  levers.set_water_flow_m2_per_s(0.0);
-  if (levers.has_narrow_water_flow_m2_per_s()) levers.set_narrow_water_flow_m2_per_s(0.0);
-}
-
 }  // namespace
 
-double PlannedLevers::planned_speed() const {
-  if (time_s_ < 0.0) return 0.0;
-  return frames::scheduled_value(plan_.casting_speed_m_per_s(), plan_.casting_speed_factor(),
-                                 plan_.casting_speed_shift_s(), time_s_, cast_length_m_);
-}
-
-double PlannedLevers::planned_flow(const v1::Curve& table) const {
-  return frames::scheduled_value(table, plan_.water_flow_factor(), plan_.water_flow_shift_s(),
-                                 time_s_, cast_length_m_);
-}
-
 void PlannedLevers::follow(const v1::Reading& reading) {
-  const double from_s = std::max(time_s_, 0.0);
-  time_s_ = reading.time_s();
-  if (time_s_ < 0.0) return;
+  const double from_s = std::max(now_.time_s, 0.0);
+  now_.time_s = reading.time_s();
+  if (now_.time_s < 0.0) return;
 
-  const double speed =
-      reading.has_casting_speed_m_per_s() ? reading.casting_speed_m_per_s() : planned_speed();
-  cast_length_m_ += 0.5 * (speed_m_per_s_ + speed) * (time_s_ - from_s);
+  const double speed = reading.has_casting_speed_m_per_s() ? reading.casting_speed_m_per_s()
+                                                           : plan_.speed_m_per_s(now_);
+  now_.cast_length_m += 0.5 * (speed_m_per_s_ + speed) * (now_.time_s - from_s);
   speed_m_per_s_ = speed;
 }
 
 v1::Reading PlannedLevers::levers() const {
   v1::Reading levers;
-  levers.set_time_s(time_s_);
-  levers.set_casting_speed_m_per_s(planned_speed());
-  levers.set_water_flow_m2_per_s(planned_flow(plan_.water_flow_m2_per_s()));
-  if (plan_.has_narrow_water_flow_m2_per_s())
-    levers.set_narrow_water_flow_m2_per_s(planned_flow(plan_.narrow_water_flow_m2_per_s()));
-  if (!plan_.casting_temperature_c().value().empty())
-    levers.set_casting_temperature_c(
-        frames::curve_value(plan_.casting_temperature_c(), time_s_, cast_length_m_, 0.0));
+  levers.set_time_s(now_.time_s);
+  levers.set_casting_speed_m_per_s(plan_.speed_m_per_s(now_));
+  levers.set_water_flow_m2_per_s(plan_.flow_m2_per_s(case_file::Face::wide, now_));
+  if (plan_.has_narrow_water())
+    levers.set_narrow_water_flow_m2_per_s(plan_.flow_m2_per_s(case_file::Face::narrow, now_));
+  if (const auto metal = plan_.casting_temperature(); !metal.table.value().empty())
+    levers.set_casting_temperature_c(metal.at(now_));
   return levers;
 }
 
 v1::CastingNow casting_now(const v1::Case& plan, const std::vector<v1::Reading>& readings) {
   v1::CastingNow now;
-  PlannedLevers planned(plan.schedule());
+  PlannedLevers planned(plan);
   std::vector<const v1::Reading*> measured;
   for (const v1::Reading& reading : readings) {
     if (reading.closes()) {
@@ -89,9 +69,6 @@ v1::CastingNow casting_now(const v1::Case& plan, const std::vector<v1::Reading>&
 
   *now.mutable_measured() = last_values(measured);
   *now.mutable_planned() = planned.levers();
-  const v1::Water& water = plan.cooling().water();
-  if (!water.enabled() || now.planned().time_s() < water.start_s())
-    turn_off_water(*now.mutable_planned());
   return now;
 }
 

@@ -4,6 +4,7 @@
 
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/follow.pb.h"
+#include "proto/case_file/schedule.hpp"
 
 namespace dccast::studies {
 
@@ -12,7 +13,8 @@ namespace dccast::studies {
 /// one.
 class PlannedLevers {
 public:
-  explicit PlannedLevers(const v1::Schedule& plan) : plan_(plan) {}
+  /// @param plan  complete; it must outlive the levers
+  explicit PlannedLevers(const v1::Case& plan) : plan_(plan) {}
 
   /// Goes on to a later reading. The block stands still before zero.
   void follow(const v1::Reading& reading);
@@ -20,12 +22,8 @@ public:
   v1::Reading levers() const;
 
 private:
-  double planned_speed() const;                       ///< [m/s]
-  double planned_flow(const v1::Curve& table) const;  ///< [m2/s]
-
-  const v1::Schedule& plan_;
-  double time_s_ = 0.0;
-  double cast_length_m_ = 0.0;
+  case_file::CastingSchedule plan_;
+  case_file::Instant now_;
   double speed_m_per_s_ = 0.0;  ///< measured last, or planned
 };
 

@@ -8,6 +8,7 @@
 
 #include "core/statistics/sampling.hpp"
 #include "proto/case_file/override.hpp"
+#include "proto/case_file/schedule.hpp"
 #include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
@@ -67,8 +68,8 @@ void RecipeSpace::keep_rate(Recipe& recipe, RecipeNumber start, double rate) con
              ramp = static_cast<RecipeNumber>(start + 2);
   const v1::Schedule& schedule = draft_.schedule();
   const bool by_length =
-      case_file::ramps_by_length(start == case_file::speed_start ? schedule.casting_speed_m_per_s()
-                                                                 : schedule.water_flow_m2_per_s());
+      case_file::is_by_length(start == case_file::speed_start ? schedule.casting_speed_m_per_s()
+                                                              : schedule.water_flow_m2_per_s());
 
   // A ramp by length lasts as long as its length takes at the mean speed.
   const double per_second =

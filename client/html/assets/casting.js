@@ -1,7 +1,7 @@
 // The start of a case: the section through the middle of the wide face, to scale, with metal, mould,
 // zones, water line and block with its bowl and holes, and the ramps of speed and water.
-import {chart} from './chart.js';
 import {h} from './dom.js';
+import {picture} from './drawn.js';
 
 // Sizes of the drawing; the metal level is at `level`.
 const width = 640, level = 40, lowest = 380;
@@ -107,28 +107,9 @@ function sectionDrawing(given) {
     labels(start, zones, holes).flat());
 }
 
-/** A table of the schedule over the start. @param from, end  times at which it takes effect and ends [s] */
-function ramp(name, unit, table, from, end) {
-  if (!table?.value?.length) return null;
-  const byLength = table.abscissa === 'CAST_LENGTH', at = table.at || [], values = table.value;
-  const first = byLength ? 0 : from, x = [first, ...at.filter(v => v > first)];
-  if (!byLength) x.push(Math.max(end, x.at(-1)));
-  const valueOf = v => {
-    const next = at.findIndex(a => a >= v);
-    if (next <= 0) return next === 0 ? values[0] : values.at(-1);
-    const share = (v - at[next - 1]) / (at[next] - at[next - 1]);
-    return values[next - 1] + share * (values[next] - values[next - 1]);
-  };
-  const drawn = [{name, x: x.map(v => (byLength ? 1e3 * v : v)), y: x.map(v => 60e3 * valueOf(v))}];
-  const xLabel = byLength ? 'cast length, mm' : 'time, s';
-  return chart(drawn, {title: `${name}, ${unit}`, xLabel, yLabel: unit, unit, width});
-}
-
-/** @param given  a complete case (case.proto) */
-export function castingDrawing(given) {
-  const {schedule, cooling, time} = given;
+/** @param case  a complete case (case.proto) @param charts  its speed and water, for picture() */
+export function castingDrawing({case: given, charts}) {
   return h(
     'div', {class: 'pair'}, sectionDrawing(given),
-    h('div', {}, ramp('casting speed', 'mm/min', schedule.casting_speed_m_per_s, 0, time.end_s),
-      ramp('water', 'l/min/m', schedule.water_flow_m2_per_s, cooling.water.start_s, time.end_s)));
+    h('div', {}, charts.map(chart => picture(chart, width))));
 }

@@ -22,12 +22,12 @@ export function newCasePage(element, signal) {
     replace(found, h('div', {class: 'card'}, h('p', {class: 'bad lines', role: 'alert'}, text)));
 
   /** What a case casts, with its drawing. @param acts  buttons */
-  function show({summary, complete}, acts) {
+  function show({summary, drawing}, acts) {
     const said = h('p', {role: 'status'});
     replace(
       found,
       h('div', {class: 'card'}, h('p', {}, summary),
-        complete ? castingDrawing(complete) : null,
+        drawing ? castingDrawing(drawing) : null,
         h('div', {class: 'bar'}, acts(said)), said));
   }
 

@@ -6,7 +6,7 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/recipe_numbers.hpp"
-#include "proto/frames/contraction.hpp"
+#include "proto/case_file/schedule.hpp"
 #include "tests/unit/case_file/shipped_case.hpp"
 
 namespace dccast::case_file {
@@ -27,10 +27,8 @@ v1::Case moved(v1::Case description, const LeverDraft& draft) {
 }
 
 double speed_at(const v1::Case& complete, double time_s) {
-  const v1::Schedule& plan = complete.schedule();
-  return frames::scheduled_value(plan.casting_speed_m_per_s(), plan.casting_speed_factor(),
-                                 plan.casting_speed_shift_s(), time_s,
-                                 cast_length_at(complete, time_s));
+  const CastingSchedule plan(complete);
+  return plan.speed_m_per_s({time_s, plan.cast_length_m(time_s)});
 }
 
 std::vector<std::string> words_of(const std::vector<LeverDraft>& drafts) {
@@ -64,10 +62,11 @@ TEST(LiveLevers, FollowThePlanUntilTheyAreMoved) {
 /// Slower castings end later, not shorter.
 TEST(LiveLevers, CastTheSameLength) {
   const v1::Case base = shipped_case("start-3d");
-  const double length_m = cast_length_at_end(completed(base));
+  const double length_m = CastingSchedule(completed(base)).cast_length_at_end_m();
   for (const double from_s : {0.0, 60.0, 200.0})
     for (const LeverDraft& draft : lever_drafts_from(base, from_s))
-      EXPECT_NEAR(cast_length_at_end(moved(base, draft)), length_m, 2e-4) << draft.step.words();
+      EXPECT_NEAR(CastingSchedule(moved(base, draft)).cast_length_at_end_m(), length_m, 2e-4)
+          << draft.step.words();
 }
 
 TEST(LiveLevers, OfATableByCastLengthAreMovedWhereTheCastingIsThen) {
@@ -99,9 +98,9 @@ TEST(LiveLevers, OfASingleValueBecomeAStep) {
   metal.add_value(680.0);
   const v1::Curve colder =
       moved(base, lever_drafts_from(base, 30.0)[4]).schedule().casting_temperature_c();
-  EXPECT_EQ(frames::curve_value(colder, 29.0), 680.0);
-  EXPECT_EQ(frames::curve_value(colder, 30.0), 670.0);
-  EXPECT_EQ(frames::curve_value(colder, 200.0), 670.0);
+  EXPECT_EQ(curve_value(colder, 29.0), 680.0);
+  EXPECT_EQ(curve_value(colder, 30.0), 670.0);
+  EXPECT_EQ(curve_value(colder, 200.0), 670.0);
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "proto/frames/contraction.hpp"
-
 namespace dccast::case_file {
 namespace {
 
@@ -21,14 +19,6 @@ TEST(PlantWords, NumbersAreAsTheUserWroteThem) {
   for (const double v : {0.0006666666666666668, 0.001}) speed.add_value(v);
   EXPECT_EQ(curve_in_words(speed, mm_per_min, "mm/min"),
             "40 mm/min to 60 s, then to 60 mm/min at 200 s");
-  EXPECT_NEAR(mm_per_min * frames::curve_value(speed, 130.0, 0.0, 0.0), 50.0, 1e-9);
-  EXPECT_NEAR(mm_per_min * frames::curve_value(speed, 1e3, 0.0, 0.0), 60.0, 1e-9);
-  EXPECT_EQ(frames::curve_value(v1::Curve(), 1.0, 1.0, 7.0), 7.0);
-
-  speed.set_abscissa(v1::CAST_LENGTH);
-  speed.set_at(0, 0.1);
-  speed.set_at(1, 0.2);
-  EXPECT_NEAR(mm_per_min * frames::curve_value(speed, 0.0, 0.15, 0.0), 50.0, 1e-9);
 }
 
 TEST(PlantWords, TheWholeCaseHasNoDigitsNobodyWrote) {

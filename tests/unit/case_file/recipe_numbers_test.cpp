@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "proto/case_file/override.hpp"
+#include "proto/case_file/schedule.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -63,7 +64,8 @@ TEST(RecipeNumbers, AnotherFillingMovesTheStartOfTheMechanics) {
 TEST(RecipeNumbers, AnotherSpeedCastsTheSameLength) {
   const v1::Case before = start();
   // 60 s at 40, 140 s at 50 on the mean, 50 s at 60 mm/min.
-  EXPECT_NEAR(cast_length_at_end(before), 1e-3 * (40.0 + 140.0 * 50.0 / 60.0 + 50.0), 1e-6);
+  EXPECT_NEAR(CastingSchedule(before).cast_length_at_end_m(),
+              1e-3 * (40.0 + 140.0 * 50.0 / 60.0 + 50.0), 1e-6);
   Recipe recipe = recipe_of(before);
   recipe[speed_start] = 30.0 * mm_per_min;
   recipe[speed_run] = 50.0 * mm_per_min;
@@ -76,9 +78,12 @@ TEST(RecipeNumbers, AnotherSpeedCastsTheSameLength) {
   EXPECT_EQ(changes[1].value(), "71.23 s");
   ASSERT_TRUE(apply_changes(after, changes).empty());
   EXPECT_NEAR(recipe_of(after)[speed_ramp], 100.0, 1e-9);
-  EXPECT_NEAR(cast_length_at_end(after), cast_length_at_end(before), 1e-4);
+  EXPECT_NEAR(CastingSchedule(after).cast_length_at_end_m(),
+              CastingSchedule(before).cast_length_at_end_m(), 1e-4);
   EXPECT_GT(after.time().end_s(), before.time().end_s());
-  EXPECT_NEAR(time_of_cast_length(after, cast_length_at_end(before)), after.time().end_s(), 0.06);
+  EXPECT_NEAR(
+      CastingSchedule(after).time_of_cast_length_s(CastingSchedule(before).cast_length_at_end_m()),
+      after.time().end_s(), 0.06);
 }
 
 TEST(RecipeNumbers, WaterAloneLeavesSpeedAndEnd) {
@@ -105,7 +110,8 @@ TEST(RecipeNumbers, ARampMayStandAgainstCastLength) {
   v1::Case after = c;
   ASSERT_TRUE(apply_changes(after, recipe_changes(c, recipe)).empty());
   EXPECT_NEAR(after.schedule().casting_speed_m_per_s().at(1), 0.25, 1e-12);
-  EXPECT_NEAR(cast_length_at_end(after), cast_length_at_end(c), 1e-4);
+  EXPECT_NEAR(CastingSchedule(after).cast_length_at_end_m(),
+              CastingSchedule(c).cast_length_at_end_m(), 1e-4);
 }
 
 TEST(RecipeNumbers, OneValueIsBothLevelsAndACaseThatStandsStillNeverArrives) {
@@ -122,8 +128,8 @@ TEST(RecipeNumbers, OneValueIsBothLevelsAndACaseThatStandsStillNeverArrives) {
   EXPECT_EQ(after.schedule().casting_speed_m_per_s().at_size(), 2);
 
   speed.set_value(0, 0.0);
-  EXPECT_EQ(cast_length_at_end(c), 0.0);
-  EXPECT_GT(time_of_cast_length(c, 0.1), 1e9);
+  EXPECT_EQ(CastingSchedule(c).cast_length_at_end_m(), 0.0);
+  EXPECT_GT(CastingSchedule(c).time_of_cast_length_s(0.1), 1e9);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/recipe_numbers.hpp"
+#include "proto/case_file/schedule.hpp"
 #include "tests/unit/case_file/shipped_case.hpp"
 
 namespace dccast::case_file {
@@ -59,14 +60,15 @@ TEST(Remedies, AreTriedInThreeDraftsForEachLever) {
 /// Slower castings end later, not shorter.
 TEST(Remedies, CastTheSameLength) {
   const v1::Case base = shipped_case("start-3d");
-  const double length_m = cast_length_at_end(completed_recipe(base));
+  const double length_m = CastingSchedule(completed_recipe(base)).cast_length_at_end_m();
   int drafts = 0;
   for (const char* code : {"bottom_shell_open", "slip_too_large"})
     for (const Advice& advice : advice_against(finding(code)))
       for (const LeverDraft& draft : lever_drafts(advice, base)) {
         v1::Case changed = base;
         ASSERT_THAT(apply_changes(changed, draft.changes), IsEmpty());
-        EXPECT_NEAR(cast_length_at_end(completed_recipe(changed)), length_m, 2e-4)
+        EXPECT_NEAR(CastingSchedule(completed_recipe(changed)).cast_length_at_end_m(), length_m,
+                    2e-4)
             << draft.step.words();
         ++drafts;
       }

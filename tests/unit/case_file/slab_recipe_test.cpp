@@ -5,6 +5,7 @@
 
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/override.hpp"
 #include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/shipped.hpp"
 
@@ -146,6 +147,47 @@ TEST(CastingSummary, KnowsSectionsBilletsAndCastLengths) {
   speed.set_at(0, 0.05);
   speed.set_at(1, 0.35);
   EXPECT_THAT(casting_summary(c), HasSubstr("from 50 mm to 350 mm (over 300 mm)"));
+}
+
+/// The summary of the start through the thickness with one more lever.
+std::string summary_with(const std::string& key, const std::string& value) {
+  v1::Case c = shipped_case("start-2d-thickness");
+  EXPECT_THAT(apply_changes(c, {change_of(key, value)}), IsEmpty());
+  return casting_summary(c);
+}
+
+TEST(CastingSummary, FollowsTheLevers) {
+  EXPECT_THAT(summary_with("schedule.casting_speed.scale", "0.5"),
+              HasSubstr("speed 20 -> 30 mm/min from 60 s to 200 s (over 58.33 mm)"));
+  EXPECT_THAT(summary_with("schedule.casting_speed.shift", "10 s"),
+              HasSubstr("speed 40 -> 60 mm/min from 70 s to 210 s (over 116.7 mm)"));
+  // 20 mm/min for the first 20 mm, which take as long as the constant part of the table.
+  EXPECT_THAT(summary_with("schedule.casting_speed.scale", "0.5 until 20 mm"),
+              HasSubstr("speed 20 -> 60 mm/min from 60 s to 200 s (over 116.7 mm)"));
+  EXPECT_THAT(summary_with("schedule.water_flow.scale", "0.5"),
+              HasSubstr("water 45 -> 90 l/min/m"));
+  EXPECT_THAT(
+      summary_with("schedule.hold", "90 s"),
+      HasSubstr("speed 40 -> 60 mm/min from 60 s to 200 s (over 116.7 mm), water 90 -> 180"));
+}
+
+TEST(CastingSummary, NamesTheValuesAtWhichSpeedAndWaterTurn) {
+  EXPECT_THAT(summary_with("schedule.casting_speed.scale", "0.8 from 20 mm until 30 mm"),
+              HasSubstr("speed 40 -> 32 -> 60 mm/min from 30 s to 200 s"));
+  EXPECT_THAT(summary_with("schedule.water_flow.scale", "0.8 from 20 mm until 30 mm"),
+              HasSubstr("water 90 -> 72 -> 180 l/min/m"));
+}
+
+TEST(CastingSummary, NamesPulsesAndWaterThatIsTurnedOff) {
+  v1::Case c = shipped_case("start-3d");
+  v1::Water& water = *c.mutable_cooling()->mutable_water();
+  water.set_pulse_period_s(4.0);
+  water.set_pulse_share(0.5);
+  water.set_pulse_end_s(30.0);
+  EXPECT_THAT(casting_summary(c), HasSubstr("m3/h, pulsed 2 of 4 s until 30 s"));
+
+  water.set_enabled(false);
+  EXPECT_THAT(casting_summary(c), HasSubstr(", no water"));
 }
 
 }  // namespace

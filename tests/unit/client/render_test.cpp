@@ -1,6 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -218,6 +222,58 @@ TEST(CastingDrawing, NamesWhatItShows) {
   for (const char* name : {"data-kind='casting'", "\"name\":\"mould contact\"",
                            "<h1>&lt;b&gt;</h1>", "speed 40 -&gt; 60 mm/min"})
     EXPECT_THAT(page, HasSubstr(name));
+}
+
+/// Points of a drawing by the name of the line, in plant units.
+std::map<std::string, std::vector<double>> drawn_values(const v1::Case& complete) {
+  std::map<std::string, std::vector<double>> values;
+  const ReadJson drawing = ReadJson::parse(casting_drawing(complete).dump());
+  for (const auto& chart : drawing["charts"])
+    for (const auto& line : chart["lines"])
+      values[line["name"].get<std::string>()] = line["y"].get<std::vector<double>>();
+  return values;
+}
+
+TEST(CastingDrawing, HasPointsOfWhatTheLeversLeave) {
+  v1::Case c;
+  case_file::read_text(shipped::find(shipped::case_templates(), "start-3d")->text, "", c);
+  case_file::apply_defaults(c);
+  const auto range_of = [&](const std::string& line) {
+    const std::vector<double> values = drawn_values(c).at(line);
+    return std::pair(*std::ranges::min_element(values), *std::ranges::max_element(values));
+  };
+  EXPECT_EQ(range_of("casting speed"), std::pair(0.0, 60.0)) << "the block stands in the hold";
+  EXPECT_EQ(range_of("water"), std::pair(0.0, 180.0));
+  const auto shown = drawn_values(c).at("casting speed");
+  EXPECT_TRUE(std::ranges::count(shown, 40.0)) << "mm/min";
+
+  c.mutable_schedule()->mutable_casting_speed_factor()->set_value(0, 0.5);
+  c.mutable_schedule()->mutable_water_flow_factor()->set_value(0, 0.1);
+  EXPECT_EQ(range_of("casting speed"), std::pair(0.0, 30.0));
+  EXPECT_EQ(range_of("water"), std::pair(0.0, 18.0));
+
+  // A delay beyond the end leaves the first speed; pulses close the valve again and again.
+  c.mutable_schedule()->set_casting_speed_shift_s(1000.0);
+  EXPECT_EQ(range_of("casting speed"), std::pair(0.0, 20.0));
+  v1::Water& water = *c.mutable_cooling()->mutable_water();
+  water.set_pulse_period_s(20.0);
+  water.set_pulse_end_s(c.time().end_s());
+  const std::vector<double> pulsed = drawn_values(c).at("water");
+  int closures = 0;
+  for (std::size_t i = 1; i < pulsed.size(); ++i)
+    closures += pulsed[i - 1] > 0.0 && pulsed[i] == 0.0;
+  EXPECT_EQ(closures, 12) << "at 10 s, 30 s, ... 230 s";
+
+  // A longer hold begins earlier.
+  const std::size_t before = drawn_values(c).at("casting speed").size();
+  EXPECT_GT(before, 100U);
+  const auto zeros = [&] {
+    const std::vector<double> values = drawn_values(c).at("casting speed");
+    return std::ranges::count(values, 0.0);
+  };
+  const auto of_short_hold = zeros();
+  c.mutable_schedule()->set_hold_s(600.0);
+  EXPECT_GT(zeros(), of_short_hold);
 }
 
 TEST(ReportPage, OfAJobWithoutStepsSaysSo) {

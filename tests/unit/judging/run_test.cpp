@@ -226,7 +226,8 @@ TEST(JudgeRun, SpeedAndWaterAreThoseOfTheRun) {
   const v1::Judgement judgement = judge_run(judged);
   EXPECT_THAT(chart(judgement, "casting_speed").lines(0).y(),
               ElementsAre(0.0, 0.5e-3, 0.5e-3, 0.5e-3, 0.5e-3));
-  EXPECT_THAT(chart(judgement, "water").lines(0).y(), ElementsAre(0.0, 3e-3, 3e-3, 3e-3, 3e-3));
+  EXPECT_THAT(chart(judgement, "water").lines(0).y(), ElementsAre(0.0, 0.0, 3e-3, 3e-3, 3e-3))
+      << "the step that ends when the water starts is dry";
 }
 
 TEST(JudgeRun, EveryChartIsExplained) {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/schedule.hpp"
 #include "proto/case_file/shipped.hpp"
-#include "proto/frames/contraction.hpp"
 #include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
@@ -95,8 +95,8 @@ TEST(LeversPlan, IsEightCastingsEachWithItsLevers) {
 TEST(LeversPlan, MovesALeverInTheCastingOfTheSameData) {
   const auto plan = study_plan(levers());
   const auto metal_c = [&](int number, double time_s) {
-    return frames::curve_value(plan->run(number).description.schedule().casting_temperature_c(),
-                               time_s);
+    return case_file::curve_value(plan->run(number).description.schedule().casting_temperature_c(),
+                                  time_s);
   };
   for (const int member : {0, 1}) {
     const int first = member * runs_of_one;

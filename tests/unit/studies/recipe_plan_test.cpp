@@ -6,6 +6,7 @@
 #include <map>
 
 #include "proto/case_file/recipe_numbers.hpp"
+#include "proto/case_file/schedule.hpp"
 #include "server/studies/study_plan.hpp"
 
 namespace dccast::studies {
@@ -157,7 +158,7 @@ TEST(RecipePlan, EveryRunIsInsideTheLimitsOfThePlant) {
   const auto plan = study_plan(request());
   std::vector<PlannedRun> planned;
   cast_all(*plan, &planned);
-  const double length = case_file::cast_length_at_end(start());
+  const double length = case_file::CastingSchedule(start()).cast_length_at_end_m();
   for (const PlannedRun& run : planned) {
     const auto recipe = case_file::recipe_of(run.description);
     const double rate = std::abs(recipe[case_file::speed_run] - recipe[case_file::speed_start]) /
@@ -165,7 +166,8 @@ TEST(RecipePlan, EveryRunIsInsideTheLimitsOfThePlant) {
     EXPECT_LE(rate, 1.001 * request().recipe().greatest_speed_rate_m_per_s2()) << run.name;
     EXPECT_GE(recipe[case_file::speed_start], 29.99 * mm_per_min) << run.name;
     EXPECT_LE(recipe[case_file::filling], recipe[case_file::hold] + 0.01) << run.name;
-    EXPECT_NEAR(case_file::cast_length_at_end(run.description), length, 2e-4) << run.name;
+    EXPECT_NEAR(case_file::CastingSchedule(run.description).cast_length_at_end_m(), length, 2e-4)
+        << run.name;
   }
 }
 
