@@ -117,7 +117,7 @@ ExitCode begin(const RecipeOptions& options, Connection& connection) {
     lay_out_recipe(connection, options.choice, request);
   });
   if (!created) return ExitCode::invalid;
-  // The id of the request is made of its content, so this may be a study that was cancelled.
+  // The same plan finds its study, which may have been cancelled.
   const v1::Study study = taken_up(connection, *created);
   std::cerr << "study " << study.id() << ", " << study.recipe().numbers_size() << " numbers and "
             << study.recipe().data_size()

@@ -14,7 +14,6 @@
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/line_source.hpp"
-#include "client/session/preparation.hpp"
 #include "client/session/readings.hpp"
 #include "client/session/readings_table.hpp"
 #include "client/session/studies.hpp"
@@ -57,32 +56,40 @@ std::vector<v1::Reading> readings_in(const std::vector<std::string>& lines, Read
   return readings;
 }
 
+/// A question about the preparation of the case that a job follows.
+v1::PrepareCastingRequest preparation_of(const v1::SubmitJobRequest& job) {
+  v1::PrepareCastingRequest request;
+  *request.mutable_case_() = job.case_();
+  *request.mutable_attachments() = job.attachments();
+  *request.mutable_changes() = job.changes();
+  request.set_case_file(job.case_file());
+  return request;
+}
+
 /// Names what the forecast of a case rests on: a run of the plan, and the study that the user gives
 /// or those that prepare it.
-void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& request,
+void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& job,
                  Connection& connection, v1::Following& following) {
-  following.set_plan_job(find_or_run_plan(connection, request));
+  v1::PrepareCastingRequest request = preparation_of(job);
+  request.set_begins_now(true);
+  const v1::Preparation found = connection.call(&Stub::PrepareCasting, request);
+  following.set_plan_job(found.plan_job());
   if (!options.ensemble.empty()) {
     following.set_ensemble(resolve_study(connection, options.ensemble));
     return;
   }
 
-  const auto found = find_preparation(connection, request.case_(), request.attachments());
-  // Not a fault: a forecast without a study is possible, but less is known of its error.
-  if (!found) {
-    remark(fmt::format(
-        "this plan is not prepared: the forecast is its run, job {}, plus the last difference "
-        "between "
-        "measured and computed curl. Before the next casting: dccast follow --prepare {}",
-        following.plan_job(), options.file));
-    if (!options.line.empty())
-      remark(
-          fmt::format("line {} learns nothing from a casting that is not prepared", options.line));
-    return;
-  }
-  following.set_ensemble(found->ensemble.id());
-  if (found->pairs) following.set_pairs(found->pairs->id());
-  if (found->levers) following.set_levers(found->levers->id());
+  following.set_ensemble(found.ensemble().id());
+  following.set_pairs(found.pairs().id());
+  following.set_levers(found.levers().id());
+  if (found.has_ensemble()) return;
+  remark(
+      fmt::format("this plan is not prepared: the forecast is its run, job {}, plus the last "
+                  "difference between "
+                  "measured and computed curl. Before the next casting: dccast follow --prepare {}",
+                  following.plan_job(), options.file));
+  if (!options.line.empty())
+    remark(fmt::format("line {} learns nothing from a casting that is not prepared", options.line));
 }
 
 /// How the job follows: each curl of the source has a gauge.
@@ -106,20 +113,24 @@ v1::Following following_of(const FollowOptions& options, const ReadingsTable& ta
   return following;
 }
 
-/// Submits the case as a job that follows readings. Throws CommandFailed.
-std::string submit(const FollowOptions& options, const ReadingsTable& table,
-                   Connection& connection) {
+/// The case as a submission, its files uploaded. Throws CommandFailed.
+v1::SubmitJobRequest sound_submission(const FollowOptions& options, Connection& connection) {
   CaseUnderCheck checked = read_case(options.file, changes_of(options.set));
   check_with_server(checked, connection);
   if (!checked.faults.empty()) {
     print_faults(checked, std::cerr);
     throw invalid("the case has faults; nothing was submitted");
   }
-
   v1::SubmitJobRequest request = submission_of(checked, connection);
-  // An attempt that is repeated after a lost answer gives the same job.
-  request.set_request_id(values::random_uuid());
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
+  return request;
+}
+
+/// Submits the case as a job that follows readings. Throws CommandFailed.
+std::string submit(const FollowOptions& options, const ReadingsTable& table,
+                   Connection& connection) {
+  v1::SubmitJobRequest request = sound_submission(options, connection);
+  request.set_request_id(values::random_uuid());
   *request.mutable_following() = following_of(options, table, request, connection);
   v1::Job job;
   check(submit_with_retries(connection, request, job), connection.server());
@@ -208,21 +219,35 @@ ExitCode watch_with_alarms(Connection& connection, const std::string& id, AlarmW
   return code;
 }
 
-/// Computes what a forecast of the case rests on.
+/// Waits for the end of a study of a preparation. Throws CommandFailed: it was cancelled.
+void await(const v1::Study& study, Connection& connection, const std::string& come_back) {
+  std::cerr << fmt::format("study {}, {} runs\n", study.id(), study.runs());
+  follow_with_progress(connection, study.id(), come_back);
+  v1::GetStudyRequest request;
+  request.set_id(study.id());
+  if (connection.call(&Stub::GetStudy, request).state() == v1::STUDY_CANCELLED)
+    throw CommandFailed(
+        ExitCode::solve_failed,
+        fmt::format("study {} was cancelled. Begin another: {}", study.id(), come_back));
+}
+
+/// Has the server compute what a forecast of the case rests on.
 ExitCode run_preparation(const FollowOptions& options, Program& program) {
   if (options.file.empty() || options.file == "-" || !options.job.empty())
     throw invalid("name the case FILE to prepare");
-
   Connection connection = program.connect();
   std::string come_back = "dccast follow --prepare " + options.file;
-  // The changes are part of the plan: without them another case would be prepared.
   for (const std::string& change : options.set) come_back += " --set '" + change + "'";
-  const auto await = [&](const v1::Study& study) {
-    std::cerr << fmt::format("study {}, {} runs\n", study.id(), study.runs());
-    follow_with_progress(connection, study.id(), come_back);
-  };
-  const StudyCase base{.file = options.file, .set = options.set, .labels = options.labels};
-  if (!prepare(connection, base, await)) return ExitCode::invalid;
+
+  const v1::SubmitJobRequest job = sound_submission(options, connection);
+  v1::PrepareCastingRequest request = preparation_of(job);
+  *request.mutable_labels() = job.labels();
+  for (;;) {
+    const v1::Preparation there = connection.call(&Stub::PrepareCasting, request);
+    for (const v1::Study* study : {&there.ensemble(), &there.pairs(), &there.levers()})
+      if (study->state() == v1::STUDY_RUNNING) await(*study, connection, come_back);
+    if (there.ready()) break;
+  }
   std::cerr << "the plan is prepared: dccast follow " << options.file << std::endl;
   return ExitCode::done;
 }

@@ -5,7 +5,6 @@
 #include "client/session/failure.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/uncertainty.hpp"
-#include "proto/values/digests.hpp"
 
 namespace dccast::client {
 
@@ -112,8 +111,7 @@ std::vector<std::string> add_checks(Connection& connection, const v1::Calibratio
     }
 
     // An id made of the content: the same command again finds the studies that it has made.
-    request.set_request_id(casting.front() + "/" +
-                           values::sha256(sweep.SerializeAsString()).substr(0, 16));
+    request.set_find(true);
     const v1::Study study = connection.call(&Stub::CreateStudy, request);
     if (std::ranges::find(casting, study.id()) != casting.end()) continue;
     casting.push_back(study.id());

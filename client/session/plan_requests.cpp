@@ -18,7 +18,6 @@
 #include "proto/case_file/recipe_numbers.hpp"
 #include "proto/case_file/schedule.hpp"
 #include "proto/case_file/uncertainty.hpp"
-#include "proto/values/digests.hpp"
 
 namespace dccast::client {
 namespace {
@@ -159,12 +158,6 @@ void add_band(const RecipeChoice& choice, const v1::Case& complete, v1::RecipePl
   plan.set_greatest_curl_m(accepted.greatest_curl_m());
 }
 
-std::string uuid_of(const std::string& text) {
-  std::string id = values::sha256(text).substr(0, 32);
-  for (const std::size_t at : {8, 13, 18, 23}) id.insert(at, "-");
-  return id;
-}
-
 }  // namespace
 
 bool is_sweep_file(const std::string& file) {
@@ -237,12 +230,12 @@ void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
   plan.set_candidates(choice.candidates);
   plan.set_seed(choice.seed);
   request.clear_request_id();
-  request.set_request_id(uuid_of(request.SerializeAsString()));
+  request.set_find(true);
 }
 
 v1::Study remedy_of(Connection& connection, const std::string& job) {
   v1::CreateStudyRequest request;
-  request.set_request_id("remedy/" + job);
+  request.set_find(true);
   request.mutable_remedy()->set_job(job);
   return connection.call(&Stub::CreateStudy, request);
 }

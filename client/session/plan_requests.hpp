@@ -51,13 +51,12 @@ struct RecipeChoice {
 
 /// Makes the study of a request a recipe plan, with every datum that has a range. Levels may be
 /// `within_percent` of the case's, times between half and double; all of it inside the limits. The
-/// request id follows from the request, so that the same one finds the study that is there. Throws
-/// CommandFailed.
+/// same plan finds the study that is there. Throws CommandFailed.
 void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
                     v1::CreateStudyRequest& request);
 
-/// The study of what helps against the findings of a job, created or found: a job has one. @throws
-/// CommandFailed  it has not ended, or no lever influences its findings
+/// The study of what helps against the findings of a job, created or found: a user has one for each
+/// job. @throws CommandFailed  it has not ended, or no lever influences its findings
 v1::Study remedy_of(Connection& connection, const std::string& job);
 
 /// Goes on with a study that was cancelled or lost runs to their machine. @return as it is then

@@ -344,28 +344,6 @@ std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b) {
   return std::nullopt;
 }
 
-bool is_same_casting(const v1::Case& a, const v1::Case& b) {
-  const auto strip = [](const v1::Case& complete) {
-    v1::Case c = complete;
-    c.clear_title();
-    c.clear_output();
-    c.clear_checkpoint();
-    c.clear_limits();
-    c.clear_quality();
-
-    // Keeps only those keys of the mesh that do not divide it.
-    c.mutable_mesh()->Clear();
-    c.mutable_mesh()->set_element(complete.mesh().element());
-    c.mutable_mesh()->set_growth(complete.mesh().growth());
-    c.mutable_mesh()->set_file(complete.mesh().file());
-
-    c.mutable_time()->clear_step_s();
-    c.mutable_time()->clear_minimum_step_s();
-    return c;
-  };
-  return MessageDifferencer::Equals(strip(a), strip(b));
-}
-
 bool quality_matters(const v1::Case& description) {
   v1::Case draft = description, fine = description;
   draft.set_quality(v1::DRAFT);

@@ -72,10 +72,6 @@ inline constexpr PairedError quarter_slab_pairs{.of_curl = 0.05, .of_difference 
 /// @param a, b  cases with all their defaults
 std::optional<PairedError> paired_error(const v1::Case& a, const v1::Case& b);
 
-/// Whether two cases, with all their defaults, differ in mesh, time steps and quality only. Keys
-/// that do not affect the results may differ.
-bool is_same_casting(const v1::Case& a, const v1::Case& b);
-
 /// The case with every cell and every time step divided. The smallest permitted step is divided
 /// too, so that a step can be reduced as often as before.
 v1::Case divided(const v1::Case& description, int parts);

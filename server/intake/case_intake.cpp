@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
-#include <google/protobuf/util/json_util.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -18,7 +18,6 @@
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/uncertainty.hpp"
-#include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
 
 namespace dccast::intake {
@@ -198,7 +197,10 @@ ExaminedCase CaseIntake::examine(const v1::Case& submitted, const jobs::Attachme
                                  std::vector<std::string> faulty_keys,
                                  const jobs::CallLimits& waiting, bool findings) const {
   const bool stays_sound = faulty_keys.empty() && has_fixed_card(submitted, attachments);
-  const std::string key = stays_sound ? fingerprint(submitted, attachments) : "";
+  // As submitted: warnings are about what was given, and a title is checked too.
+  const std::string key =
+      stays_sound ? fingerprint(submitted, case_file::Same::input, attachments) + submitted.title()
+                  : "";
   if (const auto known = stays_sound ? known_->find(key) : nullptr)
     if (known->has_findings || !findings) return known->examined;
 
@@ -350,34 +352,21 @@ v1::ProbeResultResponse CaseIntake::probe(const std::filesystem::path& job_folde
   return std::move(*workers_.ask(order, waiting).mutable_probed());
 }
 
-std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments) {
-  std::string text;
-  const auto status = google::protobuf::util::MessageToJsonString(submitted, &text);
-  if (!status.ok()) throw std::runtime_error("the case cannot be written as JSON");
-
-  std::set<std::string> files;  // sorted: the order of attachments does not matter
-  for (const jobs::AttachedFile& attachment : attachments)
-    files.insert(attachment.name + " " + attachment.sha256);
-  for (const std::string& file : files) text += "\n" + file;
-  return values::sha256(text);
-}
-
-std::string answer_key(v1::Case complete, const jobs::Attachments& attachments) {
-  complete.clear_title();
-  complete.clear_checkpoint();
-  complete.clear_uncertainty();
-  complete.mutable_alloy()->clear_uncertainty();
-  return fingerprint(complete, attachments);
+std::string fingerprint(const v1::Case& complete, case_file::Same same,
+                        const jobs::Attachments& attachments) {
+  std::map<std::string, std::string> files;
+  for (const jobs::AttachedFile& file : attachments) files[file.name] = file.sha256;
+  return case_file::fingerprint(complete, same, files);
 }
 
 jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachments,
                      const ExaminedCase& examined) {
   jobs::NewJob job;
   job.title = submitted.title();
-  job.case_sha256 = fingerprint(submitted, attachments);
+  job.case_sha256 = fingerprint(examined.complete, case_file::Same::input, attachments);
   job.submitted_case = submitted.SerializeAsString();
   job.complete_case = examined.complete.SerializeAsString();
-  job.answer_key = answer_key(examined.complete, attachments);
+  job.answer_key = fingerprint(examined.complete, case_file::Same::answer, attachments);
   if (case_file::quality_matters(submitted))
     job.quality = name_of_quality(examined.complete.quality());
   job.estimated_s = examined.verdict.estimate().solver_s();

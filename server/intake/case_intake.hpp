@@ -8,6 +8,7 @@
 
 #include "dccast/v1/service.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
+#include "proto/case_file/fingerprint.hpp"
 #include "server/jobs/executors/warm_workers.hpp"
 #include "server/jobs/folder/result_files.hpp"
 #include "server/jobs/recent.hpp"
@@ -129,14 +130,10 @@ private:
 void check_attachment_names(const v1::Case& submitted, const jobs::Attachments& attachments,
                             v1::ValidateCaseResponse& verdict);
 
-/// SHA-256 of a case and its attachments, by which a repeated request_id is recognised as the same
-/// submission. Taken over canonical JSON, which does not depend on the version of a library.
-std::string fingerprint(const v1::Case& submitted, const jobs::Attachments& attachments);
-
-/// SHA-256 of everything that determines the figures of a run: the complete case without title and
-/// checkpoints, and its attachments. The same solver gives equal keys equal answers.
-/// @param complete  with defaults and alloy card
-std::string answer_key(v1::Case complete, const jobs::Attachments& attachments);
+/// case_file::fingerprint() of a complete case and its attachments. The same solver gives cases
+/// with the same answer equal figures.
+std::string fingerprint(const v1::Case& complete, case_file::Same same,
+                        const jobs::Attachments& attachments);
 
 /// Job for a sound case; the caller adds owner, priority and the like.
 jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachments,

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/fingerprint.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/values/interpolation.hpp"
 
@@ -71,8 +72,11 @@ using RunPointers = std::vector<const JudgedRun*>;
 
 /// The same casting at another quality.
 bool is_companion(const JudgedRun& candidate, const JudgedRun& run) {
+  const auto casting = [](const JudgedRun& judged) {
+    return case_file::fingerprint(judged.description, case_file::Same::casting);
+  };
   return candidate.description.quality() != run.description.quality() &&
-         case_file::is_same_casting(candidate.description, run.description);
+         casting(candidate) == casting(run);
 }
 
 /// The same two castings at another quality: how much their difference changes from one quality to

@@ -71,7 +71,7 @@ void add_or_replace(const v1::Finding& finding, Summary& summary) {
   *summary.add_findings() = finding;
 }
 
-/// @param key  names the answer, see intake::answer_key()
+/// @param key  names the answer: the fingerprint of its case
 /// @throws Refusal  NOT_FOUND: the answer has been dropped
 FoundRun find_answer(Context& context, const std::string& key) {
   const auto kept = context.query_answers.find(key);

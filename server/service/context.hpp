@@ -85,8 +85,8 @@ struct Context {
   std::string version;
   int workers = 1;  ///< jobs that run concurrently
   jobs::StepIndexes step_indexes{};
-  /// Answers of queries that left no job, bounded in bytes. Keys are answer_key(), by which
-  /// CompareRuns names them.
+  /// Answers of queries that left no job, bounded in bytes. Keys are fingerprints of
+  /// their cases, by which CompareRuns names them.
   jobs::Recent<const QueryAnswer> query_answers{16'000'000};
   LatestWarnings latest_warnings{};
   std::atomic<bool> leaving{false};  ///< the daemon is shutting down: streams end

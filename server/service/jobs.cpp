@@ -15,6 +15,7 @@
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
+#include "server/service/submissions.hpp"
 
 namespace dccast::service {
 
@@ -173,29 +174,6 @@ void check_joins_own_study(Context& context, const access::Caller& caller, const
          study->owner().empty() ? "no known user" : study->owner());
 }
 
-/// What the first stage of SubmitJob passes to its second.
-struct SoundSubmission {
-  intake::ExaminedCase examined;
-  jobs::Attachments attachments;
-};
-
-/// First stage of SubmitJob: checks the request and its case.
-SoundSubmission examine(Context& context, const Call& call, const v1::SubmitJobRequest& request) {
-  check_joins_own_study(context, call.caller, request.study());
-  check_text("request_id", request.request_id());
-  check_labels(request.labels());
-  check_changes(request.changes());
-  check_time_limit(request.time_limit_s(), context.settings.per_case().maximum_time_s());
-  check_mail(request.mail());
-  check_case_file(request.case_file());
-  check_jobs_before(context, call.caller, request.after());
-  if (request.has_following()) check_following(context, call, request);
-
-  auto attachments = uploaded_files(context, call, request.attachments());
-  auto examined = sound_case(context, call, request.case_(), attachments);
-  return {std::move(examined), std::move(attachments)};
-}
-
 /// Submits a job on a line. The line is there before the job, so that no other user makes it
 /// meanwhile; a call that is repeated after a crash adds the casting once.
 v1::Job submit_on_line(Context& context, const Call& call, const jobs::NewJob& job,
@@ -212,33 +190,6 @@ v1::Job submit_on_line(Context& context, const Call& call, const jobs::NewJob& j
   *casting.mutable_following() = *job.following;
   context.lines.add(name, casting);
   return submitted;
-}
-
-/// Second stage of SubmitJob: stores the job on disk and queues it.
-v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& request,
-               const SoundSubmission& sound) {
-  jobs::NewJob job = intake::new_job(request.case_(), sound.attachments, sound.examined);
-
-  job.request_id = request.request_id();
-  job.study = request.study();
-  job.priority = request.priority();
-  job.owner = call.caller.name;
-
-  job.labels = {request.labels().begin(), request.labels().end()};
-  job.changes = {request.changes().begin(), request.changes().end()};
-  job.case_file = request.case_file();
-  job.after = {request.after().begin(), request.after().end()};
-  job.time_limit_s = request.time_limit_s();
-  job.mail = request.mail();
-
-  if (request.has_following()) {
-    job.following = request.following();
-    job.goes_first = true;
-    job.answer_key.clear();  // its results are those of the casting, not of the case alone
-    if (!job.following->line().empty())
-      return submit_on_line(context, call, job, sound.attachments);
-  }
-  return context.scheduler.submit(job, sound.attachments);
 }
 
 /// Each star doubles the worst cost of matching a title.
@@ -385,6 +336,48 @@ private:
 };
 
 }  // namespace
+
+SoundSubmission examine(Context& context, const Call& call, const v1::SubmitJobRequest& request) {
+  check_joins_own_study(context, call.caller, request.study());
+  check_text("request_id", request.request_id());
+  check_labels(request.labels());
+  check_changes(request.changes());
+  check_time_limit(request.time_limit_s(), context.settings.per_case().maximum_time_s());
+  check_mail(request.mail());
+  check_case_file(request.case_file());
+  check_jobs_before(context, call.caller, request.after());
+  if (request.has_following()) check_following(context, call, request);
+
+  auto attachments = uploaded_files(context, call, request.attachments());
+  auto examined = sound_case(context, call, request.case_(), attachments);
+  return {std::move(examined), std::move(attachments)};
+}
+
+v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& request,
+               const SoundSubmission& sound) {
+  jobs::NewJob job = intake::new_job(request.case_(), sound.attachments, sound.examined);
+
+  job.request_id = request.request_id();
+  job.study = request.study();
+  job.priority = request.priority();
+  job.owner = call.caller.name;
+
+  job.labels = {request.labels().begin(), request.labels().end()};
+  job.changes = {request.changes().begin(), request.changes().end()};
+  job.case_file = request.case_file();
+  job.after = {request.after().begin(), request.after().end()};
+  job.time_limit_s = request.time_limit_s();
+  job.mail = request.mail();
+
+  if (request.has_following()) {
+    job.following = request.following();
+    job.goes_first = true;
+    job.answer_key.clear();  // its results are those of the casting, not of the case alone
+    if (!job.following->line().empty())
+      return submit_on_line(context, call, job, sound.attachments);
+  }
+  return context.scheduler.submit(job, sound.attachments);
+}
 
 Unary* SimulationService::SubmitJob(Wire* wire, const v1::SubmitJobRequest* request, v1::Job* job) {
   const auto sound = std::make_shared<SoundSubmission>();

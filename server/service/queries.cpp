@@ -124,7 +124,7 @@ public:
         examined_(std::move(complete)),
         call_(call),
         send_(send),
-        key_(intake::answer_key(examined_.complete, attachments)) {}
+        key_(intake::fingerprint(examined_.complete, case_file::Same::answer, attachments)) {}
 
   /// Sends a stored answer, of a job or of an earlier query. @return whether there was one
   bool answer_from_store() {

@@ -53,6 +53,9 @@ public:
                         v1::AppendReadingsResponse*) override;
   Unary* ForecastJob(Wire*, const v1::ForecastJobRequest*, v1::Forecast*) override;
 
+  // preparations.cpp
+  Unary* PrepareCasting(Wire*, const v1::PrepareCastingRequest*, v1::Preparation*) override;
+
   // lines.cpp
   Unary* ListLines(Wire*, const v1::ListLinesRequest*, v1::ListLinesResponse*) override;
   Unary* GetLine(Wire*, const v1::GetLineRequest*, v1::Line*) override;

@@ -1,16 +1,19 @@
 // Calls about studies. Their table as a file is in results.cpp.
 #include <fmt/format.h>
+#include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/message_differencer.h>
 
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/remedies.hpp"
+#include "proto/values/digests.hpp"
 #include "server/jobs/folder/job_description.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/judging/judged_study.hpp"
@@ -18,6 +21,7 @@
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
 #include "server/service/simulation_service.hpp"
+#include "server/service/submissions.hpp"
 #include "server/studies/data_axes.hpp"
 
 namespace dccast::service {
@@ -28,28 +32,6 @@ namespace {
 
 // So many runs of a long sweep are checked before it is accepted; faulty ones among the rest fail.
 constexpr int most_checked = 24;
-
-/// First stage of CreateStudy: checks the plan and the cases of its runs.
-void examine(Context& context, const Call& call, const v1::CreateStudyRequest& request,
-             const jobs::Attachments& attachments) {
-  check_text("request_id", request.request_id());
-  check_labels(request.labels());
-  check_changes(request.changes());
-
-  v1::ValidateCaseResponse verdict;
-  for (v1::Fault& fault : studies::plan_faults(request)) *verdict.add_faults() = std::move(fault);
-  check_verdict(verdict);
-
-  const auto plan = studies::study_plan(request);
-  const int checked = std::min(plan->runs(), most_checked);
-  for (int i = 0; i < checked; ++i) {
-    // Evenly spaced, with the first and the last run.
-    const int number = checked == 1 ? 0 : i * (plan->runs() - 1) / (checked - 1);
-    const studies::PlannedRun run = plan->run(number);
-    const int refinement = request.has_refinement() ? run.description.mesh().refinement() : 0;
-    sound_case(context, call, run.description, attachments, {run.name, refinement});
-  }
-}
 
 /// A request may name studies beside the one that it is about.
 /// @throws Refusal  the caller may not read the study, or it is no study id
@@ -145,6 +127,43 @@ jobs::Attachments complete(Context& context, const Call& call, v1::CreateStudyRe
   auto attachments = context.studies.requests().complete(request);
   if (!attachments) refuse_unknown_study(before);
   return std::move(*attachments);
+}
+
+/// Checks the plan and the cases of its runs.
+void check_runs(Context& context, const Call& call, const v1::CreateStudyRequest& request,
+                const jobs::Attachments& attachments) {
+  check_text("request_id", request.request_id());
+  check_labels(request.labels());
+  check_changes(request.changes());
+
+  v1::ValidateCaseResponse verdict;
+  for (v1::Fault& fault : studies::plan_faults(request)) *verdict.add_faults() = std::move(fault);
+  check_verdict(verdict);
+
+  const auto plan = studies::study_plan(request);
+  const int checked = std::min(plan->runs(), most_checked);
+  for (int i = 0; i < checked; ++i) {
+    // Evenly spaced, with the first and the last run.
+    const int number = checked == 1 ? 0 : i * (plan->runs() - 1) / (checked - 1);
+    const studies::PlannedRun run = plan->run(number);
+    const int refinement = request.has_refinement() ? run.description.mesh().refinement() : 0;
+    sound_case(context, call, run.description, attachments, {run.name, refinement});
+  }
+}
+
+/// The id under which an owner finds a study again by its plan and case.
+std::string id_of_plan(Context& context, const Call& call, const v1::CreateStudyRequest& request) {
+  const auto attachments = uploaded_files(context, call, request.attachments());
+  const v1::Case complete = context.intake.complete_case(request.case_(), attachments).complete;
+
+  v1::CreateStudyRequest plan = request;
+  for (const char* key : {"case", "attachments", "priority", "labels", "changes"})
+    plan.GetReflection()->ClearField(&plan, plan.GetDescriptor()->FindFieldByName(key));
+  std::string text;
+  if (!google::protobuf::util::MessageToJsonString(plan, &text).ok())
+    throw std::runtime_error("the plan cannot be written as JSON");
+  return values::sha256(call.caller.name + "\n" + text + "\n" +
+                        intake::fingerprint(complete, case_file::Same::input, attachments));
 }
 
 v1::Prediction predict(Context& context, const v1::PredictStudyRequest& request) {
@@ -312,15 +331,21 @@ private:
 
 }  // namespace
 
+jobs::Attachments examine(Context& context, const Call& call, v1::CreateStudyRequest& request) {
+  if (request.find()) request.set_request_id(id_of_plan(context, call, request));
+  jobs::Attachments attachments = complete(context, call, request);
+  check_may_queue(context, call);
+  check_runs(context, call, request, attachments);
+  return attachments;
+}
+
 Unary* SimulationService::CreateStudy(Wire* wire, const v1::CreateStudyRequest* request,
                                       v1::Study* study) {
   const auto whole = std::make_shared<v1::CreateStudyRequest>(*request);
   const auto attachments = std::make_shared<jobs::Attachments>();
 
   const auto check = [=, this](const Call& call) {
-    *attachments = complete(context_, call, *whole);
-    check_may_queue(context_, call);
-    examine(context_, call, *whole, *attachments);
+    *attachments = examine(context_, call, *whole);
   };
 
   const auto create = [=, this](const Call& call) {

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "proto/case_file/fingerprint.hpp"
 #include "proto/case_file/study_keys.hpp"
 #include "proto/case_file/uncertainty.hpp"
 
@@ -13,6 +14,7 @@ namespace dccast::studies {
 namespace {
 
 using case_file::UncertainKey;
+using case_file::without_ranges;
 
 constexpr const char* how_to_give_ranges =
     "give some in [uncertainty] of the case (docs/uncertainty.md)";
@@ -161,12 +163,6 @@ std::vector<v1::Fault> lay_out_recipe(const intake::CaseIntake& intake,
 }
 
 }  // namespace
-
-v1::Case without_ranges(v1::Case description) {
-  description.clear_uncertainty();
-  description.mutable_alloy()->clear_uncertainty();
-  return description;
-}
 
 bool has_data_axes(const v1::CreateStudyRequest& request) {
   if (request.has_levers()) return true;

@@ -9,9 +9,6 @@
 /// calibration, recipe, levers. docs/uncertainty.md.
 namespace dccast::studies {
 
-/// A case whose data have no range any more.
-v1::Case without_ranges(v1::Case description);
-
 /// Whether the plan of a request moves data of the case over their ranges.
 bool has_data_axes(const v1::CreateStudyRequest& request);
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/statistics/sampling.hpp"
+#include "proto/case_file/fingerprint.hpp"
 #include "proto/case_file/live_levers.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/uncertainty.hpp"
@@ -112,7 +113,7 @@ struct LeverRun {
 class Levers final : public StudyPlan {
 public:
   explicit Levers(const v1::CreateStudyRequest& request)
-      : base_(without_ranges(request.case_())), data_(drawn_data(request.case_())) {
+      : base_(case_file::without_ranges(request.case_())), data_(drawn_data(request.case_())) {
     for (int member = 0; member < std::ssize(data_); ++member) {
       runs_.push_back({member, std::nullopt});
       const v1::Case casting = casting_of(member);

@@ -18,8 +18,12 @@ namespace {
 
 using google::protobuf::util::MessageDifferencer;
 
-/// Whether two requests differ in nothing but the number of levels of a refinement.
-bool same_plan(const v1::CreateStudyRequest& a, const v1::CreateStudyRequest& b) {
+/// Whether two requests for the same case differ in nothing but the number of levels of a
+/// refinement.
+bool same_plan(v1::CreateStudyRequest a, v1::CreateStudyRequest b) {
+  // The draft of a recipe follows from the case.
+  for (v1::CreateStudyRequest* request : {&a, &b})
+    if (request->has_recipe()) request->mutable_recipe()->clear_draft();
   return a.plan_case() == b.plan_case() &&
          (a.has_refinement() || (MessageDifferencer::Equals(a.mould(), b.mould()) &&
                                  MessageDifferencer::Equals(a.recipe(), b.recipe()) &&
@@ -51,7 +55,9 @@ void StudyRequests::recover() {
 
 v1::Study StudyRequests::create(const v1::CreateStudyRequest& request,
                                 const jobs::Attachments& attachments, const std::string& owner) {
-  const std::string sha256 = intake::fingerprint(request.case_(), attachments);
+  const std::string sha256 =
+      intake::fingerprint(state_.intake.complete_case(request.case_(), attachments).complete,
+                          case_file::Same::input, attachments);
   const std::lock_guard lock(mutex_);
 
   // A request that is repeated after a lost answer creates nothing new.

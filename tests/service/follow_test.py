@@ -399,8 +399,9 @@ class Preparation(FollowTest):
         self.assertEqual(self.client.stub.EvaluateStudy(request, timeout=30).runs[0].values,
                          self.client.stub.EvaluateStudy(study_pb2.EvaluateStudyRequest(
                              id=ensemble.id), timeout=30).runs[0].values)
-        self.ended(self.dccast("follow", "--prepare", plan, "--set", "quality=fine"))
-        self.assertEqual(len(self.studies()), 3, "the quality of the case does not count")
+        self.ended(self.dccast("follow", "--prepare", plan, "--set", "quality=fine",
+                               "--set", "title=pit 3"))
+        self.assertEqual(len(self.studies()), 3, "quality and title of the case do not count")
 
         paired, err = self.followed()
         self.assertNotIn("is not prepared", err)

@@ -24,13 +24,15 @@ import zipfile
 import numpy as np
 
 import dccast
+import dccast.v1.service_pb2
+import dccast.v1.study_pb2
 from dccast.text import millimetres
 from doctor_test import ClientTest
 from support import BIN, ServiceTest, main, until
 
 CASE = "start-2d-thickness"
 QUICK = {"quality": "draft", "time.end": "20 s"}
-MODULES = ("", ".cases", ".errors", ".frames", ".jobs", ".judgements", ".plots", ".runs", ".service", ".studies",
+MODULES = ("", ".cases", ".castings", ".errors", ".frames", ".jobs", ".judgements", ".plots", ".runs", ".service", ".studies",
            ".text", ".transport")
 PACKAGE = os.path.dirname(dccast.__file__)
 os.environ["MPLBACKEND"] = "agg"
@@ -151,7 +153,7 @@ class Figures(PackageTest):
             job.frames[len(job.frames)]
 
         import h5py
-        with h5py.File(job.fetch(self.folder)) as results:
+        with h5py.File(job.fetch(self.folder, overwrite=True)) as results:
             self.assertGreater(len(results), 0)
         self.assertNotIn("results.h5.part", os.listdir(self.folder))
 
@@ -424,6 +426,171 @@ class Steering(PackageTest):
         self.assertEqual(study.evaluate().study.sweep.measured[0].monitor, "corner")
 
 
+    def test_a_job_gets_what_the_command_gives_it(self):
+        first = self.service.submit(CASE, QUICK)
+        second = self.service.submit(CASE, QUICK, after=[first], time_limit_s=600.0, mail="anna@example.org",
+                                     title="second")
+        self.assertEqual(list(second.message.after), [first.id])
+        self.assertEqual((second.message.time_limit_s, second.message.mail), (600.0, "anna@example.org"))
+        self.assertEqual(second.wait().state, "SUCCEEDED")
+        self.assertEqual([job.id for job in self.service.jobs(title="sec*")], [second.id])
+        self.assertIn("[schedule]", second.fetch(self.folder, "case.toml").read_text())
+
+        overdue = self.service.submit(CASE, quality="fine", time_limit_s=1.0)
+        with self.assertRaises(dccast.DccastError) as caught:
+            overdue.wait()
+        self.assertEqual(caught.exception.code, "TIME_LIMIT")
+
+    def test_labels_pin_and_logs(self):
+        job = self.ended()
+        job.label("pit=3", "trial").label("pit=4", remove=["trial"]).pin()
+        self.assertEqual((list(job.message.labels), job.message.pinned), (["pit=4"], True))
+        self.assertFalse(job.pin(False).message.pinned)
+        self.assertEqual(job.logs, self.command("logs", job.id))
+
+    def test_nothing_is_overwritten_unasked(self):
+        job = self.ended()
+        target = job.fetch(self.folder)
+        with self.assertRaises(dccast.DccastError) as caught:
+            job.fetch(self.folder)
+        self.assertEqual(caught.exception.code, "ALREADY_EXISTS")
+        target.write_bytes(b"of yesterday")
+        self.assertGreater(job.fetch(target, overwrite=True).stat().st_size, 100)
+
+    def test_a_wait_has_an_end(self):
+        job = self.long_job()
+        for wait in (job.wait, self.service.prepare(CASE, QUICK).wait):
+            with self.assertRaises(dccast.DccastError) as caught:
+                wait(timeout_s=0.5)
+            self.assertEqual(caught.exception.code, "DEADLINE_EXCEEDED")
+        self.assertEqual(job.refresh().state, "RUNNING")
+        with self.assertRaises(dccast.DccastError) as caught:
+            dccast.connect(timeout_s=1e-6).info()
+        self.assertEqual(caught.exception.code, "DEADLINE_EXCEEDED")
+        job.cancel()
+
+    def test_a_list_has_all_pages_and_an_unknown_state_is_an_error(self):
+        ids = {self.service.submit(CASE, QUICK, title=str(number)).cancel().id for number in range(5)}
+        # Each page of the server has two.
+        class Pages:
+            def __init__(self, transport):
+                self.transport = transport
+
+            def call(self, method, request):
+                request.page_size = 2
+                return self.transport.call(method, request)
+        service = dccast.Service(Pages(self.service._transport))  # pylint: disable=protected-access
+        self.assertEqual({job.id for job in service.jobs()}, ids)
+        self.assertEqual(len(service.jobs(limit=3)), 3)
+        with self.assertRaisesRegex(dccast.UnknownState, "SLEEPING"):
+            self.service.jobs(states=["SLEEPING"])
+        job = self.service.jobs()[0]
+        job.message.state = 99
+        with self.assertRaises(dccast.UnknownState):
+            repr(job)
+
+
+class Castings(PackageTest):
+    def test_a_casting_is_followed_and_forecast(self):
+        job = self.service.follow(CASE, QUICK, noise_m={"corner": 1e-3}, labels=["pit=3"])
+        times = np.arange(-60.0, 11.0)
+        table = {"time_s": times, "casting_speed_m_per_s": np.where(times < 0, 0.0, 9e-4),
+                 "corner_curl_m": np.maximum(times, 0.0) * 1e-4}
+        self.assertEqual(job.append(table).number, 71)
+        self.assertEqual(job.append(table).number, 71, "readings that are there count once")
+        frame = job.append(reading for reading in [{"time_s": 11.0, "corner_curl_m": float("nan")}])
+        self.assertEqual((frame.number, frame.time_s), (72, 11.0))
+
+        # The plan is not prepared: its forecast rests on the run that `follow` has begun.
+        plan, = (self.service.job(listed.id) for listed in self.service.jobs() if listed.id != job.id)
+        plan.wait()
+        forecast = job.forecast()
+        self.assertEqual(forecast.time_s, 11.0)
+        band = forecast.bands["corner"]
+        self.assertGreater(band.upper_error_m[-1], 0.0)
+        self.assertAlmostEqual(band.time_s[-1], 20.0)
+        printed = self.command("forecast", job.id)
+        self.assertIn(f"{1e3 * band.curl_m[-1]:.1f}", printed)
+
+        with self.assertRaises(dccast.DccastError) as caught:
+            job.append([{"time_s": 12.0, "sped": 1.0}])
+        self.assertEqual(caught.exception.field, "sped")
+        self.assertTrue(job.append(close=True).closed)
+        self.assertEqual(job.wait().state, "SUCCEEDED")
+
+    def test_a_preparation_is_found_again_whatever_title_and_quality(self):
+        first = self.service.prepare(CASE, QUICK, labels=["hall=3"])
+        ensemble = first.studies["ensemble"]
+        self.assertEqual((first.ready, list(first.studies), ensemble.message.runs), (False, ["ensemble"], 64))
+        self.assertIn("hall=3", ensemble.message.labels)
+        again = self.service.prepare(CASE, {**QUICK, "quality": "fine"}, title="another")
+        self.assertEqual(again.studies["ensemble"].id, ensemble.id)
+        self.assertNotEqual(again.plan_job, first.plan_job)
+        self.assertEqual(self.service.prepare(CASE, QUICK, title="another").plan_job, first.plan_job)
+        faster = self.service.prepare(CASE, QUICK, schedule__casting_speed="60 mm/min")
+        other = faster.studies["ensemble"]
+        self.assertNotEqual(other.id, ensemble.id)
+
+        # Behind the first ensemble, it has hardly begun.
+        self.assertEqual(other.cancel().wait(check=False).state, "CANCELLED")
+        self.assertNotEqual(faster.refresh().studies["ensemble"].id, other.id)
+
+    def test_a_line_is_listed_and_removed(self):
+        job = self.service.follow(CASE, QUICK, noise_m={"corner": 1e-3}, line="pit-3")
+        self.assertEqual([line.name for line in self.service.lines()], ["pit-3"])
+        self.assertEqual([casting.job for casting in self.service.line("pit-3").castings], [job.id])
+        self.assertEqual(self.service.restart_line("pit-3").name, "pit-3")
+        self.service.delete_line("pit-3")
+        self.assertEqual(self.service.lines(), [])
+        job.cancel()
+
+    def test_a_report_has_the_charts_of_the_page(self):
+        job = self.ended()
+        page = self.command("report", job.id, "-o", "-")
+        report = job.report()
+        self.assertIn("bottom_gap", [chart.key for chart in report.charts])
+        for chart in report.charts:
+            self.assertIn(chart.heading, page)
+
+
+class Parity(unittest.TestCase):
+    """Command and package reach all that the contract has."""
+
+    NOT_BY_COMMAND = {"ReadCase": "the command reads case files itself"}
+    NOT_BY_PACKAGE = {"Enrol": "`dccast login` makes a login, which the package finds",
+                      "RevokeToken": "`dccast logout` ends it"}
+    REQUESTS = ("SubmitJobRequest", "PrepareCastingRequest", "CreateStudyRequest", "UpdateJobRequest")
+
+    def setUp(self):
+        client = pathlib.Path(__file__).resolve().parents[2] / "client"
+
+        def texts(pattern):
+            return "\n".join(path.read_text("utf-8") for path in sorted(client.rglob(pattern)))
+        self.command, self.package = texts("*.cpp") + texts("*.hpp"), texts("*.py")
+
+    def test_every_call_is_made_by_both(self):
+        service = dccast.v1.service_pb2.DESCRIPTOR.services_by_name["SimulationService"]
+        calls = {method.name for method in service.methods}
+        self.assertGreater(len(calls), 30)
+        by_command = set(re.findall(r"(?:Stub::|stub\(\)\.)(\w+)", self.command))
+        by_package = set(re.findall(r'"(\w+)"|stub\.(\w+)', self.package))
+        by_package = {name for found in by_package for name in found}
+        self.assertEqual(calls - by_command, set(self.NOT_BY_COMMAND))
+        self.assertEqual(calls - by_package, set(self.NOT_BY_PACKAGE))
+
+    def test_every_field_of_what_is_queued_is_set_by_both(self):
+        modules = (dccast.v1.service_pb2, dccast.v1.study_pb2)
+        for name in self.REQUESTS:
+            message, = (module.DESCRIPTOR.message_types_by_name[name] for module in modules
+                        if name in module.DESCRIPTOR.message_types_by_name)
+            for field in message.fields:
+                if field.name == "levers":
+                    continue  # PrepareCasting begins such studies
+                with self.subTest(message=name, field=field.name):
+                    self.assertTrue(re.search(rf"(set|mutable|add)_{field.name}_?\(", self.command))
+                    self.assertTrue(re.search(rf"\b{field.name}=|request\.{field.name}\b", self.package))
+
+
 class Remote(ClientTest):
     """A daemon in another building: what `dccast login` stored serves the package."""
 
@@ -452,6 +619,11 @@ class Remote(ClientTest):
 
 
 class Packaging(unittest.TestCase):
+    def test_the_version_is_that_of_the_command(self):
+        printed = subprocess.run([os.path.join(BIN, "dccast"), "--version"], capture_output=True, text=True,
+                                 check=True).stdout
+        self.assertIn(f" {dccast.__version__} ", printed.replace("\n", " "))
+
     def test_types_are_complete(self):
         ended = subprocess.run(["mypy", "--config-file", "pyproject.toml", "--cache-dir",
                                 os.devnull], cwd=os.path.dirname(PACKAGE), capture_output=True,

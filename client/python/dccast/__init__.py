@@ -12,7 +12,8 @@ Units are read and checked by the server, as in a case file; figures that come b
 Celsius, with the unit in the name. docs/python.md is the guide.
 """
 from dccast.cases import Case
-from dccast.errors import DccastError, Fault
+from dccast.castings import Forecast, Preparation
+from dccast.errors import DccastError, Fault, UnknownState
 from dccast.frames import Frame, Frames
 from dccast.jobs import Event, Job, Watch
 from dccast.judgements import Comparison, Difference, Judgement
@@ -21,8 +22,10 @@ from dccast.runs import Answer, Band, Run
 from dccast.service import Service, connect
 from dccast.studies import Prediction, Study
 
+__version__ = "1.0.0"
+
 __all__ = [
-    "Answer", "Band", "Case", "Comparison", "DccastError", "Difference", "Event", "Fault", "Frame", "Frames",
-    "Job", "Judgement", "Prediction", "Run", "Service", "Study", "Watch", "connect",
-    "plot_chart", "plot_curl",
+    "Answer", "Band", "Case", "Comparison", "DccastError", "Difference", "Event", "Fault", "Forecast", "Frame",
+    "Frames", "Job", "Judgement", "Prediction", "Preparation", "Run", "Service", "Study", "UnknownState",
+    "Watch", "__version__", "connect", "plot_chart", "plot_curl",
 ]

@@ -40,6 +40,7 @@ class Case:
     message: case_pb2.Case
     files: list[AttachedFile] = field(default_factory=list)
     changes: list[job_pb2.CaseChange] = field(default_factory=list)
+    text: str = ""  #: of its file, without the changes
 
     def __repr__(self) -> str:
         changed = ", ".join(f"{change.key} = {change.value}" for change in self.changes)
@@ -87,7 +88,7 @@ def read_case(transport: Transport, source: Source, changes: list[job_pb2.CaseCh
     read = transport.call("ReadCase", request)
     if read.faults:
         raise errors.invalid_case(read.faults, read.lines)
-    return Case(read.case, [_attached(folder / name) for name in read.files], changes)
+    return Case(read.case, [_attached(folder / name) for name in read.files], changes, read.text)
 
 
 def _attached(path: pathlib.Path) -> AttachedFile:

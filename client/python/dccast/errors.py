@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import grpc
 
@@ -49,6 +50,34 @@ class DccastError(Exception):
         first = self.faults[0] if self.faults else None
         self.field = field or (first.field if first else "")  #: key of the first fault; else empty
         self.remedy = remedy or (first.remedy if first else "")  #: what to do instead; may be empty
+
+
+class UnknownState(DccastError):
+    """A state, priority or kind whose name or number this version of the package does not have."""
+
+
+def number_of(kind: Any, name: str) -> Any:
+    """The value of an enumeration of the contract. @raises UnknownState
+
+    >>> from dccast import errors
+    >>> from dccast.v1 import job_pb2
+    >>> errors.number_of(job_pb2.JobState, "running") == job_pb2.RUNNING
+    True
+    """
+    try:
+        return kind.Value(name.upper())
+    except ValueError:
+        raise UnknownState("INVALID_ARGUMENT", f"{name!r} is no {kind.DESCRIPTOR.name}",
+                           remedy=f"permitted: {', '.join(kind.keys()[1:])}") from None
+
+
+def name_of(kind: Any, number: int) -> str:
+    """The name of a value of the contract. @raises UnknownState  the server is newer than this package"""
+    try:
+        return str(kind.Name(number))
+    except ValueError:
+        raise UnknownState("UNIMPLEMENTED", f"the server has a {kind.DESCRIPTOR.name} of number {number}",
+                           remedy="install the package of the server's version") from None
 
 
 def invalid_case(faults: Iterable[job_pb2.Fault], lines: Iterable[int] = ()) -> DccastError:

@@ -3,20 +3,23 @@ from __future__ import annotations
 
 import asyncio
 import functools
-import hashlib
 import os
 import pathlib
-from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+import tempfile
+from collections.abc import AsyncIterator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from dccast import errors
+from dccast.castings import Forecast, append_readings
+from dccast.download import download
 from dccast.frames import Frames
+from dccast.judgements import Judgement
 from dccast.runs import Run, Table, curls_text
-from dccast.transport import Transport
-from dccast.v1 import case_pb2, job_pb2, service_pb2
+from dccast.transport import Deadline, Transport
+from dccast.v1 import case_pb2, follow_pb2, job_pb2, judgement_pb2, service_pb2
 
 READINGS = 5  # of a history, while its job goes back to a checkpoint
 
@@ -32,21 +35,24 @@ class Event:
     @property
     def state(self) -> str:
         """Of a change of state, e.g. "RUNNING"; else empty."""
-        return str(job_pb2.JobState.Name(self.body.state)) if self.kind == "state_change" else ""
+        return errors.name_of(job_pb2.JobState, self.body.state) if self.kind == "state_change" else ""
 
 
 class Watch:
     """The events of a job until it has ended, past ones first; for `for` and `async for`. The job's own
     attributes follow its state."""
 
-    def __init__(self, transport: Transport, job: Job, from_sequence: int) -> None:
+    def __init__(self, transport: Transport, job: Job, from_sequence: int,
+                 timeout_s: float | None) -> None:
         self._transport, self._job, self._next = transport, job, max(from_sequence, 1)
+        self._deadline = Deadline(timeout_s)
         self._stream: Any = None
 
     def __iter__(self) -> Iterator[Event]:
         def opened() -> Any:
             return self._transport.stream(
-                "WatchJob", service_pb2.WatchJobRequest(id=self._job.id, from_sequence=self._next))
+                "WatchJob", service_pb2.WatchJobRequest(id=self._job.id, from_sequence=self._next),
+                self._deadline.left())
 
         def is_last(event: job_pb2.JobEvent) -> bool:
             return event.HasField("state_change") and event.state_change.terminal
@@ -98,7 +104,7 @@ class Job(Run):
     @property
     def state(self) -> str:
         """QUEUED, RUNNING, PAUSED, SUCCEEDED, FAILED or CANCELLED."""
-        return str(job_pb2.JobState.Name(self.message.state))
+        return errors.name_of(job_pb2.JobState, self.message.state)
 
     @property
     def ended(self) -> bool:
@@ -117,26 +123,28 @@ class Job(Run):
         """Looks at the job again; forgets steps that were read."""
         return self._became(self._transport.call("GetJob", service_pb2.GetJobRequest(id=self.id)))
 
-    def watch(self, from_sequence: int = 1) -> Watch:
+    def watch(self, from_sequence: int = 1, timeout_s: float | None = None) -> Watch:
         """Its events from a sequence number on, until it has ended.
+
+        @raises DccastError  of code DEADLINE_EXCEEDED when the time is over; the job goes on
 
         >>> job = dccast.connect().submit("start-2d-thickness", quality="draft", time__end="20 s")
         >>> [event.state for event in job.watch() if event.state]
         ['QUEUED', 'RUNNING', 'SUCCEEDED']
         """
-        return Watch(self._transport, self, from_sequence)
+        return Watch(self._transport, self, from_sequence, timeout_s)
 
-    def wait(self, check: bool = True) -> Job:
-        """Waits until it has ended.
+    def wait(self, check: bool = True, timeout_s: float | None = None) -> Job:
+        """Waits until it has ended, or raises as `watch`.
 
         @param check  raise DccastError for a job that did not succeed; its `code` is the cause, e.g.
                       "SHELL_MELTED_THROUGH" or "CANCELLED"
         """
-        for _ in self.watch():
+        for _ in self.watch(timeout_s=timeout_s):
             pass
         if check and self.state != "SUCCEEDED":
             failure = self.message.failure
-            code = job_pb2.Finding.Kind.Name(failure.kind) if failure.kind else self.state
+            code = errors.name_of(job_pb2.Finding.Kind, failure.kind) if failure.kind else self.state
             raise errors.DccastError(code, f"job {self.id} is {self.state}: {failure.message}",
                                      field=failure.code)
         return self
@@ -157,6 +165,45 @@ class Job(Run):
     def delete(self) -> None:
         """Removes an ended job and its files."""
         self._transport.call("DeleteJob", service_pb2.DeleteJobRequest(id=self.id), repeat=False)
+
+    def label(self, *labels: str, remove: Sequence[str] = ()) -> Job:
+        """Adds labels; "key=value" takes the place of the label with that key.
+
+        @param remove  these labels, or those with these keys
+        """
+        return self._became(self._transport.call("UpdateJob", service_pb2.UpdateJobRequest(
+            id=self.id, set_labels=labels, remove_labels=remove)))
+
+    def pin(self, pinned: bool = True) -> Job:
+        """Keeps it for good, or no longer."""
+        return self._became(self._transport.call(
+            "UpdateJob", service_pb2.UpdateJobRequest(id=self.id, pinned=pinned)))
+
+    def append(self, readings: Any = (), close: bool = False) -> follow_pb2.AppendReadingsResponse:
+        """Adds to the record of a job that follows a casting, and says how far the record goes.
+
+        @param readings  a table (pandas, structured array, mapping of columns), or an iterable of
+                         castings.Reading, which is sent reading by reading
+        @param close     no reading follows: the job ends with the last one
+        """
+        return append_readings(self._transport, self.id, readings, close)
+
+    def forecast(self) -> Forecast:
+        """The curls to come of a casting that it follows."""
+        return Forecast(self._transport.call("ForecastJob", follow_pb2.ForecastJobRequest(id=self.id)))
+
+    def report(self) -> Judgement:
+        """What `dccast report` has: sentences, tables, and the charts of histories and of the last frame,
+        which is left out where the job has none."""
+        request = judgement_pb2.CompareRunsRequest(runs=[judgement_pb2.ComparedRun(job=self.id)],
+                                                   with_frame=True)
+        return Judgement(self._transport.call("CompareRuns", request).judgement)
+
+    @property
+    def logs(self) -> str:
+        """What its worker has written about itself."""
+        with tempfile.TemporaryDirectory() as folder:
+            return self.fetch(folder, "worker.log").read_text("utf-8", "replace")
 
     @property
     def case(self) -> case_pb2.Case:
@@ -213,17 +260,19 @@ class Job(Run):
                 rows[name] = column
         return table
 
-    def fetch(self, path: str | os.PathLike[str], artifact: str = "results.h5") -> pathlib.Path:
+    def fetch(self, path: str | os.PathLike[str], artifact: str = "results.h5",
+              overwrite: bool = False) -> pathlib.Path:
         """Downloads a result file and checks its SHA-256. A cut stream is taken up again.
 
         @param path      a file, or a folder for a file of the artifact's name
         @param artifact  "results.h5"; beside it "results.xdmf" for ParaView, "results-end.xdmf" of the last
                          frame for meshio; "run.json", what the run had of its machine
+        @raises DccastError  of code ALREADY_EXISTS where the file is there, without `overwrite`
         """
         def opened(offset: int, _: str) -> Any:
             return self._transport.stream("FetchResult", service_pb2.FetchResultRequest(
                 id=self.id, artifact=artifact, offset=offset))
-        return download(self._transport, opened, path, artifact)
+        return download(self._transport, opened, path, artifact, overwrite)
 
     def _once(self, method: str, request: Any) -> Job:
         return self._became(self._transport.call(method, request, repeat=False))
@@ -250,42 +299,3 @@ class Job(Run):
                 if error.code != "ABORTED" or reading == READINGS:
                     raise
         raise AssertionError("not reached")
-
-
-def download(transport: Transport, open_stream: Callable[[int, str], Any],
-             path: str | os.PathLike[str], name: str) -> pathlib.Path:
-    """Writes chunks to PATH.part, and names it PATH when its SHA-256 is right.
-
-    @param open_stream  (offset, SHA-256 of the chunks so far)
-    """
-    target = pathlib.Path(path)
-    target = target / name if target.is_dir() else target
-    part = target.with_name(target.name + ".part")
-    digest, total, sha256 = hashlib.sha256(), -1, ""
-    written = 0
-
-    def opened() -> Any:
-        return open_stream(written, sha256)
-
-    def is_last(chunk: Any) -> bool:
-        return bool(chunk.offset + len(chunk.data) >= chunk.total_size_bytes)
-
-    try:
-        with open(part, "wb", opener=_without_links) as file:
-            for chunk in transport.resumed(opened, is_last):
-                file.write(chunk.data)
-                digest.update(chunk.data)
-                written += len(chunk.data)
-                total, sha256 = chunk.total_size_bytes, chunk.sha256
-        if written != total or digest.hexdigest() != sha256:
-            raise errors.DccastError("DATA_LOSS", f"{name} did not arrive as the server has it",
-                                     remedy="fetch it again")
-        part.replace(target)
-    finally:
-        part.unlink(missing_ok=True)
-    return target
-
-
-def _without_links(path: str, flags: int) -> int:
-    """A link in the place of the part file could lead anywhere."""
-    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), 0o666)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dccast import errors
 from dccast.runs import Table, structured
 from dccast.v1 import job_pb2, judgement_pb2
 
@@ -116,4 +117,4 @@ class Comparison(Judgement):
     @property
     def states(self) -> list[str]:
         """"SUCCEEDED", "FAILED", ... of each run."""
-        return [job_pb2.JobState.Name(run.state) for run in self.runs]
+        return [errors.name_of(job_pb2.JobState, run.state) for run in self.runs]

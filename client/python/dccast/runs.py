@@ -215,5 +215,5 @@ class Answer(Run):
         elif kind == "validity_lost":
             self.validity_loss = response.validity_lost
         elif kind == "ended":
-            self.state = job_pb2.JobState.Name(response.ended.state)
+            self.state = errors.name_of(job_pb2.JobState, response.ended.state)
             self.failure = response.ended.failure if response.ended.HasField("failure") else None

@@ -1,35 +1,38 @@
 """The face of a server: cases in, jobs, answers and studies out."""
 from __future__ import annotations
 
+import itertools
 import uuid
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar, Union
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Union
 
 import grpc
 
 from dccast import errors
 from dccast.cases import Case, Changes, Source, Value, changes_of, read_case, written
+from dccast.castings import Preparation
 from dccast.jobs import Job
 from dccast.judgements import Comparison, Judgement
 from dccast.runs import Answer
 from dccast.studies import Study
-from dccast.transport import Transport, endpoint
-from dccast.v1 import case_pb2, job_pb2, judgement_pb2, recipe_pb2, service_pb2, study_pb2
-
-Entry = TypeVar("Entry", Job, Study)
+from dccast.transport import DEADLINE_S, Transport, endpoint
+from dccast.v1 import (case_pb2, follow_pb2, job_pb2, judgement_pb2, line_pb2, recipe_pb2, service_pb2,
+                       study_pb2)
 
 #: Keys of a case: names, or the two ends of each by name.
 Ranges = Union[Mapping[str, Sequence[Value]], Sequence[str]]
 
 
-def connect(server: str | None = None) -> Service:
+def connect(server: str | None = None, timeout_s: float = DEADLINE_S) -> Service:
     """A server by its address, or the name of a login; without one by $DCCAST_SERVER, else the settings
     file of the command line client, else its first login, else this machine. The first call connects.
+
+    @param timeout_s  of each call but streams; then it raises DccastError of code DEADLINE_EXCEEDED
 
     >>> dccast.connect().info().workers > 0
     True
     """
-    return Service(Transport(endpoint(server)))
+    return Service(Transport(endpoint(server), timeout_s))
 
 
 class Service:
@@ -65,7 +68,8 @@ class Service:
         0.66
         """
         slab = service_pb2.SlabStart(size=size, alloy=alloy, speed=speed, water=water)
-        return Case(self._transport.call("ReadCase", service_pb2.ReadCaseRequest(slab=slab)).case)
+        read = self._transport.call("ReadCase", service_pb2.ReadCaseRequest(slab=slab))
+        return Case(read.case, text=read.text)
 
     def validate(self, case: Source, changes: Changes | None = None,
                  **keys: Value) -> service_pb2.ValidateCaseResponse:
@@ -82,19 +86,103 @@ class Service:
         return verdict
 
     def submit(self, case: Source, changes: Changes | None = None, *, priority: str = "normal",
-               labels: Sequence[str] = (), request_id: str = "", **keys: Value) -> Job:
+               labels: Sequence[str] = (), request_id: str = "", study: str = "",
+               after: Sequence[Job | str] = (), time_limit_s: float = 0.0, mail: str = "",
+               **keys: Value) -> Job:
         """Queues a case. When this returns the job survives a crash of the server.
 
         @param request_id  the same id and case give the same job; without one every call makes a job
+        @param study  a UUID of your choice for jobs that belong together
+        @param after  jobs that must succeed first; if one does not, this one is cancelled
+        @param time_limit_s  wall time after which it fails; 0: the limit of the server
+        @param mail  address that is told when it has ended
         @raises DccastError  the faults of the case, a full queue
 
         >>> dccast.connect().submit("start-2d-thickness", {"time.end": "20 s"}, quality="draft").wait()
         <dccast.Job ... SUCCEEDED 'Start stage, thickness section, 0 to 145 s': corner ... mm, ... at 20 s>
         """
+        return self._submit(self.read(case, changes, **keys), service_pb2.SubmitJobRequest(
+            request_id=request_id, priority=errors.number_of(job_pb2.Priority, priority), labels=labels,
+            study=study, after=[job if isinstance(job, str) else job.id for job in after],
+            time_limit_s=time_limit_s, mail=mail))
+
+    def prepare(self, case: Source, changes: Changes | None = None, *, labels: Sequence[str] = (),
+                **keys: Value) -> Preparation:
+        """Has the server compute what the forecast of a casting rests on (docs/following.md). The same
+        casting, whatever its title and quality, finds what is there; `wait` waits for all of it.
+
+        @param labels  of the studies that are begun
+        """
         read = self.read(case, changes, **keys)
-        return Job(self._transport, self._call_about(read, "SubmitJob", service_pb2.SubmitJobRequest(
-            request_id=request_id or str(uuid.uuid4()),
-            priority=job_pb2.Priority.Value(priority.upper()), labels=labels, changes=read.changes)))
+        request = study_pb2.PrepareCastingRequest(changes=read.changes, labels=labels,
+                                                  case_file=read.text.encode())
+
+        def ask() -> study_pb2.Preparation:
+            answer: study_pb2.Preparation = self._call_about(read, "PrepareCasting", request)
+            return answer
+        return Preparation(self._transport, ask)
+
+    def follow(self, case: Source, changes: Changes | None = None, *,
+               noise_m: Mapping[str, float] | None = None, zero_m: Mapping[str, float] | None = None,
+               line: str = "", ensemble: Study | None = None,
+               labels: Sequence[str] = (), **keys: Value) -> Job:
+        """A job that computes a casting while it is cast, as far as readings have been given to its
+        `append`. With gauges its `forecast` has the curls to come, best after `prepare`.
+
+        @param noise_m   standard deviation of a measured curl, by monitor with a gauge
+        @param zero_m    that of the unknown zero of a gauge, by monitor; absent: known
+        @param line      on which the casting is made
+        @param ensemble  study of uncertainty of this plan instead of what `prepare` computed
+
+        >>> job = dccast.connect().follow("start-2d-thickness", quality="draft", time__end="20 s")
+        >>> job.append({"time_s": [-60.0, 20.0], "casting_speed_m_per_s": [0.0, 9e-4]}, close=True).number
+        3
+        >>> job.wait().state
+        'SUCCEEDED'
+        """
+        read = self.read(case, changes, **keys)
+        following = follow_pb2.Following(line=line, gauges=[
+            follow_pb2.Gauge(monitor=monitor, noise_m=noise, zero_m=(zero_m or {}).get(monitor, 0.0))
+            for monitor, noise in (noise_m or {}).items()])
+        if following.gauges or ensemble is not None:
+            there = self._call_about(read, "PrepareCasting", study_pb2.PrepareCastingRequest(
+                changes=read.changes, case_file=read.text.encode(), begins_now=True))
+            following.plan_job = there.plan_job
+            following.ensemble = there.ensemble.id if ensemble is None else ensemble.id
+            if ensemble is None:
+                following.pairs, following.levers = there.pairs.id, there.levers.id
+        return self._submit(read, service_pb2.SubmitJobRequest(following=following, labels=labels))
+
+    def _submit(self, read: Case, request: service_pb2.SubmitJobRequest) -> Job:
+        """Queues a job of a case."""
+        request.request_id = request.request_id or str(uuid.uuid4())
+        request.changes.extend(read.changes)
+        request.case_file = read.text.encode()
+        return Job(self._transport, self._call_about(read, "SubmitJob", request))
+
+    def lines(self) -> list[line_pb2.Line]:
+        """Lines with their castings, from which forecasts learn."""
+        return list(self._transport.call("ListLines", line_pb2.ListLinesRequest()).lines)
+
+    def line(self, name: str) -> line_pb2.Line:
+        """A line by its name."""
+        return self._line("GetLine", line_pb2.GetLineRequest(id=name))
+
+    def restart_line(self, name: str) -> line_pb2.Line:
+        """Begins it afresh, for a new mould or new water: its castings so far count no more."""
+        return self._line("RestartLine", line_pb2.RestartLineRequest(id=name))
+
+    def delete_line(self, name: str) -> None:
+        """Removes a line. Its jobs and studies stay."""
+        self._transport.call("DeleteLine", line_pb2.DeleteLineRequest(id=name), repeat=False)
+
+    def _line(self, method: str, request: Any) -> line_pb2.Line:
+        line: line_pb2.Line = self._transport.call(method, request)
+        return line
+
+    def alloys(self) -> list[case_pb2.Alloy]:
+        """The alloy cards that a case may name."""
+        return list(self._transport.call("ListAlloys", service_pb2.ListAlloysRequest()).alloys)
 
     def _put(self, case: Case, request: Any) -> None:
         """Gives a request the case, and the server the files that it does not have yet."""
@@ -142,7 +230,7 @@ class Service:
         finally:
             stream.cancel()
         if answer.failure is not None:
-            raise errors.DccastError(job_pb2.Finding.Kind.Name(answer.failure.kind),
+            raise errors.DccastError(errors.name_of(job_pb2.Finding.Kind, answer.failure.kind),
                                      answer.failure.message, field=answer.failure.code)
         return answer
 
@@ -151,8 +239,8 @@ class Service:
         runs of studies."""
         if job == "last":
             user = self._transport.call("WhoAmI", service_pb2.WhoAmIRequest()).name
-            found = [listed.message for listed in self.jobs(owner=user, limit=1000)
-                     if not listed.message.study]
+            newest = self._each("ListJobs", service_pb2.ListJobsRequest(owner=user), "jobs")
+            found = list(itertools.islice((each for each in newest if not each.study), 1))
         elif len(job) < 36:
             request = service_pb2.ListJobsRequest(page_size=2, id_prefix=job)
             found = list(self._transport.call("ListJobs", request).jobs)
@@ -165,28 +253,27 @@ class Service:
         return Job(self._transport, found[0])
 
     def jobs(self, *, states: Sequence[str] = (), labels: Sequence[str] = (), owner: str = "",
-             study: str = "", limit: int = 50) -> list[Job]:
-        """Jobs, newest first, e.g. jobs(states=["RUNNING"])."""
-        request = service_pb2.ListJobsRequest(
-            states=[job_pb2.JobState.Value(state.upper()) for state in states], labels=labels,
-            owner=owner, study=study)
-        return self._listed("ListJobs", request, limit, "jobs", Job)
+             study: str = "", title: str = "", limit: int | None = None) -> list[Job]:
+        """Jobs, newest first, e.g. jobs(states=["RUNNING"]).
 
-    def _listed(self, method: str, request: Any, limit: int, field: str,
-                entry: Callable[[Transport, Any], Entry]) -> list[Entry]:
-        """Reads the pages of a list until there are `limit` entries or no more.
-
-        @param field  of a page: its entries
+        @param title  with * and ? as in a shell
+        @param limit  so many at most; None: all
+        @raises UnknownState
         """
-        found: list[Entry] = []
-        while len(found) < limit:
-            request.page_size = min(1000, limit - len(found))
+        request = service_pb2.ListJobsRequest(
+            states=[errors.number_of(job_pb2.JobState, state) for state in states], labels=labels,
+            owner=owner, study=study, title=title, page_size=min(limit or 1000, 1000))
+        return [Job(self._transport, message)
+                for message in itertools.islice(self._each("ListJobs", request, "jobs"), limit)]
+
+    def _each(self, method: str, request: Any, field: str) -> Iterator[Any]:
+        """The entries of a list, page by page. @param field  of a page: its entries"""
+        while True:
             page = self._transport.call(method, request)
-            found += [entry(self._transport, message) for message in getattr(page, field)]
+            yield from getattr(page, field)
             request.page_token = page.next_page_token
             if not page.next_page_token:
-                break
-        return found
+                return
 
     def sweep(self, case: Source, axes: Mapping[str, Sequence[Value]], *, design: str = "grid",
               runs: int = 0, seed: int = 0, changes: Changes | None = None, priority: str = "normal",
@@ -205,9 +292,9 @@ class Service:
         5
         """
         plan = study_pb2.SweepPlan(
-            axes=_axes(axes), design=study_pb2.SweepPlan.Design.Value(design.upper()), runs=runs, seed=seed)
+            axes=_axes(axes), design=errors.number_of(study_pb2.SweepPlan.Design, design), runs=runs, seed=seed)
         return self._begin(self.read(case, changes, **keys), study_pb2.CreateStudyRequest(
-            request_id=request_id, sweep=plan, priority=job_pb2.Priority.Value(priority.upper()),
+            request_id=request_id, sweep=plan, priority=errors.number_of(job_pb2.Priority, priority),
             labels=labels))
 
     def uncertainty(self, case: Source, *, only: Ranges = (), runs: int = 64, seed: int = 0,
@@ -290,11 +377,31 @@ class Service:
         return self._begin(self.read(case, changes, **keys),
                            study_pb2.CreateStudyRequest(recipe=plan, labels=labels))
 
+    def convergence(self, case: Source, levels: int = 3, *, changes: Changes | None = None,
+                    labels: Sequence[str] = (), **keys: Value) -> Study:
+        """Queues a case on finer and finer meshes with shorter and shorter steps;
+        `evaluate(curves=True).limits` are what its curls tend to."""
+        return self._begin(self.read(case, changes, **keys), study_pb2.CreateStudyRequest(
+            refinement=study_pb2.RefinementPlan(levels=levels), labels=labels))
+
+    def design_mould(self, case: Source, *, tolerance_m: float = 0.5e-3, wanted_half_thickness_m: float = 0.0,
+                     runs: int = 0, changes: Changes | None = None, labels: Sequence[str] = (),
+                     **keys: Value) -> Study:
+        """Queues the search for the mould opening of three segments that gives a flat cold slab.
+
+        @param wanted_half_thickness_m  of the cold slab; 0: the half-opening of the case at its narrow face
+        @param runs  at most; 0 for 12
+        """
+        plan = study_pb2.MouldPlan(tolerance_m=tolerance_m, maximum_runs=runs,
+                                   wanted_half_thickness_m=wanted_half_thickness_m)
+        return self._begin(self.read(case, changes, **keys),
+                           study_pb2.CreateStudyRequest(mould=plan, labels=labels))
+
     def remedy(self, job: Job) -> Study:
         """What helps against the findings of an ended job: drafts with one lever of the plant moved.
-        `judgement()` of the study says which lever, and how far. A job has one such study."""
+        `judgement()` of the study says which lever, and how far. Each user has one such study for a job."""
         return Study(self._transport, self._transport.call("CreateStudy", study_pb2.CreateStudyRequest(
-            request_id=f"remedy/{job.id}", remedy=study_pb2.RemedyPlan(job=job.id))))
+            find=True, remedy=study_pb2.RemedyPlan(job=job.id))))
 
     def _begin(self, read: Case, request: study_pb2.CreateStudyRequest) -> Study:
         """Queues a study of a case."""
@@ -306,10 +413,11 @@ class Service:
         """A study by its id."""
         return Study(self._transport, self._transport.call("GetStudy", study_pb2.GetStudyRequest(id=study)))
 
-    def studies(self, limit: int = 50, *, labels: Sequence[str] = (), owner: str = "") -> list[Study]:
-        """Studies, newest first, e.g. studies(labels=["trial-7"])."""
-        request = study_pb2.ListStudiesRequest(labels=labels, owner=owner)
-        return self._listed("ListStudies", request, limit, "studies", Study)
+    def studies(self, limit: int | None = None, *, labels: Sequence[str] = (), owner: str = "") -> list[Study]:
+        """Studies, newest first, e.g. studies(labels=["trial-7"]). @param limit  so many at most; None: all"""
+        request = study_pb2.ListStudiesRequest(labels=labels, owner=owner, page_size=min(limit or 1000, 1000))
+        return [Study(self._transport, message)
+                for message in itertools.islice(self._each("ListStudies", request, "studies"), limit)]
 
     def judge(self, run: Job | Answer | Source, with_frame: bool = False) -> Judgement:
         """What the server concludes from one run: the largest curl with its error, when it came and where

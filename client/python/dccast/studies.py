@@ -11,11 +11,11 @@ import numpy as np
 
 from dccast import errors
 from dccast.cases import Case, Changes, changes_of
-from dccast.jobs import download
+from dccast.download import download
 from dccast.judgements import Judgement
 from dccast.runs import Band, Table, band_of
 from dccast.text import millimetres
-from dccast.transport import Transport
+from dccast.transport import Deadline, Transport
 from dccast.v1 import job_pb2, judgement_pb2, study_pb2
 
 
@@ -55,16 +55,19 @@ class Study:
     @property
     def state(self) -> str:
         """RUNNING, SUCCEEDED, FAILED or CANCELLED."""
-        return str(study_pb2.StudyState.Name(self.message.state)).removeprefix("STUDY_")
+        return errors.name_of(study_pb2.StudyState, self.message.state).removeprefix("STUDY_")
 
     def refresh(self) -> Study:
         """Fetches the present state of the study from the server."""
         return self._became(self._transport.call("GetStudy", study_pb2.GetStudyRequest(id=self.id)))
 
-    def watch(self) -> Iterator[Study]:
+    def watch(self, timeout_s: float | None = None) -> Iterator[Study]:
         """The study each time it has changed, until it has ended."""
+        deadline = Deadline(timeout_s)
+
         def opened() -> Any:
-            return self._transport.stream("WatchStudy", study_pb2.WatchStudyRequest(id=self.id))
+            return self._transport.stream("WatchStudy", study_pb2.WatchStudyRequest(id=self.id),
+                                          deadline.left())
 
         def is_last(message: study_pb2.Study) -> bool:
             return message.state != study_pb2.STUDY_RUNNING
@@ -72,12 +75,13 @@ class Study:
         for message in self._transport.resumed(opened, is_last):
             yield self._became(message)
 
-    def wait(self, check: bool = True) -> Study:
+    def wait(self, check: bool = True, timeout_s: float | None = None) -> Study:
         """Waits until all runs have ended.
 
         @param check  raise DccastError unless every run has succeeded
+        @raises DccastError  of code DEADLINE_EXCEEDED when the time is over; the study goes on
         """
-        for _ in self.watch():
+        for _ in self.watch(timeout_s):
             pass
         if check and self.state != "SUCCEEDED":
             raise errors.DccastError(self.state, f"study {self.id} is {self.state}: "
@@ -119,7 +123,7 @@ class Study:
         runs = result.runs
         keys = [axis.key for axis in result.study.sweep.axes]
         columns: dict[str, list[Any]] = {"job": [run.job for run in runs], "state": [
-            job_pb2.JobState.Name(run.state) for run in runs]}
+            errors.name_of(job_pb2.JobState, run.state) for run in runs]}
         for i, key in enumerate(keys):
             columns[key] = [_at(run.numbers, i) for run in runs]
         for i, monitor in enumerate(result.monitors):
@@ -140,12 +144,12 @@ class Study:
                           answer.cross_validated_error_m, *_relative(answer), answer.runs,
                           {change.key: change.value for change in answer.next_run})
 
-    def fetch(self, path: str | os.PathLike[str]) -> pathlib.Path:
+    def fetch(self, path: str | os.PathLike[str], overwrite: bool = False) -> pathlib.Path:
         """Downloads values, end curls and curves of every run so far as one HDF5 file."""
         def opened(offset: int, sha256: str) -> Any:
             return self._transport.stream("FetchStudy", study_pb2.FetchStudyRequest(
                 id=self.id, offset=offset, sha256=sha256))
-        return download(self._transport, opened, path, "study.h5")
+        return download(self._transport, opened, path, "study.h5", overwrite)
 
     def cancel(self, reason: str = "") -> Study:
         """Cancels what has not ended."""

@@ -159,11 +159,28 @@ def channel_to(to: Endpoint) -> grpc.Channel:
     return grpc.secure_channel(to.address, credentials, options=options)
 
 
+class Deadline:
+    """The end of a wait. @param timeout_s  from now; None: no end"""
+
+    def __init__(self, timeout_s: float | None) -> None:
+        self._end = None if timeout_s is None else time.monotonic() + timeout_s
+
+    def left(self) -> float | None:
+        """Seconds until then; None: no end. @raises DccastError  it is over"""
+        if self._end is None:
+            return None
+        left = self._end - time.monotonic()
+        if left <= 0.0:
+            raise errors.DccastError("DEADLINE_EXCEEDED", "it has not ended within the given time",
+                                     remedy="what runs on the server goes on; wait again")
+        return left
+
+
 class Transport:
     """Calls of one server. Those that may be repeated are, while the server does not answer."""
 
-    def __init__(self, to: Endpoint) -> None:
-        self.server = to.address
+    def __init__(self, to: Endpoint, timeout_s: float = DEADLINE_S) -> None:
+        self.server, self._timeout_s = to.address, timeout_s
         make_stub: Any = service_pb2_grpc.SimulationServiceStub
         self.stub = make_stub(channel_to(to))
 
@@ -172,7 +189,7 @@ class Transport:
         pause = FIRST_PAUSE_S
         for attempt in range(1, ATTEMPTS + 1):
             try:
-                return getattr(self.stub, method)(request, timeout=DEADLINE_S)
+                return getattr(self.stub, method)(request, timeout=self._timeout_s)
             except grpc.RpcError as error:
                 if not repeat or attempt == ATTEMPTS or error.code().name != "UNAVAILABLE":
                     raise errors.of_call(error, self.server) from None
@@ -210,9 +227,9 @@ class Transport:
             answered.set()
         call.result()
 
-    def stream(self, method: str, request: Any) -> Any:
+    def stream(self, method: str, request: Any, timeout_s: float | None = None) -> Any:
         """A stream, which is iterated and cancelled. It raises grpc.RpcError."""
-        return getattr(self.stub, method)(request)
+        return getattr(self.stub, method)(request, timeout=timeout_s)
 
     def resumed(self, open_stream: Callable[[], Any], is_last: Callable[[Message], bool],
                 on_stream: Callable[[Any], None] = lambda _: None) -> Iterator[Message]:

@@ -22,7 +22,7 @@ struct JobRecord {
   std::string first_loss;       ///< how the worker died the first time, the cause that is reported
   std::int64_t bytes = 0;       ///< case and attachments; after the end its whole folder [bytes]
   std::string answer_key{};     ///< digest of everything that determines its results, by
-                                ///< intake::answer_key()
+                                ///< case_file::fingerprint()
   std::string solver{};         ///< identity of the solver that succeeded; empty: none has
 };
 
