@@ -24,7 +24,7 @@ std::string short_number(double value, int digits = 4) {
 }
 
 /// Both ends of a range; equal if one value was given.
-struct Range {
+struct FigureRange {
   double first = 0.0, last = 0.0;
 
   std::string text(double factor) const {
@@ -47,22 +47,22 @@ std::pair<std::string, std::string> parts(const std::string& text, const std::st
 }
 
 /// Value in this unit; empty if the text is not such a quantity.
-std::optional<Range> range_of(const std::string& text, const std::string& separator,
-                              const std::string& unit) {
+std::optional<FigureRange> range_of(const std::string& text, const std::string& separator,
+                                    const std::string& unit) {
   const auto [first, last] = parts(text, separator);
   const auto begin = parse_quantity(first, unit).value;
   const auto end = parse_quantity(last, unit).value;
   if (!begin || !end || *begin <= 0.0 || *end <= 0.0) return std::nullopt;
-  return Range{*begin, *end};
+  return FigureRange{*begin, *end};
 }
 
 /// A recipe in SI units.
 struct Slab {
-  Range size;  ///< width and thickness [m]
+  FigureRange size;  ///< width and thickness [m]
   std::string alloy;
-  std::optional<Range> speed;  ///< [m/s]
-  std::optional<Range> flow;   ///< per metre of perimeter [m2/s]
-  std::optional<Range> total;  ///< of the whole perimeter, where it was given so [m3/s]
+  std::optional<FigureRange> speed;  ///< [m/s]
+  std::optional<FigureRange> flow;   ///< per metre of perimeter [m2/s]
+  std::optional<FigureRange> total;  ///< of the whole perimeter, where it was given so [m3/s]
 
   double perimeter() const { return 2.0 * (size.first + size.last); }
   /// "1320 x 570", in mm
@@ -92,7 +92,8 @@ void read_water(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& 
   if (slab.flow) return;
   slab.total = range_of(recipe.water, "..", "m3/s");
   if (slab.total && slab.perimeter() > 0.0)
-    slab.flow = Range{slab.total->first / slab.perimeter(), slab.total->last / slab.perimeter()};
+    slab.flow =
+        FigureRange{slab.total->first / slab.perimeter(), slab.total->last / slab.perimeter()};
   else if (!slab.total)
     faults.push_back("--water \"" + recipe.water +
                      "\": a flow in all or per metre of perimeter is expected, e.g. 25..45m3/h or "
@@ -162,7 +163,8 @@ private:
 
 /// A table of a shipped case with other values: the first until the ramp begins, the last from its
 /// end.
-std::string ramp_of(std::string table, const Range& range, double factor, const std::string& unit) {
+std::string ramp_of(std::string table, const FigureRange& range, double factor,
+                    const std::string& unit) {
   constexpr int digits = 6;  // the sum over the perimeter is the one given
   const auto quoted = [&](double value) {
     return fmt::format("\"{} {}\"", short_number(factor * value, digits), unit);
@@ -234,8 +236,8 @@ NewCase new_case(const SlabRecipe& recipe) {
         base.name == standard ? "[G]; temperatures of the metal are those of " + base.name : "[G]");
   set_size(slab, text);
 
-  const auto set_ramp = [&](const char* key, const Range& range, double factor, const char* unit,
-                            const std::string& comment) {
+  const auto set_ramp = [&](const char* key, const FigureRange& range, double factor,
+                            const char* unit, const std::string& comment) {
     text.replace(key, "", ramp_of(text.value(key), range, factor, unit),
                  "[G]" + comment + "; when the ramp begins and ends: " + base.name);
   };
@@ -244,7 +246,8 @@ NewCase new_case(const SlabRecipe& recipe) {
   const std::string perimeter = short_number(slab.perimeter()) + " m";
   made.summary = slab_of_card + ", perimeter " + perimeter;
   if (slab.flow) {
-    const Range whole{slab.flow->first * slab.perimeter(), slab.flow->last * slab.perimeter()};
+    const FigureRange whole{slab.flow->first * slab.perimeter(),
+                            slab.flow->last * slab.perimeter()};
     const std::string total = whole.text(m3_per_hour) + " m3/h";
     set_ramp("water_flow", *slab.flow, litres_per_min_per_m, "l/min/m",
              " " + total + " over a perimeter of " + perimeter);

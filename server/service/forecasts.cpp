@@ -108,15 +108,13 @@ public:
     readings_ = record.read_new();
     check_rests_on_something(id);
 
-    v1::Case plan;
-    if (!jobs::read_complete_case(folder, plan))
+    if (!jobs::read_complete_case(folder, plan_))
       refuse(ErrorInfo::DAMAGED, "the case of job {} cannot be read any more", id);
-    schedule_ = plan.schedule();
-    error_of_plan_ = studies::error_of_plan(plan.section());
+    error_of_plan_ = studies::error_of_plan(plan_.section());
 
     ensemble_ = studies.get(following_.ensemble());
     pairs_ = studies.get(following_.pairs());
-    const bool shows_levers = has_run_at(context, following_.plan_job(), plan.quality());
+    const bool shows_levers = has_run_at(context, following_.plan_job(), plan_.quality());
     if (shows_levers || following_.ensemble().empty())
       plan_run_ = curls_of_plan(context, following_.plan_job());
     if (shows_levers) followed_run_ = curls_of(context, find_job(context, id));
@@ -127,7 +125,7 @@ public:
   studies::ForecastBasis basis() const {
     return {.ensemble = *ensemble_,
             .pairs = *pairs_,
-            .plan = schedule_,
+            .plan = plan_,
             .following = following_,
             .readings = readings_,
             .plan_run = plan_run_,
@@ -153,7 +151,7 @@ private:
 
   v1::Following following_;
   std::vector<v1::Reading> readings_;
-  v1::Schedule schedule_;
+  v1::Case plan_;  ///< complete
   std::shared_ptr<const v1::StudyResult> ensemble_, pairs_;
   std::shared_ptr<const v1::StudyResult> levers_;  ///< null: the study is not there any more
   std::vector<v1::CurlCurve> plan_run_, followed_run_;

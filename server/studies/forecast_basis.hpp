@@ -35,7 +35,7 @@ struct ForecastBasis {
   /// At a finer quality, over the same keys: runs whose values are those of a run of the ensemble.
   /// Without runs there are no pairs.
   const v1::StudyResult& pairs;
-  const v1::Schedule& plan;  ///< of the complete case
+  const v1::Case& plan;  ///< complete
   const v1::Following& following;
   const std::vector<v1::Reading>& readings;
   /// Curls of the run of the plan, on which a forecast without an ensemble rests.

@@ -45,7 +45,7 @@ std::array<BesidePlan, levers> beside_plan(const v1::Reading& reading, const v1:
 
 }  // namespace
 
-std::vector<std::string> levers_off_plan(const v1::Schedule& plan,
+std::vector<std::string> levers_off_plan(const v1::Case& plan,
                                          const std::vector<v1::Reading>& readings) {
   std::optional<double> last_s;
   for (const v1::Reading& reading : readings)
@@ -75,7 +75,7 @@ std::vector<std::string> levers_off_plan(const v1::Schedule& plan,
   return notes;
 }
 
-std::vector<PlanDeparture> plan_departures(const v1::Schedule& plan,
+std::vector<PlanDeparture> plan_departures(const v1::Case& plan,
                                            const std::vector<v1::Reading>& readings) {
   constexpr double gathers_speed_s = 10.0;
   std::vector<PlanDeparture> departures;

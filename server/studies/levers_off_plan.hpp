@@ -10,9 +10,9 @@ namespace dccast::studies {
 
 /// A sentence for speed and for water, where what was measured over the last minute is on average
 /// more than 10 % off the plan.
-/// @param plan      of a complete case
+/// @param plan      complete case
 /// @param readings  by time
-std::vector<std::string> levers_off_plan(const v1::Schedule& plan,
+std::vector<std::string> levers_off_plan(const v1::Case& plan,
                                          const std::vector<v1::Reading>& readings);
 
 /// How far speed and water have been off the plan until some time.
@@ -22,9 +22,9 @@ struct PlanDeparture {
 };
 
 /// One for each reading, from 10 s after the start of the block: before, the block gathers speed.
-/// @param plan      of a complete case
+/// @param plan      complete case
 /// @param readings  by time
-std::vector<PlanDeparture> plan_departures(const v1::Schedule& plan,
+std::vector<PlanDeparture> plan_departures(const v1::Case& plan,
                                            const std::vector<v1::Reading>& readings);
 
 }  // namespace dccast::studies

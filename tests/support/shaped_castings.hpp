@@ -58,11 +58,12 @@ inline std::vector<v1::Reading> readings(double factor, double until_s) {
   return made;
 }
 
-inline v1::Schedule plan() {
-  v1::Schedule schedule;
-  schedule.mutable_casting_speed_m_per_s()->add_value(1e-3);
-  schedule.mutable_water_flow_m2_per_s()->add_value(2e-3);
-  return schedule;
+inline v1::Case plan() {
+  v1::Case complete;
+  complete.mutable_schedule()->mutable_casting_speed_m_per_s()->add_value(1e-3);
+  complete.mutable_schedule()->mutable_water_flow_m2_per_s()->add_value(2e-3);
+  complete.mutable_time()->set_end_s(1e4);
+  return complete;
 }
 
 /// Runs whose curls are off by the mesh, -4 +10 %.
@@ -79,9 +80,9 @@ template <typename Ask>
 auto ask_of(const v1::StudyResult& runs, const std::vector<v1::Reading>& measured, Ask ask,
             const v1::StudyResult& pairs = {}, double zero_m = 0.0) {
   const v1::Following with = following(zero_m);
-  const v1::Schedule schedule = plan();
+  const v1::Case complete = plan();
   return ask(ForecastBasis{
-      .ensemble = runs, .pairs = pairs, .plan = schedule, .following = with, .readings = measured});
+      .ensemble = runs, .pairs = pairs, .plan = complete, .following = with, .readings = measured});
 }
 
 inline v1::Forecast whole_forecast(const v1::StudyResult& runs,
@@ -144,10 +145,10 @@ template <typename Ask>
 auto ask_off_plan(double until_s, const std::vector<v1::Reading>& measured, Ask ask) {
   const v1::StudyResult runs = ensemble(21), pairs;
   const v1::Following with = following();
-  const v1::Schedule schedule = plan();
+  const v1::Case complete = plan();
   return ask(ForecastBasis{.ensemble = runs,
                            .pairs = pairs,
-                           .plan = schedule,
+                           .plan = complete,
                            .following = with,
                            .readings = measured,
                            .plan_run = {run_until(end_s, true)},

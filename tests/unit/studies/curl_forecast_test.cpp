@@ -251,12 +251,12 @@ v1::Forecast unprepared(const std::vector<v1::Reading>& measured) {
   v1::Following with = following();
   with.clear_ensemble();
   with.set_plan_job("job-1");
-  const v1::Schedule schedule = plan();
+  const v1::Case complete = plan();
   const v1::StudyResult none;
   const v1::StudyResult run = ensemble(3);  // the second one has the factor 1
   return forecast_curls({.ensemble = none,
                          .pairs = none,
-                         .plan = schedule,
+                         .plan = complete,
                          .following = with,
                          .readings = measured,
                          .plan_run = {run.runs(1).curves().begin(), run.runs(1).curves().end()}});

@@ -13,7 +13,8 @@ namespace dccast::studies {
 namespace {
 
 TEST(LeversOffPlan, ReadsTablesAgainstTimeAndCastLength) {
-  v1::Schedule schedule = plan();
+  v1::Case complete = plan();
+  v1::Schedule& schedule = *complete.mutable_schedule();
   v1::Curve& speed = *schedule.mutable_casting_speed_m_per_s();
   speed.set_abscissa(v1::TIME);
   speed.Clear();
@@ -36,9 +37,9 @@ TEST(LeversOffPlan, ReadsTablesAgainstTimeAndCastLength) {
     reading.set_casting_speed_m_per_s(1e-3 + 1e-5 * t);
     reading.set_water_flow_m2_per_s(2e-3 * (1.0 + 10.0 * (1e-3 * t + 0.5e-5 * t * t)));
   }
-  EXPECT_THAT(levers_off_plan(schedule, made), ::testing::IsEmpty());
+  EXPECT_THAT(levers_off_plan(complete, made), ::testing::IsEmpty());
   for (v1::Reading& reading : made) reading.set_water_flow_m2_per_s(2e-3);
-  EXPECT_EQ(levers_off_plan(schedule, made).size(), 1u);
+  EXPECT_EQ(levers_off_plan(complete, made).size(), 1u);
 }
 
 TEST(LeversOffPlan, JudgesTheReadingsThatHaveALever) {

@@ -39,11 +39,11 @@ EarlierCasting earlier(const v1::StudyResult& recipe, const std::vector<v1::Read
 v1::Forecast on_line(const v1::StudyResult& runs, const std::vector<EarlierCasting>& castings) {
   v1::Following with = following(1e-3);
   with.set_line("pit-3");
-  const v1::Schedule schedule = plan();
+  const v1::Case complete = plan();
   const v1::StudyResult none;
   return forecast_curls({.ensemble = runs,
                          .pairs = none,
-                         .plan = schedule,
+                         .plan = complete,
                          .following = with,
                          .readings = {},
                          .earlier = castings});
