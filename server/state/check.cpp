@@ -13,7 +13,6 @@
 #include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/logs/event_log_scan.hpp"
 #include "server/state/index.hpp"
-#include "server/state/stored_v0.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_plan.hpp"
 #include "server/studies/study_store.hpp"
@@ -236,7 +235,6 @@ private:
   /// @return whether the store has the job now
   bool adopt_folder(const std::string& id) {
     try {
-      convert_job_v0(folder_.jobs() / id);
       index_job(*store_, folder_.jobs() / id);
     } catch (const jobs::StoreError&) {
       throw;
@@ -326,7 +324,6 @@ int check(const StateFolder& folder, const CheckOptions& options, std::ostream& 
   const StateLock lock(folder);
   const bool writes = options.repair || !options.adopt.empty();
   if (writes) require_no_worker(folder);
-  if (writes) convert_stored_v0(folder);
   const int damages = Check(folder, options, out).run();
   out << (damages == 0 ? "sound" : fmt::format("{} damages left", damages)) << std::endl;
   return damages;

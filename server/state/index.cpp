@@ -12,7 +12,6 @@
 #include "server/jobs/log.hpp"
 #include "server/jobs/logs/event_log.hpp"
 #include "server/jobs/logs/event_log_scan.hpp"
-#include "server/state/stored_v0.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_store.hpp"
 
@@ -205,8 +204,6 @@ std::set<std::string> lost_studies(const StateFolder& folder) {
 }
 
 std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder) {
-  convert_stored_v0(folder);
-
   std::unique_ptr<jobs::JobStore> store;
   if (const std::string doubt = open_and_doubt(folder, store); !doubt.empty()) {
     store.reset();

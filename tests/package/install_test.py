@@ -1,9 +1,7 @@
 #!/usr/bin/python3
 """The life of the packages in a Debian of their own: installed, used, upgraded, removed, purged."""
 import json
-import os
 import shutil
-import tarfile
 import tempfile
 import unittest
 
@@ -13,7 +11,6 @@ from packages import ROOT, made
 CASE = "cases/start-2d-thickness.toml"
 LONG_CASE = "cases/start-3d.toml"  # runs longer than an upgrade takes
 BEFORE, NOW = "0.0.1", "9.0.0"
-OLD_DATA = ROOT / "tests/service/data/folder-a60da8e.tar.xz"  # of an earlier dccastd, see README.md there
 
 
 class Life(unittest.TestCase):
@@ -35,33 +32,10 @@ class Life(unittest.TestCase):
 
     def test_it(self):
         self.root.install(*self.versions[BEFORE])
-        self.put_old_data()
         daemon = self.start_and_run_a_job()
-        self.old_jobs_are_there()
         self.upgrade_under_a_job(daemon)
         self.remove_and_come_back(daemon)
         self.purge()
-
-    def put_old_data(self):
-        folder = self.root.path / "var/lib/dccast"
-        owner = folder.stat()
-        with tarfile.open(OLD_DATA) as old:
-            for member in old.getmembers()[1:]:
-                member.name = member.name.removeprefix("data/")
-                old.extract(member, folder)
-                os.chown(folder / member.name, owner.st_uid, owner.st_gid)
-
-    def old_jobs_are_there(self):
-        jobs = {job["request_id"]: job for job in json.loads(self.dccast("list", "--json"))}
-        for name, state in (("done", "SUCCEEDED"), ("failed", "FAILED"), ("cancelled", "CANCELLED"),
-                            ("paused", "PAUSED")):
-            self.assertEqual(jobs[name]["state"], state, name)
-        for name in ("running", "waiting"):
-            self.dccast("wait", jobs[name]["id"])
-        self.assertIn("-0.837", self.dccast("curl", jobs["done"]["id"]))
-        self.root.run("python3", "-c", f"import dccast; dccast.connect('{self.address()}').job("
-                      f"'{jobs['done']['id']}').fetch('/tmp/old.h5')")
-        self.assertTrue(self.root.has("tmp/old.h5"))
 
     def start_and_run_a_job(self):
         settings = self.root.path / "etc/dccast/dccastd.toml"

@@ -64,8 +64,7 @@ PARSED_TEXT = re.compile(
     + r"|regex_(?:search|match)\(" + TEXTS_FOR_PEOPLE + r"|\bin (?:error\.details\(\)|str\(error\))")
 READS_TEXTS_OF_OTHERS = {
     "client/session/failure.cpp", "client/session/ssh_tunnel.cpp", "core/results/hdf5_file.cpp",
-    "server/jobs/executors/slurm_commands.cpp", "server/jobs/executors/slurm_executor.cpp",
-    "server/state/stored_v0.cpp"}
+    "server/jobs/executors/slurm_commands.cpp", "server/jobs/executors/slurm_executor.cpp"}
 NEVER_IN_CORE = re.compile(r"^(grpc|grpcpp|google/protobuf|toml\+\+|sqlite3|dccast/v1)(/|\.|$)")
 NEVER_IN_JOBS = re.compile(r"^(grpc|grpcpp)(/|$)")
 
