@@ -63,6 +63,7 @@ inline v1::Case plan() {
   complete.mutable_schedule()->mutable_casting_speed_m_per_s()->add_value(1e-3);
   complete.mutable_schedule()->mutable_water_flow_m2_per_s()->add_value(2e-3);
   complete.mutable_time()->set_end_s(1e4);
+  complete.mutable_cooling()->mutable_water()->set_enabled(true);
   return complete;
 }
 

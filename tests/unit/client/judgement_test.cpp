@@ -75,8 +75,9 @@ TEST(JudgementText, AnErrorMayBeOneSided) {
 
 TEST(JudgementText, ErrorsInTextAndReportAreThoseOfAllRenderers) {
   std::ifstream file(DCCAST_FIGURES);
+  const auto examples = nlohmann::json::parse(file);
   int shown = 0;
-  for (const auto& example : nlohmann::json::parse(file)["curls"]) {
+  for (const auto& example : examples.at("curls")) {
     if (!example.contains("upper_m")) continue;
     const double lower_m = example["lower_m"], upper_m = example["upper_m"];
     const int decimals = figures::mm_decimals(std::max(lower_m, upper_m));

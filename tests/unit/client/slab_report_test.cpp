@@ -205,7 +205,7 @@ void set_errors(double lower, double upper, v1::QueryResultResponse& result) {
 TEST(ReportPage, AnErrorWithOneSideIsShownSo) {
   v1::QueryResultResponse result = run_with(35, 45);
   set_errors(0.0, 0.14, result);
-  EXPECT_THAT(report_of_run(v1::Job(), result), HasSubstr("<em>-0.00 +5.60 mm</em>"));
+  EXPECT_THAT(report_of_run(v1::Job(), result), HasSubstr("<em>-0 +5.60 mm</em>"));
 }
 
 TEST(ReportPage, ACurlWithErrorsHasItsBand) {
@@ -214,7 +214,7 @@ TEST(ReportPage, ACurlWithErrorsHasItsBand) {
   const std::string page = report_of_run(v1::Job(), result);
   EXPECT_THAT(page, HasSubstr("<em>± 1.60 mm</em>"));
   EXPECT_THAT(page, HasSubstr("the band of the case&#39;s quality"));
-  EXPECT_EQ(count_of(page, "\"low\":[0.00768,"), 2) << "in both charts of the curl";
+  EXPECT_EQ(count_of(page, "\"low\":[7.68,"), 2) << "in both charts of the curl";
   EXPECT_THAT(page, Not(HasSubstr("discretisation is not known")));
 }
 

@@ -20,6 +20,7 @@ v1::Case plan_by_length() {
   plan.mutable_schedule()->mutable_casting_temperature_c()->add_value(690.0);
   plan.mutable_cooling()->mutable_water()->set_enabled(true);
   plan.mutable_cooling()->mutable_water()->set_start_s(5.0);
+  plan.mutable_time()->set_end_s(1e4);
   return plan;
 }
 
