@@ -1,5 +1,4 @@
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -9,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "client_run.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace dccast::client {
 namespace {
@@ -34,7 +34,7 @@ TEST(Completion, EveryShellKnowsCommandsAndOptions) {
 
 /// Completions that bash offers for a command line with the cursor at its end.
 std::string completed(const std::string& words) {
-  const auto folder = std::filesystem::path(testing::TempDir());
+  const TemporaryFolder folder;  // tests run side by side
   std::ofstream(folder / "completion.bash") << script_for("bash");
   const std::string command =
       "bash -c 'source " + (folder / "completion.bash").string() + "; COMP_WORDS=(" + words +
