@@ -117,11 +117,11 @@ double CastingSchedule::planned_length(double length, double from, double to) co
                                         schedule_.casting_speed_factor, from, to);
   }
 
-  // Classical Runge-Kutta for a speed against cast length.
+  // Classical Runge-Kutta for a speed against cast length, perhaps with a factor against time.
   const double k1 = planned_speed(from, length);
-  const double k2 = planned_speed(from, length + 0.5 * h * k1);
-  const double k3 = planned_speed(from, length + 0.5 * h * k2);
-  const double k4 = planned_speed(from, length + h * k3);
+  const double k2 = planned_speed(from + 0.5 * h, length + 0.5 * h * k1);
+  const double k3 = planned_speed(from + 0.5 * h, length + 0.5 * h * k2);
+  const double k4 = planned_speed(to, length + h * k3);
   return length + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
 }
 

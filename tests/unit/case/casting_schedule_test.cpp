@@ -47,6 +47,19 @@ TEST(CastingSchedule, SpeedMayDependOnTheCastLength) {
   EXPECT_LE(error(40), 1e-6);
 }
 
+/// V = (a + b L) (1 + c t) gives L = a/b (exp(b (t + c t^2 / 2)) - 1), with the same order.
+TEST(CastingSchedule, AFactorAgainstTimeMayChangeASpeedAgainstLength) {
+  Case c = small_casting();
+  c.schedule.casting_speed = {Abscissa::cast_length, {0.0, 20.0}, {0.1, 4.1}};
+  c.schedule.casting_speed_factor = {Abscissa::time, {0.0, 10.0}, {1.0, 2.0}};
+  const CastingSchedule schedule(c);
+  const double exact = 0.5 * (std::exp(0.2 * (10.0 + 0.05 * 100.0)) - 1.0);
+  const auto error = [&](std::int64_t steps) {
+    return std::abs(schedule.cast_length_over(0.0, 0.0, 10.0, steps) - exact);
+  };
+  EXPECT_NEAR(std::log2(error(20) / error(40)), 4.0, 0.2);
+}
+
 TEST(CastingSchedule, StepsEndWhereSomethingChanges) {
   Case c = small_casting();
   c.cooling.water.start = 2.6;
