@@ -65,9 +65,9 @@ fs::path target_of(const std::string& output) {
   return given;
 }
 
-/// Files that jobs of earlier versions lack: the last frame for programs that read no time series,
-/// and the record of the machine.
-void fetch_of_newer_jobs(Connection& connection, const std::string& id, const fs::path& file) {
+/// The last frame for programs that read no time series, and the record of the machine, where the
+/// job has them.
+void fetch_companions(Connection& connection, const std::string& id, const fs::path& file) {
   const auto beside = [&](const char* ending) {
     return file.parent_path() / (file.stem().string() + ending);
   };
@@ -92,7 +92,7 @@ ExitCode run(const FetchOptions& options, Program& program) {
   fs::remove(sidecar.string() + ".part");
   download(connection, id, "results.xdmf", sidecar, std::cerr);
   point_sidecar_at(sidecar, file);
-  fetch_of_newer_jobs(connection, id, file);
+  fetch_companions(connection, id, file);
 
   if (options.json)
     print_line({{"job", id},

@@ -17,8 +17,8 @@ namespace dccast::client {
 std::string resolve_job(Connection& connection, const std::string& text);
 /// Whether a text is the beginning of an id, and no complete one.
 bool can_begin_an_id(const std::string& text);
-/// The user whose newest job or study `last` is: whom the server takes us for; where it is of an
-/// earlier version, the local user.
+/// The user whose newest job or study `last` is: whom the server takes us for; where it does
+/// not answer, the local user.
 std::string user_name(Connection& connection);
 /// resolve_job() for each text, in their order.
 std::vector<std::string> resolve_jobs(Connection& connection,

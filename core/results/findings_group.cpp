@@ -92,9 +92,8 @@ void write_worst(File& file, const std::vector<Finding>& findings) {
   write_places(file, "/findings/worst_place_m", place, "as place_m");
 }
 
-/// Reads the figure farthest beyond the limit, which files of earlier versions do not have.
+/// Reads the figure farthest beyond the limit.
 void read_worst(const File& file, std::vector<Finding>& findings) {
-  if (!file.has("/findings/worst_value")) return;
   const auto time = file.read_reals("/findings/worst_time_s", findings.size());
   const auto value = file.read_reals("/findings/worst_value", findings.size());
   const auto place = read_places(file, "/findings/worst_place_m", findings.size());

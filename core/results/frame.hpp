@@ -89,9 +89,9 @@ const char* find_misfit(const Frame& frame);
 struct RunHeader {
   std::string program_version;
   std::string build;          ///< compiler and libraries
-  std::string commit{};       ///< of the program's sources; empty in earlier journals
+  std::string commit{};       ///< of the program's sources
   std::string title;          ///< of the case
-  std::string case_sha256{};  ///< of the submitted case; empty: not a job, or an earlier journal
+  std::string case_sha256{};  ///< of the submitted case; empty: not a job
   std::string case_json;      ///< the case as it was submitted
   std::string section;        ///< "plane_strain", "axisymmetric" or "quarter_slab"
   double liquidus = 0.0;      ///< [°C]

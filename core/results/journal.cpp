@@ -95,16 +95,15 @@ RunHeader read_header(const Sections& content) {
   RunHeader header;
   header.program_version = content.text("program_version");
   header.build = content.text("build");
-  // Sections that journals of earlier versions lack are optional.
-  if (content.has("commit")) header.commit = content.text("commit");
+  header.commit = content.text("commit");
   header.title = content.text("title");
-  if (content.has("case_sha256")) header.case_sha256 = content.text("case_sha256");
+  header.case_sha256 = content.text("case_sha256");
   header.case_json = content.text("case_json");
   header.section = content.text("section");
 
   header.liquidus = content.real("liquidus");
   header.solidus = content.real("solidus");
-  header.shell = content.has("shell") ? content.real("shell") : header.solidus;
+  header.shell = content.real("shell");
   if (content.has("relative_curl_error"))
     header.relative_curl_error = content.real("relative_curl_error");
 

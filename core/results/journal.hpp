@@ -11,9 +11,8 @@
 
 namespace dccast::results {
 
-/// Kind of a journal record; the numbers are part of the file format. 2 was a step; readers skip
-/// it.
-enum class RecordKind : std::uint8_t { header = 1, frame = 3 };
+/// Kind of a journal record; the numbers are part of the file format.
+enum class RecordKind : std::uint8_t { header = 1, frame = 2 };
 
 /// The records of a running casting, appended to one file; CHECKPOINT.md has the format. All calls
 /// may throw storage::StorageError.

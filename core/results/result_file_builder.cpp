@@ -26,9 +26,9 @@ void write_header(File& file, const RunHeader& header) {
   file.write_attribute("/", "program", std::string("dccast"));
   file.write_attribute("/", "program_version", header.program_version);
   file.write_attribute("/", "build", header.build);
-  if (!header.commit.empty()) file.write_attribute("/", "commit", header.commit);
+  file.write_attribute("/", "commit", header.commit);
   file.write_attribute("/", "title", header.title);
-  if (!header.case_sha256.empty()) file.write_attribute("/", "case_sha256", header.case_sha256);
+  file.write_attribute("/", "case_sha256", header.case_sha256);
   file.write_attribute("/", "section", header.section);
 
   // Temperatures of the isotherms that readers draw.
@@ -116,15 +116,14 @@ void write_monitors(File& file, const std::vector<StepReport>& steps, std::size_
                        step.monitor_temperature.end());
   }
 
-  // Steps of earlier versions may lack the temperatures of monitors.
   const auto components = static_cast<hsize_t>(dimension);
-  if (displacement.size() != steps.size() * monitors * components)
-    throw std::logic_error("StepReport: as many monitor displacements as monitors");
+  if (displacement.size() != steps.size() * monitors * components ||
+      temperature.size() != steps.size() * monitors)
+    throw std::logic_error("StepReport: as many displacements and temperatures as monitors");
   file.write("/monitors/displacement_m", {steps.size(), monitors, components}, displacement, "m",
              "(step, monitor, coordinate)");
-  if (temperature.size() == steps.size() * monitors)
-    file.write("/monitors/temperature_c", {steps.size(), monitors}, temperature, "degC",
-               "(step, monitor)");
+  file.write("/monitors/temperature_c", {steps.size(), monitors}, temperature, "degC",
+             "(step, monitor)");
 }
 
 void write_validity_loss(File& file, const ValidityLoss& loss) {

@@ -44,12 +44,7 @@ int read_columns(const File& file, const std::string& object) {
 
 void read_field(const File& file, const HistoryField& field, std::vector<StepReport>& steps) {
   const int dimension = steps.empty() ? 2 : steps.front().dimension;
-  std::string object = history_dataset(field.name_in(dimension));
-  // Version 1 had the figures of a quarter slab under the names of a section.
-  if (!file.has(object)) object = history_dataset(field.name);
-  if (!file.has(object) && field.former_name) object = history_dataset(field.former_name);
-  if (!file.has(object)) return;  // written by a version without this field
-
+  const std::string object = history_dataset(field.name_in(dimension));
   if (field.real()) {
     const auto values = file.read_reals(object, steps.size());
     for (std::size_t i = 0; i < steps.size(); ++i) set_value(field, steps[i], values[i]);
@@ -79,10 +74,12 @@ std::optional<ValidityLoss> read_validity_loss(const File& file) {
 ResultReader::ResultReader(const std::filesystem::path& results)
     : file_(std::make_unique<File>(File::open(results))) {
   const auto version = file_->integer_attribute("/", "schema_version");
-  if (version < 1 || version > schema_version)
+  if (version != schema_version)
     throw storage::StorageError(
         EINVAL, results.string(),
-        fmt::format("has schema version {}; this program reads 1 to {}", version, schema_version));
+        fmt::format("has schema version {}, and this program reads {}: run the case again, or use "
+                    "the version of dccast that wrote it",
+                    version, schema_version));
   frames_ = static_cast<std::size_t>(file_->integer_attribute("/frames", "count"));
 }
 
@@ -93,17 +90,14 @@ RunHeader ResultReader::header() const {
   RunHeader header;
   header.program_version = file_->text_attribute("/", "program_version");
   header.build = file_->text_attribute("/", "build");
-  if (file_->has_attribute("/", "commit")) header.commit = file_->text_attribute("/", "commit");
-  if (file_->has_attribute("/", "case_sha256"))
-    header.case_sha256 = file_->text_attribute("/", "case_sha256");
+  header.commit = file_->text_attribute("/", "commit");
+  header.case_sha256 = file_->text_attribute("/", "case_sha256");
   header.title = file_->text_attribute("/", "title");
   header.section = file_->text_attribute("/", "section");
 
-  // Attributes that files of earlier versions lack are optional.
   header.liquidus = file_->real_attribute("/", "liquidus_c");
   header.solidus = file_->real_attribute("/", "solidus_c");
-  header.shell =
-      file_->has_attribute("/", "shell_c") ? file_->real_attribute("/", "shell_c") : header.solidus;
+  header.shell = file_->real_attribute("/", "shell_c");
   if (file_->has_attribute("/", "relative_curl_error"))
     header.relative_curl_error = file_->real_attribute("/", "relative_curl_error");
 
@@ -141,14 +135,12 @@ std::vector<StepReport> ResultReader::history() const {
   // (step, monitor, coordinate) in one list of points, all monitors of a step in a row.
   const auto flat_displacement = file_->read_reals(object);
   auto displacement = split_points(flat_displacement, flat_displacement.size() / shape[2]);
-  const auto temperature = read_optional_reals(*file_, "/monitors/temperature_c");
-  if (!temperature.empty() && temperature.size() != displacement.size())
-    throw_wrong_shape(*file_, "/monitors/temperature_c");
+  const auto temperature = file_->read_reals("/monitors/temperature_c", displacement.size());
 
   for (std::size_t i = 0; i < displacement.size(); ++i) {
     StepReport& step = steps[i / shape[1]];
     step.monitor_displacement.push_back(std::move(displacement[i]));
-    if (!temperature.empty()) step.monitor_temperature.push_back(temperature[i]);
+    step.monitor_temperature.push_back(temperature[i]);
   }
   return steps;
 }

@@ -58,7 +58,7 @@ const std::array fields{
                  "hottest surface at the water line", &R::mould_exit_temperature},
     HistoryField{"shell_at_water_line_m", "m",
                  "smallest shell thickness of the side at the water line, or at the butt",
-                 &R::shell_at_water_line, nullptr, "shell_at_exit_m"},
+                 &R::shell_at_water_line},
     HistoryField{"least_shell_m", "m",
                  "smallest shell thickness from the end of the mould contact to the water line",
                  &R::least_shell},

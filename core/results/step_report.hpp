@@ -159,8 +159,7 @@ struct HistoryField {
                bool StepReport::*>
       member;
 
-  const char* solid_unit = nullptr;   ///< unit for a quarter slab, if different
-  const char* former_name = nullptr;  ///< in files of schema versions 1 and 2, if different
+  const char* solid_unit = nullptr;  ///< unit for a quarter slab, if different
 
   /// Whether the figure is a real number; else it is an integer or a truth value.
   bool real() const { return member.index() == 0; }

@@ -82,10 +82,6 @@ std::string little_endian(std::uint32_t number) {
   return bytes;
 }
 
-std::string file_header(std::string_view name, std::uint32_t version) {
-  return std::string(name) + little_endian(version) + little_endian(0);
-}
-
 std::string RecordFormat::framed(std::string_view payload, std::uint8_t kind) const {
   std::string record(head_size, '\0');
   write_number(record, length_at, length_size, payload.size());

@@ -63,8 +63,4 @@ inline constexpr RecordFormat long_records{
 /// The four bytes of a number in a file.
 std::string little_endian(std::uint32_t number);
 
-/// The first 16 bytes of a file of records: name, version and zero (EVENT_LOG.md).
-/// @param name  of its format, 8 characters
-std::string file_header(std::string_view name, std::uint32_t version);
-
 }  // namespace dccast::storage

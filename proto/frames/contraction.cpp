@@ -94,7 +94,7 @@ private:
     double sum_m = 0.0;
     for (std::size_t i = 0; i < line.size(); ++i) {
       const double temperature_c = frame_.temperature_c(line[i].second);
-      if (temperature_c > shell_c(frame_)) return std::numeric_limits<double>::quiet_NaN();
+      if (temperature_c > frame_.shell_c()) return std::numeric_limits<double>::quiet_NaN();
 
       // Trapezoidal rule: each node has half of the pieces on both of its sides.
       const double from = i == 0 ? line[i].first : line[i - 1].first;
@@ -156,10 +156,6 @@ void require_steady_part(const Contraction& contraction, const FaceRow& head) {
 }
 
 }  // namespace
-
-double shell_c(const v1::Frame& frame) {
-  return frame.shell_c() > 0.0 ? frame.shell_c() : frame.solidus_c();
-}
 
 double half_opening_m(const v1::Section& section, double x_m) {
   return curve_value(section.half_thickness_m(), x_m);

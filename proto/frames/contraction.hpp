@@ -46,9 +46,6 @@ struct Contraction {
   const FaceRow& head() const;
 };
 
-/// Temperature below which metal counts as shell [°C]; for results of earlier versions the solidus.
-double shell_c(const v1::Frame& frame);
-
 /// Half the opening of the mould of a quarter slab [m].
 /// @param x_m  from the middle of the wide face [m]
 double half_opening_m(const v1::Section& section, double x_m);

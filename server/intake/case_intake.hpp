@@ -142,8 +142,7 @@ jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachm
 v1::Fault fault_of(const std::string& field, const std::string& value, const std::string& message,
                    const std::string& permitted = {}, const std::string& remedy = {});
 
-/// Escapes control characters in all texts of a message, so that they cannot act on a terminal. New
-/// cases are checked for them when accepted; those of an earlier version may hold anything.
+/// Escapes control characters in all texts of a message, so that they cannot act on a terminal.
 void make_printable(google::protobuf::Message& message);
 
 }  // namespace dccast::intake

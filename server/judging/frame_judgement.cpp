@@ -68,7 +68,7 @@ const FaceRow& highest_solid(const frames::Contraction& face, const v1::Section&
   for (int n = 0; n < frame.temperature_c_size(); ++n) {
     const double opening_m = frames::half_opening_m(section, coordinate(frame, n, 0));
     const bool on_face = coordinate(frame, n, 1) > opening_m - same_m;
-    if (on_face && frame.temperature_c(n) > frames::shell_c(frame))
+    if (on_face && frame.temperature_c(n) > frame.shell_c())
       soft_m = std::min(soft_m, coordinate(frame, n, 2));
   }
 

@@ -236,8 +236,7 @@ void cut(std::string& text, std::size_t most) {
 }
 
 /// Reduces a job to what a list can carry: first cuts its title to 1 KiB, then drops the monitors
-/// of its last step, then the residuals and texts of its failure. The schema bounds cases of today;
-/// those in a store of an earlier version may hold anything.
+/// of its last step, then the residuals and texts of its failure.
 void fit_into_list(v1::Job& job) {
   constexpr std::size_t most_of_a_title = 1024;
   constexpr std::size_t most_of_a_job = 64 * 1024;
@@ -260,7 +259,7 @@ void fit_into_list(v1::Job& job) {
 
 /// Adds jobs until the page is full, by number or by bytes, and then names the next page.
 void fill(Context& context, jobs::JobStore::Page rest, v1::ListJobsResponse& response) {
-  // Rows are fetched a few at a time: titles in a store of an earlier version have no bound.
+  // Rows are fetched a few at a time: a page is bounded in bytes, too.
   constexpr int rows_at_a_time = 32;
 
   const int size = rest.size;

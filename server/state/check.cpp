@@ -145,30 +145,8 @@ private:
     if (fault.empty()) return;
     if (!options_.repair) return report_.damage(fault + "; --repair begins it again");
 
-    keep_requests();
     report_.repaired(fmt::format("{}; its files are now in {}", fault, set_store_aside()));
     if (const std::string remaining = open(); !remaining.empty()) report_.damage(remaining);
-  }
-
-  /// Moves requests to stop into the job folders: before version 7 they were in the store only.
-  void keep_requests() const try {
-    constexpr std::int64_t last_with_requests = 6;
-    if (!fs::exists(folder_.store())) return;
-    jobs::Database store(folder_.store());
-    jobs::Statement version(store, "PRAGMA user_version");
-    if (!version.step() || version.integer(0) == 0 || version.integer(0) > last_with_requests)
-      return;
-
-    jobs::Statement requests(store, "SELECT id, wish, wish_reason FROM job WHERE wish <> 0");
-    while (requests.step()) {
-      const fs::path job_folder = folder_.jobs() / requests.text(0);
-      if (!fs::exists(job_folder) || jobs::read_request(job_folder)) continue;
-
-      const auto action = static_cast<jobs::RequestedAction>(requests.integer(1));
-      jobs::write_request(job_folder, {action, requests.text(2)});
-    }
-  } catch (const jobs::StoreError&) {
-    // The store is damaged, or of a version without requests.
   }
 
   /// Opens the store. @return its fault, in which case it is closed; empty for none
@@ -322,6 +300,7 @@ int check(const StateFolder& folder, const CheckOptions& options, std::ostream& 
     throw std::runtime_error(fmt::format("there is no data directory {}", folder.path().string()));
 
   const StateLock lock(folder);
+  require_data_format(folder);
   const bool writes = options.repair || !options.adopt.empty();
   if (writes) require_no_worker(folder);
   const int damages = Check(folder, options, out).run();

@@ -204,6 +204,8 @@ std::set<std::string> lost_studies(const StateFolder& folder) {
 }
 
 std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder) {
+  require_data_format(folder);
+
   std::unique_ptr<jobs::JobStore> store;
   if (const std::string doubt = open_and_doubt(folder, store); !doubt.empty()) {
     store.reset();

@@ -35,10 +35,11 @@ std::set<std::string> lost_jobs(const StateFolder& folder, const std::set<std::s
 /// be one of this version.
 std::set<std::string> lost_studies(const StateFolder& folder);
 
-/// Opens the store of a daemon. A store that is missing, damaged, of an earlier version, or lacks a
+/// Opens the store of a daemon. A store that is missing, damaged, of another version, or lacks a
 /// job is rebuilt from the folders; its files go to quarantine and the reason is logged. Rows of
 /// jobs that have not ended are made to agree with their folders.
-/// @throws jobs::StoreError  it cannot be read or written, or is of a later version
+/// @throws jobs::StoreError  it cannot be read or written
+/// @throws jobs::OtherFormat
 std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder);
 
 }  // namespace dccast::state

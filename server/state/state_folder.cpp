@@ -17,9 +17,13 @@
 
 #include "core/storage/file.hpp"
 #include "proto/values/digests.hpp"
+#include "server/jobs/folder/format.hpp"
+#include "server/jobs/folder/job_description.hpp"
+#include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/store/job_store.hpp"
 #include "server/state/check.hpp"
 #include "server/state/index.hpp"
+#include "server/studies/lines.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_store.hpp"
 
@@ -194,6 +198,25 @@ StateLock::StateLock(const StateFolder& folder) : lock_(folder.lock(), O_RDWR | 
   }
 }
 
+void require_data_format(const StateFolder& folder) {
+  const auto check = [](const fs::path& file, const fs::path& subject, std::string_view kind) {
+    if (storage::kind_of_entry(file) != storage::regular_file) return;  // missing or damaged
+    std::string header(jobs::file_header(kind).size(), '\0');
+    header.resize(storage::File(file, O_RDONLY).read_at(0, header));
+    jobs::require_data_format(subject, header, kind);
+  };
+
+  for (const std::string& id : jobs::folder_ids(folder.jobs()))
+    check(folder.jobs() / id / jobs::description_file, folder.jobs() / id, jobs::description_kind);
+  for (const std::string& id : studies::ids_of_study_files(folder.studies()))
+    check(studies::study_file(folder.studies(), id), studies::study_file(folder.studies(), id),
+          studies::study_file_kind);
+
+  if (!fs::exists(folder.lines())) return;
+  for (const auto& line : fs::directory_iterator(folder.lines()))
+    check(line.path(), line.path(), studies::line_file_kind);
+}
+
 void make_state_folder(const StateFolder& folder) {
   std::filesystem::create_directories(folder.path());
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
@@ -206,6 +229,7 @@ void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
   if (fs::exists(to) && !fs::is_empty(to))
     throw std::runtime_error(fmt::format("{} is not empty; give a new directory", to.string()));
 
+  require_data_format(folder);
   const StateFolder target(to);
   make_state_folder(target);
   fs::create_directories(target.jobs());
@@ -231,6 +255,7 @@ void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
 
 int restore(const StateFolder& folder, const fs::path& from, std::ostream& out) {
   const Manifest manifest = read_manifest(from);
+  require_data_format(StateFolder(from));
   make_state_folder(folder);
   {
     const StateLock lock(folder);

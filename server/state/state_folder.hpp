@@ -41,6 +41,11 @@ private:
   storage::File lock_;
 };
 
+/// Checks that all jobs, studies and lines have the format of this program.
+/// @throws jobs::OtherFormat  the text names the first that has not, and the remedy
+/// @throws std::system_error
+void require_data_format(const StateFolder& folder);
+
 /// Creates the data directory, accessible to its owner only. @throws
 /// std::filesystem::filesystem_error
 void make_state_folder(const StateFolder& folder);

@@ -8,6 +8,7 @@
 #include "core/storage/file.hpp"
 #include "core/storage/record_log.hpp"
 #include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/format.hpp"
 
 namespace dccast::studies {
 
@@ -16,7 +17,7 @@ namespace {
 constexpr std::uint32_t largest_line = 1 << 24;  // [bytes]
 
 std::string header() {
-  return storage::file_header("DCCASTLN", 1);
+  return jobs::file_header(line_file_kind);
 }
 
 std::filesystem::path file_of(const std::filesystem::path& directory, const std::string& name) {

@@ -1,7 +1,6 @@
 #include "server/studies/study_file.hpp"
 
 #include <fcntl.h>
-#include <google/protobuf/unknown_field_set.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 #include "core/storage/record_log.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/format.hpp"
 
 namespace dccast::studies {
 
@@ -19,13 +19,8 @@ namespace fs = std::filesystem;
 
 constexpr std::uint32_t largest_part = UINT32_MAX;  // a request is bounded where it is taken
 
-std::string header(std::uint32_t version = 2) {
-  return storage::file_header("DCCASTSD", version);
-}
-
-/// The description of a study is the same in both versions.
-bool is_study_file(std::string_view bytes) {
-  return bytes.starts_with(header()) || bytes.starts_with(header(1));
+std::string header() {
+  return jobs::file_header(study_file_kind);
 }
 
 std::string take_part(std::string_view& rest) {
@@ -39,7 +34,7 @@ constexpr int frames_of_study = 3;
 
 /// The part of the file after the description of the study, as far as it is sound.
 std::string_view runs_in(std::string_view bytes) {
-  if (!is_study_file(bytes)) return {};
+  if (!bytes.starts_with(header())) return {};
   bytes.remove_prefix(header().size());
   for (int i = 0; i < frames_of_study; ++i) take_part(bytes);
   std::string_view rest = bytes;
@@ -75,7 +70,7 @@ int number_at(std::string_view bytes, std::size_t at) {
 }
 
 StudyRecord parse(std::string_view bytes) {
-  if (!is_study_file(bytes)) throw std::runtime_error("is not of version 1 or 2");
+  if (!bytes.starts_with(header())) throw std::runtime_error("has a damaged header");
   bytes.remove_prefix(header().size());
   v1::Study study;
   StudyRecord record;
@@ -128,30 +123,6 @@ void remove_orphaned_attachments(const fs::path& directory, const std::vector<st
   }
 }
 
-bool move_attachments_out(const fs::path& directory, StudyRecord& record) {
-  constexpr int content_field = 2;  // of Attachment, until uploads were streamed
-  const fs::path folder = attachments_of_study(directory, record.id);
-  bool moved = false;
-  for (v1::Attachment& file : *record.request.mutable_attachments()) {
-    if (!file.sha256().empty()) continue;
-    const auto& unknown = v1::Attachment::GetReflection()->GetUnknownFields(file);
-    std::string content;
-    for (int i = 0; i < unknown.field_count(); ++i)
-      if (unknown.field(i).number() == content_field &&
-          unknown.field(i).type() == google::protobuf::UnknownField::TYPE_LENGTH_DELIMITED)
-        content = unknown.field(i).length_delimited();
-
-    fs::create_directories(folder);
-    storage::replace_file(folder / file.name(), content);
-    file.DiscardUnknownFields();
-    file.set_sha256(values::sha256(content));
-    file.set_size_bytes(static_cast<std::int64_t>(content.size()));
-    moved = true;
-  }
-  if (moved) storage::sync_directory(directory);
-  return moved;
-}
-
 void write_study_file(const fs::path& directory, const StudyRecord& record) {
   v1::Study study;
   study.set_id(record.id);
@@ -163,30 +134,6 @@ void write_study_file(const fs::path& directory, const StudyRecord& record) {
       path, header() + storage::short_records.framed(study.SerializeAsString()) +
                 storage::short_records.framed(record.request.SerializeAsString()) +
                 storage::short_records.framed(record.case_sha256) + std::string(kept_runs(before)));
-}
-
-bool convert_former_study_file(
-    const fs::path& directory, const std::string& id,
-    const std::function<std::string(const std::string& failure)>& convert_failure) {
-  const fs::path path = study_file(directory, id);
-  const std::string bytes = storage::read_file(path);
-  if (!bytes.starts_with(header(1))) return false;
-
-  // Frames of the description stay as they are; those of runs end in a failure.
-  std::string converted = header();
-  std::string_view rest = std::string_view(bytes).substr(converted.size());
-  for (int i = 0; i < frames_of_study; ++i)
-    converted += storage::short_records.framed(take_part(rest));
-  while (const auto record = storage::short_records.first_of(rest, largest_part)) {
-    rest.remove_prefix(record->size);
-    const std::string part(record->payload);
-    if (part.size() < size_of_numbers) continue;
-    converted += storage::short_records.framed(part.substr(0, size_of_numbers) +
-                                               convert_failure(part.substr(size_of_numbers)));
-  }
-
-  storage::replace_file(path, converted);
-  return true;
 }
 
 void append_runs(const fs::path& directory, const std::string& id,
@@ -227,8 +174,11 @@ std::map<int, RunRecord> read_study_runs(const fs::path& directory, const std::s
 StudyRecord read_study_file(const fs::path& directory, const std::string& id) {
   const fs::path path = study_file(directory, id);
   if (!fs::exists(path)) throw std::runtime_error("its file " + path.string() + " is missing");
+
+  const std::string bytes = storage::read_file(path);
+  jobs::require_data_format(path, bytes, study_file_kind);
   try {
-    StudyRecord record = parse(storage::read_file(path));
+    StudyRecord record = parse(bytes);
     if (record.id == id) return record;
   } catch (const std::runtime_error& error) {
     throw std::runtime_error("its file " + path.string() + " " + error.what());

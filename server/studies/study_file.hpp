@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -48,11 +47,11 @@ inline std::string job_request_id(const std::string& study, const std::string& k
 /// index that can be rebuilt from it and the jobs. It is written before the study is acknowledged
 /// and removed before its row: a file without a row shows that rows were lost.
 ///
-/// Format: 8 bytes "DCCASTSD", version 2 and zero as in EVENT_LOG.md, then three frames: a
-/// serialised Study with id, owner and create_time, the serialised CreateStudyRequest, case_sha256
-/// in hexadecimal. A further frame records each cancellation, refusal or requeueing of a run
-/// without a job: its number, attempt and outcome, 4 bytes each, and
-/// the failure, a serialised Finding. In version 1 the failure was a message of its own.
+/// Format: the header "DCCASTSD" (jobs/folder/format.hpp), then three frames: a serialised Study
+/// with id, owner and create_time, the serialised CreateStudyRequest, case_sha256 in hexadecimal. A
+/// further frame records each cancellation, refusal or requeueing of a run without a job: its
+/// number, attempt and outcome, 4 bytes each, and the failure, a serialised Finding.
+inline constexpr const char* study_file_kind = "DCCASTSD";
 std::filesystem::path study_file(const std::filesystem::path& directory, const std::string& id);
 
 /// Folder of the files named by a study's case: `studies/<id>.attachments`. Written before study
@@ -74,21 +73,9 @@ void write_study_attachments(const std::filesystem::path& directory, const std::
 void remove_orphaned_attachments(const std::filesystem::path& directory,
                                  const std::vector<std::string>& known);
 
-/// Moves files that requests of earlier versions contain into the study's folder.
-/// @return whether the request has changed @throws std::system_error
-bool move_attachments_out(const std::filesystem::path& directory, StudyRecord& record);
-
 /// Writes the file, or replaces its first three frames; it survives a crash of the machine once
 /// this has returned. @throws std::system_error
 void write_study_file(const std::filesystem::path& directory, const StudyRecord& record);
-
-/// Converts the file of a study that an earlier version has written.
-/// @param convert_failure  of a serialised failure, which may be empty
-/// @return                 false: it is of this version
-/// @throws std::system_error, std::runtime_error  the file is damaged
-bool convert_former_study_file(
-    const std::filesystem::path& directory, const std::string& id,
-    const std::function<std::string(const std::string& failure)>& convert_failure);
 
 /// Appends the state of runs without a job; it survives a crash of the machine once this has
 /// returned. @throws std::system_error
@@ -99,6 +86,7 @@ void append_runs(const std::filesystem::path& directory, const std::string& id,
 std::map<int, RunRecord> read_study_runs(const std::filesystem::path& directory,
                                          const std::string& id);
 
+/// @throws jobs::OtherFormat
 /// @throws std::runtime_error  it is missing or damaged
 StudyRecord read_study_file(const std::filesystem::path& directory, const std::string& id);
 

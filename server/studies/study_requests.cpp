@@ -44,13 +44,9 @@ void StudyRequests::recover() {
   std::filesystem::create_directories(state_.options.directory);
   for (const StudyRecord& study : state_.store.removing()) remove_now(study);
   remove_orphaned_attachments(state_.options.directory, state_.store.ids());
-  for (const std::string& id : state_.store.ids()) {
-    StudyRecord record = state_.store.find(id).value();
-    const bool changed = move_attachments_out(state_.options.directory, record);
-    if (changed || !std::filesystem::exists(study_file(state_.options.directory, id)))
-      write_study_file(state_.options.directory, record);
-    if (changed) state_.store.extend(record, {});
-  }
+  for (const std::string& id : state_.store.ids())
+    if (!std::filesystem::exists(study_file(state_.options.directory, id)))
+      write_study_file(state_.options.directory, state_.store.find(id).value());
 }
 
 v1::Study StudyRequests::create(const v1::CreateStudyRequest& request,

@@ -119,7 +119,7 @@ void level_liquid(v1::Frame& frame) {
 
   const int dimension = frame.dimension(), up = dimension - 1;
   const auto height = [&](int n) { return frame.node_m(dimension * n + up); };
-  const double shell_c = frames::shell_c(frame);
+  const double shell_c = frame.shell_c();
   const auto is_liquid = [&](int n) { return frame.temperature_c(n) > shell_c; };
 
   // The highest node of the solid in each column.

@@ -11,7 +11,7 @@ import threading
 import grpc
 import h5py
 
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import job_pb2, service_pb2, study_pb2
 from support import BIN, Daemon, ServiceTest, fake_case, main
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
@@ -147,7 +147,7 @@ class LostStore(StateTest):
         """SQLite drops what follows: jobs are missing."""
         self.lose_and_repair(lambda: flip_bit(self.store + "-wal", 32 + 24 + 4096 + 40))
 
-    def test_a_job_of_an_earlier_version_is_kept_aside_with_the_reason(self):
+    def test_a_job_without_a_description_is_kept_aside_with_the_reason(self):
         expected = self.jobs_in_every_state()
         old = next(iter(expected))
         os.remove(os.path.join(self.data, "jobs", old, "description.bin"))
@@ -155,11 +155,58 @@ class LostStore(StateTest):
             os.remove(self.store + end)
         code, said = self.command("check", "--repair")
         self.assertEqual(code, 3, said)
-        self.assertIn("earlier version", said)
+        self.assertIn("no description.bin", said)
         self.restart()
         quarantine = os.path.join(self.data, "quarantine")
         kept = [name for name in os.listdir(quarantine) if name.startswith(old)]
         self.assertTrue(os.path.exists(os.path.join(quarantine, kept[0], "results.h5")))
+
+
+class OtherFormat(StateTest):
+    """A data directory of another format is refused as a whole, with the remedy, and left alone."""
+    settings = StateTest.settings | {"workers__other_version": "fail"}
+
+    def other(self, path):
+        """Writes format 2 into the header of a file."""
+        with open(path, "r+b") as file:
+            file.seek(8)
+            file.write(b"\2\0\0\0\2\0\0\0")
+
+    def refused(self, subject):
+        with self.assertRaises(RuntimeError) as start:
+            self.daemon.start()
+        for said in (str(start.exception), self.command("check", "--repair")[1]):
+            for part in (subject, "has data format 2", "reads format 3", "move it away",
+                         "another data_directory"):
+                self.assertIn(part, said)
+
+    def test_of_a_job(self):
+        job = self.client.submit(fake_case("steps=2"))
+        self.client.until_state(job.id, SUCCEEDED)
+        self.daemon.terminate()
+        folder = os.path.join(self.data, "jobs", job.id)
+        self.other(os.path.join(folder, "description.bin"))
+        self.refused(folder)
+        os.rename(folder, os.path.join(self.folder, "away"))
+        self.restart()
+        self.client.until_state(self.client.submit(fake_case("steps=2")).id, SUCCEEDED)
+
+    def test_of_a_study(self):
+        study = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
+            **{"case": fake_case("steps=2"), "refinement": study_pb2.RefinementPlan()}), timeout=10)
+        self.daemon.terminate()
+        file = os.path.join(self.data, "studies", f"{study.id}.bin")
+        self.other(file)
+        self.refused(file)
+
+    def test_of_a_line(self):
+        self.daemon.terminate()
+        os.makedirs(os.path.join(self.data, "lines"), exist_ok=True)
+        file = os.path.join(self.data, "lines", "pit-3.bin")
+        with open(file, "wb") as line:
+            line.write(b"DCCASTLN" + bytes(8))
+        self.other(file)
+        self.refused(file)
 
 
 class Folders(StateTest):

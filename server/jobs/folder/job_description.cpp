@@ -10,6 +10,7 @@
 
 #include "core/storage/file.hpp"
 #include "core/storage/record_log.hpp"
+#include "server/jobs/folder/format.hpp"
 
 namespace dccast::jobs {
 
@@ -18,10 +19,6 @@ namespace {
 constexpr std::uint32_t largest_part = UINT32_MAX;  // the size of a case is limited at submission
 constexpr std::size_t sha256_length = 64;           // [characters]
 constexpr std::size_t name_column = sha256_length + 2;
-
-std::string header(std::uint32_t version) {
-  return storage::file_header("DCCASTJD", version);
-}
 
 /// Frames a part behind one byte, because a message may be empty but a frame may not.
 std::string framed_part(std::string_view content) {
@@ -42,9 +39,8 @@ JobDescription parse_parts(std::string_view bytes) {
 
   description.submitted_case = take_part(bytes);
   description.complete_case = take_part(bytes);
-  if (!bytes.empty()) description.answer_key = take_part(bytes);
+  description.answer_key = take_part(bytes);
 
-  if (bytes.empty()) return description;  // written before the digests were kept
   std::istringstream digests{std::string(take_part(bytes))};
   for (std::string line; std::getline(digests, line);)
     if (line.size() > name_column)
@@ -54,11 +50,8 @@ JobDescription parse_parts(std::string_view bytes) {
 }
 
 JobDescription parse(std::string_view bytes) {
-  const std::string first = header(1);
-  if (bytes.starts_with(first)) return parse_parts(bytes.substr(first.size()));
-
   // The header itself may be damaged: the checksums of the parts decide.
-  bytes.remove_prefix(std::min(bytes.size(), first.size()));
+  bytes.remove_prefix(std::min(bytes.size(), file_header(description_kind).size()));
   const std::size_t half = bytes.size() / 2;
   try {
     return parse_parts(bytes.substr(0, half));
@@ -80,17 +73,18 @@ void write_job_description(const std::filesystem::path& folder, const JobDescrip
   parts += framed_part(description.complete_case);
   parts += framed_part(description.answer_key);
   parts += framed_part(digests);
-  storage::create_durably(folder / description_file, header(2) + parts + parts);
+  storage::create_durably(folder / description_file, file_header(description_kind) + parts + parts);
 }
 
 JobDescription read_job_description(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / description_file;
   if (!std::filesystem::exists(path))
-    throw std::runtime_error(fmt::format(
-        "it has no {}: it was submitted to an earlier version of dccastd", description_file));
+    throw std::runtime_error(fmt::format("it has no {}", description_file));
 
+  const std::string bytes = storage::read_file(path);
+  require_data_format(folder, bytes, description_kind);
   try {
-    return parse(storage::read_file(path));
+    return parse(bytes);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("its {} {}", description_file, error.what()));
   }

@@ -15,23 +15,23 @@ struct JobDescription {
   v1::Job job;                 ///< as submitted: identity, priority, owner, time, case_sha256
   std::string submitted_case;  ///< serialised
   std::string complete_case;   ///< serialised, with defaults and alloy card
-  std::string answer_key{};    ///< see JobRecord; empty: none, or written by an earlier version
-  /// SHA-256 by file name; empty in descriptions of earlier versions.
-  std::map<std::string, std::string> attachment_sha256{};
+  std::string answer_key{};    ///< see JobRecord; empty: none
+  std::map<std::string, std::string> attachment_sha256{};  ///< by file name
 };
 
-/// Name of the file. Its format: 8 bytes "DCCASTJD", version 2 and zero as in EVENT_LOG.md, then
-/// two copies of five frames. The frames are the serialised Job, the submitted Case, the complete
-/// Case, the answer key, and the digests of the attachments in the format of sha256sum(1); each
-/// begins with a byte of value 1. The second copy is read if the first is damaged. Version 1 holds
-/// one copy of three or four frames.
+/// Name of the file. Its format: the header "DCCASTJD" (format.hpp), then two copies of five
+/// frames. The frames are the serialised Job, the submitted Case, the complete Case, the answer
+/// key, and the digests of the attachments in the format of sha256sum(1); each begins with a byte
+/// of value 1. The second copy is read if the first is damaged.
 inline constexpr const char* description_file = "description.bin";
+inline constexpr const char* description_kind = "DCCASTJD";  ///< see file_header()
 
 /// Writes the file and syncs its content to disk. Its directory entry is durable only after
 /// sync_directory().
 /// @throws std::system_error
 void write_job_description(const std::filesystem::path& folder, const JobDescription& description);
 
+/// @throws OtherFormat
 /// @throws std::runtime_error  the file is missing or damaged; the text is the reason
 JobDescription read_job_description(const std::filesystem::path& folder);
 

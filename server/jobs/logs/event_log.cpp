@@ -23,7 +23,7 @@ EventLog::EventLog(const std::filesystem::path& path)
   content_ = scan_event_log(log_.file());
   if (!content_.sound_header && content_.last_sequence == 0 &&
       content_.size >= event_log_header_size)
-    throw NoEventLog(path.string() + " is not an event log of version 2");
+    throw NoEventLog(path.string() + " is not an event log");
   for (const EventGap& gap : content_.gaps) log::warn("{}: {}", path.string(), gap.description());
 }
 

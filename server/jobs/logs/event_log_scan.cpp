@@ -10,6 +10,7 @@
 #include "core/storage/file.hpp"
 #include "core/storage/record_log.hpp"
 #include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/format.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 
 namespace dccast::jobs {
@@ -48,11 +49,7 @@ std::optional<EventStart> parse_start(std::string_view payload) {
 }  // namespace
 
 std::string event_log_header() {
-  return storage::file_header("DCCASTEV", 2);
-}
-
-std::string former_event_log_header() {
-  return storage::file_header("DCCASTEV", 1);
+  return file_header("DCCASTEV");
 }
 
 std::string EventGap::description() const {
@@ -130,7 +127,7 @@ public:
   void read_all() {
     content_.size = file_.size();
     const std::string_view header = file_.at(0, event_log_header_size);
-    content_.sound_header = header == event_log_header() || header == former_event_log_header();
+    content_.sound_header = header == event_log_header();
     while (const auto record = next_record()) add(*record);
     settle_last_step();
     content_.torn = ends_in_partial_record();

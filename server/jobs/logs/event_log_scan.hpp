@@ -18,8 +18,6 @@ inline constexpr std::uint32_t largest_event = 1u << 24;  // [bytes]
 
 /// Bytes at the beginning of every log.
 std::string event_log_header();
-/// That of version 1, whose records server/state converts.
-std::string former_event_log_header();
 
 /// An unreadable part of an event log, followed by sound records.
 struct EventGap {

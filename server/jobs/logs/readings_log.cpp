@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/format.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
@@ -16,7 +17,7 @@ constexpr std::int64_t header_size = 16;          // [bytes]
 constexpr std::uint64_t largest_entry = 1 << 16;  // [bytes]
 
 std::string header() {
-  return storage::file_header("DCCASTRD", 1);
+  return file_header("DCCASTRD");
 }
 
 std::filesystem::path path_in(const std::filesystem::path& job_folder) {

@@ -94,7 +94,6 @@ void Retention::run(const std::stop_token& stop) {
   } while (!never.wait_for(lock, stop, options_.interval, [&] { return stop.stop_requested(); }));
 }
 
-/// Rows written by an earlier version hold the size of the case only.
 void Retention::measure(const std::stop_token& stop) {
   for (const JobStore::Ended& job : store_.ended(JobStore::Include::runs_of_studies_too)) {
     if (stop.stop_requested()) return;

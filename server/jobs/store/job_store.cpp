@@ -6,7 +6,6 @@
 #include <sstream>
 #include <utility>
 
-#include "proto/values/printable.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
@@ -102,22 +101,16 @@ std::string schema() {
                      study_run, indexes, this_version);
 }
 
-/// Creates the tables in an empty file. A store of an earlier version is not converted but rebuilt
-/// from the folders of the jobs. @throws StoreError  also for a file of another version
+/// Creates the tables in an empty file. @throws StoreError  also for a store of another version,
+/// which is rebuilt from the folders of the jobs
 void require_schema(Database& database, const std::filesystem::path& path) {
   std::int64_t version = 0;
   database.read("PRAGMA user_version", [&](const Statement& row) { version = row.integer(0); });
   if (version == this_version) return;
 
-  if (version > this_version)
-    throw StoreError(fmt::format("job store {} was written by a later version of dccastd ({}); use "
-                                 "that one, or another data_directory",
-                                 path.string(), version),
-                     0);
-  if (version > 0)
-    throw StoreError(
-        fmt::format("job store {} is of an earlier version ({})", path.string(), version),
-        SQLITE_SCHEMA);
+  if (version != 0)
+    throw StoreError(fmt::format("job store {} is of another version ({})", path.string(), version),
+                     SQLITE_SCHEMA);
 
   Transaction transaction(database);
   database.execute(schema().c_str());
@@ -155,8 +148,7 @@ v1::Job select_changes(const v1::Job& job) {
   return changes;
 }
 
-/// Reads a row of the table `job`. Texts of earlier versions may hold characters that are refused
-/// today, so they are escaped before they reach a terminal.
+/// Reads a row of the table `job`.
 JobRecord read_record(const Statement& row) {
   JobRecord record;
   v1::Job& job = record.job;
@@ -164,9 +156,9 @@ JobRecord read_record(const Statement& row) {
   job.MergeFromString(row.text(19));
 
   job.set_id(row.text(0));
-  job.set_request_id(values::escaped(row.text(1)));
+  job.set_request_id(row.text(1));
   job.set_case_sha256(row.text(2));
-  job.set_title(values::escaped(row.text(3)));
+  job.set_title(row.text(3));
   job.set_priority(static_cast<v1::Priority>(row.integer(4)));
   job.set_state(static_cast<v1::JobState>(row.integer(5)));
 
@@ -187,7 +179,7 @@ JobRecord read_record(const Statement& row) {
 
   std::istringstream labels(row.text(18));
   for (std::string label; std::getline(labels, label);)
-    if (!label.empty()) job.add_labels(values::escaped(label));
+    if (!label.empty()) job.add_labels(label);
 
   record.answer_key = row.text(20);
   record.solver = row.text(21);

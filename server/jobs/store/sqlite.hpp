@@ -26,7 +26,7 @@ private:
   int code_;
 };
 
-/// Whether the file is damaged or of an earlier version, so that it must be rebuilt.
+/// Whether the file is damaged or of another version, so that it must be rebuilt.
 bool must_be_rebuilt(const StoreError& error);
 
 /// Whether the fault may pass: the disk is full or out of reach, or memory is short.

@@ -3,6 +3,7 @@
 #include "server/jobs/logs/readings_log.hpp"
 #include "core/storage/file.hpp"
 #include "core/storage/record_log.hpp"
+#include "server/jobs/folder/format.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 using namespace dccast;
@@ -12,8 +13,8 @@ namespace {
 std::string framed(std::string_view text) {
   v1::RecordEntry following;
   following.mutable_following()->add_gauges()->set_monitor("corner");
-  std::string file = storage::file_header("DCCASTRD", 1) +
-                     storage::short_records.framed(following.SerializeAsString());
+  std::string file =
+      jobs::file_header("DCCASTRD") + storage::short_records.framed(following.SerializeAsString());
   std::int64_t number = 0;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\xff'), text.size());

@@ -4,6 +4,7 @@
 #include "core/storage/record_log.hpp"
 #include "server/access/users.hpp"
 #include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/folder/format.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/studies/study_file.hpp"
 #include "tests/fuzz/fuzz.hpp"
@@ -17,9 +18,8 @@ using fuzz::folder;
 constexpr const char* study = "00000000-0000-4000-8000-000000000000";
 
 /// Frames of the texts between bytes 255, behind what a file begins with.
-std::string framed(std::string_view magic, char version, std::string_view text) {
-  std::string file(magic);
-  file += version + std::string(7, '\0');
+std::string framed(std::string_view kind, std::string_view text) {
+  std::string file = jobs::file_header(kind);
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\xff'), text.size());
     file += storage::short_records.framed(text.substr(0, end));
@@ -33,7 +33,7 @@ void read(unsigned choice, std::string_view text) {
   switch (choice & 3) {
     case 0:
       storage::write_file(folder() / jobs::description_file,
-                          whole ? framed("DCCASTJD", 2, text) : std::string(text));
+                          whole ? framed(jobs::description_kind, text) : std::string(text));
       jobs::read_job_description(folder());
       break;
     case 1:
@@ -44,7 +44,7 @@ void read(unsigned choice, std::string_view text) {
       break;
     case 2:
       storage::write_file(studies::study_file(folder(), study),
-                          whole ? framed("DCCASTSD", 1, text) : std::string(text));
+                          whole ? framed(studies::study_file_kind, text) : std::string(text));
       studies::read_study_file(folder(), study);
       studies::read_study_runs(folder(), study);
       break;

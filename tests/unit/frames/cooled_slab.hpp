@@ -47,6 +47,7 @@ inline v1::Frame cooled(const std::function<double(double height_m)>& temperatur
   frame.set_nodes_per_element(8);
   frame.set_liquidus_c(liquidus_c);
   frame.set_solidus_c(620.0);
+  frame.set_shell_c(620.0);
   for (const double z : height_m)
     for (std::size_t i = 0; i < along_m.size(); ++i)
       for (const double share : {1.0, 0.4, 0.0}) {  // in no order

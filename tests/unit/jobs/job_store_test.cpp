@@ -221,15 +221,15 @@ TEST_F(JobStoreTest, ForgetsAJob) {
   store_.erase(record.job.id());
 }
 
-TEST_F(JobStoreTest, RefusesAStoreOfAnotherVersion) {
-  for (const auto& [version, built_again] : {std::pair{6, true}, std::pair{99, false}}) {
+TEST_F(JobStoreTest, AStoreOfAnotherVersionMustBeRebuilt) {
+  for (const int version : {6, 99}) {
     const auto path = folder_.path() / std::to_string(version);
     Database(path).execute(("PRAGMA user_version = " + std::to_string(version)).c_str());
     try {
       const JobStore store(path);
       FAIL() << version;
     } catch (const StoreError& error) {
-      EXPECT_EQ(must_be_rebuilt(error), built_again) << error.what();
+      EXPECT_TRUE(must_be_rebuilt(error)) << error.what();
     }
   }
 }

@@ -101,24 +101,6 @@ TEST_F(IndexTest, ARowThatHoldsAnotherJobIsMadeAgain) {
   EXPECT_EQ(check(folder_, {}, said), 0) << said.str();
 }
 
-// Before version 7, requests to a running job were stored in the store only.
-TEST_F(IndexTest, ARequestInAStoreOfAnEarlierVersionGoesIntoTheFolder) {
-  const std::string id = add_job();
-  store_.reset();
-  jobs::Database(folder_.store())
-      .execute(
-          "ALTER TABLE job ADD COLUMN wish INTEGER NOT NULL DEFAULT 1;"
-          "ALTER TABLE job ADD COLUMN wish_reason TEXT NOT NULL DEFAULT 'later';"
-          "PRAGMA user_version = 6");
-  EXPECT_EQ(open_store(folder_)->ids(), std::set<std::string>{id});
-
-  const auto request = jobs::read_request(folder_.jobs() / id);
-  ASSERT_TRUE(request);
-  EXPECT_EQ(request->action, jobs::RequestedAction::pause);
-  EXPECT_EQ(request->reason, "later");
-  EXPECT_TRUE(fs::exists(folder_.quarantine() / "store" / "jobs.sqlite"));
-}
-
 TEST_F(IndexTest, AnAttachmentThatIsDamagedIsReported) {
   jobs::JobDescription job = description("");
   const fs::path uploaded = folder_.path() / "uploaded";
@@ -201,7 +183,7 @@ TEST_F(IndexTest, RefusesWhatItCannotKnowWithTheReason) {
 
   const std::string old = add_job("", false);
   fs::remove(folder_.jobs() / old / jobs::description_file);
-  EXPECT_NE(reason(old).find("earlier version"), std::string::npos);
+  EXPECT_NE(reason(old).find("no description.bin"), std::string::npos);
 
   const std::string renamed = values::random_uuid();
   fs::rename(folder_.jobs() / add_job("", false), folder_.jobs() / renamed);

@@ -13,7 +13,7 @@ using namespace std::string_literals;
 struct Sample {
   const char* name;
   RecordFormat format;
-  std::string bytes;  ///< of the payload "step 7" with kind 2, as versions 0.1 of dccast wrote it
+  std::string bytes;  ///< of the payload "step 7" with kind 2
 
   friend void PrintTo(const Sample& sample, std::ostream* out) { *out << sample.name; }
 };
@@ -24,7 +24,6 @@ protected:
   const std::uint8_t kind = format.has_kind ? 2 : 0;
 };
 
-// The bytes are literal: files of earlier versions have to stay readable.
 INSTANTIATE_TEST_SUITE_P(All, RecordFormats,
                          testing::Values(Sample{"Short", short_records,
                                                 "\x06\0\0\0\xaa\xd2\x31\x7c"
