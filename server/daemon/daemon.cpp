@@ -471,8 +471,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
       [&context](const v1::Job& job) { service::learn_before_removal(context, job); });
   jobs.scheduler.start();
   jobs.studies.start();
-  const jobs::Retention retention({.jobs_directory = jobs.directory.jobs(),
-                                   .time = whole_seconds(config.retention().keep_time_s()),
+  const jobs::Retention retention({.time = whole_seconds(config.retention().keep_time_s()),
                                    .bytes = std::llround(config.retention().keep_size_bytes())},
                                   *jobs.store, jobs.scheduler);
   const auto metrics = serve_metrics_if_set(config, jobs, context, tls);

@@ -361,16 +361,19 @@ std::string fingerprint(const v1::Case& complete, case_file::Same same,
 
 jobs::NewJob new_job(const v1::Case& submitted, const jobs::Attachments& attachments,
                      const ExaminedCase& examined) {
-  jobs::NewJob job;
-  job.title = submitted.title();
-  job.case_sha256 = fingerprint(examined.complete, case_file::Same::input, attachments);
-  job.submitted_case = submitted.SerializeAsString();
-  job.complete_case = examined.complete.SerializeAsString();
-  job.answer_key = fingerprint(examined.complete, case_file::Same::answer, attachments);
+  jobs::NewJob made;
+  made.description.submitted_case = submitted.SerializeAsString();
+  made.description.complete_case = examined.complete.SerializeAsString();
+  made.description.answer_key =
+      fingerprint(examined.complete, case_file::Same::answer, attachments);
+
+  v1::Job& job = made.description.job;
+  job.set_title(submitted.title());
+  job.set_case_sha256(fingerprint(examined.complete, case_file::Same::input, attachments));
   if (case_file::quality_matters(submitted))
-    job.quality = name_of_quality(examined.complete.quality());
-  job.estimated_s = examined.verdict.estimate().solver_s();
-  return job;
+    job.set_quality(name_of_quality(examined.complete.quality()));
+  job.set_estimated_s(examined.verdict.estimate().solver_s());
+  return made;
 }
 
 void make_printable(google::protobuf::Message& message) {

@@ -354,28 +354,29 @@ SoundSubmission examine(Context& context, const Call& call, const v1::SubmitJobR
 
 v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& request,
                const SoundSubmission& sound) {
-  jobs::NewJob job = intake::new_job(request.case_(), sound.attachments, sound.examined);
+  jobs::NewJob made = intake::new_job(request.case_(), sound.attachments, sound.examined);
+  made.case_file = request.case_file();
 
-  job.request_id = request.request_id();
-  job.study = request.study();
-  job.priority = request.priority();
-  job.owner = call.caller.name;
-
-  job.labels = {request.labels().begin(), request.labels().end()};
-  job.changes = {request.changes().begin(), request.changes().end()};
-  job.case_file = request.case_file();
-  job.after = {request.after().begin(), request.after().end()};
-  job.time_limit_s = request.time_limit_s();
-  job.mail = request.mail();
+  v1::Job& job = made.description.job;
+  job.set_request_id(request.request_id());
+  job.set_study(request.study());
+  job.set_priority(request.priority());
+  job.set_owner(call.caller.name);
+  *job.mutable_labels() = request.labels();
+  *job.mutable_changes() = request.changes();
+  *job.mutable_after() = request.after();
+  job.set_time_limit_s(request.time_limit_s());
+  job.set_mail(request.mail());
 
   if (request.has_following()) {
-    job.following = request.following();
-    job.goes_first = true;
-    job.answer_key.clear();  // its results are those of the casting, not of the case alone
-    if (!job.following->line().empty())
-      return submit_on_line(context, call, job, sound.attachments);
+    made.following = request.following();
+    made.goes_first = true;
+    // Its results are those of the casting, not of the case alone.
+    made.description.answer_key.clear();
+    if (!made.following->line().empty())
+      return submit_on_line(context, call, made, sound.attachments);
   }
-  return context.scheduler.submit(job, sound.attachments);
+  return context.scheduler.submit(made, sound.attachments);
 }
 
 Unary* SimulationService::SubmitJob(Wire* wire, const v1::SubmitJobRequest* request, v1::Job* job) {

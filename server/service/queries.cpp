@@ -177,8 +177,8 @@ private:
     check_may_queue(context_, call_);
 
     jobs::NewJob job = intake::new_job(request_.case_(), attachments_, examined_);
-    job.owner = call_.caller.name;
-    job.changes = {request_.changes().begin(), request_.changes().end()};
+    job.description.job.set_owner(call_.caller.name);
+    *job.description.job.mutable_changes() = request_.changes();
     job.goes_first = true;
 
     const std::string id = context_.scheduler.submit(job, attachments_).id();

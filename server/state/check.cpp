@@ -128,13 +128,11 @@ private:
   /// Checks all that has a row or should have one. The jobs come before the studies, whose runs are
   /// found by the rows of their jobs.
   void check_rows() {
-    std::optional<jobs::JobStore::Bulk> bulk;  // a rebuilt store is synced once, at the end
-    if (options_.index_only) bulk.emplace(*store_);
-
     for (const std::string& id : options_.adopt) restore_from_quarantine(id);
     for (const std::string& id : jobs::folder_ids(folder_.jobs()))
       if (!ids_.contains(id)) check_unknown(id);
-    for (const std::string& id : ids_) check_job(folder_, *store_, id, options_, report_);
+    if (!options_.index_only)
+      for (const std::string& id : ids_) check_job(folder_, *store_, id, options_, report_);
     check_studies(folder_, *store_, options_, report_);
     report_totals();
   }
@@ -165,6 +163,7 @@ private:
       store_ = std::make_unique<jobs::JobStore>(folder_.store());
       const std::string fault = store_->first_fault();
       ids_ = store_->ids();
+      read_all_rows(folder_, *store_);
       if (fault.empty()) return {};
 
       store_.reset();

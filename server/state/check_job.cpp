@@ -12,6 +12,7 @@
 #include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/logs/event_log.hpp"
 #include "server/jobs/logs/readings_log.hpp"
+#include "server/jobs/logs/stored_job.hpp"
 #include "server/state/check.hpp"
 #include "server/state/index.hpp"
 
@@ -38,8 +39,6 @@ public:
 
   void run() {
     if (!has_folder() || !check_row()) return;
-    if (options_.index_only) return check_running();
-
     check_log();
     check_readings();
     check_attachments();
@@ -69,14 +68,21 @@ private:
 
   /// @return whether the folder describes the job
   bool check_row() {
-    std::string fault;
     try {
-      if (agrees(record_, described_job(folder_))) return true;
-      fault = subject_ + "its row is not that of its folder";
+      jobs::described_job(folder_);
     } catch (const std::runtime_error& error) {
       report_.damage(fmt::format("{}{}; restore its folder from a backup", subject_, error.what()));
       return false;
     }
+
+    // A row that is ahead of a damaged log has the state that the log has lost: check_log().
+    const std::int64_t sequence = jobs::last_state_sequence(folder_);
+    if (sequence == 0 || sequence < record_.sequence) return true;
+    if (jobs::agrees(record_, jobs::read_job(folder_))) return true;
+
+    const std::string fault =
+        subject_ + (record_.sequence < sequence ? "its row is older than its folder"
+                                                : "its row is not that of its folder");
 
     if (options_.repair)
       rebuild_row(fault);
@@ -89,13 +95,6 @@ private:
     index_job(store_, folder_);
     record_ = store_.find(record_.job.id()).value();
     report_.repaired(fault + "; the row is made again");
-  }
-
-  /// Finds a row that has ended although the run in the folder has not.
-  void check_running() {
-    if (jobs::is_terminal(record_.job.state()) && jobs::signs_in(folder_).claimed_ns != 0 &&
-        !jobs::scan_event_log(folder_ / "events.log").terminal)
-      rebuild_row(subject_ + "the store has it as ended");
   }
 
   /// The worker does not verify attachments, so a flipped bit in one would falsify the results.
@@ -174,9 +173,11 @@ private:
   }
 
   void append_state(jobs::EventLog& log) {
-    v1::JobEvent state = jobs::state_event(record_.job, "as in the store; its events are lost");
+    v1::JobEvent state = jobs::state_event(record_, "as in the store; its events are lost");
     log.append(state);
     log.sync();
+    record_.sequence = state.sequence();
+    store_.put(record_);
   }
 
   void check_end(const jobs::EventLogContent& log, const fs::path& path) {

@@ -6,12 +6,11 @@
 
 #include "core/storage/file.hpp"
 #include "server/jobs/executors/worker_claim.hpp"
-#include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/log.hpp"
-#include "server/jobs/logs/event_log.hpp"
 #include "server/jobs/logs/event_log_scan.hpp"
+#include "server/jobs/logs/stored_job.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_store.hpp"
 
@@ -25,84 +24,23 @@ namespace fs = std::filesystem;
 /// jobs in 90 MB take 0.06 s of processor time.
 constexpr std::uintmax_t largest_store_to_check = 512u << 20;  // [bytes]
 
-/// Size of a submission, as the scheduler counts it [bytes].
-std::int64_t submission_bytes(const fs::path& folder, const jobs::JobDescription& description) {
-  auto bytes = description.submitted_case.size() + description.complete_case.size();
-  if (fs::exists(folder / jobs::attachments_folder))
-    for (const auto& file : fs::directory_iterator(folder / jobs::attachments_folder))
-      bytes += file.file_size();
-  return static_cast<std::int64_t>(bytes);
-}
+/// Makes the rows of acknowledged jobs that have none. A folder that cannot be read is left to
+/// `dccastd check`.
+void add_lost(const StateFolder& folder, jobs::JobStore& store) {
+  const auto lost = lost_jobs(folder, store.ids());
+  if (lost.empty()) return;
 
-/// Sets state, attempts, times, failure and artifacts of a record from its event log.
-void apply_log(const fs::path& path, jobs::JobRecord& record) {
-  const jobs::EventLog log(path);
-  const jobs::EventLogContent content = log.content();
-
-  v1::Job& job = record.job;
-  job.set_attempts(content.attempts);
-  if (content.started) *job.mutable_start_time() = *content.started;
-  log.complete(job);
-
-  if (!content.last_state) return;
-
-  const v1::JobEvent::StateChange& change = *content.last_state;
-  job.set_state(change.state());
-  record.losses = change.losses().times();
-  record.lost_step = change.has_losses() ? change.losses().last_step() : -1;
-  record.first_loss = change.losses().first_cause();
-  record.solver = change.solver();
-
-  if (!change.terminal()) return;
-
-  if (content.terminal) *job.mutable_end_time() = content.terminal->time();
-  if (change.has_failure()) *job.mutable_failure() = change.failure();
-  *job.mutable_artifacts() = change.artifacts();
-  record.bytes = jobs::bytes_kept(path.parent_path());
-}
-
-/// Scans an event log; anything but a regular file counts as empty.
-jobs::EventLogContent scan_if_file(const fs::path& log) {
-  const bool is_file = storage::kind_of_entry(log) == storage::regular_file;
-  return is_file ? jobs::scan_event_log(log) : jobs::EventLogContent{};
-}
-
-/// Whether a job has an event log. A lost log can be begun again only if no other file shows that
-/// the job has run. @throws std::runtime_error  another file does
-bool has_history(const fs::path& folder) {
-  const fs::path log = folder / "events.log";
-  const bool is_there = !storage::kind_of_entry(log).empty();
-  if (is_there && scan_if_file(log).last_sequence > 0) return true;
-
-  if (fs::exists(folder / "results.h5"))
-    throw std::runtime_error("its events.log is lost, and it has results of an unknown attempt");
-  if (is_there && fs::exists(folder / "worker.log"))
-    throw std::runtime_error("its events.log has no event that can be read, and it has run");
-  return false;
-}
-
-/// Finds a job whose row has ended although a worker has claimed its folder and the run has not
-/// ended. A claim is removed after the end of a job. @return its id; empty for none
-std::string find_contradicted_row(const StateFolder& folder, jobs::JobStore& store) {
-  for (const std::string& id : jobs::folder_ids(folder.jobs())) {
-    if (jobs::signs_in(folder.jobs() / id).claimed_ns == 0) continue;
-    const auto record = store.find(id);
-    const bool has_ended = record && jobs::is_terminal(record->job.state());
-    if (has_ended && !scan_if_file(folder.jobs() / id / "events.log").terminal) return id;
+  log::warn("the store lacks {} jobs, e.g. {}; their rows are built again from the folders",
+            lost.size(), *lost.begin());
+  for (const std::string& id : lost) {
+    try {
+      index_job(store, folder.jobs() / id);
+    } catch (const jobs::StoreError&) {
+      throw;
+    } catch (const std::exception& error) {
+      log::error("job {}: {}", id, error.what());
+    }
   }
-  return {};
-}
-
-/// Why the store cannot be the index of the folders; empty if it can.
-std::string find_doubt(const StateFolder& folder, jobs::JobStore& store) {
-  if (const auto lost = lost_jobs(folder, store.ids()); !lost.empty())
-    return fmt::format("{} jobs that were acknowledged are missing, e.g. {}", lost.size(),
-                       *lost.begin());
-  if (const auto lost = lost_studies(folder); !lost.empty())
-    return fmt::format("{} studies are missing, e.g. {}", lost.size(), *lost.begin());
-  if (const std::string id = find_contradicted_row(folder, store); !id.empty())
-    return fmt::format("it has job {} as ended, its folder has not", id);
-  return {};
 }
 
 /// Opens the store and checks whether it can be the index. @return why not; empty if it can
@@ -112,27 +50,42 @@ std::string open_and_doubt(const StateFolder& folder, std::unique_ptr<jobs::JobS
     if (fs::file_size(folder.store()) <= largest_store_to_check)
       if (const std::string fault = store->first_fault(); !fault.empty())
         return fmt::format("it is damaged: {}", fault);
-    return find_doubt(folder, *store);
+    read_all_rows(folder, *store);
+    if (const auto lost = lost_studies(folder); !lost.empty())
+      return fmt::format("{} studies are missing, e.g. {}", lost.size(), *lost.begin());
+    return {};
   } catch (const jobs::StoreError& error) {
     if (!jobs::must_be_rebuilt(error)) throw;
     return error.what();
   }
 }
 
-/// Repairs the rows of jobs that have not ended, because a wrong one would be run.
-void update_unfinished(const StateFolder& folder, jobs::JobStore& store) {
-  const jobs::JobStore::Bulk bulk(store);
-  for (const jobs::JobRecord& row : store.unfinished()) {
+/// Whether the row of a job is as its folder is now. The folder of a job that has ended changes in
+/// its marks alone, unless its claim shows that a worker goes on there.
+bool is_current(const jobs::JobRecord& row, const fs::path& job_folder) {
+  v1::Job marked = row.job;
+  jobs::read_marks(job_folder, marked);
+  if (marked.SerializeAsString() != row.job.SerializeAsString()) return false;
+
+  if (!jobs::is_terminal(row.job.state()))
+    return row.sequence >= jobs::last_state_sequence(job_folder);
+  return jobs::signs_in(job_folder).claimed_ns == 0 ||
+         row.sequence == jobs::last_state_sequence(job_folder);
+}
+
+/// Makes rows that are older than their folders again.
+void update_rows(const StateFolder& folder, jobs::JobStore& store) {
+  for (const jobs::JobRecord& row : store.list({.size = jobs::JobStore::Page::all})) {
     const fs::path job_folder = folder.jobs() / row.job.id();
     if (!fs::exists(job_folder)) continue;  // `dccastd check` reports it
 
-    // After a crash between row and mark, a repeated submission is answered with the row, so the
-    // job counts as acknowledged.
-    if (!jobs::was_accepted(job_folder)) jobs::mark_accepted(job_folder);
-
     try {
-      if (agrees(row, described_job(job_folder))) continue;
-      log::warn("job {}: its row differs from its folder and is rebuilt", row.job.id());
+      // After a crash between row and mark, a repeated submission is answered with the row, so the
+      // job counts as acknowledged.
+      if (!jobs::was_accepted(job_folder)) jobs::mark_accepted(job_folder);
+      if (is_current(row, job_folder)) continue;
+
+      log::warn("job {}: its row is older than its folder and is made again", row.job.id());
       index_job(store, job_folder);
     } catch (const jobs::StoreError&) {
       throw;
@@ -144,46 +97,20 @@ void update_unfinished(const StateFolder& folder, jobs::JobStore& store) {
 
 }  // namespace
 
-jobs::JobRecord described_job(const fs::path& folder) {
-  const jobs::JobDescription description = jobs::read_job_description(folder);
-  if (description.job.id() != folder.filename())
-    throw std::runtime_error(fmt::format("it describes another job, {}", description.job.id()));
-
-  jobs::JobRecord record;
-  record.job = description.job;
-  record.job.set_state(v1::QUEUED);
-  jobs::read_marks(folder, record.job);
-  record.answer_key = description.answer_key;
-  record.bytes = submission_bytes(folder, description);
-  return record;
-}
-
-bool agrees(const jobs::JobRecord& row, const jobs::JobRecord& described) {
-  // The fields of the description. The others change during the life of a job.
-  const auto description = [](const jobs::JobRecord& record) {
-    v1::Job job = record.job;
-    *job.mutable_create_time() = jobs::timestamp(jobs::milliseconds(job.create_time()));
-    for (const char* field : {"state", "start_time", "end_time", "last_step", "findings",
-                              "validity_loss", "failure", "artifacts", "attempts", "run_s"})
-      job.GetReflection()->ClearField(&job, v1::Job::descriptor()->FindFieldByName(field));
-    return job.SerializeAsString() + record.answer_key;
-  };
-  return description(row) == description(described);
+void read_all_rows(const StateFolder& folder, jobs::JobStore& store) {
+  store.list({.size = jobs::JobStore::Page::all});
+  studies::StudyStore(folder.store()).list({.size = jobs::JobStore::Page::all});
 }
 
 void index_job(jobs::JobStore& store, const fs::path& folder) {
-  jobs::JobRecord record = described_job(folder);
-  if (has_history(folder)) apply_log(folder / "events.log", record);
-
+  const jobs::JobRecord record = jobs::read_job(folder);
   const auto other = store.find_request(record.job.request_id());
   if (other && other->job.id() != record.job.id())
     throw std::runtime_error(fmt::format("its request_id \"{}\" belongs to job {}",
                                          record.job.request_id(), other->job.id()));
 
-  store.erase(record.job.id());
-  store.insert(record);
-  store.update(record, jobs::Durability::full);
-  jobs::mark_accepted(folder);
+  store.put(record);
+  if (!jobs::was_accepted(folder)) jobs::mark_accepted(folder);
 }
 
 std::set<std::string> lost_jobs(const StateFolder& folder, const std::set<std::string>& known_ids) {
@@ -218,7 +145,8 @@ std::unique_ptr<jobs::JobStore> open_store(const StateFolder& folder) {
     store = std::make_unique<jobs::JobStore>(folder.store());
   }
 
-  update_unfinished(folder, *store);
+  add_lost(folder, *store);
+  update_rows(folder, *store);
   return store;
 }
 

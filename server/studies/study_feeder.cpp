@@ -20,16 +20,17 @@ constexpr int most_crashed_checks = 3;        // of one run
 
 jobs::NewJob new_job(const StudyRecord& study, const jobs::Attachments& attachments,
                      const PlannedRun& planned, const intake::ExaminedCase& examined) {
-  jobs::NewJob job = intake::new_job(planned.description, attachments, examined);
-  job.study = study.id;
+  jobs::NewJob made = intake::new_job(planned.description, attachments, examined);
+  v1::Job& job = made.description.job;
+  job.set_study(study.id);
   // A study must not delay a query, unless its request sets a priority.
-  job.priority =
-      study.request.priority() == v1::PRIORITY_UNSPECIFIED ? v1::LOW : study.request.priority();
-  job.owner = study.owner;
-  job.labels = {study.request.labels().begin(), study.request.labels().end()};
-  job.changes = {study.request.changes().begin(), study.request.changes().end()};
-  job.changes.insert(job.changes.end(), planned.changes.begin(), planned.changes.end());
-  return job;
+  job.set_priority(study.request.priority() == v1::PRIORITY_UNSPECIFIED ? v1::LOW
+                                                                        : study.request.priority());
+  job.set_owner(study.owner);
+  *job.mutable_labels() = study.request.labels();
+  *job.mutable_changes() = study.request.changes();
+  job.mutable_changes()->Add(planned.changes.begin(), planned.changes.end());
+  return made;
 }
 
 }  // namespace
@@ -158,7 +159,7 @@ void StudyFeeder::make_job(const StudyRecord& study, RunRecord run, const std::s
   // Skip a job that was made before a crash and cancelled after it, and one of another user with
   // this request_id: neither belongs to this attempt.
   do {
-    job.request_id = job_request_id(study.id, key, ++run.attempt);
+    job.description.job.set_request_id(job_request_id(study.id, key, ++run.attempt));
     queued = state_.scheduler.submit(job, study_attachments(state_.options.directory, study));
   } while (queued.state() == v1::CANCELLED || queued.owner() != study.owner);
 

@@ -1,4 +1,3 @@
-// The tables are made by the schema steps of jobs/job_store.
 #include "server/studies/study_store.hpp"
 
 #include <algorithm>
@@ -33,6 +32,33 @@ std::optional<Record> first_of(std::vector<Record> found) {
   return std::move(found.front());
 }
 
+// `request` and `failure` are messages of study.proto and job.proto. When this changes, the version
+// in jobs/store/job_store.cpp increases by one.
+constexpr const char* tables = R"sql(
+CREATE TABLE IF NOT EXISTS study (
+  id TEXT PRIMARY KEY,
+  request_id TEXT UNIQUE,
+  owner TEXT NOT NULL,
+  created_ms INTEGER NOT NULL,
+  changed_ms INTEGER NOT NULL,
+  removing INTEGER NOT NULL,
+  case_sha256 TEXT NOT NULL,
+  request BLOB NOT NULL
+) STRICT;
+CREATE TABLE IF NOT EXISTS study_run (
+  study TEXT NOT NULL REFERENCES study (id) ON DELETE CASCADE,
+  number INTEGER NOT NULL,
+  attempt INTEGER NOT NULL,
+  job TEXT NOT NULL,
+  outcome INTEGER NOT NULL,
+  failure BLOB,
+  PRIMARY KEY (study, number)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX IF NOT EXISTS study_by_age ON study (created_ms, id);
+CREATE INDEX IF NOT EXISTS study_run_to_queue ON study_run (study, number)
+  WHERE job = '' AND outcome = 0;
+)sql";
+
 const std::string select_studies =
     "SELECT id, owner, created_ms, changed_ms, case_sha256, request FROM study ";
 const std::string select_runs =
@@ -40,7 +66,7 @@ const std::string select_runs =
 
 StudyRecord record_of(const Statement& row) {
   StudyRecord record{row.text(0), row.text(1), row.integer(2), row.integer(3), row.text(4), {}};
-  record.request.ParseFromString(row.text(5));
+  row.message(5, record.request);
   return record;
 }
 
@@ -50,7 +76,7 @@ RunRecord run_of(const Statement& row) {
                 row.text(2),
                 static_cast<v1::JobState>(row.integer(3)),
                 {}};
-  run.failure.ParseFromString(row.text(4));
+  row.message(4, run.failure);
   return run;
 }
 
@@ -97,6 +123,7 @@ StudyStore::StudyStore(const std::filesystem::path& path) : database_(path) {
   database_.execute(
       "PRAGMA busy_timeout = 10000; PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON; "
       "PRAGMA synchronous = FULL");
+  database_.execute(tables);
 }
 
 bool StudyStore::insert(const StudyRecord& record, const std::vector<RunRecord>& runs) {

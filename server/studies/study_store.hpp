@@ -26,9 +26,9 @@ struct RunCounts {
   int ended() const;
 };
 
-/// All studies with their runs, in the file of the job store. JobStore creates the tables, so open
-/// it first. Safe to use from several threads. Every call throws jobs::StoreError if the file
-/// cannot be read or written. A change survives a crash of the machine once its call has returned.
+/// All studies with their runs, in the file of the job store, which is opened first. Safe to use
+/// from several threads. Every call throws jobs::StoreError if the file cannot be read or written.
+/// A change survives a crash of the machine once its call has returned.
 class StudyStore {
 public:
   /// Opens or makes the tables. @throws std::exception  the file cannot be opened

@@ -1,29 +1,12 @@
 """What the tests of workers that outlive their daemon share."""
-import contextlib
 import os
 import signal
-import sqlite3
-import struct
 
 from dccast.v1 import job_pb2
+from rows import change_rows
 from support import ServiceTest, curve, fake_case, start_ticks, until
 
 SUCCEEDED = job_pb2.SUCCEEDED
-
-
-def sum_of(*values):
-    """The checksum of a row, so that it is taken for one of the daemon's (server/jobs/store/sqlite.cpp)."""
-    types = {int: 1, str: 3, bytes: 4, type(None): 5}
-    row = b""
-    for value in values:
-        written = b"" if value is None else value if isinstance(value, bytes) else str(value).encode()
-        row += struct.pack("=ii", types[type(value)], len(written)) + written
-    crc = 0xFFFFFFFF  # CRC-32C
-    for byte in row:
-        crc ^= byte
-        for _ in range(8):
-            crc = crc >> 1 ^ (0x82F63B78 if crc & 1 else 0)
-    return crc ^ 0xFFFFFFFF
 
 
 class AdoptionTest(ServiceTest):
@@ -43,11 +26,12 @@ class AdoptionTest(ServiceTest):
         worker, = self.daemon.worker_processes()
         return job.id, worker
 
-    def change_store(self, assignment):
-        path = os.path.join(self.folder, "data", "jobs.sqlite")
-        with contextlib.closing(sqlite3.connect(path)) as store, store:
-            store.create_function("sum_of", -1, sum_of, deterministic=True)
-            store.execute(f"update job set {assignment}")
+    def change_store(self, ahead=0, **values):
+        """Gives the jobs in the store these values. @param ahead  see change_rows()"""
+        def change(job):
+            for name, value in values.items():
+                setattr(job, name, value)
+        change_rows(os.path.join(self.folder, "data", "jobs.sqlite"), change, ahead)
 
     def let_go(self, job_id):
         """Of a run that waits, so that it does not end before the test is where it wants to be."""

@@ -130,7 +130,7 @@ class KilledDaemon(AdoptionTest):
     def test_a_store_that_says_otherwise_is_corrected_from_the_folder(self):
         job_id, worker = self.running_job()
         self.daemon.kill()
-        self.change_store(f"state = {job_pb2.CANCELLED}")
+        self.change_store(ahead=1, state=job_pb2.CANCELLED)
         self.restart()
         self.assertEqual(self.daemon.worker_processes(), [worker])
         self.ended_untouched(job_id, 60)
@@ -138,7 +138,7 @@ class KilledDaemon(AdoptionTest):
     def test_a_worker_of_another_attempt_is_ended(self):
         job_id, worker = self.running_job()
         self.daemon.kill()
-        self.change_store("attempts = 2")
+        self.change_store(attempts=2)
         self.restart()
         self.assertFalse(start_ticks(worker))
         self.let_go(job_id)

@@ -1,11 +1,9 @@
 #!/usr/bin/python3
 """What is not right is refused with a remedy, and the daemon goes on."""
 import base64
-import contextlib
 import os
 import re
 import signal
-import sqlite3
 import subprocess
 import time
 import zlib
@@ -13,6 +11,7 @@ import zlib
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
+from rows import change_rows
 from support import BIN, ServiceTest, connected, fake_case, main, until, work_of
 
 
@@ -372,11 +371,9 @@ class OldStore(ServiceTest):
     def store(self):
         return os.path.join(self.folder, "data", "jobs.sqlite")
 
-    def change(self, statement, values):
-        """Below the running daemon; the next one would build rows without their right sums again."""
-        with contextlib.closing(sqlite3.connect(self.store(), timeout=10)) as store, store:
-            store.create_function("sum_of", -1, lambda *_: 0, deterministic=True)
-            store.execute(statement, values)
+    def change(self, **values):
+        """Below the running daemon."""
+        change_rows(self.store(), lambda job: job.MergeFrom(job_pb2.Job(**values)))
 
     def ended_jobs(self, number):
         ids = [self.client.submit(fake_case(f"steps=1 number={i}")).id for i in range(number)]
@@ -386,16 +383,15 @@ class OldStore(ServiceTest):
 
     def test_a_list_of_large_titles(self):
         ids = self.ended_jobs(5)
-        self.change("UPDATE job SET title = ?", ("é" * 2500000,))
+        self.change(title="é" * 250000)
         listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
         self.assertEqual({job.id for job in listed.jobs}, set(ids))
         self.assertLess(listed.ByteSize(), 2**20)
 
     def test_a_list_is_cut_by_bytes(self):
         ids = self.ended_jobs(30)
-        failure = job_pb2.Finding(message="x" * 1000000, residual_history=[1.0] * 100000)
-        self.change("UPDATE job SET failure = ?, state = ?",
-                    (failure.SerializeToString(), job_pb2.FAILED))
+        failure = job_pb2.Finding(message="x" * 80000, residual_history=[1.0] * 10000)
+        self.change(failure=failure, state=job_pb2.FAILED)
         seen, token = [], ""
         while True:
             page = self.client.stub.ListJobs(

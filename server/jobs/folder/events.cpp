@@ -53,66 +53,42 @@ v1::JobEvent message_event(std::string text, v1::JobEvent::Message::Level level)
   return event;
 }
 
-v1::JobEvent state_event(const v1::Job& job, const std::string& cause) {
+v1::JobEvent state_event(const JobRecord& record, const std::string& cause) {
+  const v1::Job& job = record.job;
   v1::JobEvent event;
   auto* change = event.mutable_state_change();
   change->set_state(job.state());
   change->set_cause(cause);
   change->set_terminal(is_terminal(job.state()));
   change->set_attempt(job.attempts());
+  if (record.losses.times() > 0) *change->mutable_losses() = record.losses;
+  change->set_solver(record.solver);
 
+  // The times of the job are those of its first start and of its end.
+  if (job.state() == v1::RUNNING && job.attempts() == 1 && job.has_start_time())
+    *event.mutable_time() = job.start_time();
   if (!change->terminal()) return event;
+
+  if (job.has_end_time()) *event.mutable_time() = job.end_time();
   if (job.has_failure()) *change->mutable_failure() = job.failure();
   *change->mutable_artifacts() = job.artifacts();
-
-  return event;
-}
-
-v1::JobEvent state_event(const JobRecord& record, const std::string& cause) {
-  v1::JobEvent event = state_event(record.job, cause);
-  auto* change = event.mutable_state_change();
-
-  if (record.losses > 0) {
-    change->mutable_losses()->set_times(record.losses);
-    change->mutable_losses()->set_last_step(record.lost_step);
-    change->mutable_losses()->set_first_cause(record.first_loss);
-  }
-
-  change->set_solver(record.solver);
   return event;
 }
 
 JobRecord make_record(const NewJob& new_job, const Attachments& attachments) {
+  const JobDescription& description = new_job.description;
   JobRecord record;
-  v1::Job& job = record.job;
+  record.job = description.job;
+  record.job.set_id(values::random_uuid());
+  record.job.set_state(v1::QUEUED);
+  if (record.job.priority() == v1::PRIORITY_UNSPECIFIED) record.job.set_priority(v1::NORMAL);
+  *record.job.mutable_create_time() = timestamp(milliseconds(now()));
 
-  job.set_id(values::random_uuid());
-  job.set_title(new_job.title);
-  job.set_state(v1::QUEUED);
-  job.set_priority(new_job.priority == v1::PRIORITY_UNSPECIFIED ? v1::NORMAL : new_job.priority);
-
-  job.set_request_id(new_job.request_id);
-  job.set_study(new_job.study);
-  job.set_owner(new_job.owner);
-  job.set_case_sha256(new_job.case_sha256);
-
-  job.mutable_labels()->Assign(new_job.labels.begin(), new_job.labels.end());
-  job.mutable_changes()->Assign(new_job.changes.begin(), new_job.changes.end());
-  job.mutable_after()->Assign(new_job.after.begin(), new_job.after.end());
-
-  job.set_time_limit_s(new_job.time_limit_s);
-  job.set_mail(new_job.mail);
-  job.set_quality(new_job.quality);
-  job.set_estimated_s(new_job.estimated_s);
-
-  // In the precision of the store, so that a record read back is equal.
-  *job.mutable_create_time() = timestamp(milliseconds(now()));  // as exactly as the store keeps it
-  record.bytes = static_cast<std::int64_t>(new_job.submitted_case.size() +
-                                           new_job.complete_case.size() + new_job.case_file.size());
+  record.bytes =
+      static_cast<std::int64_t>(description.submitted_case.size() +
+                                description.complete_case.size() + new_job.case_file.size());
   for (const AttachedFile& attachment : attachments) record.bytes += attachment.bytes;
-
-  record.answer_key = new_job.answer_key;
-
+  record.answer_key = description.answer_key;
   return record;
 }
 

@@ -170,11 +170,8 @@ void set_checkpoint_aside(const std::filesystem::path& folder) {
 }
 
 void mark_accepted(const std::filesystem::path& folder) {
-  try {
-    storage::File(folder / accepted_file, O_WRONLY | O_CREAT);
-  } catch (const std::system_error& error) {
-    log::warn("{}", error.what());
-  }
+  { const storage::File mark(folder / accepted_file, O_WRONLY | O_CREAT); }
+  storage::sync_directory(folder);
 }
 
 CheckFolder::CheckFolder(const std::filesystem::path& parent, const Attachments& attachments)

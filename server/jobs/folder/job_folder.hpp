@@ -49,8 +49,8 @@ void create_job_folder(const std::filesystem::path& folder, const Attachments& a
 /// The file that mark_accepted() creates.
 inline constexpr const char* accepted_file = "accepted";
 
-/// Marks a folder whose job is in the store, before its submission is answered. A marked folder
-/// without a row shows that the store has lost rows. A failure is only logged; the job is kept.
+/// Marks a folder, before its submission is answered: from then on its job survives a crash of the
+/// machine. The folder is synced to disk. @throws std::system_error
 void mark_accepted(const std::filesystem::path& folder);
 
 /// A request of a caller that has not been carried out yet.

@@ -209,9 +209,7 @@ EventLogContent EventLog::content() const {
 
 void EventLog::complete(v1::Job& job) const {
   const std::lock_guard lock(mutex_);
-  if (content_.last_step) *job.mutable_last_step() = *content_.last_step;
-  *job.mutable_findings() = content_.findings;
-  if (content_.validity_loss) *job.mutable_validity_loss() = *content_.validity_loss;
+  content_.complete(job);
 }
 
 }  // namespace dccast::jobs

@@ -76,7 +76,7 @@ public:
   /// Whether an event adds nothing: a finding equal to the last one of its code, or a second loss
   /// of validity.
   bool knows(const v1::JobEvent& event) const;
-  /// Fills in what the log knows of a job beside its state: last step, findings, loss of validity.
+  /// See EventLogContent::complete().
   void complete(v1::Job& job) const;
   /// Summary of the log, without its events.
   EventLogContent content() const;

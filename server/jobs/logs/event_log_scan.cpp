@@ -84,6 +84,7 @@ void EventLogContent::add(const v1::JobEvent& event, std::int64_t offset,
 
   if (event.has_state_change()) {
     last_state = event.state_change();
+    state_sequence = event.sequence();
     if (last_state->terminal()) terminal = event;
     if (last_state->state() == v1::RUNNING) {
       run_end.reset();
@@ -104,6 +105,12 @@ void EventLogContent::add(const v1::JobEvent& event, std::int64_t offset,
   if (!event.has_resumed()) return;
   reached_step = event.resumed().step();
   if (last_step && last_step->step() > reached_step) last_step.reset();
+}
+
+void EventLogContent::complete(v1::Job& job) const {
+  if (last_step) *job.mutable_last_step() = *last_step;
+  *job.mutable_findings() = findings;
+  if (validity_loss) *job.mutable_validity_loss() = *validity_loss;
 }
 
 const EventGap* EventLogContent::gap_with(std::int64_t sequence) const {

@@ -52,6 +52,7 @@ struct EventLogContent {
   std::vector<Anchor> anchors;  ///< every 64th record, and the first one after each gap
   std::optional<v1::JobEvent> terminal;
   std::optional<v1::JobEvent::StateChange> last_state;
+  std::int64_t state_sequence = 0;                           ///< of last_state
   std::optional<v1::StepReport> last_step;                   ///< not taken back by a resumption
   google::protobuf::RepeatedPtrField<v1::Finding> findings;  ///< the last one of each code
   std::int64_t reached_step = 0;                             ///< last step of the history
@@ -64,6 +65,8 @@ struct EventLogContent {
   void add(const v1::JobEvent& event, std::int64_t offset, std::int64_t end_of_record);
   /// Adds only the position of the next record: a step that is followed by others is not parsed.
   void add_position(std::int64_t sequence, std::int64_t offset, std::int64_t end_of_record);
+  /// Fills in what the log knows of a job beside its state: last step, findings, loss of validity.
+  void complete(v1::Job& job) const;
   /// The gap in which an event was lost, or null.
   const EventGap* gap_with(std::int64_t sequence) const;
   /// The last anchor not after an event that is in the log.

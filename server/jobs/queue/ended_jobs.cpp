@@ -79,27 +79,17 @@ Retention::Retention(RetentionOptions options, JobStore& store, Scheduler& sched
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 void Retention::run(const std::stop_token& stop) {
+  if (options_.time.count() == 0 && options_.bytes == 0) return;
   std::mutex mutex;
   std::condition_variable_any never;
   std::unique_lock lock(mutex);
-  bool measured = false;
   do {
     try {
-      if (!std::exchange(measured, true)) measure(stop);
-      if (options_.time.count() == 0 && options_.bytes == 0) return;
       if (scheduler_.held().empty()) delete_old_jobs();
     } catch (const std::exception& error) {
       log::error("cannot delete old jobs now, trying again later: {}", error.what());
     }
   } while (!never.wait_for(lock, stop, options_.interval, [&] { return stop.stop_requested(); }));
-}
-
-void Retention::measure(const std::stop_token& stop) {
-  for (const JobStore::Ended& job : store_.ended(JobStore::Include::runs_of_studies_too)) {
-    if (stop.stop_requested()) return;
-    const std::int64_t bytes = bytes_kept(options_.jobs_directory / job.id);
-    if (bytes != job.bytes) store_.update_bytes(job.id, bytes);
-  }
 }
 
 void Retention::delete_old_jobs() {

@@ -43,7 +43,6 @@ private:
 
 /// Settings of the daemon for old jobs.
 struct RetentionOptions {
-  std::filesystem::path jobs_directory;
   std::chrono::seconds time{0};  ///< jobs that ended longer ago are deleted; 0: never
   std::int64_t bytes =
       0;  ///< disk space of ended jobs, beyond which the oldest are deleted; 0: no limit
@@ -51,18 +50,15 @@ struct RetentionOptions {
 };
 
 /// Deletes old jobs, as a request would. Pinned jobs, jobs of studies and jobs that others wait for
-/// stay, and do not count. Measures the disk space of ended jobs at the start. Deletes nothing
-/// while the queue is held.
+/// stay, and do not count. Deletes nothing while the queue is held.
 class Retention {
 public:
   /// @param scheduler  deletes the jobs; outlives this object
   Retention(RetentionOptions options, JobStore& store, Scheduler& scheduler);
 
 private:
-  /// The thread: measures once, then deletes at every interval.
+  /// The thread: deletes at every interval.
   void run(const std::stop_token& stop);
-  /// Measures the disk space of ended jobs whose rows hold the size of the case only.
-  void measure(const std::stop_token& stop);
   /// Deletes what is too old, then the oldest until the rest fits.
   void delete_old_jobs();
 

@@ -101,8 +101,8 @@ Reply JobRequests::remove(const std::string& id, const std::string& why,
 
   const auto record = state_.ledger.find(id);
   if (!record) return {Reply::Kind::not_found, {}};
-  const bool may_be_removed = is_terminal(record->job.state()) && !state_.ledger.kept(id) &&
-                              (!permits || permits(record->job));
+  const bool may_be_removed =
+      is_terminal(record->job.state()) && (!permits || permits(record->job));
   if (!may_be_removed) return {Reply::Kind::wrong_state, record->job};
   if (removal_observer_) removal_observer_(record->job);
   erase(*record);
@@ -139,20 +139,11 @@ Reply JobRequests::mark(const std::string& id, const std::function<void(v1::Job&
 
   auto record = state_.ledger.find(id);
   if (!record) return {Reply::Kind::not_found, {}};
-  const v1::Job before = record->job;
   v1::Job& job = record->job;
   change(job);
 
-  // The folder first, because it is authoritative.
-  const auto folder = state_.jobs_directory / id;
-  write_marks(folder, job);
-  try {
-    state_.store.update_marks(job);
-  } catch (const StoreError&) {
-    write_marks(folder, before);
-    throw;
-  }
-  state_.ledger.change_kept(job);
+  write_marks(state_.jobs_directory / id, job);
+  state_.ledger.index(*record);
   log::info("job {}: labels {}, {}", id, fmt::join(job.labels(), ", "),
             job.pinned() ? "pinned" : "not pinned");
 

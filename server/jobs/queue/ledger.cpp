@@ -5,6 +5,7 @@
 #include "proto/values/printable.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/logs/stored_job.hpp"
 #include "server/jobs/queue/queue_hold.hpp"
 
 namespace dccast::jobs {
@@ -16,11 +17,7 @@ void enter(JobRecord& record, v1::JobState to) {
   job.set_state(to);
   if (!is_terminal(to)) return;
   job.set_queue_position(0);
-  if (!job.has_end_time()) *job.mutable_end_time() = timestamp(milliseconds(now()));
-}
-
-Durability required_durability(v1::JobState state) {
-  return is_terminal(state) ? Durability::full : Durability::normal;
+  if (!job.has_end_time()) *job.mutable_end_time() = now();
 }
 
 }  // namespace
@@ -32,10 +29,14 @@ void Ledger::write_event(JobRecord& record, const std::string& cause) {
   log->complete(job);
 
   const bool terminal = is_terminal(job.state());
-  if (terminal && log->terminal_event()) return;
+  if (const auto end = log->terminal_event(); terminal && end) {
+    record.sequence = end->sequence();
+    return;
+  }
 
   v1::JobEvent event = state_event(record, cause);
   log->prepare(event);
+  record.sequence = event.sequence();
   if (!terminal) return;
 
   // The end of a job is on the disk before anyone sees it.
@@ -53,18 +54,23 @@ void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::
             v1::JobState_Name(job.state()), values::escaped(cause));
   for (const TransitionObserver& observer : transition_observers_) observer(job, from);
 
+  index(record);
+}
+
+void Ledger::index(const JobRecord& record) {
+  const std::string& id = record.job.id();
   try {
-    store_.update(record, required_durability(job.state()));
+    store_.put(record);
     const std::lock_guard lock(mutex_);
-    kept_.erase(job.id());
+    behind_.erase(id);
   } catch (const std::exception& error) {
-    log::error(
-        "job {}: cannot update the store: {}; the event log is correct, and the store is "
-        "updated later",
-        job.id(), error.what());
-    return keep(record, error.what());
+    log::error("job {}: cannot update the store: {}; its folder is correct, and the store follows",
+               id, error.what());
+    const std::lock_guard lock(mutex_);
+    behind_.insert(id);
+    refusal_ = error.what();
   }
-  report(job);
+  report(record.job);
 }
 
 void Ledger::observe(JobObserver observer) {
@@ -75,12 +81,6 @@ void Ledger::observe(JobObserver observer) {
 void Ledger::report(const v1::Job& job) {
   const std::lock_guard lock(observer_mutex_);
   if (observer_) observer_(job);
-}
-
-void Ledger::keep(const JobRecord& record, const std::string& why) {
-  const std::lock_guard lock(mutex_);
-  kept_[record.job.id()] = record;
-  refusal_ = why;
 }
 
 void Ledger::transition(JobRecord& record, v1::JobState to, const std::string& cause) {
@@ -116,53 +116,60 @@ void Ledger::announce(const std::string& job_id) {
   }
 }
 
-void Ledger::change_kept(const v1::Job& marks) {
-  const std::lock_guard lock(mutex_);
-  const auto found = kept_.find(marks.id());
-  if (found == kept_.end()) return;
-  *found->second.job.mutable_labels() = marks.labels();
-  found->second.job.set_pinned(marks.pinned());
+/// The record of a job whose row is behind; FAILED if its own files are damaged.
+std::optional<JobRecord> Ledger::read_or_fail(const std::string& id) {
+  try {
+    return read_job(jobs_directory_ / id);
+  } catch (const std::exception& error) {
+    if (daemon_lacks(error)) throw;
+    auto row = store_.find(id);
+    if (!row) return std::nullopt;  // deleted meanwhile
+
+    add_failure(row->job, v1::Finding::STORAGE, error.what());
+    if (!is_terminal(row->job.state())) enter(*row, v1::FAILED);
+    return row;
+  }
 }
 
-bool Ledger::retry() {
-  std::map<std::string, JobRecord> kept;
+void Ledger::retry() {
+  std::set<std::string> behind;
   {
     const std::lock_guard lock(mutex_);
-    kept = kept_;
+    behind = behind_;
   }
 
-  for (const auto& [id, record] : kept) {
-    try {
-      store_.update(record, required_durability(record.job.state()));
-    } catch (const std::exception&) {
-      return false;  // logged at the first refusal
+  for (const std::string& id : behind) {
+    if (const auto record = read_or_fail(id)) {
+      store_.put(*record);
+      report(record->job);
     }
-
-    report(record.job);
     const std::lock_guard lock(mutex_);
-    if (const auto found = kept_.find(id);
-        found != kept_.end() && found->second.job.state() == record.job.state())
-      kept_.erase(found);
+    behind_.erase(id);
   }
-
-  const std::lock_guard lock(mutex_);
-  return kept_.empty();
 }
 
 std::string Ledger::refusal() const {
   const std::lock_guard lock(mutex_);
-  return kept_.empty() ? "" : refusal_;
+  return behind_.empty() ? "" : refusal_;
 }
 
 std::optional<JobRecord> Ledger::find(const std::string& id) {
-  if (auto record = kept(id)) return record;
-  return store_.find(id);
+  auto row = store_.find(id);
+  return row ? std::optional(present(std::move(*row))) : std::nullopt;
 }
 
-std::optional<JobRecord> Ledger::kept(const std::string& id) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = kept_.find(id);
-  return found == kept_.end() ? std::nullopt : std::optional(found->second);
+JobRecord Ledger::present(JobRecord row) {
+  const std::string id = row.job.id();
+  {
+    const std::lock_guard lock(mutex_);
+    if (!behind_.contains(id)) return row;
+  }
+  try {
+    return read_job(jobs_directory_ / id);
+  } catch (const std::exception& error) {
+    log::error("job {}: {}", id, error.what());
+    return row;
+  }
 }
 
 }  // namespace dccast::jobs

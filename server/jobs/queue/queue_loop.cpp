@@ -182,7 +182,8 @@ void QueueLoop::resume_after_hold() {
     require_free_space(state_.jobs_directory, state_.options.minimum_free_bytes);
     probe_directory(state_.jobs_directory);
     state_.store.probe();
-    passed = state_.ledger.retry();
+    state_.ledger.retry();
+    passed = true;
   } catch (const std::exception&) {
     // The reason for the hold is known already.
   }
@@ -300,13 +301,16 @@ bool QueueLoop::start_next() {
 std::pair<JobRecord, std::shared_ptr<EventLog>> QueueLoop::begin_attempt(const std::string& id) {
   require_free_space(state_.jobs_directory, state_.options.minimum_free_bytes);
   auto record = state_.ledger.find(id);
-  if (!record || record->job.state() != v1::QUEUED) return {};
+  // RUNNING without a worker: the daemon could not write that it waits again.
+  const bool waits =
+      record && (record->job.state() == v1::QUEUED || record->job.state() == v1::RUNNING);
+  if (!waits) return {};
   auto log = state_.logs.open(id);
   remove_request(state_.jobs_directory / id);  // a crash may have left one
 
   v1::Job& job = record->job;
   job.set_attempts(job.attempts() + 1);
-  if (!job.has_start_time()) *job.mutable_start_time() = timestamp(milliseconds(now()));
+  if (!job.has_start_time()) *job.mutable_start_time() = now();
   state_.ledger.transition(
       *record, v1::RUNNING,
       job.attempts() == 1 ? "started" : fmt::format("started again (attempt {})", job.attempts()));

@@ -14,7 +14,7 @@ QueueState::QueueState(SchedulerOptions scheduler_options, JobStore& job_store,
       store(job_store),
       logs(event_logs),
       executor(of_workers),
-      ledger(store, logs),
+      ledger(store, logs, jobs_directory),
       attempts(options.attempts, executor),
       queue(options.share_half_life) {}
 

@@ -34,7 +34,8 @@ void Recovery::run() {
     state_.logs.follow(id);
   }
   state_.attempts.end_recovery();
-  if (const std::string refusal = state_.ledger.refusal(); !refusal.empty()) state_.hold(refusal);
+  for (const std::string& lack : {lack_, state_.ledger.refusal()})
+    if (!lack.empty()) state_.hold(lack);
 }
 
 /// @return whether a worker continues the job
@@ -49,7 +50,7 @@ bool Recovery::recover_job(JobRecord& record) {
       // The job stays in the queue and continues from its last checkpoint.
       log::error("job {}: cannot be recovered now; it waits in the queue: {}", id, error.what());
       record.job.set_state(v1::QUEUED);
-      state_.ledger.keep(record, *lack);
+      lack_ = *lack;
     } else {
       add_failure(record.job, v1::Finding::STORAGE, error.what());
       state_.ledger.settle(record, v1::FAILED, error.what());
@@ -73,6 +74,7 @@ bool Recovery::find_worker_or_settle(JobRecord& record) {
   const auto folder = state_.jobs_directory / job.id();
   const auto log = state_.logs.open(job.id());
   const auto become = [&](v1::JobState state, const std::string& cause) {
+    if (is_terminal(state)) record.bytes = bytes_kept(folder);
     state_.ledger.transition(record, state, cause);
     remove_request(folder);
     if (is_terminal(state)) remove_run_files(folder);
@@ -98,7 +100,7 @@ bool Recovery::find_worker_or_settle(JobRecord& record) {
     const v1::JobEvent::StateChange& change = end->state_change();
     if (change.has_failure()) *job.mutable_failure() = change.failure();
     *job.mutable_artifacts() = change.artifacts();
-    *job.mutable_end_time() = timestamp(milliseconds(end->time()));
+    *job.mutable_end_time() = end->time();
     return become(change.state(), "ended just before the last daemon did: " + change.cause());
   }
 

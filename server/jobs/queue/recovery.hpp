@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "server/jobs/queue/job_views.hpp"
 #include "server/jobs/queue/queue_state.hpp"
 
@@ -29,6 +31,7 @@ private:
 
   QueueState& state_;
   JobViews& views_;
+  std::string lack_;  ///< what the daemon lacked to recover a job; empty: nothing
 };
 
 }  // namespace dccast::jobs

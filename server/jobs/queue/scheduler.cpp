@@ -59,21 +59,18 @@ std::shared_ptr<EventLog> Scheduler::log(const std::string& id) {
   if (!lacks_its_end()) return log;
 
   v1::JobEvent event =
-      state_event(state_.store.find(id).value(), "ended; part of the event log is lost");
+      state_event(state_.ledger.find(id).value(), "ended; part of the event log is lost");
   log->append(event);
   return log;
 }
 
 std::vector<v1::Job> Scheduler::list(const JobStore::Page& page) {
   std::vector<JobRecord> records = state_.store.list(page);
+  for (JobRecord& record : records) record = state_.ledger.present(std::move(record));
+
   std::vector<v1::Job> jobs;
-
   const std::lock_guard lock(state_.mutex);
-  for (JobRecord& record : records) {
-    if (auto kept = state_.ledger.kept(record.job.id())) record = std::move(*kept);
-    jobs.push_back(views_.view(std::move(record)));
-  }
-
+  for (JobRecord& record : records) jobs.push_back(views_.view(std::move(record)));
   return jobs;
 }
 

@@ -85,8 +85,9 @@ Settlement settle_over_time(JobRecord& record, const AttemptFacts& facts) {
 
 /// Describes the deaths of a worker. @param repeated_step  the step after which it died twice
 std::string describe_losses(const JobRecord& record, std::optional<std::int64_t> repeated_step) {
-  std::string message = record.first_loss;
-  if (record.losses > 1) message += fmt::format("; in all it died {} times", record.losses);
+  std::string message = record.losses.first_cause();
+  const int times = record.losses.times();
+  if (times > 1) message += fmt::format("; in all it died {} times", times);
   if (repeated_step) message += fmt::format(", twice in the step after {}", *repeated_step);
   return message;
 }
@@ -134,15 +135,18 @@ Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptF
   const std::string end = facts.hung.empty() ? fmt::format("died with {}", exit.how)
                                              : fmt::format("{} and was killed", facts.hung);
   const std::string loss = fmt::format("worker {} after step {}", end, facts.reached_step);
-  if (record.losses++ == 0) record.first_loss = loss;
-  const std::int64_t previous_step = std::exchange(record.lost_step, facts.reached_step);
-  if (record.losses <= facts.worker_restarts)
+  v1::JobEvent::WorkerLosses& losses = record.losses;
+  const bool same_step = losses.times() > 0 && losses.last_step() == facts.reached_step;
+  if (losses.times() == 0) losses.set_first_cause(loss);
+  losses.set_times(losses.times() + 1);
+  losses.set_last_step(facts.reached_step);
+  if (losses.times() <= facts.worker_restarts)
     return {v1::QUEUED,
-            fmt::format("{}; restart {} of {}", loss, record.losses, facts.worker_restarts)};
+            fmt::format("{}; restart {} of {}", loss, losses.times(), facts.worker_restarts)};
 
   // Twice in one step points to the case rather than to the machine.
   std::optional<std::int64_t> repeated_step;
-  if (previous_step == facts.reached_step) repeated_step = facts.reached_step;
+  if (same_step) repeated_step = facts.reached_step;
   const std::string message = describe_losses(record, repeated_step);
   add_failure(record.job, facts.hung.empty() ? v1::Finding::WORKER_LOST : v1::Finding::WORKER_HUNG,
               message);

@@ -16,12 +16,11 @@ namespace dccast::jobs {
 namespace {
 
 /// A repeated request must name the same case, and the same study.
-void require_same_submission(const v1::Job& existing, const NewJob& new_job) {
-  const bool same_case = existing.case_sha256() == new_job.case_sha256;
-  if (same_case && existing.study() == new_job.study) return;
+void require_same_submission(const v1::Job& existing, const v1::Job& job) {
+  const bool same_case = existing.case_sha256() == job.case_sha256();
+  if (same_case && existing.study() == job.study()) return;
   throw RequestIdTaken(fmt::format("request_id \"{}\" was used for another {} (job {})",
-                                   new_job.request_id, same_case ? "study" : "case",
-                                   existing.id()));
+                                   job.request_id(), same_case ? "study" : "case", existing.id()));
 }
 
 /// Counts a submission as a waiting job from the first check of the queue to its place in it.
@@ -39,20 +38,26 @@ private:
   int& count_;
 };
 
-/// Removes the folder of a job that was not accepted. The caller reports the cause; the next
+/// Removes folder and row of a job that was not accepted. The caller reports the cause; the next
 /// recovery removes remaining files.
-void discard(const std::filesystem::path& folder) {
+void discard(JobStore& store, const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);
+  try {
+    store.erase(folder.filename());
+  } catch (const StoreError& error) {
+    log::warn("{}", error.what());
+  }
 }
 
 }  // namespace
 
 v1::Job Submissions::submit(const NewJob& new_job, const Attachments& attachments) {
   // A repeated request returns the job of the first one.
-  if (!new_job.request_id.empty()) {
-    if (const auto existing = state_.store.find_request(new_job.request_id)) {
-      require_same_submission(existing->job, new_job);
+  const v1::Job& submitted = new_job.description.job;
+  if (!submitted.request_id().empty()) {
+    if (const auto existing = state_.store.find_request(submitted.request_id())) {
+      require_same_submission(existing->job, submitted);
       return current(existing->job);
     }
   }
@@ -72,7 +77,7 @@ v1::Job Submissions::submit(const NewJob& new_job, const Attachments& attachment
   }
 
   if (const auto existing = write_new_job(record, new_job, attachments)) {
-    require_same_submission(*existing, new_job);
+    require_same_submission(*existing, submitted);
     return current(*existing);
   }
   log::info("job {}: QUEUED: submitted{}", record.job.id(),
@@ -113,31 +118,31 @@ void Submissions::require_room(std::int64_t bytes) {
          .remedy = "submit again when some have ended"});
 }
 
-/// Writes a new job to disk: folder, event log, row. @return the existing job if a concurrent
+/// Writes a new job to disk: folder, event log, row, mark. @return the existing job if a concurrent
 /// submission has used the same request_id; nothing of the new job remains then
-std::optional<v1::Job> Submissions::write_new_job(const JobRecord& record, const NewJob& new_job,
+std::optional<v1::Job> Submissions::write_new_job(JobRecord& record, const NewJob& new_job,
                                                   const Attachments& attachments) {
   const auto folder = state_.jobs_directory / record.job.id();
-  create_job_folder(folder, attachments,
-                    {record.job, new_job.submitted_case, new_job.complete_case, new_job.answer_key},
-                    new_job.case_file);
+  JobDescription description = new_job.description;
+  description.job = record.job;
+  create_job_folder(folder, attachments, description, new_job.case_file);
   try {
     const auto log = state_.logs.open(record.job.id());
-    v1::JobEvent event = state_event(record.job, "submitted");
+    v1::JobEvent event = state_event(record, "submitted");
     log->append(event);
     log->sync();
+    record.sequence = event.sequence();
     if (new_job.following) create_readings_log(folder, *new_job.following);
-    storage::sync_directory(folder);
 
     const auto existing = state_.store.insert(record);
     if (!existing) {
       mark_accepted(folder);
       return std::nullopt;
     }
-    discard(folder);
+    discard(state_.store, folder);
     return existing->job;
   } catch (...) {
-    discard(folder);
+    discard(state_.store, folder);
     throw;
   }
 }

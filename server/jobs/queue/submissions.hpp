@@ -40,7 +40,7 @@ private:
   /// Writes folder, row and mark of a new job.
   /// @return the job of another submission that has used the same request id meanwhile; empty on
   ///         success
-  std::optional<v1::Job> write_new_job(const JobRecord& record, const NewJob& new_job,
+  std::optional<v1::Job> write_new_job(JobRecord& record, const NewJob& new_job,
                                        const Attachments& attachments);
 
   QueueState& state_;

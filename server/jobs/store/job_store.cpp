@@ -3,103 +3,45 @@
 #include <fmt/ranges.h>
 #include <sqlite3.h>
 
-#include <sstream>
 #include <utility>
-
-#include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
 
 namespace {
 
-constexpr std::int64_t this_version = 9;
+constexpr std::int64_t this_version = 10;
 
-// Columns of the tables, one a line. Times are milliseconds since 1970, states and priorities are
-// numbers of job.proto, blobs are serialised messages of job.proto. Labels are stored one a line,
-// each between two line ends. `changes` is a Job with the fields that have no column. The tables of
-// studies belong to server/studies/study_store.
-constexpr const char* job_columns = R"sql(
-id TEXT PRIMARY KEY
-request_id TEXT UNIQUE
-case_sha256 TEXT NOT NULL
-title TEXT NOT NULL
-priority INTEGER NOT NULL
-state INTEGER NOT NULL
-created_ms INTEGER NOT NULL
-started_ms INTEGER NOT NULL DEFAULT 0
-ended_ms INTEGER NOT NULL DEFAULT 0
-attempts INTEGER NOT NULL DEFAULT 0
-failure BLOB
-outcome BLOB
-losses INTEGER NOT NULL DEFAULT 0
-lost_step INTEGER NOT NULL DEFAULT -1
-first_loss TEXT NOT NULL DEFAULT ''
-study TEXT NOT NULL
-owner TEXT NOT NULL
-bytes INTEGER NOT NULL
-labels TEXT NOT NULL
-changes BLOB
-answer_key TEXT NOT NULL
-solver TEXT NOT NULL DEFAULT ''
-)sql";
-
-constexpr const char* study_columns = R"sql(
-id TEXT PRIMARY KEY
-request_id TEXT UNIQUE
-owner TEXT NOT NULL
-created_ms INTEGER NOT NULL
-changed_ms INTEGER NOT NULL
-removing INTEGER NOT NULL
-case_sha256 TEXT NOT NULL
-request BLOB NOT NULL
-)sql";
-
-constexpr const char* study_run_columns = R"sql(
-study TEXT NOT NULL REFERENCES study (id) ON DELETE CASCADE
-number INTEGER NOT NULL
-attempt INTEGER NOT NULL
-job TEXT NOT NULL
-outcome INTEGER NOT NULL
-failure BLOB
-)sql";
-
-constexpr const char* indexes = R"sql(
+// The columns are those that queries filter by, and the job itself. Times are milliseconds since
+// 1970, states are numbers of job.proto. Labels are stored one a line, each between two line ends.
+constexpr const char* schema = R"sql(
+CREATE TABLE job (
+  id TEXT PRIMARY KEY,
+  request_id TEXT UNIQUE,
+  study TEXT NOT NULL,
+  owner TEXT NOT NULL,
+  title TEXT NOT NULL,
+  labels TEXT NOT NULL,
+  pinned INTEGER NOT NULL,
+  state INTEGER NOT NULL,
+  created_ms INTEGER NOT NULL,
+  ended_ms INTEGER NOT NULL,
+  bytes INTEGER NOT NULL,
+  answer_key TEXT NOT NULL,
+  solver TEXT NOT NULL,
+  sequence INTEGER NOT NULL,
+  losses BLOB NOT NULL,
+  job BLOB NOT NULL
+) STRICT;
 CREATE INDEX job_by_age ON job (created_ms, id);
 CREATE INDEX job_by_state ON job (state);
 CREATE INDEX job_by_study ON job (study) WHERE study <> '';
 CREATE INDEX job_by_answer ON job (answer_key, solver) WHERE answer_key <> '';
-CREATE INDEX study_by_age ON study (created_ms, id);
-CREATE INDEX study_run_to_queue ON study_run (study, number) WHERE job = '' AND outcome = 0;
-CREATE TABLE probe (id INTEGER PRIMARY KEY CHECK (id = 1), at_ms INTEGER NOT NULL) STRICT;
 )sql";
 
-/// The statement that creates a table. SQLite has no checksums, so a flipped bit in a row would go
-/// unnoticed: each row holds a checksum of its columns, which `PRAGMA integrity_check` verifies.
-/// @param table_constraint  "", or one that begins with a comma
-std::string create_table(const std::string& name, const std::string& columns,
-                         const std::string& table_constraint = "") {
-  std::string definitions;
-  std::string names;
-  std::istringstream lines(columns);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.empty()) continue;
-    definitions += line + ", ";
-    names += (names.empty() ? "" : ", ") + line.substr(0, line.find(' '));
-  }
-
-  const std::string sum = fmt::format("sum_of({})", names);
-  return fmt::format(
-      "CREATE TABLE {} ({}sum INTEGER NOT NULL AS ({}) STORED CHECK (sum = {}){}) STRICT", name,
-      definitions, sum, sum, table_constraint);
-}
-
-std::string schema() {
-  const std::string study_run =
-      create_table("study_run", study_run_columns, ", PRIMARY KEY (study, number)");
-  return fmt::format("{};{};{}, WITHOUT ROWID;{}PRAGMA user_version = {}",
-                     create_table("job", job_columns), create_table("study", study_columns),
-                     study_run, indexes, this_version);
-}
+constexpr const char* insert_row =
+    "INSERT INTO job (id, request_id, study, owner, title, labels, pinned, state, created_ms, "
+    "ended_ms, bytes, answer_key, solver, sequence, losses, job) "
+    "VALUES (?, NULLIF(?, ''), ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ";
 
 /// Creates the tables in an empty file. @throws StoreError  also for a store of another version,
 /// which is rebuilt from the folders of the jobs
@@ -107,13 +49,12 @@ void require_schema(Database& database, const std::filesystem::path& path) {
   std::int64_t version = 0;
   database.read("PRAGMA user_version", [&](const Statement& row) { version = row.integer(0); });
   if (version == this_version) return;
-
   if (version != 0)
     throw StoreError(fmt::format("job store {} is of another version ({})", path.string(), version),
                      SQLITE_SCHEMA);
 
   Transaction transaction(database);
-  database.execute(schema().c_str());
+  database.execute(fmt::format("{} PRAGMA user_version = {}", schema, this_version).c_str());
   transaction.commit();
 }
 
@@ -124,66 +65,21 @@ std::string label_lines(const v1::Job& job) {
   return lines;
 }
 
-/// The content of the column `outcome`: the fields of a job that its run sets.
-v1::Job select_outcome(const v1::Job& job) {
-  v1::Job outcome;
-  if (job.has_last_step()) *outcome.mutable_last_step() = job.last_step();
-  *outcome.mutable_artifacts() = job.artifacts();
-  if (job.has_validity_loss()) *outcome.mutable_validity_loss() = job.validity_loss();
-  *outcome.mutable_findings() = job.findings();
-  outcome.set_run_s(job.run_s());
-  return outcome;
-}
+constexpr const char* select_rows =
+    "SELECT id, state, bytes, answer_key, solver, sequence, losses, job FROM job ";
 
-/// The content of the column `changes`: the other fields of a job that have no column.
-v1::Job select_changes(const v1::Job& job) {
-  v1::Job changes;
-  *changes.mutable_changes() = job.changes();
-  *changes.mutable_after() = job.after();
-  changes.set_pinned(job.pinned());
-  changes.set_time_limit_s(job.time_limit_s());
-  changes.set_mail(job.mail());
-  changes.set_quality(job.quality());
-  changes.set_estimated_s(job.estimated_s());
-  return changes;
-}
-
-/// Reads a row of the table `job`.
+/// @throws StoreError  the row is damaged
 JobRecord read_record(const Statement& row) {
   JobRecord record;
-  v1::Job& job = record.job;
-  job.ParseFromString(row.text(11));
-  job.MergeFromString(row.text(19));
+  record.bytes = row.integer(2);
+  record.answer_key = row.text(3);
+  record.solver = row.text(4);
+  record.sequence = row.integer(5);
+  row.message(6, record.losses);
+  row.message(7, record.job);
 
-  job.set_id(row.text(0));
-  job.set_request_id(row.text(1));
-  job.set_case_sha256(row.text(2));
-  job.set_title(row.text(3));
-  job.set_priority(static_cast<v1::Priority>(row.integer(4)));
-  job.set_state(static_cast<v1::JobState>(row.integer(5)));
-
-  *job.mutable_create_time() = timestamp(row.integer(6));
-  if (row.integer(7) != 0) *job.mutable_start_time() = timestamp(row.integer(7));
-  if (row.integer(8) != 0) *job.mutable_end_time() = timestamp(row.integer(8));
-  job.set_attempts(static_cast<int>(row.integer(9)));
-  if (const std::string failure = row.text(10); !failure.empty())
-    job.mutable_failure()->ParseFromString(failure);
-
-  record.losses = static_cast<int>(row.integer(12));
-  record.lost_step = row.integer(13);
-  record.first_loss = row.text(14);
-
-  job.set_study(row.text(15));
-  job.set_owner(row.text(16));
-  record.bytes = row.integer(17);
-
-  std::istringstream labels(row.text(18));
-  for (std::string label; std::getline(labels, label);)
-    if (!label.empty()) job.add_labels(label);
-
-  record.answer_key = row.text(20);
-  record.solver = row.text(21);
-
+  if (record.job.id() != row.text(0) || record.job.state() != row.integer(1))
+    throw StoreError(fmt::format("the row of job {} is damaged", record.job.id()), SQLITE_CORRUPT);
   return record;
 }
 
@@ -191,28 +87,26 @@ JobRecord read_record(const Statement& row) {
 
 JobStore::JobStore(const std::filesystem::path& path) : database_(path) {
   database_.execute(
-      "PRAGMA busy_timeout = 2000; PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON");
+      "PRAGMA busy_timeout = 2000; PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON; "
+      "PRAGMA synchronous = NORMAL");
   require_schema(database_, path);
   reader_.emplace(path);
   reader_->execute("PRAGMA busy_timeout = 2000");
 }
 
-JobStore::Bulk::~Bulk() {
-  store_.bulk_ = false;
-  try {
-    store_.probe();  // one durable commit makes all earlier ones durable
-  } catch (const StoreError& error) {
-    log::error("{}", error.what());
-  }
+template <typename... Values>
+int JobStore::write(std::string_view sql, const Values&... values) {
+  const std::lock_guard lock(mutex_);
+  Statement(database_, sql, values...).step();
+  return database_.changes();
 }
 
-template <typename... Values>
-void JobStore::write(Durability durability, std::string_view sql, const Values&... values) {
-  const std::lock_guard lock(mutex_);
-  const char* synchronous = durability == Durability::full ? "FULL" : "NORMAL";
-  if (bulk_) synchronous = "OFF";
-  database_.execute(fmt::format("PRAGMA synchronous = {}", synchronous).c_str());
-  Statement(database_, sql, values...).step();
+int JobStore::write_row(const JobRecord& record, const std::string& on_conflict) {
+  const v1::Job& job = record.job;
+  return write(insert_row + on_conflict, job.id(), job.request_id(), job.study(), job.owner(),
+               job.title(), label_lines(job), job.pinned(), job.state(),
+               milliseconds(job.create_time()), milliseconds(job.end_time()), record.bytes,
+               record.answer_key, record.solver, record.sequence, record.losses, job);
 }
 
 template <typename Take, typename... Values>
@@ -234,54 +128,37 @@ std::vector<JobRecord> JobStore::select(const std::string& where_and_order,
                                         const Values&... values) {
   std::vector<JobRecord> records;
   read(
-      "SELECT * FROM job " + where_and_order,
+      select_rows + where_and_order,
       [&](const Statement& row) { records.push_back(read_record(row)); }, values...);
   return records;
 }
 
 std::optional<JobRecord> JobStore::insert(const JobRecord& record) {
-  const v1::Job& job = record.job;
-  if (!job.request_id().empty())
-    if (auto existing = find_request(job.request_id())) return existing;
-  write(Durability::full,
-        "INSERT INTO job (id, request_id, case_sha256, title, priority, state, created_ms, study, "
-        "owner, bytes, labels, changes, answer_key) "
-        "VALUES (?, NULLIF(?, ''), ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-        job.id(), job.request_id(), job.case_sha256(), job.title(), job.priority(), job.state(),
-        milliseconds(job.create_time()), job.study(), job.owner(), record.bytes, label_lines(job),
-        select_changes(job), record.answer_key);
-  return std::nullopt;
+  const int added = write_row(record, "ON CONFLICT (request_id) DO NOTHING");
+  return added > 0 ? std::nullopt : find_request(record.job.request_id());
 }
 
-void JobStore::update(const JobRecord& record, Durability durability) {
-  const v1::Job& job = record.job;
-  write(durability,
-        "UPDATE job SET state = ?, started_ms = ?, ended_ms = ?, attempts = ?, "
-        "failure = NULLIF(?, x''), outcome = ?, losses = ?, lost_step = ?, first_loss = ?, "
-        "solver = ?, bytes = ? WHERE id = ?",
-        job.state(), milliseconds(job.start_time()), milliseconds(job.end_time()), job.attempts(),
-        job.failure(), select_outcome(job), record.losses, record.lost_step, record.first_loss,
-        record.solver, record.bytes, job.id());
-}
-
-void JobStore::update_marks(const v1::Job& job) {
-  write(Durability::full, "UPDATE job SET labels = ?, changes = ? WHERE id = ?", label_lines(job),
-        select_changes(job), job.id());
-}
-
-void JobStore::update_bytes(const std::string& id, std::int64_t bytes) {
-  write(Durability::normal, "UPDATE job SET bytes = ? WHERE id = ?", bytes, id);
+void JobStore::put(const JobRecord& record) {
+  write_row(record,
+            "ON CONFLICT (id) DO UPDATE SET request_id = excluded.request_id, "
+            "study = excluded.study, owner = excluded.owner, title = excluded.title, "
+            "labels = excluded.labels, pinned = excluded.pinned, state = excluded.state, "
+            "created_ms = excluded.created_ms, ended_ms = excluded.ended_ms, "
+            "bytes = excluded.bytes, answer_key = excluded.answer_key, "
+            "solver = excluded.solver, sequence = excluded.sequence, losses = excluded.losses, "
+            "job = excluded.job");
 }
 
 void JobStore::erase(const std::string& id) {
-  write(Durability::full, "DELETE FROM job WHERE id = ?", id);
+  const std::lock_guard lock(mutex_);
+  database_.execute("PRAGMA synchronous = FULL");
+  Statement(database_, "DELETE FROM job WHERE id = ?", id).step();
+  database_.execute("PRAGMA synchronous = NORMAL");
 }
 
 void JobStore::probe() {
-  write(Durability::full,
-        "INSERT INTO probe (id, at_ms) VALUES (1, ?) "
-        "ON CONFLICT (id) DO UPDATE SET at_ms = excluded.at_ms",
-        milliseconds(now()));
+  const std::lock_guard lock(mutex_);
+  database_.execute(fmt::format("PRAGMA user_version = {}", this_version).c_str());
 }
 
 std::string JobStore::first_fault() {
@@ -342,13 +219,11 @@ std::vector<JobStore::Group> JobStore::groups() {
 std::vector<JobStore::Ended> JobStore::ended(Include include) {
   const char* condition = include == Include::jobs_alone ? " AND study = ''" : "";
   std::vector<Ended> ended;
-  read(fmt::format("SELECT id, ended_ms, bytes, changes FROM job WHERE state BETWEEN 4 AND 6{} "
+  read(fmt::format("SELECT id, ended_ms, bytes, pinned FROM job WHERE state BETWEEN 4 AND 6{} "
                    "ORDER BY ended_ms, id",
                    condition),
        [&](const Statement& row) {
-         v1::Job changes;
-         changes.ParseFromString(row.text(3));
-         ended.push_back({row.text(0), row.integer(1), row.integer(2), changes.pinned()});
+         ended.push_back({row.text(0), row.integer(1), row.integer(2), row.integer(3) != 0});
        });
   return ended;
 }

@@ -14,12 +14,11 @@
 
 namespace dccast::jobs {
 
-/// normal: survives a crash of the daemon. full: survives a crash of the machine.
-enum class Durability { normal, full };
-
-/// All jobs in one SQLite file (WAL), an index of the folders of the jobs. Safe to use from several
-/// threads; readers never wait for a writer. Every call throws StoreError if the file cannot be
-/// read or written. The virtual functions are those that tests let fail.
+/// All jobs in one SQLite file (WAL), an index of the folders of the jobs: a row is the record of a
+/// job at its last change. Writes survive a crash of the daemon; after a crash of the machine rows
+/// may be old or missing, and are made again from the folders. Safe to use from several threads;
+/// readers never wait for a writer. Every call throws StoreError if the file cannot be read or
+/// written. The virtual functions are those that tests let fail.
 class JobStore {
 public:
   /// Virtual, so that tests can have a store that fails.
@@ -27,16 +26,12 @@ public:
   /// Opens or creates the store. @throws StoreError  also for a file of another version
   explicit JobStore(const std::filesystem::path& path);
 
-  /// Adds a job, durably, unless a job with its request_id exists.
+  /// Adds a job, unless a job with its request_id exists.
   /// @return the existing job; nothing if the new one was added
   std::optional<JobRecord> insert(const JobRecord& record);
-  /// Writes the fields that change during the life of a job.
-  virtual void update(const JobRecord& record, Durability durability);
-  /// Writes labels and whether the job is pinned, durably.
-  virtual void update_marks(const v1::Job& job);
-  /// Measured disk space of an ended job [bytes].
-  void update_bytes(const std::string& id, std::int64_t bytes);
-  /// Deletes a row; its folder is gone by then.
+  /// Adds a job, or replaces its row.
+  virtual void put(const JobRecord& record);
+  /// Deletes a row. It survives a crash of the machine: a row without a folder is a lost folder.
   void erase(const std::string& id);
 
   /// Rows by id and by the id of the request; empty if there is none.
@@ -53,9 +48,8 @@ public:
   /// Disk space of all jobs of an owner [bytes].
   std::int64_t bytes_of(const std::string& owner);
 
-  /// The jobs of an owner in one state.
+  /// The jobs of an owner in one state, with their disk space [bytes].
   struct Group {
-    /// Jobs of an owner in a state, with their disk space [bytes].
     std::string owner;
     v1::JobState state;
     std::int64_t jobs, bytes;
@@ -63,9 +57,8 @@ public:
   };
   std::vector<Group> groups();
 
-  /// A job that has ended.
+  /// A job that has ended, for its deletion by age or size.
   struct Ended {
-    /// An ended job, for its deletion by age or size.
     std::string id;
     std::int64_t ended_ms, bytes;
     bool pinned;
@@ -73,7 +66,7 @@ public:
   enum class Include { jobs_alone, runs_of_studies_too };
   /// The ended jobs, in the order of their ends.
   std::vector<Ended> ended(Include include);
-  /// Tests whether a durable write succeeds.
+  /// Tests whether a write succeeds.
   void probe();
   /// Ids of all jobs, for the comparison with the folders.
   std::set<std::string> ids();
@@ -91,23 +84,11 @@ public:
     std::vector<std::string> labels{};   ///< only jobs that have all of them
     std::int64_t since_ms = 0;           ///< only jobs created then or later
     std::string title{};                 ///< shell pattern; empty: all
+    static constexpr int all = -1;
     int size = 50;
   };
   /// Newest first.
   std::vector<JobRecord> list(const Page& page);
-
-  /// During its lifetime no write waits for the disk; its destructor syncs all of them. For a store
-  /// that is being rebuilt.
-  class Bulk {
-  public:
-    /// Writes of its lifetime become durable together, at its end.
-    explicit Bulk(JobStore& store) : store_(store) { store_.bulk_ = true; }
-    Bulk(const Bulk&) = delete;
-    ~Bulk();
-
-  private:
-    JobStore& store_;
-  };
 
   /// Checks all pages of the file. @return the first fault; empty for none
   std::string first_fault();
@@ -115,22 +96,23 @@ public:
   void copy_to(const std::filesystem::path& path);
 
 private:
-  /// One statement that changes rows. Durable ones are on the disk when it returns.
+  /// One statement that changes rows. @return their number
   template <typename... Values>
-  void write(Durability durability, std::string_view sql, const Values&... values);
+  int write(std::string_view sql, const Values&... values);
+  /// @param on_conflict  SQL behind the row @return number of rows that have changed
+  int write_row(const JobRecord& record, const std::string& on_conflict);
   /// @param take  called with each row
   template <typename Take, typename... Values>
   void read(std::string_view sql, const Take& take, const Values&... values);
   /// The number in the first row of a query; 0 without a row.
   template <typename... Values>
   std::int64_t number(std::string_view sql, const Values&... values);
-  /// Rows of jobs. @param where_and_order  SQL behind "FROM jobs"
+  /// Rows of jobs. @param where_and_order  SQL behind "FROM job"
   template <typename... Values>
   std::vector<JobRecord> select(const std::string& where_and_order, const Values&... values);
 
   std::mutex mutex_;  ///< guards the connection that writes
   Database database_;
-  bool bulk_ = false;
   std::mutex reading_;
   std::optional<Database> reader_;
 };

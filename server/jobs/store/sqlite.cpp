@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <map>
 
 #include "core/storage/file.hpp"
@@ -40,19 +39,6 @@ const std::map<int, std::string> meanings{
   throw StoreError(fmt::format("the job store failed: {}", meaning), code);
 }
 
-/// The SQL function sum_of(...): CRC-32C of the values, each preceded by its type and size.
-void sum_of(sqlite3_context* context, int count, sqlite3_value** values) {
-  std::uint32_t sum = 0;
-  for (int i = 0; i < count; ++i) {
-    const int type = sqlite3_value_type(values[i]);
-    const void* bytes = sqlite3_value_blob(values[i]);  // converts an integer to its digits
-    const std::array head{type, sqlite3_value_bytes(values[i])};
-    sum = storage::crc32c(head.data(), sizeof head, sum);
-    sum = storage::crc32c(bytes, static_cast<std::size_t>(head[1]), sum);
-  }
-  sqlite3_result_int64(context, sum);
-}
-
 /// SQLite follows links and waits for named pipes, with unclear messages. The store can be rebuilt,
 /// so anything but a regular file counts as damage.
 void require_regular_files(const std::filesystem::path& store) {
@@ -72,11 +58,7 @@ Database::Database(const std::filesystem::path& path) {
   require_regular_files(path);
 
   constexpr int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
-  constexpr int any_number = -1;
-  if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) == SQLITE_OK &&
-      sqlite3_create_function(handle_, "sum_of", any_number, SQLITE_UTF8 | SQLITE_DETERMINISTIC,
-                              nullptr, sum_of, nullptr, nullptr) == SQLITE_OK)
-    return;
+  if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) == SQLITE_OK) return;
 
   log::error("job store {}: {}", path.string(), sqlite3_errmsg(handle_));
   sqlite3_close(handle_);
@@ -138,7 +120,7 @@ Statement& Statement::bind(const std::vector<std::string>& texts) {
 }
 
 Statement& Statement::bind(const google::protobuf::MessageLite& message) {
-  const std::string bytes = message.SerializeAsString();
+  const std::string bytes = storage::short_records.framed('\1' + message.SerializeAsString());
   check(sqlite3_bind_blob64(statement_, ++bound_, bytes.data(), bytes.size(), SQLITE_TRANSIENT));
   return *this;
 }
@@ -158,6 +140,16 @@ std::string Statement::text(int column) const {
   const void* bytes = sqlite3_column_blob(statement_, column);
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
   return bytes == nullptr ? std::string() : std::string(static_cast<const char*>(bytes), size);
+}
+
+void Statement::message(int column, google::protobuf::MessageLite& to) const {
+  const std::string bytes = text(column);
+  to.Clear();
+  if (bytes.empty()) return;
+
+  const auto record = storage::short_records.first_of(bytes, bytes.size());
+  if (!record || !to.ParseFromString(std::string(record->payload.substr(1))))
+    throw StoreError("the job store failed: a row is damaged", SQLITE_CORRUPT);
 }
 
 Transaction::~Transaction() {

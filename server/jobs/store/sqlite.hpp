@@ -70,14 +70,17 @@ public:
   /// Binds the next value.
   Statement& bind(std::int64_t value);
   Statement& bind(std::string_view text);
-  Statement& bind(const std::vector<std::string>& texts);         ///< for one question mark each
-  Statement& bind(const google::protobuf::MessageLite& message);  ///< as a blob
+  Statement& bind(const std::vector<std::string>& texts);  ///< for one question mark each
+  /// As a blob: a byte of value 1 and the message, framed as in every file of the data directory.
+  Statement& bind(const google::protobuf::MessageLite& message);
   /// @return whether there is a row @throws StoreError
   bool step();
 
   /// Value of a column of the present row.
   std::int64_t integer(int column) const;
   std::string text(int column) const;  ///< text or blob; empty for NULL
+  /// A message that was bound; an empty one for NULL. @throws StoreError  it is damaged
+  void message(int column, google::protobuf::MessageLite& to) const;
 
 private:
   /// @throws StoreError  the code of SQLite is an error

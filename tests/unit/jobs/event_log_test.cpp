@@ -84,7 +84,7 @@ protected:
     }
     v1::Job job;
     job.set_state(v1::SUCCEEDED);
-    v1::JobEvent end = state_event(job, "finished");
+    v1::JobEvent end = state_event({.job = job}, "finished");
     log.append(end);
     ends_.push_back(fs::file_size(path()));
     std::ifstream file(path(), std::ios::binary);
@@ -292,7 +292,7 @@ TEST_F(EventLogTest, TakesNothingAfterItsEnd) {
   EventLog log(path());
   v1::Job job;
   job.set_state(v1::CANCELLED);
-  v1::JobEvent end = state_event(job, "enough");
+  v1::JobEvent end = state_event({.job = job}, "enough");
   log.append(end);
   EXPECT_EQ(log.terminal_event()->state_change().cause(), "enough");
   EXPECT_THROW(append_steps(log, 1, 1), std::logic_error);

@@ -66,7 +66,7 @@ TEST_F(SchedulerAdoption, AWorkerThatEndsWhileTheOthersAreLookedForIsNotMissed) 
   crash_after_three_steps();
   const auto daemon = restarted({}, WorkersOfBefore::found_at_their_end);
   EXPECT_EQ(daemon->executor.wait_for_launch(1).attempt, 2) << "it was lost, and goes on";
-  EXPECT_EQ(daemon->store.find(id_)->losses, 1);
+  EXPECT_EQ(daemon->store.find(id_)->losses.times(), 1);
 }
 
 // Its run ended while there was no daemon: nothing is computed again.
@@ -79,7 +79,7 @@ TEST_F(SchedulerAdoption, ARunThatEndedMeanwhileIsSettledFromItsFolder) {
   EXPECT_EQ(state(daemon, id_), v1::SUCCEEDED);
   EXPECT_EQ(daemon.scheduler.find(id_)->last_step().step(), 3);
   EXPECT_EQ(daemon.store.find(id_)->solver, "s");
-  EXPECT_EQ(daemon.store.find(id_)->losses, 0);
+  EXPECT_EQ(daemon.store.find(id_)->losses.times(), 0);
   EXPECT_EQ(daemon.scheduler.queued(), 0);
 }
 
@@ -87,14 +87,15 @@ TEST_F(SchedulerAdoption, ARunThatStoppedBecauseNoDaemonCameGoesOn) {
   crash_after_three_steps([this](Daemon&) { FakeWorker(launch_).end(RunEnd::STOPPED); });
   Daemon daemon(crashed_);
   EXPECT_EQ(state(daemon, id_), v1::QUEUED);
-  EXPECT_EQ(daemon.store.find(id_)->losses, 0);
+  EXPECT_EQ(daemon.store.find(id_)->losses.times(), 0);
 }
 
 TEST_F(SchedulerAdoption, AWorkerWithoutASignOfLifeIsKilledAndItsJobStartedAgain) {
   crash_after_three_steps();
   const auto daemon = restarted({.heartbeat = std::chrono::milliseconds(30)});
   EXPECT_EQ(daemon->executor.wait_for_launch(1).attempt, 2);
-  EXPECT_NE(daemon->store.find(id_)->first_loss.find("no sign of life"), std::string::npos);
+  EXPECT_NE(daemon->store.find(id_)->losses.first_cause().find("no sign of life"),
+            std::string::npos);
 }
 
 TEST_F(SchedulerAdoption, AWorkerThatDiesIsALossLikeAnyOther) {
@@ -102,7 +103,7 @@ TEST_F(SchedulerAdoption, AWorkerThatDiesIsALossLikeAnyOther) {
   const auto daemon = restarted();
   daemon->executor.end(launch_, "exit code 70", 70);
   EXPECT_EQ(daemon->executor.wait_for_launch(1).attempt, 2);
-  EXPECT_EQ(daemon->store.find(id_)->losses, 1);
+  EXPECT_EQ(daemon->store.find(id_)->losses.times(), 1);
 }
 
 TEST_F(SchedulerAdoption, AJobWhoseWorkerIsGoneGoesOnFromItsCheckpoint) {
@@ -111,7 +112,7 @@ TEST_F(SchedulerAdoption, AJobWhoseWorkerIsGoneGoesOnFromItsCheckpoint) {
   EXPECT_EQ(state(daemon, id_), v1::QUEUED);
   daemon.scheduler.start();
   EXPECT_EQ(daemon.executor.wait_for_launch(1).attempt, 2);
-  EXPECT_EQ(daemon.store.find(id_)->losses, 0);
+  EXPECT_EQ(daemon.store.find(id_)->losses.times(), 0);
 }
 
 TEST_F(SchedulerAdoption, APauseRequestedBeforeTheRestartHolds) {
@@ -133,7 +134,7 @@ TEST_F(SchedulerAdoption, WhateverWorksForAJobThatDoesNotRunIsEnded) {
   crash_after_three_steps([this](Daemon&) {
     v1::Job job;
     job.set_state(v1::PAUSED);
-    FakeWorker(launch_).append(state_event(job, "paused"));
+    FakeWorker(launch_).append(state_event({.job = job}, "paused"));
   });
   const auto daemon = restarted();
   EXPECT_THAT(daemon->executor.asked_for, ElementsAre("attempt 1 to end it"));

@@ -54,7 +54,7 @@ TEST_F(SchedulerFaults, AFullDiskHoldsTheQueueAndFailsNoJob) {
   }
   succeed_at_last(daemon);
 
-  EXPECT_EQ(daemon.store.find(id_)->losses, 0);
+  EXPECT_EQ(daemon.store.find(id_)->losses.times(), 0);
   EXPECT_EQ(daemon.scheduler.held(), "");
   EXPECT_EQ(daemon.executor.wait_for_launch(3).job_id, waiting.id());
 }
@@ -216,7 +216,7 @@ TEST_F(SchedulerFaults, AWorkerThatCannotBeStartedCostsItsJobNothing) {
     daemon.executor.not_started(daemon.executor.wait_for_launch(number), "too many open files");
   const auto launch = daemon.executor.wait_for_launch(4);
   EXPECT_EQ(launch.attempt, 1);
-  EXPECT_EQ(daemon.store.find(id_)->losses, 0);
+  EXPECT_EQ(daemon.store.find(id_)->losses.times(), 0);
 }
 
 TEST_F(SchedulerFaults, AWorkerThatNeverBeginsIsKilled) {
@@ -240,8 +240,8 @@ TEST_F(SchedulerFaults, AWorkerWithoutASignOfLifeIsKilledAndItsJobGoesOn) {
   }
   EXPECT_EQ(state(daemon, id_), v1::RUNNING);
   daemon.executor.wait_for_launch(2);
-  EXPECT_EQ(daemon.store.find(id_)->losses, 1);
-  EXPECT_NE(daemon.store.find(id_)->first_loss.find("no sign of life for 0.2 s"),
+  EXPECT_EQ(daemon.store.find(id_)->losses.times(), 1);
+  EXPECT_NE(daemon.store.find(id_)->losses.first_cause().find("no sign of life for 0.2 s"),
             std::string::npos);
 }
 
@@ -256,7 +256,7 @@ TEST_F(SchedulerFaults, TheTimersOfAStoppedWorkerStandStill) {
 
   daemon.executor.stopped(worker_->launch(), "");
   EXPECT_EQ(daemon.scheduler.find(id_)->held(), "");
-  EXPECT_TRUE(eventually([&] { return daemon.store.find(id_)->losses == 1; }))
+  EXPECT_TRUE(eventually([&] { return daemon.store.find(id_)->losses.times() == 1; }))
       << "they go on from where they were";
 }
 
@@ -265,9 +265,9 @@ TEST_F(SchedulerFaults, AWorkerThatMakesNoStepIsKilled) {
   run_a_job(daemon);
   EXPECT_TRUE(eventually([&] {
     worker_->sign();
-    return daemon.store.find(id_)->losses == 1;
+    return daemon.store.find(id_)->losses.times() == 1;
   }));
-  EXPECT_NE(daemon.store.find(id_)->first_loss.find("no step"), std::string::npos);
+  EXPECT_NE(daemon.store.find(id_)->losses.first_cause().find("no step"), std::string::npos);
 }
 
 TEST_F(SchedulerFaults, ALossAfterAResumptionNamesTheStepItReached) {
@@ -278,7 +278,7 @@ TEST_F(SchedulerFaults, ALossAfterAResumptionNamesTheStepItReached) {
   EXPECT_TRUE(worker_->launch().order.resume());
   worker_->resume(2);
   end_worker(daemon, "signal 9 (Killed)");
-  EXPECT_TRUE(eventually([&] { return daemon.store.find(id_)->lost_step == 2; }));
+  EXPECT_TRUE(eventually([&] { return daemon.store.find(id_)->losses.last_step() == 2; }));
 }
 
 TEST_F(SchedulerFaults, ACheckpointOfAnotherVersionPausesTheJobWhereThatIsSet) {
@@ -316,7 +316,7 @@ TEST_F(SchedulerFaults, WhatWaitingJobsMayTakeIsBounded) {
   options.maximum_waiting_bytes = 100;
   Scheduler scheduler(options, store, logs, executor);
   auto large = new_job();
-  large.complete_case = std::string(60, 'x');
+  large.description.complete_case = std::string(60, 'x');
   scheduler.submit(large, {});
   EXPECT_THROW(scheduler.submit(large, {}), refusal::LimitReached);
 }

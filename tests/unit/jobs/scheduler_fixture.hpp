@@ -145,14 +145,10 @@ private:
 class FailingStore : public JobStore {
 public:
   using JobStore::JobStore;
-  void update(const JobRecord& record, Durability durability) override {
+  void put(const JobRecord& record) override {
     refuse(refuses_updates);
     if (before_update) before_update();
-    JobStore::update(record, durability);
-  }
-  void update_marks(const v1::Job& job) override {
-    refuse(refuses_updates);
-    JobStore::update_marks(job);
+    JobStore::put(record);
   }
   std::optional<JobRecord> find(const std::string& id) override {
     refuse(refuses_reads);
@@ -216,11 +212,12 @@ struct Daemon {
 class SchedulerTest : public testing::Test {
 protected:
   static NewJob new_job(const std::string& request_id = "") {
-    return {.request_id = request_id,
-            .title = "t",
-            .case_sha256 = "h",
-            .submitted_case = "",
-            .complete_case = ""};
+    NewJob made;
+    v1::Job& job = made.description.job;
+    job.set_request_id(request_id);
+    job.set_title("t");
+    job.set_case_sha256("h");
+    return made;
   }
   static v1::JobState state(Daemon& daemon, const std::string& id) {
     return daemon.scheduler.find(id)->state();

@@ -30,7 +30,7 @@ class SchedulerObserver : public SchedulerTest {
 protected:
   static NewJob job_of_study() {
     NewJob job = new_job();
-    job.study = "a study";
+    job.description.job.set_study("a study");
     return job;
   }
 };

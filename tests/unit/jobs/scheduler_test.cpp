@@ -124,7 +124,7 @@ TEST_F(SchedulerTest, ARunThatHasEndedIsNoDeath) {
   worker.end(RunEnd::SUCCEEDED);
   daemon.executor.end(worker.launch(), "signal 9 (Killed)");
   EXPECT_TRUE(becomes(daemon, job.id(), v1::SUCCEEDED));
-  EXPECT_EQ(daemon.store.find(job.id())->losses, 0);
+  EXPECT_EQ(daemon.store.find(job.id())->losses.times(), 0);
   EXPECT_EQ(daemon.scheduler.find(job.id())->attempts(), 1);
   EXPECT_TRUE(
       eventually([&] { return !fs::exists(folder_.path() / job.id() / "checkpoint.bin"); }));
@@ -141,7 +141,7 @@ TEST_F(SchedulerTest, TheEndOfAnAttemptBeforeIsNotThatOfThisOne) {
   }
   daemon.executor.end(daemon.executor.wait_for_launch(2), "signal 9 (Killed)");
   daemon.executor.wait_for_launch(3);
-  EXPECT_EQ(daemon.store.find(job.id())->losses, 1);
+  EXPECT_EQ(daemon.store.find(job.id())->losses.times(), 1);
 }
 
 TEST_F(SchedulerTest, AResultThatIsNotThereIsNoSuccess) {
@@ -173,10 +173,10 @@ TEST_F(SchedulerTest, LimitsTheQueueAndRequestIds) {
   const auto first = daemon.scheduler.submit(new_job("a"), {});
   EXPECT_EQ(daemon.scheduler.submit(new_job("a"), {}).id(), first.id());
   auto other = new_job("a");
-  other.case_sha256 = "another";
+  other.description.job.set_case_sha256("another");
   EXPECT_THROW(daemon.scheduler.submit(other, {}), RequestIdTaken);
   auto of_a_study = new_job("a");
-  of_a_study.study = values::random_uuid();
+  of_a_study.description.job.set_study(values::random_uuid());
   EXPECT_THROW(daemon.scheduler.submit(of_a_study, {}), RequestIdTaken);
   EXPECT_EQ(daemon.scheduler.submit(new_job("b"), {}).queue_position(), 2);
   EXPECT_THROW(daemon.scheduler.submit(new_job("c"), {}), refusal::LimitReached);
@@ -209,7 +209,7 @@ TEST_F(SchedulerTest, AnEndInTheLogAloneIsTakenOver) {
     ended.set_state(v1::FAILED);
     ended.mutable_failure()->set_message("the cause");
     ended.add_artifacts()->set_name("results.h5");
-    auto event = state_event(ended, "the cause");
+    auto event = state_event({.job = ended}, "the cause");
     daemon.logs.open(id)->append(event);
   }
   Daemon again(folder_.path());

@@ -113,7 +113,7 @@ TEST(Settlement, AJobThatWasStoppedForItsTimeFailsUnlessItWasCancelledOrHasSucce
 
   record = running();
   EXPECT_EQ(settle_lost(record, {.how = "signal 9 (Killed)"}, facts).state, v1::FAILED);
-  EXPECT_EQ(record.losses, 0);
+  EXPECT_EQ(record.losses.times(), 0);
 
   record = running();
   record.requested_action = RequestedAction::cancel;

@@ -86,12 +86,12 @@ TEST_F(IndexTest, AStoreWithADamagedPageIsBuiltAgainAndKeptAside) {
   EXPECT_TRUE(fs::exists(folder_.quarantine() / "store" / "jobs.sqlite"));
 }
 
-// SQLite has no checksum over what a row holds.
-TEST_F(IndexTest, ARowThatHoldsAnotherJobIsMadeAgain) {
+// SQLite has no checksum over what a row holds; the job in it has one.
+TEST_F(IndexTest, ADamagedRowIsMadeAgain) {
   const std::string id = add_job();
   store_.reset();
   std::string bytes = storage::read_file(folder_.store());
-  const auto at = bytes.find("a casting");
+  const auto at = bytes.rfind("a casting");
   ASSERT_NE(at, std::string::npos);
   bytes[at + 2] ^= 1;
   storage::replace_file(folder_.store(), bytes);
@@ -125,7 +125,7 @@ TEST_F(IndexTest, ARowThatHasEndedFollowsAClaimedFolder) {
   storage::write_file(folder_.jobs() / id / "worker.lock", "2 1 " + id + "\n");
   auto record = *store_->find(id);
   record.job.set_state(v1::CANCELLED);
-  store_->update(record, jobs::Durability::full);
+  store_->put(record);
   store_.reset();
   EXPECT_EQ(open_store(folder_)->find(id)->job.state(), v1::RUNNING);
 }

@@ -45,6 +45,7 @@ protected:
     append_state(job.job.id(), v1::QUEUED);
     jobs::JobRecord record;
     record.job = job.job;
+    record.sequence = 1;
     if (with_row) store_->insert(record);
     jobs::mark_accepted(folder);
     return job.job.id();
@@ -56,7 +57,7 @@ protected:
     job.set_state(state);
     if (state == v1::SUCCEEDED) job.add_artifacts()->set_name("results.h5");
     if (state == v1::FAILED) job.mutable_failure()->set_message("did not converge");
-    v1::JobEvent event = jobs::state_event(job, "as the test says");
+    v1::JobEvent event = jobs::state_event({.job = job}, "as the test says");
     log.append(event);
   }
 

@@ -45,7 +45,7 @@ protected:
     *record.job.mutable_create_time() = jobs::timestamp(1000);
     jobs_.insert(record);
     if (ended_ms > 0) *record.job.mutable_end_time() = jobs::timestamp(ended_ms);
-    jobs_.update(record, jobs::Durability::normal);
+    jobs_.put(record);
     return record.job.id();
   }
 
