@@ -229,8 +229,9 @@ class Lifecycle(ServiceTest):
         case = fake_case("steps=3")
         first = self.client.submit(case, request_id="r1")
         self.assertEqual(self.client.submit(case, request_id="r1").id, first.id)
-        self.refused(grpc.StatusCode.ALREADY_EXISTS, self.client.submit, fake_case("steps=4"),
-                     request_id="r1")
+        other = fake_case("steps=3")
+        other.time.end_s = 146
+        self.refused(grpc.StatusCode.ALREADY_EXISTS, self.client.submit, other, request_id="r1")
         listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
         self.assertEqual(len(listed.jobs), 1)
 

@@ -63,7 +63,8 @@ class StudyTest(ServiceTest):
 
 class Sweep(StudyTest):
     def test_one_request_makes_one_study(self):
-        case = fake_case("steps=2")
+        case, other = fake_case("steps=2"), fake_case("steps=2")
+        other.time.end_s = 146
         for request_id in ("mine", UUID):
             first = self.create(case, {"mesh.rows": [10, 20]}, request_id, labels=["trial"])
             again = self.create(case, {"mesh.rows": [10, 20]}, request_id)
@@ -76,7 +77,7 @@ class Sweep(StudyTest):
             error = self.refused(grpc.StatusCode.ALREADY_EXISTS, self.create, case,
                                  {"mesh.rows": [10, 30]}, request_id)
             self.assertIn("another plan", error.details())
-            error = self.refused(grpc.StatusCode.ALREADY_EXISTS, self.create, fake_case("steps=3"),
+            error = self.refused(grpc.StatusCode.ALREADY_EXISTS, self.create, other,
                                  {"mesh.rows": [10, 20]}, request_id)
             self.assertIn("another case", error.details())
         self.assertEqual(first.id, UUID)
