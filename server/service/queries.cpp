@@ -183,7 +183,7 @@ private:
 
     const std::string id = context_.scheduler.submit(job, attachments_).id();
     call_.note->set_job(id);
-    call_.note->set_case_sha256(job.case_sha256);
+    call_.note->set_case_sha256(job.description.job.case_sha256());
     begin(id);
 
     // Follow the job's log until its end, or until the caller leaves.

@@ -14,6 +14,7 @@ inline v1::Frame quarter_frame() {
   frame.set_time_s(250.0);
   frame.set_cast_length_m(0.2);
   frame.set_solidus_c(620);
+  frame.set_shell_c(620);
   frame.set_liquidus_c(649);
 
   const double pull_in[3] = {8e-3, 4e-3, 0.0};

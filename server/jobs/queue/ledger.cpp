@@ -69,6 +69,7 @@ void Ledger::index(const JobRecord& record) {
     const std::lock_guard lock(mutex_);
     behind_.insert(id);
     refusal_ = error.what();
+    return;
   }
   report(record.job);
 }

@@ -15,6 +15,8 @@ TEST(StudyFile, OfAnotherFormatIsRefused) {
   const TemporaryFolder folder;
   StudyRecord record;
   record.id = id;
+  record.case_sha256 = "ab12";
+  record.request.set_request_id("curl");
   write_study_file(folder.path(), record);
   EXPECT_EQ(read_study_file(folder.path(), id).id, id);
 
