@@ -133,6 +133,7 @@ void write_slab(const std::filesystem::path& folder, const Case& c, double per_m
   header.section = "quarter_slab";
   header.liquidus = 649.0;
   header.solidus = 620.0;
+  header.shell = 620.0;
   header.dimension = 3;
 
   results::ResultWriter writer({folder / "journal.bin", folder / "results.h5"}, header);
