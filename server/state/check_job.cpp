@@ -172,11 +172,12 @@ private:
     report_.repaired(fault + "; begun again with the state the store has");
   }
 
+  /// The row keeps what the log tells from now on: a row that is made again would have no more.
   void append_state(jobs::EventLog& log) {
     v1::JobEvent state = jobs::state_event(record_, "as in the store; its events are lost");
     log.append(state);
     log.sync();
-    record_.sequence = state.sequence();
+    record_ = jobs::read_job(folder_);
     store_.put(record_);
   }
 

@@ -193,7 +193,7 @@ class OtherFormat(StateTest):
 
     def test_of_a_study(self):
         study = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            **{"case": fake_case("steps=2"), "refinement": study_pb2.RefinementPlan()}), timeout=10)
+            **{"case": fake_case("steps=2"), "refinement": study_pb2.RefinementPlan(levels=2)}), timeout=10)
         self.daemon.terminate()
         file = os.path.join(self.data, "studies", f"{study.id}.bin")
         self.other(file)
