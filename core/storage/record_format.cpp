@@ -82,6 +82,10 @@ std::string little_endian(std::uint32_t number) {
   return bytes;
 }
 
+std::uint32_t number_at(std::string_view bytes, std::size_t offset) {
+  return static_cast<std::uint32_t>(read_number(bytes, offset, sizeof(std::uint32_t)));
+}
+
 std::string RecordFormat::framed(std::string_view payload, std::uint8_t kind) const {
   std::string record(head_size, '\0');
   write_number(record, length_at, length_size, payload.size());

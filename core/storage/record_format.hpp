@@ -62,5 +62,7 @@ inline constexpr RecordFormat long_records{
 
 /// The four bytes of a number in a file.
 std::string little_endian(std::uint32_t number);
+/// The number whose four bytes begin at `offset`.
+std::uint32_t number_at(std::string_view bytes, std::size_t offset);
 
 }  // namespace dccast::storage

@@ -24,23 +24,27 @@ namespace fs = std::filesystem;
 /// jobs in 90 MB take 0.06 s of processor time.
 constexpr std::uintmax_t largest_store_to_check = 512u << 20;  // [bytes]
 
-/// Makes the rows of acknowledged jobs that have none. A folder that cannot be read is left to
-/// `dccastd check`.
+/// Does something with a job. A folder that cannot be read keeps no other from being indexed: its
+/// start fails with the reason, and `dccastd check` names it.
+template <class Action>
+void try_with(const std::string& id, const Action& action) {
+  try {
+    action();
+  } catch (const jobs::StoreError&) {
+    throw;
+  } catch (const std::exception& error) {
+    log::error("job {}: {}", id, error.what());
+  }
+}
+
+/// Makes the rows of acknowledged jobs that have none.
 void add_lost(const StateFolder& folder, jobs::JobStore& store) {
   const auto lost = lost_jobs(folder, store.ids());
   if (lost.empty()) return;
 
   log::warn("the store lacks {} jobs, e.g. {}; their rows are built again from the folders",
             lost.size(), *lost.begin());
-  for (const std::string& id : lost) {
-    try {
-      index_job(store, folder.jobs() / id);
-    } catch (const jobs::StoreError&) {
-      throw;
-    } catch (const std::exception& error) {
-      log::error("job {}: {}", id, error.what());
-    }
-  }
+  for (const std::string& id : lost) try_with(id, [&] { index_job(store, folder.jobs() / id); });
 }
 
 /// Opens the store and checks whether it can be the index. @return why not; empty if it can
@@ -79,19 +83,15 @@ void update_rows(const StateFolder& folder, jobs::JobStore& store) {
     const fs::path job_folder = folder.jobs() / row.job.id();
     if (!fs::exists(job_folder)) continue;  // `dccastd check` reports it
 
-    try {
+    try_with(row.job.id(), [&] {
       // After a crash between row and mark, a repeated submission is answered with the row, so the
       // job counts as acknowledged.
       if (!jobs::was_accepted(job_folder)) jobs::mark_accepted(job_folder);
-      if (is_current(row, job_folder)) continue;
+      if (is_current(row, job_folder)) return;
 
       log::warn("job {}: its row is older than its folder and is made again", row.job.id());
       index_job(store, job_folder);
-    } catch (const jobs::StoreError&) {
-      throw;
-    } catch (const std::exception& error) {
-      log::error("job {}: {}", row.job.id(), error.what());  // its start fails with that reason
-    }
+    });
   }
 }
 

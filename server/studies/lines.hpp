@@ -26,9 +26,9 @@ bool is_line_name(const std::string& text);
 /// The lines: castings that share mould, water and metal, with the curls observed in each.
 ///
 /// A line is a file `lines/NAME.bin`, replaced as a whole: a change survives a crash of the machine
-/// once its call has returned. Format: the header "DCCASTLN"
-/// (jobs/folder/format.hpp), then a frame with the serialised Line. A text that is no name names no
-/// line. Safe to use from several threads. All calls throw DamagedLine and std::system_error.
+/// once its call has returned. Format: the header "DCCASTLN" (jobs/folder/format.hpp),
+/// then a frame with the serialised Line. A text that is no name names no line. Safe to use from
+/// several threads. All calls throw DamagedLine and std::system_error.
 class Lines {
 public:
   explicit Lines(std::filesystem::path directory) : directory_(std::move(directory)) {}

@@ -62,13 +62,6 @@ std::string frame_of(const RunRecord& run) {
       run.failure.SerializeAsString());
 }
 
-int number_at(std::string_view bytes, std::size_t at) {
-  std::uint32_t number = 0;
-  for (std::size_t i = 4; i-- > 0;)
-    number = number << 8 | static_cast<unsigned char>(bytes[at + i]);
-  return static_cast<int>(number);
-}
-
 StudyRecord parse(std::string_view bytes) {
   if (!bytes.starts_with(header())) throw std::runtime_error("has a damaged header");
   bytes.remove_prefix(header().size());
@@ -160,9 +153,9 @@ std::map<int, RunRecord> read_study_runs(const fs::path& directory, const std::s
     if (part.size() < size_of_numbers) continue;
 
     RunRecord run;
-    run.number = number_at(part, 0);
-    run.attempt = number_at(part, 4);
-    run.outcome = static_cast<v1::JobState>(number_at(part, 8));
+    run.number = static_cast<int>(storage::number_at(part, 0));
+    run.attempt = static_cast<int>(storage::number_at(part, 4));
+    run.outcome = static_cast<v1::JobState>(storage::number_at(part, 8));
     run.failure.ParseFromString(part.substr(size_of_numbers));
 
     // A later entry of the same run replaces the earlier one.

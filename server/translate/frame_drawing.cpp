@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/mesh/cell_shape.hpp"
-#include "proto/frames/contraction.hpp"
 #include "server/translate/translate.hpp"
 
 namespace dccast::translate {

@@ -383,14 +383,14 @@ class OldStore(ServiceTest):
 
     def test_a_list_of_large_titles(self):
         ids = self.ended_jobs(5)
-        self.change(title="é" * 250000)
+        self.change(title="é" * 2500000)
         listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
         self.assertEqual({job.id for job in listed.jobs}, set(ids))
         self.assertLess(listed.ByteSize(), 2**20)
 
     def test_a_list_is_cut_by_bytes(self):
         ids = self.ended_jobs(30)
-        failure = job_pb2.Finding(message="x" * 80000, residual_history=[1.0] * 10000)
+        failure = job_pb2.Finding(message="x" * 1000000, residual_history=[1.0] * 100000)
         self.change(failure=failure, state=job_pb2.FAILED)
         seen, token = [], ""
         while True:

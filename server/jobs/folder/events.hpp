@@ -37,7 +37,7 @@ struct NewJob {
 /// Creates the first record of a job: queued, with a new id, created now.
 JobRecord make_record(const NewJob& new_job, const Attachments& attachments);
 
-/// The present time, to the millisecond.
+/// The present time.
 google::protobuf::Timestamp now();
 /// Milliseconds since 1970, the unit of the store; 0 for an unset time.
 std::int64_t milliseconds(const google::protobuf::Timestamp& time);

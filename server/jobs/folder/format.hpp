@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -28,5 +29,16 @@ public:
 /// @throws OtherFormat
 void require_data_format(const std::filesystem::path& path, std::string_view bytes,
                          std::string_view kind);
+
+/// Frames a part of a file, or a message in a row, behind a byte of value 1: a part may be empty,
+/// but a frame may not.
+std::string framed_part(std::string_view content);
+
+/// A framed part, and the bytes behind it.
+struct Part {
+  std::string_view content, rest;
+};
+/// The part at the start of `bytes`, a view of them. @return empty: it is damaged
+std::optional<Part> first_part(std::string_view bytes);
 
 }  // namespace dccast::jobs

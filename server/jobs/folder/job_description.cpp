@@ -9,27 +9,20 @@
 #include <string_view>
 
 #include "core/storage/file.hpp"
-#include "core/storage/record_log.hpp"
 #include "server/jobs/folder/format.hpp"
 
 namespace dccast::jobs {
 
 namespace {
 
-constexpr std::uint32_t largest_part = UINT32_MAX;  // the size of a case is limited at submission
-constexpr std::size_t sha256_length = 64;           // [characters]
+constexpr std::size_t sha256_length = 64;  // [characters]
 constexpr std::size_t name_column = sha256_length + 2;
 
-/// Frames a part behind one byte, because a message may be empty but a frame may not.
-std::string framed_part(std::string_view content) {
-  return storage::short_records.framed('\1' + std::string(content));
-}
-
 std::string_view take_part(std::string_view& rest) {
-  const auto record = storage::short_records.first_of(rest, largest_part);
-  if (!record) throw std::runtime_error("is damaged (wrong checksum)");
-  rest.remove_prefix(static_cast<std::size_t>(record->size));
-  return record->payload.substr(1);
+  const auto part = first_part(rest);
+  if (!part) throw std::runtime_error("is damaged (wrong checksum)");
+  rest = part->rest;
+  return part->content;
 }
 
 JobDescription parse_parts(std::string_view bytes) {

@@ -11,8 +11,8 @@
 #include <system_error>
 
 #include "core/storage/file.hpp"
-#include "core/storage/record_log.hpp"
 #include "proto/values/digests.hpp"
+#include "server/jobs/folder/format.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
@@ -125,8 +125,7 @@ void write_marks(const std::filesystem::path& folder, const v1::Job& job) {
   v1::Job marks;
   *marks.mutable_labels() = job.labels();
   marks.set_pinned(job.pinned());
-  storage::replace_file(folder / marks_file, storage::short_records.framed(
-                                                 std::string(1, '\1') + marks.SerializeAsString()));
+  storage::replace_file(folder / marks_file, framed_part(marks.SerializeAsString()));
 }
 
 void read_marks(const std::filesystem::path& folder, v1::Job& job) {
@@ -135,10 +134,8 @@ void read_marks(const std::filesystem::path& folder, v1::Job& job) {
   if (!bytes) return;
 
   v1::Job marks;
-  const auto record =
-      storage::short_records.first_of(*bytes, static_cast<std::uint32_t>(bytes->size()));
-  if (!record || record->payload.empty() ||
-      !marks.ParseFromString(std::string(record->payload.substr(1))))
+  const auto part = first_part(*bytes);
+  if (!part || !marks.ParseFromString(std::string(part->content)))
     return log::warn("{} is damaged: the job keeps the labels of its submission", path.string());
 
   *job.mutable_labels() = marks.labels();

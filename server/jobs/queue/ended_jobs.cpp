@@ -93,7 +93,7 @@ void Retention::run(const std::stop_token& stop) {
 }
 
 void Retention::delete_old_jobs() {
-  const auto ended = store_.ended(JobStore::Include::jobs_alone);
+  const auto ended = store_.ended();
   const std::int64_t oldest_ms =
       milliseconds(now()) - std::chrono::milliseconds(options_.time).count();
 

@@ -59,6 +59,7 @@ void Ledger::write_store(const JobRecord& record, const std::string& cause, v1::
 
 void Ledger::index(const JobRecord& record) {
   const std::string& id = record.job.id();
+
   try {
     store_.put(record);
     const std::lock_guard lock(mutex_);
@@ -71,6 +72,7 @@ void Ledger::index(const JobRecord& record) {
     refusal_ = error.what();
     return;
   }
+
   report(record.job);
 }
 

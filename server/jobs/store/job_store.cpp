@@ -216,15 +216,14 @@ std::vector<JobStore::Group> JobStore::groups() {
   return groups;
 }
 
-std::vector<JobStore::Ended> JobStore::ended(Include include) {
-  const char* condition = include == Include::jobs_alone ? " AND study = ''" : "";
+std::vector<JobStore::Ended> JobStore::ended() {
   std::vector<Ended> ended;
-  read(fmt::format("SELECT id, ended_ms, bytes, pinned FROM job WHERE state BETWEEN 4 AND 6{} "
-                   "ORDER BY ended_ms, id",
-                   condition),
-       [&](const Statement& row) {
-         ended.push_back({row.text(0), row.integer(1), row.integer(2), row.integer(3) != 0});
-       });
+  read(
+      "SELECT id, ended_ms, bytes, pinned FROM job WHERE state BETWEEN 4 AND 6 AND study = '' "
+      "ORDER BY ended_ms, id",
+      [&](const Statement& row) {
+        ended.push_back({row.text(0), row.integer(1), row.integer(2), row.integer(3) != 0});
+      });
   return ended;
 }
 

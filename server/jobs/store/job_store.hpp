@@ -63,9 +63,8 @@ public:
     std::int64_t ended_ms, bytes;
     bool pinned;
   };
-  enum class Include { jobs_alone, runs_of_studies_too };
-  /// The ended jobs, in the order of their ends.
-  std::vector<Ended> ended(Include include);
+  /// The ended jobs that are no runs of studies, in the order of their ends.
+  std::vector<Ended> ended();
   /// Tests whether a write succeeds.
   void probe();
   /// Ids of all jobs, for the comparison with the folders.

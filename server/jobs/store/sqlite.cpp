@@ -9,7 +9,7 @@
 #include <map>
 
 #include "core/storage/file.hpp"
-#include "core/storage/record_log.hpp"
+#include "server/jobs/folder/format.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
@@ -120,7 +120,7 @@ Statement& Statement::bind(const std::vector<std::string>& texts) {
 }
 
 Statement& Statement::bind(const google::protobuf::MessageLite& message) {
-  const std::string bytes = storage::short_records.framed('\1' + message.SerializeAsString());
+  const std::string bytes = framed_part(message.SerializeAsString());
   check(sqlite3_bind_blob64(statement_, ++bound_, bytes.data(), bytes.size(), SQLITE_TRANSIENT));
   return *this;
 }
@@ -147,8 +147,8 @@ void Statement::message(int column, google::protobuf::MessageLite& to) const {
   to.Clear();
   if (bytes.empty()) return;
 
-  const auto record = storage::short_records.first_of(bytes, bytes.size());
-  if (!record || !to.ParseFromString(std::string(record->payload.substr(1))))
+  const auto part = first_part(bytes);
+  if (!part || !to.ParseFromString(std::string(part->content)))
     throw StoreError("the job store failed: a row is damaged", SQLITE_CORRUPT);
 }
 

@@ -71,7 +71,7 @@ public:
   Statement& bind(std::int64_t value);
   Statement& bind(std::string_view text);
   Statement& bind(const std::vector<std::string>& texts);  ///< for one question mark each
-  /// As a blob: a byte of value 1 and the message, framed as in every file of the data directory.
+  /// As a blob: the framed part of folder/format.hpp.
   Statement& bind(const google::protobuf::MessageLite& message);
   /// @return whether there is a row @throws StoreError
   bool step();
