@@ -25,8 +25,6 @@ constexpr std::chrono::seconds stall_time{60};
 constexpr std::uint64_t greeting_bytes = 200;
 
 constexpr std::size_t buffer_bytes = 128 * 1024;
-// After this many buffers a connection lets others proceed.
-constexpr int buffers_a_turn = 4;
 
 /// Buffers of the relay thread. They are shared: what is read is sent on before the next read.
 std::array<char, buffer_bytes>& read_buffer() {
@@ -47,7 +45,7 @@ Connection::Connection(boost::asio::io_context& loop, ConnectionOwner& owner, in
       peer_(std::move(peer)),
       client_{Socket(loop, socket), nullptr},
       deadline_(loop) {
-  client_.stream = tls != nullptr ? tls_stream(socket, *tls) : plain_stream(socket);
+  client_.stream = tls != nullptr ? tls_stream(socket, *tls, turn_) : plain_stream(socket, turn_);
 }
 
 Connection::~Connection() {
@@ -64,7 +62,13 @@ void Connection::start_at(Clock::time_point when) {
 
 void Connection::start() {
   end_after(handshake_time);
-  shake_hands();
+  take_turn(&Connection::shake_hands);
+}
+
+void Connection::take_turn(Step step) {
+  if (ended_) return;
+  turn_.begin(Clock::now());
+  (this->*step)();
 }
 
 bool Connection::is_silent() const {
@@ -79,7 +83,6 @@ HeldMemory Connection::held() const {
 }
 
 void Connection::shake_hands() {
-  if (ended_) return;
   const Transfer step = client_.stream->handshake();
   if (step.outcome != Outcome::moved) return wait(client_, step, &Connection::shake_hands);
 
@@ -106,7 +109,7 @@ void Connection::open() {
   // With larger buffers on their way, gRPC and the relay work in parallel.
   constexpr int answers_on_their_way = 512 * 1024;
   ::setsockopt(pair[1], SOL_SOCKET, SO_SNDBUF, &answers_on_their_way, sizeof answers_on_their_way);
-  service_.emplace(Side{Socket(loop_, pair[0]), plain_stream(pair[0])});
+  service_.emplace(Side{Socket(loop_, pair[0]), plain_stream(pair[0], turn_)});
 
   name_ = owner_.peers().add(std::make_shared<const Peer>(peer_));
   guard_.emplace(name_, owner_.memory().of_call);
@@ -114,7 +117,7 @@ void Connection::open() {
 }
 
 void Connection::carry_requests() {
-  for (int buffer = 0; buffer < buffers_a_turn && !ended_; ++buffer) {
+  while (!ended_ && !turn_.is_spent(Clock::now())) {
     if (!send_rest(*service_, &Connection::carry_requests)) return;
     const Transfer read = client_.stream->read(read_buffer().data(), buffer_bytes);
     if (read.outcome != Outcome::moved) return wait(client_, read, &Connection::carry_requests);
@@ -135,7 +138,7 @@ void Connection::carry_requests() {
 }
 
 void Connection::carry_answers() {
-  for (int buffer = 0; buffer < buffers_a_turn && !ended_; ++buffer) {
+  while (!ended_ && !turn_.is_spent(Clock::now())) {
     if (!send_rest(client_, &Connection::carry_answers)) return;
     const Transfer read = service_->stream->read(read_buffer().data(), buffer_bytes);
     if (read.outcome == Outcome::ended) client_.stream->close();  // all answers are sent
@@ -153,10 +156,11 @@ void Connection::carry_answers() {
 
 bool Connection::send(Side& to, std::string_view bytes, Step retry) {
   while (!bytes.empty()) {
-    const Transfer written = to.stream->write(bytes);
+    Transfer written{Outcome::turn_is_over};
+    if (!turn_.is_spent(Clock::now())) written = to.stream->write(bytes);
     if (written.outcome != Outcome::moved) {
       to.unsent = bytes;
-      if (&to == &client_) end_after(stall_time);
+      if (&to == &client_ && written.outcome != Outcome::turn_is_over) end_after(stall_time);
       wait(to, written, retry);
       return false;
     }
@@ -173,19 +177,18 @@ bool Connection::send_rest(Side& to, Step retry) {
 }
 
 void Connection::wait(Side& side, const Transfer& transfer, Step next) {
-  if (transfer.outcome == Outcome::ended) return end();
+  if (transfer.outcome == Outcome::ended) return end(transfer.hostile);
+  if (transfer.outcome == Outcome::turn_is_over) return yield(next);
   side.socket.async_wait(
       transfer.outcome == Outcome::wait_until_readable ? Socket::wait_read : Socket::wait_write,
       [self = shared_from_this(), next](const boost::system::error_code&) {
-        if (!self->ended_) (self.get()->*next)();
+        self->take_turn(next);
       });
 }
 
 void Connection::yield(Step next) {
   if (ended_) return;
-  boost::asio::post(loop_, [self = shared_from_this(), next] {
-    if (!self->ended_) (self.get()->*next)();
-  });
+  boost::asio::post(loop_, [self = shared_from_this(), next] { self->take_turn(next); });
 }
 
 void Connection::end_after(std::chrono::seconds time) {

@@ -88,11 +88,14 @@ private:
   void carry_requests();
   /// Reads from gRPC and sends to the client.
   void carry_answers();
+  /// Takes a step with a new budget, unless the connection has ended.
+  void take_turn(Step step);
   /// @return whether everything was sent; otherwise `retry` runs later, or the connection has ended
   bool send(Side& to, std::string_view bytes, Step retry);
   /// Sends what is left of an earlier send(). @return as send()
   bool send_rest(Side& to, Step retry);
-  /// Waits until the socket can be read or written as the transfer needs, then takes the next step.
+  /// Takes the next step as the transfer needs: once the socket can be read or written, or after
+  /// others. Ends the connection if the transfer says so.
   void wait(Side& side, const Transfer& transfer, Step next);
   /// Lets other connections have their turn before the next step.
   void yield(Step next);
@@ -103,6 +106,7 @@ private:
   ConnectionOwner& owner_;
   Peer peer_;
   const Clock::time_point since_ = Clock::now();
+  TurnBudget turn_;
   Side client_;
   std::optional<Side> service_;  ///< gRPC, after the handshake
   boost::asio::steady_timer deadline_;

@@ -52,6 +52,8 @@ void set_policy(SSL_CTX& context) {
   // Idle connections hold no buffers.
   ::SSL_CTX_set_mode(&context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
                                    SSL_MODE_RELEASE_BUFFERS);
+  // A read returns after a record that carries no content, such as a renewal of keys.
+  ::SSL_CTX_clear_mode(&context, SSL_MODE_AUTO_RETRY);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 Run as a program, beside the harness that measures: hostile_peers.py KIND SECONDS ADDRESS [CA [TOKEN]]
 """
 import contextlib
+import ctypes
 import dataclasses
 import functools
 import gzip
@@ -14,7 +15,7 @@ import threading
 import time
 
 from http2 import (ACK, CONTINUATION, DATA, END_HEADERS, END_STREAM, HEADERS, INITIAL_WINDOW_SIZE,
-                   PING, PREFACE, RST_STREAM, SETTINGS, WINDOW_UPDATE, Peer, frame, setting, text,
+                   PING, PREFACE, PRIORITY, RST_STREAM, SETTINGS, WINDOW_UPDATE, Peer, frame, setting, text,
                    upload_of, whole)
 
 EMPTY_MESSAGE = bytes(5)
@@ -164,6 +165,39 @@ def begins_a_handshake(peer):
     silent(peer)
 
 
+def renews_keys(peer):
+    """KeyUpdates of TLS 1.3, of which Python's ssl has none: OpenSSL sends them over a bare socket."""
+    openssl = ctypes.CDLL("libssl.so.3")
+    for name in ("TLS_client_method", "SSL_CTX_new", "SSL_new"):
+        getattr(openssl, name).restype = ctypes.c_void_p
+    context = ctypes.c_void_p(openssl.SSL_CTX_new(ctypes.c_void_p(openssl.TLS_client_method())))
+    session = ctypes.c_void_p(openssl.SSL_new(context))
+    try:
+        peer.socket.setblocking(True)
+        openssl.SSL_set_fd(session, peer.socket.fileno())
+        openssl.SSL_set_alpn_protos(session, b"\x02h2", 3)
+        if openssl.SSL_connect(session) != 1:
+            raise ConnectionError
+        while openssl.SSL_key_update(session, 0) == 1 and openssl.SSL_do_handshake(session) == 1:
+            pass
+    finally:
+        openssl.SSL_free(session)
+        openssl.SSL_CTX_free(context)
+    raise ConnectionError
+
+
+@functools.cache
+def greeting_in_pieces():
+    """A ClientHello of 131 kB, of which each record of TLS brings one byte."""
+    message = b"\x01\x01\xff\xb4" + bytes(130_996)
+    return b"".join(b"\x16\x03\x01\x00\x01" + bytes([byte]) for byte in message)
+
+
+def handshake_in_pieces(peer):
+    peer.send(greeting_in_pieces())
+    silent(peer)
+
+
 def another_protocol(peer):
     peer.send(b"GET / HTTP/1.1\r\nHost: x\r\n" + b"X: y\r\n" * 10000)
 
@@ -198,6 +232,7 @@ KINDS = {
     "ContinuationFlood": Kind("headers that never end", continuation_flood),
     "HeaderTableBomb": Kind("headers of 12 kB that stand for 47 MB", table_bomb),
     "PingFlood": Kind("pings without end", flood(frame(PING, 0, 0, bytes(8)))),
+    "PriorityFlood": Kind("priorities of calls without end", flood(frame(PRIORITY, 0, 1, bytes(5)))),
     "SettingsFlood": Kind("settings without end", flood(frame(SETTINGS, 0, 0, setting(4, 70000)))),
     "SettingsAcknowledgements": Kind("acknowledgements of settings that were not sent",
                                      flood(frame(SETTINGS, ACK, 0))),
@@ -226,6 +261,9 @@ KINDS = {
     "SilentPeers": Kind("1,000 connections that send nothing", silent, 1000, greets=False, raw=True),
     "HalfHandshakes": Kind("1,000 connections that begin a handshake", begins_a_handshake, 1000,
                            greets=False, raw=True),
+    "KeyUpdates": Kind("renewals of the keys of TLS without end", renews_keys, greets=False, raw=True),
+    "HandshakesInPieces": Kind("handshakes of 131 kB in records of one byte", handshake_in_pieces, 20,
+                               greets=False, raw=True),
     "AnotherProtocol": Kind("HTTP/1.1 and what follows it", another_protocol, greets=False),
 }
 

@@ -8,13 +8,16 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "proto/values/address.hpp"
 #include "server/access/certificates.hpp"
@@ -310,6 +313,12 @@ public:
   void send(const std::string& bytes) {
     ::SSL_write(session_.get(), bytes.data(), static_cast<int>(bytes.size()));
   }
+  /// Sends a KeyUpdate of TLS 1.3, which carries nothing else. @return false: the connection has
+  /// ended
+  bool renew_keys() {
+    return ::SSL_key_update(session_.get(), SSL_KEY_UPDATE_NOT_REQUESTED) == 1 &&
+           ::SSL_do_handshake(session_.get()) == 1;
+  }
   std::string receive(std::size_t size) {
     std::string bytes(size, '\0');
     std::size_t received = 0;
@@ -381,6 +390,65 @@ TEST_F(RelayOverTls, ARenewedCertificateHoldsForNewConnections) {
 
   before.send(greeting);
   EXPECT_EQ(receive(service.get(), greeting.size()), greeting);
+}
+
+/// How long a new client waits for its handshake and its service.
+std::chrono::duration<double> time_of_a_new_client(const Listener& listener,
+                                                   const std::function<FileDescriptor()>& served) {
+  const auto begin = std::chrono::steady_clock::now();
+  TlsClient client(listener);
+  EXPECT_TRUE(client.is_connected());
+  EXPECT_TRUE(served());
+  return std::chrono::steady_clock::now() - begin;
+}
+
+TEST_F(RelayOverTls, APeerThatRenewsItsKeysWithoutEndIsEndedAndDelaysNoOne) {
+  start({.connections = 10}, files());
+  std::atomic<int> renewals = 0;
+  std::atomic<bool> has_ended = false;
+  std::jthread hostile([&](const std::stop_token& stop) {
+    TlsClient client(listener_);
+    while (!stop.stop_requested() && client.renew_keys()) ++renewals;
+    has_ended = true;
+  });
+  ASSERT_TRUE(served());
+  ASSERT_TRUE(eventually([&] { return renewals > 100 || has_ended; }));
+
+  EXPECT_LT(time_of_a_new_client(listener_, [&] { return served(); }), 1s);
+  EXPECT_TRUE(eventually([&] { return has_ended.load(); }));
+}
+
+TEST_F(RelayOverTls, AClientMayRenewItsKeysNowAndThen) {
+  start({.connections = 10}, files());
+  TlsClient client(listener_);
+  const FileDescriptor service = served();
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(client.renew_keys());
+  client.send(greeting);
+  EXPECT_EQ(receive(service.get(), greeting.size()), greeting);
+}
+
+TEST_F(RelayOverTls, HandshakesInSmallPiecesAreEndedAndDelayNoOne) {
+  start({.connections = 100}, files());
+  // A greeting of 131 kB, of which each record brings one byte.
+  constexpr std::size_t size = 131'000;
+  std::string message{'\x01', '\x01', '\xff', '\xb4'};
+  message.resize(size, 'x');
+  std::string pieces;
+  for (const char byte : message) pieces += std::string("\x16\x03\x01\0\x01", 5) + byte;
+
+  std::vector<std::jthread> hostile;
+  std::atomic<int> ended = 0;
+  constexpr int peers = 8;
+  for (int i = 0; i < peers; ++i)
+    hostile.emplace_back([&] {
+      const FileDescriptor client = connected(listener_);
+      send_all(client.get(), pieces);
+      if (has_ended(client.get())) ++ended;
+    });
+
+  EXPECT_LT(time_of_a_new_client(listener_, [&] { return served(); }), 1s);
+  hostile.clear();
+  EXPECT_EQ(ended, peers);
 }
 
 TEST_F(RelayOverTls, FilesThatDoNotFitEachOtherAreRefused) {
