@@ -9,10 +9,10 @@
 int main(int argc, char** argv) {
   // gRPC writes developer messages to standard error; the commands report errors themselves.
   ::setenv("GRPC_VERBOSITY", "NONE", 0);
-  const dccast::client::render::TerminalGuard output(std::cout, STDOUT_FILENO);
-  const dccast::client::render::TerminalGuard messages(std::cerr, STDERR_FILENO);
+  const dccast::client::TerminalGuard output(std::cout, STDOUT_FILENO);
+  const dccast::client::TerminalGuard messages(std::cerr, STDERR_FILENO);
 
-  dccast::client::commands::Program program;
+  dccast::client::Program program;
   program.configuration = dccast::client::configuration_file();
   if (!program.configuration.empty())
     program.servers = program.configuration.parent_path() / "servers.toml";

@@ -12,7 +12,7 @@
 
 namespace dccast::client {
 
-void add_set_option(const cli::Command& command, std::vector<std::string>& changes,
+void add_set_option(const Command& command, std::vector<std::string>& changes,
                     const std::string& help) {
   const auto fault = [](const std::string& text) {
     return case_file::parse_change(text) ? std::string()
@@ -21,17 +21,17 @@ void add_set_option(const cli::Command& command, std::vector<std::string>& chang
   command.repeatable("--set", changes, help, {.fault = fault, .placeholder = "KEY=VALUE"});
 }
 
-void add_columns_option(const cli::Command& command, std::string& file) {
+void add_columns_option(const Command& command, std::string& file) {
   command.option("--columns", file,
                  "TOML file with the plant's names and units of the columns (docs/plc.md)",
                  {.placeholder = "FILE"});
 }
 
-void add_force_flag(const cli::Command& command, bool& force) {
+void add_force_flag(const Command& command, bool& force) {
   command.flag("-f,--force", force, "Overwrite an existing file");
 }
 
-void add_study_options(const cli::Command& command, StudyOptions& options,
+void add_study_options(const Command& command, StudyOptions& options,
                        const StudyOptionTexts& texts) {
   add_set_option(command, options.base.set);
   command.option("--label", options.base.labels, "Label of the study; repeatable");
@@ -45,7 +45,7 @@ void add_study_options(const cli::Command& command, StudyOptions& options,
 void follow_with_progress(Connection& connection, const std::string& id,
                           const std::string& come_back) {
   try {
-    render::StudyProgress progress(std::cerr, render::terminal_of(2));
+    StudyProgress progress(std::cerr, terminal_of(2));
     follow_study(
         connection, id, [&](const v1::Study& study) { progress.show(study); }, std::cerr);
   } catch (const Interrupted&) {

@@ -11,17 +11,17 @@
 namespace dccast::client {
 
 /// The option `--set KEY=VALUE`, which may be given several times.
-void add_set_option(const cli::Command& command, std::vector<std::string>& changes,
+void add_set_option(const Command& command, std::vector<std::string>& changes,
                     const std::string& help =
                         "Change one key of the case, e.g. --set mesh.rows=30, --set "
                         "schedule.hold=\"5 s\" or --set schedule.water_flow.scale=\"0.8 until 100 "
                         "mm\"; may be given several times");
 
 /// The option `--columns FILE` of commands that read what a plant measures.
-void add_columns_option(const cli::Command& command, std::string& file);
+void add_columns_option(const Command& command, std::string& file);
 
 /// The flag `--force`, without which no file is overwritten.
-void add_force_flag(const cli::Command& command, bool& force);
+void add_force_flag(const Command& command, bool& force);
 
 /// Options of every command that creates or continues a study.
 struct StudyOptions {
@@ -44,7 +44,7 @@ struct StudyOptionTexts {
 };
 
 /// Adds --set, --label, --study, --no-wait, --plot, --force and --json.
-void add_study_options(const cli::Command& command, StudyOptions& options,
+void add_study_options(const Command& command, StudyOptions& options,
                        const StudyOptionTexts& texts);
 
 /// Follows a study to its end and shows its progress on stderr.

@@ -6,19 +6,19 @@
 namespace dccast::client {
 namespace {
 
-using Commands = std::vector<cli::CommandSummary>;
+using Commands = std::vector<CommandSummary>;
 
-bool takes(const cli::CommandSummary& command, std::initializer_list<const char*> arguments) {
+bool takes(const CommandSummary& command, std::initializer_list<const char*> arguments) {
   return std::any_of(arguments.begin(), arguments.end(), [&](const char* argument) {
     return std::count(command.arguments.begin(), command.arguments.end(), argument) > 0;
   });
 }
 
-bool takes_job(const cli::CommandSummary& command) {
+bool takes_job(const CommandSummary& command) {
   return takes(command, {"JOB", "RUN"});
 }
 
-bool takes_file(const cli::CommandSummary& command) {
+bool takes_file(const CommandSummary& command) {
   return takes(command, {"FILE", "CASE", "RUN"});
 }
 
@@ -34,9 +34,9 @@ std::string single_quoted(const std::string& text) {
   return quoted + "'";
 }
 
-std::string option_words(const cli::CommandSummary& command) {
+std::string option_words(const CommandSummary& command) {
   std::string names;
-  for (const cli::OptionSummary& option : command.options)
+  for (const OptionSummary& option : command.options)
     for (const std::string& name : option.names) names += (names.empty() ? "" : " ") + name;
   return names;
 }
@@ -44,7 +44,7 @@ std::string option_words(const cli::CommandSummary& command) {
 // The command is the first word that is no option. `dccast list` gives the ids.
 std::string bash_script(const Commands& commands) {
   std::string names, cases;
-  for (const cli::CommandSummary& command : commands) {
+  for (const CommandSummary& command : commands) {
     names += command.name + " ";
     cases += "    " + command.name + ") words=" + single_quoted(option_words(command)) +
              "; jobs=" + (takes_job(command) ? "1" : "") +
@@ -74,9 +74,9 @@ std::string bash_script(const Commands& commands) {
          "complete -o filenames -F _dccast dccast\n";
 }
 
-std::string zsh_options(const cli::CommandSummary& command) {
+std::string zsh_options(const CommandSummary& command) {
   std::string lines;
-  for (const cli::OptionSummary& option : command.options)
+  for (const OptionSummary& option : command.options)
     for (const std::string& name : option.names)
       lines += " " + single_quoted(name + ":" + first_sentence(option.help));
   return lines;
@@ -84,7 +84,7 @@ std::string zsh_options(const cli::CommandSummary& command) {
 
 std::string zsh_script(const Commands& commands) {
   std::string names, cases;
-  for (const cli::CommandSummary& command : commands) {
+  for (const CommandSummary& command : commands) {
     names += "    " + single_quoted(command.name + ":" + first_sentence(command.help)) + "\n";
     cases += "    " + command.name + ") options=(" + zsh_options(command) + " )" +
              (takes_job(command) ? "; jobs=1" : "") + (takes_file(command) ? "; files=1" : "") +
@@ -121,7 +121,7 @@ std::string zsh_script(const Commands& commands) {
 }
 
 /// @param line  beginning of each line about the command
-std::string fish_option(std::string line, const cli::OptionSummary& option) {
+std::string fish_option(std::string line, const OptionSummary& option) {
   for (const std::string& name : option.names)
     line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
   return line + (option.takes_value ? " -r" : "") + " -d " +
@@ -130,14 +130,14 @@ std::string fish_option(std::string line, const cli::OptionSummary& option) {
 
 std::string fish_script(const Commands& commands) {
   std::string script = "# fish completion of dccast\ncomplete -c dccast -f\n";
-  for (const cli::CommandSummary& command : commands) {
+  for (const CommandSummary& command : commands) {
     script += "complete -c dccast -n __fish_use_subcommand -a " + command.name + " -d " +
               single_quoted(first_sentence(command.help)) + "\n";
     const std::string here =
         "complete -c dccast -n '__fish_seen_subcommand_from " + command.name + "'";
     if (takes_job(command)) script += here + " -a '(dccast list --ids 2>/dev/null) last'\n";
     if (takes_file(command)) script += here + " -F\n";
-    for (const cli::OptionSummary& option : command.options) script += fish_option(here, option);
+    for (const OptionSummary& option : command.options) script += fish_option(here, option);
   }
   return script;
 }

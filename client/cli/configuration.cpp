@@ -55,20 +55,20 @@ std::string text_of(const toml::node& node) {
 }
 
 /// Names of the long options without their dashes.
-std::vector<std::string> option_names(const cli::CommandSummary& command) {
+std::vector<std::string> option_names(const CommandSummary& command) {
   std::vector<std::string> names;
-  for (const cli::OptionSummary& option : command.options)
+  for (const OptionSummary& option : command.options)
     for (const std::string& name : option.names)
       if (name.starts_with("--") && name != "--help") names.push_back(name.substr(2));
   return names;
 }
 
-void set_defaults(const toml::key& key, const toml::node& node, cli::CommandLine& line,
+void set_defaults(const toml::key& key, const toml::node& node, CommandLine& line,
                   const fs::path& file) {
   const auto commands = line.commands();
   std::vector<std::string> names{"server"};
-  for (const cli::CommandSummary& command : commands) names.push_back(command.name);
-  const auto command = std::ranges::find(commands, key.str(), &cli::CommandSummary::name);
+  for (const CommandSummary& command : commands) names.push_back(command.name);
+  const auto command = std::ranges::find(commands, key.str(), &CommandSummary::name);
   if (command == commands.end()) refuse_unknown(file, key, names, "key");
   const toml::table* const table = node.as_table();
   if (table == nullptr)
@@ -94,7 +94,7 @@ fs::path configuration_file() {
   return home.empty() ? fs::path() : fs::path(home) / ".config" / "dccast" / "client.toml";
 }
 
-void apply_configuration(const fs::path& file, cli::CommandLine& line, std::string& server) {
+void apply_configuration(const fs::path& file, CommandLine& line, std::string& server) {
   std::error_code error;
   if (file.empty()) return;
   if (!fs::exists(file, error)) {

@@ -11,7 +11,7 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/text_checks.hpp"
 
-namespace dccast::client::cli {
+namespace dccast::client {
 namespace {
 
 /// "--set title=" for an option that is a key of the case, such as --title or --casting-speed;
@@ -197,4 +197,4 @@ ExitCode CommandLine::run(const std::vector<std::string>& arguments) {
   return chosen_();
 }
 
-}  // namespace dccast::client::cli
+}  // namespace dccast::client

@@ -18,7 +18,7 @@ namespace CLI {
 class App;
 }  // namespace CLI
 
-namespace dccast::client::cli {
+namespace dccast::client {
 
 /// Lowest and highest.
 struct Range {
@@ -147,13 +147,13 @@ private:
   std::string group_ = "Commands";
 };
 
-}  // namespace dccast::client::cli
+}  // namespace dccast::client
 
 namespace dccast::client {
 
 /// A shell script that completes commands, options, their choices and job ids.
 /// @param shell  "bash", "zsh" or "fish"
-std::string completion_script(const std::vector<cli::CommandSummary>& commands,
+std::string completion_script(const std::vector<CommandSummary>& commands,
                               const std::string& shell);
 
 /// Path of the user's settings: $DCCAST_CONFIG, else dccast/client.toml in $XDG_CONFIG_HOME or
@@ -167,7 +167,6 @@ std::filesystem::path configuration_file();
 /// @param server  set if the file names one
 /// Throws CommandFailed for a file that cannot be read, an unknown key or a wrong value, with its
 /// line.
-void apply_configuration(const std::filesystem::path& file, cli::CommandLine& line,
-                         std::string& server);
+void apply_configuration(const std::filesystem::path& file, CommandLine& line, std::string& server);
 
 }  // namespace dccast::client

@@ -11,7 +11,7 @@
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 constexpr int most_rounds = 3;  // of further runs
@@ -203,7 +203,7 @@ A length is a curl, a temperature that of the monitor. docs/calibration.md.)";
 
 }  // namespace
 
-void add_calibrate(cli::CommandLine& line, Program& program) {
+void add_calibrate(CommandLine& line, Program& program) {
   const auto [command, options] =
       declare<CalibrateOptions>(line, program, run, "calibrate",
                                 "Infer uncertain data from a measured curl or temperature: values, "
@@ -221,7 +221,7 @@ void add_calibrate(cli::CommandLine& line, Program& program) {
   command.repeatable("--noise", options.noise,
                      "Standard deviation of a reading, as 0.5 mm or 3 K; absent: inferred");
   command.number("--runs", options.plan.data.runs, 8, 10000, "Runs of the Latin hypercube");
-  command.option("--seed", options.plan.data.seed, "Its seed", cli::shown);
+  command.option("--seed", options.plan.data.seed, "Its seed", shown);
   command.option(
       "-o,--output", options.output,
       "Write the case with the calibrated values and their ranges; - for standard output");
@@ -233,4 +233,4 @@ void add_calibrate(cli::CommandLine& line, Program& program) {
                      .json = "As JSON, in metres and degrees Celsius"});
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

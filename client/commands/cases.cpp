@@ -20,7 +20,7 @@
 #include "proto/case_file/slab_recipe.hpp"
 #include "proto/case_file/text_checks.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 using case_file::NewCase, case_file::new_case, case_file::SlabRecipe;
@@ -168,7 +168,7 @@ void print_verdict(const CaseUnderCheck& checked, bool local) {
   else if (checked.estimate)
     std::cout << verdict_text(checked) << ": " << checked.estimate->nodes() << " nodes, "
               << checked.estimate->elements() << " elements, " << checked.estimate->steps()
-              << " steps, about " << render::duration_text(checked.estimate->solver_s())
+              << " steps, about " << duration_text(checked.estimate->solver_s())
               << " of computing\n"
               << checked.uncertain.size() << " data have a range (--ranges, docs/uncertainty.md)\n";
   else
@@ -176,7 +176,7 @@ void print_verdict(const CaseUnderCheck& checked, bool local) {
 }
 
 void print_ranges(const CaseUnderCheck& checked) {
-  render::Table table({"DATUM", "RANGE", "GIVEN BY"});
+  Table table({"DATUM", "RANGE", "GIVEN BY"});
   for (const case_file::UncertainKey& datum : checked.uncertain)
     table.add({datum.key, datum.range, datum.origin});
   std::cout << table.text();
@@ -198,15 +198,14 @@ ExitCode run(const ValidateOptions& options, Program& program) {
   } else {
     if (checked.read.ok()) std::cout << case_file::casting_summary(complete_case(checked)) << '\n';
     print_faults(checked, std::cout);
-    for (const v1::Finding& finding : checked.findings)
-      std::cout << render::finding_line(finding) << '\n';
+    for (const v1::Finding& finding : checked.findings) std::cout << finding_line(finding) << '\n';
     if (options.ranges) print_ranges(checked);
     print_verdict(checked, options.local);
   }
 
   if (!options.drawing.empty() && checked.read.ok())
-    write_output(options.drawing, render::casting_page(complete_case(checked)));
-  const bool implausible = options.strict && render::more_than_notes(checked.findings);
+    write_output(options.drawing, casting_page(complete_case(checked)));
+  const bool implausible = options.strict && more_than_notes(checked.findings);
   return checked.faults.empty() && !implausible ? ExitCode::done : ExitCode::invalid;
 }
 
@@ -225,7 +224,7 @@ std::string kind_text(const KeyReference& row) {
   return text;
 }
 
-void print(const KeyReference& row, const render::Terminal& terminal) {
+void print(const KeyReference& row, const Terminal& terminal) {
   const bool list = row.path.ends_with("[]");
   if (row.type == "table") {
     std::string header = row.path;
@@ -233,11 +232,11 @@ void print(const KeyReference& row, const render::Terminal& terminal) {
     for (auto at = header.find("[]"); at != std::string::npos; at = header.find("[]"))
       header.erase(at, 2);
     std::cout << '\n'
-              << render::bold(list ? "[[" + header + "]]" : "[" + header + "]", terminal) << "  "
-              << row.doc << (row.size.empty() ? "" : "; " + row.size) << '\n';
+              << bold(list ? "[[" + header + "]]" : "[" + header + "]", terminal) << "  " << row.doc
+              << (row.size.empty() ? "" : "; " + row.size) << '\n';
     return;
   }
-  std::cout << "  " << render::bold(row.path, terminal) << (row.required ? "  (required)" : "")
+  std::cout << "  " << bold(row.path, terminal) << (row.required ? "  (required)" : "")
             << "\n      " << row.doc << "\n      " << kind_text(row);
   if (!row.permitted.empty()) std::cout << "; " << row.permitted;
   if (!row.size.empty() && !row.curve) std::cout << "; " << row.size;
@@ -266,7 +265,7 @@ ExitCode run(const SchemaOptions& options, Program&) {
 
   Json list = Json::array();
   bool found = false;
-  const render::Terminal terminal = render::terminal_of(1);
+  const Terminal terminal = terminal_of(1);
   for (const KeyReference& row : case_file::reference(descriptor)) {
     // Any part of a path will do: users know a key, not its table.
     if (row.path.find(options.prefix) == std::string::npos) continue;
@@ -323,11 +322,11 @@ ExitCode run(const AlloysOptions& options, Program& program) {
   const auto alloys = alloys_of(options, program);
   if (!options.name.empty()) return print_one(alloys, options);
   Json list = Json::array();
-  render::Table table({"CARD", ">SOLIDUS °C", ">LIQUIDUS °C", "PROVENANCE", "DESCRIPTION"});
+  Table table({"CARD", ">SOLIDUS °C", ">LIQUIDUS °C", "PROVENANCE", "DESCRIPTION"});
   for (const v1::Alloy& alloy : alloys) {
     list.push_back(to_json(alloy));
-    table.add({alloy.card(), render::fixed(alloy.solidus_c(), 1),
-               render::fixed(alloy.liquidus_c(), 1), alloy.provenance(), alloy.description()});
+    table.add({alloy.card(), fixed(alloy.solidus_c(), 1), fixed(alloy.liquidus_c(), 1),
+               alloy.provenance(), alloy.description()});
   }
   std::cout << (options.json ? list.dump() + "\n" : table.text());
   return ExitCode::done;
@@ -335,7 +334,7 @@ ExitCode run(const AlloysOptions& options, Program& program) {
 
 }  // namespace
 
-void add_new(cli::CommandLine& line, Program& program) {
+void add_new(CommandLine& line, Program& program) {
   const auto [command, options] = declare<NewOptions>(
       line, program, run, "new",
       "Write a case file to begin with: a shipped case, or the start of a slab of your own",
@@ -357,12 +356,12 @@ void add_new(cli::CommandLine& line, Program& program) {
   command.json(options.json);
 }
 
-void add_validate(cli::CommandLine& line, Program& program) {
+void add_validate(CommandLine& line, Program& program) {
   const auto [command, options] = declare<ValidateOptions>(
       line, program, run, "validate",
       "Check a case file: list all faults, and findings on whether a plant could cast it",
       "dccast validate my.toml\n  dccast validate --set mesh.rows=30 my.toml");
-  command.option("FILE", options.file, "Case file; - for standard input", cli::required);
+  command.option("FILE", options.file, "Case file; - for standard input", required);
   add_set_option(command, options.set);
   command.flag("--local", options.local,
                "Do not ask the server: check keys, units and ranges only");
@@ -375,7 +374,7 @@ void add_validate(cli::CommandLine& line, Program& program) {
   command.json(options.json);
 }
 
-void add_schema(cli::CommandLine& line, Program& program) {
+void add_schema(CommandLine& line, Program& program) {
   const auto [command, options] =
       declare<SchemaOptions>(line, program, run, "schema",
                              "Reference of every key of a case file: unit, range, default, meaning",
@@ -385,7 +384,7 @@ void add_schema(cli::CommandLine& line, Program& program) {
   command.json(options.json);
 }
 
-void add_alloys(cli::CommandLine& line, Program& program) {
+void add_alloys(CommandLine& line, Program& program) {
   const auto [command, options] = declare<AlloysOptions>(
       line, program, run, "alloys", "List the alloy cards, or print one as TOML",
       "dccast alloys\n  dccast alloys aa5182 > my-alloy.toml");
@@ -394,4 +393,4 @@ void add_alloys(cli::CommandLine& line, Program& program) {
   command.json(options.json);
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -13,7 +13,7 @@
 #include "client/session/ssh_tunnel.hpp"
 
 /// The commands, several to a file by what they are about.
-namespace dccast::client::commands {
+namespace dccast::client {
 
 /// What the command line has for every command.
 struct Program {
@@ -32,18 +32,18 @@ struct Program {
 /// Adds a command to the line. @return it and its options, which are to be declared; they have
 /// their values when `run` is called.
 template <typename Options>
-std::pair<cli::Command, Options&> declare(cli::CommandLine& line, Program& program,
-                                          ExitCode (*run)(const Options&, Program&),
-                                          const std::string& name, const std::string& description,
-                                          const std::string& example) {
+std::pair<Command, Options&> declare(CommandLine& line, Program& program,
+                                     ExitCode (*run)(const Options&, Program&),
+                                     const std::string& name, const std::string& description,
+                                     const std::string& example) {
   const auto options = std::make_shared<Options>();
-  const cli::Command command = line.command(name, description, example);
+  const Command command = line.command(name, description, example);
   command.action([=, &program] { return run(*options, program); });
   return {command, *options};
 }
 
 /// Declares one command: its options and its action.
-using Add = void(cli::CommandLine&, Program&);
+using Add = void(CommandLine&, Program&);
 /// Each adds one command with its options: cases; runs; jobs and what is known of them; results;
 /// studies; servers and this program.
 Add add_new, add_validate, add_schema, add_alloys;
@@ -79,12 +79,12 @@ ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t f
 ExitCode wait_for_jobs(Connection& connection, const std::vector<std::string>& ids,
                        const std::string& command, bool json);
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client
 
 namespace dccast::client {
 
 /// Parses the arguments (without the program's name) and runs the subcommand. Never throws.
 /// @return exit code of the process
-int run_command_line(const std::vector<std::string>& arguments, commands::Program& program);
+int run_command_line(const std::vector<std::string>& arguments, Program& program);
 
 }  // namespace dccast::client

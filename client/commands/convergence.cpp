@@ -16,7 +16,7 @@
 #include "proto/case_file/quality.hpp"
 #include "proto/values/digests.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct Options {
@@ -79,8 +79,7 @@ void print_effort(CaseUnderCheck level, const Options& options, Connection& conn
     if (!level.estimate) return;  // CreateStudy reports why it is rejected
     solver_s += level.estimate->solver_s();
   }
-  std::cerr << options.levels << " runs, roughly " << render::duration_text(solver_s)
-            << " of computing\n";
+  std::cerr << options.levels << " runs, roughly " << duration_text(solver_s) << " of computing\n";
 }
 
 /// Creates the study or adds its missing levels. @return whether the server has it
@@ -124,8 +123,7 @@ void name_levels(const v1::StudyResult& now, NamedLevels& named) {
     if (run.job().empty() || run.job() == known.job()) continue;
     std::cerr << "refinement " << run.refinement() << ": job " << run.job();
     if (!known.job().empty())
-      std::cerr << " replaces job " << known.job() << ", which is "
-                << render::state_text(known.state());
+      std::cerr << " replaces job " << known.job() << ", which is " << state_text(known.state());
     std::cerr << std::endl;
     known = run;
   }
@@ -180,13 +178,13 @@ bool report_losses(const v1::StudyResult& result) {
   for (const v1::StudyRun& run : result.runs()) {
     const std::string level =
         fmt::format("dccast: refinement {} (job {}) is ", run.refinement(), run.job());
-    if (run.beyond_validity()) std::cerr << level << render::beyond_validity << '\n';
+    if (run.beyond_validity()) std::cerr << level << beyond_validity << '\n';
     // A run beyond validity has figures all the same; only one that failed is missing.
     if (run.state() == v1::SUCCEEDED) continue;
 
     whole = false;
-    std::cerr << level << render::state_text(run.state());
-    if (run.has_failure()) std::cerr << ": " << render::failure_text(run.failure());
+    std::cerr << level << state_text(run.state());
+    if (run.has_failure()) std::cerr << ": " << failure_text(run.failure());
     std::cerr << '\n';
   }
   return whole;
@@ -236,7 +234,7 @@ constexpr const char* convergence_examples =
 
 }  // namespace
 
-void add_convergence(cli::CommandLine& line, Program& program) {
+void add_convergence(CommandLine& line, Program& program) {
   const auto [command, options] =
       declare<Options>(line, program, run, "convergence",
                        "How much of a curl is discretisation: runs the case with cells and steps "
@@ -254,4 +252,4 @@ void add_convergence(cli::CommandLine& line, Program& program) {
   command.json(options.json, "As JSON, in metres and seconds, with the histories");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

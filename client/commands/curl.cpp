@@ -13,7 +13,7 @@
 #include "proto/frames/contraction.hpp"
 #include "proto/values/interpolation.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct CurlOptions {
@@ -70,7 +70,7 @@ void print_csv(const JobCurl& curl) {
   const double valid_until_s =
       study.has_valid_until_s() ? study.valid_until_s() : std::numeric_limits<double>::infinity();
   std::cout << "time_s,cast_length_m";
-  for (const auto& [name, values] : columns) std::cout << ',' << render::csv_text(name);
+  for (const auto& [name, values] : columns) std::cout << ',' << csv_text(name);
   std::cout << ",beyond_validity" << (has_limits ? ",limit_beyond_validity\n" : "\n");
   for (std::size_t i = 0; i < history.steps.size(); ++i) {
     const v1::StepReport& step = history.steps[i];
@@ -123,13 +123,12 @@ void print_table(const figures::RunHistory& history) {
   for (const std::string& monitor : monitors) headings.push_back(">" + monitor + " mm");
   if (lost) headings.push_back("validity");
 
-  render::Table table(headings);
+  Table table(headings);
   for (const v1::StepReport& step : history.steps) {
-    std::vector<std::string> row{render::fixed(step.time_s(), 2),
-                                 render::mm(step.cast_length_m(), 2)};
+    std::vector<std::string> row{fixed(step.time_s(), 2), mm(step.cast_length_m(), 2)};
     for (const std::string& monitor : monitors)
-      row.push_back(render::mm(figures::curl_of(figures::monitor_of(step, monitor)), 3));
-    if (lost) row.push_back(step.beyond_validity() ? render::beyond_validity : "");
+      row.push_back(mm(figures::curl_of(figures::monitor_of(step, monitor)), 3));
+    if (lost) row.push_back(step.beyond_validity() ? beyond_validity : "");
     table.add(std::move(row));
   }
   std::cout << table.text() << std::flush;
@@ -137,9 +136,8 @@ void print_table(const figures::RunHistory& history) {
 
 /// The findings of a job, on standard error beside the table.
 void print_findings(const v1::Job& job) {
-  for (const v1::Finding& finding : job.findings())
-    std::cerr << render::finding_line(finding) << '\n';
-  if (job.has_validity_loss()) std::cerr << render::validity_text(job.validity_loss()) << '\n';
+  for (const v1::Finding& finding : job.findings()) std::cerr << finding_line(finding) << '\n';
+  if (job.has_validity_loss()) std::cerr << validity_text(job.validity_loss()) << '\n';
 }
 
 ExitCode run(const CurlOptions& options, Program& program) {
@@ -199,7 +197,7 @@ std::vector<NamedRow> chosen_rows(const Contraction& contraction,
 }
 
 std::string percent(double part, double whole) {
-  return render::fixed(100.0 * part / whole, 2);
+  return fixed(100.0 * part / whole, 2);
 }
 
 void print_table(const Contraction& contraction, const ContractionOptions& options) {
@@ -210,22 +208,22 @@ void print_table(const Contraction& contraction, const ContractionOptions& optio
   const bool compared = !options.wanted.empty();
   const double wanted_m = compared ? metres_of(options.wanted, "--wanted") : 0.0;
   if (compared) headings.push_back(">over wanted mm");
-  render::Table table(headings);
+  Table table(headings);
 
   // "now" is hot; "20 °C" leaves out residual stresses (docs/contraction.md).
   for (const auto& [name, row] : chosen_rows(contraction, options))
     for (const FacePoint& p : row->points) {
       std::vector<std::string> cells{name,
-                                     render::fixed(1e3 * row->height_m, 1),
-                                     render::fixed(1e3 * p.x_m, 1),
-                                     render::fixed(1e3 * p.mould_m, 2),
-                                     render::fixed(1e3 * p.now_m, 2),
-                                     render::fixed(1e3 * p.cold_m, 2),
-                                     render::fixed(1e3 * p.pull_in_m(), 2),
+                                     fixed(1e3 * row->height_m, 1),
+                                     fixed(1e3 * p.x_m, 1),
+                                     fixed(1e3 * p.mould_m, 2),
+                                     fixed(1e3 * p.now_m, 2),
+                                     fixed(1e3 * p.cold_m, 2),
+                                     fixed(1e3 * p.pull_in_m(), 2),
                                      percent(p.pull_in_m(), p.mould_m),
-                                     render::fixed(1e3 * p.cold_pull_in_m(), 2),
+                                     fixed(1e3 * p.cold_pull_in_m(), 2),
                                      percent(p.cold_pull_in_m(), p.mould_m)};
-      if (compared) cells.push_back(render::fixed(1e3 * (p.cold_m - wanted_m), 2));
+      if (compared) cells.push_back(fixed(1e3 * (p.cold_m - wanted_m), 2));
       table.add(std::move(cells));
     }
 
@@ -273,26 +271,26 @@ ExitCode run(const ContractionOptions& options, Program& program) {
 
 }  // namespace
 
-void add_curl(cli::CommandLine& line, Program& program) {
+void add_curl(CommandLine& line, Program& program) {
   const auto [command, options] = declare<CurlOptions>(
       line, program, run, "curl",
       "Butt curl (upward displacement) of every monitor, step by step. Of a job that belongs to a "
       "study, CSV and JSON also have the limit of every monitor and its uncertainty. Steps after "
       "the model had stopped being valid are marked",
       "dccast curl JOB\n  dccast curl --csv JOB > curl.csv");
-  command.option("JOB", options.id, job_help, cli::required);
+  command.option("JOB", options.id, job_help, required);
   command.flag("--csv", options.csv, "Comma-separated, in metres and seconds");
   command.json(options.json, "As JSON, in metres and seconds", {.excludes = {"--csv"}});
 }
 
-void add_contraction(cli::CommandLine& line, Program& program) {
+void add_contraction(CommandLine& line, Program& program) {
   const auto [command, options] = declare<ContractionOptions>(
       line, program, run, "contraction",
       "Half-thickness of a quarter slab along its wide face at butt, middle and head in the last "
       "frame, compared with the mould: hot and at 20 degC. The head is the highest row that is "
       "completely solid",
       "dccast contraction JOB\n  dccast contraction last --wanted \"285 mm\" --height \"0.3 m\"");
-  command.option("JOB", options.id, job_help, cli::required);
+  command.option("JOB", options.id, job_help, required);
   command.option("--height", options.heights,
                  "Show the row nearest to this height above the block instead; repeatable");
   command.option("--wanted", options.wanted,
@@ -300,4 +298,4 @@ void add_contraction(cli::CommandLine& line, Program& program) {
   command.json(options.json, "As JSON in metres, all rows", {.excludes = {"--height", "--wanted"}});
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

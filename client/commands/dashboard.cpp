@@ -9,7 +9,7 @@
 #include "client/web/redirect_file.hpp"
 #include "proto/values/address.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct DashboardOptions {
@@ -30,7 +30,7 @@ void require_viewer(Program& program) {
                   "add wall --role viewer)");
 }
 
-web::Listening listening_of(const DashboardOptions& options, Program& program) {
+Listening listening_of(const DashboardOptions& options, Program& program) {
   if (options.listen.empty()) return {.port = options.port};
   if (options.certificate.empty() || options.key.empty())
     throw invalid("--listen " + options.listen +
@@ -62,8 +62,8 @@ ExitCode run(const DashboardOptions& options, Program& program) {
   for (const std::string& file : options.cases)
     if (::access(file.c_str(), R_OK) != 0)
       throw invalid(file + ": cannot be read; give a case file");
-  web::WebServer server(listening_of(options, program));
-  web::add_dashboard(
+  WebServer server(listening_of(options, program));
+  add_dashboard(
       server,
       [&program](std::shared_ptr<Interruption> gone) {
         return Connection(program.endpoint(), std::move(gone));
@@ -74,7 +74,7 @@ ExitCode run(const DashboardOptions& options, Program& program) {
   std::cerr << "This address opens the dashboard once"
             << (options.listen.empty() ? ", on this machine" : "") << ". Ctrl-C ends it.\n";
 
-  std::optional<web::RedirectFile> redirect;
+  std::optional<RedirectFile> redirect;
   if (options.open) {
     redirect.emplace(address);
     // The address works once, and lies in a file no longer than that.
@@ -87,7 +87,7 @@ ExitCode run(const DashboardOptions& options, Program& program) {
 
 }  // namespace
 
-void add_dashboard(cli::CommandLine& line, Program& program) {
+void add_dashboard(CommandLine& line, Program& program) {
   const auto [command, options] = declare<DashboardOptions>(
       line, program, run, "dashboard",
       "Show queue, results and what-if in a browser: a web server on the loopback address, for you "
@@ -105,4 +105,4 @@ void add_dashboard(cli::CommandLine& line, Program& program) {
   command.flag("--open", options.open, "Open the page in your browser");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

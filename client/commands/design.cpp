@@ -5,7 +5,7 @@
 #include "client/session/plan_requests.hpp"
 #include "client/session/studies.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct MouldOptions : StudyOptions {
@@ -154,7 +154,7 @@ when no recipe is confirmed.)";
 
 }  // namespace
 
-void add_design_mould(cli::CommandLine& line, Program& program) {
+void add_design_mould(CommandLine& line, Program& program) {
   const auto [command, options] = declare<MouldOptions>(
       line, program, run, "design-mould",
       "Find the mould opening of three segments that gives a flat cold slab", mould_examples);
@@ -164,8 +164,7 @@ void add_design_mould(cli::CommandLine& line, Program& program) {
   command.flag("--flat", options.flat, "Find a cold slab that is flat along its wide face");
   command.option(
       "--tolerance", options.tolerance,
-      "Largest permitted deviation of the half-thickness of the cold slab along the face",
-      cli::shown);
+      "Largest permitted deviation of the half-thickness of the cold slab along the face", shown);
   command.option("--wanted", options.wanted,
                  "Half-thickness of the cold slab; absent: the half-opening of the case's mould at "
                  "its narrow face");
@@ -177,7 +176,7 @@ void add_design_mould(cli::CommandLine& line, Program& program) {
        .json = "As JSON, in metres, with every run"});
 }
 
-void add_design_recipe(cli::CommandLine& line, Program& program) {
+void add_design_recipe(CommandLine& line, Program& program) {
   const auto [command, options] = declare<RecipeOptions>(
       line, program, run, "design-recipe",
       "Find speed, filling, hold and water that keep the curl inside a band, whatever the data are",
@@ -188,13 +187,13 @@ void add_design_recipe(cli::CommandLine& line, Program& program) {
   command.option("--band", choice.band,
                  "Curls that the plant accepts, as 35..45 mm; absent: those of the case");
   command.option("-o,--output", options.output, "Write the case with the chosen recipe");
-  command.option("--speed", choice.speed, "Limits of the casting speed", cli::shown);
-  command.option("--speed-rate", choice.speed_rate, "Greatest rate of the speed", cli::shown);
-  command.option("--water", choice.water, "Limits of the water per metre of perimeter", cli::shown);
-  command.option("--water-rate", choice.water_rate, "Greatest rate of the water", cli::shown);
-  command.option("--hold", choice.hold, "Limits of the hold", cli::shown);
-  command.option("--filling", choice.filling, "Limits of the filling", cli::shown);
-  command.option("--ramp", choice.ramp, "Limits of the time of a ramp", cli::shown);
+  command.option("--speed", choice.speed, "Limits of the casting speed", shown);
+  command.option("--speed-rate", choice.speed_rate, "Greatest rate of the speed", shown);
+  command.option("--water", choice.water, "Limits of the water per metre of perimeter", shown);
+  command.option("--water-rate", choice.water_rate, "Greatest rate of the water", shown);
+  command.option("--hold", choice.hold, "Limits of the hold", shown);
+  command.option("--filling", choice.filling, "Limits of the filling", shown);
+  command.option("--ramp", choice.ramp, "Limits of the time of a ramp", shown);
   command.number("--within", choice.within_percent, 1, 90,
                  "Largest difference of the levels of speed and water from those of the case, "
                  "in percent");
@@ -203,7 +202,7 @@ void add_design_recipe(cli::CommandLine& line, Program& program) {
   command.number("--castings", choice.castings, 2, 200,
                  "Drafts over the data at each recipe, twice");
   command.number("--candidates", choice.candidates, 1, 10, "Recipes of the front");
-  command.option("--seed", choice.seed, "Of all that is drawn", cli::shown);
+  command.option("--seed", choice.seed, "Of all that is drawn", shown);
 
   add_study_options(command, options,
                     {.study = "Show this study",
@@ -211,4 +210,4 @@ void add_design_recipe(cli::CommandLine& line, Program& program) {
                      .json = "As JSON, in SI units"});
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -17,7 +17,7 @@
 #include "client/session/download.hpp"
 #include "client/session/jobs.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -224,7 +224,7 @@ ExitCode run(const ReportOptions& options, Program& program) {
   Connection connection = program.connect();
   const v1::Job job = connection.call(&Stub::GetJob, resolve_job(connection, options.id));
   grpc::Status frame_status;
-  const std::string page = render::report_of(connection, job, std::cerr, frame_status);
+  const std::string page = report_of(connection, job, std::cerr, frame_status);
   // The histories come from the event log and are sound. A results file that was changed or lost
   // after the run ends with the exit code of `fetch`.
   const bool results_lost = frame_status.error_code() == grpc::StatusCode::DATA_LOSS;
@@ -249,30 +249,29 @@ ExitCode run(const ReportOptions& options, Program& program) {
 
 }  // namespace
 
-void add_fetch(cli::CommandLine& line, Program& program) {
+void add_fetch(CommandLine& line, Program& program) {
   const auto [command, options] =
       declare<FetchOptions>(line, program, run, "fetch",
                             "Fetch the results of a job that has succeeded: the HDF5 file and its "
                             "XDMF sidecar for ParaView",
                             "dccast fetch JOB -o results.h5");
-  command.option("JOB", options.id, job_help, cli::required);
+  command.option("JOB", options.id, job_help, required);
   command.option("-o,--output", options.output,
-                 "File or folder to write to; an interrupted FILE.part is continued", cli::shown);
+                 "File or folder to write to; an interrupted FILE.part is continued", shown);
   add_force_flag(command, options.force);
   command.json(options.json, "What was written, as JSON");
 }
 
-void add_report(cli::CommandLine& line, Program& program) {
+void add_report(CommandLine& line, Program& program) {
   const auto [command, options] = declare<ReportOptions>(
       line, program, run, "report",
       "Write one HTML page about a job: findings, curl, recipe, histories, the last frame, checks",
       "dccast report JOB -o report.html");
-  command.option("JOB", options.id, job_help, cli::required);
+  command.option("JOB", options.id, job_help, required);
   command.option("-o,--output", options.output,
-                 "File to write, HTML or with Chromium also .pdf; - for standard output",
-                 cli::shown);
+                 "File to write, HTML or with Chromium also .pdf; - for standard output", shown);
   add_force_flag(command, options.force);
   command.json(options.json, "What was written, as JSON");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -20,7 +20,7 @@
 #include "proto/case_file/quantity.hpp"
 #include "proto/values/digests.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct FollowOptions {
@@ -295,7 +295,7 @@ A measured curl gives a forecast: dccast forecast JOB.)";
 
 }  // namespace
 
-void add_follow(cli::CommandLine& line, Program& program) {
+void add_follow(CommandLine& line, Program& program) {
   const auto [command, options] = declare<FollowOptions>(
       line, program, run, "follow",
       "Compute a casting while it is cast: measured speed, water and metal temperature replace the "
@@ -325,7 +325,7 @@ void add_follow(cli::CommandLine& line, Program& program) {
       "casting");
 
   // What the forecast rests on.
-  const cli::Rules length{.fault = [](const std::string& text) {
+  const Rules length{.fault = [](const std::string& text) {
     return case_file::parse_quantity(text, "m").message;
   }};
   command.flag("--prepare", options.prepare,
@@ -349,4 +349,4 @@ void add_follow(cli::CommandLine& line, Program& program) {
   command.json(options.json, "One JSON object per event and line");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

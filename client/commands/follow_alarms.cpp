@@ -13,7 +13,7 @@
 #include "client/text/findings.hpp"
 #include "client/text/forecast_text.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 
 namespace {
 
@@ -55,24 +55,24 @@ AlarmHandlers alarm_handlers(const AlarmOptions& options, const std::string& bro
   handlers.forecast = [last_s = std::optional<double>()](const v1::Forecast& forecast) mutable {
     if (last_s && forecast.time_s() < *last_s + between_forecasts_s) return;
     last_s = forecast.time_s();
-    std::cerr << render::forecast_line(forecast) << std::endl;
+    std::cerr << forecast_line(forecast) << std::endl;
   };
 
   handlers.warning = [notify](const v1::ForecastWarning& warning) {
     const std::string text =
-        fmt::format("warning at {:.0f} s, {}", warning.time_s(), render::warning_text(warning));
+        fmt::format("warning at {:.0f} s, {}", warning.time_s(), warning_text(warning));
     std::cerr << text << std::endl;
     notify(text, Json{{"warning", to_json(warning)}});
   };
 
   // The watch of the job has printed it already.
   handlers.finding = [notify](const v1::Finding& finding) {
-    notify(render::finding_line(finding), Json{{"finding", to_json(finding)}});
+    notify(finding_line(finding), Json{{"finding", to_json(finding)}});
   };
   return handlers;
 }
 
-void add_alarm_options(const cli::Command& command, AlarmOptions& options) {
+void add_alarm_options(const Command& command, AlarmOptions& options) {
   command.option(
       "--notify", options.command,
       "Run this in a shell for each warning of the forecast and each finding beyond notes, "
@@ -83,4 +83,4 @@ void add_alarm_options(const cli::Command& command, AlarmOptions& options) {
                  {.placeholder = "TOPIC"});
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -5,7 +5,7 @@
 #include "client/cli/options.hpp"
 #include "client/session/alarms.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 
 /// Where alarms of a followed casting go, besides standard error.
 struct AlarmOptions {
@@ -13,7 +13,7 @@ struct AlarmOptions {
   std::string topic;    ///< of --alarms
 };
 
-void add_alarm_options(const cli::Command& command, AlarmOptions& options);
+void add_alarm_options(const Command& command, AlarmOptions& options);
 
 /// Handlers that write to standard error, run the command and publish on the topic. Throws
 /// CommandFailed: the broker does not answer, or refuses.
@@ -22,4 +22,4 @@ void add_alarm_options(const cli::Command& command, AlarmOptions& options);
 AlarmHandlers alarm_handlers(const AlarmOptions& options, const std::string& broker,
                              const std::string& job);
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -9,7 +9,7 @@
 #include "client/text/forecast_text.hpp"
 #include "client/text/table.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct ForecastOptions {
@@ -17,12 +17,12 @@ struct ForecastOptions {
   bool json = false;
 };
 
-void add_rows(const v1::ForecastCurl& curl, double now_s, render::Table& table) {
+void add_rows(const v1::ForecastCurl& curl, double now_s, Table& table) {
   const double end_s = *curl.time_s().rbegin();
   const auto add = [&](const std::string& when, double at_s) {
-    const render::CurlToCome there = render::curl_to_come(curl, at_s);
-    table.add({curl.monitor(), when, render::fixed(at_s, 0), render::fixed(there.curl_mm, 1),
-               render::fixed(there.lower_mm, 1), render::fixed(there.upper_mm, 1)});
+    const CurlToCome there = curl_to_come(curl, at_s);
+    table.add({curl.monitor(), when, fixed(at_s, 0), fixed(there.curl_mm, 1),
+               fixed(there.lower_mm, 1), fixed(there.upper_mm, 1)});
   };
 
   add("now", std::clamp(now_s, 0.0, end_s));
@@ -47,7 +47,7 @@ void print_line_memory(const v1::ForecastCurl& curl) {
 }
 
 void print_forecast(const v1::Forecast& forecast) {
-  render::Table table({"curl of", "when", ">at s", ">mm", ">5 %", ">95 %"});
+  Table table({"curl of", "when", ">at s", ">mm", ">5 %", ">95 %"});
   for (const v1::ForecastCurl& curl : forecast.curls()) add_rows(curl, forecast.time_s(), table);
   std::cout << table.text();
 
@@ -72,8 +72,7 @@ void print_forecast(const v1::Forecast& forecast) {
 /// What is off, what may come, and how much the forecast rests on.
 void print_remarks(const v1::Forecast& forecast) {
   for (const v1::ForecastWarning& warning : forecast.warnings())
-    std::cout << fmt::format("warning at {:.0f} s, {}\n", warning.time_s(),
-                             render::warning_text(warning));
+    std::cout << fmt::format("warning at {:.0f} s, {}\n", warning.time_s(), warning_text(warning));
   for (const v1::ForecastFinding& finding : forecast.findings())
     std::cout << fmt::format("to come in {} of {} members: {}\n", finding.members(), finding.of(),
                              finding.rule());
@@ -97,13 +96,13 @@ ExitCode run(const ForecastOptions& options, Program& program) {
 
 }  // namespace
 
-void add_forecast(cli::CommandLine& line, Program& program) {
+void add_forecast(CommandLine& line, Program& program) {
   const auto [command, options] = declare<ForecastOptions>(
       line, program, run, "forecast",
       "The curl to come of a casting that a job follows, from the curl measured so far",
       "dccast forecast last\n  watch -n 2 dccast forecast JOB");
-  command.option("JOB", options.id, job_help, cli::required);
+  command.option("JOB", options.id, job_help, required);
   command.json(options.json);
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

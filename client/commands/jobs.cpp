@@ -11,7 +11,7 @@
 #include "client/text/job_text.hpp"
 #include "proto/values/printable.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct ListOptions {
@@ -76,10 +76,10 @@ std::map<std::string, v1::Study> studies_of(Connection& connection,
 }
 
 /// The lines of a list. A study stands where its newest run does.
-std::vector<render::ListLine> lines_of(Connection& connection, const std::vector<v1::Job>& jobs,
-                                       View view) {
-  std::vector<render::ListLine> lines;
-  std::map<std::string, std::vector<render::ListLine>> runs;
+std::vector<ListLine> lines_of(Connection& connection, const std::vector<v1::Job>& jobs,
+                               View view) {
+  std::vector<ListLine> lines;
+  std::map<std::string, std::vector<ListLine>> runs;
   for (const v1::Job& job : jobs)
     if (!job.study().empty()) runs[job.study()].push_back({.job = job, .below_study = true});
 
@@ -118,8 +118,7 @@ ExitCode run(const ListOptions& options, Program& program) {
   else if (options.ids)
     for (const v1::Job& job : listing.jobs) std::cout << job.id() << '\n';
   else if (!listing.jobs.empty())
-    std::cout << render::job_table(lines_of(connection, listing.jobs, view), options.columns)
-              << std::flush;
+    std::cout << job_table(lines_of(connection, listing.jobs, view), options.columns) << std::flush;
   if (listing.jobs.empty()) std::cerr << "no jobs\n";
   if (listing.more)
     std::cerr << "these are the newest " << options.limit << "; there are more: --limit\n";
@@ -160,7 +159,7 @@ v1::Job ended_job(Connection& connection, const std::string& id) {
 void notify(const std::string& command, const v1::Job& job) {
   run_user_command(command, {{"DCCAST_JOB", job.id()},
                              {"DCCAST_TITLE", job.title()},
-                             {"DCCAST_STATE", render::state_text(job.state())}});
+                             {"DCCAST_STATE", state_text(job.state())}});
 }
 
 ExitCode run(const WaitOptions& options, Program& program) {
@@ -225,8 +224,8 @@ v1::Job reached(Connection& connection, v1::Job job, v1::JobState aim) {
   const auto end = std::chrono::steady_clock::now() + longest;
   while (job.state() != aim && !job.has_end_time()) {
     if (std::chrono::steady_clock::now() > end) {
-      std::cerr << "job " << job.id() << " is still " << render::state_text(job.state())
-                << "; it becomes " << render::state_text(aim) << " after its present step\n";
+      std::cerr << "job " << job.id() << " is still " << state_text(job.state()) << "; it becomes "
+                << state_text(aim) << " after its present step\n";
       break;
     }
     // Polled, since a worker reacts within a step and most steps take less than a second.
@@ -238,7 +237,7 @@ v1::Job reached(Connection& connection, v1::Job job, v1::JobState aim) {
 
 /// "0f2b9a4e-... paused": output of commands that change a job.
 std::string new_state(const v1::Job& job) {
-  return job.id() + " " + render::state_text(job.state()) + "\n";
+  return job.id() + " " + state_text(job.state()) + "\n";
 }
 
 /// Adds a command that makes one call about one job and prints the job. The request holds the
@@ -246,14 +245,14 @@ std::string new_state(const v1::Job& job) {
 /// @param text      formats the job as text; --json prints all of it
 /// @param complete  sets what an option cannot write into the request itself
 template <typename Request>
-cli::Command add_job_command(cli::CommandLine& line, Program& program, const JobCommand& about,
-                             Method<Request, v1::Job> method, std::shared_ptr<Request> request,
-                             std::string (*text)(const v1::Job&) = new_state,
-                             std::function<void(Request&)> complete = nullptr) {
-  const cli::Command command = line.command(about.name, about.description, about.example);
+Command add_job_command(CommandLine& line, Program& program, const JobCommand& about,
+                        Method<Request, v1::Job> method, std::shared_ptr<Request> request,
+                        std::string (*text)(const v1::Job&) = new_state,
+                        std::function<void(Request&)> complete = nullptr) {
+  const Command command = line.command(about.name, about.description, about.example);
 
   const auto json = std::make_shared<bool>(false);
-  command.option("JOB", *request->mutable_id(), job_help, cli::required);
+  command.option("JOB", *request->mutable_id(), job_help, required);
   command.json(*json);
 
   command.action([=, &program] {
@@ -284,7 +283,7 @@ ExitCode run(const ShowOptions& options, Program& program) {
     return ExitCode::done;
   }
 
-  std::cout << render::job_sheet(job);
+  std::cout << job_sheet(job);
   if (job.has_last_step()) {
     std::cout << '\n';
     print_judgement(connection, run_of_job(job.id()), std::cout);
@@ -299,8 +298,7 @@ std::string marks_of(const v1::Job& job) {
   return text + (job.pinned() ? " (pinned)\n" : "\n");
 }
 
-void add_pin_command(cli::CommandLine& line, Program& program, const JobCommand& about,
-                     bool pinned) {
+void add_pin_command(CommandLine& line, Program& program, const JobCommand& about, bool pinned) {
   const auto request = std::make_shared<v1::UpdateJobRequest>();
   request->set_pinned(pinned);
   add_job_command(line, program, about, &Stub::UpdateJob, request, marks_of);
@@ -313,15 +311,14 @@ ExitCode wait_for_jobs(Connection& connection, const std::vector<std::string>& i
   ExitCode code = ExitCode::done;
   for (const std::string& id : ids) {
     const v1::Job job = ended_job(connection, id);
-    std::cout << (json ? to_json(job).dump() : job.id() + " " + render::full_state_text(job))
-              << std::endl;
+    std::cout << (json ? to_json(job).dump() : job.id() + " " + full_state_text(job)) << std::endl;
     if (!command.empty()) notify(command, job);
     if (job.state() != v1::SUCCEEDED) code = exit_code_of(job.state());
   }
   return code;
 }
 
-void add_list(cli::CommandLine& line, Program& program) {
+void add_list(CommandLine& line, Program& program) {
   const auto [command, options] =
       declare<ListOptions>(line, program, run, "list", "List jobs, newest first", list_examples);
 
@@ -341,19 +338,19 @@ void add_list(cli::CommandLine& line, Program& program) {
   command.flag("--all", options.all, "Each run of a study too, below the line of its study");
 
   command.option("-c,--columns", options.columns, "Columns to show",
-                 {.comma_separated = true, .one_of = render::job_columns()});
+                 {.comma_separated = true, .one_of = job_columns()});
   command.number("-n,--limit", options.limit, 1, 1000000, "At most this many");
   command.flag("--ids", options.ids, "Print only complete ids, one per line");
   command.json(options.json);
 }
 
-void add_wait(cli::CommandLine& line, Program& program) {
+void add_wait(CommandLine& line, Program& program) {
   const auto [command, options] = declare<WaitOptions>(
       line, program, run, "wait",
       "Wait until jobs have ended and print how; exit code 3 if one has not succeeded",
       "dccast wait last\n  dccast submit casts/*.toml | xargs dccast wait\n"
       "  dccast wait --notify 'mail -s \"$DCCAST_TITLE: $DCCAST_STATE\" anna </dev/null' JOB");
-  command.option("JOB", options.ids, job_help, cli::required);
+  command.option("JOB", options.ids, job_help, required);
   command.option(
       "--notify", options.notify,
       "Run this for each job that has ended, in a shell, with DCCAST_JOB, DCCAST_TITLE and "
@@ -362,19 +359,19 @@ void add_wait(cli::CommandLine& line, Program& program) {
   command.json(options.json, "Each job as JSON on a line");
 }
 
-void add_delete(cli::CommandLine& line, Program& program) {
+void add_delete(CommandLine& line, Program& program) {
   const auto [command, options] = declare<DeleteOptions>(
       line, program, run, "delete",
       "Delete ended jobs and their files; waits for a job that is being cancelled",
       "dccast delete JOB\n  dccast delete --cancel JOB JOB");
-  command.option("JOB", options.ids, job_help, cli::required);
+  command.option("JOB", options.ids, job_help, required);
   command.flag("--cancel", options.cancel, "Cancel jobs that have not ended first");
   command.json(options.json, "As JSON, one a line");
 }
 
-void add_label(cli::CommandLine& line, Program& program) {
+void add_label(CommandLine& line, Program& program) {
   const auto options = std::make_shared<LabelOptions>();
-  const cli::Command command = add_job_command<v1::UpdateJobRequest>(
+  const Command command = add_job_command<v1::UpdateJobRequest>(
       line, program,
       {"label", "Change the labels of one of your jobs: key=value replaces the label with that key",
        "dccast label JOB line=3 checked\n  dccast label JOB --remove line"},
@@ -390,26 +387,26 @@ void add_label(cli::CommandLine& line, Program& program) {
                      {.comma_separated = true});
 }
 
-void add_pin(cli::CommandLine& line, Program& program) {
+void add_pin(CommandLine& line, Program& program) {
   add_pin_command(line, program,
                   {"pin", "Keep a job when the server deletes old ones", "dccast pin JOB"}, true);
 }
 
-void add_unpin(cli::CommandLine& line, Program& program) {
+void add_unpin(CommandLine& line, Program& program) {
   add_pin_command(line, program, {"unpin", "Undo pin", "dccast unpin JOB"}, false);
 }
 
-void add_show(cli::CommandLine& line, Program& program) {
+void add_show(CommandLine& line, Program& program) {
   const auto [command, options] = declare<ShowOptions>(
       line, program, run, "show", "Everything about one job, and what follows from its run so far",
       "dccast show JOB");
-  command.option("JOB", options.id, job_help, cli::required);
+  command.option("JOB", options.id, job_help, required);
   command.json(options.json);
 }
 
-void add_cancel(cli::CommandLine& line, Program& program) {
+void add_cancel(CommandLine& line, Program& program) {
   const auto request = std::make_shared<v1::CancelJobRequest>();
-  const cli::Command command =
+  const Command command =
       add_job_command(line, program,
                       {"cancel", "Stop a job permanently; a job that has ended is not changed",
                        "dccast cancel JOB --reason \"wrong alloy\"", true, v1::CANCELLED},
@@ -419,17 +416,17 @@ void add_cancel(cli::CommandLine& line, Program& program) {
       {.fault = [](const std::string& text) { return values::too_long("the reason", text); }});
 }
 
-void add_pause(cli::CommandLine& line, Program& program) {
+void add_pause(CommandLine& line, Program& program) {
   add_job_command(line, program,
                   {"pause", "Stop a job at a checkpoint and keep it out of the queue",
                    "dccast pause JOB", true, v1::PAUSED},
                   &Stub::PauseJob, std::make_shared<v1::PauseJobRequest>());
 }
 
-void add_resume(cli::CommandLine& line, Program& program) {
+void add_resume(CommandLine& line, Program& program) {
   add_job_command(line, program,
                   {"resume", "Put a paused job back into the queue", "dccast resume JOB", false},
                   &Stub::ResumeJob, std::make_shared<v1::ResumeJobRequest>());
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

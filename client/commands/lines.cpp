@@ -10,7 +10,7 @@
 #include "client/text/job_text.hpp"
 #include "client/text/table.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct LineOptions {
@@ -32,11 +32,10 @@ ExitCode list(const LineOptions& options, Program& program) {
     return ExitCode::done;
   }
 
-  render::Table table({"LINE", "OWNER", ">CASTINGS", "SINCE"});
+  Table table({"LINE", "OWNER", ">CASTINGS", "SINCE"});
   for (const v1::Line& line : answer.lines())
-    table.add(
-        {line.name(), line.owner(), std::to_string(line.castings_size()),
-         render::time_text(line.has_restart_time() ? line.restart_time() : line.create_time())});
+    table.add({line.name(), line.owner(), std::to_string(line.castings_size()),
+               time_text(line.has_restart_time() ? line.restart_time() : line.create_time())});
   if (answer.lines().empty() && answer.damaged().empty())
     std::cerr << "no lines: dccast follow CASE --line NAME begins one\n";
   else if (!answer.lines().empty())
@@ -62,17 +61,17 @@ ExitCode print(const LineOptions& options, const v1::Line& line) {
   }
 
   std::cout << fmt::format("line {} of {}, since {}\n", line.name(), line.owner(),
-                           render::time_text(line.create_time()));
+                           time_text(line.create_time()));
   if (line.has_restart_time())
-    std::cout << fmt::format("begun afresh {}\n", render::time_text(line.restart_time()));
+    std::cout << fmt::format("begun afresh {}\n", time_text(line.restart_time()));
   // Ids are cut to the length that still tells these jobs apart.
   std::vector<std::string> jobs;
   for (const v1::LineCasting& casting : line.castings()) jobs.push_back(casting.job());
   const std::size_t length = short_id_length(jobs);
-  render::Table table({"JOB", "BEGUN", "MEASURED", "TITLE"});
+  Table table({"JOB", "BEGUN", "MEASURED", "TITLE"});
   for (const v1::LineCasting& casting : line.castings())
-    table.add({casting.job().substr(0, length), render::time_text(casting.begin_time()),
-               told_text(casting), casting.title()});
+    table.add({casting.job().substr(0, length), time_text(casting.begin_time()), told_text(casting),
+               casting.title()});
   if (line.castings().empty())
     std::cout << "no castings\n";
   else
@@ -110,7 +109,7 @@ ExitCode forget(const LineOptions& options, Program& program) {
 
 }  // namespace
 
-void add_line(cli::CommandLine& line, Program& program) {
+void add_line(CommandLine& line, Program& program) {
   const auto [command, options] = declare<LineOptions>(
       line, program, list, "line",
       "Lines, on which castings share mould, water and metal; show, restart or forget one. A "
@@ -123,17 +122,17 @@ void add_line(cli::CommandLine& line, Program& program) {
   // Without an action of its own `dccast line` lists them, as `dccast studies` does.
   const auto add = [&, &options = options](const std::string& name, const std::string& description,
                                            ExitCode (*run)(const LineOptions&, Program&)) {
-    const cli::Command added = command.command(name, description);
+    const Command added = command.command(name, description);
     added.json(options.json);
     added.action([&options, &program, run] { return run(options, program); });
     return added;
   };
   add("list", "All lines", list);
-  for (const cli::Command& named :
+  for (const Command& named :
        {add("show", "The castings on a line, and what each has told", show),
         add("restart", "Begin afresh: the castings so far do not count any more", restart),
         add("forget", "Remove a line; its jobs and studies stay", forget)})
-    named.option("NAME", options.name, "Name of the line", cli::required);
+    named.option("NAME", options.name, "Name of the line", required);
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

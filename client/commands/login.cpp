@@ -5,7 +5,7 @@
 #include "proto/values/address.hpp"
 #include "proto/values/local_socket.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct LoginOptions {
@@ -117,7 +117,7 @@ ExitCode run(const DoctorOptions& options, Program& program) {
 
 }  // namespace
 
-void add_login(cli::CommandLine& line, Program& program) {
+void add_login(CommandLine& line, Program& program) {
   const auto [command, options] = declare<LoginOptions>(
       line, program, run, "login", "Log in to a server with the line of `dccastd user add`",
       "dccast login casthouse:7118/sha256:.../dccast-enrol-...\n"
@@ -129,18 +129,18 @@ void add_login(cli::CommandLine& line, Program& program) {
   command.flag("--default", options.first, "Make this the default server");
 }
 
-void add_logout(cli::CommandLine& line, Program& program) {
+void add_logout(CommandLine& line, Program& program) {
   line.command("logout", "Revoke the token and forget the server", "dccast --server north logout")
       .action([&program] { return log_out(program); });
 }
 
-void add_whoami(cli::CommandLine& line, Program& program) {
+void add_whoami(CommandLine& line, Program& program) {
   const auto [command, options] = declare<WhoAmIOptions>(
       line, program, run, "whoami", "Name, role and end of the login", "dccast whoami");
   command.json(options.json);
 }
 
-void add_doctor(cli::CommandLine& line, Program& program) {
+void add_doctor(CommandLine& line, Program& program) {
   const auto [command, options] = declare<DoctorOptions>(
       line, program, run, "doctor", "Why calls to a server fail: the cause and its remedy",
       "dccast doctor casthouse:7118");
@@ -150,4 +150,4 @@ void add_doctor(cli::CommandLine& line, Program& program) {
   command.number("--timeout", options.timeout_s, 1, 60, "Seconds to wait in each step");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

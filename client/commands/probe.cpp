@@ -10,7 +10,7 @@
 #include "client/text/table.hpp"
 #include "proto/case_file/quantity.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct ProbeOptions {
@@ -126,15 +126,15 @@ void for_each_sample(const Probe& probe, const Use& use) {
 std::string place_text(const std::vector<double>& point) {
   std::string text;
   for (std::size_t i = 0; i < point.size(); ++i)
-    text += fmt::format("{}{} {} mm", i == 0 ? "" : ", ", axis_names[i], render::mm(point[i]));
+    text += fmt::format("{}{} {} mm", i == 0 ? "" : ", ", axis_names[i], mm(point[i]));
   return text;
 }
 
 /// A value as people read it; "-" where there is no metal.
 std::string shown(const v1::FrameField& field, double value) {
   if (std::isnan(value)) return "-";
-  if (field.unit() == "degC") return render::fixed(value, 1);
-  if (field.unit() == "m") return render::mm(value, 2);
+  if (field.unit() == "degC") return fixed(value, 1);
+  if (field.unit() == "m") return mm(value, 2);
   return fmt::format("{:.4g}", value);
 }
 
@@ -158,16 +158,16 @@ std::string table_text(const Probe& probe) {
   for (int i = 0; i < probe.found.fields_size(); ++i)
     headings.push_back(heading(probe.found.fields(i), i));
 
-  render::Table table(headings);
+  Table table(headings);
   // Rows are the places on a line, or the instants of one point.
   for_each_sample(probe, [&](const auto& instant, std::size_t p, std::span<const double> values) {
     const Point& point = probe.points[p];
     std::vector<std::string> row;
     if (probe.line) {
-      row.push_back(render::mm(distance(probe.points.front(), point)));
-      for (const double coordinate : point) row.push_back(render::mm(coordinate));
+      row.push_back(mm(distance(probe.points.front(), point)));
+      for (const double coordinate : point) row.push_back(mm(coordinate));
     } else {
-      row = {render::fixed(instant.time_s(), 2), render::mm(instant.cast_length_m())};
+      row = {fixed(instant.time_s(), 2), mm(instant.cast_length_m())};
     }
     for (std::size_t i = 0; i < values.size(); ++i)
       row.push_back(shown(probe.found.fields(int(i)), values[i]));
@@ -222,10 +222,10 @@ ExitCode run(const ProbeOptions& options, Program& program) {
   } else {
     std::cout << table_text(probe);
     const auto& first = probe.found.instants(0);
-    const std::string place =
-        probe.line ? fmt::format("at {} s, cast length {} mm", render::fixed(first.time_s(), 2),
-                                 render::mm(first.cast_length_m()))
-                   : fmt::format("at {}", place_text(probe.points.front()));
+    const std::string place = probe.line
+                                  ? fmt::format("at {} s, cast length {} mm",
+                                                fixed(first.time_s(), 2), mm(first.cast_length_m()))
+                                  : fmt::format("at {}", place_text(probe.points.front()));
     std::cerr << place << ", in the undeformed slab; - where there is no metal\n";
   }
   return ExitCode::done;
@@ -233,14 +233,14 @@ ExitCode run(const ProbeOptions& options, Program& program) {
 
 }  // namespace
 
-void add_probe(cli::CommandLine& line, Program& program) {
+void add_probe(CommandLine& line, Program& program) {
   const auto [command, options] = declare<ProbeOptions>(
       line, program, run, "probe",
       "Temperature, displacement and further fields at a point over time, or along a line",
       "dccast probe JOB --at 660,0,50mm\n"
       "  dccast probe JOB --at 0,0,50mm --to 660,0,50mm --time \"60 s\" --csv > line.csv");
 
-  command.option("JOB", options.id, job_help, cli::required);
+  command.option("JOB", options.id, job_help, required);
   command.option("--at", options.at,
                  "Point of the undeformed slab: x and y from the middle, z above the block; of a "
                  "section x and y",
@@ -257,4 +257,4 @@ void add_probe(cli::CommandLine& line, Program& program) {
                {.excludes = {"--json"}});
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -13,7 +13,7 @@
 #include "client/text/table.hpp"
 #include "proto/values/local_socket.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct InfoOptions {
@@ -26,7 +26,7 @@ std::string ceilings_text(const v1::GetServerInfoResponse& info) {
   if (info.maximum_nodes() <= 0) return {};
   return "ceilings " + std::to_string(info.maximum_nodes()) + " nodes, " +
          std::to_string(info.maximum_steps()) + " steps, " +
-         render::fixed(info.maximum_memory_bytes() / bytes_of_a_megabyte, 0) +
+         fixed(info.maximum_memory_bytes() / bytes_of_a_megabyte, 0) +
          " MB of memory for one case\n";
 }
 
@@ -84,59 +84,6 @@ const std::vector<Group>& groups() {
   return all;
 }
 
-}  // namespace
-
-Endpoint Program::endpoint() const {
-  if (SshTunnel::is_meant(server)) {
-    if (!tunnel) {
-      tunnel = std::make_shared<SshTunnel>(server);
-      tunnel->open();
-    }
-    return {.address = tunnel->address()};
-  }
-  const StoredServers stored(servers);
-  if (const StoredServer* named = stored.find(server)) return named->endpoint;
-  return endpoint_of(server.empty() ? values::local_server() : server);
-}
-
-void add_info(cli::CommandLine& line, Program& program) {
-  const auto [command, options] = declare<InfoOptions>(
-      line, program, run, "info", "What the server is and how busy it is", "dccast info --json");
-  command.json(options.json);
-}
-
-void add_completion(cli::CommandLine& line, Program&) {
-  const auto shell = std::make_shared<std::string>();
-  const cli::Command command =
-      line.command("completion", "Print a script for shell completion", completion_examples);
-  command.option("SHELL", *shell, "bash, zsh or fish",
-                 {.required = true, .one_of = {"bash", "zsh", "fish"}});
-  command.action([shell, &line] {
-    std::cout << completion_script(line.commands(), *shell);
-    return ExitCode::done;
-  });
-}
-
-void print_line(const Json& json) {
-  std::cout << json.dump() << '\n';
-}
-
-void print_answer(const StudyOptions& options, const v1::StudyJudgement& answer,
-                  const std::string& other_output) {
-  if (!options.plot.empty()) write_output(options.plot, render::judgement_page(answer));
-
-  if (options.json)
-    print_line(study_json(answer));
-  else if (options.plot != "-" && other_output != "-")
-    std::cout << render::study_judgement_text(answer, render::terminal_of(STDOUT_FILENO));
-  std::cout << std::flush;
-}
-
-}  // namespace dccast::client::commands
-
-namespace dccast::client {
-namespace {
-
 const char* const guide =
     "\nA question:\n"
     "  dccast query my.toml --set schedule.hold=\"90 s\"\n"
@@ -164,12 +111,58 @@ std::string reason_against_output() {
 
 }  // namespace
 
-int run_command_line(const std::vector<std::string>& arguments, commands::Program& program) {
-  cli::CommandLine line("dccast", "Simulate the start of direct-chill casting on a dccastd server",
-                        DCCAST_VERSION, guide);
-  for (const commands::Group& group : commands::groups()) {
+Endpoint Program::endpoint() const {
+  if (SshTunnel::is_meant(server)) {
+    if (!tunnel) {
+      tunnel = std::make_shared<SshTunnel>(server);
+      tunnel->open();
+    }
+    return {.address = tunnel->address()};
+  }
+  const StoredServers stored(servers);
+  if (const StoredServer* named = stored.find(server)) return named->endpoint;
+  return endpoint_of(server.empty() ? values::local_server() : server);
+}
+
+void add_info(CommandLine& line, Program& program) {
+  const auto [command, options] = declare<InfoOptions>(
+      line, program, run, "info", "What the server is and how busy it is", "dccast info --json");
+  command.json(options.json);
+}
+
+void add_completion(CommandLine& line, Program&) {
+  const auto shell = std::make_shared<std::string>();
+  const Command command =
+      line.command("completion", "Print a script for shell completion", completion_examples);
+  command.option("SHELL", *shell, "bash, zsh or fish",
+                 {.required = true, .one_of = {"bash", "zsh", "fish"}});
+  command.action([shell, &line] {
+    std::cout << completion_script(line.commands(), *shell);
+    return ExitCode::done;
+  });
+}
+
+void print_line(const Json& json) {
+  std::cout << json.dump() << '\n';
+}
+
+void print_answer(const StudyOptions& options, const v1::StudyJudgement& answer,
+                  const std::string& other_output) {
+  if (!options.plot.empty()) write_output(options.plot, judgement_page(answer));
+
+  if (options.json)
+    print_line(study_json(answer));
+  else if (options.plot != "-" && other_output != "-")
+    std::cout << study_judgement_text(answer, terminal_of(STDOUT_FILENO));
+  std::cout << std::flush;
+}
+
+int run_command_line(const std::vector<std::string>& arguments, Program& program) {
+  CommandLine line("dccast", "Simulate the start of direct-chill casting on a dccastd server",
+                   DCCAST_VERSION, guide);
+  for (const Group& group : groups()) {
     line.begin_group(group.heading);
-    for (commands::Add* const add : group.commands) add(line, program);
+    for (Add* const add : group.commands) add(line, program);
   }
 
   // A command whose output could not be written fails.

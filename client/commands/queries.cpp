@@ -17,7 +17,7 @@
 #include "client/text/judgement_text.hpp"
 #include "client/text/progress.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct QueryOptions {
@@ -36,14 +36,14 @@ ExitCode refuse(const CaseUnderCheck& checked, bool json) {
 /// Draws the curve on a terminal while it is computed; the complete answer is printed at the end.
 std::optional<Answer> ask(Connection& connection, CaseUnderCheck& checked,
                           const QueryOptions& options) {
-  const render::Terminal terminal = render::terminal_of(STDOUT_FILENO);
+  const Terminal terminal = terminal_of(STDOUT_FILENO);
   const bool draws = !options.json && terminal.interactive;
-  render::Progress progress(std::cout, terminal);
+  Progress progress(std::cout, terminal);
   auto answer = ask_query(connection, checked, {.keep = options.keep}, [&](const auto& response) {
     // The progress display takes the events of a job; a query has only these two of them.
     v1::JobEvent event;
     if (response.has_waiting())
-      event.mutable_message()->set_text(render::waiting_text(response.waiting()));
+      event.mutable_message()->set_text(waiting_text(response.waiting()));
     else if (response.has_step())
       *event.mutable_step() = response.step();
     else
@@ -59,7 +59,7 @@ std::optional<Answer> ask(Connection& connection, CaseUnderCheck& checked,
 }
 
 void print(Connection& connection, const Answer& answer) {
-  std::cout << render::answer_text(answer);
+  std::cout << answer_text(answer);
   if (!answer.history.steps.empty()) print_judgement(connection, compared_run(answer), std::cout);
   std::cout << std::flush;
 }
@@ -72,10 +72,10 @@ ExitCode run(const QueryOptions& options, Program& program) {
   if (!answer) return refuse(checked, options.json);
   answer->name = checked.read.source.file();
   if (options.json)
-    print_line(render::answer_json(*answer));
+    print_line(answer_json(*answer));
   else
     print(connection, *answer);
-  std::cerr << render::origin_text(*answer) << '\n';
+  std::cerr << origin_text(*answer) << '\n';
   return exit_code_of(answer->state);
 }
 
@@ -135,7 +135,7 @@ std::vector<Answer> answers_of_files(Connection& connection, const std::vector<N
 
   std::vector<Answer> answers;
   const auto on_wait = [&](std::size_t index, const auto& waiting) {
-    std::cerr << files[index].text << ": " << render::waiting_text(waiting) << std::endl;
+    std::cerr << files[index].text << ": " << waiting_text(waiting) << std::endl;
   };
   // Answers come in the order of the cases, whichever ended first.
   for (auto& answer : ask_queries(connection, cases, on_wait)) {
@@ -226,17 +226,16 @@ std::string findings_text(const v1::Comparison& comparison) {
   std::string text;
   for (int i = 0; i < comparison.runs_size(); ++i)
     for (const v1::Finding& finding : comparison.runs(i).findings())
-      text += fmt::format("run {}: {}\n", i + 1, render::finding_line(finding));
+      text += fmt::format("run {}: {}\n", i + 1, finding_line(finding));
   return text;
 }
 
 std::string comparison_text(const v1::Comparison& comparison) {
   constexpr int columns = 120;
   return fmt::format("{}\n{}{}\n{}", names_text(comparison),
-                     render::parts_text(comparison.judgement(), render::terminal_of(STDOUT_FILENO),
-                                        {.capitals = true, .headings = false}),
-                     findings_text(comparison),
-                     render::sentences_text(comparison.judgement(), columns, 2));
+                     parts_text(comparison.judgement(), terminal_of(STDOUT_FILENO),
+                                {.capitals = true, .headings = false}),
+                     findings_text(comparison), sentences_text(comparison.judgement(), columns, 2));
 }
 
 Json comparison_json(const v1::Comparison& comparison) {
@@ -251,7 +250,7 @@ ExitCode run(const CompareOptions& options, Program& program) {
   Connection connection = program.connect();
   const v1::Comparison comparison = compare(connection, runs_of(options), options.paired);
 
-  if (!options.output.empty()) write_output(options.output, render::comparison_page(comparison));
+  if (!options.output.empty()) write_output(options.output, comparison_page(comparison));
   if (options.json)
     print_line(comparison_json(comparison));
   else
@@ -265,25 +264,25 @@ void print_judgement(Connection& connection, const v1::ComparedRun& run, std::os
   constexpr int columns = 100;  // of text that is read, tables may be wider
   const int descriptor = &stream == &std::cout ? STDOUT_FILENO : STDERR_FILENO;
   const v1::Judgement judgement = judge_run(connection, run);
-  stream << render::parts_text(judgement, render::terminal_of(descriptor)) << '\n'
-         << render::sentences_text(judgement, columns, 2);
+  stream << parts_text(judgement, terminal_of(descriptor)) << '\n'
+         << sentences_text(judgement, columns, 2);
 } catch (const Interrupted&) {
   throw;
 } catch (const CommandFailed& failure) {
   std::cerr << "dccast: " << failure.what() << '\n';
 }
 
-void add_query(cli::CommandLine& line, Program& program) {
+void add_query(CommandLine& line, Program& program) {
   const auto [command, options] =
       declare<QueryOptions>(line, program, run, "query",
                             "Compute the curl of a case at once, without a job", query_examples);
-  command.option("FILE", options.file, "Case file; - for standard input", cli::required);
+  command.option("FILE", options.file, "Case file; - for standard input", required);
   add_set_option(command, options.set);
   command.flag("--keep", options.keep, "Keep the run as a job, with its results");
   command.json(options.json, "As JSON, in metres and seconds, with the history");
 }
 
-void add_compare(cli::CommandLine& line, Program& program) {
+void add_compare(CommandLine& line, Program& program) {
   const auto [command, options] = declare<CompareOptions>(
       line, program, run, "compare",
       "Compare runs with the first one: what differs in their cases and their curls, whether the "
@@ -302,4 +301,4 @@ void add_compare(cli::CommandLine& line, Program& program) {
   command.json(options.json, "As JSON, in metres and seconds");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

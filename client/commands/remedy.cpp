@@ -6,7 +6,7 @@
 #include "client/session/plan_requests.hpp"
 #include "client/session/studies.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct RemedyOptions : StudyOptions {
@@ -34,7 +34,7 @@ ExitCode run(const RemedyOptions& options, Program& program) {
 
 }  // namespace
 
-void add_remedy(cli::CommandLine& line, Program& program) {
+void add_remedy(CommandLine& line, Program& program) {
   const auto [command, options] = declare<RemedyOptions>(
       line, program, run, "remedy",
       "What helps against the findings of a job: which lever of the plant, and how far",
@@ -44,7 +44,7 @@ void add_remedy(cli::CommandLine& line, Program& program) {
       "Three drafts for each lever that influences a finding, compared at equal cast length. A "
       "lever\n"
       "is named where its effect is larger than its error (docs/findings.md).");
-  command.option("JOB", options.job, job_help, cli::required);
+  command.option("JOB", options.job, job_help, required);
   command.option("--point", options.point, "Monitor; absent: that with the largest curl");
   command.flag("--no-wait", options.no_wait, "Do not wait for the drafts to end");
   command.option("--plot", options.plot, "Write an HTML page; - for standard output");
@@ -52,4 +52,4 @@ void add_remedy(cli::CommandLine& line, Program& program) {
   command.json(options.json, "As JSON, in SI units");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -7,7 +7,7 @@
 #include "client/session/line_source.hpp"
 #include "client/session/readings_table.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -55,16 +55,16 @@ ExitCode run(const ReplayOptions& options, Program& program) {
 
 }  // namespace
 
-void add_replay(cli::CommandLine& line, Program& program) {
+void add_replay(CommandLine& line, Program& program) {
   const auto [command, options] =
       declare<ReplayOptions>(line, program, run, "replay",
                              "Write a recorded table of readings as a plant would, line by line at "
                              "the times of its column "
                              "\"time\"",
                              "dccast replay casting-41.csv --pace 50 | dccast follow my.toml");
-  command.option("FILE", options.file, "The table, as `dccast follow` takes it", cli::required);
+  command.option("FILE", options.file, "The table, as `dccast follow` takes it", required);
   add_columns_option(command, options.columns);
   command.number("--pace", options.pace, 1, 1000, "How many times faster than it was");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

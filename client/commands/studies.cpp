@@ -15,7 +15,7 @@
 #include "client/text/table.hpp"
 #include "proto/case_file/quality.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct StudiesOptions {
@@ -46,11 +46,10 @@ ExitCode list(const StudiesOptions& options, Program& program) {
   for (const v1::Study& study : studies) ids.push_back(study.id());
   const std::size_t length = short_id_length(ids);
 
-  render::Table table({"STUDY", "STATE", "RUNS", "PLAN", "CREATED", "TITLE"});
+  Table table({"STUDY", "STATE", "RUNS", "PLAN", "CREATED", "TITLE"});
   for (const v1::Study& study : studies)
-    table.add({study.id().substr(0, length), render::state_text(study),
-               render::progress_text(study), render::plan_text(study),
-               render::time_text(study.create_time()), study.title()});
+    table.add({study.id().substr(0, length), state_text(study), progress_text(study),
+               plan_text(study), time_text(study.create_time()), study.title()});
   if (studies.empty())
     std::cerr << "no studies\n";
   else
@@ -59,7 +58,7 @@ ExitCode list(const StudiesOptions& options, Program& program) {
 }
 
 ExitCode print(const StudiesOptions& options, const v1::Study& study) {
-  std::cout << (options.json ? to_json(study).dump() + "\n" : render::study_sheet(study));
+  std::cout << (options.json ? to_json(study).dump() + "\n" : study_sheet(study));
   return ExitCode::done;
 }
 
@@ -109,11 +108,11 @@ ExitCode remove(const StudiesOptions& options, Program& program) {
   return ExitCode::done;
 }
 
-cli::Command add_action(const cli::Command& command, Program& program, StudiesOptions& options,
-                        const std::string& name, const std::string& description,
-                        ExitCode (*run)(const StudiesOptions&, Program&)) {
-  const cli::Command added = command.command(name, description);
-  added.option("STUDY", options.id, study_help, cli::required);
+Command add_action(const Command& command, Program& program, StudiesOptions& options,
+                   const std::string& name, const std::string& description,
+                   ExitCode (*run)(const StudiesOptions&, Program&)) {
+  const Command added = command.command(name, description);
+  added.option("STUDY", options.id, study_help, required);
   added.json(options.json);
   added.action([&options, &program, run] { return run(options, program); });
   return added;
@@ -163,7 +162,7 @@ ExitCode wait_and_print(Connection& connection, const SweepOptions& options,
                         const std::string& id) {
   if (!options.no_wait) follow_with_progress(connection, id, "dccast sweep --study " + id);
   const v1::StudyJudgement answer = judge_study(connection, {.id = id, .curves = options.json});
-  if (!options.csv.empty()) write_output(options.csv, render::sweep_csv(answer.result()));
+  if (!options.csv.empty()) write_output(options.csv, sweep_csv(answer.result()));
   print_answer(options, answer, options.csv);
 
   if (!options.output.empty()) {
@@ -216,7 +215,7 @@ void print(const v1::Prediction& prediction) {
   const bool has_error = !prediction.end_upper_error_m().empty();
   if (has_error) headings.push_back(">mesh and steps mm");
   headings.insert(headings.end(), {">at s", ">cast mm"});
-  render::Table table(headings);
+  Table table(headings);
 
   for (int i = 0; i < prediction.curves_size(); ++i) {
     const v1::CurlCurve& curve = prediction.curves(i);
@@ -226,19 +225,18 @@ void print(const v1::Prediction& prediction) {
     const double curl_m = curve.curl_m(last), surface_m = curve.uncertainty_m(last);
     const double lower_m = has_error ? prediction.end_lower_error_m(i) : 0.0;
     const double upper_m = has_error ? prediction.end_upper_error_m(i) : 0.0;
-    const int decimals = render::mm_decimals(std::max({surface_m, lower_m, upper_m}));
+    const int decimals = mm_decimals(std::max({surface_m, lower_m, upper_m}));
 
-    std::vector<std::string> row{curve.monitor(), render::mm(curl_m, decimals),
-                                 render::mm(surface_m, decimals)};
-    if (has_error) row.push_back(render::mm_errors(lower_m, upper_m, decimals));
-    row.push_back(render::fixed(curve.time_s(last), 2));
-    row.push_back(render::fixed(1e3 * curve.cast_length_m(last), 1));
+    std::vector<std::string> row{curve.monitor(), mm(curl_m, decimals), mm(surface_m, decimals)};
+    if (has_error) row.push_back(mm_errors(lower_m, upper_m, decimals));
+    row.push_back(fixed(curve.time_s(last), 2));
+    row.push_back(fixed(1e3 * curve.cast_length_m(last), 1));
     table.add(std::move(row));
   }
 
   std::cout << table.text() << std::flush;
   std::cerr << "from " << prediction.runs() << " runs; leave-one-out error "
-            << render::mm(prediction.cross_validated_error_m(), 2) << " mm (root mean square)\n";
+            << mm(prediction.cross_validated_error_m(), 2) << " mm (root mean square)\n";
 
   if (prediction.next_run().empty()) return;
   std::cerr << "most informative next run:";
@@ -263,7 +261,7 @@ ExitCode run(const PredictOptions& options, Program& program) {
 
 }  // namespace
 
-void add_studies(cli::CommandLine& line, Program& program) {
+void add_studies(CommandLine& line, Program& program) {
   const auto [command, options] = declare<StudiesOptions>(
       line, program, list, "studies",
       "List studies, newest first; show, fetch, cancel, resume or delete one",
@@ -277,11 +275,11 @@ void add_studies(cli::CommandLine& line, Program& program) {
   command.json(options.json);
   add_action(command, program, options, "show", "Everything about one study", show);
 
-  const cli::Command fetched = add_action(
+  const Command fetched = add_action(
       command, program, options, "fetch",
       "Fetch values, curls, curves, states and findings of all runs as HDF5 (docs/studies.md)",
       fetch);
-  fetched.option("-o,--output", options.output, "File to write", cli::shown);
+  fetched.option("-o,--output", options.output, "File to write", shown);
   add_force_flag(fetched, options.force);
 
   add_action(command, program, options, "cancel", "Cancel what has not ended", cancel)
@@ -292,7 +290,7 @@ void add_studies(cli::CommandLine& line, Program& program) {
   add_action(command, program, options, "delete", "Remove an ended study and its jobs", remove);
 }
 
-void add_sweep(cli::CommandLine& line, Program& program) {
+void add_sweep(CommandLine& line, Program& program) {
   const auto [command, options] = declare<SweepOptions>(
       line, program, run, "sweep", "Run a case at many values of its keys, and compare the curl",
       sweep_examples);
@@ -306,7 +304,7 @@ void add_sweep(cli::CommandLine& line, Program& program) {
   command.option("--lhs", options.hypercube,
                  "Number of runs of a Latin hypercube between the two values of each --grid",
                  {.between = {{1, 10000}}, .excludes = {"--list"}});
-  command.option("--seed", options.seed, "Seed of the Latin hypercube", cli::shown);
+  command.option("--seed", options.seed, "Seed of the Latin hypercube", shown);
 
   command.option("--csv", options.csv, "Write the table as CSV; - for standard output");
   command.option("-o,--output", options.output,
@@ -318,7 +316,7 @@ void add_sweep(cli::CommandLine& line, Program& program) {
        .json = "As JSON, in metres, with the curves"});
 }
 
-void add_predict(cli::CommandLine& line, Program& program) {
+void add_predict(CommandLine& line, Program& program) {
   const auto [command, options] = declare<PredictOptions>(
       line, program, run, "predict",
       "The curl at values that a sweep has not run, from a response surface over its runs. It "
@@ -326,10 +324,10 @@ void add_predict(cli::CommandLine& line, Program& program) {
       "what mesh and time steps of the runs leave uncertain are given apart",
       "dccast predict STUDY --set 'schedule.casting_speed=53 mm/min' --set "
       "schedule.water_flow.scale=0.9");
-  command.option("STUDY", options.id, study_help, cli::required);
+  command.option("STUDY", options.id, study_help, required);
   command.option("--set", options.set,
                  "KEY=VALUE of a swept key; others keep the value of the case");
   command.json(options.json, "As JSON, in metres, with the curves against time");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -14,7 +14,7 @@
 #include "proto/values/digests.hpp"
 #include "proto/values/printable.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct SubmitOptions {
@@ -158,24 +158,23 @@ void print_curl(const figures::RunHistory& history) {
   std::vector<std::string> headings{"monitor", ">curl mm", ">x mm"};
   // A quarter slab moves in two horizontal directions, a section in one.
   if (history.series(monitors.front()).horizontal_m.back().size() == 2) headings.push_back(">y mm");
-  render::Table table(headings);
+  Table table(headings);
   for (const std::string& monitor : monitors) {
     const figures::MonitorSeries series = history.series(monitor);
-    std::vector<std::string> row{series.name, render::fixed(1e3 * series.curl_m.back(), 3)};
-    for (const double u : series.horizontal_m.back()) row.push_back(render::fixed(1e3 * u, 3));
+    std::vector<std::string> row{series.name, fixed(1e3 * series.curl_m.back(), 3)};
+    for (const double u : series.horizontal_m.back()) row.push_back(fixed(1e3 * u, 3));
     row.resize(headings.size());
     table.add(std::move(row));
   }
   const v1::StepReport& last = history.steps.back();
-  std::cout << "at " << render::fixed(last.time_s(), 2) << " s, cast length "
-            << render::mm(last.cast_length_m()) << " mm"
-            << (last.beyond_validity() ? ", beyond validity" : "") << '\n'
+  std::cout << "at " << fixed(last.time_s(), 2) << " s, cast length " << mm(last.cast_length_m())
+            << " mm" << (last.beyond_validity() ? ", beyond validity" : "") << '\n'
             << table.text() << std::flush;
 }
 
 v1::JobEvent::StateChange watch_for_scripts(Connection& connection, const std::string& id,
                                             std::int64_t from) {
-  render::WatchOutput output;
+  WatchOutput output;
   return follow_job(
       connection, id, from,
       [&](const v1::JobEvent& event) { std::cout << output.line(event).dump() << std::endl; },
@@ -185,8 +184,7 @@ v1::JobEvent::StateChange watch_for_scripts(Connection& connection, const std::s
 /// @param run_s  expected duration of the whole run [s]; 0 if unknown
 v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::string& id,
                                            std::int64_t from, bool messages_only, double run_s) {
-  render::Progress progress(messages_only ? std::cerr : std::cout,
-                            render::terminal_of(messages_only ? 2 : 1));
+  Progress progress(messages_only ? std::cerr : std::cout, terminal_of(messages_only ? 2 : 1));
   progress.expect(run_s);
   const auto end = follow_job(
       connection, id, from, [&](const v1::JobEvent& event) { progress.show(event); }, std::cerr);
@@ -216,7 +214,7 @@ double expected_run_s(const v1::Job& job) {
 
 }  // namespace
 
-void add_submit(cli::CommandLine& line, Program& program) {
+void add_submit(CommandLine& line, Program& program) {
   const auto [command, options] = declare<SubmitOptions>(
       line, program, run, "submit", "Queue cases; prints the id of each job", submit_examples);
 
@@ -269,26 +267,26 @@ ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t f
                        ? watch_for_scripts(connection, id, from)
                        : watch_for_people(connection, id, from, messages_only, expected_run_s(job));
   if (end.has_failure())
-    std::cerr << "dccast: job " << id << ": " << render::failure_text(end.failure()) << '\n';
+    std::cerr << "dccast: job " << id << ": " << failure_text(end.failure()) << '\n';
   const ExitCode code = exit_code_of(end.state());
   if (!strict || code != ExitCode::done) return code;
   // Counts all findings of the job: a watch may start after some of them.
-  if (!render::more_than_notes(connection.call(&Stub::GetJob, id).findings())) return code;
+  if (!more_than_notes(connection.call(&Stub::GetJob, id).findings())) return code;
   std::cerr << "dccast: job " << id << " has findings beyond notes (--strict)\n";
   return ExitCode::solve_failed;
 }
 
-void add_watch(cli::CommandLine& line, Program& program) {
+void add_watch(CommandLine& line, Program& program) {
   const auto [command, options] = declare<WatchOptions>(
       line, program, run, "watch",
       "Follow a job to its end: every event so far, then as they happen. A dropped connection is "
       "restored; Ctrl-C does not affect the job",
       "dccast watch JOB\n  dccast watch --json --from 120 JOB | jq .time_s");
-  command.option("JOB", options.id, job_help, cli::required);
+  command.option("JOB", options.id, job_help, required);
   command.option("--from", options.from, "Sequence number of the first event", {.positive = true});
   command.flag("--strict", options.strict,
                "Exit code 3 also for a job with findings beyond notes (docs/findings.md)");
   command.json(options.json, "One JSON object per event and line");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -13,7 +13,7 @@
 #include "client/text/terminal_guard.hpp"
 #include "client/text/top_page.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct TopOptions {
@@ -39,7 +39,7 @@ public:
   }
   void show(const std::string& page) const {
     std::string text = "\033[H";
-    for (const char c : render::for_terminal(page))
+    for (const char c : for_terminal(page))
       text += c == '\n' ? std::string("\033[K\n") : std::string(1, c);
     write(text + "\033[J");
   }
@@ -63,14 +63,14 @@ int terminal_lines() {
 
 std::string page_now(Connection& connection, int columns, int lines) {
   constexpr int most = 1000;
-  render::TopView view{.server = connection.server()};
+  TopView view{.server = connection.server()};
   view.about = connection.call(&Stub::GetServerInfo, v1::GetServerInfoRequest());
   v1::ListJobsRequest request;
   request.add_states(v1::RUNNING);
   view.running = list_jobs(connection, request, most).jobs;
   request.set_states(0, v1::QUEUED);
   view.queued = list_jobs(connection, request, most).jobs;
-  return render::top_page(view, columns, lines, std::time(nullptr));
+  return top_page(view, columns, lines, std::time(nullptr));
 }
 
 /// @return whether the user quits
@@ -94,7 +94,7 @@ bool wait_for_key(Connection& connection, bool keys, int seconds) {
 
 ExitCode run(const TopOptions& options, Program& program) {
   Connection connection = program.connect();
-  const render::Terminal terminal = render::terminal_of(STDOUT_FILENO);
+  const Terminal terminal = terminal_of(STDOUT_FILENO);
 
   if (options.once || !terminal.interactive) {
     std::cout << page_now(connection,
@@ -103,13 +103,13 @@ ExitCode run(const TopOptions& options, Program& program) {
     return ExitCode::done;
   }
 
-  std::string page = page_now(connection, render::columns_now(terminal), terminal_lines() - 1);
+  std::string page = page_now(connection, columns_now(terminal), terminal_lines() - 1);
   const FullScreen screen;
   try {
     for (;;) {
       screen.show(page);
       if (wait_for_key(connection, screen.reads_keys(), options.interval_s)) break;
-      page = page_now(connection, render::columns_now(terminal), terminal_lines() - 1);
+      page = page_now(connection, columns_now(terminal), terminal_lines() - 1);
     }
   } catch (const Interrupted&) {  // Ctrl-C is one way to leave
   }
@@ -118,7 +118,7 @@ ExitCode run(const TopOptions& options, Program& program) {
 
 }  // namespace
 
-void add_top(cli::CommandLine& line, Program& program) {
+void add_top(CommandLine& line, Program& program) {
   const auto [command, options] = declare<TopOptions>(
       line, program, run, "top",
       "Live view of running jobs, the queue by owner and the workers; q or Ctrl-C quits",
@@ -128,4 +128,4 @@ void add_top(cli::CommandLine& line, Program& program) {
   command.number("-n,--interval", options.interval_s, 1, 3600, "Seconds between two pages");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

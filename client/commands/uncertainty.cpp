@@ -6,7 +6,7 @@
 #include "client/session/studies.hpp"
 #include "proto/case_file/uncertainty.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 /// Options of `uncertainty` and `sensitivity`.
@@ -67,7 +67,7 @@ ExitCode run_sensitivity(const DataOptions& options, Program& program) {
   return run(options, {"sensitivity", lay_out_sensitivity}, program);
 }
 
-void add_common(const cli::Command& command, DataOptions& options, const char* plot) {
+void add_common(const Command& command, DataOptions& options, const char* plot) {
   command.option("FILE", options.base.file, "Case file");
   command.option("--only", options.plan.only, "Only this datum; repeatable");
   command.option("--point", options.point, "Monitor; absent: that with the largest curl");
@@ -78,7 +78,7 @@ void add_common(const cli::Command& command, DataOptions& options, const char* p
 
 }  // namespace
 
-void add_uncertainty(cli::CommandLine& line, Program& program) {
+void add_uncertainty(CommandLine& line, Program& program) {
   const auto [command, options] = declare<DataOptions>(
       line, program, run_uncertainty, "uncertainty",
       "How sure a curl is: what the ranges of its data leave open, and which datum to measure "
@@ -90,13 +90,13 @@ void add_uncertainty(cli::CommandLine& line, Program& program) {
       "Ranges are given in [uncertainty] of case and alloy card (docs/uncertainty.md). Runs are\n"
       "drafts unless --set quality=... chooses another, and wait behind all other jobs.");
   command.number("--runs", options.plan.runs, 8, 10000, "Runs of the Latin hypercube");
-  command.option("--seed", options.plan.seed, "Its seed", cli::shown);
+  command.option("--seed", options.plan.seed, "Its seed", shown);
   command.option("--band", options.band, "Curls that the plant accepts, as 35..45 mm");
   add_common(command, options,
              "Write an HTML page with the bands of data and of mesh; - for standard output");
 }
 
-void add_sensitivity(cli::CommandLine& line, Program& program) {
+void add_sensitivity(CommandLine& line, Program& program) {
   const auto [command, options] = declare<DataOptions>(
       line, program, run_sensitivity, "sensitivity",
       "What matters: the change of a curl at the two ends of the range of every lever and datum",
@@ -107,4 +107,4 @@ void add_sensitivity(cli::CommandLine& line, Program& program) {
   add_common(command, options, "Write an HTML page with a bar for each; - for standard output");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -9,7 +9,7 @@
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 
-namespace dccast::client::commands {
+namespace dccast::client {
 namespace {
 
 struct UsageOptions {
@@ -28,7 +28,7 @@ std::vector<std::string> groups_of(const v1::Job& job, const std::string& by) {
   if (by == "owner") return {job.owner()};
   if (by == "study") return {job.study()};
   if (by == "label") return {job.labels().begin(), job.labels().end()};
-  return {render::state_text(job.state())};
+  return {state_text(job.state())};
 }
 
 ExitCode run(const UsageOptions& options, Program& program) {
@@ -47,12 +47,12 @@ ExitCode run(const UsageOptions& options, Program& program) {
       usage.processor_s += job.last_step().process_s();
     }
 
-  render::Table table({options.by, ">jobs", ">succeeded", ">failed", ">processor time"});
+  Table table({options.by, ">jobs", ">succeeded", ">failed", ">processor time"});
   Json list = Json::array();
   for (const auto& [group, usage] : usages) {
     table.add({group.empty() ? "-" : group, std::to_string(usage.jobs),
                std::to_string(usage.succeeded), std::to_string(usage.failed),
-               render::duration_text(usage.processor_s)});
+               duration_text(usage.processor_s)});
     list.push_back({{options.by, group},
                     {"jobs", usage.jobs},
                     {"succeeded", usage.succeeded},
@@ -65,11 +65,11 @@ ExitCode run(const UsageOptions& options, Program& program) {
 }
 
 /// Adds a command that prints a file of a job unchanged.
-void add_file_command(cli::CommandLine& line, Program& program, const char* name,
+void add_file_command(CommandLine& line, Program& program, const char* name,
                       const char* description, const char* example, const char* file) {
   const auto id = std::make_shared<std::string>();
-  const cli::Command command = line.command(name, description, example);
-  command.option("JOB", *id, job_help, cli::required);
+  const Command command = line.command(name, description, example);
+  command.option("JOB", *id, job_help, required);
   command.action([id, file, &program] {
     Connection connection = program.connect();
     std::cout << read_file_of_job(connection, resolve_job(connection, *id), file) << std::flush;
@@ -79,7 +79,7 @@ void add_file_command(cli::CommandLine& line, Program& program, const char* name
 
 }  // namespace
 
-void add_usage(cli::CommandLine& line, Program& program) {
+void add_usage(CommandLine& line, Program& program) {
   const auto [command, options] = declare<UsageOptions>(
       line, program, run, "usage", "Jobs and processor time by owner, study, label or state",
       "dccast usage --by owner --since 2026-11-01");
@@ -90,14 +90,14 @@ void add_usage(cli::CommandLine& line, Program& program) {
   command.json(options.json);
 }
 
-void add_case(cli::CommandLine& line, Program& program) {
+void add_case(CommandLine& line, Program& program) {
   add_file_command(line, program, "case", "The case of a job as it was submitted, byte by byte",
                    "dccast case JOB > my.toml", "case.toml");
 }
 
-void add_logs(cli::CommandLine& line, Program& program) {
+void add_logs(CommandLine& line, Program& program) {
   add_file_command(line, program, "logs", "What the worker of a job has written about itself",
                    "dccast logs JOB", "worker.log");
 }
 
-}  // namespace dccast::client::commands
+}  // namespace dccast::client

@@ -9,7 +9,7 @@
 #include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/schedule.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 using case_file::CastingSchedule, case_file::Face, case_file::Instant;
@@ -90,4 +90,4 @@ std::string casting_page(const v1::Case& complete) {
           card("Start of the casting", drawn("casting", casting_drawing(complete))));
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

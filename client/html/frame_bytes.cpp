@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 float rounded(float value, Precision precision) {
@@ -126,4 +126,4 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -6,7 +6,7 @@
 #include "dccast/v1/service.pb.h"
 
 /// Stored frames as the scripts of pages read them (frame_data.js).
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// Numbers of a frame as they are sent.
 enum class Precision {
@@ -30,4 +30,4 @@ std::string packed(const std::string& bytes);
 /// Bytes as text.
 std::string base64(const std::string& bytes);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -4,7 +4,7 @@
 
 #include "client/html/frame_bytes.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
@@ -68,4 +68,4 @@ std::string whole_page(const std::string& title, const std::string& header,
          (has_drawings ? scripts() : "") + "</body></html>\n";
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -6,7 +6,7 @@
 #include "client/model/json.hpp"
 
 /// Building blocks of the HTML pages. `content`, `value`, captions and notes are HTML already.
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// Text with &, <, > and quotes made safe for HTML.
 std::string html_escaped(const std::string& text);
@@ -55,4 +55,4 @@ std::string drawn(const std::string& kind, const Json& data);
 std::string whole_page(const std::string& title, const std::string& header,
                        const std::string& body);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

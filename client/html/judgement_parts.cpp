@@ -16,7 +16,7 @@
 #include "client/text/table.hpp"
 #include "proto/figures/plant_units.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 using Numbers = google::protobuf::RepeatedField<double>;
@@ -208,4 +208,4 @@ std::string comparison_page(const v1::Comparison& comparison) {
       sentences_part(judgement) + findings_list(comparison) + judgement_parts(judgement));
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -6,7 +6,7 @@
 #include "dccast/v1/judgement.pb.h"
 
 /// What the server concludes (judgement.proto), as parts of a page.
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// A chart as chart.js draws it, in plant units, with at most so many points of a line.
 Json chart_json(const v1::Chart& chart, int most_points);
@@ -36,4 +36,4 @@ std::string sentences_part(const v1::Judgement& judgement);
 /// Tables and charts that are worth their space on a page, in cards.
 std::string judgement_parts(const v1::Judgement& judgement);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

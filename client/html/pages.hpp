@@ -12,7 +12,7 @@
 #include "dccast/v1/service.pb.h"
 
 /// What the client writes to be opened in a browser. Every page is one file that loads nothing.
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// The run that a report is about.
 struct ReportedRun {
@@ -49,4 +49,4 @@ std::string casting_page(const v1::Case& complete);
 /// What casting.js draws of that: the case, and points of speed and water as the levers leave them.
 Json casting_drawing(const v1::Case& complete);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

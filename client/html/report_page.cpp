@@ -20,7 +20,7 @@
 #include "client/text/table.hpp"
 #include "proto/case_file/plant_words.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 /// The job behind the run.
@@ -273,4 +273,4 @@ std::string report_of(Connection& connection, const v1::Job& job, std::ostream& 
                       .series = frames_of_page(connection, job.id(), result)});
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

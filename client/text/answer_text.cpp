@@ -7,7 +7,7 @@
 #include "client/text/progress.hpp"
 #include "client/text/table.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 Json monitor_json(const figures::MonitorSeries& series) {
@@ -67,4 +67,4 @@ Json answer_json(const Answer& answer) {
   return json;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -5,7 +5,7 @@
 #include "client/model/answer.hpp"
 #include "client/model/json.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// Changes, findings, a loss of validity and a failure, one per line.
 std::string answer_text(const Answer& answer);
@@ -19,4 +19,4 @@ std::string origin_text(const Answer& answer);
 /// The complete answer, in metres and seconds.
 Json answer_json(const Answer& answer);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 /// UTF-8 of U+2800 + dots.
@@ -123,4 +123,4 @@ BrailleChart braille_chart(const std::vector<BrailleLine>& lines, int columns, i
   return chart;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -6,7 +6,7 @@
 #include <vector>
 
 /// Curves drawn with braille characters, of 2 x 4 dots each.
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// A small curve of braille characters with 2 x 4 dots per character.
 /// @param y        values [any unit], evenly distributed over the width
@@ -39,4 +39,4 @@ std::string braille_sample(std::size_t line);
 /// @param columns  characters per line, 2 x 4 dots each @param rows  number of lines
 BrailleChart braille_chart(const std::vector<BrailleLine>& lines, int columns, int rows);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -9,7 +9,7 @@
 #include "client/text/job_text.hpp"
 #include "client/text/table.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 std::string severity_text(v1::Finding::Severity severity) {
@@ -131,4 +131,4 @@ std::string validity_text(const v1::Finding& loss) {
   return place.empty() ? text : text + " at " + place;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

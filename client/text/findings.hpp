@@ -4,7 +4,7 @@
 
 #include "dccast/v1/job.pb.h"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// Findings as messages have them.
 using Findings = google::protobuf::RepeatedPtrField<v1::Finding>;
@@ -33,4 +33,4 @@ std::string place_text(const google::protobuf::RepeatedField<double>& place_m);
 /// message of the run with place and amount; without one its kind, value and limit, and place.
 std::string validity_text(const v1::Finding& loss);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

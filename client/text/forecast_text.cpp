@@ -7,7 +7,7 @@
 
 #include "proto/values/interpolation.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 std::string warning_text(const v1::ForecastWarning& warning) {
   return fmt::format("{}: {}; likeliest: {}", warning.monitor(), warning.text(),
@@ -41,4 +41,4 @@ std::string forecast_line(const v1::Forecast& forecast) {
   return fmt::format("forecast at {:.0f} s: {}", forecast.time_s(), fmt::join(parts, "; "));
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

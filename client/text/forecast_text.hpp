@@ -4,7 +4,7 @@
 
 #include "dccast/v1/follow.pb.h"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// "corner: 4.1 mm more than expected; likeliest: a gauge that slipped", without its time.
 std::string warning_text(const v1::ForecastWarning& warning);
@@ -19,4 +19,4 @@ struct CurlToCome {
 /// @param at_s  within the times of the forecast
 CurlToCome curl_to_come(const v1::ForecastCurl& curl, double at_s);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

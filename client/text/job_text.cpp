@@ -16,7 +16,7 @@
 #include "client/text/study_text.hpp"
 #include "client/text/table.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 std::string lower_words(std::string text) {
@@ -280,4 +280,4 @@ std::string job_table(const std::vector<ListLine>& lines, std::vector<std::strin
   return table.text();
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -7,7 +7,7 @@
 #include "dccast/v1/service.pb.h"
 #include "dccast/v1/study.pb.h"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// "running", "succeeded", ...
 std::string state_text(v1::JobState state);
@@ -52,4 +52,4 @@ struct ListLine {
 ///                 of the jobs has them
 std::string job_table(const std::vector<ListLine>& lines, std::vector<std::string> columns);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

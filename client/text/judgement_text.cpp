@@ -15,7 +15,7 @@
 #include "proto/figures/plant_units.hpp"
 #include "proto/values/printable.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 using Column = v1::Table::Column;
@@ -309,4 +309,4 @@ std::string study_judgement_text(const v1::StudyJudgement& study, const Terminal
   return text;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -7,7 +7,7 @@
 #include "dccast/v1/judgement.pb.h"
 
 /// What the server concludes (judgement.proto), in the units of a plant.
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// A value of a case without quotes, with numbers rounded to six digits and speeds in mm/min.
 std::string shown_value(const std::string& value);
@@ -59,4 +59,4 @@ std::string sentences_text(const v1::Judgement& judgement, int columns, int inde
 /// A study: what it is, parts, then sentences: the conclusion stands next to the prompt.
 std::string study_judgement_text(const v1::StudyJudgement& study, const Terminal& terminal);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

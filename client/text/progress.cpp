@@ -12,7 +12,7 @@
 #include "client/text/terminal.hpp"
 #include "client/text/terminal_guard.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 constexpr int curve_columns = 12;               // of the renewed line
@@ -145,4 +145,4 @@ void Progress::finish() {
   stream_ << std::flush;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -9,7 +9,7 @@
 #include "client/text/terminal.hpp"
 #include "dccast/v1/job.pb.h"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// How fast a run goes. During the hold before t = 0 only heat is computed, which is quick: its
 /// pace is none for what follows.
@@ -72,4 +72,4 @@ std::string step_line(const v1::StepReport& step);
 /// "1 h 03 min", "4 min 10 s", "7 s".
 std::string duration_text(double seconds);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -10,7 +10,7 @@
 #include "client/text/table.hpp"
 #include "client/text/terminal_guard.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 /// ", about 3 min left" by the pace so far; empty without a pace and after the end.
@@ -102,4 +102,4 @@ void StudyProgress::show(const v1::Study& study) {
   stream_ << progress_text(study) << left_text(study) << std::endl;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -7,7 +7,7 @@
 #include "client/text/terminal.hpp"
 #include "dccast/v1/study.pb.h"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// "running", "answered", "no answer", "cancelled". A study has answered where a run has succeeded:
 /// in a search for remedies most of the runs may fail.
@@ -44,4 +44,4 @@ private:
   int shown_tenth_ = -1;
 };
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

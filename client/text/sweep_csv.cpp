@@ -9,7 +9,7 @@
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 /// "_m_per_s": suffix for the unit of a key's numbers; "_factor" and "_si" where they have none.
@@ -61,4 +61,4 @@ std::string sweep_csv(const v1::StudyResult& result) {
   return text;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -4,10 +4,10 @@
 
 #include "dccast/v1/study.pb.h"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// The runs of a sweep as CSV, with their values, curls in metres and outcome; missing numbers are
 /// empty.
 std::string sweep_csv(const v1::StudyResult& result);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -4,7 +4,7 @@
 
 #include "client/text/terminal.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 Table::Table(std::vector<std::string> headings, Rows rows) : rows_(std::move(rows)) {
   for (std::string& heading : headings) {
@@ -48,4 +48,4 @@ std::string csv_text(const std::string& text) {
   return quoted + "\"";
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

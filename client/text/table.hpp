@@ -6,7 +6,7 @@
 
 #include "proto/figures/rounding.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 using Rows = std::vector<std::vector<std::string>>;  ///< cells by row
 
@@ -46,4 +46,4 @@ std::string joined(const Elements& elements, const std::string& separator = ", "
   return list;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

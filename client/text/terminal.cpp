@@ -7,7 +7,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 constexpr int fewest_columns = 20;
@@ -87,4 +87,4 @@ std::string bold(const std::string& text, const Terminal& terminal) {
   return terminal.colour ? "\033[1m" + text + "\033[0m" : text;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// Capabilities of an output stream.
 struct Terminal {
@@ -35,4 +35,4 @@ std::string wrapped(const std::string& text, int columns, int first = 0, int ind
 /// The text in bold, if the terminal shows colour.
 std::string bold(const std::string& text, const Terminal& terminal);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

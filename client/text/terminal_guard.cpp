@@ -8,7 +8,7 @@
 
 #include "proto/values/printable.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 // Bold, the colours of lines, and their end. They change the appearance of a text and hide nothing.
@@ -112,4 +112,4 @@ std::ostream& operator<<(std::ostream& stream, Control control) {
   return stream;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

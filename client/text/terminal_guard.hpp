@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// The text as a terminal may be given it: characters that would act on it are written out
 /// (`\u{1B}`), besides line ends, tabs and the colours of this program.
@@ -52,4 +52,4 @@ inline constexpr Control begin_of_line{"\r"};
 inline constexpr Control clear_rest_of_line{"\033[K"};
 std::ostream& operator<<(std::ostream& stream, Control control);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -13,7 +13,7 @@
 #include "client/text/table.hpp"
 #include "client/text/terminal.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 std::string megabytes(std::int64_t bytes) {
@@ -92,4 +92,4 @@ std::string top_page(const TopView& view, int columns, int lines, std::int64_t n
   return shown;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -6,7 +6,7 @@
 
 #include "dccast/v1/service.pb.h"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// What `dccast top` shows at one moment.
 struct TopView {
@@ -22,4 +22,4 @@ struct TopView {
 /// @param now_unix [s since 1970]
 std::string top_page(const TopView& view, int columns, int lines, std::int64_t now_unix);
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

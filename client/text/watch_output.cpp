@@ -4,7 +4,7 @@
 
 #include "client/model/answer.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 /// Adds the members that belong to an event. @return its name
@@ -77,4 +77,4 @@ Json WatchOutput::line(const v1::JobEvent& event) {
   return line;
 }
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

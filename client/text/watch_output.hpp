@@ -3,7 +3,7 @@
 #include "client/model/json.hpp"
 #include "dccast/v1/job.pb.h"
 
-namespace dccast::client::render {
+namespace dccast::client {
 
 /// Turns events into the lines of `watch --json`. Every line has `sequence`, `event` (state, step,
 /// message, resumed, validity_lost or finding), `state`, `step`, `time_s`, `cast_length_m`,
@@ -20,4 +20,4 @@ private:
   v1::StepReport step_;
 };
 
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -32,7 +32,7 @@
 #include "proto/figures/rounding.hpp"
 #include "proto/values/digests.hpp"
 
-namespace dccast::client::web {
+namespace dccast::client {
 namespace {
 
 // ---- Calls of the service: the body is the request in JSON, the reply the response.
@@ -60,7 +60,7 @@ Json shown_json(const v1::Judgement& judgement) {
   for (const v1::JudgementPart& part : judgement.parts())
     if (part.place() != v1::JudgementPart::TERMINAL)
       parts.push_back({{"key", part.has_table() ? part.table().key() : part.chart().key()},
-                       {"html", render::part_of_card(part)}});
+                       {"html", part_of_card(part)}});
   return {
       {"heading", judgement.heading()},
       {"sentences", json_list(judgement.sentences(), [](const auto& text) { return Json(text); })},
@@ -221,7 +221,7 @@ v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, 
 
 /// The bytes of a stored frame.
 Reply frame_reply(const v1::Frame& frame) {
-  auto bytes = render::frame_bytes(frame, render::Precision::full);
+  auto bytes = frame_bytes(frame, Precision::full);
   if (!bytes)
     throw CommandFailed(ExitCode::invalid, "the stored frame is damaged and cannot be drawn");
   return {.body = std::move(*bytes), .type = "application/octet-stream"};
@@ -249,16 +249,15 @@ Reply report(Connection& connection, const std::string& id) {
   // The page itself states what is missing in it.
   std::ostringstream unused_messages;
   grpc::Status unused_status;
-  return {
-      .body = render::report_of(connection, job_of(connection, id), unused_messages, unused_status),
-      .type = html,
-      .stands_alone = true};
+  return {.body = report_of(connection, job_of(connection, id), unused_messages, unused_status),
+          .type = html,
+          .stands_alone = true};
 }
 
 Reply comparison(Connection& connection, const std::vector<std::string>& ids) {
   v1::CompareRunsRequest request;
   for (const std::string& id : ids) request.add_runs()->set_job(id);
-  return {.body = render::comparison_page(connection.call(&Stub::CompareRuns, request)),
+  return {.body = comparison_page(connection.call(&Stub::CompareRuns, request)),
           .type = html,
           .stands_alone = true};
 }
@@ -347,7 +346,7 @@ Json case_json(const CaseUnderCheck& checked) {
   v1::Case complete = checked.description;
   case_file::apply_defaults(complete);
   json["summary"] = case_file::casting_summary(complete);
-  json["drawing"] = render::casting_drawing(complete);
+  json["drawing"] = casting_drawing(complete);
   return json;
 }
 
@@ -445,7 +444,7 @@ void add_pages(WebServer& server) {
   for (const Asset& asset : assets())
     server.file(asset.name == "index.html" ? "/" : "/" + asset.name, type_of(asset.name),
                 asset.text);
-  for (const render::PageAsset& asset : render::page_assets())
+  for (const PageAsset& asset : page_assets())
     server.file("/" + asset.name, type_of(asset.name), asset.text);
 }
 
@@ -476,9 +475,8 @@ void add_frames(WebServer& server, const Connect& connect) {
   get("/field", [](Connection& connection, const Request& request) {
     const int number = std::atoi(request.value("number").c_str());
     const auto result = frame_of(connection, request.name, number, request.value("name"));
-    return Reply{
-        .body = render::float_bytes(result.frame().field().values(), render::Precision::full),
-        .type = "application/octet-stream"};
+    return Reply{.body = float_bytes(result.frame().field().values(), Precision::full),
+                 .type = "application/octet-stream"};
   });
 }
 
@@ -570,4 +568,4 @@ void add_dashboard(WebServer& server, const Connect& connect,
   add_what_if(server, connect, cases);
 }
 
-}  // namespace dccast::client::web
+}  // namespace dccast::client

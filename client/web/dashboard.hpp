@@ -7,7 +7,7 @@
 
 #include "client/web/web_server.hpp"
 
-namespace dccast::client::web {
+namespace dccast::client {
 
 /// A file of the dashboard, embedded at build time (cmake/embed_texts.cmake) from
 /// client/web/assets.
@@ -28,4 +28,4 @@ using Connect = std::function<Connection(std::shared_ptr<Interruption>)>;
 void add_dashboard(WebServer& server, const Connect& connect,
                    const std::vector<std::string>& cases);
 
-}  // namespace dccast::client::web
+}  // namespace dccast::client

@@ -8,7 +8,7 @@
 #include "proto/values/address.hpp"
 #include "proto/values/digests.hpp"
 
-namespace dccast::client::web {
+namespace dccast::client {
 namespace {
 
 constexpr std::size_t most_keys = 16;  // that are waiting to be used
@@ -86,4 +86,4 @@ Entrance::Decision Entrance::decide(const Visit& visit) {
               "again, or press \"Another screen\" in the one that is open."};
 }
 
-}  // namespace dccast::client::web
+}  // namespace dccast::client

@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-namespace dccast::client::web {
+namespace dccast::client {
 
 /// Authenticates browsers: a key that works once is exchanged for the session's cookie. Whatever
 /// changes something must come from a page of this origin.
@@ -58,4 +58,4 @@ private:
   std::set<std::string> keys_;
 };
 
-}  // namespace dccast::client::web
+}  // namespace dccast::client

@@ -11,7 +11,7 @@
 
 #include "client/session/failure.hpp"
 
-namespace dccast::client::web {
+namespace dccast::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -60,4 +60,4 @@ void RedirectFile::remove() {
   fs::remove_all(folder_, ignored);
 }
 
-}  // namespace dccast::client::web
+}  // namespace dccast::client

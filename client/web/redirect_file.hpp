@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-namespace dccast::client::web {
+namespace dccast::client {
 
 /// A page on disk, readable by its user alone, that sends a browser to an address. Arguments of a
 /// program can be read by every user of the machine; an address with a key must not be one.
@@ -24,4 +24,4 @@ private:
   std::filesystem::path folder_;  // of its own, mode 0700
 };
 
-}  // namespace dccast::client::web
+}  // namespace dccast::client

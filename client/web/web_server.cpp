@@ -14,7 +14,7 @@
 #include "proto/http/server.hpp"
 #include "proto/http/target.hpp"
 
-namespace dccast::client::web {
+namespace dccast::client {
 namespace {
 
 /// Largest body: pages send calls of the service and changes of a case.
@@ -306,4 +306,4 @@ void WebServer::serve(Interruption& interruption) {
   parts_->serve(interruption);
 }
 
-}  // namespace dccast::client::web
+}  // namespace dccast::client

@@ -8,7 +8,7 @@
 
 #include "client/session/connection.hpp"
 
-namespace dccast::client::web {
+namespace dccast::client {
 
 /// Writes one event to the browser.
 using Send = std::function<void(const std::string& json)>;
@@ -80,4 +80,4 @@ private:
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace dccast::client::web
+}  // namespace dccast::client

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/case/case.hpp"
-#include "core/case/lever_record.hpp"
-#include "core/findings/run_failure.hpp"
+#include "core/casting/case/case.hpp"
+#include "core/casting/case/lever_record.hpp"
+#include "core/casting/findings/run_failure.hpp"
 #include "core/results/checkpoint_file.hpp"
 #include "core/results/frame.hpp"
 #include "core/results/step_report.hpp"

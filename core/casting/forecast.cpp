@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/errors.hpp"
-#include "core/case/casting_schedule.hpp"
+#include "core/casting/case/casting_schedule.hpp"
 #include "core/casting/slab_run.hpp"
 #include "core/mesh/plan_file.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/case/case.hpp"
+#include "core/casting/case/case.hpp"
 #include "core/results/step_report.hpp"
 
 namespace dccast::casting {

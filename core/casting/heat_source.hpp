@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "core/case/case.hpp"
+#include "core/casting/case/case.hpp"
 #include "core/results/temperature_file.hpp"
 #include "core/thermal/heat_solver.hpp"
 

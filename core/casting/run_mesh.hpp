@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/base/errors.hpp"
-#include "core/case/case.hpp"
-#include "core/case/casting_schedule.hpp"
+#include "core/casting/case/case.hpp"
+#include "core/casting/case/casting_schedule.hpp"
 #include "core/mesh/gmsh_reader.hpp"
 #include "core/mesh/plan_file.hpp"
 #include "core/mesh/plan_transfer.hpp"

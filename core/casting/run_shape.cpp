@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/findings/motion.hpp"
+#include "core/casting/findings/motion.hpp"
 
 namespace dccast::casting {
 

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <string>
 
-#include "core/case/case.hpp"
-#include "core/case/casting_schedule.hpp"
+#include "core/casting/case/case.hpp"
+#include "core/casting/case/casting_schedule.hpp"
 #include "core/casting/run_mesh.hpp"
 #include "core/casting/run_state.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/findings/judge.hpp"
-#include "core/findings/run_failure.hpp"
+#include "core/casting/findings/judge.hpp"
+#include "core/casting/findings/run_failure.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/results/checkpoint_file.hpp"
 #include "core/thermal/heat_solver.hpp"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/base/errors.hpp"
-#include "core/case/casting_schedule.hpp"
+#include "core/casting/case/casting_schedule.hpp"
 #include "core/casting/casting_run.hpp"
 #include "core/casting/slab_run.hpp"
 #include "core/casting/stored_run.hpp"

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/case/case.hpp"
+#include "core/casting/case/case.hpp"
 #include "core/casting/casting_run.hpp"
-#include "core/findings/run_failure.hpp"
+#include "core/casting/findings/run_failure.hpp"
 #include "core/results/step_report.hpp"
 
 namespace dccast::casting {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
+#include "core/casting/findings/motion.hpp"
 #include "core/casting/run_shape.hpp"
-#include "core/findings/motion.hpp"
 #include "core/mesh/bottom_normals.hpp"
 
 namespace dccast::casting {

@@ -4,7 +4,7 @@
 
 #include "core/results/step_report.hpp"
 
-namespace dccast::hdf5 {
+namespace dccast::results::hdf5 {
 class File;
 }
 

@@ -10,7 +10,7 @@
 
 #include "core/storage/storage_error.hpp"
 
-namespace dccast::hdf5 {
+namespace dccast::results::hdf5 {
 
 namespace {
 
@@ -331,4 +331,4 @@ void File::close() {
   checked(id_.close(), "/", "cannot be closed");
 }
 
-}  // namespace dccast::hdf5
+}  // namespace dccast::results::hdf5

@@ -12,7 +12,7 @@
 /// Wrapper of the HDF5 C library: identifiers that close themselves, and failures as
 /// storage::StorageError with file, object and the cause reported by the library. Only this room
 /// includes the library.
-namespace dccast::hdf5 {
+namespace dccast::results::hdf5 {
 
 /// An HDF5 identifier with the function that closes it.
 class Handle {
@@ -140,4 +140,4 @@ private:
   Handle id_;
 };
 
-}  // namespace dccast::hdf5
+}  // namespace dccast::results::hdf5

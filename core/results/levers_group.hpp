@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace dccast::hdf5 {
+namespace dccast::results::hdf5 {
 class File;
 }
 

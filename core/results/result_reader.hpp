@@ -24,7 +24,7 @@ inline std::string history_dataset(const std::string& field) {
 
 }  // namespace dccast::results
 
-namespace dccast::hdf5 {
+namespace dccast::results::hdf5 {
 class File;
 }
 

@@ -10,7 +10,7 @@ namespace dccast::case_file {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double same_time_s = 1e-9;     // as in core/case/casting_schedule.hpp
+constexpr double same_time_s = 1e-9;     // as in core/casting/case/casting_schedule.hpp
 constexpr double longest_s = 36000.0;    // limit of the search for a cast length
 constexpr double longest_step_s = 0.25;  // where the speed depends on the length
 constexpr double beside_jump_s = 1e-6;   // from an instant before a jump to the jump

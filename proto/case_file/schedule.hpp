@@ -4,8 +4,9 @@
 
 #include "dccast/v1/case.pb.h"
 
-/// What a case plans over time and cast length. This is the law of core/case/casting_schedule.hpp
-/// for programs that do not see the core; a test compares the two.
+/// What a case plans over time and cast length. This is the law of
+/// core/casting/case/casting_schedule.hpp for programs that do not see the core; a test compares
+/// the two.
 namespace dccast::case_file {
 
 /// Value of a table, linear between its points and constant outside.

@@ -30,7 +30,7 @@ struct Call {
   std::shared_ptr<v1::AuditEvent> note = std::make_shared<v1::AuditEvent>();
 };
 
-/// What a call keeps for its turn in a lane, when its gRPC context may no longer exist. A Call is
+/// What a call keeps for its turn in a pool, when its gRPC context may no longer exist. A Call is
 /// made only by admit(), so that no handler runs before the gate has permitted it.
 class CallOrigin {
 public:

@@ -22,7 +22,7 @@ using Unary = SimulationService::Unary;
 
 Unary* SimulationService::ValidateCase(Wire* wire, const v1::ValidateCaseRequest* request,
                                        v1::ValidateCaseResponse* response) {
-  return answer(wire, *request, lanes_.checks, [=, this](const Call& call) {
+  return answer(wire, *request, pools_.checks, [=, this](const Call& call) {
     auto examined = context_.intake.examine(
         request->case_(), uploaded_files(context_, call, request->attachments()),
         {request->faulty_keys().begin(), request->faulty_keys().end()},
@@ -64,7 +64,7 @@ void describe(const access::Caller& caller, v1::WhoAmIResponse& response) {
 
 Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* request,
                                    v1::ReadCaseResponse* response) {
-  return answer(wire, *request, lanes_.histories, [=](const Call&) {
+  return answer(wire, *request, pools_.histories, [=](const Call&) {
     response->set_text(find_case_text(*request));
     auto read = case_file::read_elsewhere(response->text(), "case", *response->mutable_case_());
 
@@ -91,7 +91,7 @@ Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* reques
 
 Unary* SimulationService::ListAlloys(Wire* wire, const v1::ListAlloysRequest* request,
                                      v1::ListAlloysResponse* response) {
-  return answer(wire, *request, lanes_.status, [=, this](const Call&) {
+  return answer(wire, *request, pools_.status, [=, this](const Call&) {
     const auto& alloys = context_.intake.alloys();
     response->mutable_alloys()->Assign(alloys.begin(), alloys.end());
   });
@@ -99,7 +99,7 @@ Unary* SimulationService::ListAlloys(Wire* wire, const v1::ListAlloysRequest* re
 
 Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoRequest* request,
                                         v1::GetServerInfoResponse* response) {
-  return answer(wire, *request, lanes_.status, [=, this](const Call&) {
+  return answer(wire, *request, pools_.status, [=, this](const Call&) {
     const intake::Ceilings& ceilings = context_.intake.ceilings();
 
     response->set_version(context_.version);
@@ -135,7 +135,7 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
 
 Unary* SimulationService::Enrol(Wire* wire, const v1::EnrolRequest* request,
                                 v1::EnrolResponse* response) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call& call) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call& call) {
     check_text("machine", request->machine());
 
     const std::int64_t now = std::time(nullptr);
@@ -153,13 +153,13 @@ Unary* SimulationService::Enrol(Wire* wire, const v1::EnrolRequest* request,
 
 Unary* SimulationService::WhoAmI(Wire* wire, const v1::WhoAmIRequest* request,
                                  v1::WhoAmIResponse* response) {
-  return answer(wire, *request, lanes_.status,
+  return answer(wire, *request, pools_.status,
                 [=](const Call& call) { describe(call.caller, *response); });
 }
 
 Unary* SimulationService::RevokeToken(Wire* wire, const v1::RevokeTokenRequest* request,
                                       v1::RevokeTokenResponse*) {
-  return answer(wire, *request, lanes_.durable, [this](const Call& call) {
+  return answer(wire, *request, pools_.durable, [this](const Call& call) {
     if (call.caller.credential.empty())
       refuse(ErrorInfo::WRONG_STATE,
              "this call was not made with a token; there is nothing to revoke");

@@ -188,8 +188,8 @@ SimulationService::Unary* SimulationService::CompareRuns(Wire* wire,
                                                          const v1::CompareRunsRequest* request,
                                                          v1::Comparison* response) {
   // A frame is read by a worker, as for a check.
-  WorkPool& lane = request->with_frame() ? lanes_.checks : lanes_.histories;
-  return answer(wire, *request, lane,
+  WorkPool& pool = request->with_frame() ? pools_.checks : pools_.histories;
+  return answer(wire, *request, pool,
                 [=, this](const Call& call) { compare(context_, call, *request, *response); });
 }
 

@@ -290,8 +290,8 @@ void fill(Context& context, jobs::JobStore::Page rest, v1::ListJobsResponse& res
 /// A cursor into the job's event log.
 class JobStream final : public MessageStream<v1::JobEvent>, public jobs::Watcher {
 public:
-  JobStream(WorkPool& lane, CallOrigin origin, Context& context, v1::WatchJobRequest request)
-      : MessageStream(lane, std::move(origin)), context_(context), request_(std::move(request)) {}
+  JobStream(WorkPool& pool, CallOrigin origin, Context& context, v1::WatchJobRequest request)
+      : MessageStream(pool, std::move(origin)), context_(context), request_(std::move(request)) {}
 
   void on_appended() override { wake(); }
 
@@ -388,11 +388,11 @@ Unary* SimulationService::SubmitJob(Wire* wire, const v1::SubmitJobRequest* requ
     call.note->set_job(job->id());
     call.note->set_case_sha256(job->case_sha256());
   };
-  return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, keep}});
+  return answer(wire, *request, {{pools_.checks, check}, {pools_.durable, keep}});
 }
 
 Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v1::Job* job) {
-  return answer(wire, *request, lanes_.status, [=, this](const Call&) {
+  return answer(wire, *request, pools_.status, [=, this](const Call&) {
     *job = find_job(context_, request->id());
     add_casting(context_, *job);
     if (job->state() != v1::CANCELLED) return;
@@ -404,26 +404,26 @@ Unary* SimulationService::GetJob(Wire* wire, const v1::GetJobRequest* request, v
 
 Unary* SimulationService::ListJobs(Wire* wire, const v1::ListJobsRequest* request,
                                    v1::ListJobsResponse* response) {
-  return answer(wire, *request, lanes_.status, [=, this](const Call& call) {
+  return answer(wire, *request, pools_.status, [=, this](const Call& call) {
     fill(context_, select_jobs(context_, call, *request), *response);
   });
 }
 
 Unary* SimulationService::CancelJob(Wire* wire, const v1::CancelJobRequest* request, v1::Job* job) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     check_text("reason", request->reason());
     *job = done(context_.scheduler.cancel(request->id(), request->reason()), request->id());
   });
 }
 
 Unary* SimulationService::PauseJob(Wire* wire, const v1::PauseJobRequest* request, v1::Job* job) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     *job = done(context_.scheduler.pause(request->id()), request->id());
   });
 }
 
 Unary* SimulationService::ResumeJob(Wire* wire, const v1::ResumeJobRequest* request, v1::Job* job) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     *job = done(context_.scheduler.resume(request->id()), request->id(),
                 "it is not paused and goes on by itself");
   });
@@ -431,13 +431,13 @@ Unary* SimulationService::ResumeJob(Wire* wire, const v1::ResumeJobRequest* requ
 
 Unary* SimulationService::DeleteJob(Wire* wire, const v1::DeleteJobRequest* request,
                                     v1::DeleteJobResponse*) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     done(context_.scheduler.remove(request->id()), request->id(), "cancel it first");
   });
 }
 
 Unary* SimulationService::UpdateJob(Wire* wire, const v1::UpdateJobRequest* request, v1::Job* job) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call& call) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call& call) {
     const auto change = [&](v1::Job& found) {
       change_labels(*request, found);
       if (request->has_pinned()) found.set_pinned(request->pinned());
@@ -453,7 +453,7 @@ Unary* SimulationService::UpdateJob(Wire* wire, const v1::UpdateJobRequest* requ
 
 SimulationService::Stream<v1::JobEvent>* SimulationService::WatchJob(
     Wire* wire, const v1::WatchJobRequest* request) {
-  return begin_stream<JobStream>(lanes_.status, origin_of(wire, *request), context_, *request);
+  return begin_stream<JobStream>(pools_.status, origin_of(wire, *request), context_, *request);
 }
 
 }  // namespace dccast::service

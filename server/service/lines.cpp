@@ -11,7 +11,7 @@ using Unary = SimulationService::Unary;
 
 Unary* SimulationService::ListLines(Wire* wire, const v1::ListLinesRequest* request,
                                     v1::ListLinesResponse* response) {
-  return answer(wire, *request, lanes_.histories, [=, this](const Call& call) {
+  return answer(wire, *request, pools_.histories, [=, this](const Call& call) {
     v1::ListLinesResponse listing = context_.lines.list();
     if (!context_.gate.authority().reads_own_only(call.caller)) {
       *response = std::move(listing);
@@ -24,13 +24,13 @@ Unary* SimulationService::ListLines(Wire* wire, const v1::ListLinesRequest* requ
 
 Unary* SimulationService::GetLine(Wire* wire, const v1::GetLineRequest* request,
                                   v1::Line* response) {
-  return answer(wire, *request, lanes_.histories,
+  return answer(wire, *request, pools_.histories,
                 [=, this](const Call&) { *response = learned_line(context_, request->id()); });
 }
 
 Unary* SimulationService::RestartLine(Wire* wire, const v1::RestartLineRequest* request,
                                       v1::Line* response) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     auto line = context_.lines.restart(request->id());
     if (!line) refuse_unknown_line(request->id());
     *response = std::move(*line);
@@ -39,7 +39,7 @@ Unary* SimulationService::RestartLine(Wire* wire, const v1::RestartLineRequest* 
 
 Unary* SimulationService::DeleteLine(Wire* wire, const v1::DeleteLineRequest* request,
                                      v1::DeleteLineResponse*) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     if (!context_.lines.remove(request->id())) refuse_unknown_line(request->id());
   });
 }

@@ -23,7 +23,7 @@ struct NextMessage {
 };
 
 /// A stream of messages to a client, of which one at a time is being sent. The stream is opened in
-/// a lane. It asks next() for a message after every wake() and every completed write, from one
+/// a pool. It asks next() for a message after every wake() and every completed write, from one
 /// thread at a time. It lives until gRPC has finished with it and no one else holds it. Only
 /// begin(), wake() and gRPC call it.
 template <class Message>
@@ -31,15 +31,15 @@ class MessageStream : public grpc::ServerWriteReactor<Message>,
                       public LastingCall,
                       public std::enable_shared_from_this<MessageStream<Message>> {
 public:
-  /// @param lane  where the stream is opened, and looked at if looks_in_lane()
+  /// @param pool  where the stream is opened, and looked at if looks_in_pool()
   /// @param origin  caller and gate of the call
-  MessageStream(WorkPool& lane, CallOrigin origin) : lane_(lane), origin_(std::move(origin)) {}
+  MessageStream(WorkPool& pool, CallOrigin origin) : pool_(pool), origin_(std::move(origin)) {}
 
   /// Posts the opening. A stream that is refused, or for which too much waits, ends at once.
   void begin() {
     self_ = this->shared_from_this();
     if (!origin_.refusal().ok()) return end(origin_.refusal());
-    const bool taken = lane_.post([self = self_] { self->open_in_lane(); }, kept_bytes());
+    const bool taken = pool_.post([self = self_] { self->open_in_pool(); }, kept_bytes());
     if (taken) return;
     origin_.count(too_many_waiting());
     end(too_many_waiting());
@@ -83,10 +83,10 @@ protected:
   virtual void open(const Call& call) = 0;
   /// The next action, after every wake() and every completed write. May throw a Refusal.
   virtual NextMessage<Message> next() = 0;
-  /// Whether next() may block on the store and so must run in the lane.
-  virtual bool looks_in_lane() const { return false; }
+  /// Whether next() may block on the store and so must run in the pool.
+  virtual bool looks_in_pool() const { return false; }
 
-  /// Whether open() continues in other lanes, the last of which calls finish_opening().
+  /// Whether open() continues in other pools, the last of which calls finish_opening().
   virtual bool opens_in_stages() const { return false; }
 
   /// @param status  how opening ended, for the audit log; next() reports it
@@ -107,7 +107,7 @@ protected:
 
 private:
   /// Admits the call, counts the stream and opens it.
-  void open_in_lane() {
+  void open_in_pool() {
     // Before admit(), which would throw: a peer may cancel ten thousand calls a second.
     if (cancelled()) return end(grpc::Status::CANCELLED);
 
@@ -162,8 +162,8 @@ private:
       woken_ = false;
     }
 
-    if (!looks_in_lane()) return send_next();
-    if (!lane_.post([self = this->shared_from_this()] { self->send_next(); }))
+    if (!looks_in_pool()) return send_next();
+    if (!pool_.post([self = this->shared_from_this()] { self->send_next(); }))
       end(too_many_waiting());
   }
 
@@ -194,7 +194,7 @@ private:
     look();  // a wake() during next() only set the flag
   }
 
-  WorkPool& lane_;
+  WorkPool& pool_;
   CallOrigin origin_;
   Call call_;             ///< valid once admitted
   bool entered_ = false;  ///< counted by the gate

@@ -216,7 +216,7 @@ Unary* SimulationService::PrepareCasting(Wire* wire, const v1::PrepareCastingReq
     call.note->set_study(response->ensemble().id());
     call.note->set_job(response->plan_job());
   };
-  return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, keep}});
+  return answer(wire, *request, {{pools_.checks, check}, {pools_.durable, keep}});
 }
 
 }  // namespace dccast::service

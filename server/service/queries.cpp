@@ -16,7 +16,7 @@
 #include "proto/values/digests.hpp"
 #include "server/jobs/executors/precedence.hpp"
 #include "server/jobs/log.hpp"
-#include "server/service/lanes.hpp"
+#include "server/service/call_pools.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
@@ -323,13 +323,14 @@ private:
   std::optional<std::chrono::steady_clock::time_point> stop_reported_;
 };
 
-/// One query in three stages, each in its own lane: look for a stored answer, check the case, run
+/// One query in three stages, each in its own pool: look for a stored answer, check the case, run
 /// it. Messages of a stage wait here until gRPC has sent the previous one.
 class QueryStream final : public MessageStream<Response> {
 public:
-  QueryStream(Lanes& lanes, CallOrigin origin, Context& context, v1::QueryButtCurlRequest request)
-      : MessageStream(lanes.stored_answers, std::move(origin)),
-        lanes_(lanes),
+  QueryStream(CallPools& pools, CallOrigin origin, Context& context,
+              v1::QueryButtCurlRequest request)
+      : MessageStream(pools.stored_answers, std::move(origin)),
+        pools_(pools),
         context_(context),
         request_(std::move(request)) {}
 
@@ -343,7 +344,7 @@ private:
     do_stage([this] { return look_for_stored_answer(); });
   }
 
-  /// One stage. @return whether the query continues in the thread of another lane
+  /// One stage. @return whether the query continues in the thread of another pool
   using Stage = std::function<bool()>;
 
   bool look_for_stored_answer() {
@@ -356,7 +357,7 @@ private:
       if (query_->answer_from_store()) return false;
     }
     return hand_over(
-        [this](auto work) { return lanes_.query_checks.post(std::move(work), kept_bytes()); },
+        [this](auto work) { return pools_.query_checks.post(std::move(work), kept_bytes()); },
         [this] { return check_case(); });
   }
 
@@ -369,7 +370,7 @@ private:
 
     return hand_over(
         [&](auto work) {
-          return lanes_.query_turns.post(query_->urgency(), query_->estimated_s(), report_wait,
+          return pools_.query_turns.post(query_->urgency(), query_->estimated_s(), report_wait,
                                          std::move(work), kept_bytes());
         },
         [this] {
@@ -379,7 +380,7 @@ private:
   }
 
   /// Posts the next stage. The calling thread must not touch the query afterwards.
-  /// @throws Refusal  the lane is full
+  /// @throws Refusal  the pool is full
   template <class Post>
   bool hand_over(const Post& post, Stage next) {
     const auto self = this->shared_from_this();
@@ -428,7 +429,7 @@ private:
     return found;
   }
 
-  Lanes& lanes_;
+  CallPools& pools_;
   Context& context_;
   const v1::QueryButtCurlRequest request_;
   const SendQueryResponse send_ = [this](Response response) { send(std::move(response)); };
@@ -444,7 +445,7 @@ private:
 
 SimulationService::Stream<v1::QueryButtCurlResponse>* SimulationService::QueryButtCurl(
     Wire* wire, const v1::QueryButtCurlRequest* request) {
-  return begin_stream<QueryStream>(lanes_, origin_of(wire, *request), context_, *request);
+  return begin_stream<QueryStream>(pools_, origin_of(wire, *request), context_, *request);
 }
 
 }  // namespace dccast::service

@@ -48,8 +48,8 @@ private:
     Clock::time_point begin;
   };
   /// Queries of one urgency, with the threads that run them.
-  struct Lane {
-    Lane(int threads, const WaitingBound& bound) : pool(threads, bound) {}
+  struct OneUrgency {
+    OneUrgency(int threads, const WaitingBound& bound) : pool(threads, bound) {}
 
     std::list<double> waiting_s;  ///< estimates, in the order in which they were posted
     std::list<Running> running;
@@ -57,11 +57,11 @@ private:
   };
 
   /// What a query that is posted now would wait for.
-  QueryWait wait_in(const Lane& lane) const;
+  QueryWait wait_in(const OneUrgency& queries) const;
 
   const int at_once_;
-  std::mutex mutex_;  ///< guards the lists of all lanes
-  std::map<jobs::Urgency, Lane> lanes_;
+  std::mutex mutex_;  ///< guards the lists of all urgencies
+  std::map<jobs::Urgency, OneUrgency> of_urgency_;
 };
 
 }  // namespace dccast::service

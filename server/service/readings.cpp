@@ -100,13 +100,13 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
 
 Unary* SimulationService::ForecastJob(Wire* wire, const v1::ForecastJobRequest* request,
                                       v1::Forecast* response) {
-  return answer(wire, *request, lanes_.histories,
+  return answer(wire, *request, pools_.histories,
                 [=, this](const Call&) { *response = forecast_job(context_, request->id()); });
 }
 
 Unary* SimulationService::AppendReadings(Wire* wire, const v1::AppendReadingsRequest* request,
                                          v1::AppendReadingsResponse* response) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     check_readings(*request);
     append(context_, *request, *response);
   });

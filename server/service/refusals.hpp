@@ -70,7 +70,7 @@ template <class... Arguments>
 /// Runs a handler and turns any exception into a status with a remedy. Never throws.
 grpc::Status guarded(const std::function<void()>& handler);
 
-/// RESOURCE_EXHAUSTED: the lane of the call is full.
+/// RESOURCE_EXHAUSTED: the pool of the call is full.
 grpc::Status too_many_waiting();
 
 /// Ids are UUIDs, so that a path made of one stays in its folder. @throws Refusal  INVALID_ARGUMENT

@@ -155,8 +155,8 @@ class FileStream final : public MessageStream<v1::FetchResultResponse> {
 public:
   using OpenFile = std::function<SentFile(const Call&)>;
 
-  FileStream(WorkPool& lane, CallOrigin origin, std::int64_t offset, OpenFile open_file)
-      : MessageStream(lane, std::move(origin)), next_(offset), open_file_(std::move(open_file)) {}
+  FileStream(WorkPool& pool, CallOrigin origin, std::int64_t offset, OpenFile open_file)
+      : MessageStream(pool, std::move(origin)), next_(offset), open_file_(std::move(open_file)) {}
 
 private:
   void open(const Call& call) override {
@@ -275,8 +275,8 @@ SentFile open_study(Context& context, const Call& call, const v1::FetchStudyRequ
 SimulationService::Unary* SimulationService::QueryResult(Wire* wire,
                                                          const v1::QueryResultRequest* request,
                                                          v1::QueryResultResponse* response) {
-  WorkPool& lane = request->frame() ? lanes_.checks : lanes_.histories;
-  return answer(wire, *request, lane, [=, this](const Call& call) {
+  WorkPool& pool = request->frame() ? pools_.checks : pools_.histories;
+  return answer(wire, *request, pool, [=, this](const Call& call) {
     const v1::Job job = find_job(context_, request->id());
     if (request->page_token().empty()) add_case_and_frame(context_, call, *request, job, *response);
     add_steps(context_, *request, *response);
@@ -287,7 +287,7 @@ SimulationService::Unary* SimulationService::QueryResult(Wire* wire,
 SimulationService::Unary* SimulationService::ProbeResult(Wire* wire,
                                                          const v1::ProbeResultRequest* request,
                                                          v1::ProbeResultResponse* response) {
-  return answer(wire, *request, lanes_.checks, [=, this](const Call& call) {
+  return answer(wire, *request, pools_.checks, [=, this](const Call& call) {
     check_points(*request);
     const v1::Job job = find_job(context_, request->id());
     *response =
@@ -300,14 +300,14 @@ SimulationService::Unary* SimulationService::ProbeResult(Wire* wire,
 SimulationService::Stream<v1::FetchResultResponse>* SimulationService::FetchResult(
     Wire* wire, const v1::FetchResultRequest* request) {
   return begin_stream<FileStream>(
-      lanes_.status, origin_of(wire, *request), request->offset(),
+      pools_.status, origin_of(wire, *request), request->offset(),
       [this, request = *request](const Call&) { return open_artifact(context_, request); });
 }
 
 SimulationService::Stream<v1::FetchResultResponse>* SimulationService::FetchStudy(
     Wire* wire, const v1::FetchStudyRequest* request) {
   return begin_stream<FileStream>(
-      lanes_.checks, origin_of(wire, *request), request->offset(),
+      pools_.checks, origin_of(wire, *request), request->offset(),
       [this, request = *request](const Call& call) { return open_study(context_, call, request); });
 }
 

@@ -8,7 +8,7 @@ namespace dccast::service {
 
 SimulationService::SimulationService(Context& context)
     : context_(context),
-      lanes_(context.settings.checks().workers(), context.settings.queries().workers(),
+      pools_(context.settings.checks().workers(), context.settings.queries().workers(),
              context.settings.checks().maximum_waiting()) {}
 
 /// A call on its way through its stages.
@@ -48,7 +48,7 @@ void SimulationService::do_stage(std::shared_ptr<UnaryCall> call, std::size_t nu
     if (!admitted && call->wire->IsCancelled())
       return call->reactor->Finish(grpc::Status::CANCELLED);
 
-    // The first stage admits the call in the thread of its lane, because that may block.
+    // The first stage admits the call in the thread of its pool, because that may block.
     const grpc::Status status = guarded([&] {
       if (!admitted) {
         call->call = call->origin.admit([wire = call->wire] { return wire->IsCancelled(); });
@@ -65,7 +65,7 @@ void SimulationService::do_stage(std::shared_ptr<UnaryCall> call, std::size_t nu
     do_stage(call, number + 1);
   };
 
-  if (call->stages[number].lane.post(work, call->bytes)) return;
+  if (call->stages[number].pool.post(work, call->bytes)) return;
   call->origin.count(too_many_waiting());
   call->reactor->Finish(too_many_waiting());
 }

@@ -8,15 +8,15 @@
 
 #include "dccast/v1/service.grpc.pb.h"
 #include "server/service/call.hpp"
+#include "server/service/call_pools.hpp"
 #include "server/service/context.hpp"
-#include "server/service/lanes.hpp"
 #include "server/service/work_pool.hpp"
 
 namespace dccast::service {
 
 /// The calls of SimulationService; their status codes stand in service.proto. A call checks its
 /// request, asks jobs, studies or intake, and puts the outcome into the response. Callback API: no
-/// thread waits for a stream, and what waits for the disk or computes does so in a lane.
+/// thread waits for a stream, and what waits for the disk or computes does so in a pool.
 class SimulationService final : public v1::SimulationService::CallbackService {
 public:
   /// @param context  outlives the service
@@ -91,12 +91,12 @@ public:
   Stream<v1::Study>* WatchStudy(Wire*, const v1::WatchStudyRequest*) override;
 
 private:
-  /// The work of a call, run in a lane; throws a Refusal where the call is not answered.
+  /// The work of a call, run in a pool; throws a Refusal where the call is not answered.
   using Work = std::function<void(const Call&)>;
-  /// One part of a call, and the lane in which it runs.
+  /// One part of a call, and the pool in which it runs.
   struct Stage {
     /// Threads in which a stage runs.
-    WorkPool& lane;
+    WorkPool& pool;
     Work work;
   };
   struct UnaryCall;
@@ -105,9 +105,9 @@ private:
   /// the call with the status that guarded() gives.
   /// @param request  lives as long as the call
   Unary* answer(Wire* wire, const google::protobuf::Message& request, std::vector<Stage> stages);
-  /// Answers a call by one stage in a lane.
-  Unary* answer(Wire* wire, const google::protobuf::Message& request, WorkPool& lane, Work work) {
-    return answer(wire, request, {{lane, std::move(work)}});
+  /// Answers a call by one stage in a pool.
+  Unary* answer(Wire* wire, const google::protobuf::Message& request, WorkPool& pool, Work work) {
+    return answer(wire, request, {{pool, std::move(work)}});
   }
   /// Runs a stage and posts the next one, or finishes the call.
   void do_stage(std::shared_ptr<UnaryCall> call, std::size_t number);
@@ -117,7 +117,7 @@ private:
   }
 
   Context& context_;
-  Lanes lanes_;
+  CallPools pools_;
 };
 
 }  // namespace dccast::service

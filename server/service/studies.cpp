@@ -292,8 +292,8 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
 /// Sends the study whenever it differs from what was sent last.
 class StudyStream final : public MessageStream<v1::Study>, public studies::StudyWatcher {
 public:
-  StudyStream(WorkPool& lane, CallOrigin origin, Context& context, std::string id)
-      : MessageStream(lane, std::move(origin)), context_(context), id_(std::move(id)) {}
+  StudyStream(WorkPool& pool, CallOrigin origin, Context& context, std::string id)
+      : MessageStream(pool, std::move(origin)), context_(context), id_(std::move(id)) {}
 
   void on_changed() override { wake(); }
 
@@ -305,7 +305,7 @@ private:
   }
 
   /// Reading a study reads the store.
-  bool looks_in_lane() const override { return true; }
+  bool looks_in_pool() const override { return true; }
 
   NextMessage<v1::Study> next() override {
     auto study = of_study(id_, context_.studies.requests().find(id_));
@@ -353,19 +353,19 @@ Unary* SimulationService::CreateStudy(Wire* wire, const v1::CreateStudyRequest* 
     call.note->set_study(study->id());
   };
 
-  return answer(wire, *request, {{lanes_.checks, check}, {lanes_.durable, create}});
+  return answer(wire, *request, {{pools_.checks, check}, {pools_.durable, create}});
 }
 
 Unary* SimulationService::GetStudy(Wire* wire, const v1::GetStudyRequest* request,
                                    v1::Study* study) {
-  return answer(wire, *request, lanes_.status, [=, this](const Call&) {
+  return answer(wire, *request, pools_.status, [=, this](const Call&) {
     *study = of_study(request->id(), context_.studies.requests().find(request->id()));
   });
 }
 
 Unary* SimulationService::ListStudies(Wire* wire, const v1::ListStudiesRequest* request,
                                       v1::ListStudiesResponse* response) {
-  return answer(wire, *request, lanes_.status, [=, this](const Call& call) {
+  return answer(wire, *request, pools_.status, [=, this](const Call& call) {
     check_labels(request->labels());
     const AgePage page =
         read_page("the list of studies", request->page_token(), request->page_size());
@@ -388,7 +388,7 @@ Unary* SimulationService::ListStudies(Wire* wire, const v1::ListStudiesRequest* 
 
 Unary* SimulationService::CancelStudy(Wire* wire, const v1::CancelStudyRequest* request,
                                       v1::Study* study) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     check_text("reason", request->reason());
     *study =
         done(context_.studies.requests().cancel(request->id(), request->reason()), request->id());
@@ -397,7 +397,7 @@ Unary* SimulationService::CancelStudy(Wire* wire, const v1::CancelStudyRequest* 
 
 Unary* SimulationService::ResumeStudy(Wire* wire, const v1::ResumeStudyRequest* request,
                                       v1::Study* study) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     *study =
         done(context_.studies.requests().resume(request->id(), request->failed()), request->id());
   });
@@ -405,7 +405,7 @@ Unary* SimulationService::ResumeStudy(Wire* wire, const v1::ResumeStudyRequest* 
 
 Unary* SimulationService::DeleteStudy(Wire* wire, const v1::DeleteStudyRequest* request,
                                       v1::DeleteStudyResponse*) {
-  return answer(wire, *request, lanes_.durable, [=, this](const Call&) {
+  return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     done(context_.studies.requests().remove(request->id()), request->id(),
          "cancel it first, and wait until its jobs have ended");
   });
@@ -413,7 +413,7 @@ Unary* SimulationService::DeleteStudy(Wire* wire, const v1::DeleteStudyRequest* 
 
 Unary* SimulationService::EvaluateStudy(Wire* wire, const v1::EvaluateStudyRequest* request,
                                         v1::StudyResult* response) {
-  return answer(wire, *request, lanes_.histories, [=, this](const Call& call) {
+  return answer(wire, *request, pools_.histories, [=, this](const Call& call) {
     check_may_read_castings(context_, call, request->castings());
     *response = of_study(request->id(), context_.studies.evaluation().evaluate(*request));
   });
@@ -421,13 +421,13 @@ Unary* SimulationService::EvaluateStudy(Wire* wire, const v1::EvaluateStudyReque
 
 Unary* SimulationService::PredictStudy(Wire* wire, const v1::PredictStudyRequest* request,
                                        v1::Prediction* response) {
-  return answer(wire, *request, lanes_.histories,
+  return answer(wire, *request, pools_.histories,
                 [=, this](const Call&) { *response = predict(context_, *request); });
 }
 
 Unary* SimulationService::JudgeStudy(Wire* wire, const v1::JudgeStudyRequest* request,
                                      v1::StudyJudgement* response) {
-  return answer(wire, *request, lanes_.histories, [=, this](const Call& call) {
+  return answer(wire, *request, pools_.histories, [=, this](const Call& call) {
     check_may_read_castings(context_, call, request->castings());
     judge(context_, *request, *response);
   });
@@ -435,7 +435,7 @@ Unary* SimulationService::JudgeStudy(Wire* wire, const v1::JudgeStudyRequest* re
 
 SimulationService::Stream<v1::Study>* SimulationService::WatchStudy(
     Wire* wire, const v1::WatchStudyRequest* request) {
-  return begin_stream<StudyStream>(lanes_.status, origin_of(wire, *request), context_,
+  return begin_stream<StudyStream>(pools_.status, origin_of(wire, *request), context_,
                                    request->id());
 }
 

@@ -33,9 +33,9 @@ class UploadStream final : public grpc::ServerReadReactor<Request>,
                            public std::enable_shared_from_this<UploadStream> {
 public:
   /// @param silence  after so long without a part of the file the stream ends
-  UploadStream(WorkPool& lane, CallOrigin origin, intake::Uploads& uploads,
+  UploadStream(WorkPool& pool, CallOrigin origin, intake::Uploads& uploads,
                std::chrono::milliseconds silence, v1::UploadAttachmentResponse& response)
-      : lane_(lane),
+      : pool_(pool),
         origin_(std::move(origin)),
         uploads_(uploads),
         silence_(silence),
@@ -44,12 +44,12 @@ public:
   void begin() {
     self_ = shared_from_this();
     if (!origin_.refusal().ok()) return end(origin_.refusal());
-    do_in_lane([this] { open(); });
+    do_in_pool([this] { open(); });
   }
 
   void OnReadDone(bool ok) override {
     last_read_ = Clock::now();
-    do_in_lane([this, ok] {
+    do_in_pool([this, ok] {
       if (ok)
         take();
       else
@@ -87,8 +87,8 @@ private:
   }
 
   template <class Work>
-  void do_in_lane(Work work) {
-    const bool taken = lane_.post([self = shared_from_this(), work = std::move(work)] { work(); });
+  void do_in_pool(Work work) {
+    const bool taken = pool_.post([self = shared_from_this(), work = std::move(work)] { work(); });
     if (taken) return;
     origin_.count(too_many_waiting());
     end(too_many_waiting());
@@ -179,7 +179,7 @@ private:
     if (!ended_) operation();
   }
 
-  WorkPool& lane_;
+  WorkPool& pool_;
   CallOrigin origin_;
   intake::Uploads& uploads_;
   const std::chrono::milliseconds silence_;
@@ -188,7 +188,7 @@ private:
   std::atomic<bool> cancelled_{false};
   std::atomic<Clock::time_point> last_read_{Clock::now()};
   grpc::Alarm alarm_;
-  // Of the lane, which does one piece of work of this stream at a time.
+  // Of the pool, which does one piece of work of this stream at a time.
   Call call_;  ///< once it was admitted
   bool admitted_ = false;
   bool entered_ = false;  ///< counted by the gate
@@ -206,7 +206,7 @@ grpc::ServerReadReactor<Request>* SimulationService::UploadAttachment(
   const double silence_s =
       std::min(longest_silence_s, context_.settings.retention().upload_lifetime_s());
   const auto stream = std::make_shared<UploadStream>(
-      lanes_.uploads, origin_of(wire, Request::default_instance()), context_.uploads,
+      pools_.uploads, origin_of(wire, Request::default_instance()), context_.uploads,
       std::chrono::milliseconds(std::llround(1000.0 * silence_s)), *response);
   stream->begin();
   return stream.get();

@@ -6,7 +6,7 @@ namespace dccast::studies {
 
 namespace {
 
-/// The run keeps the last value of a lever as long (core/case/lever_record.hpp).
+/// The run keeps the last value of a lever as long (core/casting/case/lever_record.hpp).
 constexpr double longest_gap_s = 10.0;
 
 /// Each lever and curl as it was measured last, at most `longest_gap_s` before the last reading.

@@ -231,7 +231,7 @@ SweepSurfaces::Surface SweepSurfaces::kept_surface(const Sweep& sweep, const std
   auto& surfaces = studies_[sweep.study.id].kept;
   const auto found = surfaces.find(kind);
   if (found == surfaces.end()) return nullptr;
-  Kept& kept = found->second;
+  CachedSurface& kept = found->second;
   kept.used = Clock::now();
   const bool recent = sweep.running && kept.used - kept.built < building_share * kept.took;
   return kept.succeeded == sweep.succeeded || recent || of_fewer_runs ? kept.surface : nullptr;

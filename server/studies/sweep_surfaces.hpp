@@ -58,7 +58,7 @@ private:
     std::optional<std::vector<EvaluatedRun>> runs{};  ///< with histories, once they were read
   };
   /// A surface, with what decides when it is built again and when it is dropped.
-  struct Kept {
+  struct CachedSurface {
     Surface surface;
     int succeeded = 0;
     Clock::time_point built{};
@@ -67,8 +67,8 @@ private:
   };
   struct OfStudy {
     std::shared_ptr<const SweptKeys> keys;
-    std::map<std::string, Kept> kept;  ///< by kind
-    int prepared = 0;                  ///< succeeded runs when surfaces were last prepared
+    std::map<std::string, CachedSurface> kept;  ///< by kind
+    int prepared = 0;                           ///< succeeded runs when surfaces were last prepared
   };
   /// The surface of the present runs: kept, or built now.
   Surface surface_of(Sweep& sweep, const std::string& kind);

@@ -2,9 +2,9 @@
 
 #include <optional>
 
-#include "core/case/case.hpp"
+#include "core/casting/case/case.hpp"
+#include "core/casting/findings/run_failure.hpp"
 #include "core/casting/simulation.hpp"
-#include "core/findings/run_failure.hpp"
 #include "core/results/step_report.hpp"
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/worker.pb.h"

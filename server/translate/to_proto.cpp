@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/findings/run_failure.hpp"
+#include "core/casting/findings/run_failure.hpp"
 #include "core/results/step_report.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/remedies.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/case/case.hpp"
-#include "core/case/case_check.hpp"
+#include "core/casting/case/case.hpp"
+#include "core/casting/case/case_check.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/results/frame.hpp"
 #include "core/results/study_table.hpp"

@@ -20,11 +20,11 @@
 #include <string>
 #include <system_error>
 
-#include "core/case/case_check.hpp"
+#include "core/casting/case/case_check.hpp"
+#include "core/casting/findings/judge.hpp"
 #include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/casting/stored_run.hpp"
-#include "core/findings/judge.hpp"
 #include "core/results/study_table.hpp"
 #include "core/storage/storage_error.hpp"
 #include "server/jobs/executors/precedence.hpp"

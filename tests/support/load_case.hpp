@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/case/case.hpp"
+#include "core/casting/case/case.hpp"
 
 namespace dccast::v1 {
 class Case;

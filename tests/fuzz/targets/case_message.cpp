@@ -1,7 +1,7 @@
 // A case as it comes over the wire: completed and checked as the daemon does, then translated and
 // checked as a worker does.
-#include "core/case/case_check.hpp"
-#include "core/findings/judge.hpp"
+#include "core/casting/case/case_check.hpp"
+#include "core/casting/findings/judge.hpp"
 #include "dccast/v1/service.pb.h"
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"

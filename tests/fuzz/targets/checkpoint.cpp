@@ -1,5 +1,5 @@
 // A checkpoint, and the journal of a run. The first byte chooses; with right checksums or as it is.
-#include "core/findings/judge.hpp"
+#include "core/casting/findings/judge.hpp"
 #include "core/results/checkpoint_file.hpp"
 #include "core/results/journal.hpp"
 #include "core/storage/record_log.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/case/case.hpp"
+#include "core/casting/case/case.hpp"
 
 namespace dccast::regression {
 

@@ -3,9 +3,9 @@
 #include <string>
 #include <tuple>
 
+#include "core/casting/findings/judge.hpp"
 #include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
-#include "core/findings/judge.hpp"
 #include "tests/regression/whole_run.hpp"
 #include "tests/support/load_case.hpp"
 

@@ -14,11 +14,11 @@
 #include <system_error>
 #include <thread>
 
-#include "core/case/case_check.hpp"
+#include "core/casting/case/case_check.hpp"
+#include "core/casting/findings/judge.hpp"
 #include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/casting/stored_run.hpp"
-#include "core/findings/judge.hpp"
 #include "core/results/result_writer.hpp"
 #include "tests/support/fake_casting/attack.hpp"
 

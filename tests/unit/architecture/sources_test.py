@@ -18,12 +18,14 @@ PARTS_SEEN = {
 
 # A core room sees the rooms before it. Those named here see less.
 CORE_ROOMS = ["base", "statistics", "storage", "mesh", "fem", "linalg", "material", "thermal", "mechanics",
-              "results", "case", "findings", "casting"]
+              "results", "casting"]
 CORE_ROOMS_SEEN = {room: set(CORE_ROOMS[:i + 1]) for i, room in enumerate(CORE_ROOMS)}
 CORE_ROOMS_SEEN["results"] = {"results", "storage", "base"}
 for room in ("mesh", "fem", "linalg", "material", "thermal", "mechanics"):  # no files
     CORE_ROOMS_SEEN[room] -= {"storage"}
-CORE_ROOMS_SEEN["mechanics"] -= {"thermal"}  # the two meet only from case on
+CORE_ROOMS_SEEN["mechanics"] -= {"thermal"}  # the two meet only in casting
+# Parts of casting: the time loop, in the folder of casting itself, sees both.
+CASTING_PARTS = {"case": {"case"}, "findings": {"case", "findings"}}
 
 # The daemon never runs a solver: of the server only these rooms see core, the others only what knows
 # no physics.
@@ -35,8 +37,8 @@ JOBS_ROOMS = {"folder": {"folder"}, "logs": {"folder", "logs"}, "store": {"folde
 JOBS_ROOMS["executors"] = JOBS_ROOMS["logs"] | {"executors"}
 JOBS_ROOMS["queue"] = JOBS_ROOMS["executors"] | JOBS_ROOMS["store"] | {"queue"}
 
-# The program's log, which all rooms of the server write to.
-NAMESPACES_OF_THEIR_OWN = {"server/jobs/log.hpp", "server/jobs/log.cpp"}
+# The log of the program, which all rooms of the server write to; the shipped cases, a target of their own.
+NAMESPACES_OF_THEIR_OWN = {"server/jobs/log.hpp", "server/jobs/log.cpp", "proto/case_file/shipped.hpp"}
 
 # Rooms of the client, each with those that it sees.
 CLIENT_ROOMS = {"model": {"model"}, "session": {"model", "session"}}
@@ -169,6 +171,20 @@ class Sources(unittest.TestCase):
                     broken.append(f"{path} includes {include}")
         self.assert_none(broken)
 
+    def test_parts_of_casting_see_only_parts_before_them(self):
+        seen, broken = set(), []
+        for path in SOURCES:
+            if path.parts[:2] != ("core", "casting") or len(path.parts) < 4:
+                continue
+            seen.add(path.parts[2])
+            for include in includes_of(path):
+                parts = include.split("/")
+                if parts[:2] == ["core", "casting"] and (
+                        len(parts) < 4 or parts[2] not in CASTING_PARTS[path.parts[2]]):
+                    broken.append(f"{path} includes {include}")
+        self.assertEqual(seen, set(CASTING_PARTS))
+        self.assert_none(broken)
+
     def test_every_core_room_is_known(self):
         self.assertEqual({path.parts[1] for path in SOURCES
                           if path.parts[0] == "core" and len(path.parts) > 2}, set(CORE_ROOMS))
@@ -227,21 +243,24 @@ class Sources(unittest.TestCase):
                        if linked not in visible | {"base"}]
         self.assert_none(broken)
 
-    def test_rooms_of_the_server_name_their_namespaces_and_targets(self):
-        """server/ROOM is namespace dccast::ROOM and target dccast_ROOM. A part of a room, a folder below
-        it, shares the namespace, and is target dccast_ROOM_PART."""
+    def test_rooms_name_their_namespaces_and_targets(self):
+        """PART/ROOM of core, server and proto is namespace dccast::ROOM and target dccast_ROOM. A part of
+        a room, a folder below it, shares the namespace, and is target dccast_ROOM_PART. The client is one
+        program: its rooms share namespace dccast::client and one target."""
         broken = []
         for path in SOURCES:
-            if path.parts[0] != "server" or str(path) in NAMESPACES_OF_THEIR_OWN:
+            if path.parts[0] not in PARTS_SEEN or len(path.parts) < 3 or str(path) in NAMESPACES_OF_THEIR_OWN:
                 continue
-            named = set(re.findall(r"^namespace (dccast[\w:]*) \{$", text_of(path), re.M))
-            if f"dccast::{path.parts[1]}" not in named and named - {"dccast"}:
+            room = "client" if path.parts[0] == "client" else path.parts[1]
+            named = set(re.findall(r"^namespace (dccast[\w:]*) \{$", text_of(path), re.M)) - {"dccast"}
+            if not all(f"{name}::".startswith(f"dccast::{room}::") for name in named):
                 broken.append(f"{path} is in {sorted(named)}")
         for path in CMAKE_FILES:
-            if path.parts[0] != "server" or len(path.parts) < 3 or path.name != "CMakeLists.txt":
+            if path.parts[0] not in ("core", "server") or len(path.parts) < 3 or path.name != "CMakeLists.txt":
                 continue
             expected = "_".join(("dccast", *path.parts[1:-1])).replace("dccast_daemon", "dccastd")
             targets = re.findall(r"add_(?:library|executable)\((\S+)", text_of(path))
+            targets += [f"dccast_{name}" for name in re.findall(r"dccast_core_library\((\w+)", text_of(path))]
             if not any(target.startswith(expected) for target in targets):
                 broken.append(f"{path} makes {targets}")
         self.assert_none(broken)

@@ -1,4 +1,4 @@
-#include "core/case/casting_schedule.hpp"
+#include "core/casting/case/casting_schedule.hpp"
 
 #include <gtest/gtest.h>
 

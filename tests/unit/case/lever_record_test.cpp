@@ -1,10 +1,10 @@
-#include "core/case/lever_record.hpp"
+#include "core/casting/case/lever_record.hpp"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
-#include "core/case/casting_schedule.hpp"
+#include "core/casting/case/casting_schedule.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 
 namespace dccast::casting {

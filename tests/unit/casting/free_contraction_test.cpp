@@ -26,7 +26,7 @@ void write_temperature(int nodes, const std::filesystem::path& path) {
   const std::vector<double> time{0.0, duration};
   std::vector<double> temperature(std::size_t(2 * nodes), hot);
   std::fill(temperature.begin() + nodes, temperature.end(), cold);
-  auto file = hdf5::File::create(path);
+  auto file = results::hdf5::File::create(path);
   file.write("/time_s", time, "s", "time");
   file.write("/temperature_c", {time.size(), std::size_t(nodes)}, temperature, "degC",
              "temperature");

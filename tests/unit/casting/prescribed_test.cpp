@@ -54,7 +54,7 @@ void write_temperature(const mesh::Mesh2D& mesh, const std::filesystem::path& pa
       temperature.push_back(warmest - 5.0 * t * (1.0 + 4.0 * x * x) - 300.0 * t * (0.1 - y));
     }
   }
-  auto file = hdf5::File::create(path);
+  auto file = results::hdf5::File::create(path);
   file.write("/time_s", time, "s", "time");
   file.write("/temperature_c", {time.size(), std::size_t(mesh.nodes())}, temperature, "degC",
              "temperature");

@@ -1,11 +1,11 @@
 // Stresses that are left in a cold slab, and the cool-down after a cast.
-#include "core/findings/residual_stress.hpp"
+#include "core/casting/findings/residual_stress.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/case/casting_schedule.hpp"
+#include "core/casting/case/casting_schedule.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "core/results/hdf5_file.hpp"
 #include "tests/unit/casting/small_casting.hpp"
@@ -53,7 +53,7 @@ results::StepReport cylinder_with_parabola(double rise) {
     const double share = slab.mesh().point(static_cast<int>(n))[0] / radius;
     temperature[nodes + n] += rise * (1.0 - share * share);
   }
-  auto file = hdf5::File::create(c.thermal.file);
+  auto file = results::hdf5::File::create(c.thermal.file);
   file.write("/time_s", std::vector<double>{0.0, duration}, "s", "time");
   file.write("/temperature_c", {2, nodes}, temperature, "degC", "temperature");
   file.close();

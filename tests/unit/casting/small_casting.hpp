@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/case/case_check.hpp"
+#include "core/casting/case/case_check.hpp"
 #include "core/casting/simulation.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/usual_options.hpp"

@@ -8,7 +8,7 @@ namespace dccast::client {
 
 Result dccast(std::vector<std::string> arguments, const std::string& server,
               const std::filesystem::path& configuration) {
-  commands::Program program;
+  Program program;
   program.server = server;
   program.configuration = configuration;
   testing::internal::CaptureStdout();

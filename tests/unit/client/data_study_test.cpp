@@ -17,11 +17,11 @@ TEST(StudyState, AStudyWhoseRunsFailedInPartHasAnswered) {
   v1::Study study;
   study.set_state(v1::STUDY_FAILED);
   study.set_failed(11);
-  EXPECT_EQ(render::state_text(study), "no answer");
+  EXPECT_EQ(state_text(study), "no answer");
   study.set_succeeded(3);
-  EXPECT_EQ(render::state_text(study), "answered");
+  EXPECT_EQ(state_text(study), "answered");
   study.set_state(v1::STUDY_CANCELLED);
-  EXPECT_EQ(render::state_text(study), "cancelled");
+  EXPECT_EQ(state_text(study), "cancelled");
 }
 
 TEST(Sweep, CsvHasTheErrorOfMeshAndStepsWhereItIsKnown) {
@@ -35,7 +35,7 @@ TEST(Sweep, CsvHasTheErrorOfMeshAndStepsWhereItIsKnown) {
     case_file::set_end_errors(run.end_curl_m(), run);
     run.add_numbers(10.0);
   }
-  const std::string csv = render::sweep_csv(result);
+  const std::string csv = sweep_csv(result);
   EXPECT_THAT(csv, HasSubstr("corner_end_curl_m,corner_lower_error_m,corner_upper_error_m,"));
   EXPECT_THAT(csv, HasSubstr(",-0.04,0.002,0,"));
   EXPECT_THAT(csv, HasSubstr(",0.041,,,"));

@@ -40,44 +40,43 @@ v1::Finding remark() {
   return finding;
 }
 
-render::Findings list_of(std::initializer_list<v1::Finding> findings) {
+Findings list_of(std::initializer_list<v1::Finding> findings) {
   return {findings.begin(), findings.end()};
 }
 
 TEST(FindingLine, SaysAllThatIsKnownAndNothingElse) {
-  EXPECT_EQ(render::finding_line(thin_shell()),
+  EXPECT_EQ(finding_line(thin_shell()),
             "danger: bleed_out_at_exit at 15.00 s: The shell is thin <here>. [1.2 mm, limit 5 mm; "
             "x 280.0 mm, y 45.0 mm; plausibility.minimum_shell]");
-  EXPECT_EQ(render::finding_line(remark()), "note: remark: Well.");
+  EXPECT_EQ(finding_line(remark()), "note: remark: Well.");
 }
 
 TEST(FindingLine, NamesTheWorstExceedanceWhereItIsNotTheFirst) {
   v1::Finding finding = thin_shell();
   finding.mutable_worst()->set_time_s(15.0);
   finding.mutable_worst()->set_value(0.0012);
-  EXPECT_EQ(render::finding_line(finding), render::finding_line(thin_shell()));
+  EXPECT_EQ(finding_line(finding), finding_line(thin_shell()));
   finding.mutable_worst()->set_time_s(21.5);
   finding.mutable_worst()->set_value(0.0004);
   finding.mutable_worst()->add_place_m(0.27);
   finding.mutable_worst()->add_place_m(0.045);
-  EXPECT_THAT(render::finding_line(finding),
+  EXPECT_THAT(finding_line(finding),
               HasSubstr("; worst 0.4 mm at 21.50 s, x 270.0 mm, y 45.0 mm; plausibility."));
 }
 
 TEST(FindingsCount, NamesTheGravestFirst) {
-  EXPECT_EQ(render::findings_count({}), "");
-  EXPECT_EQ(render::findings_count(list_of({remark(), thin_shell(), remark()})),
-            "1 danger, 2 notes");
+  EXPECT_EQ(findings_count({}), "");
+  EXPECT_EQ(findings_count(list_of({remark(), thin_shell(), remark()})), "1 danger, 2 notes");
 }
 
 TEST(MoreThanNotes, IsWhatStrictFailsFor) {
-  EXPECT_FALSE(render::more_than_notes(list_of({remark()})));
-  EXPECT_TRUE(render::more_than_notes(list_of({remark(), thin_shell()})));
+  EXPECT_FALSE(more_than_notes(list_of({remark()})));
+  EXPECT_TRUE(more_than_notes(list_of({remark(), thin_shell()})));
 }
 
 TEST(FindingsPart, HasTheGravestFirstAndNoMarkupOfTheirs) {
-  EXPECT_THAT(render::findings_part({}), HasSubstr("Findings: none"));
-  const std::string part = render::findings_part(list_of({remark(), thin_shell()}));
+  EXPECT_THAT(findings_part({}), HasSubstr("Findings: none"));
+  const std::string part = findings_part(list_of({remark(), thin_shell()}));
   EXPECT_LT(part.find("bleed_out_at_exit"), part.find("remark"));
   EXPECT_THAT(part, HasSubstr("thin &lt;here&gt;"));
 }

@@ -13,7 +13,7 @@
 #include "json_reading.hpp"
 #include "proto/figures/rounding.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 using testing::HasSubstr;
@@ -242,4 +242,4 @@ TEST(JudgementChart, ALongLineIsThinnedAndKeepsItsEnds) {
 }
 
 }  // namespace
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -84,9 +84,8 @@ TEST_F(Query, ARunThatFailedHasItsOwnExitCode) {
 }
 
 TEST(ShownValue, IsInTheUnitsOfThePit) {
-  EXPECT_EQ(render::shown_value("[[\"60 s\", \"0.0006666666666666668 m/s\"]]"),
-            "[[60 s, 40 mm/min]]");
-  EXPECT_EQ(render::shown_value("\"9.81 m/s2\""), "9.81 m/s2");
+  EXPECT_EQ(shown_value("[[\"60 s\", \"0.0006666666666666668 m/s\"]]"), "[[60 s, 40 mm/min]]");
+  EXPECT_EQ(shown_value("\"9.81 m/s2\""), "9.81 m/s2");
 }
 
 TEST_F(Query, AComparisonNamesKeysAndDifferences) {
@@ -113,7 +112,7 @@ TEST_F(Query, AComparisonNamesKeysAndDifferences) {
 }
 
 TEST(Braille, LinesOverEachOtherKeepTheirOwnLength) {
-  const auto chart = render::braille_chart({{{0, 10}, {0, 1}}, {{0, 5}, {1, 1}}}, 10, 2);
+  const auto chart = braille_chart({{{0, 10}, {0, 1}}, {{0, 5}, {1, 1}}}, 10, 2);
   EXPECT_EQ(chart.low, 0.0);
   EXPECT_EQ(chart.high, 1.0);
   ASSERT_EQ(chart.cells.size(), 2u);

@@ -22,7 +22,7 @@
 #include "proto/case_file/shipped.hpp"
 #include "server/judging/run_judgement.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 using testing::HasSubstr;
@@ -282,4 +282,4 @@ TEST(ReportPage, OfAJobWithoutStepsSaysSo) {
 }
 
 }  // namespace
-}  // namespace dccast::client::render
+}  // namespace dccast::client

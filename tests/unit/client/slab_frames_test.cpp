@@ -6,7 +6,7 @@
 #include "client/html/pages.hpp"
 #include "json_reading.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 using testing::ElementsAre;
@@ -122,4 +122,4 @@ TEST(SlabOfAReport, AFrameBeyondValiditySaysSo) {
 }
 
 }  // namespace
-}  // namespace dccast::client::render
+}  // namespace dccast::client

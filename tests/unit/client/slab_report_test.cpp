@@ -14,7 +14,7 @@
 #include "tests/support/quarter_frame.hpp"
 #include "tests/unit/frames/cooled_slab.hpp"
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 using testing::DoubleNear;
@@ -225,4 +225,4 @@ TEST(ReportPage, AFrameThatDoesNotFitIsSaidToBeAbsent) {
 }
 
 }  // namespace
-}  // namespace dccast::client::render
+}  // namespace dccast::client

@@ -22,7 +22,7 @@ struct Refinement {
     *run.add_steps() = jobs[level].last_step();
     judging::RunToJudge judged{.run = {{{jobs[level].last_step()}}, "run", {}}};
     judged.refinement = result;
-    return render::report_page(
+    return report_page(
         {.job = jobs[level], .result = run, .judgement = judging::judge_run(judged)});
   }
 };

@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-namespace dccast::client::render {
+namespace dccast::client {
 namespace {
 
 TEST(TerminalGuard, WritesOutWhatWouldActOnTheTerminal) {
@@ -99,4 +99,4 @@ TEST(TerminalGuard, IsSharedByThreads) {
 }
 
 }  // namespace
-}  // namespace dccast::client::render
+}  // namespace dccast::client

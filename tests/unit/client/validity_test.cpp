@@ -67,14 +67,14 @@ struct Validity : testing::Test {
 };
 
 TEST(ValidityText, SaysWhenWhyByHowMuchAndWhere) {
-  EXPECT_EQ(render::validity_text(slide()), sentence);
+  EXPECT_EQ(validity_text(slide()), sentence);
   v1::Finding bare;
   bare.set_kind(v1::Finding::LIQUID_PRESSURE_LOST);
   bare.set_time_s(166.2);
   bare.set_value(0.24);
   bare.set_limit(0.15);
   bare.set_unit("1");
-  EXPECT_EQ(render::validity_text(bare),
+  EXPECT_EQ(validity_text(bare),
             "beyond validity from 166.20 s on: pressure of the liquid lost (0.24, limit 0.15)");
 }
 
@@ -158,15 +158,14 @@ TEST(FailureText, HasKindPlaceAndFurtherCauses) {
   failure.add_further()->set_message("the results could not be published");
   failure.mutable_further(0)->set_kind(v1::Finding::STORAGE);
 
-  EXPECT_EQ(render::failure_text(failure),
+  EXPECT_EQ(failure_text(failure),
             "shell melted through: no solid path from the symmetry plane to the side\n"
             "at 166.000 s with a step of 0.5 s, x 120.0 mm, y 0.0 mm\n"
             "then: storage: the results could not be published");
   EXPECT_EQ(ReadJson::parse(to_json(failure).dump())["further"][0]["message"],
             "the results could not be published");
   for (int kind = v1::Finding::Kind_MIN; kind <= v1::Finding::Kind_MAX; ++kind)
-    EXPECT_THAT(render::failure_kind_text(static_cast<v1::Finding::Kind>(kind)),
-                Not(HasSubstr("_")));
+    EXPECT_THAT(failure_kind_text(static_cast<v1::Finding::Kind>(kind)), Not(HasSubstr("_")));
 }
 
 TEST_F(Validity, WhatIsHeldSaysWhy) {

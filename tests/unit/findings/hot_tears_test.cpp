@@ -1,4 +1,4 @@
-#include "core/findings/hot_tears.hpp"
+#include "core/casting/findings/hot_tears.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "core/findings/pores.hpp"
+#include "core/casting/findings/pores.hpp"
 #include "core/material/thermal_properties.hpp"
 #include "core/mesh/plan_transfer.hpp"
 #include "core/mesh/slab_mesh.hpp"

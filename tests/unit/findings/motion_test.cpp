@@ -1,4 +1,4 @@
-#include "core/findings/motion.hpp"
+#include "core/casting/findings/motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/findings/rules.hpp"
+#include "core/casting/findings/rules.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <set>
 #include <utility>
 
+#include "core/casting/findings/judge.hpp"
 #include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
-#include "core/findings/judge.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/findings/shell.hpp"
+#include "core/casting/findings/shell.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/tensors.hpp"
-#include "core/findings/motion.hpp"
-#include "core/findings/shell.hpp"
+#include "core/casting/findings/motion.hpp"
+#include "core/casting/findings/shell.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 

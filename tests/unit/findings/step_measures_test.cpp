@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
-#include "core/findings/motion.hpp"
-#include "core/findings/mush_strain.hpp"
-#include "core/findings/shell.hpp"
+#include "core/casting/findings/motion.hpp"
+#include "core/casting/findings/mush_strain.hpp"
+#include "core/casting/findings/shell.hpp"
 #include "core/mesh/slab_mesh.hpp"
 #include "tests/support/print_kinds.hpp"
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
-namespace dccast::hdf5 {
+namespace dccast::results::hdf5 {
 namespace {
 
 /// A run may read prescribed temperatures while its results are being written.
@@ -12,4 +12,4 @@ TEST(Hdf5, IsBuiltForSeveralThreads) {
 }
 
 }  // namespace
-}  // namespace dccast::hdf5
+}  // namespace dccast::results::hdf5

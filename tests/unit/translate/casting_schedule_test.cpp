@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/case/casting_schedule.hpp"
+#include "core/casting/case/casting_schedule.hpp"
 #include "core/thermal/cooling.hpp"
 #include "proto/case_file/schedule.hpp"
 #include "server/translate/translate.hpp"

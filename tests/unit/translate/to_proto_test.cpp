@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "core/findings/rules.hpp"
+#include "core/casting/findings/rules.hpp"
 #include "core/results/step_report.hpp"
 #include "proto/case_file/remedies.hpp"
 #include "server/translate/translate.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/case/case.hpp"
+#include "core/casting/case/case.hpp"
 #include "core/casting/casting_run.hpp"
 #include "core/casting/simulation.hpp"
 
