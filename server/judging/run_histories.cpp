@@ -65,71 +65,87 @@ struct HistoryChart {
   Drawn drawn = Drawn::figures;
 };
 
+const HistoryChart shell_chart{
+    "shell",
+    "shell",
+    "thickness",
+    "m",
+    {{"of the side at the water line", &Step::shell_at_water_line_m},
+     {"of the side above it, thinnest", &Step::least_shell_m},
+     {"over the bottom, thinnest", &Step::bottom_shell_m}},
+    "Smallest shell thickness; above the water line from the end of the mould contact on. Until "
+    "the side leaves the mould: at the butt."};
+
+const HistoryChart sump_chart{
+    "sump",
+    "sump",
+    "depth",
+    "m",
+    {{"sump", &Step::sump_depth_m}},
+    "Of the coherency isotherm in the middle of the slab, below the metal level."};
+
+const HistoryChart temperatures_chart{
+    "temperatures",
+    "temperatures",
+    "temperature",
+    "degC",
+    {{"surface at the water line, hottest", &Step::maximum_surface_temperature_at_mould_exit_c},
+     {"surface of the bottom block, mean", &Step::block_temperature_c}},
+    "At the monitors, the hottest surface at the water line, and the bottom block.",
+    Drawn::with_monitors};
+
+const HistoryChart heat_chart{
+    "heat",
+    "where the heat came from and went",
+    "heat since the start",
+    {"J/m", "J"},
+    {{"brought by the metal", &Section::metal_heat},
+     {"in the slab", &Section::stored_heat},
+     {{"out: side", "out: wide face"}, &Section::side_heat},
+     {{nullptr, "out: narrow face"}, &Section::narrow_heat},
+     {"out: block and gap", &Section::bottom_heat},
+     {"in through the metal level", &Section::level_heat}},
+    "Above 0 °C, since the start of the run. Metal and level bring what the slab gains and what "
+    "leaves through faces and bottom.",
+    Drawn::heat_since_start};
+
+const HistoryChart heat_flow_chart{
+    "heat_flow",
+    "heat through each face",
+    "heat flow",
+    {"W/m", "W"},
+    {{{"side", "wide face"}, &Section::side_heat},
+     {{nullptr, "narrow face"}, &Section::narrow_heat},
+     {"bottom block", &Section::bottom_heat}},
+    {"Per metre of face, out of the half that is computed.",
+     "Out of the quarter that is computed; four times as much leaves the slab."}};
+
+const HistoryChart wetting_chart{
+    "wetting",
+    "water on the faces",
+    "share",
+    "1",
+    {{{"wetted", "wide face, wetted"}, &Step::wetted_share},
+     {{"of the water's capacity", "wide face, of its water's capacity"}, &Step::water_share},
+     {{nullptr, "narrow face, wetted"}, &Step::narrow_wetted_share},
+     {{nullptr, "narrow face, of its water's capacity"}, &Step::narrow_water_share}},
+    "Share of the face under water that is not under a vapour film, and heat taken of all that "
+    "warming and evaporating the water would take."};
+
+const HistoryChart contact_chart{
+    "contact",
+    "contact with the block",
+    {"length", "area"},
+    {"m", "m2"},
+    {{{"length", nullptr}, &Step::contact_length_m}, {{nullptr, "area"}, &Step::contact_area_m2}},
+    {"Part of the bottom in contact with the block.",
+     "Part of the quarter's bottom in contact with the block."}};
+
+/// Charts in the order in which pages show them.
 const std::vector<HistoryChart>& history_charts() {
-  static const std::vector<HistoryChart> charts{
-      {"shell",
-       "shell",
-       "thickness",
-       "m",
-       {{"of the side at the water line", &Step::shell_at_water_line_m},
-        {"of the side above it, thinnest", &Step::least_shell_m},
-        {"over the bottom, thinnest", &Step::bottom_shell_m}},
-       "Smallest shell thickness; above the water line from the end of the mould contact on. Until "
-       "the side leaves the mould: at the butt."},
-      {"sump",
-       "sump",
-       "depth",
-       "m",
-       {{"sump", &Step::sump_depth_m}},
-       "Of the coherency isotherm in the middle of the slab, below the metal level."},
-      {"temperatures",
-       "temperatures",
-       "temperature",
-       "degC",
-       {{"surface at the water line, hottest", &Step::maximum_surface_temperature_at_mould_exit_c},
-        {"surface of the bottom block, mean", &Step::block_temperature_c}},
-       "At the monitors, the hottest surface at the water line, and the bottom block.",
-       Drawn::with_monitors},
-      {"heat",
-       "where the heat came from and went",
-       "heat since the start",
-       {"J/m", "J"},
-       {{"brought by the metal", &Section::metal_heat},
-        {"in the slab", &Section::stored_heat},
-        {{"out: side", "out: wide face"}, &Section::side_heat},
-        {{nullptr, "out: narrow face"}, &Section::narrow_heat},
-        {"out: block and gap", &Section::bottom_heat},
-        {"in through the metal level", &Section::level_heat}},
-       "Above 0 °C, since the start of the run. Metal and level bring what the slab gains and what "
-       "leaves through faces and bottom.",
-       Drawn::heat_since_start},
-      {"heat_flow",
-       "heat through each face",
-       "heat flow",
-       {"W/m", "W"},
-       {{{"side", "wide face"}, &Section::side_heat},
-        {{nullptr, "narrow face"}, &Section::narrow_heat},
-        {"bottom block", &Section::bottom_heat}},
-       {"Per metre of face, out of the half that is computed.",
-        "Out of the quarter that is computed; four times as much leaves the slab."}},
-      {"wetting",
-       "water on the faces",
-       "share",
-       "1",
-       {{{"wetted", "wide face, wetted"}, &Step::wetted_share},
-        {{"of the water's capacity", "wide face, of its water's capacity"}, &Step::water_share},
-        {{nullptr, "narrow face, wetted"}, &Step::narrow_wetted_share},
-        {{nullptr, "narrow face, of its water's capacity"}, &Step::narrow_water_share}},
-       "Share of the face under water that is not under a vapour film, and heat taken of all that "
-       "warming and evaporating the water would take."},
-      {"contact",
-       "contact with the block",
-       {"length", "area"},
-       {"m", "m2"},
-       {{{"length", nullptr}, &Step::contact_length_m},
-        {{nullptr, "area"}, &Step::contact_area_m2}},
-       {"Part of the bottom in contact with the block.",
-        "Part of the quarter's bottom in contact with the block."}}};
+  static const std::vector<HistoryChart> charts{shell_chart,  sump_chart,      temperatures_chart,
+                                                heat_chart,   heat_flow_chart, wetting_chart,
+                                                contact_chart};
   return charts;
 }
 
