@@ -131,7 +131,7 @@ std::string place_text(const std::vector<double>& point) {
 }
 
 /// A value as people read it; "-" where there is no metal.
-std::string shown(const v1::FrameField& field, double value) {
+std::string value_text(const v1::FrameField& field, double value) {
   if (std::isnan(value)) return "-";
   if (field.unit() == "degC") return fixed(value, 1);
   if (field.unit() == "m") return mm(value, 2);
@@ -170,7 +170,7 @@ std::string table_text(const Probe& probe) {
       row = {fixed(instant.time_s(), 2), mm(instant.cast_length_m())};
     }
     for (std::size_t i = 0; i < values.size(); ++i)
-      row.push_back(shown(probe.found.fields(int(i)), values[i]));
+      row.push_back(value_text(probe.found.fields(int(i)), values[i]));
     table.add(std::move(row));
   });
   return table.text();

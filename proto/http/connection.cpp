@@ -4,16 +4,13 @@
 
 #include <array>
 #include <boost/asio/post.hpp>
-#include <boost/asio/ssl/stream.hpp>
-#include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/ssl.hpp>
 #include <cstdint>
 #include <optional>
 #include <string_view>
-#include <type_traits>
 
+#include "proto/http/peer_stream.hpp"
 #include "proto/http/target.hpp"
 
 namespace dccast::http {
@@ -96,54 +93,32 @@ beast::http::response<Body> header_of(const Reply& reply, bool keep_alive) {
 
 }  // namespace
 
-/// @tparam Stream  beast::tcp_stream, or beast::ssl_stream over one
-template <class Stream>
 class Connection::Session {
 public:
-  Session(Connection& connection, Stream& stream)
+  Session(Connection& connection, PeerStream& stream)
       : connection_(connection), service_(connection.service_), stream_(stream) {}
 
   void serve() {
     beast::flat_buffer buffer(buffer_bytes);
-    if (!shake_hands()) return;
+    stream_.expires_after(service_.limits.time);
+    if (stream_.handshake()) return;
+
     while (serve_request(buffer)) {
     }
-    shut_down_tls();
+    stream_.expires_after(linger);
+    stream_.shut_down();
   }
 
 private:
-  static constexpr bool is_tls = !std::is_same_v<Stream, beast::tcp_stream>;
-
-  beast::tcp_stream& socket() { return beast::get_lowest_layer(stream_); }
-
-  /// Starts one operation and waits for its end, within the time limit of the socket. @param start
-  /// receives the handler that the operation calls at its end
-  template <class Start>
-  error_code wait(const Start& start) {
-    error_code result;
-    start([&](const error_code& error, auto&&...) { result = error; });
-    connection_.context_.restart();
-    connection_.context_.run();
-    return result;
-  }
-
-  bool shake_hands() {
-    socket().expires_after(service_.limits.time);
-    if constexpr (is_tls)
-      return !wait(
-          [&](auto done) { stream_.async_handshake(asio::ssl::stream_base::server, done); });
-    return true;
-  }
-
   /// @return whether the connection can take another request
   bool serve_request(beast::flat_buffer& buffer) {
     beast::http::request_parser<beast::http::string_body> parser;
     parser.header_limit(static_cast<std::uint32_t>(service_.limits.header_bytes));
     parser.body_limit(service_.limits.body_bytes);
 
-    socket().expires_after(service_.limits.time);
-    const error_code error =
-        wait([&](auto done) { beast::http::async_read(stream_, buffer, parser, done); });
+    stream_.expires_after(service_.limits.time);
+    error_code error;
+    beast::http::read(stream_, buffer, parser, error);
     if (error) {
       if (const auto reply = refusal(error, service_.limits)) refuse(*reply);
       return false;
@@ -167,9 +142,10 @@ private:
     serializer.split(header_only);
     while (!(header_only ? serializer.is_header_done() : serializer.is_done())) {
       // A long reply may take long, as long as the peer keeps reading.
-      socket().expires_after(service_.limits.time);
-      if (wait([&](auto done) { beast::http::async_write_some(stream_, serializer, done); }))
-        return false;
+      stream_.expires_after(service_.limits.time);
+      error_code error;
+      beast::http::write_some(stream_, serializer, error);
+      if (error) return false;
     }
     return keep_alive;
   }
@@ -178,9 +154,10 @@ private:
   bool send_stream(const Reply& reply, bool header_only) {
     auto message = header_of<beast::http::empty_body>(reply, false);
     beast::http::response_serializer<beast::http::empty_body> serializer(message);
-    socket().expires_after(service_.limits.time);
-    if (wait([&](auto done) { beast::http::async_write_header(stream_, serializer, done); }))
-      return false;
+    stream_.expires_after(service_.limits.time);
+    error_code error;
+    beast::http::write_header(stream_, serializer, error);
+    if (error) return false;
 
     while (!header_only && !service_.stopping) {
       const std::string part = reply.next_part();
@@ -191,66 +168,37 @@ private:
 
   bool send_part(std::string_view part) {
     while (!part.empty()) {
-      std::size_t sent = 0;
-      socket().expires_after(service_.limits.time);
-      const error_code error = wait([&](auto done) {
-        stream_.async_write_some(asio::buffer(part),
-                                 [&, done](const error_code& why, std::size_t n) {
-                                   sent = n;
-                                   done(why);
-                                 });
-      });
+      stream_.expires_after(service_.limits.time);
+      error_code error;
+      part.remove_prefix(stream_.write_some(asio::buffer(part), error));
       if (error) return false;
-      part.remove_prefix(sent);
     }
     return true;
   }
 
   void refuse(const Reply& reply) {
     send(reply, false, false);
-    error_code ignored;
-    socket().socket().shutdown(tcp::socket::shutdown_send, ignored);
-
-    std::array<char, 16 * 1024> rest{};
-    socket().expires_after(linger);
-    while (!wait([&](auto done) { socket().async_read_some(asio::buffer(rest), done); })) {
-    }
-  }
-
-  void shut_down_tls() {
-    if constexpr (is_tls) {
-      socket().expires_after(linger);
-      wait([&](auto done) { stream_.async_shutdown(done); });
-    }
+    stream_.expires_after(linger);
+    stream_.drain();
   }
 
   Connection& connection_;
   const Service& service_;
-  Stream& stream_;
+  PeerStream& stream_;
 };
 
 void Connection::begin(tcp::socket socket, std::function<void()> ended) {
   thread_ = std::jthread([this, socket = std::move(socket), ended = std::move(ended)]() mutable {
     try {
-      run(std::move(socket));
+      PeerStream stream(context_, std::move(socket), service_.tls);
+      open_ = &stream;
+      Session(*this, stream).serve();
     } catch (const std::exception&) {
       // Memory or a descriptor is missing: this connection ends.
     }
     open_ = nullptr;
     ended();
   });
-}
-
-void Connection::run(tcp::socket socket) {
-  if (service_.tls == nullptr) {
-    beast::tcp_stream stream(std::move(socket));
-    open_ = &stream;
-    Session<beast::tcp_stream>(*this, stream).serve();
-  } else {
-    beast::ssl_stream<beast::tcp_stream> stream(std::move(socket), *service_.tls);
-    open_ = &beast::get_lowest_layer(stream);
-    Session<beast::ssl_stream<beast::tcp_stream>>(*this, stream).serve();
-  }
 }
 
 void Connection::close() {

@@ -5,13 +5,14 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <functional>
 #include <thread>
 
 #include "proto/http/server.hpp"
 
 namespace dccast::http {
+
+class PeerStream;
 
 /// What all connections of a server share.
 struct Service {
@@ -44,16 +45,13 @@ public:
 
 private:
   /// Serves requests of one client until it leaves or exceeds a bound.
-  void run(boost::asio::ip::tcp::socket socket);
+  class Session;
 
   const Service& service_;
   boost::asio::io_context context_{1};
-  boost::beast::tcp_stream* open_ = nullptr;  // used by the thread alone
+  PeerStream* open_ = nullptr;  // used by the thread alone
   std::atomic<bool> waits_for_peer_ = true;
   std::jthread thread_;  // last: it uses the others
-
-  template <class Stream>
-  class Session;
 };
 
 }  // namespace dccast::http
