@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the service does under load: submissions per second, latencies beside a long queue, memory.
+"""What the service does under load: submissions per second, latencies beside a long queue, memory, starts.
 
     tests/faults/load.py                            of build/release/bin
     tests/faults/load.py --bin OLD --bin NEW        side by side
@@ -8,6 +8,7 @@ The case is a coarse real one, complete as the client makes it; the worker progr
 sleeps instead of computing, so that the processor is the service's.
 """
 import argparse
+import contextlib
 import os
 import subprocess
 import sys
@@ -46,6 +47,7 @@ def measure(options):
         measure_calls(scene, case, options.calls)
         tell("memory at the end, MB", memory(process))
         tell("largest memory, MB", memory(process, "VmHWM"))
+        measure_starts(scene)
 
 
 def tell(name, value):
@@ -110,6 +112,18 @@ def measure_calls(scene, case, calls):
         times.sort()
         tell(f"{name}, p50, ms", times[len(times) // 2])
         tell(f"{name}, p99, ms", times[len(times) * 99 // 100])
+
+
+def measure_starts(scene):
+    """A start with the index, and one that makes each row again from its folder."""
+    for name, lost in (("a start", ()), ("a start without the index", ("", "-wal", "-shm"))):
+        scene.kill_daemon()
+        for end in lost:
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(scene.data("jobs.sqlite" + end))
+        begin = time.monotonic()
+        scene.come_back()
+        tell(f"{name}, s", time.monotonic() - begin)
 
 
 def figures_of(programs, options):
