@@ -1,10 +1,28 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "client/commands/commands.hpp"
 #include "client/text/terminal_guard.hpp"
+
+namespace {
+
+/// Every user of the machine can read the arguments of a process: the secret in the line of a login
+/// is overwritten as soon as it was read.
+void hide_secrets(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view argument = argv[i];
+    if (argument.find("dccast-enrol-") != std::string_view::npos)
+      std::fill_n(argv[i], argument.size(), '*');
+  }
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   // gRPC writes developer messages to standard error; the commands report errors themselves.
@@ -17,7 +35,9 @@ int main(int argc, char** argv) {
   if (!program.configuration.empty())
     program.servers = program.configuration.parent_path() / "servers.toml";
   dccast::client::interrupt_by_signals(program.interruption);
-  const int code = dccast::client::run_command_line({argv + 1, argv + argc}, program);
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  hide_secrets(argc, argv);
+  const int code = dccast::client::run_command_line(arguments, program);
   program.interruption->end_command(code);
   return code;
 }

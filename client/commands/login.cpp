@@ -120,7 +120,7 @@ ExitCode run(const DoctorOptions& options, Program& program) {
 void add_login(CommandLine& line, Program& program) {
   const auto [command, options] = declare<LoginOptions>(
       line, program, run, "login", "Log in to a server with the line of `dccastd user add`",
-      "dccast login casthouse:7118/sha256:.../dccast-enrol-...\n"
+      "dccast login                      asks for the line\n"
       "  dccast login --name north < line.txt");
   command.option("LINE", options.words,
                  "The line, optionally after another address; read from standard input if absent",

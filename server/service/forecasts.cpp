@@ -44,7 +44,7 @@ public:
   /// @throws Refusal  there is no such study any more
   std::shared_ptr<const v1::StudyResult> get(const std::string& id) {
     auto found = find(id);
-    if (!found) refuse_unknown_study(id);
+    if (!found) throw Refusal{unknown_study(id)};
     return found;
   }
 
@@ -299,7 +299,7 @@ void learn_before_removal(Context& context, const v1::Job& job) noexcept {
 v1::Line learned_line(Context& context, const std::string& name) {
   EvaluatedStudies studies(context);
   auto line = learn_of_ended(context, name, studies);
-  if (!line) refuse_unknown_line(name);
+  if (!line) throw Refusal{unknown_line(name)};
   return std::move(*line);
 }
 

@@ -87,7 +87,11 @@ grpc::Status Gate::permit_touch(const access::Caller& caller, const access::Call
 
   const char* const kind = rule.touches_line() ? "line " : rule.touches_study() ? "study " : "job ";
   const auto fault = authority_.owner_fault(caller, rule, *owner, kind + id);
-  return fault ? make_status(*fault) : grpc::Status::OK;
+  if (!fault) return grpc::Status::OK;
+  if (!authority_.reads_own_only(caller)) return make_status(*fault);
+  return rule.touches_line()    ? unknown_line(id)
+         : rule.touches_study() ? unknown_study(id)
+                                : unknown_job(id);
 }
 
 void Gate::enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream) {
@@ -149,8 +153,11 @@ CallFigures Gate::figures() {
 
 void Gate::record(v1::AuditEvent event, const access::Caller& caller, const access::CallRule& rule,
                   const std::string& peer, const grpc::Status& status) {
-  const bool without_permission = status.error_code() == grpc::UNAUTHENTICATED ||
-                                  status.error_code() == grpc::PERMISSION_DENIED;
+  // Where a caller reads only their own, what is another's is refused as not there.
+  const bool without_permission =
+      status.error_code() == grpc::UNAUTHENTICATED ||
+      status.error_code() == grpc::PERMISSION_DENIED ||
+      (status.error_code() == grpc::NOT_FOUND && authority_.reads_own_only(caller));
   const bool reads = rule.access.role() == v1::VIEWER && event.reason().empty();
   if (reads && !without_permission) return;
 

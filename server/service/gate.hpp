@@ -87,7 +87,8 @@ public:
   /// Checks role and call rate.
   grpc::Status permit(const access::Caller& caller, const access::CallRule& rule,
                       const std::string& peer);
-  /// Checks the owner of the job, study or line `id`; OK if there is none. Reads the store.
+  /// Checks the owner of the job, study or line `id`; OK if there is none. One that the caller may
+  /// not read either is refused as one that is not there. Reads the store.
   grpc::Status permit_touch(const access::Caller& caller, const access::CallRule& rule,
                             const std::string& id);
 

@@ -169,6 +169,7 @@ void check_joins_own_study(Context& context, const access::Caller& caller, const
   if (id.empty()) return;
   const auto study = context.studies.requests().find(id);
   if (!study || study->owner() == caller.name) return;
+  if (context.gate.authority().reads_own_only(caller)) throw Refusal{unknown_study(id)};
   refuse(ErrorInfo::NOT_PERMITTED, Remedy{"submit the job without a study, or for one of your own"},
          "study {} is of {}, and holds jobs of its owner alone", id,
          study->owner().empty() ? "no known user" : study->owner());

@@ -32,7 +32,7 @@ Unary* SimulationService::RestartLine(Wire* wire, const v1::RestartLineRequest* 
                                       v1::Line* response) {
   return answer(wire, *request, pools_.durable, [=, this](const Call&) {
     auto line = context_.lines.restart(request->id());
-    if (!line) refuse_unknown_line(request->id());
+    if (!line) throw Refusal{unknown_line(request->id())};
     *response = std::move(*line);
   });
 }
@@ -40,7 +40,7 @@ Unary* SimulationService::RestartLine(Wire* wire, const v1::RestartLineRequest* 
 Unary* SimulationService::DeleteLine(Wire* wire, const v1::DeleteLineRequest* request,
                                      v1::DeleteLineResponse*) {
   return answer(wire, *request, pools_.durable, [=, this](const Call&) {
-    if (!context_.lines.remove(request->id())) refuse_unknown_line(request->id());
+    if (!context_.lines.remove(request->id())) throw Refusal{unknown_line(request->id())};
   });
 }
 

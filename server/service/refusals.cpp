@@ -153,9 +153,9 @@ bool read_age_token(const std::string& token, AgePage& page) {
   return error == std::errc() && end == token.data() + dot;
 }
 
-[[noreturn]] void refuse_unknown_job(const std::string& id) {
-  refuse(ErrorInfo::NOT_FOUND, Remedy{"the list of jobs names those there are"},
-         "there is no job {} here", id);
+grpc::Status not_found(std::string cause, std::string remedy) {
+  return make_status(
+      {.reason = ErrorInfo::NOT_FOUND, .cause = std::move(cause), .remedy = std::move(remedy)});
 }
 
 /// The code of a reason, as refusal.proto has it.
@@ -435,17 +435,22 @@ void check_may_queue(Context& context, const Call& call, const std::string& requ
 
 v1::Job find_job(Context& context, const std::string& id) {
   if (auto job = context.scheduler.find(id)) return std::move(*job);
-  refuse_unknown_job(id);
+  throw Refusal{unknown_job(id)};
 }
 
-void refuse_unknown_study(const std::string& id) {
-  refuse(ErrorInfo::NOT_FOUND, Remedy{"the list of studies names those there are"},
-         "there is no study {} here", id);
+grpc::Status unknown_job(const std::string& id) {
+  return not_found(fmt::format("there is no job {} here", id),
+                   "the list of jobs names those there are");
 }
 
-void refuse_unknown_line(const std::string& name) {
-  refuse(ErrorInfo::NOT_FOUND, Remedy{"`dccast line list` names those there are"},
-         "there is no line \"{}\"", values::shortened(name));
+grpc::Status unknown_study(const std::string& id) {
+  return not_found(fmt::format("there is no study {} here", id),
+                   "the list of studies names those there are");
+}
+
+grpc::Status unknown_line(const std::string& name) {
+  return not_found(fmt::format("there is no line \"{}\"", values::shortened(name)),
+                   "`dccast line list` names those there are");
 }
 
 void refuse_state(const v1::Job& job, const std::string& remedy) {
@@ -457,7 +462,7 @@ void refuse_state(const v1::Job& job, const std::string& remedy) {
 
 v1::Job done(const jobs::Reply& reply, const std::string& id, const std::string& remedy) {
   using Kind = jobs::Reply::Kind;
-  if (reply.kind == Kind::not_found) refuse_unknown_job(id);
+  if (reply.kind == Kind::not_found) throw Refusal{unknown_job(id)};
   if (reply.kind == Kind::wrong_state) refuse_state(reply.job, remedy);
   if (reply.kind == Kind::being_cancelled)
     refuse(ErrorInfo::CHANGED_MEANWHILE, Remedy{"try again when its worker has left it"},
@@ -467,7 +472,7 @@ v1::Job done(const jobs::Reply& reply, const std::string& id, const std::string&
 
 v1::Study done(const studies::StudyReply& reply, const std::string& id, const std::string& remedy) {
   using Kind = studies::StudyReply::Kind;
-  if (reply.kind == Kind::not_found) refuse_unknown_study(id);
+  if (reply.kind == Kind::not_found) throw Refusal{unknown_study(id)};
   if (reply.kind == Kind::wrong_state && !reply.unfinished.empty())
     refuse(ErrorInfo::WRONG_STATE, Remedy{remedy}, "job {} of study {} has not ended",
            reply.unfinished, id);

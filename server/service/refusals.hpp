@@ -119,17 +119,16 @@ void check_may_queue(Context& context, const Call& call, const std::string& requ
 
 /// @throws Refusal  NOT_FOUND
 v1::Job find_job(Context& context, const std::string& id);
-/// @throws Refusal  NOT_FOUND
-[[noreturn]] void refuse_unknown_study(const std::string& id);
+/// NOT_FOUND: there is none, or the caller may not know that there is one. The words are equal.
+grpc::Status unknown_job(const std::string& id);
+grpc::Status unknown_study(const std::string& id);
+grpc::Status unknown_line(const std::string& name);
 /// Unwraps what was found for a study. @throws Refusal  NOT_FOUND if that is nothing
 template <class Found>
 Found of_study(const std::string& id, std::optional<Found> found) {
-  if (!found) refuse_unknown_study(id);
+  if (!found) throw Refusal{unknown_study(id)};
   return std::move(*found);
 }
-
-/// @throws Refusal  NOT_FOUND
-[[noreturn]] void refuse_unknown_line(const std::string& name);
 
 /// Refuses with FAILED_PRECONDITION because of the job's state.
 /// @param remedy  for a job that has not ended; an ended one can only be submitted again

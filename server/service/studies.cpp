@@ -125,7 +125,7 @@ jobs::Attachments complete(Context& context, const Call& call, v1::CreateStudyRe
 
   check_may_read_study(context, call, before);
   auto attachments = context.studies.requests().complete(request);
-  if (!attachments) refuse_unknown_study(before);
+  if (!attachments) throw Refusal{unknown_study(before)};
   return std::move(*attachments);
 }
 

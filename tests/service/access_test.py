@@ -139,9 +139,9 @@ class StudiesOfOthers(AccessTest):
         own = self.study_of(bert, request_id="of-bert").id
         foreign = [study_pb2.CalibratedCasting(studies=[own]),
                    study_pb2.CalibratedCasting(studies=[self.ID])]
-        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.EvaluateStudy,
+        self.refusal(grpc.StatusCode.NOT_FOUND, bert.EvaluateStudy,
                      study_pb2.EvaluateStudyRequest(id=own, castings=foreign))
-        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.JudgeStudy,
+        self.refusal(grpc.StatusCode.NOT_FOUND, bert.JudgeStudy,
                      judgement_pb2.JudgeStudyRequest(id=own, castings=foreign))
         bert.JudgeStudy(judgement_pb2.JudgeStudyRequest(id=own, castings=foreign[:1]), timeout=10)
 
@@ -192,6 +192,22 @@ class Tokens(AccessTest):
         self.assertEqual(anna.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10).proof, "token")
         self.assertEqual(self.submit(anna).owner, "anna")
         self.assertIn("desk", self.admin("user", "list"))
+
+    def test_the_list_of_processes_does_not_show_the_line_of_a_login(self):
+        with socket.create_server(("127.0.0.1", 0)) as silent:
+            line = f"127.0.0.1:{silent.getsockname()[1]}/sha256:{'0' * 64}/dccast-enrol-anna-secret"
+            login = subprocess.Popen([os.path.join(BIN, "dccast"), "login", line],
+                                     stderr=subprocess.DEVNULL,
+                                     env={**os.environ, "HOME": self.folder})
+            try:
+                silent.settimeout(20)
+                silent.accept()[0].close()
+                with open(f"/proc/{login.pid}/cmdline", "rb") as file:
+                    words = file.read().split(b"\0")
+            finally:
+                login.kill()
+                login.wait()
+        self.assertEqual(words[1:3], [b"login", b"*" * len(line)])
 
     def test_no_one_borrows_the_connection_of_another(self):
         self.start()
@@ -358,17 +374,21 @@ class Owners(AccessTest):
         self.assertEqual(len(bert.ListJobs(listed, timeout=10).jobs), 0)
         self.assertEqual(len(self.local().ListJobs(listed, timeout=10).jobs), 1)
 
-        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.GetJob,
-                     service_pb2.GetJobRequest(id=job.id))
-        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.WatchJob,
-                     service_pb2.WatchJobRequest(id=job.id))
         compared = judgement_pb2.CompareRunsRequest(runs=[{"job": job.id}, {"job": job.id}])
-        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.CompareRuns, compared)
+        for call, request in ((bert.GetJob, service_pb2.GetJobRequest(id=job.id)),
+                              (bert.WatchJob, service_pb2.WatchJobRequest(id=job.id)),
+                              (bert.CancelJob, service_pb2.CancelJobRequest(id=job.id)),
+                              (bert.DeleteJob, service_pb2.DeleteJobRequest(id=job.id)),
+                              (bert.CompareRuns, compared)):
+            self.assertEqual(self.refusal(grpc.StatusCode.NOT_FOUND, call, request),
+                             f"there is no job {job.id} here; the list of jobs names those there are")
+        denied = [one for one in self.audit() if one.get("outcome") == "NOT_FOUND"]
+        self.assertIn(("bert", "GetJob"), {(one["user"], one["call"]) for one in denied})
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.ListJobs,
                      service_pb2.ListJobsRequest(owner="anna"))
         self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.ListStudies,
                      study_pb2.ListStudiesRequest(owner="anna"))
-        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.SubmitJob,
+        self.refusal(grpc.StatusCode.NOT_FOUND, bert.SubmitJob,
                      service_pb2.SubmitJobRequest(case=fake("steps=3"), after=[job.id]))
         anna.SubmitJob(service_pb2.SubmitJobRequest(case=fake("steps=3"), after=[job.id]), timeout=10)
 

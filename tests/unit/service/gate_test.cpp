@@ -5,7 +5,9 @@
 #include <algorithm>
 
 #include "core/storage/file.hpp"
+#include "dccast/v1/line.pb.h"
 #include "dccast/v1/service.pb.h"
+#include "dccast/v1/study.pb.h"
 #include "server/service/refusals.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -55,6 +57,35 @@ TEST_F(GateTest, AStrangersRefusalsHideNoUsers) {
 TEST_F(GateTest, EveryChangeIsRecorded) {
   EXPECT_EQ(lines_after(500, anna_, grpc::OK, *v1::DeleteJobRequest::descriptor()), 500);
   EXPECT_EQ(lines_after(500, anna_, grpc::OK, *v1::GetJobRequest::descriptor()), 500);
+}
+
+/// Who reads only what is their own does not learn whether another's is there, nor whose it is.
+TEST_F(GateTest, WhatOneMayNotReadIsRefusedAsWhatIsNotThere) {
+  access::Authority strict(users_, {.reads_own_only = true});
+  const auto of_bert = [](const std::string& id) {
+    return id == "none" ? std::nullopt : std::optional<std::string>("bert");
+  };
+  const Gate::Owners owners{.job = of_bert, .study = of_bert, .line = of_bert};
+  Gate hiding(strict, audit_, {}, owners), open(authority_, audit_, {}, owners);
+
+  for (const auto* request :
+       {v1::GetJobRequest::descriptor(), v1::DeleteJobRequest::descriptor(),
+        v1::GetStudyRequest::descriptor(), v1::CancelStudyRequest::descriptor(),
+        v1::GetLineRequest::descriptor(), v1::DeleteLineRequest::descriptor()}) {
+    const access::CallRule& rule = access::rule_of(*request);
+    const grpc::Status hidden = hiding.permit_touch(anna_, rule, "x");
+    const grpc::Status missing = rule.touches_line()    ? unknown_line("x")
+                                 : rule.touches_study() ? unknown_study("x")
+                                                        : unknown_job("x");
+    EXPECT_EQ(hidden.error_code(), grpc::NOT_FOUND) << rule.name;
+    EXPECT_EQ(hidden.error_message(), missing.error_message()) << rule.name;
+    // Parts of the details have no order.
+    EXPECT_EQ(hidden.error_details().size(), missing.error_details().size()) << rule.name;
+
+    EXPECT_TRUE(hiding.permit_touch(anna_, rule, "none").ok());
+    EXPECT_EQ(open.permit_touch(anna_, rule, "x").error_code(),
+              rule.changes() ? grpc::PERMISSION_DENIED : grpc::OK);
+  }
 }
 
 /// The label of the metric is the limit that the refusal names, whatever its text.
