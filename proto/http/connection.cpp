@@ -103,7 +103,7 @@ public:
     stream_.expires_after(service_.limits.time);
     if (stream_.handshake()) return;
 
-    while (serve_request(buffer)) {
+    while (serve_request(buffer) && !connection_.leaving_) {
     }
     stream_.expires_after(linger);
     stream_.shut_down();
@@ -130,7 +130,7 @@ private:
     if (reply.next_part) return send_stream(reply, is_head);
 
     connection_.waits_for_peer_ = true;
-    return send(std::move(reply), parser.keep_alive(), is_head);
+    return send(std::move(reply), parser.keep_alive() && !connection_.leaving_, is_head);
   }
 
   bool send(Reply reply, bool keep_alive, bool header_only) {

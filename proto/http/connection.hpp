@@ -40,6 +40,9 @@ public:
   /// Ends the wait for the peer, now or when it begins. From any thread.
   void close();
 
+  /// Ends the connection once the request at work is answered. From any thread.
+  void leave() { leaving_ = true; }
+
   /// Nothing is being computed for the peer: it has not sent its request, or not taken its reply.
   bool waits_for_peer() const { return waits_for_peer_; }
 
@@ -51,6 +54,7 @@ private:
   boost::asio::io_context context_{1};
   PeerStream* open_ = nullptr;  // used by the thread alone
   std::atomic<bool> waits_for_peer_ = true;
+  std::atomic<bool> leaving_ = false;
   std::jthread thread_;  // last: it uses the others
 };
 

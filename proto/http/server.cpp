@@ -134,19 +134,25 @@ private:
     });
   }
 
-  /// Silent peers must not shut others out: the oldest connection that waits for its peer is
-  /// closed. @return whether there is room
+  /// Peers that are silent, or ask without end, must not shut others out: the oldest connection
+  /// that waits for its peer is closed, else the oldest of all ends with the answer that it is at.
+  /// @return whether there is room
   bool make_room(std::unique_lock<std::mutex>& lock) {
     constexpr std::chrono::seconds longest{1};
     const auto has_room = [&] { return open_count() < service_.limits.connections; };
     if (has_room()) return true;
 
-    const auto oldest = std::ranges::find_if(slots_, [](const Slot& slot) {
-      return !slot.has_ended && !slot.is_being_closed && slot.connection->waits_for_peer();
+    const auto is_open = [](const Slot& slot) { return !slot.has_ended && !slot.is_being_closed; };
+    const auto waiting = std::ranges::find_if(slots_, [&](const Slot& slot) {
+      return is_open(slot) && slot.connection->waits_for_peer();
     });
-    if (oldest == slots_.end()) return false;
-    oldest->is_being_closed = true;
-    oldest->connection->close();
+    if (waiting != slots_.end()) {
+      waiting->is_being_closed = true;
+      waiting->connection->close();
+    } else if (const auto asking = std::ranges::find_if(slots_, is_open); asking != slots_.end()) {
+      asking->is_being_closed = true;
+      asking->connection->leave();
+    }
     return changed_.wait_for(lock, longest, has_room);
   }
 

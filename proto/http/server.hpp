@@ -36,7 +36,7 @@ using IsOwnHost = std::function<bool(const std::string& host)>;
 
 /// A small server of HTTP/1.1, or HTTPS, for a few clients, within limits that hold for peers that
 /// were never let in. Each connection has a thread. When all connections are taken, the one that
-/// has waited longest for its peer makes room for a new one.
+/// has waited longest for its peer makes room for a new one, else the oldest one after its answer.
 class Server {
 public:
   /// Where the server listens.

@@ -184,6 +184,24 @@ TEST_F(HttpServer, APeerThatIsBeingAnsweredIsNotClosedForANewOne) {
   for (Peer& peer : peers) EXPECT_TRUE(peer.receive().ends_with("done"));
 }
 
+/// A connection on which requests wait is at work for as long as its peer likes.
+TEST_F(HttpServer, PeersThatAskWithoutEndMakeRoomForOthers) {
+  handler_ = [](const Request&) {
+    std::this_thread::sleep_for(milliseconds(20));  // as long as a page of metrics takes
+    return Reply{.body = "answer"};
+  };
+  start({.connections = 2, .time = std::chrono::minutes(5)});
+
+  std::string requests;
+  for (int i = 0; i < 500; ++i) requests += "GET / HTTP/1.1\r\nHost: own\r\n\r\n";
+  std::list<Peer> greedy;
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(greedy.emplace_back(port()).send(requests));
+    EXPECT_NE(greedy.back().receive("answer").find("200 OK"), std::string::npos);
+  }
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(status_of(Peer(port()).ask("/")), "HTTP/1.1 200 OK") << i;
+}
+
 TEST_F(HttpServer, StreamsEndWithTheirSourceOrTheServer) {
   std::atomic<int> parts = 0;
   handler_ = [&](const Request& request) {
