@@ -199,6 +199,17 @@ TEST_F(SlurmExecutorTest, ARefusalIsOfTheRequestAndATimeoutOfNone) {
   EXPECT_EQ(reported(500ms), "");
 }
 
+/// Filters and plug-ins of a site write what they like.
+TEST_F(SlurmExecutorTest, WhatSlurmSaysIsRepeatedInOnePrintableLine) {
+  storage::write_file(folder_ / "refusal",
+                      "sbatch: \x1b[2Jerror\x07 \xff" + std::string(5000, 'x') + "\nmore\n");
+  begin();
+  const std::string said = reported();
+  EXPECT_THAT(said, HasSubstr("not started: sbatch: \\u{1B}[2Jerror\\u{7} \\x{FF}xxx"));
+  EXPECT_THAT(said, Not(HasSubstr("more")));
+  EXPECT_LT(said.size(), 400u);
+}
+
 TEST_F(SlurmExecutorTest, NothingIsSubmittedBesideAnEarlierStart) {
   shows_start("RUNNING", "None", 1);
   begin(2);
