@@ -31,8 +31,9 @@ constexpr int at_least_once = 1;
 constexpr int keep_alive_s = 15;
 /// How long the broker keeps messages for a connection that is lost [s].
 constexpr std::uint32_t session_expiry_s = 600;
-/// Above the longest line that is read [bytes].
-constexpr std::uint32_t largest_packet = 1 << 20;
+/// A broker drops larger messages without a word [bytes]. Far above the longest line that is read,
+/// so that one that is too long arrives and is reported.
+constexpr std::uint32_t largest_packet = 1 << 24;
 constexpr std::chrono::seconds longest_answer{10};
 
 [[noreturn]] void refuse_topic(const std::string& text, const std::string& fault) {

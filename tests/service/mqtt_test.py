@@ -126,8 +126,10 @@ class Readings(MqttTest):
         self.broker.publish("pit3/readings", ['{"time [s]": 500, "speed [mm/min]": 1}'], retain=True)
         process = self.start("--broker", self.login())
         self.broker.publish("pit3/other", ['{"time [s]": 600, "speed [mm/min]": 1}'])
+        self.broker.publish("pit3/readings", ["x" * 3_000_000])
         self.broker.publish("pit3/readings", objects())
         self.ends(process)
+        self.assertIn("left out: longer than 65536 bytes", self.said())
         self.assertEqual(physics(self.steps_at_end(self.newest_job())), expected)
 
     def test_a_broker_that_comes_back_is_read_again(self):
