@@ -107,6 +107,14 @@ std::int64_t resident_bytes(const std::string& process) {
   return resident * ::sysconf(_SC_PAGESIZE);
 }
 
+std::optional<double> processor_s(pid_t process) {
+  clockid_t clock{};
+  timespec used{};
+  if (::clock_getcpuclockid(process, &clock) != 0 || ::clock_gettime(clock, &used) != 0)
+    return std::nullopt;
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
 std::map<std::string, ProcessTotals> child_processes() {
   std::map<std::string, ProcessTotals> totals;
   std::error_code error;

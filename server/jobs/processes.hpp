@@ -60,6 +60,9 @@ std::string describe_exit(int wait_status);
 /// Memory that a process has in use [bytes]. @param process  its id; "self": this one
 std::int64_t resident_bytes(const std::string& process);
 
+/// Processor time that a process has used, with all its threads [s]; nothing: it has ended.
+std::optional<double> processor_s(pid_t process);
+
 /// Processes of one name.
 struct ProcessTotals {
   int number = 0;

@@ -211,7 +211,10 @@ private:
       worker.set_stopped(stopped_for.has_value());
       if (stopped_for) report_stop(*stopped_for);
     };
-    return context_.precedence.enter(urgency(), estimated_s(), on_change);
+    return context_.precedence.enter({.urgency = urgency(),
+                                      .estimated_s = estimated_s(),
+                                      .on_change = on_change,
+                                      .processor_s = [&worker] { return worker.processor_s(); }});
   }
 
   /// Reports a pause, but not oftener than every 10 s: short queries may pause this one each

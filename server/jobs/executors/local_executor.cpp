@@ -72,6 +72,7 @@ void LocalExecutor::stop(const std::string& job_id, int attempt) {
 
     // A stopped process would receive the signal only after it is continued.
     found->second.registration.leave();
+    found->second.awaits_claim = false;
     found->second.process->signal(SIGTERM);
   });
 }
@@ -83,14 +84,25 @@ void LocalExecutor::kill(const std::string& job_id, int attempt) {
   });
 }
 
-void LocalExecutor::supervise(const WorkerLaunch& launch, std::unique_ptr<WorkerProcess> process) {
-  const Key key(launch.job_id, launch.attempt);
-  Supervised& worker = workers_[key] = {std::move(process)};
-
+void LocalExecutor::enter_precedence(const Key& key, Supervised& worker) {
+  worker.awaits_claim = false;
   const auto on_change = [this, key](const std::optional<MoreUrgentRun>& stopped_for) {
     post([=, this] { set_stopped(key, stopped_for); });
   };
-  worker.registration = precedence_.enter(launch.urgency, launch.estimated_s, on_change);
+  // The registration ends before the process object does.
+  const auto processor_s = [process = worker.process.get()] { return process->processor_s(); };
+
+  worker.registration = precedence_.enter({.urgency = worker.launch.urgency,
+                                           .estimated_s = worker.launch.estimated_s,
+                                           .on_change = on_change,
+                                           .processor_s = processor_s});
+}
+
+void LocalExecutor::look_for_claims() {
+  for (auto& [key, worker] : workers_)
+    if (worker.awaits_claim &&
+        signs_in(worker.launch.folder).claimed_ns != worker.claimed_before_ns)
+      enter_precedence(key, worker);
 }
 
 void LocalExecutor::set_stopped(const Key& key, const std::optional<MoreUrgentRun>& stopped_for) {
@@ -118,10 +130,13 @@ Adoption LocalExecutor::adopt(const WorkerLaunch& launch, bool wanted) {
   if (!holder) return Adoption::gone;
 
   const auto found = std::make_shared<std::unique_ptr<WorkerProcess>>(
-      std::make_unique<WorkerProcess>(std::move(holder->handle)));
+      std::make_unique<WorkerProcess>(holder->process, std::move(holder->handle)));
   if (wanted && may_supervise(*holder, launch)) {
     (*found)->set_stopped(false);  // the last daemon may have died while it was stopped
-    post([this, found, launch] { supervise(launch, std::move(*found)); });
+    post([this, found, launch] {
+      const Key key(launch.job_id, launch.attempt);
+      enter_precedence(key, workers_[key] = {.process = std::move(*found), .launch = launch});
+    });
     return Adoption::found;
   }
 
@@ -134,8 +149,12 @@ Adoption LocalExecutor::adopt(const WorkerLaunch& launch, bool wanted) {
 void LocalExecutor::hand_over(const WorkerLaunch& launch) {
   try {
     auto worker = warm_.take();
+    const auto claimed_before_ns = signs_in(launch.folder).claimed_ns;
     worker->hand_over(launch.order);
-    supervise(launch, std::move(worker));
+    workers_[{launch.job_id, launch.attempt}] = {.process = std::move(worker),
+                                                 .launch = launch,
+                                                 .claimed_before_ns = claimed_before_ns,
+                                                 .awaits_claim = true};
   } catch (const std::exception& error) {
     calls_.not_started(launch.job_id, launch.attempt, error.what());
   }
@@ -146,8 +165,8 @@ void LocalExecutor::wait_for_event() {
   int timeout_ms = -1;
   for (const auto& [key, worker] : workers_) {
     waiting.push_back({worker.process->handle(), POLLIN, 0});
-    // Without pidfd_open, in some containers, the end of a process is not reported: poll it.
-    if (worker.process->handle() < 0) timeout_ms = 20;
+    // Nothing reports a claim; without pidfd_open, in some containers, nor the end of a process.
+    if (worker.process->handle() < 0 || worker.awaits_claim) timeout_ms = 20;
   }
   ::poll(waiting.data(), waiting.size(), timeout_ms);
 }
@@ -179,6 +198,7 @@ void LocalExecutor::run() {
     }
     for (const auto& order : orders) order();
 
+    look_for_claims();
     collect();
   }
 

@@ -21,9 +21,9 @@ namespace dccast::jobs {
 /// A worker dies with its daemon until it has claimed the folder of its job (FolderClaim). After
 /// that it outlives the daemon, and the next daemon finds it by its claim.
 ///
-/// Workers are stopped while more urgent runs need the machine (Precedence). A worker that is
-/// requested to end is no longer stopped. If the daemon dies, its stopped workers are continued by
-/// the system.
+/// Workers are stopped while more urgent runs need the machine (Precedence), once they have claimed
+/// their folder: then they have the timer that continues them. A worker that is requested to end is
+/// no longer stopped. If the daemon dies, its stopped workers are continued by the system.
 class LocalExecutor : public Executor {
 public:
   /// @param workers     outlives this object
@@ -52,7 +52,10 @@ private:
   using Key = std::pair<std::string, int>;  ///< job and attempt
   struct Supervised {
     std::unique_ptr<WorkerProcess> process;
-    Precedence::Registration registration{};  ///< none once it was requested to end
+    WorkerLaunch launch;
+    std::int64_t claimed_before_ns = 0;       ///< time of the last claim when it got its job
+    bool awaits_claim = false;                ///< it can neither stop others yet nor be stopped
+    Precedence::Registration registration{};  ///< between its claim and the request to end
   };
 
   /// Ends the thread; workers are killed or left, see let_workers_run().
@@ -63,8 +66,10 @@ private:
   void post(std::function<void()> order);
   /// Hands a job to a warm worker.
   void hand_over(const WorkerLaunch& launch);
-  /// Watches a worker until it ends.
-  void supervise(const WorkerLaunch& launch, std::unique_ptr<WorkerProcess> process);
+  /// Lets a worker that has claimed its folder stop others, and be stopped.
+  void enter_precedence(const Key& key, Supervised& worker);
+  /// Looks for claims of the workers that have not claimed their folder yet.
+  void look_for_claims();
   /// Stops a worker's process, or lets it continue. @param stopped_for  empty: continue
   void set_stopped(const Key& key, const std::optional<MoreUrgentRun>& stopped_for);
   /// Waits for an order or for the end of a worker.

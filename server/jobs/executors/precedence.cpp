@@ -12,7 +12,10 @@ namespace {
 constexpr double longest_quick_s = 5.0;
 constexpr double longest_draft_s = 30.0;
 
-bool stops_others(Urgency urgency) {
+/// A run that has used less of a processor since the last look waits for something.
+constexpr double least_share = 0.1;
+
+bool is_short(Urgency urgency) {
   return urgency == Urgency::quick || urgency == Urgency::draft;
 }
 
@@ -46,35 +49,73 @@ void Precedence::Registration::leave() {
   if (auto* const precedence = std::exchange(precedence_, nullptr)) precedence->remove(entry_);
 }
 
-Precedence::Registration Precedence::enter(Urgency urgency, double estimated_s,
-                                           OnChange on_change) {
+bool Precedence::Entry::stops_others() const {
+  return is_short(run.urgency) && computes && !precedence_has_ended;
+}
+
+void Precedence::Entry::look(Clock::time_point now) {
+  const auto elapsed = now - std::exchange(looked, now);
+  const auto before_s = std::exchange(last_s, run.processor_s());
+  if (stopped) return;
+
+  if (stops_others()) held += elapsed;
+  if (last_s && before_s)
+    computes = *last_s - *before_s >= least_share * std::chrono::duration<double>(elapsed).count();
+  precedence_has_ended = precedence_has_ended || held >= longest_hold ||
+                         (run.estimated_s > 0.0 && used_s() >= 2.0 * run.estimated_s);
+}
+
+Precedence::Precedence() : watcher_([this](const std::stop_token& stop) { watch(stop); }) {}
+
+Precedence::Registration Precedence::enter(Run run) {
   const std::lock_guard lock(mutex_);
-  entries_.push_back({urgency, estimated_s, std::move(on_change)});
+  const auto used_s = run.processor_s();
+  entries_.push_back({.run = std::move(run), .begin_s = used_s, .last_s = used_s});
   const auto entry = std::prev(entries_.end());
   stop_or_continue_all();
+  changed_.notify_all();
   return {*this, entry};
 }
 
 void Precedence::remove(Entries::iterator entry) {
   const std::lock_guard lock(mutex_);
   // The worker may be used again, so it must not stay stopped.
-  if (entry->stopped) entry->on_change(std::nullopt);
+  if (entry->stopped) entry->run.on_change(std::nullopt);
   entries_.erase(entry);
   stop_or_continue_all();
 }
 
 void Precedence::stop_or_continue_all() {
-  const auto first = std::ranges::min_element(entries_, {}, &Entry::urgency);
-  if (first == entries_.end()) return;
-
   // Of equally urgent runs the first one began first; its remaining time is the one to report.
-  const std::chrono::duration<double> ran = std::chrono::steady_clock::now() - first->begin;
-  const MoreUrgentRun more_urgent{std::max(0.0, first->estimated_s - ran.count())};
+  const Entry* first = nullptr;
+  for (const Entry& entry : entries_)
+    if (entry.stops_others() && (first == nullptr || entry.run.urgency < first->run.urgency))
+      first = &entry;
 
   for (Entry& entry : entries_) {
-    const bool stops = stops_others(first->urgency) && entry.urgency > first->urgency;
+    const bool stops = first != nullptr && entry.run.urgency > first->run.urgency;
     if (std::exchange(entry.stopped, stops) == stops) continue;
-    entry.on_change(stops ? std::optional(more_urgent) : std::nullopt);
+
+    std::optional<MoreUrgentRun> more_urgent;
+    if (stops) more_urgent.emplace(std::max(0.0, first->run.estimated_s - first->used_s()));
+    entry.run.on_change(more_urgent);
+  }
+}
+
+void Precedence::watch(const std::stop_token& stop) {
+  const auto may_stop_others = [](const Entry& entry) {
+    return is_short(entry.run.urgency) && !entry.precedence_has_ended;
+  };
+
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    changed_.wait(lock, stop, [&] { return std::ranges::any_of(entries_, may_stop_others); });
+    changed_.wait_for(lock, stop, between_looks, [] { return false; });
+
+    const auto now = Clock::now();
+    for (Entry& entry : entries_)
+      if (may_stop_others(entry)) entry.look(now);
+    stop_or_continue_all();
   }
 }
 

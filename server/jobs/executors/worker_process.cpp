@@ -20,7 +20,6 @@
 
 #include "core/storage/storage_error.hpp"
 #include "server/jobs/log.hpp"
-#include "server/jobs/processes.hpp"
 
 namespace dccast::jobs {
 
@@ -93,6 +92,7 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program,
     process_ = 0;
     fail_to_start(program, error);
   }
+  id_ = process_;
   handle_ = open_process(process_);
 }
 

@@ -15,6 +15,7 @@
 #include "dccast/v1/worker.pb.h"
 #include "server/jobs/executors/executor.hpp"
 #include "server/jobs/executors/precedence.hpp"
+#include "server/jobs/processes.hpp"
 
 namespace dccast::jobs {
 
@@ -62,7 +63,8 @@ public:
   /// @throws WorkerDidNotAnswer
   WorkerProcess(const std::filesystem::path& program, const std::filesystem::path& scratch);
   /// Adopts a worker that an earlier daemon has started. @param handle  see open_process()
-  explicit WorkerProcess(storage::FileDescriptor handle) : handle_(std::move(handle)) {}
+  WorkerProcess(pid_t process, storage::FileDescriptor handle)
+      : handle_(std::move(handle)), id_(process) {}
   /// A process has one owner.
   WorkerProcess(const WorkerProcess&) = delete;
   /// Kills the process, unless leave() was called or an earlier daemon started it.
@@ -88,6 +90,8 @@ public:
   /// Answers given so far, and memory in use [bytes].
   int answers() const { return answers_; }
   std::int64_t resident_bytes() const;
+  /// Processor time that it has used [s]; nothing: it has ended. May be called from any thread.
+  std::optional<double> processor_s() const { return jobs::processor_s(id_); }
   /// Its exit; nothing while it runs.
   std::optional<WorkerExit> exit();
   /// pidfd; -1 on a system without pidfds.
@@ -109,6 +113,7 @@ private:
   std::string name_;
   storage::FileDescriptor socket_;
   storage::FileDescriptor handle_;
+  pid_t id_ = 0;          ///< also after its end
   pid_t process_ = 0;     ///< 0: not our child, or collected
   std::string received_;  ///< bytes of an incomplete message
   int answers_ = 0;

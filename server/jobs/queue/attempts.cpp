@@ -78,6 +78,13 @@ SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& l
   return heartbeat.at <= stall.at ? heartbeat : stall;
 }
 
+/// When a job that follows a casting will have had no reading for too long.
+Attempt::Clock::time_point reading_deadline(const Attempt& attempt, const WatchdogLimits& limits) {
+  if (!attempt.waits_for_readings || !attempt.begun || limits.reading().count() == 0)
+    return Attempt::Clock::time_point::max();
+  return attempt.last_progress + limits.reading();
+}
+
 /// Shifts the timers of an attempt by the time for which its worker was stopped.
 void shift_timers(Attempt& attempt, Attempt::Clock::duration stopped) {
   using TimePoint = Attempt::Clock::time_point;
@@ -297,7 +304,8 @@ AttemptFacts Attempts::facts(const Attempt& attempt) const {
                      .worker_restarts = options_.worker_restarts,
                      .other_version = options_.other_version,
                      .hung = attempt.hung,
-                     .over_time = attempt.over_time};
+                     .over_time = attempt.over_time,
+                     .unfed = attempt.unfed};
 
   if (const auto failures = storage_failures_.find(attempt.job_id);
       failures != storage_failures_.end())
@@ -342,6 +350,14 @@ void Attempts::kill_overdue(Clock::time_point now) {
     if (now >= next_check(*attempt, options_.watchdog))
       update_heartbeats(*attempt, folder(*attempt), now);
 
+    if (now >= reading_deadline(*attempt, options_.watchdog)) {
+      attempt->unfed =
+          fmt::format("no reading has come for {:g} s", seconds(options_.watchdog.reading()));
+      log::info("job {}: stopping it: {}", id, attempt->unfed);
+      stop(*attempt);
+      continue;
+    }
+
     if (const auto silence = silence_deadline(*attempt, options_.watchdog); now >= silence.at) {
       attempt->hung = silence.fault;
       kill(*attempt, silence.fault);
@@ -359,6 +375,7 @@ Attempts::Clock::time_point Attempts::next_deadline() const {
     else
       deadline =
           std::min({deadline, attempt->time_limit_at, next_check(*attempt, options_.watchdog),
+                    reading_deadline(*attempt, options_.watchdog),
                     silence_deadline(*attempt, options_.watchdog).at});
   }
 

@@ -27,12 +27,13 @@ struct Attempt {
   std::shared_ptr<EventLog> log;
   bool adopted = false;             ///< its worker was started by an earlier daemon
   bool goes_first = false;          ///< runs in addition to the capacity of the executor
-  bool waits_for_readings = false;  ///< it follows a casting: a silence of any length is no stall
+  bool waits_for_readings = false;  ///< it follows a casting: without readings it makes no step
   JobRecord record;
 
   Clock::time_point since;  ///< when it got its machine
   Clock::time_point time_limit_at = Clock::time_point::max();
   std::string over_time;  ///< its run time if it has reached its limit; empty: it has not
+  std::string unfed;      ///< how long no reading came, if that is too long; empty: it is not
 
   std::optional<Clock::time_point> kill_at;
   std::string hung;                ///< why its worker was killed as hanging; empty: it was not
@@ -56,6 +57,10 @@ struct WatchdogLimits {
   std::chrono::milliseconds hello{30000};      ///< from its start to its claim on the folder
   std::chrono::milliseconds heartbeat{60000};  ///< between two heartbeats
   std::chrono::milliseconds stall{3600000};    ///< between two events; 0: no limit
+
+  /// Longest time between two events of a job that follows a casting: its source may pause. 0: no
+  /// limit.
+  std::chrono::milliseconds reading() const { return 6 * stall; }
 };
 
 /// Run time of an attempt's job, with its earlier attempts and without the time for which its

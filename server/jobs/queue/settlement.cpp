@@ -68,16 +68,24 @@ Settlement settle_other_version(JobRecord& record, const RunEnd& end, const Atte
   return {v1::PAUSED, fmt::format("{}; resuming it starts the run over", reason)};
 }
 
-/// Whether it was stopped for its time limit and not cancelled as well.
+/// Whether it was stopped for a limit of time and not cancelled as well.
 bool is_over_time(const JobRecord& record, const AttemptFacts& facts) {
-  return !facts.over_time.empty() && record.requested_action != RequestedAction::cancel;
+  const bool was_stopped = !facts.over_time.empty() || !facts.unfed.empty();
+  return was_stopped && record.requested_action != RequestedAction::cancel;
 }
 
 Settlement settle_over_time(JobRecord& record, const AttemptFacts& facts) {
-  const std::string message = fmt::format(
+  const long percent = std::lround(100.0 * record.job.last_step().progress());
+  std::string message = fmt::format(
       "{} and has reached its time limit at {} % of the casting; submit it again with a longer one "
       "(dccast submit --from {} --time-limit), with a coarser quality or a shorter time.end",
-      facts.over_time, std::lround(100.0 * record.job.last_step().progress()), record.job.id());
+      facts.over_time, percent, record.job.id());
+  if (!facts.unfed.empty())
+    message = fmt::format(
+        "{}, at {} % of the casting; follow it again once its source sends readings, or have "
+        "workers.stall_timeout raised in the settings of dccastd",
+        facts.unfed, percent);
+
   add_failure(record.job, v1::Finding::TIME_LIMIT, message);
   record.job.mutable_failure()->set_time_s(facts.reached_time);
   return {v1::FAILED, message};

@@ -27,6 +27,7 @@ struct AttemptFacts {
   double reached_time = 0.0;       ///< [s]
   std::string hung{};              ///< why the worker was killed as hanging; empty: it was not
   std::string over_time{};         ///< its run time if that exceeds the limit; empty: it does not
+  std::string unfed{};             ///< how long no reading came, if it was stopped for that
   std::string missing_artifact{};  ///< a result that the end of the run names but the disk lacks
   std::string storage_error{};     ///< why nothing can be written into the folder; empty: it can
 };

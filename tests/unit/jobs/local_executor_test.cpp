@@ -3,10 +3,15 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <condition_variable>
+#include <filesystem>
 #include <mutex>
+#include <thread>
 #include <vector>
 
+#include "core/storage/file.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/jobs/claiming_process.hpp"
 
@@ -92,6 +97,43 @@ TEST_F(LocalExecutorAdoption, PassesARequestToStopOn) {
   EXPECT_EQ(adopt(), Adoption::found);
   executor_.stop("a-job", 1);  // SIGTERM, for which this process has no handler
   EXPECT_EQ(ends_.wait_for_one(), "a-job 1: an unknown exit code");
+}
+
+/// Runs workers of a program that reads no order and claims nothing by itself.
+class LocalExecutorStops : public testing::Test {
+protected:
+  LocalExecutorStops() {
+    executor_.set_calls(
+        {.not_started = [](auto&&...) {},
+         .ended = [](auto&&...) {},
+         .waits = [](auto&&...) {},
+         .stopped = [this](auto&&, int, const std::string& why) { is_stopped_ = !why.empty(); }});
+  }
+  static std::filesystem::path made_in(const std::filesystem::path& folder) {
+    storage::write_file(folder / "program", "#!/bin/sh\nexec sleep 60\n", 0700);
+    return folder / "program";
+  }
+  /// What the worker does when it takes its job.
+  void claim() const { storage::write_file(folder_.path() / "worker.lock", "3 1 a-job\n"); }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path program_ = made_in(folder_.path());
+  std::atomic<bool> is_stopped_ = false;
+  WarmWorkers workers_{program_};
+  Precedence precedence_;
+  LocalExecutor executor_{workers_, 1, precedence_};
+};
+
+TEST_F(LocalExecutorStops, NoWorkerThatHasNotClaimedItsFolderYet) {
+  const auto urgent = precedence_.enter({.urgency = Urgency::quick,
+                                         .on_change = [](const auto&) {},
+                                         .processor_s = [] { return std::nullopt; }});
+  executor_.start({.job_id = "a-job", .attempt = 1, .folder = folder_.path()});
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_FALSE(is_stopped_) << "nothing would continue it";
+
+  claim();
+  EXPECT_TRUE(eventually([&] { return is_stopped_.load(); }));
 }
 
 }  // namespace

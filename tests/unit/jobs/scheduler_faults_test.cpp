@@ -270,6 +270,21 @@ TEST_F(SchedulerFaults, AWorkerThatMakesNoStepIsKilled) {
   EXPECT_NE(daemon.store.find(id_)->losses.first_cause().find("no step"), std::string::npos);
 }
 
+TEST_F(SchedulerFaults, AFollowedCastingThatIsNeverFedEnds) {
+  Daemon daemon(folder_.path(), {.stall = std::chrono::milliseconds(10)});
+  daemon.scheduler.start();
+  NewJob followed = new_job();
+  followed.following.emplace();
+  id_ = daemon.scheduler.submit(followed, {}).id();
+  worker_.emplace(daemon.executor.wait_for_launch(1));
+
+  EXPECT_TRUE(becomes(daemon, id_, v1::FAILED));
+  const v1::Finding failure = daemon.scheduler.find(id_)->failure();
+  EXPECT_EQ(failure.kind(), v1::Finding::TIME_LIMIT);
+  EXPECT_NE(failure.message().find("no reading has come for 0.06 s"), std::string::npos);
+  EXPECT_EQ(daemon.executor.launches(), 1U) << "it is not started again";
+}
+
 TEST_F(SchedulerFaults, ALossAfterAResumptionNamesTheStepItReached) {
   Daemon daemon(folder_.path());
   run_a_job(daemon);
