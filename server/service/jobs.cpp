@@ -4,13 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "proto/values/printable.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
+#include "server/jobs/logs/readings_log.hpp"
 #include "server/service/forecasts.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
@@ -126,10 +129,19 @@ void check_ensemble(Context& context, const Call& call, const v1::Following& fol
 /// Checks gauges and studies of a job that follows a casting.
 void check_following(Context& context, const Call& call, const v1::SubmitJobRequest& request) {
   constexpr double largest_m = 1.0;
+  if (!jobs::fits_record(request.following()))
+    refuse(Remedy{"give fewer gauges, with shorter names"},
+           "gauges and studies of the casting take {} bytes; about {} are permitted",
+           request.following().ByteSizeLong(), jobs::longest_entry);
+
+  std::set<std::string_view> monitors, with_gauge;
+  for (const v1::Monitor& monitor : request.case_().monitor()) monitors.insert(monitor.name());
   for (const v1::Gauge& gauge : request.following().gauges()) {
-    const auto& monitors = request.case_().monitor();
-    if (std::ranges::find(monitors, gauge.monitor(), &v1::Monitor::name) == monitors.end())
+    if (!monitors.contains(gauge.monitor()))
       refuse(Remedy{"name a monitor of the case"}, "the case has no monitor \"{}\"",
+             values::shortened(gauge.monitor()));
+    if (!with_gauge.insert(gauge.monitor()).second)
+      refuse(Remedy{"give one gauge a monitor"}, "the monitor \"{}\" has two gauges",
              values::shortened(gauge.monitor()));
     const bool sound = gauge.noise_m() > 0.0 && gauge.noise_m() <= largest_m &&
                        gauge.zero_m() >= 0.0 && gauge.zero_m() <= largest_m;

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 
 #include "proto/case_file/schema.hpp"
 #include "proto/values/printable.hpp"
@@ -50,10 +52,13 @@ void check_levers(const v1::Reading& reading) {
 }
 
 /// Checks the curls of a reading against the gauges of its job.
-void check_curls(const v1::Reading& reading, const v1::Following& following) {
+void check_curls(const v1::Reading& reading, const std::set<std::string_view>& gauges) {
+  std::set<std::string_view> measured;
   for (const v1::MeasuredCurl& curl : reading.curls()) {
-    const auto& gauges = following.gauges();
-    if (std::ranges::find(gauges, curl.monitor(), &v1::Gauge::monitor) == gauges.end())
+    if (!measured.insert(curl.monitor()).second)
+      refuse(Remedy{"give one curl a gauge"}, "reading {}: the gauge at \"{}\" has two curls",
+             reading.number(), values::shortened(curl.monitor()));
+    if (!gauges.contains(curl.monitor()))
       refuse(Remedy{"name a gauge of the job"}, "reading {}: the job has no gauge at \"{}\"",
              reading.number(), values::shortened(curl.monitor()));
     check_size(reading, "curl", curl.curl_m(), 1.0, "m");
@@ -84,14 +89,17 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
     refuse_state(job, "it takes no readings any more");
   }
 
-  for (const v1::Reading& reading : request.readings()) check_curls(reading, record->following());
+  std::set<std::string_view> gauges;
+  for (const v1::Gauge& gauge : record->following().gauges()) gauges.insert(gauge.monitor());
+  for (const v1::Reading& reading : request.readings()) check_curls(reading, gauges);
   try {
     record->append(request.readings());
   } catch (const jobs::MissingReading& error) {
     refuse(ErrorInfo::OUT_OF_RANGE, Remedy{"send the readings after the last one"}, "job {}: {}",
            request.id(), error.what());
   } catch (const jobs::UnfitReading& error) {
-    refuse(Remedy{"send what was measured later"}, "job {}: {}", request.id(), error.what());
+    refuse(Remedy{"send what was measured later, in short readings"}, "job {}: {}", request.id(),
+           error.what());
   }
   response = record->state();
 }

@@ -13,6 +13,7 @@
 #include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/logs/event_log_scan.hpp"
 #include "server/state/index.hpp"
+#include "server/studies/lines.hpp"
 #include "server/studies/study_file.hpp"
 #include "server/studies/study_plan.hpp"
 #include "server/studies/study_store.hpp"
@@ -103,6 +104,15 @@ void check_studies(const StateFolder& folder, jobs::JobStore& jobs, const CheckO
   if (!ids.empty()) report.note(fmt::format("{} studies in the store", ids.size()));
 }
 
+/// Checks the lines, which nothing but their files describes.
+void check_lines(const StateFolder& folder, Report& report) {
+  const v1::ListLinesResponse found = studies::Lines(folder.lines()).list();
+  for (const std::string& name : found.damaged())
+    report.damage(fmt::format(
+        "line {}: its file is damaged; restore it from a backup, or delete it and begin it again",
+        name));
+}
+
 /// One inspection of a whole state folder.
 class Check {
 public:
@@ -134,6 +144,7 @@ private:
     if (!options_.index_only)
       for (const std::string& id : ids_) check_job(folder_, *store_, id, options_, report_);
     check_studies(folder_, *store_, options_, report_);
+    if (!options_.index_only) check_lines(folder_, report_);
     report_totals();
   }
 

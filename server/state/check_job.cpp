@@ -97,15 +97,31 @@ private:
     report_.repaired(fault + "; the row is made again");
   }
 
+  /// A job that lacks one of its files would be another job.
+  void check_files(const jobs::JobDescription& description) {
+    try {
+      jobs::require_files(folder_, description);
+    } catch (const std::runtime_error& error) {
+      report_.damage(fmt::format("{}{}; restore its folder from a backup, or submit the case again",
+                                 subject_, error.what()));
+    }
+  }
+
   /// The worker does not verify attachments, so a flipped bit in one would falsify the results.
   void check_attachments() {
-    for (const auto& [name, sha256] : jobs::read_job_description(folder_).attachment_sha256) {
+    const jobs::JobDescription description = jobs::read_job_description(folder_);
+    check_files(description);
+    if (!options_.deep) return;
+
+    for (const auto& [name, sha256] : description.attachment_sha256) {
       const fs::path path = folder_ / jobs::attachments_folder / name;
-      if (fs::exists(path) && (!options_.deep || values::sha256_of_file(path) == sha256)) continue;
-      report_.damage(
-          fmt::format("{}its attachment {} is missing or damaged; restore it from a "
-                      "backup, or submit the case again",
-                      subject_, name));
+      if (storage::kind_of_entry(path) != storage::regular_file ||
+          values::sha256_of_file(path) == sha256)
+        continue;
+      report_.damage(fmt::format(
+          "{}its attachment {} is damaged; restore it from a backup, or submit the case "
+          "again",
+          subject_, name));
     }
   }
 
@@ -126,7 +142,7 @@ private:
 
   /// The record of a casting that the job follows.
   void check_readings() {
-    if (!jobs::follows_readings(folder_)) return;
+    if (!jobs::follows_readings(folder_)) return;  // check_files() looks whether it must
     try {
       jobs::ReadingsReader record(folder_);
       record.read_new();

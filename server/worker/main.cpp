@@ -82,7 +82,9 @@ void limit_stops() {
 /// Redirects the messages of this process to the log of a job. If the log cannot be opened, the job
 /// runs all the same.
 void redirect_messages(const std::filesystem::path& log) {
-  const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  // Opening neither waits for the reader of a pipe nor follows a link.
+  constexpr int flags = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW;
+  const int file = ::open(log.c_str(), flags, 0600);
   if (file < 0) return;
   ::dup2(file, STDOUT_FILENO);
   ::dup2(file, STDERR_FILENO);
@@ -92,6 +94,7 @@ void redirect_messages(const std::filesystem::path& log) {
 /// Reads the case of a job, as the daemon has completed it. @throws std::runtime_error
 void read_case(v1::SolveCase& order) {
   const auto description = jobs::read_job_description(order.directory());
+  jobs::require_files(order.directory(), description);
   if (!order.mutable_case_()->ParseFromString(description.complete_case))
     throw std::runtime_error(fmt::format("the case in {} cannot be read", jobs::description_file));
 }

@@ -4,16 +4,18 @@ import contextlib
 import functools
 import os
 import shutil
+import signal
 import sqlite3
 import subprocess
 import tempfile
+import time
 
 import grpc
 
 from cases import FAKE, REAL, coarse, failing_check, fake
-from dccast.v1 import service_pb2
+from dccast.v1 import follow_pb2, line_pb2, service_pb2
 from fault import Fault
-from oracle import Count, judge
+from oracle import Count, judge, must
 from scene import Scene
 from support import BIN
 
@@ -245,6 +247,126 @@ class FlipAnyFile(Damage):
         flip_a_bit(chance, path)
         folder, name = os.path.split(path)
         return [os.path.basename(folder)] if name == "events.log" else []
+
+
+class StrangeFiles(Fault):
+    """A pipe in place of a line, a study or the key of TLS, a file in place of the quarantine: named, all go on"""
+    short = long = 1
+
+    def disturb(self, scene, count):
+        scene.submit(fake("steps=20"))
+        scene.tell_daemon(signal.SIGTERM)
+        for folder in ("lines", "studies"):
+            os.makedirs(scene.data(folder), exist_ok=True)
+        os.mkfifo(scene.data("lines", "strange.bin"))
+        os.mkfifo(scene.data("studies", "00000000-0000-4000-8000-000000000000.bin"))
+        with open(scene.data("quarantine"), "wb"):
+            pass
+        scene.come_back()
+
+        stub = scene.client.stub
+        stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=5)
+        lines = stub.ListLines(line_pb2.ListLinesRequest(), timeout=5)
+        if list(lines.damaged) != ["strange"]:
+            count.found("wrong", f"the strange line is not named: {lines}")
+        scene.submit(fake("steps=20"))
+
+        scene.tell_daemon(signal.SIGTERM)
+        self.replace_key(scene, count)
+        scene.come_back()
+
+    @staticmethod
+    def replace_key(scene, count):
+        """A daemon whose key is a pipe ends with a reason, and does not wait for it."""
+        key = os.path.join(scene.folder, "key.pem")
+        os.mkfifo(key)
+        command = [*scene.daemon.command(), "--set", "listen.tls=127.0.0.2:0", "--set",
+                   f"tls.certificate={key}", "--set", f"tls.key={key}"]
+        ended = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
+        if ended.returncode == 0 or "named pipe" not in ended.stderr:
+            count.found("wrong", f"a key that is a pipe: {ended.returncode}, {ended.stderr}")
+
+
+class DamageOfOneJob(Fault):
+    """A file of one job's folder flipped, cut, emptied, missing, a pipe, a link or a folder: no queue is held"""
+    short, long = 6, 200
+    worker = REAL
+    others = 3
+    longest = 20.0  # seconds for the jobs of others, which take half a second each
+
+    def begin(self, scene):
+        """A job that follows a casting, whose daemon and worker are killed."""
+        following = follow_pb2.Following(gauges=[follow_pb2.Gauge(monitor="corner", noise_m=1e-3)])
+        self.job = scene.submit(coarse(), following=following)
+        scene.acknowledged.pop(self.job)
+        scene.foreign_jobs.add(self.job)
+        readings = [follow_pb2.Reading(number=number, time_s=-61.0 + number)
+                    for number in range(1, 101)]
+        scene.client.stub.AppendReadings(
+            follow_pb2.AppendReadingsRequest(id=self.job, readings=readings), timeout=20)
+        scene.client.until_step(self.job, 10)
+        scene.kill_daemon()
+
+    def disturb(self, scene, count):
+        folder = scene.data("jobs", self.job)
+        files = sorted(name for name in os.listdir(folder)
+                       if os.path.isfile(os.path.join(folder, name)))
+        damage, name = scene.chance.choice(DAMAGES), scene.chance.choice(files)
+        path = os.path.join(folder, name)
+        damage(scene.chance, path)
+        if not begin_or_repair(scene, count):
+            return
+        self.submit_others(scene, count, f"{name} {damage.__name__}")
+
+    def submit_others(self, scene, count, damaged):
+        ids = []
+        for _ in range(self.others):
+            ids.append(scene.submit(coarse()))
+            if ids[-1] is None:
+                count.found("wrong", f"{damaged}: a submission is refused: "
+                            f"{scene.unsure[-1].refusal.details()}")
+            time.sleep(0.5)
+        must(count, lambda: all(map(scene.ended, filter(None, ids))),
+             f"{damaged}: jobs of others do not end", self.longest)
+        if held := scene.info().storage_fault:
+            count.found("wrong", f"{damaged}: the queue is held: {held}")
+        with contextlib.suppress(grpc.RpcError):  # it may have failed or be gone
+            scene.client.cancel(self.job)
+
+
+def flipped(chance, path):
+    if os.path.getsize(path) > 0:
+        flip_a_bit(chance, path)
+
+
+def cut(chance, path):
+    os.truncate(path, chance.randrange(os.path.getsize(path) + 1))
+
+
+def emptied(_, path):
+    os.truncate(path, 0)
+
+
+def missing(_, path):
+    os.remove(path)
+
+
+def a_pipe(_, path):
+    os.remove(path)
+    os.mkfifo(path)
+
+
+def a_link(_, path):
+    os.rename(path, path + ".elsewhere")
+    os.symlink(path + ".elsewhere", path)
+
+
+def a_folder(_, path):
+    os.remove(path)
+    os.mkdir(path)
+
+
+DAMAGES = (flipped, cut, emptied, missing, a_pipe, a_link, a_folder)
 
 
 class FlipResults(Damage):

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/job.pb.h"
@@ -17,12 +18,15 @@ struct JobDescription {
   std::string complete_case;   ///< serialised, with defaults and alloy card
   std::string answer_key{};    ///< see JobRecord; empty: none
   std::map<std::string, std::string> attachment_sha256{};  ///< by file name
+  /// Further files without which the job is not what was submitted, as paths in its folder.
+  std::vector<std::string> files{};
 };
 
-/// Name of the file. Its format: the header "DCCASTJD" (format.hpp), then two copies of five
+/// Name of the file. Its format: the header "DCCASTJD" (format.hpp), then two copies of six
 /// frames. The frames are the serialised Job, the submitted Case, the complete Case, the answer
-/// key, and the digests of the attachments in the format of sha256sum(1); each begins with a byte
-/// of value 1. The second copy is read if the first is damaged.
+/// key, the digests of the attachments in the format of sha256sum(1), and the names of further
+/// files, one a line; each begins with a byte of value 1. A description without the last frame
+/// names no further files. The second copy is read if the first is damaged.
 inline constexpr const char* description_file = "description.bin";
 inline constexpr const char* description_kind = "DCCASTJD";  ///< see file_header()
 
@@ -34,6 +38,11 @@ void write_job_description(const std::filesystem::path& folder, const JobDescrip
 /// @throws OtherFormat
 /// @throws std::runtime_error  the file is missing or damaged; the text is the reason
 JobDescription read_job_description(const std::filesystem::path& folder);
+
+/// Requires every file that the description names, and that nothing but a file stands where a run
+/// has its own.
+/// @throws std::runtime_error  the text is the reason
+void require_files(const std::filesystem::path& folder, const JobDescription& description);
 
 /// Reads the complete case, the one that runs. @return false if it cannot be read
 bool read_complete_case(const std::filesystem::path& folder, v1::Case& to);

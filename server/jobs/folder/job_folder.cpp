@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <system_error>
 
@@ -19,19 +18,7 @@ namespace dccast::jobs {
 
 namespace {
 
-constexpr const char* checkpoint_name = "checkpoint.bin";  // core/results/CHECKPOINT.md
-constexpr const char* request_file = "request";
 constexpr const char* marks_file = "marks";
-
-constexpr std::array run_files{checkpoint_name,
-                               "checkpoint.bin.tmp",
-                               "checkpoint.other-version.bin",
-                               "journal.bin",
-                               "results.h5.part",
-                               claim_file,
-                               order_file,
-                               rank_file,
-                               request_file};
 
 void remove_folder(const std::filesystem::path& folder) {
   std::error_code error;
@@ -162,7 +149,7 @@ void remove_run_files(const std::filesystem::path& folder) {
 
 void set_checkpoint_aside(const std::filesystem::path& folder) {
   std::error_code error;
-  std::filesystem::rename(folder / checkpoint_name, folder / "checkpoint.other-version.bin", error);
+  std::filesystem::rename(folder / checkpoint_file, folder / "checkpoint.other-version.bin", error);
   if (error) log::warn("{}: cannot set the checkpoint aside: {}", folder.string(), error.message());
 }
 

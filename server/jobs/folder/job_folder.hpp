@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -72,6 +73,19 @@ inline std::filesystem::path daemon_file(const std::filesystem::path& jobs_direc
 inline constexpr const char* claim_file = "worker.lock";   ///< worker_claim.hpp
 inline constexpr const char* order_file = "worker.order";  ///< the same
 inline constexpr const char* rank_file = "worker.rank";    ///< the same
+inline constexpr const char* request_file = "request";
+inline constexpr const char* checkpoint_file = "checkpoint.bin";  ///< core/results/CHECKPOINT.md
+
+/// The files that only a running job needs.
+inline constexpr std::array run_files{checkpoint_file,
+                                      "checkpoint.bin.tmp",
+                                      "checkpoint.other-version.bin",
+                                      "journal.bin",
+                                      "results.h5.part",
+                                      claim_file,
+                                      order_file,
+                                      rank_file,
+                                      request_file};
 
 /// Leaves a request in the folder of a running job, for its worker and for later daemons. The file
 /// is synced to disk. @throws storage::StorageError  nothing has changed

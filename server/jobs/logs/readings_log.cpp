@@ -3,6 +3,8 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/format.hpp"
 #include "server/jobs/log.hpp"
@@ -13,8 +15,7 @@ using storage::short_records;
 
 namespace {
 
-constexpr std::int64_t header_size = 16;          // [bytes]
-constexpr std::uint64_t largest_entry = 1 << 16;  // [bytes]
+constexpr std::int64_t header_size = 16;  // [bytes]
 
 std::string header() {
   return file_header("DCCASTRD");
@@ -67,7 +68,7 @@ ReadingsReader::ReadingsReader(const std::filesystem::path& job_folder)
 }
 
 std::optional<v1::RecordEntry> ReadingsReader::next(storage::FileWindow& window) {
-  const auto record = short_records.at(window, end_, largest_entry);
+  const auto record = short_records.at(window, end_, longest_entry);
   if (!record) return std::nullopt;
 
   v1::RecordEntry entry;
@@ -75,6 +76,19 @@ std::optional<v1::RecordEntry> ReadingsReader::next(storage::FileWindow& window)
     throw DamagedReadings(fmt::format("{} is damaged after reading {}", readings_file, number_));
   end_ += record->size;
   return entry;
+}
+
+void ReadingsReader::require_no_gap(storage::FileWindow& window) {
+  if (window.size() == end_ || window.size() == size_searched_) return;
+  size_searched_ = window.size();
+
+  // The next entry begins where the damaged one ends: not farther away than the longest.
+  const std::int64_t last =
+      end_ + static_cast<std::int64_t>(longest_entry + short_records.head_size);
+  for (std::int64_t offset = end_ + 1; offset <= std::min(last, window.size()); ++offset)
+    if (short_records.at(window, offset, longest_entry))
+      throw DamagedReadings(fmt::format("{} is damaged after reading {}, and readings follow",
+                                        readings_file, number_));
 }
 
 std::vector<v1::Reading> ReadingsReader::read_new() {
@@ -87,6 +101,7 @@ std::vector<v1::Reading> ReadingsReader::read_new() {
     last_arrival_ = entry->has_arrive_time() ? std::optional(entry->arrive_time()) : std::nullopt;
     readings.push_back(std::move(*entry->mutable_reading()));
   }
+  require_no_gap(window);
   return readings;
 }
 
@@ -133,6 +148,9 @@ void ReadingsLog::append(const google::protobuf::RepeatedPtrField<v1::Reading>& 
     v1::RecordEntry entry;
     *entry.mutable_reading() = reading;
     *entry.mutable_arrive_time() = now();
+    if (const std::size_t size = entry.ByteSizeLong(); size > longest_entry)
+      throw UnfitReading(fmt::format("reading {} takes {} bytes; permitted are {}",
+                                     reading.number(), size, longest_entry));
     records += short_records.framed(entry.SerializeAsString());
   }
   if (records.empty()) return;

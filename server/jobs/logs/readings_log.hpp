@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -23,7 +24,15 @@ namespace dccast::jobs {
 /// with the time of its arrival. The daemon appends, the worker reads.
 inline constexpr const char* readings_file = "readings.log";
 
-/// Creates a record without readings, synced to disk. @throws std::system_error
+/// Longest RecordEntry, for writer and reader alike [bytes].
+inline constexpr std::size_t longest_entry = 64 * 1024;
+/// Whether a record can begin with this. The room that is left is for what the entry has around it.
+inline bool fits_record(const v1::Following& following) {
+  return following.ByteSizeLong() + 64 <= longest_entry;
+}
+
+/// Creates a record without readings, synced to disk. @param following  fits_record()
+/// @throws std::system_error
 void create_readings_log(const std::filesystem::path& job_folder, const v1::Following& following);
 
 /// Whether a job follows readings.
@@ -42,7 +51,9 @@ public:
   explicit ReadingsReader(const std::filesystem::path& job_folder);
 
   /// The readings that were added since the last call.
-  /// @throws std::system_error, DamagedReadings
+  /// @throws std::system_error
+  /// @throws DamagedReadings  also if whole readings follow one that cannot be read: these were
+  ///                          acknowledged
   std::vector<v1::Reading> read_new();
 
   const v1::Following& following() const { return following_; }
@@ -53,12 +64,15 @@ public:
 private:
   /// The next whole entry, if there is one.
   std::optional<v1::RecordEntry> next(storage::FileWindow& window);
+  /// Looks for a whole entry behind bytes that are none. @throws DamagedReadings  there is one
+  void require_no_gap(storage::FileWindow& window);
 
   storage::File file_;
   v1::Following following_;
   std::optional<google::protobuf::Timestamp> last_arrival_;
   std::int64_t end_;
-  std::int64_t number_ = 0;  ///< of the last reading
+  std::int64_t number_ = 0;         ///< of the last reading
+  std::int64_t size_searched_ = 0;  ///< of the file when it was last searched for a gap [bytes]
 };
 
 /// A call breaks the rule that numbers have no holes.
@@ -67,7 +81,8 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-/// A reading is not later than the one before it, or follows the one that closes the record.
+/// A reading is not later than the one before it, follows the one that closes the record, or is
+/// longer than an entry may be.
 class UnfitReading : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;

@@ -115,6 +115,32 @@ std::string find_storage_error(const std::filesystem::path& folder, const Worker
   return fmt::format("its worker could not write into {} (see worker.log there)", folder.string());
 }
 
+bool has_storage_failure(const v1::RunEnd& end) {
+  const auto is_of_storage = [](const v1::Finding& failure) {
+    return failure.kind() == v1::Finding::STORAGE;
+  };
+  return is_of_storage(end.failure()) ||
+         std::ranges::any_of(end.failure().further(), is_of_storage);
+}
+
+/// What is damaged of the files of a job itself, so that no other job is concerned; empty if
+/// nothing is, or if the folder of all jobs cannot be used.
+std::string find_damage(const std::filesystem::path& folder) {
+  try {
+    probe_directory(folder.parent_path());
+  } catch (const std::system_error&) {
+    return {};
+  }
+
+  try {
+    require_files(folder, read_job_description(folder));
+    if (follows_readings(folder)) ReadingsReader(folder).read_new();
+    return {};
+  } catch (const std::exception& error) {
+    return daemon_lacks(error) ? "" : error.what();
+  }
+}
+
 }  // namespace
 
 double ran_s(const Attempt& attempt, Attempt::Clock::time_point now) {
@@ -139,6 +165,7 @@ Settlement settle(JobRecord& record, EventLog& log, const std::filesystem::path&
   if (const auto& end = content.run_end; end && end->attempt() == record.job.attempts()) {
     facts.missing_artifact = missing_artifact(folder, *end);
     if (end->outcome() == v1::RunEnd::OTHER_VERSION_FOUND) set_checkpoint_aside(folder);
+    if (has_storage_failure(*end)) facts.damage = find_damage(folder);
     if (end->outcome() == v1::RunEnd::SUCCEEDED) record.solver = end->solver();
     return settle_run_end(record, *end, facts);
   }
@@ -148,6 +175,7 @@ Settlement settle(JobRecord& record, EventLog& log, const std::filesystem::path&
                           "dccastd was restarted; the job continues from its last checkpoint");
 
   facts.storage_error = find_storage_error(folder, *exit);
+  if (!facts.storage_error.empty()) facts.damage = find_damage(folder);
   return settle_lost(record, *exit, facts);
 }
 

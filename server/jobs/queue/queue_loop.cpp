@@ -140,9 +140,14 @@ void QueueLoop::settle_attempt(const std::shared_ptr<Attempt>& attempt) {
 }
 
 Settlement QueueLoop::decide(const Attempt& attempt, JobRecord& record, AttemptFacts facts) const {
-  if (attempt.not_started.empty())
-    return settle(record, *attempt.log, state_.jobs_directory / attempt.job_id, attempt.exit,
-                  std::move(facts));
+  if (attempt.not_started.empty()) try {
+      return settle(record, *attempt.log, state_.jobs_directory / attempt.job_id, attempt.exit,
+                    std::move(facts));
+    } catch (const std::exception& error) {
+      if (daemon_lacks(error)) throw;
+      add_failure(record.job, v1::Finding::STORAGE, error.what());
+      return {v1::FAILED, error.what()};
+    }
 
   // No worker was started: the attempt does not count.
   record.job.set_attempts(attempt.number - 1);
@@ -208,6 +213,10 @@ void QueueLoop::release_dependents() {
     try {
       release_dependent(*dependent);
     } catch (const std::exception& error) {
+      if (!daemon_lacks(error)) {
+        refuse_start(dependent->id, error);
+        continue;
+      }
       const std::lock_guard lock(state_.mutex);
       state_.dependents.check_again(dependent->id);
       return state_.hold(error.what());
@@ -305,8 +314,10 @@ std::pair<JobRecord, std::shared_ptr<EventLog>> QueueLoop::begin_attempt(const s
   const bool waits =
       record && (record->job.state() == v1::QUEUED || record->job.state() == v1::RUNNING);
   if (!waits) return {};
+  const auto folder = state_.jobs_directory / id;
+  require_files(folder, read_job_description(folder));
   auto log = state_.logs.open(id);
-  remove_request(state_.jobs_directory / id);  // a crash may have left one
+  remove_request(folder);  // a crash may have left one
 
   v1::Job& job = record->job;
   job.set_attempts(job.attempts() + 1);

@@ -46,7 +46,17 @@ std::string find_write_error(const v1::Finding& failure) {
   return {};
 }
 
+/// Fails a job for its own files: they will not be sound at another try.
+Settlement settle_damaged(JobRecord& record, const std::string& damage) {
+  const std::string message = fmt::format(
+      "the folder of the job is damaged: {}; restore it from a backup, or submit the case again",
+      damage);
+  add_failure(record.job, v1::Finding::STORAGE, message);
+  return {v1::FAILED, message};
+}
+
 Settlement settle_failed(JobRecord& record, const RunEnd& end, const AttemptFacts& facts) {
+  if (!facts.damage.empty()) return settle_damaged(record, facts.damage);
   const v1::Finding& failure = end.failure();
   // Run again when its results can be written: it will end in the same way.
   if (const std::string error = find_write_error(failure);
@@ -129,6 +139,7 @@ Settlement settle_run_end(JobRecord& record, const RunEnd& end, const AttemptFac
 }
 
 Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptFacts& facts) {
+  if (!facts.damage.empty()) return settle_damaged(record, facts.damage);
   if (!facts.storage_error.empty()) return settle_for_storage(record, facts.storage_error, facts);
   if (is_over_time(record, facts)) return settle_over_time(record, facts);
   if (record.requested_action != RequestedAction::none || facts.shutting_down)

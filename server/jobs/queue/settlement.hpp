@@ -30,6 +30,7 @@ struct AttemptFacts {
   std::string unfed{};             ///< how long no reading came, if it was stopped for that
   std::string missing_artifact{};  ///< a result that the end of the run names but the disk lacks
   std::string storage_error{};     ///< why nothing can be written into the folder; empty: it can
+  std::string damage{};            ///< of the job's own files, which no other job has; empty: none
 };
 
 /// The worker has recorded the end of its run. Sets failure, artifacts and requested action.

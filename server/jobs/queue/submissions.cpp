@@ -125,6 +125,7 @@ std::optional<v1::Job> Submissions::write_new_job(JobRecord& record, const NewJo
   const auto folder = state_.jobs_directory / record.job.id();
   JobDescription description = new_job.description;
   description.job = record.job;
+  if (new_job.following) description.files.push_back(readings_file);
   create_job_folder(folder, attachments, description, new_job.case_file);
   try {
     const auto log = state_.logs.open(record.job.id());

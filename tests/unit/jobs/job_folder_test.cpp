@@ -2,6 +2,7 @@
 #include "server/jobs/logs/event_log_scan.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "core/storage/file.hpp"
 #include "proto/values/digests.hpp"
@@ -72,6 +73,39 @@ TEST(JobFolder, SaysWhatItsJobIsWithTheDigestsOfItsAttachments) {
   expect_whole(read);
   EXPECT_EQ(read.attachment_sha256.at("a mesh"),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(JobFolder, RequiresEachFileThatItsDescriptionNames) {
+  const TemporaryFolder parent;
+  const auto folder = parent.path() / "job";
+  JobDescription described = description();
+  described.files = {"readings.log"};
+  create_job_folder(folder, {attached(parent, "a mesh", "abc")}, described);
+  storage::write_file(folder / "readings.log", "a record");
+  const JobDescription read = read_job_description(folder);
+  EXPECT_EQ(read.files, described.files);
+  EXPECT_NO_THROW(require_files(folder, read));
+
+  const auto fault = [&] {
+    try {
+      require_files(folder, read);
+      return std::string("none");
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+  };
+  std::filesystem::remove(folder / "readings.log");
+  EXPECT_EQ(fault(), "its readings.log is missing");
+  ::mkfifo((folder / "readings.log").c_str(), 0600);
+  EXPECT_EQ(fault(), "its readings.log is a named pipe, not a regular file");
+  storage::replace_file(folder / "readings.log", "a record");
+  EXPECT_EQ(fault(), "none");
+
+  ::mkfifo((folder / claim_file).c_str(), 0600);
+  EXPECT_EQ(fault(), "its worker.lock is a named pipe, not a regular file");
+  std::filesystem::remove(folder / claim_file);
+  std::filesystem::remove(folder / attachments_folder / "a mesh");
+  EXPECT_EQ(fault(), "its attachments/a mesh is missing");
 }
 
 /// It stands in its file twice.

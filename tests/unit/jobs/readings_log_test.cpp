@@ -107,6 +107,40 @@ TEST_F(ReadingsLogTest, GoesOnBehindTheLastWholeReading) {
   EXPECT_EQ(std::ranges::count_if(std::filesystem::directory_iterator(folder()), is_aside), 1);
 }
 
+TEST_F(ReadingsLogTest, AWholeReadingBehindADamagedOneIsDamage) {
+  ReadingsLog(folder()).append(readings(1, 30));
+  const std::string sound = storage::read_file(path());
+  for (const std::size_t byte : {sound.size() / 3, sound.size() / 2}) {
+    std::string damaged = sound;
+    damaged[byte] = static_cast<char>(damaged[byte] ^ 4);
+    storage::write_file(path(), damaged);
+    EXPECT_THROW(ReadingsReader(folder()).read_new(), DamagedReadings) << byte;
+    EXPECT_THROW(ReadingsLog{folder()}, DamagedReadings) << byte;
+    EXPECT_EQ(storage::read_file(path()), damaged) << "nothing is set aside";
+  }
+}
+
+TEST_F(ReadingsLogTest, RefusesAReadingThatNoReaderWouldTake) {
+  ReadingsLog log(folder());
+  Readings last = readings(1, 1), too_long = readings(2, 2);
+  last.Mutable(0)->add_curls()->set_monitor(std::string(longest_entry - 100, 'x'));
+  too_long.Mutable(0)->add_curls()->set_monitor(std::string(longest_entry, 'x'));
+  log.append(last);
+  EXPECT_THROW(log.append(too_long), UnfitReading);
+  log.append(readings(2, 3));
+  EXPECT_EQ(ReadingsReader(folder()).read_new().size(), 3u);
+}
+
+TEST_F(ReadingsLogTest, WhatFitsARecordIsReadFromIt) {
+  v1::Following largest = following();
+  while (fits_record(largest)) largest.add_gauges()->set_monitor(std::string(100, 'x'));
+  largest.mutable_gauges()->RemoveLast();
+
+  std::filesystem::remove(path());
+  create_readings_log(folder(), largest);
+  EXPECT_EQ(ReadingsReader(folder()).following().gauges_size(), largest.gauges_size());
+}
+
 TEST_F(ReadingsLogTest, RefusesAFileThatIsNone) {
   storage::write_file(path(), "nothing of ours, but long enough");
   EXPECT_THROW(ReadingsReader{folder()}, DamagedReadings);

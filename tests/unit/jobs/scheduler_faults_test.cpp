@@ -270,6 +270,33 @@ TEST_F(SchedulerFaults, AWorkerThatMakesNoStepIsKilled) {
   EXPECT_NE(daemon.store.find(id_)->losses.first_cause().find("no step"), std::string::npos);
 }
 
+/// Each of these stands where a job has, or must have, a file of its own.
+TEST_F(SchedulerFaults, AJobWhoseOwnFilesAreDamagedFailsAloneAndHoldsNoQueue) {
+  Daemon daemon(folder_.path());
+  const auto damaged = [&](const std::string& file, bool follows, const auto& damage) {
+    NewJob job = new_job();
+    if (follows) job.following.emplace();
+    const std::string id = daemon.scheduler.submit(job, {}).id();
+    const fs::path path = folder_.path() / id / file;
+    fs::remove(path);
+    damage(path);
+    return id;
+  };
+  const auto pipe = [](const fs::path& path) { ::mkfifo(path.c_str(), 0600); };
+  const std::vector<std::string> ids{
+      damaged("worker.lock", false, pipe),
+      damaged("readings.log", true, [](const fs::path&) {}),
+  };
+  daemon.scheduler.start();
+
+  for (const std::string& id : ids) {
+    EXPECT_TRUE(becomes(daemon, id, v1::FAILED));
+    EXPECT_EQ(daemon.scheduler.find(id)->failure().kind(), v1::Finding::STORAGE);
+  }
+  EXPECT_EQ(daemon.scheduler.held(), "");
+  EXPECT_EQ(daemon.executor.launches(), 0U);
+}
+
 TEST_F(SchedulerFaults, AFollowedCastingThatIsNeverFedEnds) {
   Daemon daemon(folder_.path(), {.stall = std::chrono::milliseconds(10)});
   daemon.scheduler.start();

@@ -45,6 +45,23 @@ TEST(Settlement, StorageTroubleIsTheDaemonsUntilAJobGetsNoFurther) {
   EXPECT_EQ(record.job.failure().kind(), v1::Finding::STORAGE);
 }
 
+TEST(Settlement, AJobWhoseOwnFilesAreDamagedFailsAlone) {
+  const std::string damage = "readings.log: the header is damaged";
+  JobRecord record = running();
+  const auto ended =
+      settle_run_end(record, failed(v1::Finding::STORAGE, "cannot be read"), {.damage = damage});
+  EXPECT_EQ(ended.state, v1::FAILED);
+  EXPECT_EQ(ended.daemon_lacks, "");
+  EXPECT_EQ(record.job.failure().kind(), v1::Finding::STORAGE);
+  EXPECT_NE(record.job.failure().message().find(damage), std::string::npos);
+
+  record = running();
+  const auto lost = settle_lost(record, {"exit code 74", exit_storage},
+                                {.storage_error = "could not write", .damage = damage});
+  EXPECT_EQ(lost.state, v1::FAILED);
+  EXPECT_EQ(lost.daemon_lacks, "");
+}
+
 TEST(Settlement, AFailedCheckWhoseResultsWereNotWrittenIsRunToItsEndAgain) {
   JobRecord record = running();
   auto end = failed(v1::Finding::CHECK_FAILED, "weight");

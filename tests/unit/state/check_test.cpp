@@ -6,6 +6,7 @@
 
 #include "core/storage/file.hpp"
 #include "server/jobs/logs/readings_log.hpp"
+#include "server/studies/lines.hpp"
 #include "tests/unit/state/state_folder_fixture.hpp"
 
 namespace dccast::state {
@@ -51,6 +52,23 @@ TEST_F(CheckOfReadings, SetsATornReadingAside) {
   EXPECT_THAT(found(true), HasSubstr("repaired"));
   EXPECT_THAT(found(), ::testing::Not(HasSubstr("readings.log")));
   EXPECT_EQ(jobs::ReadingsLog(job_).state().number(), 2);
+}
+
+TEST_F(CheckOfReadings, AReadingThatIsDamagedBeforeOthersIsDamage) {
+  std::string bytes = storage::read_file(record_);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  storage::write_file(record_, bytes);
+  EXPECT_THAT(found(true), HasSubstr("and readings follow"));
+  EXPECT_EQ(damages_, 1);
+}
+
+TEST_F(CheckOfReadings, ALineThatIsDamagedIsReported) {
+  studies::Lines lines(folder_.lines());
+  lines.begin("line-1", "anna");
+  EXPECT_THAT(found(), ::testing::Not(HasSubstr("line line-1")));
+  storage::write_file(folder_.lines() / "line-1.bin", "nothing of ours");
+  EXPECT_THAT(found(), HasSubstr("line line-1: its file is damaged"));
+  EXPECT_EQ(damages_, 1);
 }
 
 TEST_F(CheckOfReadings, ReportsARecordWhoseHeaderIsDamaged) {
