@@ -42,8 +42,7 @@ Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& 
 
 access::Caller Gate::identify(const Credentials& credentials) {
   const relay::Peer& peer = *credentials.peer;
-  if (!peer.over_tls)
-    return authority_.local_user(peer.user_id ? local_users_.name_of(*peer.user_id) : "");
+  if (!peer.over_tls) return identify_local_user(peer, credentials.token);
   if (!credentials.token.empty()) return authority_.by_token(credentials.token, std::time(nullptr));
   if (!peer.certificate_name.empty())
     return authority_.by_certificate(peer.certificate_name, peer.certificate_ends_unix,
@@ -52,6 +51,23 @@ access::Caller Gate::identify(const Credentials& credentials) {
           .refusal = access::not_proven(
               "this call has no token",
               "log in first: dccast login, with the line of `dccastd user add`")};
+}
+
+/// The socket proves the user. A token beside it must be of the same one: a call does not run as
+/// another user than its token says.
+access::Caller Gate::identify_local_user(const relay::Peer& peer, const std::string& token) {
+  access::Caller local =
+      authority_.local_user(peer.user_id ? local_users_.name_of(*peer.user_id) : "");
+  if (token.empty()) return local;
+
+  const access::Caller named = authority_.by_token(token, std::time(nullptr));
+  if (!named.proven()) return named;
+  if (named.name != local.name)
+    local.refusal = access::not_proven(
+        fmt::format("the token of this call is of {}, and the socket is of {}", named.name,
+                    local.name.empty() ? "no known user" : local.name),
+        "leave the token out, or call over TLS");
+  return local;
 }
 
 grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& rule,

@@ -115,6 +115,8 @@ public:
   relay::PeerTable& peers() { return peers_; }
 
 private:
+  /// The user of a connection to the Unix socket. @param token  empty: none
+  access::Caller identify_local_user(const relay::Peer& peer, const std::string& token);
   /// An open stream and whose access it depends on.
   struct Lasting {
     access::Caller caller;

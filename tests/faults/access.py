@@ -102,6 +102,23 @@ class TokenRevokedUnderWatch(RemoteFault):
         bert.ended_with(grpc.StatusCode.OK, count, 30)
 
 
+class TokenOverTheSocket(RemoteFault):
+    """A false token, or one of another user, over the Unix socket: no call runs as the user of the socket"""
+    short = long = 1
+
+    def disturb(self, scene, count):
+        scene.submit(fake("steps=20"))
+        for token in ("dccast-token-0000-0000", "no token", self.enrol(scene, "anna")):
+            metadata = [("authorization", f"Bearer {token}")]
+            try:
+                answer = scene.client.stub.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10,
+                                                  metadata=metadata)
+                count.found("wrong", f"a call with a token of another runs as {answer.name}")
+            except grpc.RpcError as error:
+                if error.code() is not grpc.StatusCode.UNAUTHENTICATED:
+                    count.found("wrong", f"{error.code().name}: {error.details()}")
+
+
 class ClientCertificateExpiresUnderWatch(RemoteFault):
     """A client's certificate expires: its watch ends, the job goes on"""
 

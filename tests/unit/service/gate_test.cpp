@@ -1,8 +1,11 @@
 #include "server/service/gate.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <ctime>
+#include <memory>
 
 #include "core/storage/file.hpp"
 #include "dccast/v1/line.pb.h"
@@ -52,6 +55,32 @@ TEST_F(GateTest, AStrangersRefusalsHideNoUsers) {
       lines_after(0, stranger_, grpc::RESOURCE_EXHAUSTED, *v1::EnrolRequest::descriptor());
   EXPECT_EQ(lines_after(1, anna_, grpc::PERMISSION_DENIED, *v1::DeleteJobRequest::descriptor()),
             before + 1);
+}
+
+TEST_F(GateTest, ATokenOverTheUnixSocketMustBeOfTheUserOfTheSocket) {
+  const std::time_t now = std::time(nullptr);
+  const std::string own_name = user_name(::getuid());
+  const auto token_of = [&](const std::string& name) {
+    std::string token;
+    users_.enrol(users_.add(name, v1::VIEWER, now, now + 60), "", now, now + 60, token);
+    return token;
+  };
+  const std::string own = token_of(own_name), other = token_of("kalle");
+
+  const auto socket = std::make_shared<relay::Peer>();
+  socket->user_id = ::getuid();
+  const auto identified = [&](const std::string& token) {
+    return gate_.identify({.peer = socket, .token = token});
+  };
+  EXPECT_TRUE(identified("").proven());
+  EXPECT_TRUE(identified(own).proven());
+  EXPECT_EQ(identified(own).by, access::ProvenBy::local_user);
+
+  EXPECT_FALSE(identified("no token of ours").proven());
+  const access::Caller foreign = identified(other);
+  ASSERT_FALSE(foreign.proven());
+  EXPECT_EQ(foreign.refusal->cause,
+            "the token of this call is of kalle, and the socket is of " + own_name);
 }
 
 TEST_F(GateTest, EveryChangeIsRecorded) {
