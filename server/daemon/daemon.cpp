@@ -204,10 +204,7 @@ public:
 
   std::optional<service::TlsListening> listening() {
     if (!listener_) return std::nullopt;
-    return service::TlsListening{
-        *listener_,
-        static_cast<std::size_t>(config_.limits().maximum_connections_per_peer()),
-        {files_.certificate, files_.key, files_.client_ca}};
+    return service::TlsListening{*listener_, {files_.certificate, files_.key, files_.client_ca}};
   }
   std::string address() const { return listener_ ? listener_->address() : ""; }
   const std::string& certificate() const { return files_.certificate; }

@@ -38,9 +38,21 @@ std::optional<unsigned> user_of_peer(int socket, const sockaddr_storage& from) {
   return credentials.uid;
 }
 
-/// Group of connections that share a delay: those of a local user, or of another machine.
+/// Connections of the Unix socket that are kept for root, so that an administrator always gets in.
+constexpr std::size_t kept_for_root = 16;
+
+bool is_root(const Peer& peer) {
+  return peer.user_id == 0U;
+}
+
+/// Group of connections that share a delay and a maximum: those of a local user, or of another
+/// machine.
 std::string origin_of(const Peer& peer) {
   return peer.user_id ? fmt::format("user id {}", *peer.user_id) : peer.host;
+}
+
+bool have_one_origin(const Peer& left, const Peer& right) {
+  return left.user_id == right.user_id && left.host == right.host;
 }
 
 }  // namespace
@@ -129,13 +141,13 @@ void Acceptor::accept() {
 }
 
 void Acceptor::admit(int socket, Peer peer) {
-  const bool was_full = std::exchange(full_, !make_room(peer.host));
+  const bool was_full = std::exchange(full_, !make_room(peer));
   // Logged once, not for each connection that a full acceptor closes.
   if (full_) {
     if (!was_full)
       log::warn(
           "all connections are in use, or those of {}; further ones are closed until one ends",
-          peer.host);
+          origin_of(peer));
     ::close(socket);
     return;
   }
@@ -152,23 +164,27 @@ void Acceptor::admit(int socket, Peer peer) {
   }
 }
 
-bool Acceptor::make_room(const std::string& host) {
+bool Acceptor::make_room(const Peer& peer) {
+  const auto is_of_same_origin = [&](const Peer& other) { return have_one_origin(other, peer); };
   const auto has_its_share = [&] {
-    return static_cast<std::size_t>(std::ranges::count(connections_, host, [](const auto& other) {
-             return other->peer().host;
-           })) >= bounds_.per_peer;
+    return static_cast<std::size_t>(
+               std::ranges::count_if(connections_, [&](const auto& connection) {
+                 return is_of_same_origin(connection->peer());
+               })) >= bounds_.per_peer;
   };
-  if (has_its_share() && !end_a_silent_one(host)) return false;
-  return connections_.size() < bounds_.connections || end_a_silent_one("");
+  if (!is_root(peer) && has_its_share() && !end_a_silent_one(is_of_same_origin)) return false;
+
+  const bool is_other_local_user = peer.user_id && !is_root(peer);
+  const std::size_t kept = std::min(kept_for_root, bounds_.connections / 10);
+  const std::size_t most = bounds_.connections - (is_other_local_user ? kept : 0);
+  return connections_.size() < most || end_a_silent_one([](const Peer&) { return true; });
 }
 
-/// Ends the oldest connection without a request after its first second, to make room for another.
-/// @param host  only connections of this host; empty: of any
-bool Acceptor::end_a_silent_one(const std::string& host) {
+bool Acceptor::end_a_silent_one(const std::function<bool(const Peer&)>& condition) {
   const auto now = Connection::Clock::now();
   const auto may_give_way = [&](const auto& connection) {
-    return now - connection->since() >= time_to_first_request &&
-           (host.empty() || connection->peer().host == host) && connection->is_silent();
+    return now - connection->since() >= time_to_first_request && condition(connection->peer()) &&
+           connection->is_silent();
   };
 
   const auto found = std::ranges::find_if(connections_, may_give_way);  // oldest first

@@ -18,8 +18,9 @@
 namespace dccast::relay {
 
 /// A listener and its connections. When all are in use, the oldest connection without a request is
-/// ended. If each has made a request, or a machine has its maximum, a further connection is closed.
-/// Used only by the relay thread.
+/// ended. If each has made a request, or an origin has its maximum, a further connection is closed.
+/// Root of this machine has no maximum, and some connections that no other local user gets. Used
+/// only by the relay thread.
 class Acceptor {
 public:
   /// @param tls  null for connections without TLS
@@ -54,12 +55,11 @@ private:
   /// Adds a connection, or closes its socket if there is no room. @param socket  ownership passes
   /// with it
   void admit(int socket, Peer peer);
-  /// Whether a connection from `host` fits, after a silent one was ended if necessary.
-  bool make_room(const std::string& host);
-  /// Ends the oldest connection without a request after its first second. @return false if there is
-  /// none
-  /// @param host  only connections of this host; empty: of any
-  bool end_a_silent_one(const std::string& host);
+  /// Whether a connection of this peer fits, after a silent one was ended if necessary.
+  bool make_room(const Peer& peer);
+  /// Ends the oldest connection without a request after its first second, if its peer fulfils the
+  /// condition. @return false if there is none
+  bool end_a_silent_one(const std::function<bool(const Peer&)>& condition);
   /// Bounds concurrent handshakes: the host with the most of them loses its oldest.
   void bound_handshakes();
 

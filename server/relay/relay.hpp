@@ -16,7 +16,7 @@ namespace dccast::relay {
 struct Bounds {
   /// Of all machines together.
   std::size_t connections = 1;
-  std::size_t per_peer = SIZE_MAX;  ///< connections of one machine
+  std::size_t per_peer = SIZE_MAX;  ///< connections of one other machine, or one local user
 };
 
 /// Relay between clients and gRPC 1.51, which exposes nothing of a connection but its calls, and

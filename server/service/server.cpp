@@ -144,13 +144,13 @@ PublicServer::PublicServer(Context& context, const relay::Listener& local,
   for (const auto& [name, value] : channel_arguments) builder.AddChannelArgument(name, value);
   builder.SetResourceQuota(grpc::ResourceQuota("dccastd").Resize(memory_of_transports));
 
-  const auto connections =
-      static_cast<std::size_t>(context.settings.limits().maximum_connections());
+  const v1::DaemonConfig::Limits& limits = context.settings.limits();
+  const relay::Bounds bounds{
+      .connections = static_cast<std::size_t>(limits.maximum_connections()),
+      .per_peer = static_cast<std::size_t>(limits.maximum_connections_per_peer())};
   relay_.emplace(context.gate.peers(), std::move(serve), memory_bounds);
-  relay_->add(local, {.connections = connections}, std::nullopt);
-  if (tls)
-    relay_->add(tls->listener, {.connections = connections, .per_peer = tls->connections_per_peer},
-                tls->files);
+  relay_->add(local, bounds, std::nullopt);
+  if (tls) relay_->add(tls->listener, bounds, tls->files);
 
   server_ = builder.BuildAndStart();
   if (!server_) throw std::runtime_error(fmt::format("gRPC cannot serve on {}", local.address()));

@@ -21,7 +21,6 @@ void log_grpc_as_debug();
 struct TlsListening {
   /// Already listening; accepted from once the server runs.
   const relay::Listener& listener;
-  std::size_t connections_per_peer = SIZE_MAX;
   relay::TlsFiles files;
 };
 

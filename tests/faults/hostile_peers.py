@@ -198,6 +198,13 @@ def handshake_in_pieces(peer):
     silent(peer)
 
 
+def made_requests(peer):
+    """A connection that is not silent: it has asked before."""
+    for _ in range(10):
+        peer.send(frame(DATA, END_STREAM, peer.begin("ListJobs"), EMPTY_MESSAGE))
+    silent(peer)
+
+
 def another_protocol(peer):
     peer.send(b"GET / HTTP/1.1\r\nHost: x\r\n" + b"X: y\r\n" * 10000)
 
@@ -264,6 +271,7 @@ KINDS = {
     "KeyUpdates": Kind("renewals of the keys of TLS without end", renews_keys, greets=False, raw=True),
     "HandshakesInPieces": Kind("handshakes of 131 kB in records of one byte", handshake_in_pieces, 20,
                                greets=False, raw=True),
+    "BusyPeers": Kind("1,000 connections of one user or machine, each with requests", made_requests, 1000),
     "AnotherProtocol": Kind("HTTP/1.1 and what follows it", another_protocol, greets=False),
 }
 

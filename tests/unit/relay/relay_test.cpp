@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <signal.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -14,6 +16,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -250,6 +253,51 @@ TEST_F(RelayTest, AUserOfThisMachineIsKnown) {
   EXPECT_EQ(peer->user_id, std::optional(::getuid()));
 }
 
+/// A connection of another user of this machine, which the system lets root make.
+FileDescriptor connected_as(unsigned user, const std::string& path) {
+  FileDescriptor client;
+  std::thread([&] {
+    ::syscall(SYS_setresuid, user, user, user);  // of this thread alone
+    client = connected_at(path);
+  }).join();
+  return client;
+}
+
+TEST_F(RelayTest, OneLocalUserHasItsShareAndRootAlwaysGetsIn) {
+  if (::getuid() != 0) GTEST_SKIP() << "only root can connect as several users";
+  const TemporaryFolder folder;
+  for (auto path = folder.path(); path != std::filesystem::temp_directory_path();
+       path = path.parent_path())
+    std::filesystem::permissions(path, std::filesystem::perms(0711));
+  const std::string path = folder / "socket";
+  const Listener at_path("unix:" + path);
+  relay_.add(at_path, {.connections = 20, .per_peer = 7}, std::nullopt);
+  relay_.start();
+
+  // Two of the 20 are kept for root.
+  std::vector<FileDescriptor> clients;
+  std::map<unsigned, int> taken;
+  for (const unsigned user : {65532U, 65533U, 65534U})
+    for (int i = 0; i < 10; ++i) {
+      clients.push_back(connected_as(user, path));
+      ASSERT_TRUE(clients.back());
+      pollfd ended{clients.back().get(), POLLIN, 0};
+      if (::poll(&ended, 1, 50) == 0) ++taken[user];
+    }
+  EXPECT_EQ(taken, (std::map<unsigned, int>{{65532U, 7}, {65533U, 7}, {65534U, 4}}));
+
+  for (int i = 0; i < 2; ++i) {
+    clients.push_back(connected_at(path));
+    send_all(clients.back().get(), greeting);
+  }
+  const auto is_served = [&](const FileDescriptor& client) {
+    pollfd ended{client.get(), POLLIN, 0};
+    return ::poll(&ended, 1, 50) == 0;
+  };
+  EXPECT_TRUE(is_served(*clients.rbegin()));
+  EXPECT_TRUE(is_served(*std::next(clients.rbegin())));
+}
+
 TEST_F(RelayTest, OneMachineHasItsShare) {
   start({.connections = 10, .per_peer = 2});
   const FileDescriptor first = connected(listener_), second = connected(listener_);
@@ -303,6 +351,7 @@ TEST(ListenerAtAPath, ReplacesWhatAKilledDaemonLeft) {
 class TlsClient {
 public:
   explicit TlsClient(const Listener& listener) : socket_(connected(listener)) {
+    ::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to sockets that the server has closed
     ::SSL_set_fd(session_.get(), socket_.get());
     constexpr unsigned char http2[]{2, 'h', '2'};
     ::SSL_set_alpn_protos(session_.get(), http2, sizeof http2);
