@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "core/storage/file.hpp"
+#include "proto/values/printable.hpp"
 #include "server/jobs/processes.hpp"
 
 namespace dccast::jobs {
@@ -22,6 +23,8 @@ namespace {
 constexpr std::string_view name_prefix = "dccast-";
 // Slurm itself tries for some 10 s to reach a controller.
 constexpr std::chrono::seconds longest_command{30};
+/// Largest part of a message of Slurm that a job or the log repeats [bytes].
+constexpr std::size_t longest_message = 300;
 
 std::string read_all(const storage::FileDescriptor& file) {
   std::string text(static_cast<std::size_t>(std::max<off_t>(0, ::lseek(file.get(), 0, SEEK_END))),
@@ -29,6 +32,11 @@ std::string read_all(const storage::FileDescriptor& file) {
   const auto size = ::pread(file.get(), text.data(), text.size(), 0);
   text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, size)));
   return text;
+}
+
+/// The first line of a text of Slurm, as it may stand in a job and on a terminal.
+std::string shown(std::string_view text) {
+  return values::escaped(values::shortened(text.substr(0, text.find('\n')), longest_message));
 }
 
 /// Whether the message of a failed command shows a refusal. Otherwise the controller may not have
@@ -72,7 +80,7 @@ std::string run_command(const std::vector<std::string>& words, std::string_view 
   const std::string message = read_all(files[2]);
   if (message.empty())
     throw SlurmError(fmt::format("{} ended with {}", command, describe_exit(*status)), false);
-  throw SlurmError(message.substr(0, message.find('\n')), is_refusal(message));
+  throw SlurmError(shown(message), is_refusal(message));
 }
 
 /// @return nothing for the name of a job that dccast did not submit
@@ -141,6 +149,7 @@ SlurmJobs slurm_jobs() {
     const auto parsed_name = parse_name(name);
     if (!parsed_name) continue;
     job.name = *parsed_name;
+    job.reason = shown(job.reason);
     job.exit_status = parse_exit_status(exit_status);
     jobs.emplace(parsed_name->job_id, std::move(job));
   }
