@@ -2,7 +2,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "tests/unit/mechanics_solid/solid_body.hpp"
+#include "tests/unit/mechanics/box_mesh.hpp"
+#include "tests/verification/mechanics/fixed_body.hpp"
 
 namespace {
 
@@ -12,22 +13,21 @@ using namespace dccast::mechanics::testing;
 /// A creeping box of 1000 cells under a stretch that varies in space.
 template <class Element>
 struct Scene {
-  Scene()
-      : body(box_mesh({10, 10, 10}, of_tetrahedra<Element>, [](const Vector3& s) { return s; })) {
+  Scene() : body(box_mesh({10, 10, 10}, Element::nodes == 4, [](const Vector3& s) { return s; })) {
     body.set_material(5e10, 0.4, 1e-40);
-    for (int n = 0; n < body.box.mesh.nodes(); ++n) {
+    for (int n = 0; n < body.mesh.nodes(); ++n) {
       const Vector3 x = body.place(n);
       u.insert(u.end(),
                {1e-3 * x[0] * (1.0 + x[1]), -5e-4 * x[1] * (1.0 + x[2]), 1e-4 * x[2] * x[0]});
     }
   }
-  SolidBody<Element> body;
+  verification::FixedBody<Element> body;
   std::vector<double> u;
 };
 
 template <class Element>
 void count(benchmark::State& state, const Scene<Element>& scene) {
-  state.SetItemsProcessed(state.iterations() * scene.body.box.mesh.elements());
+  state.SetItemsProcessed(state.iterations() * scene.body.mesh.elements());
 }
 
 template <class Element>

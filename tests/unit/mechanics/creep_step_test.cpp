@@ -19,15 +19,14 @@ void expect_first_order(const std::array<double, 3>& error, double largest_last)
 
 template <class Element>
 class CreepOf : public ::testing::Test {};
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral>;
-TYPED_TEST_SUITE(CreepOf, Families);
+TYPED_TEST_SUITE(CreepOf, PlaneFamilies);
 
 /// Held at a pure shear strain, the stress falls as |s|^(2-q) = |s0|^(2-q) + (q-2) 2 mu kappa t.
 TYPED_TEST(CreepOf, RelaxationFollowsTheClosedForm) {
   constexpr double stretch = 1e-3, end = 4.0;
   std::array<double, 3> error{};
   for (int level = 0; level < 3; ++level) {
-    FixedBody<TypeParam> body(distorted_rectangle<TypeParam>(0.3, 0.2, 3, 3));
+    FixedBody<TypeParam> body(small_distorted_box<TypeParam>());
     body.set_material(young, poisson, kappa, exponent);
     hold_boundary(body, [](double x, double y) { return Vector2{stretch * x, -stretch * y}; });
     const int steps = 40 << level;
@@ -80,12 +79,10 @@ TYPED_TEST(CreepOf, CreepUnderALoadFollowsItsEquation) {
 
   std::array<double, 3> error{}, strain_error{};
   for (int level = 0; level < 3; ++level) {
-    FixedBody<TypeParam> body(distorted_rectangle<TypeParam>(width, 0.2, 3, 3));
+    FixedBody<TypeParam> body(small_distorted_box<TypeParam>());
     body.set_material(young, poisson, kappa, exponent);
-    for (int n = 0; n < body.mesh.nodes(); ++n) {
-      if (body.mesh.point(n)[0] == 0.0) body.fix(n, 0, 0.0);
-      if (body.mesh.point(n)[1] == 0.0) body.fix(n, 1, 0.0);
-    }
+    hold_low_end(body, 0);
+    hold_low_end(body, 1);
     body.add_traction(mesh::PatchKind::side, [](double, double) { return Vector2{stress, 0.0}; });
     const int steps = 50 << level;
     ASSERT_TRUE(body.step(tight(1e-12), 1e-12).converged);

@@ -6,7 +6,6 @@ namespace dccast::mechanics {
 namespace {
 
 using namespace testing;
-using verification::uniform_rectangle;
 
 /// Order of convergence seen between errors at h and h/2.
 double order(double coarse, double fine) {
@@ -15,8 +14,7 @@ double order(double coarse, double fine) {
 
 template <class Element>
 class SolutionOf : public ::testing::Test {};
-using Families = ::testing::Types<fem::P1Triangle, fem::Q1Quadrilateral, fem::BendingQuadrilateral>;
-TYPED_TEST_SUITE(SolutionOf, Families);
+TYPED_TEST_SUITE(SolutionOf, PlaneFamilies);
 
 /// u = (A sin(pi x) cos(pi y), B cos(pi x) sin(pi y)) in the unit square, with the body force that
 /// keeps it in balance and its values on the boundary: orders 2 and 1.
@@ -42,7 +40,7 @@ TYPED_TEST(SolutionOf, OrdersOfConvergenceAreTwoAndOne) {
   std::array<verification::Errors, 3> error;
   for (int level = 0; level < 3; ++level) {
     const int cells = 8 << level;
-    FixedBody<TypeParam> body(uniform_rectangle(1.0, 1.0, cells, cells, kind_of<TypeParam>));
+    FixedBody<TypeParam> body(box<TypeParam>({1.0, 1.0}, {cells, cells}));
     std::fill(body.problem.bulk.begin(), body.problem.bulk.end(), lambda + 2.0 / 3.0 * mu);
     std::fill(body.problem.shear.begin(), body.problem.shear.end(), mu);
     hold_boundary(body, displacement);
@@ -63,18 +61,12 @@ TYPED_TEST(SolutionOf, OrdersOfConvergenceAreTwoAndOne) {
 template <class Element>
 double error_of_bowed_strip(int rows) {
   constexpr double young = 6e10, poisson = 0.33, slope = 0.1, length = 1.0, height = 0.1;
-  FixedBody<Element> body(uniform_rectangle(length, height, 10 * rows, rows, kind_of<Element>));
+  FixedBody<Element> body(box<Element>({length, height}, {10 * rows, rows}));
   body.set_material(young, poisson, 0.0, 2.0);
   for (int e = 0; e < body.mesh.elements(); ++e) {
-    double y = 0.0;
-    for (int i = 0; i < Element::nodes; ++i) {
-      y += body.mesh.point(body.mesh.nodes_of(e)[i])[1] / Element::nodes;
-    }
-    body.problem.thermal[std::size_t(e)] = slope * y;
+    body.problem.thermal[std::size_t(e)] = slope * height_of(body.mesh, e);
   }
-  for (int n = 0; n < body.mesh.nodes(); ++n) {
-    if (body.mesh.point(n)[0] == 0.0) body.fix(n, 0, 0.0);
-  }
+  hold_low_end(body, 0);
   body.fix(0, 1, 0.0);
   EXPECT_TRUE(body.step(tight(1e-10), 1.0).converged);
   const double curvature = (1.0 + poisson) * slope;
@@ -104,11 +96,9 @@ TEST(BowedStrip, BowsWithTheKnownCurvature) {
 template <class Element>
 double error_of_bending(int rows) {
   constexpr double young = 1e9, poisson = 0.4999, length = 1.0, height = 0.25, slope = 1e6;
-  FixedBody<Element> body(uniform_rectangle(length, height, 4 * rows, rows, kind_of<Element>));
+  FixedBody<Element> body(box<Element>({length, height}, {4 * rows, rows}));
   body.set_material(young, poisson, 0.0, 2.0);
-  for (int n = 0; n < body.mesh.nodes(); ++n) {
-    if (body.mesh.point(n)[0] == 0.0) body.fix(n, 0, 0.0);
-  }
+  hold_low_end(body, 0);
   const int middle = rows / 2 * (4 * rows + 1);
   body.fix(middle, 1, 0.0);
   body.add_traction(mesh::PatchKind::side, [](double, double y) {

@@ -102,15 +102,13 @@ public:
   static constexpr double radius = 0.02, height = 0.03;
   static constexpr int cells = 120;
 
-  Disc() : body_(verification::uniform_rectangle(radius, height, 1, cells, kind_of<Element>)) {
+  Disc() : body_(box<Element>({radius, height}, {1, cells})) {
     body_.set_material(young, poisson, 0.0, 6.0);
     const std::size_t elements = std::size_t(body_.mesh.elements());
     body_.problem.yield.assign(elements, 0.0);
     body_.problem.hardening.assign(elements, 0.0);
     body_.problem.hardened.assign(elements * Element::points, 0.0);
-    for (int n = 0; n < body_.mesh.nodes(); ++n) {
-      if (body_.mesh.point(n)[1] == 0.0) body_.fix(n, 1, 0.0);
-    }
+    hold_low_end(body_, 1);
     unknowns_ = body_.unknowns();
   }
 
@@ -155,12 +153,7 @@ public:
     forget_strain_of_melt();
   }
 
-  double depth(int element) const {
-    double y = 0.0;
-    for (int i = 0; i < Element::nodes; ++i)
-      y += body_.mesh.point(body_.mesh.nodes_of(element)[i])[1] / Element::nodes;
-    return y;
-  }
+  double depth(int element) const { return height_of(body_.mesh, element); }
   double stretch() const { return stretch_; }
   int elements() const { return body_.mesh.elements(); }
   /// Mean of the radial stress over the points of an element [Pa].

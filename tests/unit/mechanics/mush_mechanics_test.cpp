@@ -13,9 +13,7 @@ using namespace testing;
 using material::testing::mush_card;
 using ::testing::Each;
 
-double molten(double, double) {
-  return 680.0;
-}
+const auto molten = uniform(680.0);
 
 /// One element of mush whose volume is held: its mean stress beyond the pressure of its melt decays
 /// as dp/dt = -K kappa p^5 has it.
@@ -101,13 +99,11 @@ TEST(MushMechanics, AHeldBarBuildsTheStrengthOfItsLaw) {
   constexpr double start = 622.9, end = 560.0, cooling = 0.05;  // [degC], [degC], [K/s]
   const material::MechanicalProperties law(mush_card());
 
-  FixedBody<Element> bar(verification::uniform_rectangle(0.01, 0.05, 1, 1, kind_of<Element>));
+  FixedBody<Element> bar(box<Element>({0.01, 0.05}, {1, 1}));
   bar.problem.exponent = law.creep().exponent;
   bar.problem.melt_pressure = {0.0};
-  for (int n = 0; n < bar.mesh.nodes(); ++n) {
-    bar.fix(n, 1, 0.0);
-    if (bar.mesh.point(n)[0] == 0.0) bar.fix(n, 0, 0.0);
-  }
+  for (int n = 0; n < bar.mesh.nodes(); ++n) bar.fix(n, 1, 0.0);
+  hold_low_end(bar, 0);
 
   HeldBar exact(law);
   constexpr int steps = 1000;
@@ -162,12 +158,12 @@ TYPED_TEST_SUITE(MushSlab, Families);
 
 /// A free section in the mush contracts as its law says.
 TYPED_TEST(MushSlab, FreeMushContractsByTheStretchOfItsSkeleton) {
-  Options free_side = balanced_to(hydrostatic);
+  Options free_side = tight(hydrostatic);
   free_side.confinement = false;
   free_side.gravity = 0.0;
   SlabBench<TypeParam> bench(free_side, mush_card());
   bench.start(molten);
-  bench.step([](double, double) { return 621.0; }, 1e-12);
+  bench.step(uniform(621.0), 1e-12);
 
   const material::MechanicalProperties law(mush_card());
   const double contraction = law.thermal_stretch(621.0) - law.thermal_stretch(622.9);
@@ -180,7 +176,7 @@ TYPED_TEST(MushSlab, FreeMushContractsByTheStretchOfItsSkeleton) {
 
 /// Metal that cools unevenly yields, and hardens in the cold only.
 TYPED_TEST(MushSlab, ColdMetalYieldsAndHardens) {
-  SlabBench<TypeParam> bench(balanced_to(1e-9), mush_card());
+  SlabBench<TypeParam> bench(tight(1e-9), mush_card());
   bench.start(molten);
   bench.step([](double x, double) { return 450.0 + 300.0 * x; });
   EXPECT_THAT(bench.state.hardened, Each(0.0)) << "too hot to harden";
@@ -199,7 +195,7 @@ TYPED_TEST(MushSlab, ColdMetalYieldsAndHardens) {
 /// The strain of a first life is forgotten by remelting; kept, it would stress the metal by tens of
 /// megapascals. What is left is the weight of metal that the mould has released.
 TYPED_TEST(MushSlab, FreezingAgainStartsWithoutStrainOfTheFirstLife) {
-  SlabBench<TypeParam> bench(balanced_to(1e-9), mush_card());
+  SlabBench<TypeParam> bench(tight(1e-9), mush_card());
   bench.start(molten);
   bench.step([](double x, double) { return 150.0 + 900.0 * x; });
   double first_life = 0.0;
@@ -210,7 +206,7 @@ TYPED_TEST(MushSlab, FreezingAgainStartsWithoutStrainOfTheFirstLife) {
   EXPECT_THAT(bench.state.hardened, Each(0.0));
   for (const auto& strain : bench.state.viscoplastic) EXPECT_EQ(strain.norm(), 0.0);
 
-  bench.step([](double, double) { return 622.9 - 1e-9; });
+  bench.step(uniform(622.9 - 1e-9));
   for (int e = 0; e < bench.slab.mesh().elements(); ++e) bench.expect_metallostatic(e, 5e3);
 }
 

@@ -1,15 +1,12 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <functional>
+#include <tuple>
+#include <utility>
 
-#include "core/mechanics/equilibrium.hpp"
-#include "core/mechanics/forms_of.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/plan_transfer.hpp"
-#include "core/mesh/slab_mesh.hpp"
-#include "tests/support/usual_options.hpp"
+#include "tests/support/quarter_section.hpp"
 #include "tests/unit/material/paper_card.hpp"
 #include "tests/unit/mechanics/bodies.hpp"
 
@@ -19,21 +16,38 @@ namespace dccast::mechanics::testing {
 // that is 2e-9 of the forces that act, where metal cools 1e-13.
 constexpr double hydrostatic = 1e-8, strained = 1e-11;
 
-inline Options balanced_to(double tolerance) {
-  return dccast::testing::usual_options(tolerance);
+/// Fields of temperature over slabs of any dimension: one temperature everywhere, and a function of
+/// the height.
+inline auto uniform(double temperature) {
+  return [temperature](auto...) { return temperature; };
+}
+template <class Function>
+auto by_height(Function function) {
+  return [function](auto... x) { return function(std::get<sizeof...(x) - 1>(std::tuple(x...))); };
 }
 
-/// A small slab section with temperatures given by a function of place.
+/// Half a metre by 0.2 m and 0.12 m deep.
+inline mesh::SectionSpec quarter_section(mesh::ElementKind element, const Curve& half_thickness) {
+  mesh::SectionSpec spec = dccast::testing::quarter_section(element, {0.5, half_thickness, 0.12},
+                                                            {5, 3, 3, 0.08, 0.05, 0.03});
+  spec.growth_cell = 0.03;
+  return spec;
+}
+
+/// A small slab with temperatures given by a function of place: a section, or a quarter whose wide
+/// face is opened in two segments that meet at `kink`.
 template <class Element>
 class SlabBench {
 public:
-  static constexpr double width = 0.28, depth = 0.10, gravity = 9.81;
-  /// Area of the bottom that forces are taken over [m2/m], of a billet [m2/rad].
-  static constexpr double face = fem::is_axisymmetric<Element> ? 0.5 * width * width : width;
-  using Field = std::function<double(double, double)>;
-  using Tensor = SymmetricTensor<2>;
+  static constexpr int dimension = Element::dimension;
+  static constexpr bool solid = dimension == 3;
+  static constexpr double width = solid ? 0.5 : 0.28, depth = solid ? 0.12 : 0.10, kink = 0.2;
+  static constexpr double gravity = 9.81;
+  using Field = verification::Field<double, dimension>;
+  using Place = Vector<dimension>;
+  using Tensor = SymmetricTensor<dimension>;
 
-  explicit SlabBench(Options options = balanced_to(hydrostatic),
+  explicit SlabBench(Options options = tight(hydrostatic),
                      const material::AlloyCard& card = material::testing::paper_card())
       : slab(section()),
         mechanics(std::make_unique<FormsOf<Element>>(), material::MechanicalProperties(card),
@@ -43,16 +57,19 @@ public:
   }
   SlabBench(const SlabBench&) = delete;
 
+  /// Area of the bottom that forces are taken over [m2/m], of a billet [m2/rad], of a solid [m2].
+  static double bottom() {
+    if (solid) return kink * (0.22 + 0.215) / 2 + (width - kink) * (0.215 + 0.2) / 2;
+    return fem::is_axisymmetric<Element> ? 0.5 * width * width : width;
+  }
   std::vector<double> temperature(const Field& field) const {
     std::vector<double> t;
-    for (int n = 0; n < slab.mesh().nodes(); ++n) {
-      t.push_back(field(slab.mesh().point(n)[0], slab.mesh().point(n)[1]));
-    }
+    for (int n = 0; n < slab.mesh().nodes(); ++n) t.push_back(std::apply(field, place(n)));
     return t;
   }
   /// (element) mean temperature [°C].
   std::vector<double> element_temperature(const Field& field) const {
-    return mesh::PlanTransfer().element_means<2>(slab.mesh(), temperature(field));
+    return mesh::PlanTransfer().element_means<dimension>(slab.mesh(), temperature(field));
   }
   void start(const Field& field) { mechanics.start(state, element_temperature(field)); }
   /// Expects the step to converge. @return iterations
@@ -69,15 +86,8 @@ public:
     EXPECT_TRUE(outcome.converged) << outcome.equilibrium_residual;
   }
 
-  double centroid_height(int e) const {
-    double y = 0.0;
-    for (int i = 0; i < Element::nodes; ++i) {
-      y += slab.mesh().point(slab.mesh().nodes_of(e)[i])[1] / Element::nodes;
-    }
-    return y;
-  }
   double metallostatic_pressure(int e) const {
-    return 2360.0 * gravity * (slab.level() - centroid_height(e));
+    return 2360.0 * gravity * (slab.level() - height_of(slab.mesh(), e));
   }
   /// Expects the stress of an element to be minus the metallostatic pressure [Pa].
   void expect_metallostatic(int e, double tolerance) const {
@@ -93,23 +103,54 @@ public:
     FormsOf<Element> forms;
     forms.update(slab.mesh());
     std::vector<Tensor> result;
-    for (int e = 0; e < slab.mesh().elements(); ++e) {
-      for (std::size_t q = 0; q < Element::points; ++q) {
-        result.push_back(forms.strain(std::size_t(e), q, state.displacement));
-        result.back().add(-1.0, state.inelastic[result.size() - 1]);
-      }
+    for (std::size_t i = 0; i < state.inelastic.size(); ++i) {
+      result.push_back(forms.strain(i / Element::points, i % Element::points, state.displacement));
+      result.back().add(-1.0, state.inelastic[i]);
     }
     return result;
   }
-  double across(int node) const { return state.displacement[2 * std::size_t(node)]; }
-  double upwards(int node) const { return state.displacement[2 * std::size_t(node) + 1]; }
 
-  mesh::SlabMesh2D slab;
-  SlabMechanics<2> mechanics;
-  SlabState<2> state;
+  Place place(int n) const {
+    Place x;
+    std::copy_n(slab.mesh().point(n), x.size(), x.begin());
+    return x;
+  }
+  Place moved(int n) const {
+    Place u;
+    std::copy_n(&state.displacement[std::size_t(dimension * n)], u.size(), u.begin());
+    return u;
+  }
+  double across(int n) const { return moved(n).front(); }
+  double upwards(int n) const { return moved(n).back(); }
+  /// Displacement along the outward normal of a patch.
+  double outwards(int n, const mesh::Patch<dimension>& patch) const {
+    const Place u = moved(n);
+    double sum = 0.0;
+    for (std::size_t d = 0; d < u.size(); ++d) sum += patch.normal[d] * u[d];
+    return sum;
+  }
+  /// Calls `use(node, patch)` for the nodes of all patches of a kind, except for those at the kink,
+  /// which have two normals.
+  template <class Use>
+  void for_each_node(mesh::PatchKind kind, Use&& use) const {
+    for (const auto& patch : slab.mesh().patches) {
+      if (patch.kind != kind) continue;
+      for (int n : mesh::patch_nodes(patch)) {
+        if (!solid || std::abs(place(n)[0] - kink) > 1e-9) use(n, patch);
+      }
+    }
+  }
+
+  mesh::SlabMesh<dimension> slab;
+  SlabMechanics<dimension> mechanics;
+  SlabState<dimension> state;
 
 private:
   static mesh::SectionSpec section() {
+    if (solid) {
+      const Curve opened(Abscissa::distance, {0.0, kink, width}, {0.22, 0.215, 0.2});
+      return quarter_section(kind_of<Element>, opened);
+    }
     mesh::SectionSpec spec;
     spec.half_width = width;
     spec.initial_depth = depth;

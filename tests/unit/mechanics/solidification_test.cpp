@@ -11,9 +11,7 @@ namespace {
 using namespace testing;
 using ::testing::Each;
 
-double molten(double, double) {
-  return 680.0;
-}
+const auto molten = uniform(680.0);
 // The temperature is so little below coherency that the thermal strain since then is negligible.
 constexpr double just_solid = 649.0 - 1e-10;
 
@@ -35,7 +33,7 @@ TYPED_TEST(Solidification, LiquidStandsUnderItsOwnPressure) {
   for (int e = 0; e < this->elements(); ++e) bench.expect_metallostatic(e, 1e-7);
   for (double u : bench.state.displacement) EXPECT_NEAR(u, 0.0, 1e-10);
   const SlabChecks& checks = bench.mechanics.checks();
-  EXPECT_NEAR(checks.weight, 2360.0 * 9.81 * bench.face * 0.10, 1e-9 * checks.weight);
+  EXPECT_NEAR(checks.weight, 2360.0 * 9.81 * bench.bottom() * 0.10, 1e-9 * checks.weight);
   EXPECT_NEAR(checks.bottom_reaction, checks.weight, 1e-10 * checks.weight);
   EXPECT_NEAR(checks.contact_length, 0.28, 1e-14);
 }
@@ -45,7 +43,7 @@ TYPED_TEST(Solidification, SolidStartsAtMinusTheMetallostaticPressure) {
   auto& bench = this->bench_;
   bench.start(molten);
   bench.step(molten);
-  bench.step([](double, double y) { return y < 0.06 ? just_solid : 680.0; });
+  bench.step(by_height([](double y) { return y < 0.06 ? just_solid : 680.0; }));
   int solid = 0;
   for (int e = 0; e < this->elements(); ++e) {
     solid += bench.state.solid[std::size_t(e)];
@@ -71,7 +69,7 @@ TYPED_TEST(Solidification, TheStrainOfTheLiquidLeavesNoStress) {
     if (x == bench.width) bench.state.displacement[2 * std::size_t(n)] = 0.0;
   }
   const auto before = bench.state.displacement;
-  bench.step([](double, double) { return just_solid; });
+  bench.step(uniform(just_solid));
   EXPECT_THAT(bench.state.solid, Each(1));
 
   for (int e = 0; e < this->elements(); ++e) bench.expect_metallostatic(e, 20.0);
@@ -82,12 +80,12 @@ TYPED_TEST(Solidification, TheStrainOfTheLiquidLeavesNoStress) {
 
 /// After solidification the solid contracts by exactly the stretch since the coherency temperature.
 TYPED_TEST(Solidification, ThermalStrainCountsFromTheCoherencyTemperature) {
-  Options free_side = balanced_to(hydrostatic);
+  Options free_side = tight(hydrostatic);
   free_side.confinement = false;
   SlabBench<TypeParam> bench(free_side);
   bench.start(molten);
-  bench.step([](double, double) { return just_solid; });
-  bench.step([](double, double) { return 600.0; }, 1e-9);
+  bench.step(uniform(just_solid));
+  bench.step(uniform(600.0), 1e-9);
   const material::MechanicalProperties paper(material::testing::paper_card());
   // Free in its plane, held across it: strain (1 + nu) times the thermal one. A billet is free.
   const double freedom = fem::is_axisymmetric<TypeParam> ? 1.0 : 1.0 + 0.45;
@@ -114,7 +112,7 @@ SlabBench<fem::BendingQuadrilateral>::Field freezing_over_a_shell(double theta, 
 /// Stress across the slab at its middle plane in its top row [Pa], after a unit of time in equal
 /// steps.
 double stress_over_a_shell(double theta, int steps, bool from_the_start_of_the_step) {
-  Options free_side = balanced_to(1e-9);
+  Options free_side = tight(1e-9);
   free_side.confinement = false;
   SlabBench<fem::BendingQuadrilateral> bench(free_side, rigid_shell_card());
   bench.start(freezing_over_a_shell(theta, 0.0));
@@ -166,7 +164,7 @@ std::vector<SymmetricTensor<2>> stress_behind_a_front(int steps, bool from_the_s
   material::AlloyCard card = material::testing::paper_card();
   card.young_modulus = {Abscissa::temperature, {0, 700}, {4e10, 4e10}};
   card.poisson_ratio = {Abscissa::temperature, {0, 700}, {0.3, 0.3}};
-  Options free_side = balanced_to(1e-9);
+  Options free_side = tight(1e-9);
   free_side.confinement = false;
   free_side.kinematics = Kinematics::small_strain;
   SlabBench<fem::BendingQuadrilateral> bench(free_side, card);
@@ -209,7 +207,7 @@ TYPED_TEST(Solidification, MeltingAgainForgetsTheSolid) {
   auto& bench = this->bench_;
   bench.start(molten);
   bench.step(molten);
-  bench.step([](double, double) { return 630.0; });
+  bench.step(uniform(630.0));
   double creep = 0.0, stress = 0.0;
   for (const auto& v : bench.state.viscoplastic) creep = std::max(creep, v.norm());
   for (const auto& s : bench.state.deviator) stress = std::max(stress, s.norm());
@@ -240,18 +238,18 @@ TYPED_TEST(Solidification, TheShellOfTheStartHasNoStress) {
 }
 
 TYPED_TEST(Solidification, WithoutALiquidAllIsSolidFromTheStart) {
-  Options options = balanced_to(hydrostatic);
+  Options options = tight(hydrostatic);
   options.liquid = Liquid::solid;
   SlabBench<TypeParam> bench(options);
   bench.start(molten);
   EXPECT_THAT(bench.state.solid, Each(1));
   bench.step(molten);
-  bench.step([](double, double) { return 600.0; });
+  bench.step(uniform(600.0));
   EXPECT_THAT(bench.state.solid, Each(1));
 }
 
 TYPED_TEST(Solidification, WithoutALiquidWhatIsPouredLaterIsSolidToo) {
-  Options options = balanced_to(hydrostatic);
+  Options options = tight(hydrostatic);
   options.liquid = Liquid::solid;
   SlabBench<TypeParam> bench(options);
   bench.start(molten);
@@ -273,12 +271,11 @@ TYPED_TEST(Solidification, WithoutALiquidWhatIsPouredLaterIsSolidToo) {
 /// Metal that is called solid at 780 °C creeps as at its liquidus, not twelve times as fast.
 TYPED_TEST(Solidification, WithoutALiquidCreepIsHeldAtTheLiquidus) {
   const auto creep_at = [](double temperature) {
-    Options options = balanced_to(hydrostatic);
+    Options options = tight(hydrostatic);
     options.liquid = Liquid::solid;
     SlabBench<TypeParam> bench(options);
-    const auto uniform = [=](double, double) { return temperature; };
-    bench.start(uniform);
-    bench.step(uniform);
+    bench.start(uniform(temperature));
+    bench.step(uniform(temperature));
     double largest = 0.0;
     for (const auto& v : bench.state.viscoplastic) largest = std::max(largest, v.norm());
     return largest;

@@ -5,7 +5,8 @@
 namespace dccast::verification {
 
 template <class Element>
-void FixedBody<Element>::add_body_force(const std::function<Vector2(double, double)>& force) {
+void FixedBody<Element>::add_body_force(const VectorField& force) {
+  static_assert(dimension == 2, "only sections have integration points");
   for (int e = 0; e < mesh.elements(); ++e) {
     const int* node = mesh.nodes_of(e);
     for (const IntegrationPoint& point : integration_points(mesh, e)) {

@@ -8,7 +8,7 @@
 
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/slab_mesh.hpp"
-#include "tests/unit/mechanics_solid/quarter_slab.hpp"
+#include "tests/unit/mechanics/slab_bench.hpp"
 
 namespace dccast::mechanics {
 namespace {
@@ -102,7 +102,7 @@ using namespace testing;
 
 /// Merges the two lower of the three rows of a slab.
 template <class Element>
-MergeChecks merge_lower_rows(QuarterSlab<Element>& bench, const auto& temperature) {
+MergeChecks merge_lower_rows(SlabBench<Element>& bench, const auto& temperature) {
   const mesh::MergedRows merged{bench.slab.row_heights(),
                                 {1},
                                 std::size_t(bench.slab.nodes_per_row()),
@@ -121,12 +121,12 @@ TYPED_TEST_SUITE(MergedSlab, Hexahedra);
 
 /// Even contraction is a state that the merged mesh can have: nothing is to change.
 TYPED_TEST(MergedSlab, AnEvenStateStaysWhatItIs) {
-  Options options = slab_options();
+  Options options = tight(1e-9);
   options.confinement = false;
   options.gravity = 1e-6;
-  QuarterSlab<TypeParam> bench(options, true);
-  const auto cold = [](const Vector3&) { return 300.0; };
-  bench.start([](const Vector3&) { return 600.0; });
+  SlabBench<TypeParam> bench(options);
+  const auto cold = uniform(300.0);
+  bench.start(uniform(600.0));
   bench.step(cold);
   const double before = bench.moved(bench.slab.mesh().nodes() - 1)[2];
   const MergeChecks checks = merge_lower_rows(bench, cold);
@@ -141,9 +141,9 @@ TYPED_TEST(MergedSlab, AnEvenStateStaysWhatItIs) {
 /// A slab that has curled stays as it is but for what the coarser mesh cannot have: the next
 /// moment moves its corner by little.
 TYPED_TEST(MergedSlab, ACurledSlabKeepsItsCurl) {
-  QuarterSlab<TypeParam> bench(slab_options(), true);
-  const auto cooled = [](const Vector3& x) { return 420.0 + 1500.0 * x[2]; };
-  bench.start([](const Vector3&) { return 600.0; });
+  SlabBench<TypeParam> bench(tight(1e-9));
+  const auto cooled = by_height([](double z) { return 420.0 + 1500.0 * z; });
+  bench.start(uniform(600.0));
   bench.step(cooled);
   int corner = 0;
   for (int n = 0; n < bench.slab.nodes_per_row(); ++n)
@@ -160,8 +160,8 @@ TYPED_TEST(MergedSlab, ACurledSlabKeepsItsCurl) {
 }
 
 TEST(MergedTetrahedra, AreRefused) {
-  QuarterSlab<fem::P1Tetrahedron> bench(slab_options());
-  const auto even = [](const Vector3&) { return 600.0; };
+  SlabBench<fem::P1Tetrahedron> bench(tight(1e-9));
+  const auto even = uniform(600.0);
   bench.start(even);
   EXPECT_THROW(merge_lower_rows(bench, even), std::logic_error);
 }

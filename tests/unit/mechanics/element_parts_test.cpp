@@ -6,16 +6,15 @@
 #include <set>
 #include <utility>
 
-#include "tests/unit/mechanics_solid/box_mesh.hpp"
-#include "tests/unit/mechanics_solid/solid_body.hpp"
+#include "tests/unit/mechanics/bodies.hpp"
 
 namespace dccast::mechanics {
 namespace {
 
 using namespace testing;
 
-mesh::Mesh<3> box(std::array<int, 3> cells) {
-  return box_mesh(cells, false, [](const Vector3& x) { return x; }).mesh;
+mesh::Mesh3D cube(const Cells<3>& cells) {
+  return box<fem::Q1Hexahedron>({1.0, 1.0, 1.0}, cells);
 }
 
 std::set<int> nodes_of(const mesh::Mesh<3>& mesh, std::size_t first_block, std::size_t end_block) {
@@ -29,7 +28,7 @@ std::set<int> nodes_of(const mesh::Mesh<3>& mesh, std::size_t first_block, std::
 }
 
 TEST(ElementParts, CoverTheMeshAndShareNoNodeWithTheirOwnColour) {
-  const mesh::Mesh<3> mesh = box({8, 5, 20});
+  const mesh::Mesh<3> mesh = cube({8, 5, 20});
   const ElementParts parts = ElementParts::of(mesh);
   ASSERT_GE(parts.parts(), 4u);
 
@@ -51,8 +50,8 @@ TEST(ElementParts, CoverTheMeshAndShareNoNodeWithTheirOwnColour) {
 }
 
 TEST(ElementParts, AreOneWhereElementsAreFewOrNumberedInNoDirection) {
-  EXPECT_EQ(ElementParts::of(box({2, 2, 2})).parts(), 1u);
-  mesh::Mesh<3> mesh = box({8, 5, 20});
+  EXPECT_EQ(ElementParts::of(cube({2, 2, 2})).parts(), 1u);
+  mesh::Mesh<3> mesh = cube({8, 5, 20});
   for (std::size_t e = 0; e < std::size_t(mesh.elements()); ++e) {
     const std::size_t other = 37 * e % std::size_t(mesh.elements());
     for (std::size_t i = 0; i < 8; ++i)
@@ -63,10 +62,11 @@ TEST(ElementParts, AreOneWhereElementsAreFewOrNumberedInNoDirection) {
 
 /// Residual and tangent of a body with creep, in parts by a team and in parts by one thread.
 TEST(ElementParts, GiveATeamTheBitsOfOneThread) {
-  SolidBody<fem::BendingHexahedron> body(distorted_box({0.3, 0.2, 0.5}, {8, 5, 12}, false));
+  FixedBody<fem::BendingHexahedron> body(
+      distorted_box<fem::BendingHexahedron>({0.3, 0.2, 0.5}, {8, 5, 12}));
   body.set_material(4e10, 0.3);
   for (double& kappa : body.problem.kappa) kappa = 1e-38;
-  const ElementParts parts = ElementParts::of(body.box.mesh);
+  const ElementParts parts = ElementParts::of(body.mesh);
   ASSERT_GT(parts.parts(), 1u);
 
   body.problem.parts = &parts;

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tests/unit/mechanics_solid/solid_body.hpp"
+#include "tests/unit/mechanics/bodies.hpp"
 
 namespace dccast::mechanics {
 namespace {
@@ -14,36 +14,39 @@ NodalFrame<3> turned_frame(int node, double angle) {
 }
 
 template <class Element>
+std::vector<int> nodes_on(const FixedBody<Element>& body, const char* patch) {
+  return mesh::patch_nodes(*body.mesh.find(patch));
+}
+
+template <class Element>
 class FramesOn : public ::testing::Test {
 protected:
-  static BoxMesh shape() {
-    return distorted_box({0.3, 0.2, 0.25}, {3, 2, 2}, of_tetrahedra<Element>);
-  }
-  static std::vector<NodalFrame<3>> some_frames(const BoxMesh& box) {
+  static mesh::Mesh3D shape() { return distorted_box<Element>({0.3, 0.2, 0.25}, {3, 2, 2}); }
+  static std::vector<NodalFrame<3>> some_frames(const mesh::Mesh3D& box) {
     std::vector<NodalFrame<3>> frames;
-    for (int n : box.nodes_on(Face::x_high)) frames.push_back(turned_frame(n, 0.3 + 0.1 * n));
+    for (int n : mesh::patch_nodes(face(box, 0, 1.0)))
+      frames.push_back(turned_frame(n, 0.3 + 0.1 * n));
     return frames;
   }
   /// Creeps under its weight, held below and at one side.
-  static void load(SolidBody<Element>& body) {
+  static void load(FixedBody<Element>& body) {
     body.set_material(1e9, 0.35, 1e-35);
-    for (int n : body.box.nodes_on(Face::z_low)) body.fix(n, {0.0, 0.0, 0.0});
-    for (int n : body.box.nodes_on(Face::x_low)) body.fix(n, 0, 0.0);
+    for (int n : nodes_on(body, "z_low")) body.fix(n, {0.0, 0.0, 0.0});
+    hold_low_end(body, 0);
     const std::vector<double> weight(body.forms.elements(), 1e7);
     body.forms.subtract_weight(weight, body.problem.external_force);
   }
 };
-using Families = ::testing::Types<fem::P1Tetrahedron, fem::Q1Hexahedron, fem::BendingHexahedron>;
-TYPED_TEST_SUITE(FramesOn, Families);
+TYPED_TEST_SUITE(FramesOn, SolidFamilies);
 
 /// The frame of a node changes how its unknowns are written and nothing else.
 TYPED_TEST(FramesOn, ChangeNothingButTheUnknowns) {
-  SolidBody<TypeParam> plain(this->shape()), framed(this->shape());
-  const auto frames = this->some_frames(framed.box);
+  FixedBody<TypeParam> plain(this->shape()), framed(this->shape());
+  const auto frames = this->some_frames(framed.mesh);
   framed.forms.set_frames(frames);
   this->load(plain);
   this->load(framed);
-  const auto a = plain.step(in_balance(1e-12)), b = framed.step(in_balance(1e-12));
+  const auto a = plain.step(tight(1e-12)), b = framed.step(tight(1e-12));
 
   ASSERT_TRUE(a.converged);
   ASSERT_TRUE(b.converged);
@@ -77,29 +80,29 @@ TYPED_TEST(FramesOn, HoldAnObliqueFaceExactly) {
                    std::sin(angle) * x[0] + std::cos(angle) * x[1], x[2]};
   };
 
-  constexpr bool tetrahedra = of_tetrahedra<TypeParam>;
-  SolidBody<TypeParam> straight(box_mesh({3, 2, 2}, tetrahedra, place));
-  SolidBody<TypeParam> oblique(
+  constexpr bool tetrahedra = is_simplex<TypeParam>;
+  FixedBody<TypeParam> straight(box_mesh({3, 2, 2}, tetrahedra, place));
+  FixedBody<TypeParam> oblique(
       box_mesh({3, 2, 2}, tetrahedra, [&](const Vector3& s) { return turn(place(s)); }));
 
   // The oblique box is held along the normals of its turned faces.
   std::vector<NodalFrame<3>> frames;
-  for (Face face : {Face::x_low, Face::x_high, Face::y_low}) {
-    for (int n : oblique.box.nodes_on(face)) frames.push_back(turned_frame(n, angle));
+  for (const char* name : {"x_low", "x_high", "y_low"}) {
+    for (int n : nodes_on(oblique, name)) frames.push_back(turned_frame(n, angle));
   }
   oblique.forms.set_frames(frames);
 
   for (auto* body : {&straight, &oblique}) {
     body->set_material(1e9, 0.35);
     for (double& thermal : body->problem.thermal) thermal = 1e-2;
-    for (int n : body->box.nodes_on(Face::x_low)) body->fix(n, 0, 0.0);
-    for (int n : body->box.nodes_on(Face::x_high)) body->fix(n, 0, -1e-3);
-    for (int n : body->box.nodes_on(Face::y_low)) body->fix(n, 1, 0.0);
-    for (int n : body->box.nodes_on(Face::z_low)) body->fix(n, 2, 0.0);
-    ASSERT_TRUE(body->step(in_balance(1e-12)).converged);
+    for (int n : nodes_on(*body, "x_low")) body->fix(n, 0, 0.0);
+    for (int n : nodes_on(*body, "x_high")) body->fix(n, 0, -1e-3);
+    for (int n : nodes_on(*body, "y_low")) body->fix(n, 1, 0.0);
+    for (int n : nodes_on(*body, "z_low")) body->fix(n, 2, 0.0);
+    ASSERT_TRUE(body->step(tight(1e-12)).converged);
   }
 
-  for (int n : straight.box.nodes_on(Face::x_high)) {
+  for (int n : nodes_on(straight, "x_high")) {
     for (int d = 0; d < 3; ++d) {
       EXPECT_NEAR(oblique.displacement(n, d), straight.displacement(n, d), 1e-14);
     }

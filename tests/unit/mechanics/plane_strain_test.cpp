@@ -1,16 +1,11 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/mechanics/bodies.hpp"
-#include "tests/unit/mechanics_solid/solid_body.hpp"
 
 namespace dccast::mechanics {
 namespace {
 
-using testing::BoxMesh;
-using testing::Face;
-using testing::SolidBody;
-using testing::Vector3;
-using verification::FixedBody;
+using namespace testing;
 
 template <class Plane, class Solid>
 struct Extrusion {
@@ -28,17 +23,16 @@ protected:
   static constexpr double width = 0.3, height = 0.2, thickness = 0.07;
 
   ExtrusionOf()
-      : section_(testing::distorted_rectangle<Plane>(width, height, columns, rows)),
+      : section_(distorted_box<Plane>({width, height}, {columns, rows})),
         solid_(extruded(section_.mesh)) {}
 
-  static BoxMesh extruded(const mesh::Mesh2D& section) {
-    return testing::box_mesh({columns, 1, rows}, testing::of_tetrahedra<Solid>,
-                             [&](const Vector3& s) {
-                               const int i = int(std::lround(s[0] * columns));
-                               const int k = int(std::lround(s[2] * rows));
-                               const double* x = section.point(k * (columns + 1) + i);
-                               return Vector3{x[0], thickness * s[1], x[1]};
-                             });
+  static mesh::Mesh3D extruded(const mesh::Mesh2D& section) {
+    return box_mesh({columns, 1, rows}, is_simplex<Solid>, [&](const Vector3& s) {
+      const int i = int(std::lround(s[0] * columns));
+      const int k = int(std::lround(s[2] * rows));
+      const double* x = section.point(k * (columns + 1) + i);
+      return Vector3{x[0], thickness * s[1], x[1]};
+    });
   }
   int node_of_section(int n) const {
     return n / (2 * (columns + 1)) * (columns + 1) + n % (columns + 1);
@@ -47,7 +41,7 @@ protected:
   void expect_the_same_displacement(double tolerance) const {
     double size = 0.0;
     for (double u : section_.displacement()) size = std::max(size, std::abs(u));
-    for (int n = 0; n < solid_.box.mesh.nodes(); ++n) {
+    for (int n = 0; n < solid_.mesh.nodes(); ++n) {
       const std::size_t m = std::size_t(node_of_section(n));
       EXPECT_NEAR(solid_.displacement(n, 0), section_.displacement()[2 * m], tolerance * size);
       EXPECT_NEAR(solid_.displacement(n, 2), section_.displacement()[2 * m + 1], tolerance * size);
@@ -56,7 +50,7 @@ protected:
   }
 
   FixedBody<Plane> section_;
-  SolidBody<Solid> solid_;
+  FixedBody<Solid> solid_;
 };
 
 using Pairs = ::testing::Types<Extrusion<fem::Q1Quadrilateral, fem::Q1Hexahedron>,
@@ -69,21 +63,23 @@ TYPED_TEST(ExtrusionOf, CreepsAsTheSectionDoes) {
   auto& solid = this->solid_;
   section.set_material(1e9, 0.35, 1e-35, 6.0);
   solid.set_material(1e9, 0.35, 1e-35, 6.0);
-  for (int n : this->solid_.box.nodes_on(Face::x_low)) solid.fix(n, {0.0, 0.0, 0.0});
-  for (int n = 0; n < solid.box.mesh.nodes(); ++n) solid.fix(n, 1, 0.0);
+  for (int n : mesh::patch_nodes(face(solid.mesh, 0, -1.0))) solid.fix(n, {0.0, 0.0, 0.0});
+  for (int n = 0; n < solid.mesh.nodes(); ++n) solid.fix(n, 1, 0.0);
   for (int n = 0; n < section.mesh.nodes(); n += this->columns + 1) {
     section.fix(n, 0, 0.0), section.fix(n, 1, 0.0);
   }
-  solid.add_traction(Face::x_high, [](const Vector3& x) { return Vector3{2e6 * x[2], 0.0, 1e6}; });
+  solid.add_traction(face(solid.mesh, 0, 1.0), [](double, double, double z) {
+    return Vector3{2e6 * z, 0.0, 1e6};
+  });
   section.add_traction(mesh::PatchKind::side, [](double, double y) {
-    return verification::Vector2{2e6 * y, 1e6};
+    return Vector2{2e6 * y, 1e6};
   });
   for (int e = 0; e < section.mesh.elements(); ++e) {
     section.problem.thermal[std::size_t(e)] = solid.problem.thermal[std::size_t(e)] = 1e-4 * e;
   }
   for (int step = 0; step < 3; ++step) {
-    ASSERT_TRUE(section.step(testing::in_balance(1e-11), 1.0).converged);
-    ASSERT_TRUE(solid.step(testing::in_balance(1e-11), 1.0).converged);
+    ASSERT_TRUE(section.step(tight(1e-11)).converged);
+    ASSERT_TRUE(solid.step(tight(1e-11)).converged);
     this->expect_the_same_displacement(1e-10);
   }
 }
@@ -101,7 +97,7 @@ TYPED_TEST(ExtrusionOf, StandsOnAFloorAsTheSectionDoes) {
     section.problem.initial_gap.push_back(floor(section.mesh.point(unknown / 2)[0]));
   }
   for (int unknown : solid.problem.contact) {
-    solid.problem.initial_gap.push_back(floor(solid.box.mesh.point(unknown / 3)[0]));
+    solid.problem.initial_gap.push_back(floor(solid.mesh.point(unknown / 3)[0]));
   }
   const std::vector<double> weight(section.forms.elements(), 2.5e6);
   section.problem.weight = section.forms.subtract_weight(weight, section.problem.external_force);
@@ -113,11 +109,11 @@ TYPED_TEST(ExtrusionOf, StandsOnAFloorAsTheSectionDoes) {
     section.problem.thermal[std::size_t(e)] = solid.problem.thermal[std::size_t(e)] =
         -5e-3 * (e / this->columns);
   }
-  for (int n = 0; n < solid.box.mesh.nodes(); ++n) solid.fix(n, 1, 0.0);
-  for (int n : this->solid_.box.nodes_on(Face::x_low)) solid.fix(n, 0, 0.0);
-  for (int n = 0; n < section.mesh.nodes(); n += this->columns + 1) section.fix(n, 0, 0.0);
-  ASSERT_TRUE(section.step(testing::in_balance(1e-11), 1.0).converged);
-  ASSERT_TRUE(solid.step(testing::in_balance(1e-11), 1.0).converged);
+  for (int n = 0; n < solid.mesh.nodes(); ++n) solid.fix(n, 1, 0.0);
+  hold_low_end(solid, 0);
+  hold_low_end(section, 0);
+  ASSERT_TRUE(section.step(tight(1e-11)).converged);
+  ASSERT_TRUE(solid.step(tight(1e-11)).converged);
 
   this->expect_the_same_displacement(1e-9);
   EXPECT_NE(std::count(solid.unknowns().contact.begin(), solid.unknowns().contact.end(), 0), 0);
@@ -162,36 +158,40 @@ protected:
       if ((x[0] == 0.0 && !(contact && x[1] == 0.0)) || (!contact && x[1] == 0.0))
         this->section_.fix(n, 1, -h * x[1]);
     }
-    for (int n = 0; n < this->solid_.box.mesh.nodes(); ++n) {
+    for (int n = 0; n < this->solid_.mesh.nodes(); ++n) {
       const Vector3 x = this->solid_.place(n);
       this->solid_.fix(n, 1, 0.0);
       if (x[0] == 0.0 || (!contact && x[2] == 0.0)) this->solid_.fix(n, 0, h * x[0]);
       if ((x[0] == 0.0 && !(contact && x[2] == 0.0)) || (!contact && x[2] == 0.0))
         this->solid_.fix(n, 2, -h * x[2]);
     }
-    ASSERT_TRUE(this->section_.step(testing::in_balance(1e-11), dt).converged) << number;
-    ASSERT_TRUE(this->solid_.step(testing::in_balance(1e-11), dt).converged) << number;
+    ASSERT_TRUE(this->section_.step(tight(1e-11), dt).converged) << number;
+    ASSERT_TRUE(this->solid_.step(tight(1e-11), dt).converged) << number;
   }
 
   void load(double p) {
     this->section_.clear_forces();
     this->section_.add_traction(mesh::PatchKind::side, [p](double, double) {
-      return verification::Vector2{p, 0.0};
+      return Vector2{p, 0.0};
     });
     this->section_.add_traction(mesh::PatchKind::top, [p](double, double) {
-      return verification::Vector2{0.0, -p};
+      return Vector2{0.0, -p};
     });
     this->section_.problem.weight = p * this->width;
-    auto& force = this->solid_.problem.external_force;
-    std::fill(force.begin(), force.end(), 0.0);
-    this->solid_.add_traction(Face::x_high, [p](const Vector3&) { return Vector3{p, 0.0, 0.0}; });
-    this->solid_.add_traction(Face::z_high, [p](const Vector3&) { return Vector3{0.0, 0.0, -p}; });
+    auto& solid = this->solid_;
+    solid.clear_forces();
+    solid.add_traction(face(solid.mesh, 0, 1.0), [p](double, double, double) {
+      return Vector3{p, 0.0, 0.0};
+    });
+    solid.add_traction(face(solid.mesh, 2, 1.0), [p](double, double, double) {
+      return Vector3{0.0, 0.0, -p};
+    });
     this->solid_.problem.weight = p * this->width * this->thickness;
   }
 
   void expect_the_exact_displacement() const {
     const double h = stretch(steps);
-    for (int n = 0; n < this->solid_.box.mesh.nodes(); ++n) {
+    for (int n = 0; n < this->solid_.mesh.nodes(); ++n) {
       const Vector3 x = this->solid_.place(n);
       EXPECT_NEAR(this->solid_.displacement(n, 0), h * x[0], 1e-8 * h * this->width);
       EXPECT_NEAR(this->solid_.displacement(n, 2), -h * x[2], 1e-8 * h * this->width);

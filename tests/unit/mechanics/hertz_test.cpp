@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/unit/mechanics_solid/solid_body.hpp"
+#include "tests/unit/mechanics/bodies.hpp"
 
 namespace dccast::mechanics {
 namespace {
@@ -40,33 +40,32 @@ template <class Element>
 class SphereUnder {
 public:
   explicit SphereUnder(int cells)
-      : body(box_mesh({cells, cells, cells}, of_tetrahedra<Element>, [](const Vector3& s) {
+      : body(box_mesh({cells, cells, cells}, is_simplex<Element>, [](const Vector3& s) {
           return Vector3{graded(s[0]), graded(s[1]), graded(s[2])};
         })) {
     body.set_material(young, poisson);
-    for (Face face : {Face::x_high, Face::y_high, Face::z_high}) {
-      for (int n : body.box.nodes_on(face)) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (int n : mesh::patch_nodes(face(body.mesh, axis, 1.0))) {
         Vector3 u = boussinesq(body.place(n));
         u[2] -= approach;
         body.fix(n, u);
       }
     }
-    for (int n : body.box.nodes_on(Face::x_low)) body.fix(n, 0, 0.0);
-    for (int n : body.box.nodes_on(Face::y_low)) body.fix(n, 1, 0.0);
+    hold_symmetry(body);
     body.set_contact();
     for (int unknown : body.problem.contact) {
       const Vector3 x = body.place(unknown / 3);
       body.problem.initial_gap.push_back(0.5 * (x[0] * x[0] + x[1] * x[1]) / radius);
     }
     body.problem.weight = 0.25 * force;
-    EXPECT_TRUE(body.step(in_balance(1e-9)).converged);
+    EXPECT_TRUE(body.step(tight(1e-9)).converged);
     reaction = body.residual(body.displacement());
   }
   double pressure(std::size_t pair) const {
     return reaction[std::size_t(body.problem.contact[pair])] / body.problem.contact_area[pair];
   }
 
-  SolidBody<Element> body;
+  FixedBody<Element> body;
   std::vector<double> reaction;
 };
 

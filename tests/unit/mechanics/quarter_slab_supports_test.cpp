@@ -3,8 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "tests/support/usual_options.hpp"
-#include "tests/unit/mechanics_solid/quarter_slab.hpp"
+#include "tests/unit/mechanics/slab_bench.hpp"
 
 namespace dccast::mechanics {
 namespace {
@@ -14,7 +13,8 @@ using namespace testing;
 /// A quarter slab whose sides are all held, seen through its supports.
 class HeldSlab {
 public:
-  explicit HeldSlab(const Curve& half_thickness) : slab(section(half_thickness)) {
+  explicit HeldSlab(const Curve& half_thickness)
+      : slab(quarter_section(mesh::ElementKind::q1_bending, half_thickness)) {
     forms.update(slab.mesh());
     supports.find(slab.mesh(), forms);
     problem.fixed.assign(3 * std::size_t(slab.mesh().nodes()), 0);
@@ -23,8 +23,7 @@ public:
     state.released.assign(std::size_t(slab.mesh().nodes()), 0);
     const std::vector<double> hot(std::size_t(slab.mesh().nodes()), 650.0);
     std::vector<char> closed(supports.bottom_nodes().size(), 1);
-    supports.hold_sides(problem, state, dccast::testing::usual_options(1e-8), hot, 620.0, 0.0, {},
-                        closed);
+    supports.hold_sides(problem, state, tight(1e-8), hot, 620.0, 0.0, {}, closed);
     for (const auto& frame : supports.frames()) frame_of[frame.node] = frame;
   }
 
@@ -55,13 +54,6 @@ public:
   SlabSupports<3> supports;
   StepProblem<3> problem;
   std::map<int, NodalFrame<3>> frame_of;
-
-private:
-  static mesh::SectionSpec section(const Curve& half_thickness) {
-    auto spec = quarter_section(mesh::ElementKind::q1_bending, false);
-    spec.half_thickness = half_thickness;
-    return spec;
-  }
 };
 
 TEST(SlabSupports, ARectangleNeedsNoFrames) {
