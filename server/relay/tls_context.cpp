@@ -1,5 +1,6 @@
 #include "server/relay/tls_context.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <openssl/err.h>
 #include <sys/stat.h>
@@ -7,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/storage/file.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::relay {
@@ -73,6 +75,10 @@ TlsContext::Versions TlsContext::versions() const {
 }
 
 TlsContext::Context TlsContext::load() const {
+  // OpenSSL would wait for the writer of a named pipe.
+  for (const std::string& file : {files_.certificate, files_.key, files_.client_ca})
+    if (!file.empty()) storage::File(file, O_RDONLY, storage::owner_only, storage::Links::follow);
+
   ::ERR_clear_error();
   Context context(::SSL_CTX_new(::TLS_server_method()), &::SSL_CTX_free);
   if (!context) throw std::runtime_error(fmt::format("OpenSSL cannot begin: {}", reason()));

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 #include "core/storage/file.hpp"
 #include "core/storage/record_log.hpp"
+#include "core/storage/storage_error.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/format.hpp"
 
@@ -65,7 +67,7 @@ void Lines::write(const v1::Line& line) const {
 v1::ListLinesResponse Lines::list() const {
   const std::lock_guard lock(mutex_);
   v1::ListLinesResponse listing;
-  if (!std::filesystem::exists(directory_)) return listing;
+  if (!std::filesystem::is_directory(directory_)) return listing;
 
   for (const auto& entry : std::filesystem::directory_iterator(directory_)) {
     const std::string name = entry.path().stem().string();
@@ -73,6 +75,9 @@ v1::ListLinesResponse Lines::list() const {
     try {
       if (auto line = read(name)) *listing.add_lines() = std::move(*line);
     } catch (const DamagedLine&) {
+      listing.add_damaged(name);
+    } catch (const std::system_error& error) {  // no regular file, or one that cannot be read
+      if (storage::is_resource_fault(error.code())) throw;
       listing.add_damaged(name);
     }
   }

@@ -271,7 +271,7 @@ KINDS = {
     "KeyUpdates": Kind("renewals of the keys of TLS without end", renews_keys, greets=False, raw=True),
     "HandshakesInPieces": Kind("handshakes of 131 kB in records of one byte", handshake_in_pieces, 20,
                                greets=False, raw=True),
-    "BusyPeers": Kind("1,000 connections of one user or machine, each with requests", made_requests, 1000),
+    "BusyPeers": Kind("900 connections of one user or machine, each with requests", made_requests, 900),
     "AnotherProtocol": Kind("HTTP/1.1 and what follows it", another_protocol, greets=False),
 }
 

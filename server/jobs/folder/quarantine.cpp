@@ -25,10 +25,11 @@ void move(const fs::path& from, const fs::path& to) {
   if (from.parent_path() != to.parent_path()) storage::sync_directory(from.parent_path());
 }
 
-/// Names in a directory, sorted; none when there is no such directory.
+/// Names in a directory, sorted; none when there is no such directory, or something else in its
+/// place.
 std::vector<std::string> names_in(const fs::path& directory) {
   std::vector<std::string> names;
-  if (!fs::exists(directory)) return names;
+  if (!fs::is_directory(directory)) return names;
   for (const auto& entry : fs::directory_iterator(directory))
     names.push_back(entry.path().filename());
   std::ranges::sort(names);
@@ -66,6 +67,11 @@ fs::path free_name(const fs::path& wanted) {
 
 fs::path quarantine_folder(const fs::path& jobs_directory, const std::string& id) {
   const fs::path quarantine = quarantine_path(jobs_directory);
+  if (fs::exists(quarantine) && !fs::is_directory(quarantine)) {
+    const fs::path aside = free_name(quarantine.string() + ".strange");
+    move(quarantine, aside);
+    log::warn("{} is no folder; it was moved to {}", quarantine.string(), aside.string());
+  }
   if (fs::create_directories(quarantine)) {
     fs::permissions(quarantine, fs::perms::owner_all);
     storage::sync_directory(quarantine.parent_path());

@@ -39,6 +39,17 @@ TEST_F(QuarantineTest, TakesFoldersWithoutAJobAndNoOthers) {
   EXPECT_TRUE(fs::exists(moved[0].path / "results.h5"));
 }
 
+TEST_F(QuarantineTest, WhatStandsInItsPlaceIsSetAside) {
+  const fs::path quarantine = folder_.path() / "quarantine";
+  std::ofstream(quarantine) << "no folder";
+  EXPECT_TRUE(quarantined_folders(jobs_).empty());
+  const std::string unknown = make_folder();
+  quarantine_unknown_folders(jobs_, {});
+  ASSERT_EQ(quarantined_folders(jobs_).size(), 1u);
+  EXPECT_EQ(quarantined_folders(jobs_)[0].id, unknown);
+  EXPECT_TRUE(fs::exists(quarantine.string() + ".strange"));
+}
+
 TEST_F(QuarantineTest, GivesBackTheNewestFolderOfAJob) {
   const std::string id = make_folder();
   quarantine_folder(jobs_, id);

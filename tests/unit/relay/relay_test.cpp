@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -506,6 +507,12 @@ TEST_F(RelayOverTls, FilesThatDoNotFitEachOtherAreRefused) {
   other.issue_server({"127.0.0.1"}, 10);
   EXPECT_THROW(relay_.add(listener_, {}, TlsFiles{pki_.server(), other.server_key(), ""}),
                std::runtime_error);
+}
+
+TEST_F(RelayOverTls, AKeyThatIsANamedPipeIsRefusedAtOnce) {
+  std::filesystem::remove(pki_.server_key());
+  ASSERT_EQ(::mkfifo(pki_.server_key().c_str(), 0600), 0);
+  EXPECT_THROW(relay_.add(listener_, {}, files()), std::runtime_error);
 }
 
 TEST_F(RelayOverTls, OneWhoSpeaksNoTlsGetsNoService) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "core/storage/file.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -98,6 +99,18 @@ TEST(Lines, ADamagedFileIsNamed) {
     EXPECT_THAT(damaged.what(), ::testing::HasSubstr("pit-3.bin, is damaged"));
   }
   EXPECT_TRUE(lines.remove("pit-3"));
+}
+
+TEST(Lines, WhatIsNoFileIsNamedBesideTheOthers) {
+  const TemporaryFolder folder;
+  Lines lines(folder.path());
+  lines.begin("pit-3", "anna");
+  ASSERT_EQ(::mkfifo((folder.path() / "pit-4.bin").c_str(), 0600), 0);
+  const v1::ListLinesResponse listed = lines.list();
+  ASSERT_EQ(listed.lines_size(), 1);
+  EXPECT_EQ(listed.lines(0).name(), "pit-3");
+  ASSERT_EQ(listed.damaged_size(), 1);
+  EXPECT_EQ(listed.damaged(0), "pit-4");
 }
 
 }  // namespace
