@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <linux/audit.h>
+#include <linux/capability.h>
 #include <linux/filter.h>
 #include <linux/landlock.h>
 #include <linux/seccomp.h>
@@ -156,13 +157,20 @@ void require_machine(Filter& filter) {
 #endif
 }
 
-/// New namespaces by clone(); the flags of clone3() lie where no filter reads, and the C library
-/// does without it.
-void refuse_namespaces(Filter& filter) {
+/// A worker makes threads, but no process: each would have the whole memory limit, and outlive job
+/// and daemon. The flags of clone3() lie where no filter reads, and the C library does without it.
+void permit_threads_alone(Filter& filter) {
   constexpr std::uint32_t namespaces = CLONE_NEWNS | CLONE_NEWCGROUP | CLONE_NEWUTS | CLONE_NEWIPC |
                                        CLONE_NEWUSER | CLONE_NEWPID | CLONE_NEWNET;
+  // A sanitizer looks for leaks from a process that shares the memory of this one.
+  constexpr std::uint32_t needed = sanitized ? CLONE_VM : CLONE_THREAD;
+
   add_call(filter, SYS_clone3, {not_implemented});
-  add_call(filter, SYS_clone, {load_argument(0), skip_if_any(namespaces, 1), allow, refuse});
+  add_call(filter, SYS_clone,
+           {load_argument(0), skip_if_any(namespaces, 1), skip_if_any(needed, 1), refuse, allow});
+#if defined(SYS_fork)  // not on every machine
+  for (const long call : {SYS_fork, SYS_vfork}) add_call(filter, call, {refuse});
+#endif
 }
 
 /// What names a process is permitted for this one.
@@ -182,7 +190,7 @@ void confine_to_own_process(Filter& filter) {
 Filter system_call_filter() {
   Filter filter;
   require_machine(filter);
-  refuse_namespaces(filter);
+  permit_threads_alone(filter);
 
   for (const long call : refused_calls) {
     const bool needed = std::ranges::find(sanitizer_calls, call) != sanitizer_calls.end();
@@ -197,6 +205,14 @@ Filter system_call_filter() {
 
   filter.push_back(allow);
   return filter;
+}
+
+/// Gives up all privileges of root: with them a worker of a daemon that runs as root could set the
+/// clock or the name of the machine. @return whether that succeeded
+bool drop_capabilities() {
+  __user_cap_header_struct head{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+  const std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> none{};
+  return ::syscall(SYS_capset, &head, none.data()) == 0;
 }
 
 /// Describes a missing restriction, with the error of the system. @param feature  of the kernel
@@ -308,6 +324,8 @@ extern "C" void on_crash(int signal) {
 std::string isolate() {
   limit(RLIMIT_CORE, 0);
   jobs::forbid_inspection();
+
+  if (!drop_capabilities()) return lacking("keeps the privileges of its user", "capset");
 
   Filter filter = system_call_filter();
   const sock_fprog whole{static_cast<unsigned short>(filter.size()), filter.data()};

@@ -23,6 +23,13 @@ bool can_use_memory(std::size_t bytes, int flags) {
   return true;
 }
 
+/// Whether this process can make another one, which ends at once.
+bool can_fork() {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  return child > 0;
+}
+
 /// Whether a write to a pipe can be made to send another process a signal that ends it. Nothing is
 /// written.
 bool can_direct_signal(pid_t target) {
@@ -55,6 +62,8 @@ std::string attack(std::size_t bytes) {
 
   note(can_use_memory(bytes, MAP_SHARED), "a shared mapping past worker_memory");
   note(::syscall(SYS_memfd_create, "memory", 0) >= 0, "memfd_create");
+  note(can_fork(), "fork");
+  note(::chroot("/") == 0, "chroot");
   note(::shmget(IPC_PRIVATE, 4096, 0600) >= 0, "shmget");
   return succeeded;
 }

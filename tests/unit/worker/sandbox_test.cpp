@@ -14,10 +14,13 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
 #include <sys/uio.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <functional>
 #include <new>
@@ -212,6 +215,44 @@ TEST_F(SandboxTest, MakesNoNamespaceAndStartsNoOtherProgram) {
               int made = 0;
               std::thread([&] { made = 1; }).join();
               MUST(made == 1);
+            }),
+            0);
+}
+
+#if defined(SYS_fork)
+constexpr std::array<long, 2> calls_that_fork{SYS_fork, SYS_vfork};
+#else
+constexpr std::array<long, 0> calls_that_fork{};
+#endif
+
+/// A process of its own would have the whole memory limit once more, and outlive job and daemon.
+TEST_F(SandboxTest, MakesThreadsButNoProcess) {
+  EXPECT_EQ(status_of_child([] {
+              isolate();
+              MUST(::fork() < 0 && errno == EPERM);
+              for (const long call : calls_that_fork) MUST(refused(::syscall(call)));
+              MUST(refused(::syscall(SYS_clone, SIGCHLD, 0, 0, 0, 0)));
+              MUST(sanitized ||
+                   refused(::syscall(SYS_clone, CLONE_VM | CLONE_VFORK | SIGCHLD, 0, 0, 0, 0)));
+              std::vector<std::thread> threads;
+              std::atomic<int> made = 0;
+              for (int i = 0; i < 8; ++i) threads.emplace_back([&] { ++made; });
+              for (std::thread& thread : threads) thread.join();
+              MUST(made == 8);
+            }),
+            0);
+}
+
+TEST_F(SandboxTest, HasNoPrivilegeAlsoAsRoot) {
+  EXPECT_EQ(status_of_child([] {
+              std::array<char, 64> name{};
+              MUST(::gethostname(name.data(), name.size()) == 0);
+              isolate();
+              MUST(refused(::sethostname(name.data(), 1)));
+              MUST(refused(::chroot("/")));
+              timeval now{};
+              ::gettimeofday(&now, nullptr);
+              MUST(refused(::settimeofday(&now, nullptr)));
             }),
             0);
 }
