@@ -277,6 +277,26 @@ class FailedStart(Fault):
         scene.heal()
 
 
+class UnreadableJob(Fault):
+    """EIO from every read of the description of one waiting job: it fails alone, and those behind it run"""
+    short, long = 1, 10
+    patience = 20.0
+
+    def scene(self, chance):
+        return FailingDisk(chance)
+
+    def disturb(self, scene, count):
+        running = scene.submit(fake("steps=30 sleep_ms=10"))
+        unreadable = scene.submit(fake(WAITING), job_pb2.FAILED)
+        waiting = scene.submit(fake(WAITING))
+        scene.fail(errno.EIO, "r", -1, f"{unreadable}/description.bin")
+        for job_id in (running, unreadable, waiting):
+            must(count, lambda: scene.ended(job_id), f"job {job_id} does not end", 30)
+        scene.heal()
+        if scene.client.job(unreadable).failure.kind != job_pb2.Finding.STORAGE:
+            count.found("wrong", "the job fails for another reason")
+
+
 class FailedOrder(Fault):
     """What a cancel and a pause have in common: their first write fails, a later one does not."""
     short, long = 2, 20

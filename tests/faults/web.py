@@ -123,6 +123,12 @@ class EndlessRequestLine(WebPeers):
     goes_on = 1_000_000 * b"y"
 
 
+class ChunkExtensions(WebPeers):
+    """Metrics and dashboard: bodies in chunks of one byte, each with an extension of 1 kB"""
+    begins = b"POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nTransfer-Encoding: chunked\r\n\r\n"
+    goes_on = (b"1;" + 1000 * b"x" + b"\r\ny\r\n") * 1000
+
+
 class SlowRequests(WebPeers):
     """Metrics and dashboard: 100 connections whose headers come byte by byte"""
     connections = 100

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 #include "server/jobs/folder/events.hpp"
@@ -332,10 +334,25 @@ std::pair<JobRecord, std::shared_ptr<EventLog>> QueueLoop::begin_attempt(const s
   return {std::move(*record), std::move(log)};
 }
 
+/// Other disk faults are those of a whole file system. A hold ends once the folder of all jobs can
+/// be written: one that comes back each time for the same job is of its own files.
+bool QueueLoop::is_unreadable(const std::string& id, const std::exception& error) {
+  constexpr int most_in_a_row = 3;
+  const auto* system = dynamic_cast<const std::system_error*>(&error);
+  if (system == nullptr || system->code().value() != EIO) {
+    failed_reads_.erase(id);
+    return false;
+  }
+  if (++failed_reads_[id] < most_in_a_row) return false;
+  failed_reads_.erase(id);
+  return true;
+}
+
 /// A job that cannot be started waits for the missing resource; it fails only for its own files.
 void QueueLoop::refuse_start(const std::string& id, const std::exception& error) {
   try {
-    if (const auto lack = daemon_lacks(error)) throw std::runtime_error(*lack);
+    if (const auto lack = daemon_lacks(error); lack && !is_unreadable(id, error))
+      throw std::runtime_error(*lack);
     auto record = state_.ledger.find(id);
     if (record && record->job.state() == v1::QUEUED) {
       add_failure(record->job, v1::Finding::STORAGE, error.what());

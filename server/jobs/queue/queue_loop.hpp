@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <exception>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -70,13 +71,16 @@ private:
   /// Lets a job that cannot be started wait for the missing resource; it fails only for its own
   /// files.
   void refuse_start(const std::string& id, const std::exception& error);
+  /// Whether the files of a job cannot be read, again and again, while the disk works (EIO).
+  bool is_unreadable(const std::string& id, const std::exception& error);
 
   QueueState& state_;
   JobViews& views_;
   JobRequests& requests_;
-  bool stopping_ = false;            ///< the thread must end at once
-  bool round_requested_ = false;     ///< see is_responsive()
-  Clock::time_point expected_wake_;  ///< of the thread
+  std::map<std::string, int> failed_reads_;  ///< in a row at its start, by job; of the thread
+  bool stopping_ = false;                    ///< the thread must end at once
+  bool round_requested_ = false;             ///< see is_responsive()
+  Clock::time_point expected_wake_;          ///< of the thread
   std::thread thread_;
 };
 
