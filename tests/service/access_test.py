@@ -1,5 +1,4 @@
 """Users of other machines: lines, tokens, roles, owners, TLS, certificates, limits, the audit log."""
-import contextlib
 import json
 import os
 import pwd
@@ -14,7 +13,7 @@ import unittest
 
 import grpc
 
-from dccast.v1 import access_pb2, job_pb2, judgement_pb2, service_pb2, service_pb2_grpc, study_pb2
+from dccast.v1 import access_pb2, job_pb2, service_pb2, service_pb2_grpc, study_pb2
 from support import BIN, Daemon, ServiceTest, connected, fake_case as fake, setting_options, until
 
 NOBODY = 65534
@@ -117,34 +116,6 @@ class StudiesOfOthers(AccessTest):
     def state(self, stub, job):
         return stub.GetJob(service_pb2.GetJobRequest(id=job), timeout=10).state
 
-    def test_nobody_else_submits_a_job_for_a_study_or_requests_it_again(self):
-        self.start()
-        anna, bert = (self.remote(self.token_of(name)) for name in ("anna", "bert"))
-        self.study_of(anna)
-        into = service_pb2.SubmitJobRequest(case=fake("steps=4"), study=self.ID)
-        for other in (bert, self.local()):
-            self.assertIn("is of anna, and holds jobs of its owner alone",
-                          self.refusal(grpc.StatusCode.PERMISSION_DENIED, other.SubmitJob, into))
-        with self.assertRaises(grpc.RpcError) as refused:
-            self.study_of(bert)
-        self.assertEqual(refused.exception.code(), grpc.StatusCode.ALREADY_EXISTS)
-        self.assertIn("another user", refused.exception.details())
-        self.study_of(anna)
-        self.submit_into(anna, "steps=4")
-
-    def test_castings_of_others_are_not_read_by_way_of_an_own_study(self):
-        self.start(access__read="own")
-        anna, bert = (self.remote(self.token_of(name)) for name in ("anna", "bert"))
-        self.study_of(anna)
-        own = self.study_of(bert, request_id="of-bert").id
-        foreign = [study_pb2.CalibratedCasting(studies=[own]),
-                   study_pb2.CalibratedCasting(studies=[self.ID])]
-        self.refusal(grpc.StatusCode.NOT_FOUND, bert.EvaluateStudy,
-                     study_pb2.EvaluateStudyRequest(id=own, castings=foreign))
-        self.refusal(grpc.StatusCode.NOT_FOUND, bert.JudgeStudy,
-                     judgement_pb2.JudgeStudyRequest(id=own, castings=foreign))
-        bert.JudgeStudy(judgement_pb2.JudgeStudyRequest(id=own, castings=foreign[:1]), timeout=10)
-
     def test_a_job_that_was_there_before_is_no_part_of_the_study(self):
         self.start()
         anna, bert = (self.remote(self.token_of(name)) for name in ("anna", "bert"))
@@ -223,14 +194,6 @@ class Tokens(AccessTest):
         again = local.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10, metadata=forged)
         self.assertEqual((again.name, again.proof), (name, "local user"))
 
-    def test_without_a_right_token_nothing_is_answered(self):
-        self.start()
-        info = service_pb2.GetServerInfoRequest()
-        for token in ("", "dccast-token-" + "0" * 16 + "-" + "0" * 64, "x", "x" * 5000):
-            details = self.refusal(grpc.StatusCode.UNAUTHENTICATED,
-                                   self.remote(token).GetServerInfo, info)
-            self.assertIn("dccast login", details)
-
     def test_what_a_command_changes_holds_at_once(self):
         self.start()
         token = self.token_of("anna")
@@ -265,15 +228,6 @@ class Tokens(AccessTest):
         except grpc.RpcError as error:
             return error.code() == grpc.StatusCode.UNAUTHENTICATED
         return False
-
-    def test_a_user_takes_the_token_back(self):
-        self.start()
-        anna = self.remote(self.token_of("anna"))
-        anna.RevokeToken(service_pb2.RevokeTokenRequest(), timeout=10)
-        self.refusal(grpc.StatusCode.UNAUTHENTICATED, anna.WhoAmI, service_pb2.WhoAmIRequest())
-        self.refusal(grpc.StatusCode.FAILED_PRECONDITION, self.local().RevokeToken,
-                     service_pb2.RevokeTokenRequest())
-
 
 class Lapses(AccessTest):
     """A watch ends when its caller is one no longer; the job goes on."""
@@ -331,66 +285,6 @@ class Lapses(AccessTest):
 
 
 class Owners(AccessTest):
-    def test_only_the_owner_and_an_admin_change_a_job(self):
-        self.start()
-        anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
-        kalle = self.remote(self.token_of("kalle", "admin"))
-        job = self.submit(anna, "steps=100000 sleep_ms=20")
-        for name, request in (("CancelJob", service_pb2.CancelJobRequest(id=job.id)),
-                              ("PauseJob", service_pb2.PauseJobRequest(id=job.id)),
-                              ("ResumeJob", service_pb2.ResumeJobRequest(id=job.id)),
-                              ("UpdateJob", service_pb2.UpdateJobRequest(id=job.id)),
-                              ("DeleteJob", service_pb2.DeleteJobRequest(id=job.id))):
-            details = self.refusal(grpc.StatusCode.PERMISSION_DENIED, getattr(bert, name), request)
-            self.assertIn("of anna", details)
-            self.assertIn("kalle", details)
-        bert.GetJob(service_pb2.GetJobRequest(id=job.id), timeout=10)
-        anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)
-        until(lambda: anna.GetJob(service_pb2.GetJobRequest(id=job.id),
-                                  timeout=10).state == job_pb2.CANCELLED, 20)
-        kalle.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
-
-    def test_who_holds_too_much_of_the_disk_submits_no_more(self):
-        self.start(per_user__maximum_disk="2 kB")
-        anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
-        job = self.submit(anna)
-        until(lambda: anna.GetJob(service_pb2.GetJobRequest(id=job.id),
-                                  timeout=10).state == job_pb2.SUCCEEDED, 20)
-        details = self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, anna.SubmitJob,
-                               service_pb2.SubmitJobRequest(case=fake("steps=3")))
-        for part in ("anna", "per_user.maximum_disk = 2000 bytes", "dccast delete"):
-            self.assertIn(part, details)
-        self.submit(bert)
-        anna.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
-        self.submit(anna)
-
-    def test_own_jobs_alone_are_read_where_the_settings_have_it(self):
-        self.start(access__read="own")
-        anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
-        job = self.submit(anna)
-        listed = service_pb2.ListJobsRequest()
-
-        self.assertEqual([one.id for one in anna.ListJobs(listed, timeout=10).jobs], [job.id])
-        self.assertEqual(len(bert.ListJobs(listed, timeout=10).jobs), 0)
-        self.assertEqual(len(self.local().ListJobs(listed, timeout=10).jobs), 1)
-
-        compared = judgement_pb2.CompareRunsRequest(runs=[{"job": job.id}, {"job": job.id}])
-        for call, request in ((bert.GetJob, service_pb2.GetJobRequest(id=job.id)),
-                              (bert.WatchJob, service_pb2.WatchJobRequest(id=job.id)),
-                              (bert.CancelJob, service_pb2.CancelJobRequest(id=job.id)),
-                              (bert.DeleteJob, service_pb2.DeleteJobRequest(id=job.id)),
-                              (bert.CompareRuns, compared)):
-            self.assertEqual(self.refusal(grpc.StatusCode.NOT_FOUND, call, request),
-                             f"there is no job {job.id} here; the list of jobs names those there are")
-        denied = [one for one in self.audit() if one.get("outcome") == "NOT_FOUND"]
-        self.assertIn(("bert", "GetJob"), {(one["user"], one["call"]) for one in denied})
-        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.ListJobs,
-                     service_pb2.ListJobsRequest(owner="anna"))
-        self.refusal(grpc.StatusCode.PERMISSION_DENIED, bert.ListStudies,
-                     study_pb2.ListStudiesRequest(owner="anna"))
-        self.refusal(grpc.StatusCode.NOT_FOUND, bert.SubmitJob,
-                     service_pb2.SubmitJobRequest(case=fake("steps=3"), after=[job.id]))
-        anna.SubmitJob(service_pb2.SubmitJobRequest(case=fake("steps=3"), after=[job.id]), timeout=10)
 
     @unittest.skipUnless(os.geteuid() == 0, "takes another user's id")
     def test_another_local_user_does_not_delete_roots_job(self):
@@ -463,56 +357,6 @@ class Certificates(AccessTest):
             with self.assertRaises(RuntimeError) as caught:
                 daemon.start()
             self.assertIn("listen.tls", str(caught.exception))
-
-
-class Limits(AccessTest):
-    def test_jobs_of_one_user(self):
-        self.start(per_user__maximum_queued=2)
-        anna = self.remote(self.token_of("anna"))
-        jobs = [self.submit(anna, "steps=100000 sleep_ms=20") for _ in range(2)]
-        details = self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, anna.SubmitJob,
-                               service_pb2.SubmitJobRequest(case=fake("steps=3")))
-        self.assertIn("anna has 2 jobs", details)
-        self.assertIn("per_user.maximum_queued = 2", details)
-        self.refusal(grpc.StatusCode.RESOURCE_EXHAUSTED, lambda *request, **rest: list(
-            anna.QueryButtCurl(*request, **rest)), service_pb2.QueryButtCurlRequest(
-                case=fake("steps=3"), keep=True))
-        self.submit(self.local())
-        for job in jobs:
-            anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)
-
-    def test_streams_of_one_user(self):
-        self.start(per_user__maximum_streams=2)
-        anna, bert = self.remote(self.token_of("anna")), self.remote(self.token_of("bert"))
-        job = self.submit(anna, "steps=100000 sleep_ms=20")
-        request = service_pb2.WatchJobRequest(id=job.id)
-        held = [anna.WatchJob(request, timeout=60) for _ in range(2)]
-        for watch in held:
-            next(watch)
-        self.assertIn("per_user.maximum_streams = 2", self.refusal(
-            grpc.StatusCode.RESOURCE_EXHAUSTED, anna.WatchJob, request))
-        next(bert.WatchJob(request, timeout=60))
-        held[0].cancel()
-        until(lambda: self.opens(anna, request), 10)
-        anna.CancelJob(service_pb2.CancelJobRequest(id=job.id), timeout=10)
-
-    def opens(self, stub, request):
-        with contextlib.suppress(grpc.RpcError):
-            return next(stub.WatchJob(request, timeout=10)) is not None
-        return False
-
-    def test_calls_a_second(self):
-        self.start(per_user__maximum_calls_per_s=2)
-        anna = self.remote(self.token_of("anna"))
-        codes = []
-        for _ in range(40):
-            try:
-                anna.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
-                codes.append(grpc.StatusCode.OK)
-            except grpc.RpcError as error:
-                codes.append(error.code())
-        self.assertIn(grpc.StatusCode.RESOURCE_EXHAUSTED, codes)
-        self.assertGreaterEqual(codes.count(grpc.StatusCode.OK), 20)
 
 
 class Audit(AccessTest):

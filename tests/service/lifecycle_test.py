@@ -1,14 +1,12 @@
 #!/usr/bin/python3
 """A job's ordinary life: submit, watch, query, fetch, list, cancel, pause, resume, delete."""
 import hashlib
-import os
-import pwd
 import time
 
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import TERMINAL, ServiceTest, curve, fake_case, main
+from support import ServiceTest, curve, fake_case, main
 
 
 class Lifecycle(ServiceTest):
@@ -26,14 +24,6 @@ class Lifecycle(ServiceTest):
         self.assertEqual(done.state, job_pb2.SUCCEEDED)
         self.assertEqual(done.attempts, 1)
         self.assertEqual(curve(self.client.steps(job.id))[-1][0], 30)
-
-    def test_a_job_belongs_to_the_user_who_submitted_it(self):
-        job = self.client.submit(fake_case("steps=1"))
-        self.assertEqual(job.owner, pwd.getpwuid(os.getuid()).pw_name)
-        self.client.until_state(job.id, job_pb2.SUCCEEDED)
-        self.daemon.terminate()
-        self.restart()
-        self.assertEqual(self.client.job(job.id).owner, job.owner)
 
     def test_first_event_reaches_the_watcher_at_once(self):
         delays = []
@@ -67,12 +57,6 @@ class Lifecycle(ServiceTest):
         self.refused(grpc.StatusCode.OUT_OF_RANGE, self.client.fetch, job.id, "", len(content) + 1)
         self.refused(grpc.StatusCode.NOT_FOUND, self.client.fetch, job.id, "../../../etc/passwd")
 
-    def test_results_of_a_job_that_has_none(self):
-        job = self.client.submit(fake_case("steps=1000 sleep_ms=20"))
-        self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.client.fetch, job.id)
-        self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.client.stub.QueryResult,
-                     service_pb2.QueryResultRequest(id=job.id, frame=True), timeout=10)
-
     def test_results_of_a_job_that_failed(self):
         """They hold everything up to the failure."""
         job = self.client.submit(fake_case("steps=10 fail_at=4 partial=1"))
@@ -80,47 +64,6 @@ class Lifecycle(ServiceTest):
         content = b"".join(chunk.data for chunk in self.client.fetch(job.id))
         self.assertEqual(hashlib.sha256(content).hexdigest(), job.artifacts[0].sha256)
         self.assertEqual(len(content.splitlines()), 4)
-
-    def test_a_history_in_pages(self):
-        job = self.client.submit(fake_case("steps=60"))
-        self.client.until_state(job.id, job_pb2.SUCCEEDED)
-        pages = self.client.pages(job.id, page_size=7)
-        self.assertEqual([len(page.steps) for page in pages], [7] * 8 + [4])
-        self.assertEqual([step.step for page in pages for step in page.steps],
-                         list(range(1, 61)))
-        self.assertEqual([page.HasField("case") for page in pages], [True] + [False] * 8)
-
-        for token in ("yesterday", "1", "1.", "-1.2", "1.2.3"):
-            error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.QueryResult,
-                                 service_pb2.QueryResultRequest(id=job.id, page_token=token),
-                                 timeout=10)
-            self.assertIn("page_token", error.details())
-        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.QueryResult,
-                     service_pb2.QueryResultRequest(id=job.id, page_size=-1), timeout=10)
-
-    def test_a_page_of_a_history_is_bounded_in_bytes(self):
-        job = self.client.submit(fake_case("steps=25000 checkpoint=100000"))
-        self.client.until_state(job.id, job_pb2.SUCCEEDED, seconds=60)
-        pages = self.client.pages(job.id)
-        self.assertGreater(len(pages), 1)
-        self.assertLess(max(page.ByteSize() for page in pages), 1.1 * 2**20)
-        self.assertEqual([step.step for page in pages for step in page.steps],
-                         list(range(1, 25001)))
-
-    def test_a_page_that_the_run_went_back_behind(self):
-        job = self.client.submit(fake_case("steps=30 checkpoint=10 crash_once_at=18 sleep_ms=30"))
-        self.client.until_step(job.id, 12)
-        query = self.client.stub.QueryResult
-        stays = query(service_pb2.QueryResultRequest(id=job.id, page_size=5), timeout=10)
-        goes = query(service_pb2.QueryResultRequest(id=job.id, page_size=11), timeout=10)
-        self.assertEqual(len(goes.steps), 11)
-        self.client.until_state(job.id, job_pb2.SUCCEEDED)
-        rest = query(service_pb2.QueryResultRequest(
-            id=job.id, page_token=stays.next_page_token), timeout=10)
-        self.assertEqual([step.step for step in rest.steps], list(range(6, 31)))
-        error = self.refused(grpc.StatusCode.ABORTED, query, service_pb2.QueryResultRequest(
-            id=job.id, page_token=goes.next_page_token), timeout=10)
-        self.assertIn("begin again", error.details())
 
     def test_cancel_while_running_and_again(self):
         job = self.client.submit(fake_case("steps=10000 sleep_ms=5"))
@@ -182,17 +125,6 @@ class Lifecycle(ServiceTest):
         self.refused(grpc.StatusCode.FAILED_PRECONDITION, stub.PauseJob,
                      service_pb2.PauseJobRequest(id=job.id), timeout=10)
 
-    def test_delete(self):
-        job = self.client.submit(fake_case("steps=10000 sleep_ms=5"))
-        request = service_pb2.DeleteJobRequest(id=job.id)
-        self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.client.stub.DeleteJob, request,
-                     timeout=10)
-        self.client.cancel(job.id)
-        self.client.until_state(job.id, *TERMINAL)
-        self.client.stub.DeleteJob(request, timeout=10)
-        self.refused(grpc.StatusCode.NOT_FOUND, self.client.job, job.id)
-        self.assertFalse(os.path.exists(os.path.join(self.folder, "data", "jobs", job.id)))
-
     def test_a_solve_that_fails_keeps_its_cause(self):
         job = self.client.submit(fake_case("steps=10 fail_at=4"))
         events = self.sound_events(list(self.client.watch(job.id)))
@@ -201,73 +133,6 @@ class Lifecycle(ServiceTest):
         self.assertEqual(failure, events[-1].state_change.failure)
         self.assertEqual(list(failure.residual_history), [1.0, 0.5])
         self.assertEqual(failure.time_s, 4)
-
-    def test_list_in_pages(self):
-        ids = [self.client.submit(fake_case(f"steps=1 number={i}")).id for i in range(5)]
-        for job_id in ids:
-            self.client.until_state(job_id, job_pb2.SUCCEEDED)
-        seen, token = [], ""
-        while True:
-            page = self.client.stub.ListJobs(
-                service_pb2.ListJobsRequest(page_size=2, page_token=token), timeout=10)
-            seen += [job.id for job in page.jobs]
-            token = page.next_page_token
-            if not token:
-                break
-
-        self.assertEqual(sorted(seen), sorted(ids))
-        self.assertEqual(len(seen), 5)
-
-        none = self.client.stub.ListJobs(service_pb2.ListJobsRequest(states=[job_pb2.FAILED]),
-                                         timeout=10)
-        self.assertEqual(len(none.jobs), 0)
-
-        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.ListJobs,
-                     service_pb2.ListJobsRequest(page_token="yesterday"), timeout=10)
-
-    def test_the_same_request_twice(self):
-        case = fake_case("steps=3")
-        first = self.client.submit(case, request_id="r1")
-        self.assertEqual(self.client.submit(case, request_id="r1").id, first.id)
-        other = fake_case("steps=3")
-        other.time.end_s = 146
-        self.refused(grpc.StatusCode.ALREADY_EXISTS, self.client.submit, other, request_id="r1")
-        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
-        self.assertEqual(len(listed.jobs), 1)
-
-    def test_a_study_is_the_jobs_that_name_it(self):
-        study, other = (f"0f2b9a4e-0000-4000-8000-00000000000{i}" for i in range(2))
-        case = fake_case("steps=1")
-        members = [self.client.submit(case, study=study) for _ in range(2)]
-        apart = [self.client.submit(case, study=other), self.client.submit(case)]
-        for job in members + apart:
-            self.client.until_state(job.id, job_pb2.SUCCEEDED)
-
-        def listed(study):
-            return {job.id for job in self.client.stub.ListJobs(
-                service_pb2.ListJobsRequest(study=study), timeout=10).jobs}
-        self.assertEqual(self.client.job(members[0].id).study, study)
-        self.assertEqual(self.client.job(apart[1].id).study, "")
-        self.assertEqual(listed(study), {job.id for job in members})
-        self.assertEqual(listed(""), {job.id for job in members + apart})
-        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=members[0].id), timeout=10)
-        self.assertEqual(listed(study), {members[1].id})
-        self.daemon.terminate()
-        self.restart()
-        self.assertEqual(listed(study), {members[1].id})
-
-    def test_a_request_joins_one_study_only(self):
-        study = "0f2b9a4e-0000-4000-8000-000000000000"
-        case = fake_case("steps=1")
-        first = self.client.submit(case, request_id="r", study=study)
-        self.assertEqual(self.client.submit(case, request_id="r", study=study).id, first.id)
-        for other in ("", study[:-1] + "1"):
-            error = self.refused(grpc.StatusCode.ALREADY_EXISTS, self.client.submit, case,
-                                 request_id="r", study=other)
-            self.assertIn("another study", error.details())
-        self.client.until_state(first.id, job_pb2.SUCCEEDED)
-        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=first.id), timeout=10)
-        self.assertNotEqual(self.client.submit(case, request_id="r", study=study).id, first.id)
 
     def test_server_info_and_alloys(self):
         info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)

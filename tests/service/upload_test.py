@@ -1,15 +1,13 @@
 #!/usr/bin/python3
 """Files of cases: what an upload costs the daemon, who may upload, how much, and what stays of it."""
 import concurrent.futures
-import hashlib
 import os
 import re
 import subprocess
-import threading
 
 import grpc
 
-from dccast.v1 import job_pb2, service_pb2, study_pb2
+from dccast.v1 import job_pb2, study_pb2
 from support import BIN, SANITIZED, ServiceTest, fake_case, main, until
 
 
@@ -60,41 +58,6 @@ class Uploads(ServiceTest):
         self.client.upload("slab.msh", b"mesh")
         self.client.submit(**case_with(named))
 
-    def test_what_the_server_has_is_not_sent_again(self):
-        content = b"x" * 1_000_000
-        named = self.client.upload("slab.msh", content)
-        self.assertTrue(self.client.upload_as(named, content).was_there)
-        self.assertEqual(len(self.uploaded()), 1)
-
-    def test_what_is_not_as_announced_is_refused_and_removed(self):
-        invalid = grpc.StatusCode.INVALID_ARGUMENT
-        named = job_pb2.Attachment(name="slab.msh", sha256=hashlib.sha256(b"mesh").hexdigest(),
-                                   size_bytes=4)
-        for content in (b"mes", b"mashy", b"mash", b""):
-            self.refused(invalid, self.client.upload_as, named, content)
-        for faulty in (job_pb2.Attachment(name="a"), job_pb2.Attachment(name="a", sha256="A" * 64),
-                       job_pb2.Attachment(name="a", sha256=named.sha256, size_bytes=-1)):
-            self.refused(invalid, self.client.upload_as, faulty, b"mesh")
-        self.refused(invalid, self.client.stub.UploadAttachment, iter([]), timeout=10)
-        self.refused(invalid, self.client.stub.UploadAttachment, iter(
-            [service_pb2.UploadAttachmentRequest(chunk=b"mesh")]), timeout=10)
-        self.refused(invalid, self.client.upload, "slab.msh", b"x" * 300_000, 300_000)
-        until(lambda: self.uploaded() == [], 5)
-
-    def test_an_upload_that_is_cancelled_leaves_nothing(self):
-        cancelled = threading.Event()
-
-        def endless():
-            yield service_pb2.UploadAttachmentRequest(attachment=job_pb2.Attachment(
-                name="slab.msh", sha256="0" * 64, size_bytes=50_000_000))
-            yield service_pb2.UploadAttachmentRequest(chunk=b"x" * 1000)
-            cancelled.wait(30)
-        call = self.client.stub.UploadAttachment.future(endless())
-        until(lambda: len(self.uploaded()) == 1, 10)
-        call.cancel()
-        cancelled.set()
-        until(lambda: self.uploaded() == [], 10)
-
     def test_a_study_keeps_the_files_of_its_case(self):
         named = self.client.upload("slab.msh", b"mesh")
         request = study_pb2.CreateStudyRequest(**case_with(named))
@@ -127,64 +90,6 @@ class Uploads(ServiceTest):
             self.assertEqual(ended.returncode, 0, ended.stderr)
             self.client.until_state(ended.stdout.strip(), job_pb2.SUCCEEDED)
         self.assertEqual(len(self.uploaded()), 1)
-
-
-class Quota(ServiceTest):
-    settings = {"workers__count": 1, "per_user__maximum_uploads": "1 MB", "limits__maximum_uploads": "2 MB",
-                "retention__upload_lifetime": "2 s"}
-
-    def test_the_refusal_names_the_quota_and_used_files_give_way(self):
-        first = self.client.upload("first.msh", b"a" * 600_000)
-        error = self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.upload, "second.msh",
-                             b"b" * 600_000)
-        self.assertIn("per_user.maximum_uploads = 1 MB", error.details())
-        info, verdict = self.details(error)
-        self.assertEqual(info.metadata["limit"], "per_user.maximum_uploads")
-        [fault] = verdict.faults
-        self.assertEqual(fault.field, "attachments")
-        self.assertIn("second.msh", fault.value)
-        self.assertIn("per_user.maximum_uploads", fault.permitted)
-        self.assertIn("submit", fault.remedy)
-
-        self.client.submit(**case_with(first))
-        self.client.upload("second.msh", b"b" * 600_000)  # the job has its own copy of the first
-
-    def test_an_upload_that_stands_still_is_ended(self):
-        ended = threading.Event()
-
-        def stalled():
-            yield service_pb2.UploadAttachmentRequest(attachment=job_pb2.Attachment(
-                name="slab.msh", sha256="0" * 64, size_bytes=500_000))
-            yield service_pb2.UploadAttachmentRequest(chunk=b"x" * 1000)
-            ended.wait(20)
-        error = self.refused(grpc.StatusCode.DEADLINE_EXCEEDED,
-                             self.client.stub.UploadAttachment, stalled(), timeout=15)
-        ended.set()
-        self.assertIn("did not come", error.details())
-        until(lambda: os.listdir(os.path.join(self.folder, "data", "uploads")) == [], 5)
-
-    def test_files_that_are_not_used_expire(self):
-        self.client.upload("first.msh", b"a" * 600_000)
-        until(lambda: os.listdir(os.path.join(self.folder, "data", "uploads")) == [], 10)
-        self.client.upload("second.msh", b"b" * 600_000)
-
-
-class Viewer(ServiceTest):
-    settings = {"workers__count": 1, "access__local_role": "viewer"}
-
-    def test_a_viewer_is_refused_before_the_first_chunk(self):
-        """As nobody, as root is an admin."""
-        os.chmod(self.folder, 0o755)
-        code = ("import os, sys; os.setuid(65534); import grpc; from support import Client\n"
-                "client = Client(sys.argv[1])\n"
-                "try: client.upload('slab.msh', b'x' * 1000000)\n"
-                "except grpc.RpcError as error: print(error.code().name, error.details())\n")
-        ended = subprocess.run(["/usr/bin/python3", "-c", code, self.daemon.address],
-                               capture_output=True, text=True, timeout=30, check=True,
-                               cwd=os.path.dirname(os.path.abspath(__file__)))
-        self.assertTrue(ended.stdout.startswith("PERMISSION_DENIED"), ended.stdout)
-        self.assertIn("viewer", ended.stdout)
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "uploads")), [])
 
 
 if __name__ == "__main__":

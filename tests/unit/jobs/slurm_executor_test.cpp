@@ -41,7 +41,8 @@ protected:
   SlurmExecutorTest() {
     fs::create_directory(folder_ / "bin");
     program("squeue",
-            "test -e queue || { echo 'Unable to contact slurm controller' >&2; exit 1; }; "
+            "printf . >> looks; test -e queue || { echo 'Unable to contact slurm controller' >&2; "
+            "exit 1; }; "
             "cat queue");
     program("sbatch",
             "echo sbatch \"$@\" >> asked; cat >> asked; "
@@ -66,6 +67,10 @@ protected:
   }
   std::string asked() const {
     return fs::exists(folder_ / "asked") ? storage::read_file(folder_ / "asked") : "";
+  }
+  /// How often squeue was run.
+  std::size_t looks() const {
+    return fs::exists(folder_ / "looks") ? storage::read_file(folder_ / "looks").size() : 0;
   }
   WorkerLaunch launch(int attempt = 1) const {
     WorkerLaunch launch{.job_id = "a-job", .attempt = attempt, .folder = job_};
@@ -214,7 +219,7 @@ TEST_F(SlurmExecutorTest, NothingIsSubmittedBesideAnEarlierStart) {
   shows_start("RUNNING", "None", 1);
   begin(2);
   ASSERT_TRUE(is_asked("scancel --name=dccast-a-job.1"));
-  std::this_thread::sleep_for(200ms);  // in which it asks Slurm several times
+  ASSERT_TRUE(eventually([&, before = looks()] { return looks() >= before + 3; }));
   EXPECT_THAT(asked(), Not(HasSubstr("sbatch")));
   shows_start("CANCELLED", "None", 1);
   EXPECT_TRUE(is_asked("--job-name=dccast-a-job.2"));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <google/protobuf/util/delimited_message_util.h>
+
 #include <fstream>
 #include <string>
 #include <utility>
@@ -16,9 +18,9 @@ namespace dccast::studies {
 /// for the worker that checks cases.
 class StudiesTest : public jobs::SchedulerTest {
 protected:
-  /// Checks a case: finds no fault in it.
+  /// Checks a case: finds no fault in it, or what set_verdict() says.
   static constexpr const char* finds_no_fault = R"(#!/usr/bin/python3
-import socket
+import os, socket
 link = socket.socket(fileno=0)
 def read(size):
     data = b""
@@ -35,7 +37,10 @@ while True:
         shift += 7
         if byte < 128: break
     read(length)
-    link.sendall(b"\x02\x1a\x00")
+    answer = b"\x02\x1a\x00"
+    if os.path.exists(__file__ + ".answer"):
+        answer = open(__file__ + ".answer", "rb").read()
+    link.sendall(answer)
 )";
   /// Ends at the first byte of a request.
   static constexpr const char* crashes = "#!/bin/sh\nhead -c 1 > /dev/null\nkill -ABRT $$\n";
@@ -44,19 +49,32 @@ while True:
   explicit StudiesTest(const char* checker = finds_no_fault)
       : program_(written_program(folder_ / "checker", checker)) {}
 
+  /// What the program finds in cases from now on.
+  void set_verdict(const v1::ValidateCaseResponse& verdict) {
+    v1::WorkerAnswer answer;
+    *answer.mutable_verdict() = verdict;
+    std::ofstream file(program_.string() + ".answer", std::ios::binary);
+    google::protobuf::util::SerializeDelimitedToOstream(answer, &file);
+  }
+
+  static v1::Case sound_case(const std::string& title = "a casting") {
+    v1::Case sound;
+    sound.set_title(title);
+    sound.mutable_section()->set_half_width_m(0.25);
+    sound.mutable_section()->set_initial_depth_m(0.066);
+    sound.mutable_time()->set_end_s(600.0);
+    v1::Monitor& monitor = *sound.add_monitor();
+    monitor.set_name("lip");
+    monitor.set_x_m(0.25);
+    monitor.set_y_m(0.0);
+    return sound;
+  }
+
   /// A Latin hypercube over the speed.
   static v1::CreateStudyRequest sweep(int runs, const std::string& request_id = "") {
     v1::CreateStudyRequest request;
     request.set_request_id(request_id);
-    v1::Case& submitted = *request.mutable_case_();
-    submitted.set_title("a casting");
-    submitted.mutable_section()->set_half_width_m(0.25);
-    submitted.mutable_section()->set_initial_depth_m(0.066);
-    submitted.mutable_time()->set_end_s(600.0);
-    v1::Monitor& monitor = *submitted.add_monitor();
-    monitor.set_name("lip");
-    monitor.set_x_m(0.25);
-    monitor.set_y_m(0.0);
+    *request.mutable_case_() = sound_case();
 
     request.mutable_sweep()->set_design(v1::SweepPlan::LATIN_HYPERCUBE);
     request.mutable_sweep()->set_runs(runs);
