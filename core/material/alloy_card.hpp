@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -8,21 +10,27 @@
 
 namespace dccast::material {
 
+/// A figure that the case does not give. The check of the case reports it where a law needs it.
+inline constexpr double not_given = std::numeric_limits<double>::quiet_NaN();
+inline bool is_given(double figure) {
+  return !std::isnan(figure);
+}
+
 /// Creep constants as the paper prints them, eq. (16) and (20).
 struct NortonHoffConstants {
-  double material_resistance = 0.0;  ///< lambda_r [Pa/s]
-  double shear_limit = 0.0;          ///< k [Pa]
-  double activation_energy = 0.0;    ///< G [J/mol]
-  double exponent = 2.0;             ///< q [1]
+  double material_resistance = not_given;  ///< lambda_r [Pa/s]
+  double shear_limit = not_given;          ///< k [Pa]
+  double activation_energy = not_given;    ///< G [J/mol]
+  double exponent = not_given;             ///< q [1]
 };
 
 /// Creep law given by one uniaxial test.
 struct ReferenceCreep {
-  double stress = 0.0;             ///< [Pa]
-  double strain_rate = 0.0;        ///< [1/s]
-  double temperature = 0.0;        ///< [°C]
-  double stress_exponent = 1.0;    ///< q - 1 [1]
-  double activation_energy = 0.0;  ///< [J/mol]
+  double stress = not_given;             ///< [Pa]
+  double strain_rate = not_given;        ///< [1/s]
+  double temperature = not_given;        ///< [°C]
+  double stress_exponent = not_given;    ///< q - 1 [1]
+  double activation_energy = not_given;  ///< [J/mol]
 };
 
 /// How metal behaves between its coherency and the end of freezing. Without this law the mush is
@@ -60,12 +68,12 @@ struct HotTearWindow {
 /// above the liquidus its value at the liquidus is used (MechanicalProperties::kappa).
 struct AlloyCard {
   std::string name;
-  double liquidus = 0.0;          ///< [°C]
-  double solidus = 0.0;           ///< [°C]; equal to the liquidus for a pure metal
-  double coherency = 0.0;         ///< [°C] below it the mush transmits stress
+  double liquidus = not_given;    ///< [°C]
+  double solidus = not_given;     ///< [°C]; equal to the liquidus for a pure metal
+  double coherency = not_given;   ///< [°C] below it the mush transmits stress
   std::optional<double> release;  ///< [°C] below it the mould releases metal; absent: the solidus
   std::optional<double> retention;  ///< [°C] below it metal does not flow out; absent: as release
-  double latent_heat = 0.0;         ///< [J/kg]
+  double latent_heat = not_given;   ///< [J/kg]
   Curve density;                    ///< [kg/m3] of the mixture of solid and liquid
   /// [kg/m3] of a fixed volume when feeding ends: all its metal stores heat. Absent: the density at
   /// its temperature, as in the paper (ThermalProperties).

@@ -57,12 +57,13 @@ inline Curve melt_stirring(double gain, double size) {
 /// A property of the mush, weighted by the fractions of solid and liquid: fs solid(T) + fl liquid.
 /// Tables that are linear from solidus to liquidus instead would let an alloy that is 90 % solid
 /// far above its solidus shrink by as much again as it has left to.
-/// @param card    with solidus, liquidus and liquid fraction
+/// @param card    with solidus and liquidus; its liquid fraction is linear where it has no table
 /// @param solid   against temperature [any unit]; used up to the liquidus
 /// @param liquid  at and above the liquidus [the same unit]
 /// @return        against temperature, linear between points at most 2.5 K apart in the mush
 inline Curve mixed_by_fraction(const AlloyCard& card, const Curve& solid, double liquid) {
-  constexpr double spacing = 2.5;  // [K]
+  constexpr double spacing = 2.5;     // [K]
+  constexpr double most_parts = 1e4;  // a range out of all proportion is a fault of its own
   std::vector<double> at, value;
   const auto add = [&](double t) {
     const double fraction = t >= card.liquidus ? 1.0 : liquid_fraction_at(card, t);
@@ -94,7 +95,7 @@ inline Curve mixed_by_fraction(const AlloyCard& card, const Curve& solid, double
     add(kinks[i]);
     if (i + 1 == kinks.size()) break;
     const double width = kinks[i + 1] - kinks[i];
-    const int parts = static_cast<int>(width / spacing) + 1;
+    const int parts = static_cast<int>(std::min(width / spacing, most_parts)) + 1;
     for (int k = 1; k < parts; ++k) add(kinks[i] + width * k / parts);
   }
 

@@ -40,6 +40,13 @@ public:
           "give alloy.melt_stirring, or alloy.melt_conductivity_factor");
   }
 
+  /// Metal creeps by one law.
+  void check_creep(const v1::Alloy& alloy) {
+    if (alloy.has_norton_hoff() && alloy.has_reference_creep())
+      add("alloy.reference_creep", "", "alloy.norton_hoff is given, too", "one creep law",
+          "give alloy.reference_creep, or alloy.norton_hoff");
+  }
+
 private:
   /// Adds a fault.
   void add(const std::string& path, const std::string& value, const std::string& message,
@@ -134,6 +141,7 @@ std::vector<v1::Fault> check_ranges(const Message& message) {
   if (const auto* c = dynamic_cast<const v1::Case*>(&message)) {
     check.check_depth(*c);
     check.check_stirring(c->alloy());
+    check.check_creep(c->alloy());
   }
   return std::move(check.faults);
 }

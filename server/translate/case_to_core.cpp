@@ -19,6 +19,11 @@ std::optional<double> given(bool is_given, double value) {
   return is_given ? std::optional(value) : std::nullopt;
 }
 
+/// A figure of the alloy that a law may need. @param is_given  whether the case has it
+double figure(bool is_given, double value) {
+  return is_given ? value : material::not_given;
+}
+
 /// Path of an attachment; empty for an empty name.
 fs::path attached(const std::string& name, const fs::path& attachments) {
   return name.empty() ? fs::path() : attachments / name;
@@ -59,17 +64,22 @@ mesh::SectionSpec section(const v1::Case& from, const fs::path& attachments) {
 std::variant<material::NortonHoffConstants, material::ReferenceCreep> creep(const v1::Alloy& from) {
   if (from.has_norton_hoff()) {
     const v1::NortonHoff& law = from.norton_hoff();
-    return material::NortonHoffConstants{.material_resistance = law.material_resistance_pa_per_s(),
-                                         .shear_limit = law.shear_limit_pa(),
-                                         .activation_energy = law.activation_energy_j_per_mol(),
-                                         .exponent = law.exponent()};
+    return material::NortonHoffConstants{
+        .material_resistance =
+            figure(law.has_material_resistance_pa_per_s(), law.material_resistance_pa_per_s()),
+        .shear_limit = figure(law.has_shear_limit_pa(), law.shear_limit_pa()),
+        .activation_energy =
+            figure(law.has_activation_energy_j_per_mol(), law.activation_energy_j_per_mol()),
+        .exponent = figure(law.has_exponent(), law.exponent())};
   }
   const v1::ReferenceCreep& law = from.reference_creep();
-  return material::ReferenceCreep{.stress = law.stress_pa(),
-                                  .strain_rate = law.strain_rate_per_s(),
-                                  .temperature = law.temperature_c(),
-                                  .stress_exponent = law.stress_exponent(),
-                                  .activation_energy = law.activation_energy_j_per_mol()};
+  return material::ReferenceCreep{
+      .stress = figure(law.has_stress_pa(), law.stress_pa()),
+      .strain_rate = figure(law.has_strain_rate_per_s(), law.strain_rate_per_s()),
+      .temperature = figure(law.has_temperature_c(), law.temperature_c()),
+      .stress_exponent = figure(law.has_stress_exponent(), law.stress_exponent()),
+      .activation_energy =
+          figure(law.has_activation_energy_j_per_mol(), law.activation_energy_j_per_mol())};
 }
 
 /// Laws of the mush. Without a coalescence fraction, the mush is that of the paper.
@@ -80,9 +90,11 @@ std::optional<material::MushLaw> mush_law(const v1::Alloy& from) {
                            .unfed_strain_share = from.unfed_strain_share()};
 }
 
+/// A table without a yield stress is kept, so that the check of the case sees it.
 std::optional<material::ColdStrength> cold_strength(const v1::Alloy& from) {
-  if (from.cold_strength().yield_stress_pa().value_size() == 0) return std::nullopt;
   const v1::Curve& hardening = from.cold_strength().hardening();
+  if (from.cold_strength().yield_stress_pa().value_size() == 0 && hardening.value_size() == 0)
+    return std::nullopt;
   return material::ColdStrength{
       .yield_stress = to_core(from.cold_strength().yield_stress_pa()),
       .hardening = hardening.value_size() == 0 ? Curve(0.0) : to_core(hardening)};
@@ -101,10 +113,9 @@ material::HotTearWindow hot_tears(const v1::Alloy& from) {
           .arm_spacing = from.arm_spacing_m()};
 }
 
-/// Sets the coherency temperature: the liquidus unless the card gives a fraction or a temperature.
+/// Sets the coherency temperature, if the card gives a fraction or a temperature.
 /// @pre liquidus, solidus and liquid fraction are set in the card
 void set_coherency(const v1::Alloy& from, material::AlloyCard& to) {
-  to.coherency = from.liquidus_c();
   if (from.has_coherency_solid_fraction())
     to.coherency = material::coherency_at(to, from.coherency_solid_fraction());
   if (from.has_coherency_c()) to.coherency = from.coherency_c();
@@ -114,13 +125,15 @@ void set_coherency(const v1::Alloy& from, material::AlloyCard& to) {
 /// @pre liquidus, solidus and liquid fraction are set in the card
 Curve metal_property(const material::AlloyCard& card, const v1::Curve& table,
                      const v1::Curve& solid, double liquid) {
-  if (solid.value_size() == 0 || liquid <= 0.0) return to_core(table);
+  const bool has_mush = material::is_given(card.solidus) && material::is_given(card.liquidus);
+  if (solid.value_size() == 0 || liquid <= 0.0 || !has_mush) return to_core(table);
   return material::mixed_by_fraction(card, to_core(solid), liquid);
 }
 
-/// Density at the end of feeding: from there on a cell keeps its mass.
+/// Density at the end of feeding: from there on a cell keeps its mass. Empty without a density.
 /// @pre density, liquidus, solidus and liquid fraction are set in the card
-double fed_density(const v1::Alloy& from, const material::AlloyCard& card) {
+std::optional<double> fed_density(const v1::Alloy& from, const material::AlloyCard& card) {
+  if (card.density.empty()) return std::nullopt;
   const double end =
       from.has_coalescence_solid_fraction() ? from.coalescence_solid_fraction() : 1.0;
   return material::density_at_solid_fraction(card, end);
@@ -137,9 +150,9 @@ double size_across(const mesh::SectionSpec& section) {
 material::AlloyCard alloy(const v1::Alloy& from, double size) {
   material::AlloyCard to;
   to.name = from.card();
-  to.liquidus = from.liquidus_c();
-  to.solidus = from.solidus_c();
-  to.latent_heat = from.latent_heat_j_per_kg();
+  to.liquidus = figure(from.has_liquidus_c(), from.liquidus_c());
+  to.solidus = figure(from.has_solidus_c(), from.solidus_c());
+  to.latent_heat = figure(from.has_latent_heat_j_per_kg(), from.latent_heat_j_per_kg());
   to.specific_heat = to_core(from.specific_heat_j_per_kg_k());
   to.melt_conductivity_factor = from.has_melt_stirring()
                                     ? material::melt_stirring(from.melt_stirring(), size)

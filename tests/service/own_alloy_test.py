@@ -11,7 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 CARD = (ROOT / "cases/alloys/paper.toml").read_text(encoding="utf-8")
 
 
-class OwnAlloy(ServiceTest):
+class CardTest(ServiceTest):
     def setUp(self):
         super().setUp()
         case = (ROOT / "cases/start-2d-thickness.toml").read_text(encoding="utf-8")
@@ -31,6 +31,8 @@ class OwnAlloy(ServiceTest):
         self.assertEqual(ended.returncode, code, ended.stderr)
         return ended.stdout + ended.stderr
 
+
+class OwnAlloy(CardTest):
     def test_the_command_line_takes_it_with_the_case(self):
         job = self.service.job(self.dccast("submit", self.case).strip())
         job.wait()
@@ -63,6 +65,22 @@ class OwnAlloy(ServiceTest):
         job.wait()
         self.assertEqual(job.case.alloy.coherency_solid_fraction, 0.8)
         self.assertEqual(job.case.alloy.liquidus_c, 649)
+
+
+class Gaps(CardTest):
+    worker = "dccast-worker"  # its check is the real one
+
+    def test_a_gap_of_the_card_is_named_and_ends_no_worker(self):
+        for key, word in (("specific_heat = ", "alloy.specific_heat"), ("latent_heat = ", "alloy.latent_heat"),
+                          ("exponent = ", "alloy.norton_hoff.exponent")):
+            lines = [line for line in CARD.splitlines() if not line.startswith(key)]
+            self.card.write_text("\n".join(lines), encoding="utf-8")
+            said = self.dccast("validate", self.case, code=2)
+            self.assertIn(word, said)
+            self.assertIn("is missing", said)
+        self.card.write_text(CARD, encoding="utf-8")
+        said = self.dccast("validate", self.case, "--set", "alloy.density=2650 kg/m3", code=2)
+        self.assertIn("would contract nothing", said)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "core/casting/case/checks.hpp"
 #include "core/material/thermal_properties.hpp"
@@ -83,15 +87,120 @@ void cold_strength(CaseFindings& found) {
               "take newton, or an alloy card without cold_strength");
 }
 
+constexpr const char* mend_card =
+    "add it to the card or to [alloy]; `dccast alloys aa5182` shows a complete card";
+
+/// Reports a figure or table that a law of the case needs and the alloy does not have.
+void need(CaseFindings& found, const std::string& key, bool is_given, const std::string& permitted,
+          const std::string& reason = "", const std::string& remedy = mend_card) {
+  if (!is_given && found.sound({key}))
+    found.fault(key, "", "is missing" + reason, permitted, remedy);
+}
+
+/// Checks a property that is a table, or mixed of those of solid and liquid.
+void need_property(CaseFindings& found, const std::string& name, const Curve& table) {
+  const std::string solid = "alloy.solid_" + name, liquid = "alloy.liquid_" + name;
+  if (!found.sound({solid, liquid})) return;
+  need(found, "alloy." + name, !table.empty(), "a table, or " + solid + " and " + liquid, "",
+       "give alloy." + name + ", or both " + solid + " and " + liquid);
+}
+
+/// Checks for everything that the heat needs, and the state of the mush.
+void need_heat(CaseFindings& found) {
+  using material::is_given;
+  const material::AlloyCard& a = found.casting.alloy;
+
+  need(found, "alloy.liquidus", is_given(a.liquidus), "a temperature");
+  need(found, "alloy.solidus", is_given(a.solidus), "a temperature, at most alloy.liquidus");
+  need(found, "alloy.latent_heat", is_given(a.latent_heat),
+       "a heat, or 0 J/kg where alloy.specific_heat contains the heat of freezing");
+  need(found, "alloy.specific_heat", !a.specific_heat.empty(), "a value or a table");
+
+  // Solid and liquid are mixed over the mush, which these temperatures give.
+  if (!found.sound({"alloy.liquidus", "alloy.solidus"})) return;
+  need_property(found, "density", a.density);
+  need_property(found, "conductivity", a.conductivity);
+  if (found.sound({"alloy.coherency"}))
+    need(found, "alloy.coherency_solid_fraction", is_given(a.coherency),
+         "a solid fraction, or a temperature as alloy.coherency",
+         ": it tells from where on metal carries stress, and where the sump ends",
+         "write coherency_solid_fraction = 0.9, as most shipped cards do");
+}
+
+/// The figures of a creep law, by their keys.
+std::vector<std::pair<const char*, double>> figures_of(const material::NortonHoffConstants& law) {
+  return {{"alloy.norton_hoff.material_resistance", law.material_resistance},
+          {"alloy.norton_hoff.shear_limit", law.shear_limit},
+          {"alloy.norton_hoff.activation_energy", law.activation_energy},
+          {"alloy.norton_hoff.exponent", law.exponent}};
+}
+std::vector<std::pair<const char*, double>> figures_of(const material::ReferenceCreep& law) {
+  return {{"alloy.reference_creep.stress", law.stress},
+          {"alloy.reference_creep.strain_rate", law.strain_rate},
+          {"alloy.reference_creep.temperature", law.temperature},
+          {"alloy.reference_creep.stress_exponent", law.stress_exponent},
+          {"alloy.reference_creep.activation_energy", law.activation_energy}};
+}
+
+/// Checks that there is a creep law, and that it is complete.
+void need_creep(CaseFindings& found) {
+  const auto figures =
+      std::visit([](const auto& law) { return figures_of(law); }, found.casting.alloy.creep);
+  const auto is_given = [](const auto& figure) { return material::is_given(figure.second); };
+
+  if (std::ranges::none_of(figures, is_given)) {
+    need(found, "alloy.reference_creep", !found.sound({"alloy.norton_hoff"}),
+         "one creep law: alloy.reference_creep, or alloy.norton_hoff");
+    return;
+  }
+  for (const auto& [key, value] : figures)
+    need(found, key, material::is_given(value), "a number, as all figures of a creep law");
+}
+
+/// Checks for everything that the mechanics needs.
+void need_mechanics(CaseFindings& found) {
+  const material::AlloyCard& a = found.casting.alloy;
+  need(found, "alloy.young_modulus", !a.young_modulus.empty(), "a value or a table");
+  need(found, "alloy.poisson_ratio", !a.poisson_ratio.empty(), "a value or a table");
+  need_creep(found);
+  if (a.cold_strength)
+    need(found, "alloy.cold_strength.yield_stress", !a.cold_strength->yield_stress.empty(),
+         "a value or a table", ", and alloy.cold_strength.hardening is given",
+         "give the yield stress, or leave alloy.cold_strength out");
+}
+
+/// Checks that solid metal contracts as it cools. A constant density moves nothing.
+/// @pre solidus and densities are sound
+void contraction(CaseFindings& found) {
+  constexpr double cold = 20.0;  // [°C]
+  const material::AlloyCard& a = found.casting.alloy;
+  const double hot = std::min(a.solidus, a.coherency);
+  const auto falls = [&](const Curve& density) { return density(cold) > density(hot); };
+
+  // Without a law of the mush the solid contracts as the mixture, which may be mixed from it.
+  const bool of_solid = !a.solid_density.empty() && !falls(a.solid_density);
+  const bool has_own = !a.solid_density.empty() && a.mush;
+  if (!(has_own ? of_solid : !falls(a.density))) return;
+  const Curve& density = of_solid ? a.solid_density : a.density;
+
+  found.fault(of_solid ? "alloy.solid_density" : "alloy.density", with_unit(density(cold), "kg/m3"),
+              fmt::format("is {} at {} and at {}: solid metal would contract nothing, and no slab "
+                          "would curl",
+                          density(cold) == density(hot) ? "the same" : "not more",
+                          with_unit(cold, "degC"), with_unit(hot, "degC")),
+              "a table that falls with the temperature up to the solidus",
+              R"(give two points at least, as [["0 degC", "2650 kg/m3"], ["640 degC", )"
+              R"("2500 kg/m3"]], or write mechanics.enabled = false)");
+}
+
 }  // namespace
 
 void check_alloy(CaseFindings& found) {
-  const material::AlloyCard& a = found.casting.alloy;
-  for (const auto& [key, table] :
-       {std::pair{"alloy.density", &a.density}, std::pair{"alloy.conductivity", &a.conductivity}})
-    if (table->empty() && found.sound({key}))
-      found.fault(key, "", "is missing", "a table, or the properties of solid and liquid",
-                  std::string("give ") + key + ", or its solid_ and liquid_ keys");
+  const Case& c = found.casting;
+  const material::AlloyCard& a = c.alloy;
+  need_heat(found);
+  const bool has_mechanics = c.mechanics.enabled && found.sound({"mechanics.enabled"});
+  if (has_mechanics) need_mechanics(found);
 
   if (!found.sound({"alloy.solidus", "alloy.liquidus"})) return;
   if (a.solidus > a.liquidus)
@@ -101,12 +210,14 @@ void check_alloy(CaseFindings& found) {
 
   // The remaining checks compare temperatures of the mush, which need solidus and liquidus in
   // order.
-  if (found.sound({"alloy.solidus", "alloy.coherency"})) coherency(found);
-  onset_of_stress(found);
-  cold_strength(found);
   hot_tear_window(found);
+  cold_strength(found);
   if (!a.liquid_fraction.empty() && found.sound({"alloy.solidus", "alloy.liquid_fraction"}))
     liquid_fraction(found);
+  if (!found.sound({"alloy.solidus", "alloy.coherency", "alloy.coherency_solid_fraction"})) return;
+  coherency(found);
+  onset_of_stress(found);
+  if (has_mechanics && found.sound({"alloy.density", "alloy.solid_density"})) contraction(found);
 }
 
 }  // namespace dccast::casting
