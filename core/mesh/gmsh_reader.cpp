@@ -16,6 +16,7 @@
 
 #include "core/mesh/cell_shape.hpp"
 #include "core/mesh/gmsh_file.hpp"
+#include "core/mesh/unglued.hpp"
 
 namespace dccast::mesh {
 
@@ -42,6 +43,9 @@ std::array<double, 3> mean_normal(const Mesh<3>& mesh, const std::vector<Facet<3
   return sum;
 }
 
+/// Group of a boundary that is insulated and moves freely.
+constexpr const char* free_name = "free";
+
 /// What a file is read as.
 enum class Content { section, plan, solid };
 
@@ -67,6 +71,7 @@ public:
     check_shapes();
     if (is_valid()) add_elements();
     if (is_valid()) find_boundary();
+    if (is_valid()) check_glued();
     if (is_valid()) add_patches();
     if (is_valid()) check_patches();
     if (!is_valid()) return std::nullopt;
@@ -79,10 +84,13 @@ public:
 private:
   using Key = std::array<int, 4>;  ///< sorted nodes of a facet, -1 where it has fewer than four
 
+  static constexpr int no_patch = -1;
+  static constexpr int free_patch = -2;  ///< of a boundary that is left free on purpose
+
   struct Boundary {
     Facet<Dim> facet;
     int elements = 0;  ///< that share it
-    int patch = -1;
+    int patch = no_patch;
   };
 
   bool is_valid() const { return faults_.list().size() == faults_before_; }
@@ -264,11 +272,46 @@ private:
 
         Boundary& boundary = boundary_[make_key(facet.node, corners.size())];
         if (boundary.elements == 0) boundary.facet = facet;
-        ++boundary.elements;
+        if (++boundary.elements == 2) neighbours_.emplace_back(boundary.facet.element, e);
         if (boundary.elements > 2)
           return add_fault("has elements that overlap: three share a facet");
       }
     }
+  }
+
+  /// A place in the mesh, for messages: "(0.1, 0.2) m".
+  std::string place(int node) const {
+    return fmt::format("({:.6g}) m", fmt::join(mesh_.point(node), mesh_.point(node) + Dim, ", "));
+  }
+
+  /// Neither heat nor force passes between cells that do not share their nodes.
+  void check_glued() {
+    constexpr const char* permitted = "neighbouring cells that share whole sides and their nodes";
+    std::vector<Facet<Dim>> outer;
+    for (const auto& [key, boundary] : boundary_)
+      if (boundary.elements == 1) outer.push_back(boundary.facet);
+
+    if (const auto found = find_unglued<Dim>(mesh_, outer)) {
+      const bool hangs = found->same_place < 0;
+      const long tag = file_.node_tag[std::size_t(found->node)];
+      return add_fault(
+          fmt::format("has cells that touch but are not joined, at {} nodes, at first at {}: {}",
+                      found->nodes, place(found->node),
+                      hangs ? fmt::format("node {} hangs in the side of a cell", tag)
+                            : fmt::format("nodes {} and {} lie at one place",
+                                          file_.node_tag[std::size_t(found->same_place)], tag)),
+          permitted,
+          hangs ? "divide the cells on both sides alike, in Gmsh with the same Transfinite Curve "
+                  "and without a second curve at that place (Coherence)"
+                : "in Gmsh, Coherence (BooleanFragments with OpenCASCADE) before the mesh is made, "
+                  "or Coherence Mesh after it");
+    }
+
+    const Pieces pieces = find_pieces(mesh_.elements(), neighbours_);
+    if (pieces.number > 1)
+      add_fault(fmt::format("lies in {} pieces that share no side of a cell; one of them is at {}",
+                            pieces.number, place(mesh_.nodes_of(pieces.second)[0])),
+                permitted, "mesh one body; cells that meet at a corner or an edge are not joined");
   }
 
   /// The kind of a patch by its name. A section has one of each; a solid may have several planes of
@@ -296,20 +339,23 @@ private:
   const char* known_names() const {
     switch (content_) {
       case Content::section:
-        return "symmetry, bottom, side, top";
+        return "symmetry, bottom, side, top, or free";
       case Content::plan:
         return "symmetry_x, symmetry_y, side_x, side_y, or side_ and any name";
       case Content::solid:
-        return "symmetry_x, symmetry_y, bottom, side_x, side_y, top, or side_ and any name";
+        return "symmetry_x, symmetry_y, bottom, side_x, side_y, top, side_ and any name, or free";
     }
     return "";
   }
 
-  /// The index of the patch of a physical group; -1, with one fault, if its name is unknown.
+  /// The index of the patch of a physical group, or `free_patch`; `no_patch`, with one fault, if
+  /// its name is unknown.
   int find_patch(int group) {
     const auto found = file_.group_name.find({Dim - 1, group});
     const std::string name =
         found == file_.group_name.end() ? std::to_string(group) : found->second;
+
+    if (name == free_name && content_ != Content::plan) return free_patch;
 
     auto& patches = mesh_.patches;
     const auto known = std::ranges::find(patches, name, &Patch<Dim>::name);
@@ -324,10 +370,12 @@ private:
     if (unknown_.insert(name).second)
       add_fault(fmt::format("has the unknown physical group '{}'", name.substr(0, 60)),
                 known_names());
-    return -1;
+    return no_patch;
   }
 
-  const std::string& patch_name(int patch) const { return mesh_.patches[std::size_t(patch)].name; }
+  std::string patch_name(int patch) const {
+    return patch == free_patch ? free_name : mesh_.patches[std::size_t(patch)].name;
+  }
 
   /// Adds a facet of the boundary to a patch.
   void add_facet(const std::vector<int>& nodes, int patch) {
@@ -338,12 +386,12 @@ private:
 
     Boundary& boundary = found->second;
     if (boundary.patch == patch) return;  // Gmsh repeats a facet for each of its groups
-    if (boundary.patch >= 0)
+    if (boundary.patch != no_patch)
       return add_fault(fmt::format("has a facet in two groups, {} and {}",
                                    patch_name(boundary.patch), patch_name(patch)));
 
     boundary.patch = patch;
-    mesh_.patches[std::size_t(patch)].facets.push_back(boundary.facet);
+    if (patch != free_patch) mesh_.patches[std::size_t(patch)].facets.push_back(boundary.facet);
   }
 
   void add_patches() {
@@ -352,7 +400,7 @@ private:
       if (gmsh::dimension_of(element.shape) != Dim - 1) continue;
       for (const int group : element.groups) {
         const int patch = find_patch(group);
-        if (patch < 0) continue;
+        if (patch == no_patch) continue;
         if (!look_up(element, nodes)) return;
 
         const std::size_t faults_before = faults_.list().size();
@@ -362,32 +410,31 @@ private:
     }
   }
 
-  /// A plan is cooled or held all around; other meshes stand on the block and may have a free
-  /// boundary.
+  /// Each outer side of a cell is cooled, held, or left free on purpose; a plan has no free sides.
   void check_patches() {
-    if (content_ == Content::plan) return need_groups_all_around();
-    if (mesh_.facets(PatchKind::bottom).empty())
-      add_fault("has no physical group 'bottom'",
-                "the part of the boundary that stands on the block");
+    if (content_ != Content::plan && mesh_.facets(PatchKind::bottom).empty())
+      return add_fault("has no physical group 'bottom'",
+                       "the part of the boundary that stands on the block");
+    need_groups_all_around();
   }
 
   void need_groups_all_around() {
     int sides = 0;
     const Facet<Dim>* first = nullptr;
     for (const auto& [key, boundary] : boundary_) {
-      if (boundary.elements != 1 || boundary.patch >= 0) continue;
+      if (boundary.elements != 1 || boundary.patch != no_patch) continue;
       if (sides++ == 0) first = &boundary.facet;
     }
 
     if (sides == 0) return;
-    const double *a = mesh_.point(first->node[0]), *b = mesh_.point(first->node[1]);
+    std::vector<std::string> corners;
+    for (int i = 0; i < first->nodes; ++i) corners.push_back(place(first->node[std::size_t(i)]));
     add_fault(
-        fmt::format("has {} {} of cells at the outline without a group, at first that from "
-                    "({:.6g}, {:.6g}) to ({:.6g}, {:.6g}) m",
-                    sides, sides == 1 ? "side" : "sides", a[0], a[1], b[0], b[1]),
-        fmt::format("each side of the outline in a physical group {}", known_names()),
-        "name its line in Gmsh with Physical Curve; if it lies inside the outline, a node hangs "
-        "there: let neighbouring cells share whole sides");
+        fmt::format("has {} outer {} of cells without a group, at first that between {}", sides,
+                    sides == 1 ? "side" : "sides", fmt::join(corners, ", ")),
+        fmt::format("each outer side in a physical group {}", known_names()),
+        fmt::format("name it in Gmsh with Physical {}{}", Dim == 2 ? "Curve" : "Surface",
+                    content_ == Content::plan ? "" : ", as free if nothing is to cool or hold it"));
   }
 
   /// Orders the facets of each patch: bottom and top from the symmetry plane, the others upwards.
@@ -422,7 +469,8 @@ private:
   Mesh<Dim> mesh_;
   std::unordered_map<long, int> number_;  ///< of a node by its Gmsh tag
   std::map<Key, Boundary> boundary_;
-  std::set<std::string> unknown_;  ///< names of groups that have a fault
+  std::vector<std::pair<int, int>> neighbours_;  ///< elements that share a facet
+  std::set<std::string> unknown_;                ///< names of groups that have a fault
 };
 
 template <int Dim>

@@ -14,8 +14,9 @@ namespace dccast::mesh {
 /// Reads a Gmsh mesh, MSH 2.2 or 4.1 in ASCII, length unit the metre.
 ///
 /// Boundary facets belong to physical groups named symmetry, bottom, side and top, in 3D also
-/// symmetry_x, symmetry_y and any name that begins with side_. The group bottom is required;
-/// boundary without a group is free and insulated. Elements of negative orientation are reversed.
+/// symmetry_x, symmetry_y and any name that begins with side_. The group bottom is required. Each
+/// outer facet is in a group; those of the group free are insulated and move freely. Cells share
+/// whole facets. Elements of negative orientation are reversed.
 /// Nodes keep the order of the file, which is the order of the columns of a temperature file.
 /// Facets of a patch are ordered along it: from the symmetry plane, or upwards.
 ///

@@ -3,8 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
+#include <array>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace dccast::mesh {
 namespace {
@@ -139,13 +146,16 @@ TEST(GmshReader, TurnsSolidElementsRound) {
   const std::string cube =
       "$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 "
       "1\n$EndNodes\n";
-  const std::string group = "$PhysicalNames\n1\n2 1 \"bottom\"\n$EndPhysicalNames\n";
+  const std::string group = "$PhysicalNames\n2\n2 1 \"bottom\"\n2 2 \"free\"\n$EndPhysicalNames\n";
+  const std::string rest =
+      "3 3 2 2 1 5 6 7 8\n4 3 2 2 1 1 2 6 5\n5 3 2 2 1 2 3 7 6\n6 3 2 2 1 3 4 8 7\n"
+      "7 3 2 2 1 4 1 5 8\n";
 
   for (const char* hexahedron : {"1 2 3 4 5 6 7 8", "1 4 3 2 5 8 7 6"}) {
     Faults faults;
     const auto mesh = parse_gmsh<3>(
         head_2 + group + cube +
-            elements_2(2, std::string("1 3 2 1 1 1 2 3 4\n2 5 2 9 1 ") + hexahedron + "\n"),
+            elements_2(7, "1 3 2 1 1 1 2 3 4\n" + rest + "2 5 2 9 1 " + hexahedron + "\n"),
         "cube.msh", ElementKind::q1, faults);
     ASSERT_TRUE(mesh) << faults.list()[0].message;
     EXPECT_EQ(mesh->element_node, (std::vector{0, 1, 2, 3, 4, 5, 6, 7}));
@@ -157,18 +167,137 @@ TEST(GmshReader, TurnsSolidElementsRound) {
   Faults faults;
   const auto tetrahedron =
       parse_gmsh<3>(head_2 + group + "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n" +
-                        elements_2(2, "1 2 2 1 1 1 2 3\n2 4 2 9 1 1 3 2 4\n"),
+                        elements_2(5,
+                                   "1 2 2 1 1 1 2 3\n2 4 2 9 1 1 3 2 4\n3 2 2 2 1 1 2 4\n"
+                                   "4 2 2 2 1 2 3 4\n5 2 2 2 1 3 1 4\n"),
                     "tetrahedron.msh", ElementKind::p1, faults);
   ASSERT_TRUE(tetrahedron) << faults.list()[0].message;
   EXPECT_EQ(tetrahedron->element_node, (std::vector{0, 1, 2, 3}));
   EXPECT_EQ(tetrahedron->facets(PatchKind::bottom)[0].nodes, 3);
 }
 
-TEST(GmshReader, AllowsBoundaryWithoutAGroup) {
-  EXPECT_EQ(mesh_of(replaced(triangle_file, "4 1 2 3 3 13 23", "4 1 2 0 3 13 23"))
-                .facets(PatchKind::side)
-                .size(),
-            0u);
+TEST(GmshReader, WantsEachOuterSideInAGroup) {
+  const std::string text = replaced(triangle_file, "4 1 2 3 3 13 23", "4 1 2 0 3 13 23");
+  EXPECT_EQ(fault_of(text),
+            "has 1 outer side of cells without a group, at first that between (2, 0) m, (2, 1) m");
+
+  // A boundary that is free on purpose has a group, too, and no patch.
+  const Mesh2D mesh = mesh_of(replaced(triangle_file, "\"side\"", "\"free\""));
+  EXPECT_EQ(mesh.find("free"), nullptr);
+  EXPECT_TRUE(patch_nodes(mesh, PatchKind::side).empty());
+  const std::string both = replaced(triangle_file, "\"side\"", "\"free\"");
+  EXPECT_EQ(fault_of(replaced(both, "4 1 2 3 3 13 23", "4 1 2 3 3 12 11")),
+            "has a facet in two groups, bottom and free");
+}
+
+/// The strip in two halves: the nodes 12 and 22 of the right half are doubled as 32 and 42.
+std::string halves(const std::string& file, const std::string& place_of_32) {
+  std::string text = replaced(file, "$Nodes\n6\n", "$Nodes\n8\n");
+  text = replaced(text, "$EndNodes", "32 " + place_of_32 + " 0\n42 1 1 0\n$EndNodes");
+  text = replaced(text, "2 1 2 2 2 13 12", "2 1 2 2 2 13 32");
+  return replaced(text, "5 1 2 4 4 23 22", "5 1 2 4 4 23 42");
+}
+
+TEST(GmshReader, FindsCellsThatTouchWithoutSharingTheirNodes) {
+  std::string quadrilaterals =
+      replaced(halves(quadrilateral_file, "1 0"), "12 22 23 13", "32 42 23 13");
+  EXPECT_EQ(fault_of(quadrilaterals, ElementKind::q1),
+            "has cells that touch but are not joined, at 4 nodes, at first at (1, 0) m: nodes 12 "
+            "and 32 lie at one place");
+
+  const std::string split = "9 2 2 7 1 32 13 23\n10 2 2 7 1 32 23 42\n";
+  const std::string triangles =
+      replaced(halves(triangle_file, "1 0"), "9 2 2 7 1 12 13 23\n10 2 2 7 1 12 23 22\n", split);
+  EXPECT_THAT(fault_of(triangles), HasSubstr("touch but are not joined"));
+  // Also where the doubled nodes differ by the rounding of a file.
+  EXPECT_THAT(fault_of(replaced(halves(triangle_file, "1.0000004 -3e-7"),
+                                "9 2 2 7 1 12 13 23\n10 2 2 7 1 12 23 22\n", split)),
+              HasSubstr("touch but are not joined"));
+
+  // A gap that can be seen is none of these, but the strip lies in pieces.
+  std::string apart = replaced(halves(quadrilateral_file, "1.2 0"), "12 22 23 13", "32 42 23 13");
+  apart = replaced(apart, "42 1 1 0", "42 1.2 1 0");
+  EXPECT_EQ(fault_of(apart, ElementKind::q1),
+            "lies in 2 pieces that share no side of a cell; one of them is at (1.2, 0) m");
+}
+
+TEST(GmshReader, FindsANodeThatHangsInTheSideOfACell) {
+  // A square beside two of half its height.
+  const std::string text =
+      head_2 + names +
+      "$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 1 0.5 0\n6 2 0 0\n7 2 0.5 0\n8 2 1 0\n"
+      "$EndNodes\n" +
+      elements_2(3, "1 3 2 7 1 1 2 3 4\n2 3 2 7 1 2 6 7 5\n3 3 2 7 1 5 7 8 3\n");
+  EXPECT_EQ(fault_of(text, ElementKind::q1),
+            "has cells that touch but are not joined, at 1 nodes, at first at (1, 0.5) m: node 5 "
+            "hangs in the side of a cell");
+}
+
+/// A brick between x, y and z. Bricks of one part share their nodes.
+struct Brick {
+  std::array<double, 2> x, y, z;
+  int part = 0;
+};
+
+std::string solid_of(const std::vector<Brick>& bricks) {
+  std::map<std::tuple<double, double, double, int>, int> number;
+  std::string nodes, cells;
+  for (const Brick& brick : bricks) {
+    cells += std::to_string(&brick - bricks.data() + 1) + " 5 2 9 1";
+    for (const double z : brick.z)
+      for (const auto& [i, j] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+        const double x = brick.x[std::size_t(i)], y = brick.y[std::size_t(j)];
+        const int next = int(number.size()) + 1;
+        const auto [known, is_new] = number.try_emplace({x, y, z, brick.part}, next);
+        if (is_new) nodes += fmt::format("{} {} {} {}\n", next, x, y, z);
+        cells += " " + std::to_string(known->second);
+      }
+    cells += "\n";
+  }
+  return head_2 + fmt::format("$Nodes\n{}\n{}$EndNodes\n", number.size(), nodes) +
+         elements_2(int(bricks.size()), cells);
+}
+
+std::string fault_of_solid(const std::vector<Brick>& bricks) {
+  Faults faults;
+  EXPECT_FALSE(parse_gmsh<3>(solid_of(bricks), "solid.msh", ElementKind::q1, faults));
+  return faults.list().at(0).message;
+}
+
+TEST(GmshReader, FindsCellsOfASolidThatTouchWithoutSharingTheirNodes) {
+  const Brick left{{0, 1}, {0, 1}, {0, 1}}, right{{1, 2}, {0, 1}, {0, 1}};
+  EXPECT_THAT(fault_of_solid({left, right}), HasSubstr("has no physical group 'bottom'"));
+
+  Brick own = right;
+  own.part = 1;
+  EXPECT_EQ(fault_of_solid({left, own}),
+            "has cells that touch but are not joined, at 8 nodes, at first at (1, 0, 0) m: nodes 2 "
+            "and 9 lie at one place");
+  own.x[0] = 1.0000005;
+  EXPECT_THAT(fault_of_solid({left, own}), HasSubstr("touch but are not joined, at 8 nodes"));
+  own.x[0] = 1.5;
+  EXPECT_THAT(fault_of_solid({left, own}), HasSubstr("lies in 2 pieces"));
+  const Brick at_an_edge{{1, 2}, {1, 2}, {0, 1}};
+  EXPECT_THAT(fault_of_solid({left, at_an_edge}), HasSubstr("lies in 2 pieces"));
+}
+
+TEST(GmshReader, FindsNodesThatHangInFacesAndEdgesOfASolid) {
+  const Brick left{{0, 1}, {0, 1}, {0, 1}};
+  EXPECT_EQ(fault_of_solid({left, {{1, 2}, {0, 1}, {0, 0.5}}, {{1, 2}, {0, 1}, {0.5, 1}}}),
+            "has cells that touch but are not joined, at 2 nodes, at first at (1, 0, 0.5) m: node "
+            "11 hangs in the side of a cell");
+  // The corner of four bricks lies in the middle of the face.
+  std::vector<Brick> quartered{left};
+  for (const double y : {0.0, 0.3})
+    for (const double z : {0.0, 0.6})
+      quartered.push_back({{1, 2}, {y, y == 0.0 ? 0.3 : 1.0}, {z, z == 0.0 ? 0.6 : 1.0}});
+  EXPECT_THAT(fault_of_solid(quartered), HasSubstr("at 5 nodes"));
+  // Two meshes of one interface that share no node but the corners of its rim.
+  EXPECT_THAT(fault_of_solid({{{0, 1}, {0, 1}, {0, 1}},
+                              {{0, 1}, {1, 3}, {0, 1}},
+                              {{1, 2}, {0, 2}, {0, 1}, 1},
+                              {{1, 2}, {2, 3}, {0, 1}, 1}}),
+              HasSubstr("touch but are not joined, at 12 nodes"));
 }
 
 TEST(GmshReader, RefusesUnknownGroupsEachOnce) {
@@ -179,7 +308,7 @@ TEST(GmshReader, RefusesUnknownGroupsEachOnce) {
   ASSERT_EQ(faults.list().size(), 2u);
   EXPECT_EQ(faults.list()[0].message, "has the unknown physical group 'mould'");
   EXPECT_EQ(faults.list()[1].message, "has the unknown physical group 'head'");
-  EXPECT_EQ(faults.list()[0].permitted, "symmetry, bottom, side, top");
+  EXPECT_EQ(faults.list()[0].permitted, "symmetry, bottom, side, top, or free");
 }
 
 TEST(GmshReader, WantsABottom) {

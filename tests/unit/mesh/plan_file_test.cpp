@@ -198,7 +198,7 @@ TEST_F(PlanFile, NamesWhatItCannotTake) {
   // One line of the narrow face is missing.
   const std::string line = "\n6 1 2 3 1 ";
   EXPECT_THAT(message_of(replaced(whole, line, "\n6 1 2 0 1 ")),
-              HasSubstr("has 1 side of cells at the outline without a group"));
+              HasSubstr("has 1 outer side of cells without a group"));
 }
 
 TEST_F(PlanFile, RefusesAHangingNode) {
@@ -220,8 +220,8 @@ TEST_F(PlanFile, RefusesAHangingNode) {
   hanging.walls[2].pieces = {{1, 1}, {2, 1}};
   hanging.walls[3].pieces = {{3, 2}, {4, 2}, {2, 2}};
 
-  EXPECT_THAT(message_of(gmsh_text(hanging)), HasSubstr("has 3 sides of cells"));
-  EXPECT_THAT(faults_.list()[0].remedy, HasSubstr("a node hangs there"));
+  EXPECT_THAT(message_of(gmsh_text(hanging)),
+              HasSubstr("at first at (0.05, 0.1) m: node 10 hangs in the side of a cell"));
 }
 
 TEST_F(PlanFile, RefusesCellsThatAreNoQuadrilateralsOrFolded) {
