@@ -62,6 +62,13 @@ def upload_of(size, number=0):
         for begin in range(0, size, chunk))
 
 
+def is_ready(peer_socket, events, seconds):
+    """Waits so long for one of the events; descriptors may be of any number."""
+    look = select.poll()
+    look.register(peer_socket, events)
+    return bool(look.poll(1000 * seconds))
+
+
 class Peer:
     """One connection, for one thread. What comes is read whenever something is sent."""
 
@@ -99,14 +106,13 @@ class Peer:
             try:
                 rest = rest[self.socket.send(rest[:65536]):]
             except (BlockingIOError, ssl.SSLWantWriteError, ssl.SSLWantReadError):
-                readable, writable, _ = select.select([self.socket], [self.socket], [], 10)
-                if not readable and not writable:
+                if not is_ready(self.socket, select.POLLIN | select.POLLOUT, 10):
                     raise TimeoutError from None
 
     def receive(self, seconds=0.0):
         """Takes what has come; waits so long for something."""
         if seconds and not self.pending():
-            select.select([self.socket], [], [], seconds)
+            is_ready(self.socket, select.POLLIN, seconds)
         with contextlib.suppress(BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
             while True:
                 received = self.socket.recv(65536)
