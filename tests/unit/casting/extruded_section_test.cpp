@@ -21,14 +21,14 @@ class ExtrudedSection {
 public:
   explicit ExtrudedSection(const mesh::Mesh2D& plane) : plane_(plane) {}
 
-  /// @param without  a group that is left out; empty: none
+  /// @param without  a group whose facets are in the group free instead; empty: none
   void write(const std::filesystem::path& path, const std::string& without = "") {
     elements_.clear();
     add_walls(without);
     add_slab(without);
     std::ofstream file(path);
     file.precision(17);
-    file << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n7\n";
+    file << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n8\n";
     for (std::size_t i = 0; i < groups.size(); ++i)
       file << (i == 6 ? 3 : 2) << ' ' << i + 1 << " \"" << groups[i] << "\"\n";
     file << "$EndPhysicalNames\n$Nodes\n" << 2 * plane_.nodes() << "\n";
@@ -56,18 +56,18 @@ private:
                                       {mesh::PatchKind::side, 1},
                                       {mesh::PatchKind::bottom, 2},
                                       {mesh::PatchKind::top, 3}}) {
-      if (without == groups[std::size_t(group)]) continue;
+      const int written = without == groups[std::size_t(group)] ? free_group : group;
       for (const auto& edge : plane_.facets(kind)) {
         const int a = edge.node[0], b = edge.node[1];
-        element(3, group, {front(a), front(b), back(b), back(a)});
+        element(3, written, {front(a), front(b), back(b), back(a)});
       }
     }
   }
   void add_slab(const std::string& without) {
     for (int e = 0; e < plane_.elements(); ++e) {
       const int* n = plane_.nodes_of(e);
-      if (without != "symmetry_y")
-        element(3, 4, {front(n[0]), front(n[1]), front(n[2]), front(n[3])});
+      element(3, without == "symmetry_y" ? free_group : 4,
+              {front(n[0]), front(n[1]), front(n[2]), front(n[3])});
       element(3, 5, {back(n[0]), back(n[1]), back(n[2]), back(n[3])});
       element(5, 6,
               {front(n[0]), front(n[1]), front(n[2]), front(n[3]), back(n[0]), back(n[1]),
@@ -75,8 +75,9 @@ private:
     }
   }
 
-  static constexpr std::array<const char*, 7> groups{"symmetry_x", "side_x",        "bottom", "top",
-                                                     "symmetry_y", "symmetry_back", "slab"};
+  static constexpr std::array<const char*, 8> groups{
+      "symmetry_x", "side_x", "bottom", "top", "symmetry_y", "symmetry_back", "slab", "free"};
+  static constexpr int free_group = 7;
   const mesh::Mesh2D& plane_;
   std::vector<std::string> elements_;
 };

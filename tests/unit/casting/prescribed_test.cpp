@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <utility>
+#include <vector>
 
 #include "core/mesh/slab_mesh.hpp"
 #include "core/results/hdf5_file.hpp"
@@ -15,17 +16,20 @@ using testing::Recorder;
 using testing::small_casting;
 
 /// A built-in mesh as Gmsh 2.2 would have written it.
-void write_gmsh(const mesh::Mesh2D& mesh, const std::filesystem::path& path) {
+/// @param free_facets  further facets of the boundary, in the group free
+void write_gmsh(const mesh::Mesh2D& mesh, const std::filesystem::path& path,
+                const std::vector<mesh::Facet<2>>& free_facets = {}) {
   std::ofstream file(path);
   file.precision(17);
-  file << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n5\n1 1 \"symmetry\"\n1 2 "
+  file << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n6\n1 6 \"free\"\n1 1 "
+          "\"symmetry\"\n1 2 "
           "\"bottom\"\n"
           "1 3 \"side\"\n1 4 \"top\"\n2 5 \"slab\"\n$EndPhysicalNames\n$Nodes\n"
        << mesh.nodes() << "\n";
   for (int n = 0; n < mesh.nodes(); ++n) {
     file << n + 1 << " " << mesh.point(n)[0] << " " << mesh.point(n)[1] << " 0\n";
   }
-  std::size_t elements = std::size_t(mesh.elements());
+  std::size_t elements = std::size_t(mesh.elements()) + free_facets.size();
   for (const auto& patch : mesh.patches) elements += patch.facets.size();
   file << "$EndNodes\n$Elements\n" << elements << "\n";
   int tag = 0;
@@ -35,6 +39,8 @@ void write_gmsh(const mesh::Mesh2D& mesh, const std::filesystem::path& path) {
            << "\n";
     }
   }
+  for (const auto& facet : free_facets)
+    file << ++tag << " 1 2 6 1 " << facet.node[0] + 1 << " " << facet.node[1] + 1 << "\n";
   for (int e = 0; e < mesh.elements(); ++e) {
     file << ++tag << (mesh.nodes_per_element == 3 ? " 2" : " 3") << " 2 5 1";
     for (int i = 0; i < mesh.nodes_per_element; ++i) file << " " << mesh.nodes_of(e)[i] + 1;
@@ -170,10 +176,19 @@ protected:
   mesh::Mesh2D mesh_ = mesh::SlabMesh2D(small_casting(mesh::ElementKind::q1).section).mesh();
 
   CheckedCase checked() {
-    write_gmsh(mesh_, casting_.section.file);
+    write_gmsh(mesh_, casting_.section.file, free_);
     return check(casting_);
   }
   std::vector<Fault> faults() { return checked().faults.list(); }
+
+  /// Leaves a patch free on purpose.
+  void set_free(mesh::PatchKind patch) {
+    auto& facets = mesh_.facets(patch);
+    free_.insert(free_.end(), facets.begin(), facets.end());
+    facets.clear();
+  }
+
+  std::vector<mesh::Facet<2>> free_;  ///< of the boundary
 };
 
 TEST_F(ImportedMesh, ThatFitsTheCaseIsSound) {
@@ -213,22 +228,32 @@ TEST_F(ImportedMesh, WantsEveryGroupThatTheCaseNeeds) {
        {std::pair{mesh::PatchKind::side, "'side'"}, std::pair{mesh::PatchKind::top, "'top'"},
         std::pair{mesh::PatchKind::symmetry, "'symmetry'"},
         std::pair{mesh::PatchKind::bottom, "bottom"}}) {
-    const auto facets = std::exchange(mesh_.facets(patch), {});
+    const auto whole = mesh_;
+    set_free(patch);
     const auto found = faults();
     ASSERT_EQ(found.size(), 1u) << name;
     EXPECT_EQ(found[0].field, "mesh.file");
     EXPECT_NE((found[0].message + found[0].permitted).find(name), std::string::npos)
         << found[0].message;
     EXPECT_FALSE(found[0].remedy.empty());
-    mesh_.facets(patch) = facets;
+    mesh_ = whole;
+    free_.clear();
   }
 }
 
+TEST_F(ImportedMesh, WantsAGroupForEachOuterSide) {
+  mesh_.facets(mesh::PatchKind::side).pop_back();
+  const auto found = faults();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].message.find("has 1 outer side of cells without a group"), 0u)
+      << found[0].message;
+}
+
 TEST_F(ImportedMesh, WantsNoGroupThatTheCaseDoesWithout) {
-  mesh_.facets(mesh::PatchKind::top).clear();
+  set_free(mesh::PatchKind::top);
   casting_.cooling.top = thermal::Top::insulated;
   EXPECT_TRUE(faults().empty());
-  mesh_.facets(mesh::PatchKind::symmetry).clear();
+  set_free(mesh::PatchKind::symmetry);
   casting_.mechanics.enabled = false;
   EXPECT_TRUE(faults().empty());
 }
