@@ -45,9 +45,35 @@ void remark(const std::string& text) {
   std::cerr << "readings: " << text << std::endl;
 }
 
+/// Reads until a line holds a reading, before anything is submitted: a source that cannot be used
+/// makes no job. Throws CommandFailed: it ends before, or nothing of its first lines can be read.
+std::vector<ReadingOfLine> read_first(LineSource& source, ReadingsTable& table) {
+  constexpr int most_faulty = 10;
+  std::vector<ReadingOfLine> readings;
+  std::string fault;
+  int faulty = 0;
+  for (bool found = false; !found;) {
+    const auto lines = source.next({});
+    if (lines.empty() && !table.has_header()) throw invalid("the source of the readings is empty");
+    if (lines.empty() || faulty >= most_faulty)
+      throw invalid(fmt::format("the source of the readings has no value that can be read: {}",
+                                fault.empty() ? "a header and nothing after it" : fault));
+
+    for (const std::string& text : lines) {
+      ReadingsTable::Line line = table.take(text);
+      for (const std::string& each : line.remarks) remark(each);
+      found = found || (line.time_s && (line.has_values || line.fault.empty()));
+      if (!line.fault.empty() && ++faulty == 1) fault = line.fault;
+      std::ranges::move(line.readings, std::back_inserter(readings));
+    }
+  }
+  return readings;
+}
+
 /// What lines of the source hold.
-std::vector<v1::Reading> readings_in(const std::vector<std::string>& lines, ReadingsTable& table) {
-  std::vector<v1::Reading> readings;
+std::vector<ReadingOfLine> readings_in(const std::vector<std::string>& lines,
+                                       ReadingsTable& table) {
+  std::vector<ReadingOfLine> readings;
   for (const std::string& text : lines) {
     ReadingsTable::Line line = table.take(text);
     for (const std::string& each : line.remarks) remark(each);
@@ -140,7 +166,7 @@ std::string submit(const FollowOptions& options, const ReadingsTable& table,
 
 /// Sends what the source holds until it ends, the job takes no more, or the stop is requested.
 void send_all(RecordSender& sender, LineSource& source, ReadingsTable& table,
-              std::vector<v1::Reading> first, const std::stop_token& stop) {
+              std::vector<ReadingOfLine> first, const std::stop_token& stop) {
   bool takes_more = sender.send(std::move(first));
   while (takes_more) {
     const auto lines = source.next(stop);
@@ -148,6 +174,8 @@ void send_all(RecordSender& sender, LineSource& source, ReadingsTable& table,
     takes_more = sender.send(readings_in(lines, table));
   }
   if (takes_more && !stop.stop_requested()) sender.close();
+  sender.remark_left_out();
+  for (const std::string& each : table.summary()) remark(each);
 }
 
 std::unique_ptr<LineSource> open_source(const FollowOptions& options) {
@@ -188,8 +216,9 @@ private:
 };
 
 /// Sends the readings to the job until the source ends. Throws CommandFailed: the job follows none.
-void start_sending(Companion& companion, const std::string& id, LineSource& source,
-                   ReadingsTable& table, std::vector<v1::Reading> first) {
+std::shared_ptr<const RecordSender> start_sending(Companion& companion, const std::string& id,
+                                                  LineSource& source, ReadingsTable& table,
+                                                  std::vector<ReadingOfLine> first) {
   const auto sender = std::make_shared<RecordSender>(companion.connection(), id, remark);
   companion.start([=, &source, &table](const std::stop_token& stop) {
     try {
@@ -201,6 +230,7 @@ void start_sending(Companion& companion, const std::string& id, LineSource& sour
                          error.what(), id));
     }
   });
+  return sender;
 }
 
 /// Watches the job to its end and tells alarms.
@@ -258,15 +288,9 @@ ExitCode run(const FollowOptions& options, Program& program) {
   if (options.file == "-" && options.readings == "-")
     throw invalid("standard input holds the readings; give the case as a file");
 
-  // The header is read before anything is submitted: a source that cannot be used makes no job.
   const auto source = open_source(options);
   ReadingsTable table(read_columns(options.columns));
-  std::vector<v1::Reading> first;
-  while (!table.has_header()) {
-    const auto lines = source->next({});
-    if (lines.empty()) throw invalid("the source of the readings is empty");
-    first = readings_in(lines, table);
-  }
+  std::vector<ReadingOfLine> first = read_first(*source, table);
 
   Connection connection = program.connect();
   const std::string id = options.job.empty() ? submit(options, table, connection)
@@ -277,8 +301,12 @@ ExitCode run(const FollowOptions& options, Program& program) {
   if (!has_forecast) handlers = {.finding = handlers.finding};
   AlarmWatch alarms(id, std::move(handlers));
   Companion sending(connection);
-  start_sending(sending, id, *source, table, std::move(first));
-  return watch_with_alarms(connection, id, alarms, options);
+  const auto sender = start_sending(sending, id, *source, table, std::move(first));
+  const ExitCode code = watch_with_alarms(connection, id, alarms, options);
+  if (code != ExitCode::done || sender->has_values()) return code;
+
+  remark("no value that was measured was used: the job has computed the plan of the case");
+  return ExitCode::invalid;
 }
 
 constexpr const char* follow_examples =

@@ -1,7 +1,11 @@
 #include "client/model/json.hpp"
 
 #include <algorithm>
+#include <array>
+#include <set>
+#include <string_view>
 
+#include <fmt/format.h>
 #include <google/protobuf/message.h>
 #include <google/protobuf/timestamp.pb.h>
 #include <google/protobuf/util/time_util.h>
@@ -137,12 +141,47 @@ Json to_json(const Message& message) {
   return object;
 }
 
-std::optional<std::map<std::string, std::string>> members_of_object(const std::string& text) {
-  const auto object = nlohmann::json::parse(text, nullptr, false);
-  if (!object.is_object()) return std::nullopt;
+namespace {
+
+/// Python and others write NaN and infinities, which JSON does not have: here they become texts.
+std::string with_quoted_words(const std::string& text) {
+  constexpr std::array<std::string_view, 3> words{"NaN", "-Infinity", "Infinity"};
+  std::string quoted;
+  bool in_text = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::string_view rest = std::string_view(text).substr(i);
+    const auto word = std::ranges::find_if(
+        words, [rest](std::string_view each) { return rest.starts_with(each); });
+    if (!in_text && word != words.end()) {
+      quoted += fmt::format("\"{}\"", *word);
+      i += word->size() - 1;
+      continue;
+    }
+
+    if (text[i] == '"') in_text = !in_text;
+    quoted += text[i];
+    // What a backslash protects neither begins nor ends a text.
+    if (in_text && text[i] == '\\' && i + 1 < text.size()) quoted += text[++i];
+  }
+  return quoted;
+}
+
+}  // namespace
+
+ObjectMembers members_of_object(const std::string& text) {
+  ObjectMembers read;
+  std::set<std::string> names;
+  const auto look = [&](int depth, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
+    if (event != nlohmann::json::parse_event_t::key || depth != 1) return true;
+    const std::string& name = parsed.get_ref<const std::string&>();
+    if (!names.insert(name).second && read.twice.empty()) read.twice = name;
+    return true;
+  };
+  const auto object = nlohmann::json::parse(with_quoted_words(text), look, false);
+  if (!object.is_object()) return {};
 
   // No column is a list or an object; a remark can still name what stood there.
-  std::map<std::string, std::string> members;
+  auto& members = read.members.emplace();
   for (const auto& [name, member] : object.items()) {
     std::string& value = members[name];
     if (member.is_string())
@@ -152,7 +191,7 @@ std::optional<std::map<std::string, std::string>> members_of_object(const std::s
     else if (!member.is_null())
       value = member.dump();
   }
-  return members;
+  return read;
 }
 
 }  // namespace dccast::client

@@ -65,9 +65,16 @@ private:
 /// Absent messages and optional numbers are left out; everything else is present even if empty.
 Json to_json(const google::protobuf::Message& message);
 
-/// Members of a JSON object by name, each as text: a text as it is, null as an empty one, an object
-/// or an array as "{...}" or "[...]". Empty if this is no complete JSON object.
-std::optional<std::map<std::string, std::string>> members_of_object(const std::string& text);
+/// A JSON object as its text was read.
+struct ObjectMembers {
+  /// By name, each as text: a text as it is, null as an empty one, an object or an array as "{...}"
+  /// or "[...]". Empty if the text is no complete JSON object.
+  std::optional<std::map<std::string, std::string>> members;
+  std::string twice;  ///< the first name that is there twice; empty: none
+};
+
+/// Reads an object; NaN and Infinity, which are no JSON, are read as texts.
+ObjectMembers members_of_object(const std::string& text);
 
 /// An array of element(value) for each value.
 template <typename Values, typename Element>

@@ -13,7 +13,7 @@ constexpr const char* header_form = "\"time [s], curl corner [mm], thermocouple 
 
 std::string monitor_of(std::string name) {
   for (const char* kind : {"curl ", "gap ", "temperature "})
-    if (name.starts_with(kind)) return trimmed(name.substr(std::string(kind).size()));
+    if (lowered(name).starts_with(kind)) return trimmed(name.substr(std::string(kind).size()));
   return name;
 }
 
@@ -34,11 +34,13 @@ public:
     for (int number = 1; std::getline(stream, line); ++number) {
       line_ = number;
       if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
-      if (columns_.empty() && at_unit_.empty())
+      const bool is_header = columns_.empty() && at_unit_.empty();
+      if (is_header)
         read_header(line);
       else
         read_readings(line);
-      if (header_failed_ || file_.faults.size() >= most_faults) break;
+      // Without its header no reading can be judged.
+      if ((is_header && !file_.faults.empty()) || file_.faults.size() >= most_faults) break;
     }
 
     if (at_unit_.empty() && file_.faults.empty())
@@ -61,6 +63,7 @@ private:
   }
 
   void read_header(const std::string& line) {
+    if (is_utf16(line)) return fault(1, utf16_fault);
     separator_ = separator_of(line);
     const auto cells = cells_of(line, separator_);
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -73,8 +76,6 @@ private:
         read_column(i, *heading);
     }
     if (cells.size() < 2) fault(1, std::string("has one column; permitted: ") + header_form);
-    // Without its header no reading can be judged.
-    header_failed_ = !file_.faults.empty();
   }
 
   void read_abscissa(const Heading& heading) {
@@ -107,14 +108,15 @@ private:
                                std::size_t column) {
     const auto value = number_in(cell);
     if (!value) {
-      fault(column, "\"" + cell + "\" is no number; permitted: digits with a point, e.g. 12.5");
+      fault(column, "\"" + cell + "\" " + fault_of_number(cell) +
+                        "; permitted: digits with a point, e.g. 12.5");
       return std::nullopt;
     }
     return case_file::convert(*value, unit, to);
   }
 
   void read_readings(const std::string& line) {
-    const auto cells = cells_of(line, separator_);
+    const auto cells = cells_of(line, separator_, columns_.size() + 1);
     if (cells.size() != columns_.size() + 1)
       return fault(cells.size(), "has " + std::to_string(cells.size()) + " columns; permitted: " +
                                      std::to_string(columns_.size() + 1) + ", as in the header");
@@ -142,7 +144,7 @@ private:
   MeasuredFile file_;
   int line_ = 1;
   char separator_ = ',';
-  bool by_time_ = true, header_failed_ = false;
+  bool by_time_ = true;
   std::string at_unit_;
   std::optional<double> last_at_;
   std::vector<Column> columns_;

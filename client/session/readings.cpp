@@ -13,6 +13,13 @@ namespace {
 
 constexpr std::chrono::milliseconds first_pause{200};
 
+/// Levers and curls that a reading holds.
+int count_values(const v1::Reading& reading) {
+  return int(reading.has_casting_speed_m_per_s()) + int(reading.has_casting_temperature_c()) +
+         int(reading.has_water_flow_m2_per_s()) + int(reading.has_narrow_water_flow_m2_per_s()) +
+         reading.curls_size();
+}
+
 }  // namespace
 
 RecordSender::RecordSender(Connection& connection, std::string id, Remark remark)
@@ -20,6 +27,7 @@ RecordSender::RecordSender(Connection& connection, std::string id, Remark remark
   v1::AppendReadingsRequest request;
   request.set_id(id_);
   kept_ = connection_.call(&Stub::AppendReadings, request);
+  has_values_ = kept_.number() > 0;
 }
 
 grpc::Status RecordSender::append(const v1::AppendReadingsRequest& request) {
@@ -42,47 +50,71 @@ grpc::Status RecordSender::append(const v1::AppendReadingsRequest& request) {
   }
 }
 
-bool RecordSender::send_numbered(const std::vector<v1::Reading>& readings) {
+void RecordSender::count_left_out(std::span<const ReadingOfLine> readings, std::int64_t before) {
+  for (const v1::LeftOutValue& left_out : kept_.left_out()) {
+    if (++left_out_[left_out.name()] > 1) continue;
+    const std::int64_t place = left_out.number() - before - 1;
+    if (place < 0 || place >= std::ssize(readings)) continue;  // of a server that counts otherwise
+
+    const ReadingOfLine& held = readings[static_cast<std::size_t>(place)];
+    remark_(fmt::format(
+        "line {}, {:g} s: {}; this value alone is left out, and so are others that no plant has",
+        held.line, held.reading.time_s(), left_out.reason()));
+  }
+}
+
+void RecordSender::remark_left_out() const {
+  for (const auto& [name, count] : left_out_)
+    if (count > 1) remark_(fmt::format("{}: {} values were left out", name, count));
+}
+
+bool RecordSender::send_numbered(std::span<const ReadingOfLine> readings) {
+  const std::int64_t before = kept_.number();
   v1::AppendReadingsRequest request;
   request.set_id(id_);
-  for (const v1::Reading& reading : readings) {
-    v1::Reading& added = *request.add_readings() = reading;
-    added.set_number(kept_.number() + request.readings_size());
+  for (const ReadingOfLine& each : readings) {
+    v1::Reading& added = *request.add_readings() = each.reading;
+    added.set_number(before + request.readings_size());
   }
 
   const grpc::Status status = append(request);
-  if (status.ok()) return true;
+  if (status.ok()) {
+    int values = -kept_.left_out_size();
+    for (const ReadingOfLine& each : readings) values += count_values(each.reading);
+    if (values > 0) has_values_ = true;
+    count_left_out(readings, before);
+    return true;
+  }
   if (status.error_code() == grpc::FAILED_PRECONDITION) return false;
   if (status.error_code() != grpc::INVALID_ARGUMENT) throw failure_of(status, connection_.server());
 
   // One reading among them is refused: only that one is lost.
   if (readings.size() == 1) {
-    remark_(reason_of(status));
+    remark_(fmt::format("line {}: {}", readings.front().line, reason_of(status)));
     return true;
   }
-  return std::ranges::all_of(readings,
-                             [this](const v1::Reading& each) { return send_numbered({each}); });
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    if (!send_numbered(readings.subspan(i, 1))) return false;
+  return true;
 }
 
-bool RecordSender::send(std::vector<v1::Reading> readings) {
+bool RecordSender::send(std::vector<ReadingOfLine> readings) {
   constexpr std::size_t most = 1000;  // of a call
-  const std::size_t known = std::erase_if(readings, [this](const v1::Reading& each) {
-    return kept_.has_time_s() && each.time_s() <= kept_.time_s();
+  const std::size_t known = std::erase_if(readings, [this](const ReadingOfLine& each) {
+    return kept_.has_time_s() && each.reading.time_s() <= kept_.time_s();
   });
   if (known > 0) remark_(fmt::format("{} readings are on the server already", known));
 
-  for (std::size_t i = 0; i < readings.size(); i += most) {
-    const auto begin = readings.begin() + static_cast<std::ptrdiff_t>(i);
-    const auto count = static_cast<std::ptrdiff_t>(std::min(most, readings.size() - i));
-    if (!send_numbered({begin, begin + count})) return false;
-  }
+  const std::span all(readings);
+  for (std::size_t i = 0; i < readings.size(); i += most)
+    if (!send_numbered(all.subspan(i, std::min(most, readings.size() - i)))) return false;
   return true;
 }
 
 void RecordSender::close() {
-  v1::Reading end;
-  end.set_closes(true);
-  send_numbered({end});
+  ReadingOfLine end;
+  end.reading.set_closes(true);
+  send_numbered({&end, 1});
 }
 
 }  // namespace dccast::client

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <sstream>
 
 #include <toml++/toml.h>
@@ -232,11 +233,13 @@ std::optional<Column> column_of_heading(const std::string& heading) {
   const auto parts = heading_of(heading);
   if (!parts) return std::nullopt;
 
-  const bool is_curl = parts->name.starts_with(curl_begins);
+  // Monitors are named as in the case; the quantities may be written in any letters.
+  const std::string name = lowered(parts->name);
+  const bool is_curl = name.starts_with(curl_begins);
   // "curl corner" names the monitor behind the quantity; all others have fixed headings.
   const auto kind = std::ranges::find_if(kinds(), [&](const Kind& each) {
     return is_curl ? each.measured == Measured::curl
-                   : std::ranges::find(each.headings, parts->name) != each.headings.end();
+                   : std::ranges::find(each.headings, name) != each.headings.end();
   });
   if (kind == kinds().end()) return std::nullopt;
 
@@ -303,11 +306,42 @@ double converted(double value, const Column& column) {
   return number / column.per_m.value_or(1.0);
 }
 
+namespace {
+
+/// "27.11.2026 04:00" as "2026-11-27 04:00"; another text as it is.
+std::string with_year_first(const std::string& text) {
+  std::smatch parts;
+  static const std::regex day_first(R"((\d{1,2})\.(\d{1,2})\.(\d{4})(.*))");
+  if (!std::regex_match(text, parts, day_first)) return text;
+  const auto two_digits = [](const std::string& number) {
+    return number.size() == 1 ? "0" + number : number;
+  };
+  return parts[3].str() + "-" + two_digits(parts[2].str()) + "-" + two_digits(parts[1].str()) +
+         parts[4].str();
+}
+
+/// The zone at the end of a time: "+0100", "+01", " +01:00" and " UTC" as ISO 8601 with colons has
+/// it; without one Z.
+std::string with_usual_zone(const std::string& text) {
+  std::smatch parts;
+  static const std::regex zone(R"((.*?\d) ?(?:([Zz]|UTC|GMT)|([+-]\d\d):?(\d\d)?)?)");
+  if (!std::regex_match(text, parts, zone)) return text;
+  if (!parts[3].matched) return parts[1].str() + "Z";
+  return parts[1].str() + parts[3].str() + ":" + (parts[4].matched ? parts[4].str() : "00");
+}
+
+}  // namespace
+
 std::optional<double> seconds_of_stamp(std::string text) {
-  constexpr std::size_t date = 10;  // characters of "2026-11-27"
-  if (text.size() <= date) return std::nullopt;
-  if (text[date] == ' ') text[date] = 'T';
-  if (text.find_first_of("Z+-", date) == std::string::npos) text += 'Z';
+  constexpr std::size_t date = 10;     // characters of "2026-11-27"
+  constexpr std::size_t longest = 64;  // of a time stamp
+  if (text.size() <= date || text.size() > longest) return std::nullopt;
+  text = with_year_first(text);
+  if (text[date] != ' ' && text[date] != 'T' && text[date] != 't') return std::nullopt;
+  // A sign in the date is no zone.
+  std::string time = with_usual_zone(text.substr(date + 1));
+  if (const auto comma = time.find(','); comma != std::string::npos) time[comma] = '.';
+  text = text.substr(0, date) + "T" + time;
 
   google::protobuf::Timestamp stamp;
   if (!google::protobuf::util::TimeUtil::FromString(text, &stamp)) return std::nullopt;

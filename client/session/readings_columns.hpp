@@ -57,8 +57,9 @@ inline constexpr double longest_time_s = 1e10;
 /// A value of a column in the unit of the message: s, m, m/s, degC or m2/s.
 double converted(double value, const Column& column);
 
-/// Seconds since 1970 of a time stamp of ISO 8601 such as "2026-11-27T04:00:12.5+01:00"; without a
-/// zone it counts as UTC. Empty: it is none.
+/// Seconds since 1970 of a time stamp of ISO 8601 such as "2026-11-27T04:00:12.5+01:00", also with
+/// a blank for T, "+0100" or "+01", a comma before the decimals, and "27.11.2026 04:00:12"; without
+/// a zone it counts as UTC. Empty: it is none, or ambiguous, as "11/27/2026".
 std::optional<double> seconds_of_stamp(std::string text);
 /// The time stamp of that many seconds since 1970, in UTC.
 std::string stamp_of_seconds(double seconds);

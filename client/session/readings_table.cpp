@@ -28,6 +28,10 @@ constexpr double longest_repetition_s = 120.0;
 constexpr double least_step_s = 1e-4;
 /// A bottom block that is slower stands: 1 mm/min, above the noise of a drive [m/s].
 constexpr double still_m_per_s = 1e-3 / 60.0;
+/// No block is faster; the server leaves out what is (case.proto) [m/s].
+constexpr double fastest_m_per_s = 0.1;
+/// The zero of a sensor drifts: down to -5 mm/min the block stands [m/s].
+constexpr double drift_m_per_s = 5e-3 / 60.0;
 /// Readings that are kept while the block stands: an hour at one a second.
 constexpr std::size_t most_waiting = 3600;
 
@@ -46,6 +50,11 @@ std::string quoted_list(const std::vector<std::string>& names) {
   for (const std::string& name : names)
     quoted.push_back(fmt::format("\"{}\"", values::shown(name)));
   return fmt::format("{}", fmt::join(quoted, ", "));
+}
+
+/// Whether a block can have such a speed, or stands with a sensor that drifts.
+bool is_speed(double m_per_s) {
+  return m_per_s >= -drift_m_per_s && m_per_s <= fastest_m_per_s;
 }
 
 /// Sets a value of a reading [unit of the message], but time and cast length.
@@ -94,6 +103,32 @@ std::string ReadingsTable::at_line(const std::string& text) const {
   return fmt::format("line {}: {}", number_, text);
 }
 
+void ReadingsTable::refuse(const std::string& text, Line& line) const {
+  line.remarks.push_back(at_line(text));
+  if (line.fault.empty()) line.fault = line.remarks.back();
+}
+
+/// Remarks the first cell of a column that cannot be read, and counts all of them.
+void ReadingsTable::refuse_cell(std::size_t column, const std::string& cell, Line& line) {
+  const Column& of = columns_[column];
+  const std::string fault =
+      of.unit.empty() ? "is no time stamp such as 2026-11-27T04:00:12Z" : fault_of_number(cell);
+  const std::string text =
+      fmt::format("\"{}\" of {} {} and left out{}", values::shown(cell), values::shown(of.name),
+                  fault, fault == decimal_comma ? ": numbers have a point" : "");
+  if (++unreadable_[column] == 1) return refuse(text, line);
+  if (line.fault.empty()) line.fault = at_line(text);
+}
+
+std::vector<std::string> ReadingsTable::summary() const {
+  std::vector<std::string> counts;
+  for (std::size_t i = 0; i < unreadable_.size(); ++i)
+    if (unreadable_[i] > 1)
+      counts.push_back(fmt::format("{}: {} cells could not be read and were left out",
+                                   values::shown(columns_[i].name), unreadable_[i]));
+  return counts;
+}
+
 /// A time on the clock of the source, as it shows it.
 std::string ReadingsTable::clock_text(double seconds) const {
   const auto time = std::ranges::find(columns_, Measured::time, &Column::measured);
@@ -111,9 +146,11 @@ ReadingsTable::Line ReadingsTable::take(const std::string& text) {
   Line line;
   ++number_;
   if (text.size() > longest_line) {
-    line.remarks.push_back(at_line(fmt::format("left out: longer than {} bytes", longest_line)));
+    refuse(fmt::format("left out: longer than {} bytes", longest_line), line);
     return line;
   }
+  if (!has_header() && is_utf16(text))
+    throw invalid(fmt::format("readings, line {}: {}", number_, utf16_fault));
 
   const std::string body = trimmed(text);
   if (body.empty() || body.starts_with('#')) return line;
@@ -130,17 +167,17 @@ void ReadingsTable::take_row(const std::string& text, Line& line) {
     separator_ = separator_of(text);
     return read_header(cells_of(text, separator_), line);
   }
-  if (separator_ == 0) {
-    line.remarks.push_back(at_line("left out: it is no JSON object, as the lines before are"));
-    return;
-  }
+  if (separator_ == 0)
+    return refuse("left out: it is no JSON object, as the lines before are", line);
 
-  const auto row = cells_of(text, separator_);
+  const auto row = cells_of(text, separator_, header_.size());
   if (row == header_) return;  // a logger that starts again writes its header again
   if (row.size() != header_.size()) {
-    line.remarks.push_back(at_line(
-        fmt::format("left out: it has {} columns, the header {}", row.size(), header_.size())));
-    return;
+    const bool may_be_decimals = separator_ == ',' && row.size() > header_.size();
+    return refuse(
+        fmt::format("left out: it has {} columns, the header {}{}", row.size(), header_.size(),
+                    may_be_decimals ? "; numbers have a point, not a decimal comma" : ""),
+        line);
   }
 
   std::vector<std::string> cells;
@@ -152,20 +189,15 @@ void ReadingsTable::take_row(const std::string& text, Line& line) {
 }
 
 void ReadingsTable::take_object(const std::string& text, Line& line) {
-  const auto members = members_of_object(text);
-  if (!members) {
-    line.remarks.push_back(at_line("left out: it is no complete JSON object"));
-    return;
-  }
-
-  if (has_header() && separator_ != 0) {
-    line.remarks.push_back(at_line("left out: it is a JSON object, the lines before are rows"));
-    return;
-  }
-  if (members->empty()) {
-    line.remarks.push_back(at_line("left out: it has no time"));
-    return;
-  }
+  const auto [members, twice] = members_of_object(text);
+  if (!members) return refuse("left out: it is no complete JSON object", line);
+  if (!twice.empty())
+    return refuse(fmt::format("left out: \"{}\" is there twice; give each value a name of its own",
+                              values::shown(twice)),
+                  line);
+  if (has_header() && separator_ != 0)
+    return refuse("left out: it is a JSON object, the lines before are rows", line);
+  if (members->empty()) return refuse("left out: it has no time", line);
 
   std::vector<std::string> names;
   for (const auto& [name, member] : *members) names.push_back(name);
@@ -191,6 +223,7 @@ void ReadingsTable::read_header(std::vector<std::string> names, Line& line) {
     read_columns_of_header();
   // A sensor that is dead repeats itself; see report_repetition().
   repetitions_.resize(columns_.size());
+  unreadable_.resize(columns_.size());
 
   std::vector<std::string> left_out;
   for (const std::string& name : header_)
@@ -260,19 +293,17 @@ void ReadingsTable::read_cells(const std::vector<std::string>& cells, Line& line
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     if (cells[i].empty()) continue;
     measured[i] = value_in(cells[i], columns_[i]);
-    if (!measured[i])
-      line.remarks.push_back(at_line(fmt::format(
-          "\"{}\" of {} is no {} and left out", values::shown(cells[i]),
-          values::shown(columns_[i].name), columns_[i].unit.empty() ? "time stamp" : "number")));
-    else if (columns_[i].measured == Measured::time)
+    if (!measured[i]) {
+      refuse_cell(i, cells[i], line);
+      continue;
+    }
+    if (columns_[i].measured == Measured::time)
       line.time_s = measured[i];
-    else if (columns_[i].measured == Measured::cast_length)
-      length_m = measured[i];
+    else
+      line.has_values = true;
+    if (columns_[i].measured == Measured::cast_length) length_m = measured[i];
   }
-  if (!line.time_s) {
-    line.remarks.push_back(at_line("left out: it has no time"));
-    return;
-  }
+  if (!line.time_s) return refuse("left out: it has no time", line);
   // Speed from length, and repetitions, need readings in their order.
   if (!follows_last(*line.time_s, line)) return;
 
@@ -293,8 +324,7 @@ bool ReadingsTable::follows_last(double time_s, Line& line) {
     return zero_s_ ? fmt::format("{:g} s", seconds - *zero_s_) : clock_text(seconds);
   };
   if (last_s_ && time_s < *last_s_ + least_step_s) {
-    line.remarks.push_back(
-        at_line(fmt::format("left out: {} is not later than {}", text(time_s), text(*last_s_))));
+    refuse(fmt::format("left out: {} is not later than {}", text(time_s), text(*last_s_)), line);
     return false;
   }
   // The last values hold for this long and no longer.
@@ -305,25 +335,48 @@ bool ReadingsTable::follows_last(double time_s, Line& line) {
   return true;
 }
 
+/// Whether no block moves from the last length to this one. Of two that agree with each other the
+/// second is taken: the counter was set anew.
+bool ReadingsTable::is_odd(double time_s, double length_m, Line& line) {
+  const auto rate_since = [&](const std::pair<double, double>& before) {
+    return (length_m - before.second) / (time_s - before.first);
+  };
+  if (is_speed(rate_since(*last_length_))) {
+    odd_length_.reset();
+    return false;
+  }
+
+  const auto odd = std::exchange(odd_length_, std::pair(time_s, length_m));
+  if (odd && is_speed(rate_since(*odd))) {
+    last_length_ = odd;
+    odd_length_.reset();
+    return false;
+  }
+  line.remarks.push_back(
+      at_line(fmt::format("the cast length {} from {:g} to {:g} mm; the speed is left out",
+                          length_m < last_length_->second ? "falls" : "jumps",
+                          1e3 * last_length_->second, 1e3 * length_m)));
+  return true;
+}
+
 /// The speed since the last length. The first length gives none.
 void ReadingsTable::set_speed(double time_s, double length_m, v1::Reading& reading, Line& line) {
-  const auto last = std::exchange(last_length_, std::pair(time_s, length_m));
-  if (!last) {
+  if (!last_length_) {
+    last_length_ = {time_s, length_m};
     first_length_s_ = time_s;
     return;
   }
-  if (length_m < last->second) {
-    line.remarks.push_back(
-        at_line(fmt::format("the cast length falls from {:g} to {:g} mm; the speed is left out",
-                            1e3 * last->second, 1e3 * length_m)));
-    return;
-  }
+  if (is_odd(time_s, length_m, line)) return;
+
+  // A length that trembles adds up to its highest values: what was cast stays cast.
+  const auto last = *last_length_;
+  last_length_ = {time_s, std::max(length_m, last.second)};
 
   // Differences of neighbours add up to the length itself, also where a coarse counter makes them
   // jump. Before its first rise such a counter stays although the block may move.
-  length_rises_ = length_rises_ || length_m > last->second;
+  length_rises_ = length_rises_ || length_m > last.second;
   if (!length_rises_ && time_s - first_length_s_ < longest_step_of_counter_s) return;
-  reading.set_casting_speed_m_per_s((length_m - last->second) / (time_s - last->first));
+  reading.set_casting_speed_m_per_s((last_length_->second - last.second) / (time_s - last.first));
 }
 
 /// Reports a value that is exactly the same for long since the block moves.
@@ -347,18 +400,20 @@ void ReadingsTable::report_repetition(std::size_t column, double value, double t
 /// Gives a reading the time of the case; while that is unknown it waits.
 void ReadingsTable::place_in_time(v1::Reading reading, Line& line) {
   const double time_s = reading.time_s();
-  const bool knows_speed = reading.has_casting_speed_m_per_s();
+  // A sensor that is broken tells neither that the block moves nor that it stands.
+  const bool knows_speed =
+      reading.has_casting_speed_m_per_s() && is_speed(reading.casting_speed_m_per_s());
   const bool moves = knows_speed && reading.casting_speed_m_per_s() > still_m_per_s;
   if (!zero_s_ && moves) find_zero(time_s, line);
   if (!zero_s_ && knows_speed) still_s_ = time_s;
 
-  waiting_.push_back(std::move(reading));
+  waiting_.push_back({std::move(reading), number_});
   if (waiting_.size() > most_waiting) leave_out_oldest(line);
   if (!zero_s_) return;
 
   // The block moves: what was measured during the hold gets its negative times now.
-  for (v1::Reading& each : waiting_) {
-    each.set_time_s(each.time_s() - *zero_s_);
+  for (ReadingOfLine& each : waiting_) {
+    each.reading.set_time_s(each.reading.time_s() - *zero_s_);
     line.readings.push_back(std::move(each));
   }
   waiting_.clear();

@@ -11,6 +11,12 @@
 
 namespace dccast::client {
 
+/// A reading, and the line of the source that held it.
+struct ReadingOfLine {
+  v1::Reading reading;
+  int line = 0;  ///< from 1
+};
+
 /// Reads what a plant measures, line by line: rows of a table whose first line names the columns
 /// with their units,
 ///
@@ -28,9 +34,11 @@ public:
   struct Line {
     /// Known from now on, without numbers: that of this line, with those that waited for the time
     /// zero.
-    std::vector<v1::Reading> readings;
+    std::vector<ReadingOfLine> readings;
     std::vector<std::string> remarks;  ///< what is wrong with it, or was left out
     std::optional<double> time_s;      ///< of the line, on the clock of the source
+    bool has_values = false;           ///< a lever or a curl could be read
+    std::string fault;                 ///< the first thing that could not be read; empty: nothing
   };
 
   /// @param map  the plant's names; empty: those above
@@ -42,6 +50,8 @@ public:
   Line take(const std::string& line);
 
   bool has_header() const { return !header_.empty(); }
+  /// How many cells of each column could not be read, where that was more than one.
+  std::vector<std::string> summary() const;
   /// Monitors whose curl has a column.
   std::vector<std::string> gauges() const;
 
@@ -53,6 +63,9 @@ private:
   };
 
   std::string at_line(const std::string& text) const;
+  /// Remarks that something of this line cannot be read.
+  void refuse(const std::string& text, Line& line) const;
+  void refuse_cell(std::size_t column, const std::string& cell, Line& line);
   std::string clock_text(double seconds) const;
   void take_row(const std::string& text, Line& line);
   void take_object(const std::string& text, Line& line);
@@ -64,6 +77,7 @@ private:
   void read_cells(const std::vector<std::string>& cells, Line& line);
   bool follows_last(double time_s, Line& line);
   void set_speed(double time_s, double length_m, v1::Reading& reading, Line& line);
+  bool is_odd(double time_s, double length_m, Line& line);
   void report_repetition(std::size_t column, double value, double time_s, Line& line);
   void place_in_time(v1::Reading reading, Line& line);
   void leave_out_oldest(Line& line);
@@ -78,15 +92,17 @@ private:
   /// What the last reading leaves.
   std::optional<double> last_s_;                          ///< on the clock of the source
   std::optional<std::pair<double, double>> last_length_;  ///< its time [s], and [m]
+  std::optional<std::pair<double, double>> odd_length_;   ///< no block moves to it from the last
   double first_length_s_ = 0.0;
   bool length_rises_ = false;
   std::vector<std::optional<Repetition>> repetitions_;  ///< (column)
+  std::vector<int> unreadable_;                         ///< (column) cells
 
   /// The time zero on the clock of the source; empty: the block has not moved.
   std::optional<double> zero_s_ = 0.0;
-  std::optional<double> still_s_;    ///< when it was last seen to stand
-  std::deque<v1::Reading> waiting_;  ///< for the time zero; times of the source
-  bool leaves_out_oldest_ = false;   ///< of those that wait
+  std::optional<double> still_s_;      ///< when it was last seen to stand
+  std::deque<ReadingOfLine> waiting_;  ///< for the time zero; times of the source
+  bool leaves_out_oldest_ = false;     ///< of those that wait
 };
 
 }  // namespace dccast::client

@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "proto/case_file/schema.hpp"
 #include "proto/values/printable.hpp"
@@ -22,46 +23,71 @@ using Unary = SimulationService::Unary;
 
 namespace {
 
-/// @param permitted  as text: "0 to 0.1 m/s"
-[[noreturn]] void refuse_value(const v1::Reading& reading, const std::string& name, double value,
-                               const std::string& unit, const std::string& permitted) {
-  refuse(Remedy{"check the column and its unit, or leave the value out"},
-         "reading {}: the {} is {:g} {}; permitted: {}", reading.number(), name, value, unit,
-         permitted);
+/// The zero of a sensor drifts: speeds down to -5 mm/min [m/s] and flows down to -5 l/min/m [m2/s]
+/// are those of a block that stands and of a closed valve.
+constexpr double drift_of_zero = 5e-3 / 60.0;
+
+constexpr double longest_time = 1e6;  // [s]
+constexpr double largest_curl = 1.0;  // [m]
+
+/// Whether a lever is one that cannot be negative in a plant: a speed or a flow.
+bool is_rate(const google::protobuf::FieldDescriptor& key) {
+  const std::string& unit = case_file::key_of(key).unit();
+  return unit == "m/s" || unit == "m2/s";
 }
 
-/// Refuses a value that is farther from zero than any plant has.
-void check_size(const v1::Reading& reading, const std::string& name, double value, double most,
-                const std::string& unit) {
-  if (std::abs(value) <= most) return;
-  refuse_value(reading, name, value, unit, fmt::format("{:g} to {:g} {}", -most, most, unit));
+void add_left_out(const v1::Reading& reading, const std::string& name, double value,
+                  const std::string& reason, v1::AppendReadingsResponse& response) {
+  v1::LeftOutValue& left_out = *response.add_left_out();
+  left_out.set_number(reading.number());
+  left_out.set_name(name);
+  left_out.set_value(value);
+  left_out.set_reason(reason);
 }
 
-/// A lever has the range of the key of a case with the same name.
-void check_levers(const v1::Reading& reading) {
+/// Takes out levers beyond the range of the key of a case with the same name.
+void clean_levers(v1::Reading& reading, v1::AppendReadingsResponse& response) {
+  const auto& reflection = *v1::Reading::GetReflection();
   for (const auto* const field : case_file::fields_of(*v1::Reading::descriptor())) {
     const auto* const key = v1::Schedule::descriptor()->FindFieldByName(field->name());
     const auto value = key ? case_file::number_of(reading, *field) : std::nullopt;
     if (!value || !case_file::range_fault(*key, *value, {}, {}, {})) continue;
 
+    if (is_rate(*key) && *value < 0.0 && *value >= -drift_of_zero) {
+      reflection.SetDouble(&reading, field, 0.0);
+      continue;
+    }
+    reflection.ClearField(&reading, field);
     std::string name = case_file::toml_key(*key);
     std::ranges::replace(name, '_', ' ');
-    refuse_value(reading, name, *value, case_file::key_of(*key).unit(),
-                 case_file::range_text(*key));
+    add_left_out(reading, field->name(), *value,
+                 fmt::format("the {} is {:g} {}; permitted: {}", name, *value,
+                             case_file::key_of(*key).unit(), case_file::range_text(*key)),
+                 response);
   }
 }
 
-/// Checks the curls of a reading against the gauges of its job.
-void check_curls(const v1::Reading& reading, const std::set<std::string_view>& gauges) {
-  std::set<std::string_view> measured;
-  for (const v1::MeasuredCurl& curl : reading.curls()) {
-    if (!measured.insert(curl.monitor()).second)
+/// Takes out curls that are farther from zero than any butt lifts.
+/// @throws Refusal  the job has no such gauge, or a gauge has two curls
+void clean_curls(const std::set<std::string_view>& gauges, v1::Reading& reading,
+                 v1::AppendReadingsResponse& response) {
+  std::set<std::string_view> seen;
+  const auto measured = reading.curls();
+  reading.clear_curls();
+  for (const v1::MeasuredCurl& curl : measured) {
+    if (!seen.insert(curl.monitor()).second)
       refuse(Remedy{"give one curl a gauge"}, "reading {}: the gauge at \"{}\" has two curls",
              reading.number(), values::shortened(curl.monitor()));
     if (!gauges.contains(curl.monitor()))
       refuse(Remedy{"name a gauge of the job"}, "reading {}: the job has no gauge at \"{}\"",
              reading.number(), values::shortened(curl.monitor()));
-    check_size(reading, "curl", curl.curl_m(), 1.0, "m");
+    if (std::abs(curl.curl_m()) <= largest_curl)
+      *reading.add_curls() = curl;
+    else
+      add_left_out(reading, curl.monitor() + "_curl_m", curl.curl_m(),
+                   fmt::format("the curl is {:g} m; permitted: {:g} to {:g} m", curl.curl_m(),
+                               -largest_curl, largest_curl),
+                   response);
   }
 }
 
@@ -70,8 +96,10 @@ void check_readings(const v1::AppendReadingsRequest& request) {
   if (request.readings_size() > most)
     refuse(Remedy{"send them in several calls"}, "a call takes at most {} readings", most);
   for (const v1::Reading& reading : request.readings()) {
-    check_size(reading, "time", reading.time_s(), 1e6, "s");
-    check_levers(reading);
+    if (std::abs(reading.time_s()) <= longest_time) continue;
+    refuse(Remedy{"check the column of the time and its unit, or leave the reading out"},
+           "reading {}: the time is {:g} s; permitted: {:g} to {:g} s", reading.number(),
+           reading.time_s(), -longest_time, longest_time);
   }
 }
 
@@ -91,9 +119,14 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
 
   std::set<std::string_view> gauges;
   for (const v1::Gauge& gauge : record->following().gauges()) gauges.insert(gauge.monitor());
-  for (const v1::Reading& reading : request.readings()) check_curls(reading, gauges);
+  auto readings = request.readings();
+  v1::AppendReadingsResponse cleaned;
+  for (v1::Reading& reading : readings) {
+    clean_levers(reading, cleaned);
+    clean_curls(gauges, reading, cleaned);
+  }
   try {
-    record->append(request.readings());
+    record->append(readings);
   } catch (const jobs::MissingReading& error) {
     refuse(ErrorInfo::OUT_OF_RANGE, Remedy{"send the readings after the last one"}, "job {}: {}",
            request.id(), error.what());
@@ -102,6 +135,7 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
            error.what());
   }
   response = record->state();
+  *response.mutable_left_out() = std::move(*cleaned.mutable_left_out());
 }
 
 }  // namespace

@@ -87,8 +87,8 @@ class FollowTest(RealRunTest):
         return self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10).studies
 
     def ensemble(self):
-        """A study of 16 runs of the plan with other data."""
-        out, _ = self.ended(self.dccast("uncertainty", CASE, "--set", f"time.end={END} s", "--runs", "16",
+        """A study of 31 runs of the plan with other data, the fewest that its 28 data permit."""
+        out, _ = self.ended(self.dccast("uncertainty", CASE, "--set", f"time.end={END} s", "--runs", "31",
                                         "--json"), seconds=120)
         return json.loads(out)["study"]["id"]
 
@@ -135,14 +135,6 @@ class Record(FollowTest):
 
         back = follow_pb2.Reading(number=13, time_s=-70)
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, back)
-        fast = follow_pb2.Reading(number=13, time_s=-40, casting_speed_m_per_s=0.7)
-        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, fast)
-        for word in ("reading 13", "casting speed", "0.7", "0 to 0.1 m/s", "unit"):
-            self.assertIn(word, error.details())
-        hot = follow_pb2.Reading(number=13, time_s=-40, casting_temperature_c=3000)
-        error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, hot)
-        self.assertIn("the casting temperature is 3000 degC; permitted: 0 to 2000 degC",
-                      error.details())
         nothing = follow_pb2.Reading(number=13, time_s=float("nan"))
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id, nothing)
         self.assertEqual(self.append(job_id).number, 12)
@@ -150,6 +142,48 @@ class Record(FollowTest):
         self.append(job_id, follow_pb2.Reading(number=13, closes=True))
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.append, job_id,
                      follow_pb2.Reading(number=14, time_s=0))
+
+    def test_a_value_that_no_plant_has_is_left_out_alone(self):
+        """Broken sensors of every column, in one call: the casting is that of the other values."""
+        job_id = self.follow(gauges=[follow_pb2.Gauge(monitor="corner", noise_m=1e-3)])
+        wrong = {"casting_speed_m_per_s": (0.5461, -9999 / 6e4), "water_flow_m2_per_s": (0.16665, -1e-3),
+                 "narrow_water_flow_m2_per_s": (1.0, float("nan")),
+                 "casting_temperature_c": (-9999.0, 32767.0)}
+        made = readings()
+        broken = dict(zip(range(5, 13), ((name, value) for name, values in wrong.items()
+                                         for value in values)))
+        for place, (name, value) in broken.items():
+            setattr(made[place], name, value)
+        made[20].curls.add(monitor="corner", curl_m=32.767)
+        kept = self.append(job_id, *made)
+        self.assertEqual((kept.number, kept.time_s), (len(made), END))
+        self.assertEqual([(each.number, each.name) for each in kept.left_out],
+                         [(place + 1, name) for place, (name, _) in broken.items()]
+                         + [(21, "corner_curl_m")])
+        self.assertIn("the casting speed is 0.5461 m/s; permitted: 0 to 0.1 m/s", kept.left_out[0].reason)
+        self.assertIn("permitted: 0 to 2000 degC", kept.left_out[-2].reason)
+        self.assertIn("the curl is 32.767 m; permitted: -1 to 1 m", kept.left_out[-1].reason)
+
+        # The values beside them count, and a gap of a second is bridged.
+        steps = self.steps_at_end(job_id)
+        self.assertAlmostEqual(steps[-1].time_s, END)
+        times = numpy.linspace(-60, END, 200001)
+        sound = [(r.time_s, r.casting_speed_m_per_s) for i, r in enumerate(readings())]
+        length = numpy.trapz(numpy.interp(times, *numpy.array(sound).T), times)
+        self.assertAlmostEqual(steps[-1].cast_length_m, length, delta=1e-8)
+
+    def test_a_sensor_whose_zero_drifts_shows_zero(self):
+        job_id = self.follow()
+        made = readings()
+        for reading in made[:40]:
+            reading.casting_speed_m_per_s = -4.9e-3 / 60
+            reading.water_flow_m2_per_s = -0.3e-3 / 60
+        self.assertFalse(self.append(job_id, *made).left_out)
+        self.assertEqual(self.append(job_id).number, len(made))
+        job_id = self.follow()
+        beyond = follow_pb2.Reading(number=1, time_s=-60, casting_speed_m_per_s=-5.1e-3 / 60,
+                                    water_flow_m2_per_s=-5.1e-3 / 60)
+        self.assertEqual(len(self.append(job_id, beyond).left_out), 2)
 
     def test_a_running_job_tells_how_far_the_casting_has_been_measured(self):
         job_id = self.follow()
@@ -258,7 +292,7 @@ class Kills(FollowTest):
 class Forecast(FollowTest):
     def test_a_measured_curl_tells_the_curl_to_come(self):
         """The hidden casting is one of another seed: what its curl shows narrows the ensemble."""
-        studies = [self.study(seed, runs) for seed, runs in ((0, 24), (9, 8))]
+        studies = [self.study(seed, runs) for seed, runs in ((0, 31), (9, 31))]
         request = study_pb2.EvaluateStudyRequest(id=studies[1], curves=True)
         run = self.client.stub.EvaluateStudy(request, timeout=30).runs[0]
         curve = next(each for each in run.curves if each.monitor == "corner")
@@ -322,7 +356,7 @@ class Forecast(FollowTest):
         """Before a curl is measured the forecast is the mean of the ensemble, and what they have done."""
         plan = self.finished_draft(END)
         gauge = follow_pb2.Gauge(monitor="corner", noise_m=5e-4)
-        basis = {"ensemble": self.study(0, 16), "gauges": [gauge]}
+        basis = {"ensemble": self.study(0, 31), "gauges": [gauge]}
         followed = [self.follow(plan_job=run, **basis) for run in (plan, "")]
         for job_id in followed:
             self.append(job_id, *readings(end=30))
@@ -737,12 +771,56 @@ class Client(FollowTest):
             self.assertIn(word, err)
 
     def test_a_source_that_cannot_be_used_makes_no_job(self):
-        for header, word in (("time [s], colour [1]", "one for a lever"),
-                             ("time [s], speed [kg]", "cannot be converted to m/s"), ("", "empty")):
+        rows = table().splitlines()
+        head = "time [s], speed [mm/min], water [l/min/m], metal [degC], operator [1]"
+        with_commas = "\n".join([rows[0].replace(", ", ";")]
+                                + [row.replace(", ", ";").replace(".", ",") for row in rows[1:]])
+        for text, word in (("time [s], colour [1]", "one for a lever"),
+                           ("time [s], speed [kg]", "cannot be converted to m/s"), ("", "empty"),
+                           (head, "a header and nothing after it"),
+                           (with_commas, "has a decimal comma and left out: numbers have a point"),
+                           (table().replace(", ", ";").replace(";", ",").replace(".", ","),
+                            "numbers have a point, not a decimal comma"),
+                           ("\n".join([rows[0]] + ["10/25/2026 12:" + row for row in rows[1:]]),
+                            "is no number and left out"),
+                           ('{"time [s]": 1, "speed [mm/min]": 2, "speed [mm/min]": 3}\n', "is there twice"),
+                           (head + "\n" + 20 * "a, b, c, d, e\n", "no value that can be read")):
             process = self.dccast("follow", self.case_file(), stdin=subprocess.PIPE)
-            _, err = self.ended(process, code=2, input=header + ("\n" if header else ""))
+            _, err = self.ended(process, code=2, input=text + ("\n" if text else ""))
             self.assertIn(word, err)
+        utf16 = os.path.join(self.folder, "utf16.csv")
+        with open(utf16, "w", encoding="utf-16") as file:
+            file.write(table())
+        _, err = self.ended(self.dccast("follow", self.case_file(), "--readings", utf16), code=2)
+        self.assertIn("UTF-16", err)
         self.assertFalse(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs)
+
+    def test_a_broken_sensor_costs_its_own_values_and_is_named_once(self):
+        lines = table().splitlines()
+        for number in range(30, 60):
+            cells = lines[number].split(", ")
+            cells[2], cells[3] = "32767", "-9999" if number % 2 else "NaN"
+            lines[number] = ", ".join(cells)
+        path = os.path.join(self.folder, "broken.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("\ufeff" + ",\n".join(lines) + ",\n")
+        _, err = self.ended(self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings",
+                                        path))
+        self.assertIn("line 31, -31 s: the water flow is 0.546117 m2/s; permitted: 0 to 0.1 m2/s", err)
+        self.assertIn("line 32, -30 s: the casting temperature is -9999 degC", err)
+        self.assertIn("line 31: \"NaN\" of metal [degC] is no number and left out", err)
+        self.assertIn("water_flow_m2_per_s: 30 values were left out", err)
+        self.assertEqual(err.count("permitted: 0 to 0.1 m2/s"), 1, err)
+        job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0]
+        self.assertAlmostEqual(job.last_step.time_s, END)
+
+    def test_a_casting_of_which_nothing_was_measured_is_no_success(self):
+        lines = ["time [s], speed [mm/min], water [l/min/m], metal [degC]"]
+        lines += [f"{t}, 32767, 32767, -9999" for t in range(-60, END + 1)]
+        process = self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings", "-",
+                              stdin=subprocess.PIPE)
+        _, err = self.ended(process, code=2, input="\n".join(lines))
+        self.assertIn("no value that was measured was used", err)
 
     def test_a_killed_client_and_a_restarted_daemon_lose_nothing(self):
         lines = table().splitlines(keepends=True)

@@ -505,11 +505,18 @@ class Castings(PackageTest):
         frame = job.append(reading for reading in [{"time_s": 11.0, "corner_curl_m": float("nan")}])
         self.assertEqual((frame.number, frame.time_s), (72, 11.0))
 
+        # A broken sensor costs its own value; the first one of each is told.
+        with self.assertWarnsRegex(UserWarning, r"reading 73, 11.5 s: the casting speed is .* permitted"):
+            kept = job.append([{"time_s": 11.5, "casting_speed_m_per_s": -9999.0, "corner_curl_m": 1.1e-3},
+                               {"time_s": 11.6, "casting_speed_m_per_s": 32767.0}])
+        self.assertEqual([(each.number, each.name) for each in kept.left_out],
+                         [(73, "casting_speed_m_per_s"), (74, "casting_speed_m_per_s")])
+
         # The plan is not prepared: its forecast rests on the run that `follow` has begun.
         plan, = (self.service.job(listed.id) for listed in self.service.jobs() if listed.id != job.id)
         plan.wait()
         forecast = job.forecast()
-        self.assertEqual(forecast.time_s, 11.0)
+        self.assertEqual(forecast.time_s, 11.6)
         band = forecast.bands["corner"]
         self.assertGreater(band.upper_error_m[-1], 0.0)
         self.assertAlmostEqual(band.time_s[-1], 20.0)

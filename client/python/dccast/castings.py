@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Union
 
@@ -72,7 +73,11 @@ def _batches(readings: Iterable[Reading]) -> Iterator[Sequence[Reading]]:
 
 def append_readings(transport: Transport, job: str, readings: Any,
                     close: bool) -> follow_pb2.AppendReadingsResponse:
-    """Adds readings to the record of a job; those that it has already, by their time, are left out."""
+    """Adds readings to the record of a job; those that it has already, by their time, are left out.
+
+    The answer has all values that no plant has; a warning tells the first one of each sensor.
+    """
+    left_out: dict[str, list[follow_pb2.LeftOutValue]] = {}
     kept: follow_pb2.AppendReadingsResponse = transport.call(
         "AppendReadings", follow_pb2.AppendReadingsRequest(id=job))
     for batch in _batches(rows_of(readings)):
@@ -83,9 +88,17 @@ def append_readings(transport: Transport, job: str, readings: Any,
                 request.readings.append(message)
         if request.readings:
             kept = transport.call("AppendReadings", request)
+            for value in kept.left_out:
+                if value.name not in left_out:
+                    time_s = request.readings[value.number - request.readings[0].number].time_s
+                    warnings.warn(f"reading {value.number}, {time_s:g} s: {value.reason}; this value alone is "
+                                  "left out, and so are others that no plant has", stacklevel=3)
+                left_out.setdefault(value.name, []).append(value)
     if close and not kept.closed:
         kept = transport.call("AppendReadings", follow_pb2.AppendReadingsRequest(
             id=job, readings=[follow_pb2.Reading(number=kept.number + 1, closes=True)]))
+    del kept.left_out[:]
+    kept.left_out.extend(value for values in left_out.values() for value in values)
     return kept
 
 

@@ -42,6 +42,16 @@ TEST(MeasuredCsv, ReadsLengthsInchesAndSemicolons) {
   EXPECT_NEAR(file.curves[0].curl_m(1), 5.08e-3, 1e-12);
 }
 
+TEST(MeasuredCsv, ReadsSpellingsThatAreHarmless) {
+  for (const char* text :
+       {"\xEF\xBB\xBFtime [s],corner [mm]\n0,+1\n1,+2\n", "time [s],corner [mm],\n0,1,\n1,2,\n",
+        "time [s],Curl corner [mm]\n0,1\xC2\xA0\n1,2,\n"}) {
+    const MeasuredFile file = read(text);
+    ASSERT_TRUE(file.faults.empty()) << file.faults.front();
+    EXPECT_THAT(file.curves[0].curl_m(), ElementsAre(1e-3, 2e-3));
+  }
+}
+
 TEST(MeasuredCsv, FaultsNameLineColumnAndWhatIsPermitted) {
   EXPECT_EQ(fault("time [s],corner [mm]\n0,0\n1,x\n"),
             "curl.csv:3:2: \"x\" is no number; permitted: digits with a point, e.g. 12.5");
@@ -56,6 +66,8 @@ TEST(MeasuredCsv, FaultsNameLineColumnAndWhatIsPermitted) {
   EXPECT_THAT(fault("time [s],corner [mm]\n1,nan\n"), HasSubstr("is no number"));
   EXPECT_THAT(fault("time [s],corner [mm]\n1,2\n"), HasSubstr("has 1 readings; permitted: 2"));
   EXPECT_THAT(fault("\n# nothing\n"), HasSubstr("is empty"));
+  EXPECT_THAT(fault("time [s];corner [mm]\n0;1,5\n"), HasSubstr("\"1,5\" has a decimal comma"));
+  EXPECT_THAT(fault(std::string("\xFF\xFEt\0i\0", 6)), HasSubstr("the text is UTF-16"));
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "client/session/failure.hpp"
 
 namespace dccast::client {
@@ -16,7 +18,7 @@ using ::testing::IsEmpty;
 v1::Reading reading_of(ReadingsTable& table, const std::string& line) {
   const ReadingsTable::Line taken = table.take(line);
   EXPECT_THAT(taken.remarks, IsEmpty()) << line;
-  return taken.readings.empty() ? v1::Reading() : taken.readings.front();
+  return taken.readings.empty() ? v1::Reading() : taken.readings.front().reading;
 }
 
 TEST(ReadingsTable, ConvertsTheUnitsOfAPlant) {
@@ -105,8 +107,8 @@ TEST(ReadingsTable, ReadsObjectsWithTheSameNames) {
       table.take(R"({"time [s]": 1, "speed [mm/min]": 60, "curl corner [mm]": "4.5", "batch": 7})");
   EXPECT_THAT(first.remarks, ElementsAre("columns that are left out: \"batch\""));
   ASSERT_EQ(first.readings.size(), 1u);
-  EXPECT_DOUBLE_EQ(first.readings[0].casting_speed_m_per_s(), 1e-3);
-  EXPECT_DOUBLE_EQ(first.readings[0].curls(0).curl_m(), 4.5e-3);
+  EXPECT_DOUBLE_EQ(first.readings[0].reading.casting_speed_m_per_s(), 1e-3);
+  EXPECT_DOUBLE_EQ(first.readings[0].reading.curls(0).curl_m(), 4.5e-3);
   EXPECT_THAT(table.gauges(), ElementsAre("corner"));
 
   const v1::Reading next = reading_of(table, R"({"speed [mm/min]": null, "time [s]": 2.5})");
@@ -137,6 +139,94 @@ TEST(ReadingsTable, SaysWhatIsWrongWithAnObject) {
   EXPECT_EQ(remark(R"({"time [s]": 9, "x": )" + nested + std::string(nested.size(), ']') + "}"),
             "line 9: left out: longer than 65536 bytes");
   EXPECT_EQ(reading_of(table, R"({"time [s]": 10, "speed [mm/min]": 60})").time_s(), 10.0);
+}
+
+/// Spellings of programs that write tables, each of which has one meaning.
+TEST(ReadingsTable, ReadsSpellingsThatAreHarmless) {
+  const std::string header = "time [s], speed [mm/min], metal [degC]";
+  const std::pair<std::string, std::string> tables[] = {
+      {"\xEF\xBB\xBF" + header, "-1, 60, 680"},
+      {"\xEF\xBB\xBF\"time [s]\", \"speed [mm/min]\", \"metal [degC]\"", "\"-1\", \"60\", \"680\""},
+      {header, "-1, 60, 680,"},
+      {header, "-1, 60, 680,,  ,"},
+      {header + ",", "-1, 60, 680,"},
+      {header + ",", "-1, 60, 680"},
+      {"time [s]\tspeed [mm/min]\tmetal [degC]\t", "-1\t60\t680\t"},
+      {"time [s];speed [mm/min];metal [degC]", "-1;60;680;\r"},
+      {header, "-1, +60, +680.0"},
+      {header,
+       "-1\xC2\xA0, 60\xE2\x80\xAF, \xC2\xA0"
+       "680\xC2\xA0"},
+      {"Time [s], SPEED [mm/min], Casting Temperature [degC]", "-1, 60, 680"}};
+  for (const auto& [first, row] : tables) {
+    ReadingsTable table;
+    EXPECT_THAT(table.take(first).remarks, IsEmpty()) << first;
+    const v1::Reading reading = reading_of(table, row);
+    EXPECT_EQ(reading.time_s(), -1.0) << row;
+    EXPECT_DOUBLE_EQ(reading.casting_speed_m_per_s(), 1e-3) << row;
+    EXPECT_DOUBLE_EQ(reading.casting_temperature_c(), 680.0) << row;
+  }
+
+  ReadingsTable curls;
+  curls.take("Time [s], Curl Corner [mm]");
+  EXPECT_THAT(curls.gauges(), ElementsAre("Corner")) << "a monitor is named as in the case";
+}
+
+TEST(ReadingsTable, NamesTheCauseOfWhatItCannotRead) {
+  const auto fault_of = [](const std::string& header, const std::string& row) {
+    ReadingsTable table;
+    table.take(header);
+    const auto line = table.take(row);
+    EXPECT_EQ(line.fault, line.remarks.empty() ? "" : line.remarks.front());
+    EXPECT_FALSE(line.has_values) << row;
+    return line.fault;
+  };
+  EXPECT_THAT(fault_of("time [s];speed [mm/min]", "-1;60,5"), HasSubstr("has a decimal comma"));
+  EXPECT_THAT(fault_of("time [s]\tspeed [mm/min]", "-1,0\t60,5"), HasSubstr("has a decimal comma"));
+  EXPECT_THAT(fault_of("time [s], speed [mm/min]", "-1,0, 60,5"),
+              HasSubstr("has 4 columns, the header 2; numbers have a point, not a decimal comma"));
+  EXPECT_THAT(fault_of("time [s], speed [mm/min]", "-1, +-60"), HasSubstr("is no number"));
+  expect_refused(std::string("\xFF\xFEt\0i\0", 6), "the text is UTF-16; permitted: UTF-8");
+  expect_refused(std::string("\xFE\xFF\0t\0i", 6), "the text is UTF-16");
+  expect_refused(std::string("t\0i\0m\0e\0", 8), "the text is UTF-16");
+}
+
+TEST(ReadingsTable, ACellThatCannotBeReadIsNamedOnceForEachColumn) {
+  ReadingsTable table;
+  table.take("time [s], speed [mm/min], metal [degC]");
+  reading_of(table, "1, 40, 680");
+  EXPECT_THAT(table.take("2, 41, NaN").remarks,
+              ElementsAre("line 3: \"NaN\" of metal [degC] is no number and left out"));
+  for (int t = 3; t < 10; ++t)
+    EXPECT_DOUBLE_EQ(reading_of(table, fmt::format("{}, 4{}, NaN", t, t)).casting_speed_m_per_s(),
+                     (40 + t) * 1e-3 / 60);
+  EXPECT_THAT(table.take("10, ----, 680").remarks, ElementsAre(HasSubstr("of speed [mm/min]")));
+  EXPECT_THAT(table.summary(),
+              ElementsAre("metal [degC]: 8 cells could not be read and were left out"));
+}
+
+TEST(ReadingsTable, AnObjectMayHoldNoNumberAtAPlaceButNoNameTwice) {
+  ReadingsTable table;
+  table.take("\xEF\xBB\xBF{\"time [s]\": 1, \"speed [mm/min]\": 60, \"x\": {\"a\": 1}}");
+  for (const char* word : {"NaN", "Infinity", "-Infinity"}) {
+    ReadingsTable each;
+    const auto line = each.take(fmt::format(
+        R"({{"time [s]": 2, "speed [mm/min]": 60, "metal [degC]": {}, "note": "NaN \"NaN"}})",
+        word));
+    EXPECT_THAT(line.remarks.back(),
+                HasSubstr(fmt::format("\"{}\" of metal [degC] is no number", word)));
+    ASSERT_EQ(line.readings.size(), 1u);
+    EXPECT_DOUBLE_EQ(line.readings[0].reading.casting_speed_m_per_s(), 1e-3);
+    EXPECT_FALSE(line.readings[0].reading.has_casting_temperature_c());
+  }
+
+  const auto twice = table.take(R"({"time [s]": 3, "speed [mm/min]": 1, "speed [mm/min]": 2})");
+  EXPECT_THAT(twice.remarks,
+              ElementsAre("line 2: left out: \"speed [mm/min]\" is there twice; give "
+                          "each value a name of its own"));
+  EXPECT_THAT(twice.readings, IsEmpty());
+  EXPECT_EQ(reading_of(table, R"({"time [s]": 4, "x": {"a": 1, "b": {"a": 2}}})").time_s(), 4.0)
+      << "a name within another object is another name";
 }
 
 TEST(ReadingsTable, AnObjectAmongRowsIsLeftOut) {
@@ -177,7 +267,7 @@ TEST(ReadingsTable, ReportsOnceASensorThatShowsTheSameForLong) {
   for (int t = -200; t <= 300; ++t) {
     const auto line = table.take(fmt::format("{}, {}, {}", t, t > 0 ? 40 + t % 3 : 0, 680));
     remarks.insert(remarks.end(), line.remarks.begin(), line.remarks.end());
-    EXPECT_EQ(line.readings.front().casting_temperature_c(), 680.0);
+    EXPECT_EQ(line.readings.front().reading.casting_temperature_c(), 680.0);
   }
   EXPECT_THAT(remarks, ElementsAre("line 322: metal [degC] has not changed at all for 120 s; it "
                                    "counts, but look whether its sensor is alive"));
@@ -194,8 +284,47 @@ TEST(ReadingsTable, TheSpeedFollowsFromTheCastLength) {
   const auto reset = table.take("5, 0, 680");
   EXPECT_THAT(reset.remarks,
               ElementsAre(HasSubstr("falls from 13 to 0 mm; the speed is left out")));
-  EXPECT_FALSE(reset.readings.front().has_casting_speed_m_per_s());
+  EXPECT_FALSE(reset.readings.front().reading.has_casting_speed_m_per_s());
   EXPECT_DOUBLE_EQ(reading_of(table, "6, 1, 680").casting_speed_m_per_s(), 1e-3);
+}
+
+TEST(ReadingsTable, ALengthOfABrokenSensorIsLeftOutAlone) {
+  ReadingsTable table;
+  table.take("time [s], cast length [mm], metal [degC]");
+  reading_of(table, "0, 10, 680");
+  reading_of(table, "1, 11, 680");
+  for (const char* broken : {"2, -9999, 680", "3, 32767, 680"})
+    EXPECT_FALSE(table.take(broken).readings.front().reading.has_casting_speed_m_per_s());
+  EXPECT_DOUBLE_EQ(reading_of(table, "4, 14, 680").casting_speed_m_per_s(), 1e-3) << "over the gap";
+}
+
+TEST(ReadingsTable, ALengthThatTremblesAddsUpToItself) {
+  ReadingsTable table;
+  table.take("time [s], cast length [mm], metal [degC]");
+  double cast_m = 0.0;
+  for (int t = 0; t <= 100; ++t) {
+    const double shown = std::max(0.0, 0.5 * (t - 50)) + (t % 2 == 0 ? 0.04 : -0.04);
+    const v1::Reading reading = reading_of(table, fmt::format("{}, {}, {}", t, shown, 680 + t));
+    cast_m += reading.casting_speed_m_per_s();
+  }
+  EXPECT_NEAR(cast_m, 0.025, 1e-9);
+}
+
+TEST(ReadingsTable, ABrokenSpeedIsNoStartOfTheBlock) {
+  for (const char* broken : {"32767", "-9999", "9999"}) {
+    ReadingsTable table(
+        parse_columns("time = { name = \"t\", unit = \"s\", zero = \"motion\" }\n"
+                      "speed = { name = \"v\", unit = \"mm/min\" }\n",
+                      "plant.toml"));
+    table.take("t, v");
+    EXPECT_THAT(table.take("0, 0").readings, IsEmpty());
+    EXPECT_THAT(table.take(fmt::format("1, {}", broken)).readings, IsEmpty());
+    EXPECT_THAT(table.take("2, 0").readings, IsEmpty());
+    const auto line = table.take("3, 40");
+    ASSERT_EQ(line.readings.size(), 4u);
+    EXPECT_EQ(line.readings[2].reading.time_s(), 0.0);
+    EXPECT_EQ(line.readings[1].line, 3);
+  }
 }
 
 TEST(ReadingsTable, ACounterThatStaysTellsOnlyAfterAWhileThatTheBlockStands) {
@@ -233,11 +362,11 @@ TEST(ReadingsTable, ReadsTheNamesUnitsAndClockOfAPlant) {
 
   const auto line = table.take(R"({"ts": "2026-11-27T04:00:12.5Z", "DB12.CastSpeed": 30})");
   ASSERT_EQ(line.readings.size(), 3u);
-  EXPECT_NEAR(line.readings[0].time_s(), -1.0, 1e-6);
-  EXPECT_DOUBLE_EQ(line.readings[0].water_flow_m2_per_s(), 1e-3);
-  EXPECT_EQ(line.readings[0].curls(0).monitor(), "corner");
-  EXPECT_NEAR(line.readings[1].time_s(), 0.0, 1e-6);
-  EXPECT_NEAR(line.readings[2].time_s(), 1.5, 1e-6);
+  EXPECT_NEAR(line.readings[0].reading.time_s(), -1.0, 1e-6);
+  EXPECT_DOUBLE_EQ(line.readings[0].reading.water_flow_m2_per_s(), 1e-3);
+  EXPECT_EQ(line.readings[0].reading.curls(0).monitor(), "corner");
+  EXPECT_NEAR(line.readings[1].reading.time_s(), 0.0, 1e-6);
+  EXPECT_NEAR(line.readings[2].reading.time_s(), 1.5, 1e-6);
   EXPECT_THAT(line.remarks, ElementsAre(HasSubstr("time.zero = \"2026-11-27T04:00:11Z\"")));
 }
 
@@ -262,7 +391,7 @@ TEST(ReadingsTable, FindsTheStartByTheCastLength) {
   for (int t = 0; t < 20; ++t) EXPECT_THAT(table.take(fmt::format("{}, 0", t)).readings, IsEmpty());
   const auto line = table.take("20, 1");
   ASSERT_EQ(line.readings.size(), 21u);
-  EXPECT_EQ(line.readings[19].time_s(), 0.0);
+  EXPECT_EQ(line.readings[19].reading.time_s(), 0.0);
 }
 
 TEST(ReadingsTable, ACoarseCounterOfABlockThatMovesShowsNoStart) {
