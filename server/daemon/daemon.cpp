@@ -334,7 +334,7 @@ AccessSide::AccessSide(const v1::DaemonConfig& config, JobSide& jobs)
            {.job = [&jobs](const std::string& id) { return owner(jobs.scheduler.find(id)); },
             .study =
                 [&jobs](const std::string& id) { return owner(jobs.studies.requests().find(id)); },
-            .line = [&jobs](const std::string& id) { return owner(jobs.lines.find(id)); }}) {}
+            .line = [&jobs](const std::string& id) { return jobs.lines.owner(id); }}) {}
 
 /// Objects that the calls of the service use.
 service::Context make_context(const v1::DaemonConfig& config, JobSide& jobs, service::Gate& gate) {

@@ -96,8 +96,11 @@ v1::Job readable_job(Context& context, const access::Caller& caller, const std::
 void check_line(Context& context, const access::Caller& caller, const std::string& name) {
   check_line_name(name);
   const auto& changing = access::rule_of(*v1::RestartLineRequest::descriptor());
-  if (const auto status = context.gate.permit_touch(caller, changing, name); !status.ok())
-    throw Refusal{status};
+  const grpc::Status status = context.gate.permit_touch(caller, changing, name);
+  if (status.error_code() == grpc::NOT_FOUND)  // one that the caller may not read
+    refuse(ErrorInfo::NOT_PERMITTED, Remedy{"choose another name"}, "a line \"{}\" is not yours",
+           name);
+  if (!status.ok()) throw Refusal{status};
 }
 
 /// Checks the study on which the advice for a casting rests.
@@ -187,12 +190,26 @@ void check_joins_own_study(Context& context, const access::Caller& caller, const
          study->owner().empty() ? "no known user" : study->owner());
 }
 
-/// Submits a job on a line. The line is there before the job, so that no other user makes it
-/// meanwhile; a call that is repeated after a crash adds the casting once.
+/// @throws refusal::LimitReached
+studies::Lines::Reservation reserved_line(Context& context, const Call& call,
+                                          const std::string& name) {
+  try {
+    return context.lines.reserve(name, call.caller.name);
+  } catch (const studies::TooManyLines& many) {
+    throw refusal::LimitReached({.cause = many.what(),
+                                 .limit = "lines of one user",
+                                 .permitted = std::to_string(studies::most_lines_of_user),
+                                 .remedy = "forget one that is not cast on any more (dccast line "
+                                           "forget), or cast on one of them"});
+  }
+}
+
+/// Submits a job on a line, whose name no other user takes meanwhile; a call that is repeated after
+/// a crash adds the casting once. @throws refusal::LimitReached
 v1::Job submit_on_line(Context& context, const Call& call, const jobs::NewJob& job,
                        const jobs::Attachments& attachments) {
   const std::string& name = job.following->line();
-  context.lines.begin(name, call.caller.name);
+  const studies::Lines::Reservation line = reserved_line(context, call, name);
   check_line(context, call.caller, name);
 
   v1::Job submitted = context.scheduler.submit(job, attachments);
@@ -201,7 +218,7 @@ v1::Job submit_on_line(Context& context, const Call& call, const jobs::NewJob& j
   casting.set_title(submitted.title());
   *casting.mutable_begin_time() = submitted.create_time();
   *casting.mutable_following() = *job.following;
-  context.lines.add(name, casting);
+  line.add(casting);
   return submitted;
 }
 

@@ -26,6 +26,14 @@ std::filesystem::path file_of(const std::filesystem::path& directory, const std:
   return directory / (name + ".bin");
 }
 
+/// What forecasts use of a line is its newest castings: the oldest go.
+void drop_oldest(v1::Line& line) {
+  auto& castings = *line.mutable_castings();
+  while (castings.size() > 1 &&
+         (castings.size() > most_castings || line.ByteSizeLong() > most_casting_bytes))
+    castings.DeleteSubrange(0, 1);
+}
+
 v1::LineCasting* find_casting(v1::Line& line, const std::string& job) {
   const auto found = std::ranges::find(*line.mutable_castings(), job, &v1::LineCasting::job);
   return found == line.mutable_castings()->end() ? nullptr : &*found;
@@ -58,10 +66,18 @@ std::optional<v1::Line> Lines::read(const std::string& name) const {
   throw DamagedLine(fmt::format("the file of line {}, {}, is damaged", name, path.string()));
 }
 
-void Lines::write(const v1::Line& line) const {
+void Lines::write(v1::Line line) {
+  drop_oldest(line);
   std::filesystem::create_directories(directory_);
   storage::replace_file(file_of(directory_, line.name()),
                         header() + storage::short_records.framed(line.SerializeAsString()));
+  owners_[line.name()] = line.owner();
+}
+
+Lines::Lines(std::filesystem::path directory) : directory_(std::move(directory)) {
+  const v1::ListLinesResponse there = list();
+  for (const v1::Line& line : there.lines()) owners_[line.name()] = line.owner();
+  for (const std::string& damaged : there.damaged()) owners_[damaged] = "";
 }
 
 v1::ListLinesResponse Lines::list() const {
@@ -73,7 +89,13 @@ v1::ListLinesResponse Lines::list() const {
     const std::string name = entry.path().stem().string();
     if (entry.path().extension() != ".bin" || !is_line_name(name)) continue;
     try {
-      if (auto line = read(name)) *listing.add_lines() = std::move(*line);
+      auto line = read(name);
+      if (!line) continue;
+      for (v1::LineCasting& casting : *line->mutable_castings()) {
+        casting.clear_following();
+        casting.clear_curls();
+      }
+      *listing.add_lines() = std::move(*line);
     } catch (const DamagedLine&) {
       listing.add_damaged(name);
     } catch (const std::system_error& error) {  // no regular file, or one that cannot be read
@@ -91,23 +113,47 @@ std::optional<v1::Line> Lines::find(const std::string& name) const {
   return read(name);
 }
 
-v1::Line Lines::begin(const std::string& name, const std::string& owner) {
+std::optional<std::string> Lines::owner(const std::string& name) const {
   const std::lock_guard lock(mutex_);
-  if (auto there = read(name)) return std::move(*there);
-  v1::Line line;
-  line.set_name(name);
-  line.set_owner(owner);
-  *line.mutable_create_time() = jobs::now();
-  write(line);
-  return line;
+  if (const auto there = owners_.find(name); there != owners_.end()) return there->second;
+  if (const auto kept = reserved_.find(name); kept != reserved_.end()) return kept->second.owner;
+  return std::nullopt;
+}
+
+Lines::Reservation Lines::reserve(const std::string& name, const std::string& owner) {
+  const std::lock_guard lock(mutex_);
+  if (owners_.contains(name)) read(name);  // a damaged one is refused before a job is made
+  const bool is_new = !owners_.contains(name) && !reserved_.contains(name);
+  const auto is_own = [&](const auto& line) { return line.second == owner; };
+  const auto is_kept = [&](const auto& kept) { return kept.second.owner == owner; };
+  if (is_new &&
+      std::ranges::count_if(owners_, is_own) + std::ranges::count_if(reserved_, is_kept) >=
+          most_lines_of_user)
+    throw TooManyLines(fmt::format("{} has {} lines", owner, most_lines_of_user));
+
+  Reserved& reserved = reserved_[name];
+  if (reserved.castings++ == 0) reserved.owner = owner;
+  return Reservation(*this, name);
+}
+
+void Lines::release(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  const auto reserved = reserved_.find(name);
+  if (--reserved->second.castings == 0) reserved_.erase(reserved);
 }
 
 void Lines::add(const std::string& name, const v1::LineCasting& casting) {
   const std::lock_guard lock(mutex_);
   auto line = read(name);
-  if (!line || find_casting(*line, casting.job())) return;
+  if (!line) {
+    line.emplace();
+    line->set_name(name);
+    line->set_owner(reserved_.at(name).owner);
+    *line->mutable_create_time() = jobs::now();
+  }
+  if (find_casting(*line, casting.job())) return;
   *line->add_castings() = casting;
-  write(*line);
+  write(std::move(*line));
 }
 
 void Lines::end_casting(const std::string& name, const std::string& job,
@@ -136,6 +182,7 @@ bool Lines::remove(const std::string& name) {
   const auto path = file_of(directory_, name);
   if (!is_line_name(name) || storage::kind_of_entry(path).empty()) return false;
   std::filesystem::remove(path);
+  owners_.erase(name);
   storage::sync_directory(directory_);
   return true;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -20,6 +21,18 @@ public:
   using std::runtime_error::runtime_error;
 };
 
+/// The owner has as many lines as one user may.
+class TooManyLines : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Lines that one user may own. All are listed at once.
+inline constexpr int most_lines_of_user = 100;
+/// What a line keeps, its newest castings. Forecasts use the last 30 of them.
+inline constexpr int most_castings = 100;
+inline constexpr std::size_t most_casting_bytes = 1 << 20;
+
 /// Whether a text may name a line, so that a path made of it stays in its folder.
 bool is_line_name(const std::string& text);
 
@@ -31,17 +44,34 @@ bool is_line_name(const std::string& text);
 /// several threads. All calls throw DamagedLine and std::system_error.
 class Lines {
 public:
-  explicit Lines(std::filesystem::path directory) : directory_(std::move(directory)) {}
+  /// A casting that is about to be submitted on a line. While it lasts, no other user begins a line
+  /// of this name; a line that is new is written by add() alone.
+  class Reservation {
+  public:
+    Reservation(Lines& lines, std::string name) : lines_(lines), name_(std::move(name)) {}
+    Reservation(const Reservation&) = delete;
+    ~Reservation() { lines_.release(name_); }
 
-  /// By name; a damaged one by its name alone.
+    /// Adds the casting, unless the line has its job already.
+    void add(const v1::LineCasting& casting) const { lines_.add(name_, casting); }
+
+  private:
+    Lines& lines_;
+    const std::string name_;
+  };
+
+  explicit Lines(std::filesystem::path directory);
+
+  /// By name, castings without what they have told; a damaged one by its name alone.
   v1::ListLinesResponse list() const;
   /// Empty if there is no such line.
   std::optional<v1::Line> find(const std::string& name) const;
+  /// The owner of the line, or of its name while it is reserved; "" of a damaged line. Empty if
+  /// there is neither.
+  std::optional<std::string> owner(const std::string& name) const;
 
-  /// The line, which is made for this owner where there is none.
-  v1::Line begin(const std::string& name, const std::string& owner);
-  /// Adds a casting; nothing if the line has that job already, or is not there any more.
-  void add(const std::string& name, const v1::LineCasting& casting);
+  /// Keeps the name of a new line for this owner. @throws TooManyLines; nothing is kept
+  Reservation reserve(const std::string& name, const std::string& owner);
   /// Keeps the curls observed in an ended casting; nothing if the line does not have it any more.
   void end_casting(const std::string& name, const std::string& job,
                    const std::vector<v1::ObservedCurl>& curls);
@@ -51,11 +81,21 @@ public:
   bool remove(const std::string& name);
 
 private:
-  std::optional<v1::Line> read(const std::string& name) const;
-  void write(const v1::Line& line) const;
+  /// The owner of a name for which castings are being submitted.
+  struct Reserved {
+    std::string owner;
+    int castings = 0;
+  };
 
-  std::filesystem::path directory_;
+  void add(const std::string& name, const v1::LineCasting& casting);
+  void release(const std::string& name);
+  std::optional<v1::Line> read(const std::string& name) const;
+  void write(v1::Line line);
+
+  const std::filesystem::path directory_;
   mutable std::mutex mutex_;
+  std::map<std::string, std::string> owners_;  ///< of the files, by name of the line
+  std::map<std::string, Reserved> reserved_;   ///< by name of the line
 };
 
 }  // namespace dccast::studies

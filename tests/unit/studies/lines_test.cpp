@@ -17,6 +17,11 @@ v1::LineCasting casting(const std::string& job) {
   return made;
 }
 
+void cast(Lines& lines, const std::string& job, const std::string& owner = "anna",
+          const std::string& line = "pit-3") {
+  lines.reserve(line, owner).add(casting(job));
+}
+
 std::vector<v1::ObservedCurl> curls() {
   v1::ObservedCurl curl;
   curl.set_monitor("corner");
@@ -31,11 +36,9 @@ TEST(Lines, KeepWhatCastingsTellForTheNextDaemon) {
   {
     Lines lines(folder / "lines");
     EXPECT_TRUE(lines.list().lines().empty());
-    EXPECT_EQ(lines.begin("pit-3", "anna").owner(), "anna");
-    EXPECT_EQ(lines.begin("pit-3", "bert").owner(), "anna") << "it is there already";
-    lines.add("pit-3", casting("job-1"));
-    lines.add("pit-3", casting("job-2"));
-    lines.add("pit-3", casting("job-1"));  // repeated after a lost answer
+    cast(lines, "job-1");
+    cast(lines, "job-2");
+    cast(lines, "job-1");  // repeated after a lost answer
     lines.end_casting("pit-3", "job-1", curls());
     lines.end_casting("pit-3", "job-1", {});
   }
@@ -55,8 +58,7 @@ TEST(Lines, BeginAfreshOrAreRemoved) {
   EXPECT_FALSE(lines.restart("pit-3"));
   EXPECT_FALSE(lines.remove("pit-3"));
 
-  lines.begin("pit-3", "anna");
-  lines.add("pit-3", casting("job-1"));
+  cast(lines, "job-1");
   const v1::Line afresh = lines.restart("pit-3").value();
   EXPECT_TRUE(afresh.castings().empty());
   EXPECT_TRUE(afresh.has_restart_time());
@@ -66,8 +68,54 @@ TEST(Lines, BeginAfreshOrAreRemoved) {
   lines.end_casting("pit-3", "job-1", curls());
   EXPECT_TRUE(lines.find("pit-3")->castings().empty());
   EXPECT_TRUE(lines.remove("pit-3"));
-  lines.add("pit-3", casting("job-3"));
   EXPECT_FALSE(lines.find("pit-3"));
+  EXPECT_FALSE(lines.owner("pit-3"));
+}
+
+TEST(Lines, ANameIsReservedUntilACastingStandsOnIt) {
+  const TemporaryFolder folder;
+  Lines lines(folder.path());
+  {
+    const auto first = lines.reserve("pit-3", "anna");
+    const auto second = lines.reserve("pit-3", "bert");
+    EXPECT_EQ(lines.owner("pit-3"), "anna") << "who came first";
+    EXPECT_FALSE(lines.find("pit-3"));
+  }
+  EXPECT_FALSE(lines.owner("pit-3")) << "neither was submitted";
+  cast(lines, "job-1", "bert");
+  EXPECT_EQ(lines.owner("pit-3"), "bert");
+  EXPECT_EQ(Lines(folder.path()).owner("pit-3"), "bert");
+}
+
+TEST(Lines, AUserHasABoundedNumberOfThem) {
+  const TemporaryFolder folder;
+  Lines lines(folder.path());
+  for (int i = 0; i < most_lines_of_user; ++i)
+    lines.reserve("pit-" + std::to_string(i), "anna").add(casting("job"));
+  EXPECT_THROW(lines.reserve("one-more", "anna"), TooManyLines);
+  cast(lines, "job-2", "anna", "pit-1");
+  cast(lines, "job-3", "bert", "one-more");
+  EXPECT_EQ(lines.owner("one-more"), "bert");
+}
+
+/// However many castings, and however large they are, the file can be read again.
+TEST(Lines, TheNewestCastingsAreKept) {
+  const TemporaryFolder folder;
+  Lines lines(folder.path());
+  for (int i = 0; i <= most_castings; ++i) cast(lines, "job-" + std::to_string(i));
+  EXPECT_EQ(lines.find("pit-3")->castings_size(), most_castings);
+  EXPECT_EQ(lines.find("pit-3")->castings(0).job(), "job-1");
+
+  v1::LineCasting large = casting("large");
+  for (int i = 0; i < 40; ++i) {
+    large.set_job("large-" + std::to_string(i));
+    large.mutable_following()->set_plan_job(std::string(60'000, 'x'));
+    lines.reserve("pit-3", "anna").add(large);
+  }
+  const v1::Line kept = lines.find("pit-3").value();
+  EXPECT_LE(kept.ByteSizeLong(), most_casting_bytes);
+  EXPECT_GT(kept.castings_size(), 10);
+  EXPECT_EQ(kept.castings().rbegin()->job(), "large-39");
 }
 
 TEST(Lines, NamesArePermittedThatStayInTheFolder) {
@@ -87,7 +135,7 @@ TEST(Lines, NamesArePermittedThatStayInTheFolder) {
 TEST(Lines, ADamagedFileIsNamed) {
   const TemporaryFolder folder;
   Lines lines(folder / "lines");
-  lines.begin("pit-3", "anna");
+  cast(lines, "job-1");
   const auto path = folder.path() / "lines" / "pit-3.bin";
   std::string bytes = storage::read_file(path);
   bytes.back() ^= 1;
@@ -104,7 +152,7 @@ TEST(Lines, ADamagedFileIsNamed) {
 TEST(Lines, WhatIsNoFileIsNamedBesideTheOthers) {
   const TemporaryFolder folder;
   Lines lines(folder.path());
-  lines.begin("pit-3", "anna");
+  cast(lines, "job-1");
   ASSERT_EQ(::mkfifo((folder.path() / "pit-4.bin").c_str(), 0600), 0);
   const v1::ListLinesResponse listed = lines.list();
   ASSERT_EQ(listed.lines_size(), 1);
