@@ -64,7 +64,9 @@ TEST_F(CheckOfReadings, AReadingThatIsDamagedBeforeOthersIsDamage) {
 
 TEST_F(CheckOfReadings, ALineThatIsDamagedIsReported) {
   studies::Lines lines(folder_.lines());
-  lines.begin("line-1", "anna");
+  v1::LineCasting casting;
+  casting.set_job("job-1");
+  lines.reserve("line-1", "anna").add(casting);
   EXPECT_THAT(found(), ::testing::Not(HasSubstr("line line-1")));
   storage::write_file(folder_.lines() / "line-1.bin", "nothing of ours");
   EXPECT_THAT(found(), HasSubstr("line line-1: its file is damaged"));
