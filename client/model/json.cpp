@@ -124,25 +124,6 @@ Json repeated(const Message& message, const FieldDescriptor& field) {
   return list;
 }
 
-}  // namespace
-
-Json to_json(const Message& message) {
-  if (const auto* time = dynamic_cast<const google::protobuf::Timestamp*>(&message))
-    return google::protobuf::util::TimeUtil::ToString(*time);
-  Json object = Json::object();
-  const auto& descriptor = *message.GetDescriptor();
-  for (int i = 0; i < descriptor.field_count(); ++i) {
-    const FieldDescriptor& field = *descriptor.field(i);
-    if (field.is_repeated())
-      object[field.name()] = repeated(message, field);
-    else if (!field.has_presence() || message.GetReflection()->HasField(message, &field))
-      object[field.name()] = single(message, field);
-  }
-  return object;
-}
-
-namespace {
-
 /// Python and others write NaN and infinities, which JSON does not have: here they become texts.
 std::string with_quoted_words(const std::string& text) {
   constexpr std::array<std::string_view, 3> words{"NaN", "-Infinity", "Infinity"};
@@ -167,6 +148,21 @@ std::string with_quoted_words(const std::string& text) {
 }
 
 }  // namespace
+
+Json to_json(const Message& message) {
+  if (const auto* time = dynamic_cast<const google::protobuf::Timestamp*>(&message))
+    return google::protobuf::util::TimeUtil::ToString(*time);
+  Json object = Json::object();
+  const auto& descriptor = *message.GetDescriptor();
+  for (int i = 0; i < descriptor.field_count(); ++i) {
+    const FieldDescriptor& field = *descriptor.field(i);
+    if (field.is_repeated())
+      object[field.name()] = repeated(message, field);
+    else if (!field.has_presence() || message.GetReflection()->HasField(message, &field))
+      object[field.name()] = single(message, field);
+  }
+  return object;
+}
 
 ObjectMembers members_of_object(const std::string& text) {
   ObjectMembers read;

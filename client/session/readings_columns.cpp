@@ -227,6 +227,28 @@ private:
   std::multimap<std::pair<toml::source_index, toml::source_index>, std::string> faults_;
 };
 
+/// "27.11.2026 04:00" as "2026-11-27 04:00"; another text as it is.
+std::string with_year_first(const std::string& text) {
+  std::smatch parts;
+  static const std::regex day_first(R"((\d{1,2})\.(\d{1,2})\.(\d{4})(.*))");
+  if (!std::regex_match(text, parts, day_first)) return text;
+  const auto two_digits = [](const std::string& number) {
+    return number.size() == 1 ? "0" + number : number;
+  };
+  return parts[3].str() + "-" + two_digits(parts[2].str()) + "-" + two_digits(parts[1].str()) +
+         parts[4].str();
+}
+
+/// The zone at the end of a time: "+0100", "+01", " +01:00" and " UTC" as ISO 8601 with colons has
+/// it; without one Z.
+std::string with_usual_zone(const std::string& text) {
+  std::smatch parts;
+  static const std::regex zone(R"((.*?\d) ?(?:([Zz]|UTC|GMT)|([+-]\d\d):?(\d\d)?)?)");
+  if (!std::regex_match(text, parts, zone)) return text;
+  if (!parts[3].matched) return parts[1].str() + "Z";
+  return parts[1].str() + parts[3].str() + ":" + (parts[4].matched ? parts[4].str() : "00");
+}
+
 }  // namespace
 
 std::optional<Column> column_of_heading(const std::string& heading) {
@@ -305,32 +327,6 @@ double converted(double value, const Column& column) {
   const double number = case_file::convert(value, column.unit, reading_unit(column)).value();
   return number / column.per_m.value_or(1.0);
 }
-
-namespace {
-
-/// "27.11.2026 04:00" as "2026-11-27 04:00"; another text as it is.
-std::string with_year_first(const std::string& text) {
-  std::smatch parts;
-  static const std::regex day_first(R"((\d{1,2})\.(\d{1,2})\.(\d{4})(.*))");
-  if (!std::regex_match(text, parts, day_first)) return text;
-  const auto two_digits = [](const std::string& number) {
-    return number.size() == 1 ? "0" + number : number;
-  };
-  return parts[3].str() + "-" + two_digits(parts[2].str()) + "-" + two_digits(parts[1].str()) +
-         parts[4].str();
-}
-
-/// The zone at the end of a time: "+0100", "+01", " +01:00" and " UTC" as ISO 8601 with colons has
-/// it; without one Z.
-std::string with_usual_zone(const std::string& text) {
-  std::smatch parts;
-  static const std::regex zone(R"((.*?\d) ?(?:([Zz]|UTC|GMT)|([+-]\d\d):?(\d\d)?)?)");
-  if (!std::regex_match(text, parts, zone)) return text;
-  if (!parts[3].matched) return parts[1].str() + "Z";
-  return parts[1].str() + parts[3].str() + ":" + (parts[4].matched ? parts[4].str() : "00");
-}
-
-}  // namespace
 
 std::optional<double> seconds_of_stamp(std::string text) {
   constexpr std::size_t date = 10;     // characters of "2026-11-27"

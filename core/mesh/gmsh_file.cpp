@@ -67,8 +67,13 @@ public:
   }
 
   double coordinate() {
+    constexpr double farthest = 1e4;  // [m]; products of three stay far from overflow
     const auto value = number<double>();
     if (!std::isfinite(value)) throw FormatError("has a coordinate that is not finite");
+    if (std::abs(value) > farthest)
+      throw FormatError(
+          fmt::format("has a coordinate of {:g}; lengths are in metres, at most {:g} of them",
+                      value, farthest));
     return value;
   }
 

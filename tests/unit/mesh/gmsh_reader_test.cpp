@@ -340,6 +340,8 @@ TEST(GmshReader, RefusesNodesThatDoNotFit) {
   EXPECT_EQ(fault_of(replaced(triangle_file, "12 1 0 0", "11 1 0 0")), "has node 11 twice");
   EXPECT_EQ(fault_of(replaced(triangle_file, "12 1 0 0", "12 nan 0 0")),
             "has a coordinate that is not finite");
+  EXPECT_EQ(fault_of(replaced(triangle_file, "12 1 0 0", "12 1e308 0 0")),
+            "has a coordinate of 1e+308; lengths are in metres, at most 10000 of them");
   EXPECT_EQ(fault_of(replaced(triangle_file, "7 2 2 7 1 11 12 22", "7 2 2 7 1 11 12 99")),
             "has an element with the unknown node 99");
 }
