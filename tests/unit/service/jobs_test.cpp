@@ -239,6 +239,9 @@ TEST_F(JobsTest, HaveAHistoryWhosePagesMayEndBehindACheckpointThatTheRunWentBack
   const std::string id = submitted(user_).id();
   jobs::FakeWorker worker(queue_.executor.wait_for_launch(1));
   for (int i = 1; i <= 12; ++i) worker.step(i);
+  // A run reports from a thread of its own.
+  ASSERT_TRUE(eventually([&] { return numbers(pages(id, 0)) == counted(1, 12); }));
+
   const auto first_page = [&](int size) {
     auto request = of<v1::QueryResultRequest>(id);
     request.set_page_size(size);
