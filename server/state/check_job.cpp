@@ -101,6 +101,7 @@ private:
   void check_files(const jobs::JobDescription& description) {
     try {
       jobs::require_files(folder_, description);
+      if (!jobs::is_terminal(record_.job.state())) jobs::require_run_files(folder_);
     } catch (const std::runtime_error& error) {
       report_.damage(fmt::format("{}{}; restore its folder from a backup, or submit the case again",
                                  subject_, error.what()));

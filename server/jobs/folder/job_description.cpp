@@ -107,6 +107,9 @@ void require_files(const std::filesystem::path& folder, const JobDescription& de
     if (kind.empty()) throw std::runtime_error(fmt::format("its {} is missing", name));
     require_regular(name, kind);
   }
+}
+
+void require_run_files(const std::filesystem::path& folder) {
   for (const char* name : run_files)
     if (const std::string kind = storage::kind_of_entry(folder / name); !kind.empty())
       require_regular(name, kind);

@@ -39,10 +39,12 @@ void write_job_description(const std::filesystem::path& folder, const JobDescrip
 /// @throws std::runtime_error  the file is missing or damaged; the text is the reason
 JobDescription read_job_description(const std::filesystem::path& folder);
 
-/// Requires every file that the description names, and that nothing but a file stands where a run
-/// has its own.
+/// Requires every file that the description names.
 /// @throws std::runtime_error  the text is the reason
 void require_files(const std::filesystem::path& folder, const JobDescription& description);
+/// Requires that nothing but a file stands where a run has its own. For a job that has not ended.
+/// @throws std::runtime_error  the text is the reason
+void require_run_files(const std::filesystem::path& folder);
 
 /// Reads the complete case, the one that runs. @return false if it cannot be read
 bool read_complete_case(const std::filesystem::path& folder, v1::Case& to);

@@ -318,6 +318,7 @@ std::pair<JobRecord, std::shared_ptr<EventLog>> QueueLoop::begin_attempt(const s
   if (!waits) return {};
   const auto folder = state_.jobs_directory / id;
   require_files(folder, read_job_description(folder));
+  require_run_files(folder);
   auto log = state_.logs.open(id);
   remove_request(folder);  // a crash may have left one
 
