@@ -300,7 +300,7 @@ class Forecast(FollowTest):
         gauge = follow_pb2.Gauge(monitor="corner", noise_m=5e-4)
         job_id = self.follow(ensemble=studies[0], gauges=[gauge])
         before = self.forecast(job_id).curls[0]
-        self.assertEqual((before.members, before.readings), (24, 0))
+        self.assertEqual((before.members, before.readings), (31, 0))
 
         self.append(job_id, *[
             follow_pb2.Reading(number=t + 1, time_s=t, curls=[follow_pb2.MeasuredCurl(
@@ -317,7 +317,7 @@ class Forecast(FollowTest):
         shown = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
                                 "forecast", job_id], capture_output=True, text=True, check=False)
         self.assertEqual(shown.returncode, 0, shown.stderr)
-        self.assertIn("26 readings, 0 left out; 24 members", shown.stdout)
+        self.assertIn("26 readings, 0 left out; 31 members", shown.stdout)
 
     def test_a_plan_that_is_not_prepared_is_forecast_by_its_run_and_the_last_difference(self):
         plan = self.case_file(end=20)
