@@ -55,9 +55,12 @@ class DataStudy(DataStudyCase):
     def test_the_data_of_every_shipped_alloy_can_be_drawn(self):
         for card in sorted(os.listdir(CARDS)):
             alloy = card.removesuffix(".toml")
+            words = ("uncertainty", CASE, "--set", f"alloy.card={alloy}", "--runs", "64", "--no-wait")
             with self.subTest(alloy):
-                study = self.dccast("uncertainty", CASE, "--set", f"alloy.card={alloy}", "--runs", "64",
-                                    "--no-wait").strip()
+                if alloy == "al6cu":  # for heat alone: the density of its solid is constant
+                    self.assertIn("would contract nothing", self.dccast(*words, code=2))
+                    continue
+                study = self.dccast(*words).strip()
                 self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=60)
 
     def test_a_run_that_fails_is_counted(self):
