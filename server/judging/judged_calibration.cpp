@@ -297,8 +297,10 @@ void add_measured_chart(const Calibration& calibration, const Calibration::Curve
 
 void judge_calibration(const v1::StudyResult& result, v1::Judgement& judgement) {
   if (!result.has_calibration()) {
-    judgement.add_sentences(fmt::format("No answer yet: {}", result.calibration_fault()));
-    add_lost_runs(result, JudgementPart::PAGE, judgement);
+    judgement.add_sentences(
+        (is_under_way(result) ? "No answer yet: " : "The study has no answer: ") +
+        result.calibration_fault());
+    add_lost_runs(result, JudgementPart::ANYWHERE, judgement);
     return;
   }
 
@@ -315,7 +317,7 @@ void judge_calibration(const v1::StudyResult& result, v1::Judgement& judgement) 
   add_keys(result, judgement);
   for (const Quantity* quantity : {&curls, &temperatures})
     add_curves(calibration, *quantity, judgement);
-  add_lost_runs(result, JudgementPart::PAGE, judgement);
+  add_lost_runs(result, JudgementPart::ANYWHERE, judgement);
 }
 
 }  // namespace dccast::judging

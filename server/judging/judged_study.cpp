@@ -136,6 +136,13 @@ std::string outcome_code(const v1::StudyRun& run) {
   return lower_case(v1::JobState_Name(run.state()));
 }
 
+bool is_under_way(const v1::StudyResult& result) {
+  return std::ranges::any_of(result.runs(), [](const v1::StudyRun& run) {
+    return run.state() != v1::SUCCEEDED && run.state() != v1::FAILED &&
+           run.state() != v1::CANCELLED;
+  });
+}
+
 void add_lost_runs(const v1::StudyResult& result, JudgementPart::Place place,
                    v1::Judgement& judgement) {
   const auto is_lost = [](const v1::StudyRun& run) { return !is_valid(run); };

@@ -1,4 +1,5 @@
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -48,18 +49,70 @@ std::string datum(const v1::StudyResult& result, int axis) {
   return case_file::datum_of(result.study().sweep().axes(axis).key());
 }
 
+/// How the castings of a study end.
+struct Ends {
+  int whole = 0;     ///< to their end, with a curl that counts
+  int lost = 0;      ///< bled out, melted through, or turned too far: no butt that a plant can use
+  int beyond = 0;    ///< beyond validity: the curl is not known
+  int unsolved = 0;  ///< for another reason; nothing is known of them
+  int open = 0;      ///< to come
+
+  int known() const { return whole + lost + beyond; }
+};
+
+/// Whether a run failed as the casting would, and not its computation.
+bool is_lost_casting(const v1::StudyRun& run) {
+  const v1::Finding& failure = run.failure();
+  return run.state() == v1::FAILED &&
+         (!failure.code().empty() || failure.kind() == v1::Finding::SHELL_MELTED_THROUGH ||
+          failure.kind() == v1::Finding::MOTION_TOO_LARGE);
+}
+
+Ends count_ends(const v1::StudyResult& result) {
+  Ends ends;
+  for (const v1::StudyRun& run : result.runs()) {
+    if (run.state() == v1::SUCCEEDED)
+      ++(run.beyond_validity() ? ends.beyond : ends.whole);
+    else if (is_lost_casting(run))
+      ++ends.lost;
+    else if (run.state() == v1::FAILED || run.state() == v1::CANCELLED)
+      ++ends.unsolved;
+    else
+      ++ends.open;
+  }
+  return ends;
+}
+
+/// "6 bled out, melted through or turned, 1 ended beyond validity"; empty: none.
+std::string losses_text(const Ends& ends) {
+  std::vector<std::string> parts;
+  if (ends.lost > 0)
+    parts.push_back(fmt::format("{} bled out, melted through or turned", ends.lost));
+  if (ends.beyond > 0) parts.push_back(fmt::format("{} ended beyond validity", ends.beyond));
+  if (ends.unsolved > 0) parts.push_back(fmt::format("{} could not be computed", ends.unsolved));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
 void add_sentences(const StudyToJudge& study, v1::Judgement& judgement) {
   const v1::StudyResult& result = study.result;
   const v1::Spread& spread = result.spread();
+  const Ends ends = count_ends(result);
+  const std::string losses = losses_text(ends);
+  if (!losses.empty())
+    judgement.add_sentences(
+        fmt::format("Of {} castings {}.", result.runs_size() - ends.open, losses));
   if (spread.time_s().empty()) {
-    judgement.add_sentences("No answer yet: " + result.spread_fault());
+    judgement.add_sentences(
+        (is_under_way(result) ? "No answer yet: " : "The study has no answer: ") +
+        result.spread_fault());
     return;
   }
 
   const double width = last(spread.high_m()) - last(spread.low_m());
   judgement.add_sentences(fmt::format(
-      "At {:.0f} s 9 of 10 castings have {} to {} mm at the {}, half of them less than {} mm.",
-      last(spread.time_s()), mm(last(spread.low_m())), mm(last(spread.high_m())), spread.monitor(),
+      "At {:.0f} s 9 of 10 {} have {} to {} mm at the {}, half of them less than {} mm.",
+      last(spread.time_s()), losses.empty() ? "castings" : "of the others",
+      mm(last(spread.low_m())), mm(last(spread.high_m())), spread.monitor(),
       mm(last(spread.median_m()))));
   const v1::StudyRun* const run = first_valid_run(result);
   judgement.add_sentences(
@@ -67,9 +120,12 @@ void add_sentences(const StudyToJudge& study, v1::Judgement& judgement) {
           ? fmt::format("Mesh and time steps add {}.",
                         error_text(run->mesh_error(), last(spread.median_m())))
           : "What mesh and time steps add is not known for such a case: run dccast convergence.");
+  // A casting that is lost ends in no band.
   if (spread.has_inside_band())
-    judgement.add_sentences(fmt::format("{} % of castings end inside the accepted band.",
-                                        percent(spread.inside_band())));
+    judgement.add_sentences(
+        fmt::format("{} % of{} castings end inside the accepted band.",
+                    percent(spread.inside_band() * ends.whole / std::max(1, ends.known())),
+                    losses.empty() ? "" : " all"));
   judgement.add_sentences(
       fmt::format("The response surface of {} runs is off by {} mm; that is in the figures.",
                   spread.runs(), mm(last(spread.surface_error_m()))));
@@ -187,7 +243,7 @@ void judge_uncertainty(const StudyToJudge& study, v1::Judgement& judgement) {
     add_shares_chart(study.result, judgement);
     add_shares(study.result, judgement);
   }
-  add_lost_runs(study.result, JudgementPart::PAGE, judgement);
+  add_lost_runs(study.result, JudgementPart::ANYWHERE, judgement);
 }
 
 }  // namespace dccast::judging

@@ -24,6 +24,9 @@ std::string percent(double share);
 /// "succeeded", "shell melted through", "beyond validity"
 std::string outcome_code(const v1::StudyRun& run);
 
+/// Whether runs of a study are to come: what has no answer may still get one.
+bool is_under_way(const v1::StudyResult& result);
+
 /// Runs that the figures do not rest on, each with its values and the reason; nothing where there
 /// is none.
 void add_lost_runs(const v1::StudyResult& result, v1::JudgementPart::Place place,

@@ -16,6 +16,7 @@
 #include "proto/case_file/quantity.hpp"
 #include "proto/values/printable.hpp"
 #include "server/intake/case_intake.hpp"
+#include "server/studies/curl_surface.hpp"
 #include "server/studies/study_plan.hpp"
 
 #include <fmt/format.h>
@@ -123,6 +124,17 @@ std::vector<v1::Fault> design_faults(const v1::SweepPlan& sweep) {
   if (runs < 1 || runs > most_sweep_runs)
     faults.push_back(fault_of("sweep.runs", case_file::number_text(runs), "wrong number of runs",
                               "1 to " + std::to_string(most_sweep_runs)));
+
+  // What a study cannot answer is refused before it computes for minutes.
+  const bool needs_surface = sweep.purpose() == v1::SweepPlan::UNCERTAINTY ||
+                             sweep.purpose() == v1::SweepPlan::CALIBRATION;
+  const auto fewest = CurlSurface::fewest_runs(static_cast<std::size_t>(sweep.axes_size()));
+  if (sweep.design() == v1::SweepPlan::LATIN_HYPERCUBE && needs_surface && runs >= 1 &&
+      runs < static_cast<double>(fewest))
+    faults.push_back(fault_of("sweep.runs", case_file::number_text(runs),
+                              fmt::format("are too few to tell {} keys apart", sweep.axes_size()),
+                              fmt::format("{} or more", fewest),
+                              fmt::format("make {} runs, or vary fewer keys", fewest)));
 
   if (sweep.design() == v1::SweepPlan::LIST)
     for (const Axis& axis : sweep.axes())

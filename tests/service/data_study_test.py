@@ -94,6 +94,12 @@ class DataStudy(DataStudyCase):
                                           timeout=30)
         self.assertIn("one key at a time", refused.exception.details())
 
+    def test_runs_that_give_no_answer_are_refused_at_once(self):
+        said = self.dccast("uncertainty", CASE, "--runs", "8", code=2)
+        for word in ("are too few to tell 28 keys apart", "31 or more", "make 31 runs"):
+            self.assertIn(word, said)
+        self.assertFalse(self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10).studies)
+
     def test_levers_are_moved_too(self):
         path = self.case_file()
         study = self.dccast("sensitivity", path, "--no-wait").strip()

@@ -148,7 +148,7 @@ TEST(Calibration, NamesTheReasonForNoAnswer) {
   result.clear_calibration();
   result.set_calibration_fault("needs 43 valid runs");
   EXPECT_THAT(judged_calibration(result).sentences(),
-              ElementsAre("No answer yet: needs 43 valid runs"));
+              ElementsAre("The study has no answer: needs 43 valid runs"));
 }
 
 TEST(Calibration, DrawsReadingsAsDotsOverTheBandsOfDataAndMesh) {

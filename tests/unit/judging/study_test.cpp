@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -158,13 +159,52 @@ v1::StudyResult uncertainty() {
   return result;
 }
 
+/// Lets the runs of a study end as they are named; the others go to their end.
+v1::StudyResult with_ends(v1::StudyResult result, const std::vector<std::string>& codes) {
+  for (v1::StudyRun& run : *result.mutable_runs()) {
+    run.set_state(v1::SUCCEEDED);
+    run.clear_failure();
+  }
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    v1::StudyRun& run = *result.mutable_runs(static_cast<int>(i));
+    if (codes[i] == "beyond_validity") {
+      run.set_beyond_validity(true);
+      continue;
+    }
+    run.set_state(v1::FAILED);
+    if (codes[i] != "worker_lost") run.mutable_failure()->set_code(codes[i]);
+  }
+  return result;
+}
+
+TEST(Uncertainty, CountsCastingsThatAreLost) {
+  const int runs = uncertainty().runs_size();
+  ASSERT_GE(runs, 6);
+  const v1::Judgement none = judged(with_ends(uncertainty(), {}), std::nullopt);
+  EXPECT_THAT(none.sentences(0), HasSubstr("9 of 10 castings have"));
+  EXPECT_THAT(none.sentences(), Contains("61 % of castings end inside the accepted band."));
+
+  const v1::Judgement judgement =
+      judged(with_ends(uncertainty(),
+                       {"bleed_out", "shell_melted_through", "beyond_validity", "worker_lost"}),
+             std::nullopt);
+  EXPECT_EQ(judgement.sentences(0),
+            fmt::format("Of {} castings 2 bled out, melted through or turned, 1 ended beyond "
+                        "validity, 1 could not be computed.",
+                        runs));
+  EXPECT_THAT(judgement.sentences(1), HasSubstr("9 of 10 of the others have 30.0 to 50.0 mm"));
+  // Of what could not be computed nothing is known; the others that are lost end in no band.
+  EXPECT_THAT(judgement.sentences(),
+              Contains(fmt::format("{:.0f} % of all castings end inside the accepted band.",
+                                   61.0 * (runs - 4) / (runs - 1))));
+  EXPECT_EQ(table_of(judgement, "lost_runs").rows_size(), 4);
+}
+
 TEST(Uncertainty, AnswersHowSureAndWhatToMeasureFirst) {
   const v1::Judgement judgement = judged(uncertainty(), std::nullopt);
-  EXPECT_THAT(judgement.sentences(0),
-              AllOf(HasSubstr("9 of 10 castings have 30.0 to 50.0 mm at the corner"),
-                    HasSubstr("half of them less than 40.0 mm")));
+  EXPECT_THAT(judgement.sentences(1), AllOf(HasSubstr("9 of 10 of the others have 30.0 to 50.0 mm"),
+                                            HasSubstr("half of them less than 40.0 mm")));
   EXPECT_THAT(judgement.sentences(), Contains("Mesh and time steps add ± 2.0 mm."));
-  EXPECT_THAT(judgement.sentences(), Contains("61 % of castings end inside the accepted band."));
   EXPECT_THAT(judgement.sentences(),
               Contains("Measure schedule.casting_speed first: were it known exactly, the 20.0 mm "
                        "between 5 and 95 % would be 11.8 mm."));
@@ -191,8 +231,10 @@ TEST(Uncertainty, NamesTheReasonForNoAnswer) {
   v1::StudyResult result = sensitivity();
   result.mutable_study()->mutable_sweep()->set_purpose(v1::SweepPlan::UNCERTAINTY);
   result.set_spread_fault("needs 40 runs");
-  EXPECT_THAT(judged(result, std::nullopt).sentences(),
-              ElementsAre("No answer yet: needs 40 runs"));
+  EXPECT_EQ(*judged(result, std::nullopt).sentences().rbegin(),
+            "The study has no answer: needs 40 runs");
+  result.mutable_runs(0)->set_state(v1::RUNNING);
+  EXPECT_EQ(*judged(result, std::nullopt).sentences().rbegin(), "No answer yet: needs 40 runs");
 }
 
 TEST(Runs, AreListedWithTheErrorOfMeshAndStepsWhereItIsKnown) {

@@ -192,6 +192,28 @@ TEST(SweepPlan, FaultsNameKeyValueAndWhatIsPermitted) {
   EXPECT_THAT(first(v1::CreateStudyRequest{}), HasSubstr("refinement, sweep"));
 }
 
+/// A study that asks for a surface gets as many runs as one needs, or is refused before it
+/// computes.
+TEST(SweepPlan, FewerRunsThanAnAnswerNeedsAreRefused) {
+  auto request = sweep_of(v1::SweepPlan::LATIN_HYPERCUBE,
+                          {{"mesh.rows", "10", "30"},
+                           {"section.half_width", "0.2 m", "0.3 m"},
+                           {"schedule.casting_speed", "40 mm/min", "50 mm/min"}},
+                          5);
+  EXPECT_TRUE(plan_faults(request).empty()) << "a plain sweep has its table";
+  for (const auto purpose : {v1::SweepPlan::UNCERTAINTY, v1::SweepPlan::CALIBRATION}) {
+    request.mutable_sweep()->set_purpose(purpose);
+    request.mutable_sweep()->set_runs(5);
+    const auto faults = plan_faults(request);
+    ASSERT_EQ(faults.size(), 1u);
+    EXPECT_EQ(faults[0].field(), "sweep.runs");
+    EXPECT_EQ(faults[0].value(), "5");
+    EXPECT_EQ(faults[0].permitted(), "6 or more");
+    request.mutable_sweep()->set_runs(6);
+    EXPECT_TRUE(plan_faults(request).empty());
+  }
+}
+
 /// Only the runs of a grid multiply with its keys.
 TEST(SweepPlan, AListTakesMoreKeysThanAGrid) {
   std::vector<std::vector<std::string>> axes;
