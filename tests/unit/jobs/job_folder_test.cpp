@@ -89,6 +89,7 @@ TEST(JobFolder, RequiresEachFileThatItsDescriptionNames) {
   const auto fault = [&] {
     try {
       require_files(folder, read);
+      require_run_files(folder);
       return std::string("none");
     } catch (const std::runtime_error& error) {
       return std::string(error.what());
