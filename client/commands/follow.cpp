@@ -45,6 +45,15 @@ void remark(const std::string& text) {
   std::cerr << "readings: " << text << std::endl;
 }
 
+/// What one line of the source holds, after its remarks are said.
+ReadingsTable::Line take(const std::string& text, ReadingsTable& table,
+                         std::vector<ReadingOfLine>& readings) {
+  ReadingsTable::Line line = table.take(text);
+  for (const std::string& each : line.remarks) remark(each);
+  std::ranges::move(line.readings, std::back_inserter(readings));
+  return line;
+}
+
 /// Reads until a line holds a reading, before anything is submitted: a source that cannot be used
 /// makes no job. Throws CommandFailed: it ends before, or nothing of its first lines can be read.
 std::vector<ReadingOfLine> read_first(LineSource& source, ReadingsTable& table) {
@@ -60,11 +69,9 @@ std::vector<ReadingOfLine> read_first(LineSource& source, ReadingsTable& table) 
                                 fault.empty() ? "a header and nothing after it" : fault));
 
     for (const std::string& text : lines) {
-      ReadingsTable::Line line = table.take(text);
-      for (const std::string& each : line.remarks) remark(each);
+      const ReadingsTable::Line line = take(text, table, readings);
       found = found || (line.time_s && (line.has_values || line.fault.empty()));
       if (!line.fault.empty() && ++faulty == 1) fault = line.fault;
-      std::ranges::move(line.readings, std::back_inserter(readings));
     }
   }
   return readings;
@@ -74,11 +81,7 @@ std::vector<ReadingOfLine> read_first(LineSource& source, ReadingsTable& table) 
 std::vector<ReadingOfLine> readings_in(const std::vector<std::string>& lines,
                                        ReadingsTable& table) {
   std::vector<ReadingOfLine> readings;
-  for (const std::string& text : lines) {
-    ReadingsTable::Line line = table.take(text);
-    for (const std::string& each : line.remarks) remark(each);
-    std::ranges::move(line.readings, std::back_inserter(readings));
-  }
+  for (const std::string& text : lines) take(text, table, readings);
   return readings;
 }
 

@@ -188,8 +188,7 @@ std::optional<Unglued> find_unglued(const Mesh<Dim>& mesh, std::span<const Facet
 
       found.insert(node);
       if (first.node >= 0) return;
-      first = {
-          .node = node, .same_place = same == corners.end() ? -1 : *same, .element = facet.element};
+      first = {.node = node, .same_place = same == corners.end() ? -1 : *same};
     });
   }
 

@@ -15,7 +15,6 @@ namespace dccast::mesh {
 struct Unglued {
   int node = -1;          ///< the first of them
   int same_place = -1;    ///< another node at its place; -1: it hangs in a side
-  int element = -1;       ///< whose side it lies on
   std::size_t nodes = 0;  ///< number of them
 };
 

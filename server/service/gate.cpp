@@ -95,19 +95,21 @@ grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& 
 grpc::Status Gate::permit_touch(const access::Caller& caller, const access::CallRule& rule,
                                 const std::string& id) {
   if (!authority_.needs_ownership(caller, rule)) return grpc::Status::OK;
-  const OwnerOf& owner_of = rule.touches_line()    ? owners_.line
-                            : rule.touches_study() ? owners_.study
-                                                   : owners_.job;
-  const auto owner = owner_of(id);
-  if (!owner) return grpc::Status::OK;  // the handler answers NOT_FOUND
+  struct Kind {
+    const char* name;
+    const OwnerOf& owner_of;
+    grpc::Status (*unknown)(const std::string& id);
+  };
+  const Kind kind = rule.touches_line()    ? Kind{"line", owners_.line, &unknown_line}
+                    : rule.touches_study() ? Kind{"study", owners_.study, &unknown_study}
+                                           : Kind{"job", owners_.job, &unknown_job};
 
-  const char* const kind = rule.touches_line() ? "line " : rule.touches_study() ? "study " : "job ";
-  const auto fault = authority_.owner_fault(caller, rule, *owner, kind + id);
+  const auto owner = kind.owner_of(id);
+  if (!owner) return grpc::Status::OK;  // the handler answers NOT_FOUND
+  const auto fault =
+      authority_.owner_fault(caller, rule, *owner, fmt::format("{} {}", kind.name, id));
   if (!fault) return grpc::Status::OK;
-  if (!authority_.reads_own_only(caller)) return make_status(*fault);
-  return rule.touches_line()    ? unknown_line(id)
-         : rule.touches_study() ? unknown_study(id)
-                                : unknown_job(id);
+  return authority_.reads_own_only(caller) ? kind.unknown(id) : make_status(*fault);
 }
 
 void Gate::enter(const access::Caller& caller, std::weak_ptr<LastingCall> stream) {

@@ -190,26 +190,12 @@ void check_joins_own_study(Context& context, const access::Caller& caller, const
          study->owner().empty() ? "no known user" : study->owner());
 }
 
-/// @throws refusal::LimitReached
-studies::Lines::Reservation reserved_line(Context& context, const Call& call,
-                                          const std::string& name) {
-  try {
-    return context.lines.reserve(name, call.caller.name);
-  } catch (const studies::TooManyLines& many) {
-    throw refusal::LimitReached({.cause = many.what(),
-                                 .limit = "lines of one user",
-                                 .permitted = std::to_string(studies::most_lines_of_user),
-                                 .remedy = "forget one that is not cast on any more (dccast line "
-                                           "forget), or cast on one of them"});
-  }
-}
-
 /// Submits a job on a line, whose name no other user takes meanwhile; a call that is repeated after
 /// a crash adds the casting once. @throws refusal::LimitReached
 v1::Job submit_on_line(Context& context, const Call& call, const jobs::NewJob& job,
                        const jobs::Attachments& attachments) {
   const std::string& name = job.following->line();
-  const studies::Lines::Reservation line = reserved_line(context, call, name);
+  const auto line = context.lines.reserve(name, call.caller.name);
   check_line(context, call.caller, name);
 
   v1::Job submitted = context.scheduler.submit(job, attachments);

@@ -106,7 +106,7 @@ void check_studies(const StateFolder& folder, jobs::JobStore& jobs, const CheckO
 
 /// Checks the lines, which nothing but their files describes.
 void check_lines(const StateFolder& folder, Report& report) {
-  const v1::ListLinesResponse found = studies::Lines(folder.lines()).list();
+  const v1::ListLinesResponse found = studies::list_lines(folder.lines());
   for (const std::string& name : found.damaged())
     report.damage(fmt::format(
         "line {}: its file is damaged; restore it from a backup, or delete it and begin it again",

@@ -100,8 +100,10 @@ private:
   /// A job that lacks one of its files would be another job.
   void check_files(const jobs::JobDescription& description) {
     try {
-      jobs::require_files(folder_, description);
-      if (!jobs::is_terminal(record_.job.state())) jobs::require_run_files(folder_);
+      if (jobs::is_terminal(record_.job.state()))
+        jobs::require_files(folder_, description);
+      else
+        jobs::require_files_to_run(folder_, description);
     } catch (const std::runtime_error& error) {
       report_.damage(fmt::format("{}{}; restore its folder from a backup, or submit the case again",
                                  subject_, error.what()));

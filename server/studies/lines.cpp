@@ -9,6 +9,7 @@
 #include "core/storage/file.hpp"
 #include "core/storage/record_log.hpp"
 #include "core/storage/storage_error.hpp"
+#include "proto/refusal/refusal.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/format.hpp"
 
@@ -39,20 +40,9 @@ v1::LineCasting* find_casting(v1::Line& line, const std::string& job) {
   return found == line.mutable_castings()->end() ? nullptr : &*found;
 }
 
-}  // namespace
-
-bool is_line_name(const std::string& text) {
-  constexpr std::size_t longest = 64;
-  const auto is_alphanumeric = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-  };
-  return !text.empty() && text.size() <= longest && is_alphanumeric(text.front()) &&
-         std::ranges::all_of(
-             text, [&](char c) { return is_alphanumeric(c) || c == '-' || c == '_' || c == '.'; });
-}
-
-std::optional<v1::Line> Lines::read(const std::string& name) const {
-  const auto path = file_of(directory_, name);
+/// Empty if there is no such line. @throws DamagedLine, std::system_error
+std::optional<v1::Line> read_line(const std::filesystem::path& directory, const std::string& name) {
+  const auto path = file_of(directory, name);
   if (!is_line_name(name) || storage::kind_of_entry(path).empty()) return std::nullopt;
 
   const std::string bytes = storage::read_file(path);
@@ -66,30 +56,27 @@ std::optional<v1::Line> Lines::read(const std::string& name) const {
   throw DamagedLine(fmt::format("the file of line {}, {}, is damaged", name, path.string()));
 }
 
-void Lines::write(v1::Line line) {
-  drop_oldest(line);
-  std::filesystem::create_directories(directory_);
-  storage::replace_file(file_of(directory_, line.name()),
-                        header() + storage::short_records.framed(line.SerializeAsString()));
-  owners_[line.name()] = line.owner();
+}  // namespace
+
+bool is_line_name(const std::string& text) {
+  constexpr std::size_t longest = 64;
+  const auto is_alphanumeric = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+  };
+  return !text.empty() && text.size() <= longest && is_alphanumeric(text.front()) &&
+         std::ranges::all_of(
+             text, [&](char c) { return is_alphanumeric(c) || c == '-' || c == '_' || c == '.'; });
 }
 
-Lines::Lines(std::filesystem::path directory) : directory_(std::move(directory)) {
-  const v1::ListLinesResponse there = list();
-  for (const v1::Line& line : there.lines()) owners_[line.name()] = line.owner();
-  for (const std::string& damaged : there.damaged()) owners_[damaged] = "";
-}
-
-v1::ListLinesResponse Lines::list() const {
-  const std::lock_guard lock(mutex_);
+v1::ListLinesResponse list_lines(const std::filesystem::path& directory) {
   v1::ListLinesResponse listing;
-  if (!std::filesystem::is_directory(directory_)) return listing;
+  if (!std::filesystem::is_directory(directory)) return listing;
 
-  for (const auto& entry : std::filesystem::directory_iterator(directory_)) {
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
     const std::string name = entry.path().stem().string();
     if (entry.path().extension() != ".bin" || !is_line_name(name)) continue;
     try {
-      auto line = read(name);
+      auto line = read_line(directory, name);
       if (!line) continue;
       for (v1::LineCasting& casting : *line->mutable_castings()) {
         casting.clear_following();
@@ -108,9 +95,28 @@ v1::ListLinesResponse Lines::list() const {
   return listing;
 }
 
+void Lines::write(v1::Line line) {
+  drop_oldest(line);
+  std::filesystem::create_directories(directory_);
+  storage::replace_file(file_of(directory_, line.name()),
+                        header() + storage::short_records.framed(line.SerializeAsString()));
+  owners_[line.name()] = line.owner();
+}
+
+Lines::Lines(std::filesystem::path directory) : directory_(std::move(directory)) {
+  const v1::ListLinesResponse there = list_lines(directory_);
+  for (const v1::Line& line : there.lines()) owners_[line.name()] = line.owner();
+  for (const std::string& damaged : there.damaged()) owners_[damaged] = "";
+}
+
+v1::ListLinesResponse Lines::list() const {
+  const std::lock_guard lock(mutex_);
+  return list_lines(directory_);
+}
+
 std::optional<v1::Line> Lines::find(const std::string& name) const {
   const std::lock_guard lock(mutex_);
-  return read(name);
+  return read_line(directory_, name);
 }
 
 std::optional<std::string> Lines::owner(const std::string& name) const {
@@ -122,14 +128,19 @@ std::optional<std::string> Lines::owner(const std::string& name) const {
 
 Lines::Reservation Lines::reserve(const std::string& name, const std::string& owner) {
   const std::lock_guard lock(mutex_);
-  if (owners_.contains(name)) read(name);  // a damaged one is refused before a job is made
+  if (owners_.contains(name))
+    read_line(directory_, name);  // a damaged one is refused before a job is made
   const bool is_new = !owners_.contains(name) && !reserved_.contains(name);
   const auto is_own = [&](const auto& line) { return line.second == owner; };
   const auto is_kept = [&](const auto& kept) { return kept.second.owner == owner; };
   if (is_new &&
       std::ranges::count_if(owners_, is_own) + std::ranges::count_if(reserved_, is_kept) >=
           most_lines_of_user)
-    throw TooManyLines(fmt::format("{} has {} lines", owner, most_lines_of_user));
+    throw refusal::LimitReached({.cause = fmt::format("{} has {} lines", owner, most_lines_of_user),
+                                 .limit = "lines of one user",
+                                 .permitted = std::to_string(most_lines_of_user),
+                                 .remedy = "forget one that is not cast on any more (dccast line "
+                                           "forget), or cast on one of them"});
 
   Reserved& reserved = reserved_[name];
   if (reserved.castings++ == 0) reserved.owner = owner;
@@ -144,7 +155,7 @@ void Lines::release(const std::string& name) {
 
 void Lines::add(const std::string& name, const v1::LineCasting& casting) {
   const std::lock_guard lock(mutex_);
-  auto line = read(name);
+  auto line = read_line(directory_, name);
   if (!line) {
     line.emplace();
     line->set_name(name);
@@ -159,7 +170,7 @@ void Lines::add(const std::string& name, const v1::LineCasting& casting) {
 void Lines::end_casting(const std::string& name, const std::string& job,
                         const std::vector<v1::ObservedCurl>& curls) {
   const std::lock_guard lock(mutex_);
-  auto line = read(name);
+  auto line = read_line(directory_, name);
   v1::LineCasting* const casting = line ? find_casting(*line, job) : nullptr;
   if (!casting || casting->ended()) return;
   casting->set_ended(true);
@@ -169,7 +180,7 @@ void Lines::end_casting(const std::string& name, const std::string& job,
 
 std::optional<v1::Line> Lines::restart(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  auto line = read(name);
+  auto line = read_line(directory_, name);
   if (!line) return std::nullopt;
   line->clear_castings();
   *line->mutable_restart_time() = jobs::now();

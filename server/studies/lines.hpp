@@ -21,17 +21,15 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-/// The owner has as many lines as one user may.
-class TooManyLines : public std::runtime_error {
-public:
-  using std::runtime_error::runtime_error;
-};
-
 /// Lines that one user may own. All are listed at once.
 inline constexpr int most_lines_of_user = 100;
 /// What a line keeps, its newest castings. Forecasts use the last 30 of them.
 inline constexpr int most_castings = 100;
 inline constexpr std::size_t most_casting_bytes = 1 << 20;
+
+/// The lines in a folder by name, castings without what they have told; a damaged one by its name
+/// alone.
+v1::ListLinesResponse list_lines(const std::filesystem::path& directory);
 
 /// Whether a text may name a line, so that a path made of it stays in its folder.
 bool is_line_name(const std::string& text);
@@ -62,15 +60,14 @@ public:
 
   explicit Lines(std::filesystem::path directory);
 
-  /// By name, castings without what they have told; a damaged one by its name alone.
-  v1::ListLinesResponse list() const;
+  v1::ListLinesResponse list() const;  ///< see list_lines()
   /// Empty if there is no such line.
   std::optional<v1::Line> find(const std::string& name) const;
   /// The owner of the line, or of its name while it is reserved; "" of a damaged line. Empty if
   /// there is neither.
   std::optional<std::string> owner(const std::string& name) const;
 
-  /// Keeps the name of a new line for this owner. @throws TooManyLines; nothing is kept
+  /// Keeps the name of a new line for this owner. @throws refusal::LimitReached
   Reservation reserve(const std::string& name, const std::string& owner);
   /// Keeps the curls observed in an ended casting; nothing if the line does not have it any more.
   void end_casting(const std::string& name, const std::string& job,
@@ -89,7 +86,6 @@ private:
 
   void add(const std::string& name, const v1::LineCasting& casting);
   void release(const std::string& name);
-  std::optional<v1::Line> read(const std::string& name) const;
   void write(v1::Line line);
 
   const std::filesystem::path directory_;

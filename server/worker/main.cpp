@@ -94,8 +94,7 @@ void redirect_messages(const std::filesystem::path& log) {
 /// Reads the case of a job, as the daemon has completed it. @throws std::runtime_error
 void read_case(v1::SolveCase& order) {
   const auto description = jobs::read_job_description(order.directory());
-  jobs::require_files(order.directory(), description);
-  jobs::require_run_files(order.directory());
+  jobs::require_files_to_run(order.directory(), description);
   if (!order.mutable_case_()->ParseFromString(description.complete_case))
     throw std::runtime_error(fmt::format("the case in {} cannot be read", jobs::description_file));
 }

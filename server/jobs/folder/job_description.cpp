@@ -109,7 +109,8 @@ void require_files(const std::filesystem::path& folder, const JobDescription& de
   }
 }
 
-void require_run_files(const std::filesystem::path& folder) {
+void require_files_to_run(const std::filesystem::path& folder, const JobDescription& description) {
+  require_files(folder, description);
   for (const char* name : run_files)
     if (const std::string kind = storage::kind_of_entry(folder / name); !kind.empty())
       require_regular(name, kind);

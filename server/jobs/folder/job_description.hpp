@@ -42,9 +42,9 @@ JobDescription read_job_description(const std::filesystem::path& folder);
 /// Requires every file that the description names.
 /// @throws std::runtime_error  the text is the reason
 void require_files(const std::filesystem::path& folder, const JobDescription& description);
-/// Requires that nothing but a file stands where a run has its own. For a job that has not ended.
+/// The same before and during a run: nothing but a file may stand where a run has its own.
 /// @throws std::runtime_error  the text is the reason
-void require_run_files(const std::filesystem::path& folder);
+void require_files_to_run(const std::filesystem::path& folder, const JobDescription& description);
 
 /// Reads the complete case, the one that runs. @return false if it cannot be read
 bool read_complete_case(const std::filesystem::path& folder, v1::Case& to);

@@ -133,8 +133,7 @@ std::string find_damage(const std::filesystem::path& folder) {
   }
 
   try {
-    require_files(folder, read_job_description(folder));
-    require_run_files(folder);
+    require_files_to_run(folder, read_job_description(folder));
     if (follows_readings(folder)) ReadingsReader(folder).read_new();
     return {};
   } catch (const std::exception& error) {

@@ -142,20 +142,22 @@ void QueueLoop::settle_attempt(const std::shared_ptr<Attempt>& attempt) {
 }
 
 Settlement QueueLoop::decide(const Attempt& attempt, JobRecord& record, AttemptFacts facts) const {
-  if (attempt.not_started.empty()) try {
-      return settle(record, *attempt.log, state_.jobs_directory / attempt.job_id, attempt.exit,
-                    std::move(facts));
-    } catch (const std::exception& error) {
-      if (daemon_lacks(error)) throw;
-      add_failure(record.job, v1::Finding::STORAGE, error.what());
-      return {v1::FAILED, error.what()};
-    }
-
   // No worker was started: the attempt does not count.
-  record.job.set_attempts(attempt.number - 1);
-  Settlement settlement = settle_stopped(record, attempt.not_started);
-  settlement.daemon_lacks = attempt.not_started;
-  return settlement;
+  if (!attempt.not_started.empty()) {
+    record.job.set_attempts(attempt.number - 1);
+    Settlement settlement = settle_stopped(record, attempt.not_started);
+    settlement.daemon_lacks = attempt.not_started;
+    return settlement;
+  }
+
+  try {
+    return settle(record, *attempt.log, state_.jobs_directory / attempt.job_id, attempt.exit,
+                  std::move(facts));
+  } catch (const std::exception& error) {
+    if (daemon_lacks(error)) throw;
+    add_failure(record.job, v1::Finding::STORAGE, error.what());
+    return {v1::FAILED, error.what()};
+  }
 }
 
 /// @param record  after its settlement
@@ -317,8 +319,7 @@ std::pair<JobRecord, std::shared_ptr<EventLog>> QueueLoop::begin_attempt(const s
       record && (record->job.state() == v1::QUEUED || record->job.state() == v1::RUNNING);
   if (!waits) return {};
   const auto folder = state_.jobs_directory / id;
-  require_files(folder, read_job_description(folder));
-  require_run_files(folder);
+  require_files_to_run(folder, read_job_description(folder));
   auto log = state_.logs.open(id);
   remove_request(folder);  // a crash may have left one
 

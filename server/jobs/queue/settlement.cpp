@@ -86,15 +86,17 @@ bool is_over_time(const JobRecord& record, const AttemptFacts& facts) {
 
 Settlement settle_over_time(JobRecord& record, const AttemptFacts& facts) {
   const long percent = std::lround(100.0 * record.job.last_step().progress());
-  std::string message = fmt::format(
-      "{} and has reached its time limit at {} % of the casting; submit it again with a longer one "
-      "(dccast submit --from {} --time-limit), with a coarser quality or a shorter time.end",
-      facts.over_time, percent, record.job.id());
-  if (!facts.unfed.empty())
-    message = fmt::format(
-        "{}, at {} % of the casting; follow it again once its source sends readings, or have "
-        "workers.stall_timeout raised in the settings of dccastd",
-        facts.unfed, percent);
+  const std::string message =
+      facts.unfed.empty()
+          ? fmt::format(
+                "{} and has reached its time limit at {} % of the casting; submit it again "
+                "with a longer one (dccast submit --from {} --time-limit), with a coarser "
+                "quality or a shorter time.end",
+                facts.over_time, percent, record.job.id())
+          : fmt::format(
+                "{}, at {} % of the casting; follow it again once its source sends readings, "
+                "or have workers.stall_timeout raised in the settings of dccastd",
+                facts.unfed, percent);
 
   add_failure(record.job, v1::Finding::TIME_LIMIT, message);
   record.job.mutable_failure()->set_time_s(facts.reached_time);

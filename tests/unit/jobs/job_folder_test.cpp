@@ -88,8 +88,7 @@ TEST(JobFolder, RequiresEachFileThatItsDescriptionNames) {
 
   const auto fault = [&] {
     try {
-      require_files(folder, read);
-      require_run_files(folder);
+      require_files_to_run(folder, read);
       return std::string("none");
     } catch (const std::runtime_error& error) {
       return std::string(error.what());

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include "core/storage/file.hpp"
+#include "proto/refusal/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::studies {
@@ -92,7 +93,7 @@ TEST(Lines, AUserHasABoundedNumberOfThem) {
   Lines lines(folder.path());
   for (int i = 0; i < most_lines_of_user; ++i)
     lines.reserve("pit-" + std::to_string(i), "anna").add(casting("job"));
-  EXPECT_THROW(lines.reserve("one-more", "anna"), TooManyLines);
+  EXPECT_THROW(lines.reserve("one-more", "anna"), refusal::LimitReached);
   cast(lines, "job-2", "anna", "pit-1");
   cast(lines, "job-3", "bert", "one-more");
   EXPECT_EQ(lines.owner("one-more"), "bert");
