@@ -13,9 +13,11 @@
 #include "proto/case_file/schema.hpp"
 #include "proto/values/printable.hpp"
 #include "server/jobs/folder/events.hpp"
+#include "server/jobs/folder/job_description.hpp"
 #include "server/service/forecasts.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
+#include "server/studies/sound_levers.hpp"
 
 namespace dccast::service {
 
@@ -45,24 +47,31 @@ void add_left_out(const v1::Reading& reading, const std::string& name, double va
   left_out.set_reason(reason);
 }
 
-/// Takes out levers beyond the range of the key of a case with the same name.
-void clean_levers(v1::Reading& reading, v1::AppendReadingsResponse& response) {
+/// Takes out levers beyond the range of the key of a case with the same name, and what no lever of
+/// this casting can be.
+void clean_levers(const studies::SoundLevers& sound, v1::Reading& reading,
+                  v1::AppendReadingsResponse& response) {
   const auto& reflection = *v1::Reading::GetReflection();
   for (const auto* const field : case_file::fields_of(*v1::Reading::descriptor())) {
     const auto* const key = v1::Schedule::descriptor()->FindFieldByName(field->name());
     const auto value = key ? case_file::number_of(reading, *field) : std::nullopt;
-    if (!value || !case_file::range_fault(*key, *value, {}, {}, {})) continue;
-
+    if (!value) continue;
     if (is_rate(*key) && *value < 0.0 && *value >= -drift_of_zero) {
       reflection.SetDouble(&reading, field, 0.0);
       continue;
     }
+
+    std::string permitted = sound.limit_passed(field->name(), *value);
+    if (case_file::range_fault(*key, *value, {}, {}, {})) permitted = case_file::range_text(*key);
+    if (permitted.empty()) continue;
+
     reflection.ClearField(&reading, field);
     std::string name = case_file::toml_key(*key);
     std::ranges::replace(name, '_', ' ');
     add_left_out(reading, field->name(), *value,
-                 fmt::format("the {} is {:g} {}; permitted: {}", name, *value,
-                             case_file::key_of(*key).unit(), case_file::range_text(*key)),
+                 fmt::format("the {} is {:g} {}; permitted: {}{}", name, *value,
+                             case_file::key_of(*key).unit(), permitted,
+                             sound.explanation(field->name(), *value)),
                  response);
   }
 }
@@ -119,10 +128,14 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
 
   std::set<std::string_view> gauges;
   for (const v1::Gauge& gauge : record->following().gauges()) gauges.insert(gauge.monitor());
+  v1::Case plan;
+  // Without its plan a casting is still recorded.
+  if (!jobs::read_complete_case(context.jobs_directory / request.id(), plan)) plan.Clear();
+  const studies::SoundLevers sound(plan);
   auto readings = request.readings();
   v1::AppendReadingsResponse cleaned;
   for (v1::Reading& reading : readings) {
-    clean_levers(reading, cleaned);
+    clean_levers(sound, reading, cleaned);
     clean_curls(gauges, reading, cleaned);
   }
   try {

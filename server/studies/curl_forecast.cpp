@@ -43,6 +43,42 @@ v1::ForecastWarning warning_of(const Departure& departure, const std::string& mo
   return warning;
 }
 
+v1::ForecastWarning warning_of(const WrongGauge& wrong, const std::string& monitor) {
+  v1::ForecastWarning warning;
+  warning.set_time_s(wrong.time_s);
+  warning.set_monitor(monitor);
+  warning.set_text(fmt::format(
+      "the gauge shows {:.1f} mm where {:.1f} mm was expected before the casting; no reading of it "
+      "counts",
+      1e3 * wrong.shown_m, 1e3 * wrong.expected_m));
+  warning.add_causes(std::string("the unit, scale or sign of the gauge: ") + wrong.mistake);
+  return warning;
+}
+
+/// A warning where most readings of a gauge are left out, from the first time on; empty: they are
+/// not.
+std::optional<v1::ForecastWarning> warning_of_left_out(
+    const std::vector<statistics::Innovation>& innovations, const std::string& monitor) {
+  constexpr std::ptrdiff_t fewest = 10;  // readings that tell
+  std::ptrdiff_t left_out = 0, count = 0;
+  for (const statistics::Innovation& innovation : innovations) {
+    ++count;
+    if (is_left_out(innovation)) ++left_out;
+    if (count < fewest || 2 * left_out <= count) continue;
+
+    v1::ForecastWarning warning;
+    warning.set_time_s(innovation.time);
+    warning.set_monitor(monitor);
+    warning.set_text(
+        fmt::format("most readings of this gauge are left out: {} of {} lie too far from what was "
+                    "expected, the last one {:.1f} mm",
+                    left_out, count, 1e3 * (innovation.reading - innovation.expected.value)));
+    warning.add_causes("the gauge");
+    return warning;
+  }
+  return std::nullopt;
+}
+
 /// Adds what the gauge has shown, evenly thinned.
 void add_measured(const std::vector<CurlReading>& readings, v1::ForecastCurl& to) {
   constexpr std::size_t most = 500;
@@ -82,11 +118,15 @@ void add_curl(const v1::Gauge& gauge, const ForecastBasis& basis, v1::Forecast& 
   if (known.prior().line) *curl.mutable_line() = *known.prior().line;
   for (const std::string& note : known.prior().notes) to.add_notes(note);
 
-  curl.set_left_out(static_cast<int>(std::ranges::count_if(learned.innovations, is_left_out)));
-  curl.set_readings(static_cast<int>(std::ssize(known.readings())) - curl.left_out());
+  const auto left_out = std::ranges::count_if(learned.innovations, is_left_out);
+  curl.set_readings(static_cast<int>(std::ssize(learned.innovations) - left_out));
+  curl.set_left_out(static_cast<int>(std::ssize(known.readings())) - curl.readings());
   add_measured(known.readings(), curl);
   for (const Departure& departure : learned.departures)
     *to.add_warnings() = warning_of(departure, known.monitor());
+  if (known.wrong_gauge()) *to.add_warnings() = warning_of(*known.wrong_gauge(), known.monitor());
+  if (auto warning = warning_of_left_out(learned.innovations, known.monitor()))
+    *to.add_warnings() = std::move(*warning);
 
   const Eigen::VectorXd& instants = known.prior().trajectory.time;
   *curl.mutable_before() = expected_curl(known.before().at(instants(instants.size() - 1)));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,13 +27,21 @@ struct LearnedCurl {
   std::vector<statistics::Departure> departures;    ///< by time
 };
 
+/// A gauge whose scale or sign is wrong, as its first readings show that no casting of the plan
+/// has.
+struct WrongGauge {
+  double time_s = 0.0;                     ///< of the reading that shows it
+  double shown_m = 0.0, expected_m = 0.0;  ///< there; expected before the casting
+  const char* mistake = "";                ///< that explains it
+};
+
 /// What is known of the curl at a gauge. Trajectories are those of the casting with its levers as
 /// planned: what the executed levers did is taken from each reading, and given to each forecast.
 class KnownCurl {
 public:
   /// Learns from all readings. Where the gauge has slipped they are learned once more, with a zero
-  /// that is unknown again from there on; otherwise the slip would be taken for curl.
-  /// @throws CannotForecast
+  /// that is unknown again from there on; otherwise the slip would be taken for curl. Nothing is
+  /// learned from a gauge whose scale or sign is wrong. @throws CannotForecast
   KnownCurl(const v1::Gauge& gauge, const ForecastBasis& basis);
 
   const std::string& monitor() const { return monitor_; }
@@ -42,6 +51,7 @@ public:
   /// From the start of the block on, as the gauge has shown them.
   const std::vector<CurlReading>& readings() const { return readings_; }
   const LearnedCurl& learned() const { return learned_; }
+  const std::optional<WrongGauge>& wrong_gauge() const { return wrong_gauge_; }
 
   /// Adds to a curl as planned what levers off the plan do at its time, as it is known at an
   /// earlier one. The members have their levers as planned, and scatter otherwise than castings off
@@ -59,6 +69,7 @@ private:
   CurlPrior prior_;
   statistics::TrajectoryForecast before_;
   std::vector<CurlReading> readings_;
+  std::optional<WrongGauge> wrong_gauge_;
   LearnedCurl learned_;
 };
 

@@ -172,6 +172,29 @@ class Record(FollowTest):
         length = numpy.trapz(numpy.interp(times, *numpy.array(sound).T), times)
         self.assertAlmostEqual(steps[-1].cast_length_m, length, delta=1e-8)
 
+    def test_a_value_that_this_casting_cannot_have_is_left_out_and_explained(self):
+        """The metal in K or degF, 0 degC of a broken wire, rates of another unit: by alloy and plan."""
+        explained = {"casting_temperature_c": {953.15: "if the sensor shows K, it is 680 degC",
+                                               1256.0: "if the sensor shows degF, it is 680 degC",
+                                               68.0: "it is a tenth, it is 680 degC",
+                                               0.0: "from the solidus to 150 K above plan and liquidus",
+                                               1372.0: "from the solidus to 150 K above plan and liquidus"},
+                     "casting_speed_m_per_s": {-40e-3 / 60: "its sign is turned",
+                                               400e-3 / 60: "it is ten times too large",
+                                               40e-3: "what is read per second is per minute"},
+                     "water_flow_m2_per_s": {20e-3: "it is ten times too large"}}
+        job_id = self.follow()
+        made = readings()
+        wrong = [(name, value, text) for name, texts in explained.items() for value, text in texts.items()]
+        for place, (name, value, _) in enumerate(wrong):
+            setattr(made[2 * place], name, value)
+        left_out = self.append(job_id, *made).left_out
+        self.assertEqual([(each.number, each.name, each.value) for each in left_out],
+                         [(2 * place + 1, name, value) for place, (name, value, _) in enumerate(wrong)])
+        for each, (_, _, text) in zip(left_out, wrong):
+            self.assertIn(text, each.reason)
+        self.assertAlmostEqual(self.steps_at_end(job_id)[-1].time_s, END)
+
     def test_a_sensor_whose_zero_drifts_shows_zero(self):
         job_id = self.follow()
         made = readings()

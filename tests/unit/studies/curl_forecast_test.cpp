@@ -134,6 +134,54 @@ TEST(CurlForecast, WarnsOfASlippedGaugeAndOfACastingThatIsNotAsPlanned) {
               ::testing::ElementsAre("water", "metal temperature", "casting speed"));
 }
 
+/// A sound casting as a gauge with a wrong scale or sign shows it.
+std::vector<v1::Reading> misread(double casting, double scale) {
+  auto made = readings(casting, 100.0);
+  for (v1::Reading& reading : made) {
+    v1::MeasuredCurl& curl = *reading.mutable_curls(0);
+    curl.set_curl_m(scale * curl.curl_m());
+  }
+  return made;
+}
+
+TEST(CurlForecast, TellsAGaugeOfWrongScaleOrSignByTheForecastBeforeTheCasting) {
+  const auto before = forecast(ensemble(21), {});
+  for (const auto& [scale, mistake] : {std::pair{-1.0, "its sign is turned"},
+                                       {10.0, "ten times too large"},
+                                       {0.1, "a tenth"},
+                                       {-0.1, "a tenth, its sign turned"},
+                                       {25.4, "what is read as inches is in mm"},
+                                       {1.0 / 25.4, "what is read as mm is in inches"},
+                                       {1000.0, "what is read as m is in mm"}})
+    for (const double casting : {0.85, 1.0, 1.15}) {
+      const auto found = whole_forecast(ensemble(21), misread(casting, scale));
+      ASSERT_EQ(found.warnings_size(), 1) << scale << " of " << casting;
+      EXPECT_THAT(found.warnings(0).causes(0), ::testing::HasSubstr(mistake));
+      EXPECT_LT(found.warnings(0).time_s(), 60.0) << scale << " of " << casting;
+      EXPECT_EQ(found.curls(0).readings(), 0);
+      EXPECT_EQ(found.curls(0).left_out(), 101);
+      EXPECT_EQ(*found.curls(0).curl_m().rbegin(), *before.curl_m().rbegin());
+    }
+
+  for (const double casting : {0.7, 0.85, 1.0, 1.15, 1.3})
+    EXPECT_THAT(whole_forecast(ensemble(21), misread(casting, 1.0)).warnings(),
+                ::testing::IsEmpty())
+        << casting;
+}
+
+TEST(CurlForecast, WarnsWhereMostReadingsAreLeftOut) {
+  auto made = readings(1.0, 100.0);
+  for (std::size_t i = 12; i < made.size(); ++i)
+    if (i % 4 != 0)
+      made[i].mutable_curls(0)->set_curl_m((i % 2 == 0 ? 0.4 : -0.3) + 1e-3 * double(i));
+  const auto found = whole_forecast(ensemble(21), made);
+  const auto texts = std::count_if(
+      found.warnings().begin(), found.warnings().end(), [](const v1::ForecastWarning& warning) {
+        return warning.text().find("most readings of this gauge are left out") != std::string::npos;
+      });
+  EXPECT_EQ(texts, 1);
+}
+
 /// The readings before the slip have told the curl; those after it tell the new zero.
 TEST(CurlForecast, GoesOnWithTheNewZeroOfASlippedGauge) {
   constexpr int castings = 60;
