@@ -28,6 +28,7 @@ struct FollowOptions {
   std::string job;
   std::string readings = "-";
   std::string columns;
+  std::string jump_from;
   std::vector<std::string> set;
   std::vector<std::string> labels;
   std::string ensemble;
@@ -48,7 +49,8 @@ void remark(const std::string& text) {
 /// What one line of the source holds, after its remarks are said.
 ReadingsTable::Line take(const std::string& text, ReadingsTable& table,
                          std::vector<ReadingOfLine>& readings) {
-  ReadingsTable::Line line = table.take(text);
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  ReadingsTable::Line line = table.take(text, std::chrono::duration<double>(now).count());
   for (const std::string& each : line.remarks) remark(each);
   std::ranges::move(line.readings, std::back_inserter(readings));
   return line;
@@ -183,7 +185,8 @@ void send_all(RecordSender& sender, LineSource& source, ReadingsTable& table,
 
 std::unique_ptr<LineSource> open_source(const FollowOptions& options) {
   if (!is_topic(options.readings))
-    return lines_of_file(options.readings, options.growing ? FileEnd::grows : FileEnd::ends_source);
+    return lines_of_file(options.readings, options.growing ? FileEnd::grows : FileEnd::ends_source,
+                         remark);
 
   auto source =
       lines_of_topic(parse_topic(options.readings), read_broker_login(options.broker), remark);
@@ -292,7 +295,10 @@ ExitCode run(const FollowOptions& options, Program& program) {
     throw invalid("standard input holds the readings; give the case as a file");
 
   const auto source = open_source(options);
-  ReadingsTable table(read_columns(options.columns));
+  std::optional<double> jump_from_s;
+  if (!options.jump_from.empty())
+    jump_from_s = case_file::parse_quantity(options.jump_from, "s").value;
+  ReadingsTable table(read_columns(options.columns), SourceClock(jump_from_s));
   std::vector<ReadingOfLine> first = read_first(*source, table);
 
   Connection connection = program.connect();
@@ -354,6 +360,16 @@ void add_follow(CommandLine& line, Program& program) {
       "--growing", options.growing,
       "The file grows: wait for further lines at its end. Otherwise its end is that of the "
       "casting");
+
+  command.option(
+      "--jump-from", options.jump_from,
+      "A step of the clock of this length and more is a jump, a shorter one a gap without "
+      "readings; "
+      "of lines that are read at once, as those that come in real time tell it by their arrival. "
+      "Default \"60 s\", and at least ten usual pauses",
+      {.fault =
+           [](const std::string& text) { return case_file::parse_quantity(text, "s").message; },
+       .placeholder = "TIME"});
 
   // What the forecast rests on.
   const Rules length{.fault = [](const std::string& text) {

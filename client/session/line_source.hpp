@@ -25,13 +25,15 @@ enum class FileEnd {
   grows         ///< they are awaited
 };
 
-/// Lines of standard input or of a file.
-/// @param path  "-" for standard input
-/// Throws CommandFailed: the file cannot be read.
-std::unique_ptr<LineSource> lines_of_file(const std::string& path, FileEnd end);
+/// Lines of standard input or of a file. A file that grows is followed by its name: where another
+/// file gets it, or it is cut, reading goes on at the begin of the new one.
+/// @param path    "-" for standard input
+/// @param remark  receives that the file is a new one, and that no line comes for 10 s; may be
+/// empty Throws CommandFailed: the file cannot be read.
+std::unique_ptr<LineSource> lines_of_file(const std::string& path, FileEnd end, Remark remark = {});
 
 /// Lines of the messages that a topic receives from now on; there are always more.
-/// @param remark  receives whether the broker is there
+/// @param remark  receives whether the broker is there, and that no line comes for 10 s
 /// Throws CommandFailed: the broker does not answer, or refuses.
 std::unique_ptr<LineSource> lines_of_topic(const Topic& topic, const BrokerLogin& login,
                                            Remark remark);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -24,8 +25,6 @@ constexpr double longest_gap_s = 10.0;
 constexpr double longest_step_of_counter_s = 10.0;
 /// A sensor that shows exactly the same for so long may be dead [s].
 constexpr double longest_repetition_s = 120.0;
-/// Smallest distance of two readings, above the rounding of the longest time on a clock [s].
-constexpr double least_step_s = 1e-4;
 /// A bottom block that is slower stands: 1 mm/min, above the noise of a drive [m/s].
 constexpr double still_m_per_s = 1e-3 / 60.0;
 /// No block is faster; the server leaves out what is (case.proto) [m/s].
@@ -93,7 +92,8 @@ std::optional<double> value_in(const std::string& cell, const Column& column) {
 
 }  // namespace
 
-ReadingsTable::ReadingsTable(std::optional<ColumnMap> map) : map_(std::move(map)) {
+ReadingsTable::ReadingsTable(std::optional<ColumnMap> map, SourceClock clock)
+    : map_(std::move(map)), clock_(std::move(clock)) {
   if (!map_) return;
   columns_ = map_->columns;
   zero_s_ = map_->zero.at_motion ? std::nullopt : std::optional(map_->zero.at_s);
@@ -103,9 +103,13 @@ std::string ReadingsTable::at_line(const std::string& text) const {
   return fmt::format("line {}: {}", number_, text);
 }
 
-void ReadingsTable::refuse(const std::string& text, Line& line) const {
-  line.remarks.push_back(at_line(text));
-  if (line.fault.empty()) line.fault = line.remarks.back();
+void ReadingsTable::remark_first(const std::string& kind, const std::string& text, Line& line) {
+  if (++faulty_[kind] == 1) line.remarks.push_back(at_line(text));
+}
+
+void ReadingsTable::refuse(const std::string& kind, const std::string& text, Line& line) {
+  remark_first(kind, text, line);
+  if (line.fault.empty()) line.fault = at_line(text);
 }
 
 /// Remarks the first cell of a column that cannot be read, and counts all of them.
@@ -116,7 +120,7 @@ void ReadingsTable::refuse_cell(std::size_t column, const std::string& cell, Lin
   const std::string text =
       fmt::format("\"{}\" of {} {} and left out{}", values::shown(cell), values::shown(of.name),
                   fault, fault == decimal_comma ? ": numbers have a point" : "");
-  if (++unreadable_[column] == 1) return refuse(text, line);
+  if (++unreadable_[column] == 1) line.remarks.push_back(at_line(text));
   if (line.fault.empty()) line.fault = at_line(text);
 }
 
@@ -126,6 +130,8 @@ std::vector<std::string> ReadingsTable::summary() const {
     if (unreadable_[i] > 1)
       counts.push_back(fmt::format("{}: {} cells could not be read and were left out",
                                    values::shown(columns_[i].name), unreadable_[i]));
+  for (const auto& [kind, count] : faulty_)
+    if (count > 1) counts.push_back(fmt::format("{}: {} in all", kind, count));
   return counts;
 }
 
@@ -142,11 +148,13 @@ std::vector<std::string> ReadingsTable::gauges() const {
   return monitors;
 }
 
-ReadingsTable::Line ReadingsTable::take(const std::string& text) {
+ReadingsTable::Line ReadingsTable::take(const std::string& text, std::optional<double> arrival_s) {
   Line line;
   ++number_;
+  arrival_s_ = arrival_s;
   if (text.size() > longest_line) {
-    refuse(fmt::format("left out: longer than {} bytes", longest_line), line);
+    refuse("lines that are too long", fmt::format("left out: longer than {} bytes", longest_line),
+           line);
     return line;
   }
   if (!has_header() && is_utf16(text))
@@ -168,13 +176,15 @@ void ReadingsTable::take_row(const std::string& text, Line& line) {
     return read_header(cells_of(text, separator_), line);
   }
   if (separator_ == 0)
-    return refuse("left out: it is no JSON object, as the lines before are", line);
+    return refuse("lines that are no JSON object",
+                  "left out: it is no JSON object, as the lines before are", line);
 
   const auto row = cells_of(text, separator_, header_.size());
-  if (row == header_) return;  // a logger that starts again writes its header again
+  if (take_header_again(row)) return;
   if (row.size() != header_.size()) {
     const bool may_be_decimals = separator_ == ',' && row.size() > header_.size();
     return refuse(
+        "lines with another number of columns",
         fmt::format("left out: it has {} columns, the header {}{}", row.size(), header_.size(),
                     may_be_decimals ? "; numbers have a point, not a decimal comma" : ""),
         line);
@@ -188,16 +198,37 @@ void ReadingsTable::take_row(const std::string& text, Line& line) {
   read_cells(cells, line);
 }
 
+bool ReadingsTable::take_header_again(const std::vector<std::string>& row) {
+  if (row == header_) return true;
+  const auto has = [&](const Column& column) { return std::ranges::count(row, column.name) > 0; };
+  const auto time = std::ranges::find(columns_, Measured::time, &Column::measured);
+  if (!has(*time)) return false;
+
+  // The order of the columns may be another one.
+  for (const Column& column : columns_)
+    if (!has(column))
+      throw invalid(
+          fmt::format("readings, line {}: this header has no \"{}\", as the first one "
+                      "had; give both files the same columns",
+                      number_, values::shown(column.name)));
+  header_ = row;
+  return true;
+}
+
 void ReadingsTable::take_object(const std::string& text, Line& line) {
   const auto [members, twice] = members_of_object(text);
-  if (!members) return refuse("left out: it is no complete JSON object", line);
+  if (!members)
+    return refuse("lines that are no complete JSON object",
+                  "left out: it is no complete JSON object", line);
   if (!twice.empty())
-    return refuse(fmt::format("left out: \"{}\" is there twice; give each value a name of its own",
+    return refuse("objects with a name twice",
+                  fmt::format("left out: \"{}\" is there twice; give each value a name of its own",
                               values::shown(twice)),
                   line);
   if (has_header() && separator_ != 0)
-    return refuse("left out: it is a JSON object, the lines before are rows", line);
-  if (members->empty()) return refuse("left out: it has no time", line);
+    return refuse("JSON objects among rows",
+                  "left out: it is a JSON object, the lines before are rows", line);
+  if (members->empty()) return refuse("lines without a time", "left out: it has no time", line);
 
   std::vector<std::string> names;
   for (const auto& [name, member] : *members) names.push_back(name);
@@ -303,9 +334,9 @@ void ReadingsTable::read_cells(const std::vector<std::string>& cells, Line& line
       line.has_values = true;
     if (columns_[i].measured == Measured::cast_length) length_m = measured[i];
   }
-  if (!line.time_s) return refuse("left out: it has no time", line);
+  if (!line.time_s) return refuse("lines without a time", "left out: it has no time", line);
   // Speed from length, and repetitions, need readings in their order.
-  if (!follows_last(*line.time_s, line)) return;
+  if (!follows_last(cells, line)) return;
 
   v1::Reading reading;
   reading.set_time_s(*line.time_s);
@@ -318,20 +349,30 @@ void ReadingsTable::read_cells(const std::vector<std::string>& cells, Line& line
   place_in_time(std::move(reading), line);
 }
 
-/// Whether a time is later than that of the last reading, which it becomes.
-bool ReadingsTable::follows_last(double time_s, Line& line) {
+bool ReadingsTable::follows_last(const std::vector<std::string>& cells, Line& line) {
   const auto text = [this](double seconds) {
     return zero_s_ ? fmt::format("{:g} s", seconds - *zero_s_) : clock_text(seconds);
   };
-  if (last_s_ && time_s < *last_s_ + least_step_s) {
-    refuse(fmt::format("left out: {} is not later than {}", text(time_s), text(*last_s_)), line);
+  const std::size_t content = std::hash<std::string>{}(fmt::format("{}", fmt::join(cells, "\n")));
+  const SourceClock::Placed placed = clock_.place(*line.time_s, arrival_s_, content);
+  if (placed.is_earlier) {
+    refuse("lines that are not later than the one before",
+           fmt::format("left out: {} is not later than {}", text(placed.time_s), text(*last_s_)),
+           line);
     return false;
   }
+
+  line.time_s = placed.time_s;
+  if (placed.is_jump)
+    remark_first("jumps of the clock", "the clock of the source " + placed.remark, line);
   // The last values hold for this long and no longer.
-  if (last_s_ && time_s - *last_s_ > longest_gap_s)
-    line.remarks.push_back(at_line(
-        fmt::format("no reading for {:g} s: the plan of the case holds there", time_s - *last_s_)));
-  last_s_ = time_s;
+  if (const double pause_s = last_s_ ? placed.time_s - *last_s_ : 0.0; pause_s > longest_gap_s) {
+    std::string gap =
+        fmt::format("no reading for {:g} s: the plan of the case holds there", pause_s);
+    if (!placed.is_jump && !placed.remark.empty()) gap += "; " + placed.remark;
+    remark_first("gaps without a reading", gap, line);
+  }
+  last_s_ = placed.time_s;
   return true;
 }
 
@@ -352,10 +393,11 @@ bool ReadingsTable::is_odd(double time_s, double length_m, Line& line) {
     odd_length_.reset();
     return false;
   }
-  line.remarks.push_back(
-      at_line(fmt::format("the cast length {} from {:g} to {:g} mm; the speed is left out",
-                          length_m < last_length_->second ? "falls" : "jumps",
-                          1e3 * last_length_->second, 1e3 * length_m)));
+  remark_first("cast lengths that fall or jump",
+               fmt::format("the cast length {} from {:g} to {:g} mm; the speed is left out",
+                           length_m < last_length_->second ? "falls" : "jumps",
+                           1e3 * last_length_->second, 1e3 * length_m),
+               line);
   return true;
 }
 

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <deque>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "client/session/readings_columns.hpp"
+#include "client/session/source_clock.hpp"
 #include "dccast/v1/follow.pb.h"
 
 namespace dccast::client {
@@ -42,15 +44,17 @@ public:
   };
 
   /// @param map  the plant's names; empty: those above
-  explicit ReadingsTable(std::optional<ColumnMap> map = {});
+  explicit ReadingsTable(std::optional<ColumnMap> map = {}, SourceClock clock = SourceClock());
 
   /// Takes the next line. Blank lines and comments ("#") hold nothing.
+  /// @param arrival_s  when it came, on a steady clock [s]; empty: it is read at once
   /// @throws CommandFailed  the columns have no time, no lever, or a unit that does not fit; the
   /// bottom block moves before its start was seen
-  Line take(const std::string& line);
+  Line take(const std::string& line, std::optional<double> arrival_s = {});
 
   bool has_header() const { return !header_.empty(); }
-  /// How many cells of each column could not be read, where that was more than one.
+  /// How many cells of each column could not be read, and how many lines had each other fault,
+  /// where that was more than one.
   std::vector<std::string> summary() const;
   /// Monitors whose curl has a column.
   std::vector<std::string> gauges() const;
@@ -63,19 +67,27 @@ private:
   };
 
   std::string at_line(const std::string& text) const;
-  /// Remarks that something of this line cannot be read.
-  void refuse(const std::string& text, Line& line) const;
+  /// Remarks the first line with a fault of a kind, and counts all of them.
+  /// @param kind  for the summary, "lines without a time"
+  void remark_first(const std::string& kind, const std::string& text, Line& line);
+  /// The same of a line that is left out.
+  void refuse(const std::string& kind, const std::string& text, Line& line);
   void refuse_cell(std::size_t column, const std::string& cell, Line& line);
   std::string clock_text(double seconds) const;
   void take_row(const std::string& text, Line& line);
   void take_object(const std::string& text, Line& line);
   void read_header(std::vector<std::string> names, Line& line);
   void read_columns_of_header();
+  /// Takes a header that a logger writes again when it begins a new file.
+  /// @return false: the row is none @throws CommandFailed  it lacks a column
+  bool take_header_again(const std::vector<std::string>& row);
   void find_columns_of_map(Line& line);
   void report_new_names(const std::vector<std::string>& names, Line& line);
   /// @param cells  as many as columns; empty where there is no value
   void read_cells(const std::vector<std::string>& cells, Line& line);
-  bool follows_last(double time_s, Line& line);
+  /// Gives a line the time of the clock without its jumps. @return whether it is later than the
+  /// last
+  bool follows_last(const std::vector<std::string>& cells, Line& line);
   void set_speed(double time_s, double length_m, v1::Reading& reading, Line& line);
   bool is_odd(double time_s, double length_m, Line& line);
   void report_repetition(std::size_t column, double value, double time_s, Line& line);
@@ -84,10 +96,13 @@ private:
   void find_zero(double time_s, Line& line);
 
   std::optional<ColumnMap> map_;
+  SourceClock clock_;
   std::vector<Column> columns_;
-  std::vector<std::string> header_;  ///< names in the first line, and in later objects
-  char separator_ = 0;               ///< of rows; 0: there are objects only
-  int number_ = 0;                   ///< of the line, from 1
+  std::vector<std::string> header_;    ///< names in the first line, and in later objects
+  char separator_ = 0;                 ///< of rows; 0: there are objects only
+  int number_ = 0;                     ///< of the line, from 1
+  std::optional<double> arrival_s_;    ///< of the line
+  std::map<std::string, int> faulty_;  ///< lines with each kind of fault
 
   /// What the last reading leaves.
   std::optional<double> last_s_;                          ///< on the clock of the source

@@ -119,10 +119,7 @@ TEST(ReadingsTable, ReadsObjectsWithTheSameNames) {
 TEST(ReadingsTable, SaysWhatIsWrongWithAnObject) {
   ReadingsTable table;
   table.take(R"({"time [s]": 1, "speed [mm/min]": 60})");
-  const auto remark = [&](const std::string& line) {
-    const auto taken = table.take(line);
-    return taken.remarks.empty() ? "nothing" : taken.remarks.front();
-  };
+  const auto remark = [&](const std::string& line) { return table.take(line).fault; };
   EXPECT_EQ(remark(R"({"time [s]": 2, "speed [mm/min]": 6)"),
             "line 2: left out: it is no complete JSON object");
   EXPECT_EQ(remark(R"({"time [s]": 2, "speed [mm/min]": {"value": 60}})"),
@@ -252,12 +249,60 @@ TEST(ReadingsTable, BytesThatAreNoTextAreShownEscaped) {
               ElementsAre("line 4: left out: it is no complete JSON object"));
 }
 
+TEST(ReadingsTable, EachKindOfFaultIsRemarkedOnceAndCounted) {
+  ReadingsTable table;
+  table.take("time [s], speed [mm/min]");
+  std::size_t remarks = 0;
+  for (int i = 0; i < 1200; ++i)
+    for (const std::string& row :
+         {fmt::format("{}, 40", 30 * i), std::string("1, 40"), std::string("1, 40, 2, 3"),
+          std::string(", 40"), std::string("{}")})
+      remarks += table.take(row).remarks.size();
+  EXPECT_EQ(remarks, 6u) << "five kinds of faults, and a sensor that repeats itself";
+  EXPECT_THAT(
+      table.summary(),
+      ElementsAre("JSON objects among rows: 1200 in all", "gaps without a reading: 1199 in all",
+                  "lines that are not later than the one before: 1199 in all",
+                  "lines with another number of columns: 1200 in all",
+                  "lines without a time: 1200 in all"));
+}
+
+TEST(ReadingsTable, AJumpOfTheClockIsSaidOnceAndMovesNoReading) {
+  for (const double by : {874.0, -60.0, -2.0, -3600.0}) {
+    ReadingsTable table;
+    table.take("time [s], speed [mm/min]");
+    std::vector<std::string> remarks;
+    std::vector<double> times;
+    for (int t = -60; t <= 30; ++t) {
+      const auto line = table.take(fmt::format("{}, {}", t + (t > 5 ? by : 0.0), 40 + 0.01 * t));
+      remarks.insert(remarks.end(), line.remarks.begin(), line.remarks.end());
+      for (const auto& each : line.readings) times.push_back(each.reading.time_s());
+    }
+    EXPECT_EQ(times.back(), 30.0) << by;
+    EXPECT_GE(times.size(), 90u) << by;
+    ASSERT_FALSE(remarks.empty()) << by;
+    EXPECT_THAT(remarks.back(), HasSubstr("the clock of the source jumps by")) << by;
+  }
+}
+
 TEST(ReadingsTable, AHeaderThatIsWrittenAgainIsNoLine) {
   ReadingsTable table;
   table.take("time [s], speed [mm/min]");
   reading_of(table, "1, 40");
   EXPECT_THAT(table.take("time [s], speed [mm/min]").remarks, IsEmpty());
   EXPECT_EQ(reading_of(table, "2, 40").time_s(), 2.0);
+}
+
+TEST(ReadingsTable, AHeaderOfANewFileMayHaveItsColumnsInAnotherOrder) {
+  ReadingsTable table;
+  table.take("time [s], speed [mm/min], metal [degC]");
+  reading_of(table, "1, 60, 680");
+  EXPECT_THAT(table.take("\xEF\xBB\xBFmetal [degC], operator, time [s], speed [mm/min]").remarks,
+              IsEmpty());
+  const v1::Reading reading = reading_of(table, "681, x, 2, 60");
+  EXPECT_DOUBLE_EQ(reading.casting_speed_m_per_s(), 1e-3);
+  EXPECT_DOUBLE_EQ(reading.casting_temperature_c(), 681.0);
+  EXPECT_THROW(table.take("time [s], speed [mm/min], metal"), CommandFailed);
 }
 
 TEST(ReadingsTable, ReportsOnceASensorThatShowsTheSameForLong) {
