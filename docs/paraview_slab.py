@@ -1,12 +1,21 @@
 """Draws the last frame of a fetched result with ParaView, deformed and coloured by temperature.
 
-Usage: pvpython paraview_slab.py RESULTS.xdmf PICTURE.png
+Usage: pvpython paraview_slab.py RESULTS.xdmf [PICTURE.png]
+The picture lies beside the results, under their name, unless it is given.
 """
+import os
 import sys
 
 from paraview import simple
 
-source = simple.Xdmf3ReaderS(FileName=[sys.argv[1]])
+if not 2 <= len(sys.argv) <= 3:
+    sys.exit(__doc__)
+results = os.path.abspath(sys.argv[1])  # the reader needs the folder of the file
+if not os.path.isfile(results):
+    sys.exit(f"{sys.argv[1]} is not there; `dccast fetch JOB` writes it")
+picture = sys.argv[2] if len(sys.argv) == 3 else os.path.splitext(results)[0] + ".png"
+
+source = simple.Xdmf3ReaderS(FileName=[results])
 view = simple.CreateView("RenderView")
 view.ViewSize = [900, 520]
 view.ViewTime = source.TimestepValues[-1]
@@ -31,4 +40,5 @@ view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [2, 1.6, 0.7], [
 simple.ResetCamera(view)
 simple.GetActiveCamera().Dolly(1.3)
 simple.Render(view)
-simple.SaveScreenshot(sys.argv[2], view)
+simple.SaveScreenshot(picture, view)
+print(picture)

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -48,6 +49,12 @@ void point_sidecar_at(const fs::path& sidecar, const fs::path& results) {
   write_file(sidecar, text);
 }
 
+/// Whether a sidecar can name a file: "results.h5:/mesh" is a file and a place in it.
+bool fits_sidecar(const std::string& name) {
+  const auto is_unfit = [](unsigned char c) { return c == ':' || c < 0x20 || c == 0x7F; };
+  return std::ranges::none_of(name, is_unfit) && !name.starts_with(' ') && !name.ends_with(' ');
+}
+
 /// Destination of the results: a file, or results.h5 in a folder.
 fs::path target_of(const std::string& output) {
   const auto refuse = [&](const std::string& why) {
@@ -62,6 +69,9 @@ fs::path target_of(const std::string& output) {
     refuse("not a regular file; results would overwrite it");
   if (given.extension() == ".xdmf")
     refuse("the .xdmf is written beside it; give the name of the HDF5 file");
+  if (const std::string name = given.filename().string(); !fits_sidecar(name))
+    refuse("the .xdmf beside it names the file, and ParaView ends a name at a colon, a blank at its "
+           "end or a control character; leave these out");
   return given;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 
 #include "core/mesh/cell_shape.hpp"
 
@@ -77,16 +78,25 @@ public:
     return value;
   }
 
-  /// The text between the next two quotation marks.
-  std::string quoted() {
-    const auto open = left_.find('"');
-    const auto close = open == std::string_view::npos ? open : left_.find('"', open + 1);
-    if (close == std::string_view::npos)
+  /// The name at the end of a line, in quotation marks or without.
+  std::string name() {
+    const std::size_t begin = std::min(left_.find_first_not_of(" \t"), left_.size());
+    left_.remove_prefix(begin);
+    const bool is_quoted = left_.starts_with('"');
+    if (is_quoted) left_.remove_prefix(1);
+
+    const std::size_t end = left_.find_first_of(is_quoted ? "\"" : "\r\n");
+    if (end == std::string_view::npos)
       throw FormatError(fmt::format("ends in the middle of ${}", section_));
-    std::string text(left_.substr(open + 1, close - open - 1));
-    left_.remove_prefix(close + 1);
+    std::string text(left_.substr(0, end));
+    left_.remove_prefix(end + 1);
+    if (!is_quoted) text.resize(text.find_last_not_of(" \t") + 1);
     return text;
   }
+
+  /// The tag of a physical group. It is negative where the group turns its entity round, which
+  /// changes no mesh.
+  int group() { return static_cast<int>(std::abs(static_cast<long>(number<int>()))); }
 
   void skip(std::size_t words) {
     for (std::size_t i = 0; i < words; ++i) word();
@@ -122,8 +132,20 @@ void read_group_names(Scanner& scan, File& file) {
   for (std::size_t left = scan.count(); left > 0; --left) {
     const int dimension = scan.number<int>();
     const int tag = scan.number<int>();
-    file.group_name[{dimension, tag}] = scan.quoted();
+    file.group_name[{dimension, tag}] = scan.name();
   }
+}
+
+void add_groups(Scanner& scan, std::vector<int>& groups) {
+  const std::size_t added = scan.count();
+  if (groups.size() + added > most_groups)
+    throw FormatError(fmt::format("has an entity in more than {} physical groups", most_groups));
+  for (std::size_t i = added; i > 0; --i) groups.push_back(scan.group());
+}
+
+/// Words that give a point, or the bounding box of another entity.
+constexpr std::size_t words_of_place(int dimension) {
+  return dimension == 0 ? 3 : 6;
 }
 
 void read_entities(Scanner& scan, EntityGroups& groups) {
@@ -132,15 +154,33 @@ void read_entities(Scanner& scan, EntityGroups& groups) {
   for (int dimension = 0; dimension < 4; ++dimension) {
     for (std::size_t left = counts[static_cast<std::size_t>(dimension)]; left > 0; --left) {
       const int tag = scan.number<int>();
-      scan.skip(dimension == 0 ? 3 : 6);  // position or bounding box
+      scan.skip(words_of_place(dimension));
+      add_groups(scan, groups[{dimension, tag}]);
+      if (dimension > 0) scan.skip(scan.count());  // entities that bound it
+    }
+  }
+}
 
-      auto& entity_groups = groups[{dimension, tag}];
-      const std::size_t added = scan.count();
-      if (entity_groups.size() + added > most_groups)
-        throw FormatError(
-            fmt::format("has an entity in more than {} physical groups", most_groups));
-      for (std::size_t i = added; i > 0; --i) entity_groups.push_back(scan.number<int>());
+/// Parts of the entities of a mesh that was divided for several processors. Its elements are
+/// theirs.
+void read_partitioned_entities(Scanner& scan, EntityGroups& groups) {
+  scan.skip(1);  // number of partitions
+  for (std::size_t ghosts = scan.count(); ghosts > 0; --ghosts) scan.skip(2);
 
+  std::array<std::size_t, 4> counts{};
+  for (std::size_t& count : counts) count = scan.count();
+  for (int dimension = 0; dimension < 4; ++dimension) {
+    for (std::size_t left = counts[static_cast<std::size_t>(dimension)]; left > 0; --left) {
+      const int tag = scan.number<int>();
+      const int dimension_of_whole = scan.number<int>();
+      scan.skip(1);             // tag of the whole entity
+      scan.skip(scan.count());  // its partitions
+      scan.skip(words_of_place(dimension));
+
+      // A cut through an entity has the groups of that entity, which are none of its own.
+      std::vector<int> of_cut;
+      const bool is_part = dimension_of_whole == dimension;
+      add_groups(scan, is_part ? groups[{dimension, tag}] : of_cut);
       if (dimension > 0) scan.skip(scan.count());  // entities that bound it
     }
   }
@@ -203,7 +243,7 @@ void read_elements_2(Scanner& scan, File& file) {
     // The first tag is the physical group, zero for none; the others are Gmsh's own.
     const std::size_t tags = scan.count();
     if (tags > 0)
-      if (const int group = scan.number<int>(); group != 0) element.groups = {group};
+      if (const int group = scan.group(); group != 0) element.groups = {group};
     if (tags > 1) scan.skip(tags - 1);
 
     read_element_nodes(scan, element);
@@ -232,8 +272,15 @@ void read_elements_4(Scanner& scan, const EntityGroups& groups, File& file) {
 
 /// Reads the section of the format. @return its version, 2 or 4
 int read_format(Scanner& scan) {
-  if (scan.word_or_end() != "$MeshFormat")
-    throw FormatError("does not begin with $MeshFormat: not a Gmsh mesh");
+  // Comments may stand before it.
+  std::string_view head = scan.word_or_end();
+  while (head.starts_with('$') && head != "$MeshFormat") {
+    scan.enter(head.substr(1));
+    scan.skip_section();
+    head = scan.word_or_end();
+  }
+  if (head != "$MeshFormat") throw FormatError("does not begin with $MeshFormat: not a Gmsh mesh");
+  scan.enter("MeshFormat");
 
   const std::string version(scan.word());
   if (version != "2.2" && version != "4.1")
@@ -262,6 +309,8 @@ int dimension_of(int shape) {
 }
 
 File parse(std::string_view text) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   Scanner scan(text);
   const int version = read_format(scan);
   File file;
@@ -279,6 +328,8 @@ File parse(std::string_view text) {
       read_group_names(scan, file);
     } else if (section == "Entities" && version == 4) {
       read_entities(scan, groups);
+    } else if (section == "PartitionedEntities" && version == 4) {
+      read_partitioned_entities(scan, groups);
     } else if (section == "Nodes") {
       (version == 2 ? read_nodes_2 : read_nodes_4)(scan, file);
     } else if (section == "Elements") {

@@ -132,15 +132,25 @@ private:
                 "write mesh.growth = true to cast on this plan, or mesh the volume");
   }
 
+  /// By how much heights of a flat mesh may differ: a rotation in Gmsh leaves 1e-17 m.
+  double flatness() const {
+    constexpr double of_size = 1e-6;
+    double size = 0.0;
+    for (const auto& position : file_.node)
+      size = std::max({size, std::abs(position[0]), std::abs(position[1])});
+    return of_size * size;
+  }
+
   void number_nodes() {
     for (std::size_t i = 0; i < file_.node_tag.size(); ++i)
       if (!number_.emplace(file_.node_tag[i], static_cast<int>(i)).second)
         return add_fault(fmt::format("has node {} twice", file_.node_tag[i]));
 
+    const double flat = flatness();
     for (const auto& position : file_.node) {
-      if (content_ == Content::section && position[2] != 0.0)
+      if (content_ == Content::section && std::abs(position[2]) > flat)
         return add_fault("has nodes with z other than 0", "a section in the x-y plane, in m");
-      if (content_ == Content::plan && position[2] != file_.node.front()[2])
+      if (content_ == Content::plan && std::abs(position[2] - file_.node.front()[2]) > flat)
         return add_fault("has nodes at several heights", "a plan with one z, in m");
       mesh_.node.insert(mesh_.node.end(), position.begin(), position.begin() + Dim);
     }
@@ -152,11 +162,16 @@ private:
       if (gmsh::dimension_of(element.shape) >= Dim) found.insert(element.shape);
     if (found.size() == 1 && *found.begin() == shape_.gmsh) return;
 
-    // Other elements than the wanted ones, or none: say what was found.
+    if (found.empty())
+      return add_fault("has no cells", fmt::format("{} in a physical group", shape_.plural),
+                       fmt::format("add Physical {}(\"metal\") = {{...}} in Gmsh, which saves the "
+                                   "cells of physical groups alone",
+                                   Dim == 2 ? "Surface" : "Volume"));
+
+    // Other elements than the wanted ones: say what was found.
     std::vector<const char*> names;
     for (const int shape : found) names.push_back(find_gmsh_shape(shape)->plural);
-    const std::string message =
-        names.empty() ? "has no elements" : fmt::format("has {}", fmt::join(names, " and "));
+    const std::string message = fmt::format("has {}", fmt::join(names, " and "));
     if (content_ == Content::plan)
       return add_fault(message, fmt::format("only {} in a plan", shape_.plural),
                        "in Gmsh, Recombine Surface {...}");
@@ -172,8 +187,15 @@ private:
     std::vector<char> used(file_.node.size(), 0);
     std::vector<int> nodes;
 
+    std::map<std::array<long, 8>, std::set<int>> groups_of_cell;
     for (const gmsh::Element& element : file_.elements) {
       if (element.shape != shape_.gmsh) continue;
+      // MSH 2.2 repeats a cell for each of its groups. Twice in one group it is two cells.
+      auto& groups = groups_of_cell[element.node];
+      const int group = element.groups.empty() ? 0 : element.groups.front();
+      const bool is_known = !groups.empty();
+      if (groups.insert(group).second && is_known) continue;
+
       if (!look_up(element, nodes) || !orient(nodes)) return;
       for (const int n : nodes) used[static_cast<std::size_t>(n)] = 1;
       mesh_.element_node.insert(mesh_.element_node.end(), nodes.begin(), nodes.end());

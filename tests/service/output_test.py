@@ -158,7 +158,9 @@ class Output(Commands):
     def test_fetch_refuses_what_is_no_file(self):
         job = self.finished_job()
         for place, word in (("", "a file or a folder"), ("-", "two files"),
-                            ("/dev/null", "not a regular file"), ("x.xdmf", "HDF5")):
+                            ("/dev/null", "not a regular file"), ("x.xdmf", "HDF5"),
+                            ("a:b.h5", "colon"), ("sub/c:.h5", "colon"), ("x\t.h5", "control"),
+                            (" x.h5", "blank")):
             with self.subTest(place=place):
                 self.assertIn(word, self.dccast("fetch", "-o", place, job, code=2).stderr)
         os.mkfifo(self.here("pipe"))

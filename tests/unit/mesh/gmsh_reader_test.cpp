@@ -142,6 +142,81 @@ TEST(GmshReader, ReadsLineEndsOfWindows) {
   expect_the_strip(mesh_of(text), 4);
 }
 
+/// A group with -2 turns its curve round, which changes no mesh.
+TEST(GmshReader, TakesReversedEntitiesIntoTheirGroups) {
+  std::string text = replaced(triangle_file_4, "1 2 2 5 6", "1 -2 2 5 6");
+  text = replaced(text, "2 1 0 1 3 0", "2 1 0 1 -3 0");
+  expect_the_strip(mesh_of(replaced(text, "2 1 0 1 7 4", "2 1 0 1 -7 4")), 4);
+  expect_the_strip(mesh_of(replaced(triangle_file, "4 1 2 3 3 13 23", "4 1 2 -3 3 23 13")), 4);
+}
+
+/// MSH 2.2 repeats a cell for each of its groups, in 2D and 3D.
+TEST(GmshReader, CellsMayBeInSeveralGroups) {
+  const std::string other =
+      "11 2 2 8 1 11 12 22\n12 2 2 8 1 11 21 22\n13 2 2 8 1 12 13 23\n"
+      "14 2 2 8 1 12 23 22\n15 2 2 9 1 12 23 22\n";
+  const std::string text = head_2 + names + nodes_2;
+  expect_the_strip(mesh_of(text + elements_2(15, boundary_2 + triangles_2 + other)), 4);
+  EXPECT_THAT(fault_of(text + elements_2(14, boundary_2 + triangles_2 + triangles_2)),
+              HasSubstr("overlap"))
+      << "twice in one group";
+
+  const std::string quadrilaterals = quadrilaterals_2 + "9 3 2 0 1 11 12 22 21\n";
+  expect_the_strip(mesh_of(text + elements_2(9, boundary_2 + quadrilaterals), ElementKind::q1), 2);
+  expect_the_strip(mesh_of(replaced(triangle_file_4, "1 7 4 1 2 3 4", "3 7 8 9 4 1 2 3 4")), 4);
+}
+
+TEST(GmshReader, TakesARoundedHeightForFlat) {
+  for (const char* height : {"-1.7e-17", "1e-9", "-9e-7"})
+    expect_the_strip(mesh_of(replaced(triangle_file, "22 1 1 0", fmt::format("22 1 1 {}", height))),
+                     4);
+  EXPECT_EQ(fault_of(replaced(triangle_file, "22 1 1 0", "22 1 1 1e-5")),
+            "has nodes with z other than 0");
+}
+
+TEST(GmshReader, ReadsWhatStandsBeforeTheFormatAndNamesWithoutQuotes) {
+  const std::string comments = "$Comments\nmade \"by hand\", $5\n$EndComments\n";
+  for (const std::string& text : {triangle_file, triangle_file_4}) {
+    expect_the_strip(mesh_of("\xEF\xBB\xBF" + text), 4);
+    expect_the_strip(mesh_of(comments + text), 4);
+    expect_the_strip(mesh_of("\xEF\xBB\xBF\n" + comments + comments + text), 4);
+  }
+
+  std::string plain;
+  for (const char c : names)
+    if (c != '"') plain += c == '\n' ? " \r\n" : std::string(1, c);
+  expect_the_strip(mesh_of(replaced(triangle_file, names, plain)), 4);
+  EXPECT_EQ(fault_of(replaced(triangle_file, "\"side\"", "long side")),
+            "has the unknown physical group 'long side'");
+}
+
+/// The strip cut between its squares into two partitions. Its interface has the group of the whole.
+TEST(GmshReader, ReadsAPartitionedMesh) {
+  const std::string parts =
+      "$PartitionedEntities\n2\n1\n1 2\n2 6 2 0\n7 0 5 1 1 0 0 0 0\n8 1 2 2 1 2 1 0 0 0\n"
+      "5 1 1 1 1 0 0 0 0 1 0 1 1 2 7 -8\n6 1 2 1 1 0 0 0 1 0 0 1 2 0\n"
+      "7 1 2 1 2 1 0 0 2 0 0 1 2 0\n8 1 3 1 2 2 0 0 2 1 0 1 3 0\n"
+      "9 1 4 2 1 2 0 1 0 2 1 0 1 4 0\n10 2 1 2 1 2 1 0 0 1 1 0 1 7 0\n"
+      "2 2 1 1 1 0 0 0 1 1 0 1 7 0\n3 2 1 1 2 1 0 0 2 1 0 1 7 0\n$EndPartitionedEntities\n";
+  const std::string elements =
+      "$Elements\n8 12 1 12\n0 7 15 1\n1 11\n1 5 1 1\n2 11 21\n1 6 1 1\n4 11 12\n1 7 1 1\n"
+      "3 13 12\n1 8 1 1\n5 13 23\n1 9 1 2\n6 23 22\n7 22 21\n1 10 1 1\n12 12 22\n"
+      "2 2 2 2\n8 11 12 22\n9 11 21 22\n$EndElements\n";
+  std::string text = replaced(triangle_file_4, "$Comments\n", parts + "$Comments\n");
+  text = text.substr(0, text.find("$Elements")) + elements;
+  text = replaced(text, "$Elements\n8 12", "$Elements\n9 12");
+  text = replaced(text, "$EndElements", "2 3 2 2\n10 12 13 23\n11 12 23 22\n$EndElements");
+  expect_the_strip(mesh_of(text), 4);
+}
+
+TEST(GmshReader, CellsThatWereNotSavedGetTheRemedy) {
+  Faults faults;
+  EXPECT_FALSE(parse_gmsh<2>(head_2 + names + nodes_2 + elements_2(6, boundary_2), "slab.msh",
+                             ElementKind::q1, faults));
+  EXPECT_EQ(faults.list()[0].message, "has no cells");
+  EXPECT_THAT(faults.list()[0].remedy, HasSubstr("Physical Surface(\"metal\")"));
+}
+
 TEST(GmshReader, TurnsSolidElementsRound) {
   const std::string cube =
       "$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 "
@@ -327,7 +402,7 @@ TEST(GmshReader, RefusesTheWrongElementsOrAMixture) {
                                                 "9 3 2 7 1 12 13 23 22\n");
   EXPECT_EQ(fault_of(mixture), "has triangles and quadrilaterals");
 
-  EXPECT_EQ(fault_of(head_2 + names + nodes_2 + elements_2(6, boundary_2)), "has no elements");
+  EXPECT_EQ(fault_of(head_2 + names + nodes_2 + elements_2(6, boundary_2)), "has no cells");
   EXPECT_THAT(fault_of(replaced(triangle_file, "7 2 2 7 1 11 12 22", "7 9 2 7 1 11 12 22 1 1 1")),
               HasSubstr("Gmsh's type 9; only linear ones are read"));
 }
