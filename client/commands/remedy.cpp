@@ -28,8 +28,9 @@ ExitCode run(const RemedyOptions& options, Program& program) {
   }
 
   follow_with_progress(connection, study.id(), come_back);
-  print_answer(options, judge_study(connection, {.id = study.id(), .monitor = options.point}));
-  return ExitCode::done;
+  const auto answer = judge_study(connection, {.id = study.id(), .monitor = options.point});
+  print_answer(options, answer);
+  return exit_code_of(answer, answer.study().succeeded() > 0);
 }
 
 }  // namespace

@@ -170,9 +170,7 @@ ExitCode wait_and_print(Connection& connection, const SweepOptions& options,
     std::cerr << "wrote " << options.output << " (" << table.bytes
               << " bytes, checksum verified)\n";
   }
-  // A study under way is no failure of the command.
-  if (options.no_wait && answer.study().state() == v1::STUDY_RUNNING) return ExitCode::done;
-  return exit_code_of(answer.study().state());
+  return exit_code_of(answer, answer.study().state() == v1::STUDY_SUCCEEDED);
 }
 
 ExitCode run(const SweepOptions& options, Program& program) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <iostream>
 
 #include "client/cli/common_options.hpp"
@@ -28,7 +29,19 @@ void take_band(const std::string& band, std::vector<std::string>& changes) {
 struct Kind {
   std::string name;
   void (*lay_out)(const DataPlan&, v1::CreateStudyRequest&);
+  bool (*has_answer)(const v1::StudyJudgement&);
 };
+
+bool has_spread(const v1::StudyJudgement& answer) {
+  return answer.result().has_spread();
+}
+
+/// Effects need a valid run of the case itself, with which those of its data are compared.
+bool has_effects(const v1::StudyJudgement& answer) {
+  return std::ranges::any_of(answer.judgement().parts(), [](const v1::JudgementPart& part) {
+    return part.table().key() == "effects" && !part.table().rows().empty();
+  });
+}
 
 ExitCode run(DataOptions options, const Kind& kind, Program& program) {
   if (options.base.file.empty() == options.study.empty())
@@ -55,16 +68,17 @@ ExitCode run(DataOptions options, const Kind& kind, Program& program) {
   }
 
   if (!options.no_wait) follow_with_progress(connection, id, come_back + id);
-  print_answer(options, judge_study(connection, {.id = id, .monitor = options.point}));
-  return ExitCode::done;
+  const auto answer = judge_study(connection, {.id = id, .monitor = options.point});
+  print_answer(options, answer);
+  return exit_code_of(answer, kind.has_answer(answer));
 }
 
 ExitCode run_uncertainty(const DataOptions& options, Program& program) {
-  return run(options, {"uncertainty", lay_out_uncertainty}, program);
+  return run(options, {"uncertainty", lay_out_uncertainty, has_spread}, program);
 }
 
 ExitCode run_sensitivity(const DataOptions& options, Program& program) {
-  return run(options, {"sensitivity", lay_out_sensitivity}, program);
+  return run(options, {"sensitivity", lay_out_sensitivity, has_effects}, program);
 }
 
 void add_common(const Command& command, DataOptions& options, const char* plot) {

@@ -156,8 +156,10 @@ std::string resolve_study(Connection& connection, const std::string& text) {
   return text == "last" ? newest_study(connection) : study_that_begins(connection, text);
 }
 
-ExitCode exit_code_of(v1::StudyState state) {
-  return state == v1::STUDY_SUCCEEDED ? ExitCode::done : ExitCode::solve_failed;
+ExitCode exit_code_of(const v1::StudyJudgement& answer, bool has_answer) {
+  // A study under way is no failure of the command.
+  if (answer.study().state() == v1::STUDY_RUNNING || has_answer) return ExitCode::done;
+  return ExitCode::solve_failed;
 }
 
 std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id) {

@@ -51,8 +51,9 @@ std::string resolve_study(Connection& connection, const std::string& text);
 /// Help text of a STUDY argument.
 inline constexpr const char* study_help = "Study id, the beginning of one, or last";
 
-/// Exit code for the final state of a study.
-ExitCode exit_code_of(v1::StudyState state);
+/// Exit code for the answer of a study that has ended, or of one under way so far.
+/// @param has_answer  the judgement has what was asked for
+ExitCode exit_code_of(const v1::StudyJudgement& answer, bool has_answer);
 
 /// The jobs of a study, oldest first; empty for an unknown study.
 std::vector<v1::Job> jobs_of_study(Connection& connection, const std::string& id);

@@ -109,6 +109,12 @@ std::optional<v1::Fault> find_fault(const v1::Case& complete, const std::string&
 
   // An absolute range must be ascending and contain the value.
   const auto value = number_at(complete, key);
+  if (!value && !has_value_at(complete, key))
+    return refused("names a key that has no value, neither in the case nor in its card",
+                   "keys that have a value",
+                   fmt::format("give {} a value first, or take the range "
+                               "out",
+                               key));
   if (!value)
     return refused("is a table of several points, which no two ends describe",
                    "\"± 10 %\", \"± 5 K\" or \"0.5..2 times\"",
@@ -118,8 +124,13 @@ std::optional<v1::Fault> find_fault(const v1::Case& complete, const std::string&
   const double margin = 1e-9 * std::abs(*value);
   if (!(from < to)) return refused("is no range: the smaller end comes first");
   if (from <= *value + margin && *value - margin <= to) return std::nullopt;
-  return refused("does not hold the value of the case", "",
-                 fmt::format("the value is {}", number_text(*value)));
+  const std::string unit = key_of(*field_at(complete, key)).unit();
+  return refused(
+      "does not hold the value of the case, " + quantity_text(*value, unit),
+      "a range around the value",
+      fmt::format("widen it, or give it relative to the value, as \"± 10 %\"; or take back "
+                  "the change of {}",
+                  key));
 }
 
 }  // namespace

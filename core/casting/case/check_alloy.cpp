@@ -193,6 +193,44 @@ void contraction(CaseFindings& found) {
               R"("2500 kg/m3"]], or write mechanics.enabled = false)");
 }
 
+/// Checks for a mush, in which the strength of the metal grows. A pure metal would get all of it at
+/// once, where the equilibrium has no solution.
+void freezing_range(CaseFindings& found) {
+  constexpr double least = 1.0;  // [K]
+  const material::AlloyCard& a = found.casting.alloy;
+  if (a.liquidus - a.solidus >= least) return;
+  found.fault(
+      "alloy.solidus", with_unit(a.solidus, "degC"),
+      fmt::format("lies {} the liquidus: metal that freezes at one temperature has no mush, "
+                  "in which its strength could grow",
+                  a.solidus == a.liquidus ? "at" : "less than 1 K below"),
+      "with mechanics at most " + with_unit(a.liquidus - least, "degC") +
+          ", 1 K below alloy.liquidus",
+      "write solidus = \"" + with_unit(a.liquidus - least, "degC") +
+          "\", or mechanics.enabled = false, which computes the heat of a pure metal");
+}
+
+/// Warns of a table of the specific heat with a peak in the mush, as a calorimeter shows the latent
+/// heat: it would count twice.
+void heat_of_freezing(CaseFindings& found) {
+  constexpr double beside = 30.0;  // the peak of a calorimeter is wider than the mush [K]
+  constexpr double most = 0.2;     // of the latent heat, that a table may rise for other reasons
+  const material::AlloyCard& a = found.casting.alloy;
+  if (a.specific_heat.constant() || !(a.latent_heat > 0.0)) return;
+
+  const double begin = a.solidus - beside, end = a.liquidus + beside;
+  const double without_peak = 0.5 * (a.specific_heat(begin) + a.specific_heat(end)) * (end - begin);
+  const double heat = a.specific_heat.integral(begin, end) - without_peak;
+  if (heat < most * a.latent_heat) return;
+
+  found.warning("alloy.latent_heat", with_unit(a.latent_heat, "J/kg"),
+                fmt::format("alloy.specific_heat has a peak of {:.3g} J/kg between {} and {}: the "
+                            "latent heat seems to count twice",
+                            heat, with_unit(begin, "degC"), with_unit(end, "degC")),
+                "latent_heat beside a table without the peak, or a table with it",
+                "write latent_heat = \"0 J/kg\", or take the peak out of alloy.specific_heat");
+}
+
 }  // namespace
 
 void check_alloy(CaseFindings& found) {
@@ -206,11 +244,15 @@ void check_alloy(CaseFindings& found) {
   if (a.solidus > a.liquidus)
     found.fault("alloy.solidus", with_unit(a.solidus, "degC"), "lies above the liquidus",
                 "at most alloy.liquidus = " + with_unit(a.liquidus, "degC"),
-                "exchange the two, or make them equal for a pure metal");
+                has_mechanics ? "exchange the two, or set them 1 K apart for a pure metal"
+                              : "exchange the two, or make them equal for a pure metal");
+  else if (has_mechanics)
+    freezing_range(found);
 
   // The remaining checks compare temperatures of the mush, which need solidus and liquidus in
   // order.
   hot_tear_window(found);
+  if (found.sound({"alloy.latent_heat", "alloy.specific_heat"})) heat_of_freezing(found);
   cold_strength(found);
   if (!a.liquid_fraction.empty() && found.sound({"alloy.solidus", "alloy.liquid_fraction"}))
     liquid_fraction(found);

@@ -73,6 +73,8 @@ TEST_P(CaseFault, IsFoundAndSaysHowToMendIt) {
 }
 
 const Mistake mistakes[] = {
+    {"PureMetal", "alloy.solidus", [](Case& c) { c.alloy.solidus = c.alloy.liquidus; }},
+    {"NearlyPureMetal", "alloy.solidus", [](Case& c) { c.alloy.solidus = c.alloy.liquidus - 0.5; }},
     {"SolidusAboveLiquidus", "alloy.solidus", [](Case& c) { c.alloy.solidus = 650.0; }},
     {"CoherencyAboveLiquidus", "alloy.coherency", [](Case& c) { c.alloy.coherency = 700.0; }},
     {"YieldLimitWithAPaperAlgorithm", "mechanics.algorithm",
@@ -248,6 +250,44 @@ TEST(CaseCheck, WhatFollowsFromAValueAtFaultWaitsForItAndSaysSo) {
   EXPECT_THAT(fields(checked.faults), ElementsAre("monitor[2].y"));
   EXPECT_THAT(fields(checked.warnings), ElementsAre("section.half_width"));
   EXPECT_THAT(checked.warnings.list()[0].message, ::testing::HasSubstr("wait until this is fixed"));
+}
+
+TEST(CaseCheck, APureMetalHasHeatAloneAndItsRemedyIsAccepted) {
+  Case c = small_casting();
+  c.alloy.solidus = c.alloy.liquidus;
+  EXPECT_THAT(fields(check(c).faults), ElementsAre("alloy.solidus"));
+  EXPECT_THAT(check(c).faults.list()[0].remedy, ::testing::HasSubstr("mechanics.enabled = false"));
+  c.alloy.solidus = c.alloy.liquidus - 1.0;
+  EXPECT_THAT(fields(check(c).faults), IsEmpty());
+  c.alloy.solidus = c.alloy.liquidus;
+  c.mechanics.enabled = false;
+  EXPECT_THAT(fields(check(c).faults), IsEmpty());
+}
+
+/// Specific heat of a calorimeter, with a peak of all or half of the latent heat, in the mush or
+/// wider, or a step.
+TEST(CaseCheck, ARemarkSaysThatTheLatentHeatCountsTwice) {
+  Case c = small_casting();
+  const material::AlloyCard& a = c.alloy;
+  const double middle = 0.5 * (a.solidus + a.liquidus), half = 0.5 * (a.liquidus - a.solidus);
+  const auto warned = [&](double share, double width) {
+    const double top = 1100.0 + share * a.latent_heat / width;
+    c.alloy.specific_heat =
+        Curve(Abscissa::temperature, {20.0, middle - width, middle, middle + width, 900.0},
+              {900.0, 1100.0, top, 1100.0, 1100.0});
+    return !fields(check(c).warnings).empty();
+  };
+  EXPECT_TRUE(warned(1.0, half));
+  EXPECT_TRUE(warned(1.0, 1.0));
+  EXPECT_TRUE(warned(0.5, half + 25.0));
+  EXPECT_TRUE(warned(0.3, half));
+  EXPECT_FALSE(warned(0.02, half));
+  EXPECT_FALSE(warned(0.0, half));
+
+  c.alloy.specific_heat = Curve(Abscissa::temperature, {a.solidus, a.liquidus}, {900.0, 1200.0});
+  EXPECT_THAT(fields(check(c).warnings), IsEmpty()) << "liquid holds more than solid";
+  c.alloy.latent_heat = 0.0;
+  EXPECT_FALSE(warned(1.0, half));
 }
 
 TEST(CaseCheck, ASoundCaseWaitsForNothing) {

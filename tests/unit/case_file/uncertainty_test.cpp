@@ -102,10 +102,17 @@ TEST(Uncertainty, IsHeldAgainstTheCase) {
   EXPECT_THAT(first_fault("schedule.casting_temperature", "± 5 mm"), HasSubstr("of another kind"));
   EXPECT_THAT(first_fault("alloy.density", "2600..2700 kg/m3"),
               HasSubstr("table of several points"));
+  EXPECT_THAT(first_fault("alloy.solid_density", "2600..2700 kg/m3"),
+              HasSubstr("names a key that has no value, neither in the case nor in its card"));
+  EXPECT_THAT(first_fault("alloy.solidus_density", "1..2"), HasSubstr("unknown key"));
+  EXPECT_THAT(first_fault("cooling.narrow_water.temperature", "20..30 degC"),
+              HasSubstr("has no value"));
   EXPECT_THAT(first_fault("alloy.melt_conductivity_factor[7]", "1..10"),
               HasSubstr("no value here"));
   EXPECT_THAT(first_fault("cooling.water.wetting.lag", "3..4 s"),
-              HasSubstr("does not hold the value of the case"));
+              HasSubstr("does not hold the value of the case, 2 s; permitted: a range around the "
+                        "value; widen it, or give it relative to the value, as \"± 10 %\"; or take "
+                        "back the change of cooling.water.wetting.lag"));
   EXPECT_THAT(first_fault("alloy.poisson_ratio", "± 50 %"), HasSubstr("permitted: -0.9 to 0.4999"));
   EXPECT_THAT(first_fault("time.end", "± 5 %"), "");
   EXPECT_THAT(first_fault("quality", "0..1"), HasSubstr("unknown choice"));

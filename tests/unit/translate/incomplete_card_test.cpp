@@ -134,6 +134,10 @@ TEST_P(IncompleteCard, IsAFaultThatNamesTheKeyOrComputes) {
       EXPECT_TRUE(names(of_whole, "alloy.density")) << of_whole.summary();
       continue;
     }
+    if (mechanics && card_name == "pure_aluminium") {  // it has no mush
+      EXPECT_TRUE(names(of_whole, "alloy.solidus")) << of_whole.summary();
+      continue;
+    }
     ASSERT_TRUE(of_whole.empty()) << card_name << ": " << of_whole.summary();
 
     std::size_t needed = 0;
