@@ -70,8 +70,9 @@ fs::path target_of(const std::string& output) {
   if (given.extension() == ".xdmf")
     refuse("the .xdmf is written beside it; give the name of the HDF5 file");
   if (const std::string name = given.filename().string(); !fits_sidecar(name))
-    refuse("the .xdmf beside it names the file, and ParaView ends a name at a colon, a blank at its "
-           "end or a control character; leave these out");
+    refuse(
+        "the .xdmf beside it names the file, and ParaView ends a name at a colon, a blank at its "
+        "end or a control character; leave these out");
   return given;
 }
 
