@@ -219,8 +219,11 @@ Diagnosis call(const Endpoint& endpoint, const ProbeOptions& options,
   // Versions that differ are the likely cause of what a user sees next, a role that is too low the
   // second.
   v1::GetServerInfoResponse info;
-  if (connection.try_once(&Stub::GetServerInfo, v1::GetServerInfoRequest(), info).ok() &&
-      info.version() != options.version)
+  const bool informed =
+      connection.try_once(&Stub::GetServerInfo, v1::GetServerInfoRequest(), info).ok();
+  if (informed && !info.worker_sandbox().empty())
+    found.push_back("its workers are held by: " + values::escaped(info.worker_sandbox()));
+  if (informed && info.version() != options.version)
     return {fmt::format("the server is dccastd {}, and this client is dccast {}", info.version(),
                         options.version),
             "use a client of the server's version"};

@@ -89,6 +89,14 @@ std::pair<hid_t, hid_t> number_types(std::int64_t) {
   return {H5T_STD_I64LE, H5T_NATIVE_INT64};
 }
 
+/// How files are opened: without the library's locks, which could keep a program from a file for as
+/// long as another one has it open.
+Handle file_access() {
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_file_locking(access.get(), false, true);
+  return access;
+}
+
 Handle make_space(const Shape& shape) {
   if (shape.empty()) return {H5Screate(H5S_SCALAR), H5Sclose};
   return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose};
@@ -137,7 +145,7 @@ Result File::checked(Result result, const std::string& object, const char* failu
 
 File File::create(const std::filesystem::path& path) {
   disable_error_printing();
-  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  const Handle access = file_access();
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18);
   File file(path,
             Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose));
@@ -147,7 +155,8 @@ File File::create(const std::filesystem::path& path) {
 
 File File::open(const std::filesystem::path& path) {
   disable_error_printing();
-  File file(path, Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose));
+  const Handle access = file_access();
+  File file(path, Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose));
   file.checked(file.id_.get(), "/", "cannot be opened as HDF5");
   return file;
 }

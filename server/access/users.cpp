@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <openssl/crypto.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <map>
 
 #include "core/storage/file.hpp"
+#include "core/storage/file_lock.hpp"
 #include "core/storage/storage_error.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/values/digests.hpp"
@@ -185,12 +185,14 @@ std::string text_of(v1::Role role) {
 UserStore::UserStore(const std::filesystem::path& directory)
     : file_(directory / "users.toml"), lock_(directory / "users.lock") {}
 
-/// Reads the newest users, applies an edit under the lock, and writes them.
+/// Reads the newest users, applies an edit under the lock, and writes them. Calls that read the
+/// users go on while this one waits for another process.
 void UserStore::change(const std::function<void(v1::Users& users)>& edit) {
+  const storage::FileLock lock(lock_, storage::longest_lock_wait);
+  if (!lock)
+    throw storage::StorageError(EAGAIN, lock_.string(), "is locked by another process; try again");
+
   const std::lock_guard guard(mutex_);
-  const storage::File lock(lock_, O_RDWR | O_CREAT);
-  while (::flock(lock.descriptor(), LOCK_EX) != 0)
-    if (errno != EINTR) throw storage::StorageError(errno, lock_.string(), "cannot be locked");
 
   read();
   edit(users_);

@@ -274,7 +274,7 @@ struct JobSide {
 JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
     : directory(settings.data_directory()),
       warm_workers(worker_program(settings),
-                   {.scratch = directory.check(),
+                   {.folders = {.scratch = directory.check(), .jobs = directory.jobs()},
                     .kept = settings.checks().workers() + settings.queries().workers() + 1}),
       worker(identify_worker(warm_workers)),
       intake(warm_workers, settings.alloy_directory(), directory.check(),

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,7 +12,6 @@
 #include <set>
 #include <sstream>
 #include <system_error>
-#include <thread>
 
 #include "core/storage/file.hpp"
 #include "proto/values/digests.hpp"
@@ -36,7 +34,6 @@ namespace fs = std::filesystem;
 /// If a daemon is killed while it starts a process, that process inherits the lock and releases it
 /// as soon as it runs, which takes seconds on a busy machine.
 constexpr std::chrono::seconds longest_wait{3};
-constexpr std::chrono::milliseconds between_tries{20};
 
 /// The list of a backup's files with their SHA-256, in the format of sha256sum(1). It is written
 /// last: a backup without it is incomplete.
@@ -186,16 +183,12 @@ void copy_verified(const fs::path& file, const std::string& sha256, const fs::pa
 
 }  // namespace
 
-StateLock::StateLock(const StateFolder& folder) : lock_(folder.lock(), O_RDWR | O_CREAT) {
-  const auto end = std::chrono::steady_clock::now() + longest_wait;
-  while (::flock(lock_.descriptor(), LOCK_EX | LOCK_NB) != 0) {
-    if (std::chrono::steady_clock::now() > end)
-      throw std::runtime_error(
-          fmt::format("another dccastd uses the data directory {}; stop it, or set another "
-                      "data_directory",
-                      folder.path().string()));
-    std::this_thread::sleep_for(between_tries);
-  }
+StateLock::StateLock(const StateFolder& folder) : lock_(folder.lock(), longest_wait) {
+  if (!lock_)
+    throw std::runtime_error(
+        fmt::format("another dccastd uses the data directory {}; stop it, or set another "
+                    "data_directory",
+                    folder.path().string()));
 }
 
 void require_data_format(const StateFolder& folder) {

@@ -4,7 +4,7 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "core/storage/file.hpp"
+#include "core/storage/file_lock.hpp"
 
 namespace dccast::state {
 
@@ -38,7 +38,7 @@ public:
   explicit StateLock(const StateFolder& folder);
 
 private:
-  storage::File lock_;
+  storage::FileLock lock_;
 };
 
 /// Checks that all jobs, studies and lines have the format of this program.

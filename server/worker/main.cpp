@@ -126,7 +126,7 @@ void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
   // With a claim the next daemon finds this process, so it may outlive the present one.
   if (order.daemon_patience_s() > 0.0) ::prctl(PR_SET_PDEATHSIG, 0);
 
-  const std::string confinement = confine_writing_to(order.directory());
+  const std::string confinement = confine_to({.own = order.directory()});
   const std::string bounds =
       bound({.memory_bytes = order.memory_bytes(), .file_bytes = order.file_bytes()});
   std::cerr << fmt::format("dccast-worker: {}, {}, {}\n", isolation, confinement, bounds)
@@ -309,8 +309,8 @@ void fill(v1::WorkerAnswer& answer, const v1::WorkerRequest& request) {
 }
 
 /// Answers requests until the daemon closes the link, or a request is the run of a job.
-/// @param scratch  directory in which requests may write
-int serve_daemon(const std::filesystem::path& scratch) {
+/// @param reach  of its answers
+int serve_daemon(const Reach& reach) {
   google::protobuf::io::FileInputStream input(STDIN_FILENO);
   std::string confined;
   for (;;) {
@@ -329,7 +329,7 @@ int serve_daemon(const std::filesystem::path& scratch) {
     }
 
     // A file that is read for an answer may take control of this process: it never gets a job.
-    if (confined.empty()) confined = confine_writing_to(scratch);
+    if (confined.empty()) confined = confine_to(reach);
 
     v1::WorkerAnswer answered;
     try {
@@ -349,6 +349,7 @@ int work(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write() instead
   name_memory_exhaustion();
+  ::unsetenv("HDF5_USE_FILE_LOCKING");  // the library would lock its files, which is refused
   isolation = isolate();
 
   try {
@@ -361,8 +362,9 @@ int work(int argc, char** argv) {
       return exit_usage;
     }
 
-    const std::string scratch = jobs::take_variable("DCCAST_WORKER_SCRATCH");
-    return tie_to_parent(parent) ? serve_daemon(scratch) : exit_daemon_gone;
+    const Reach reach{.own = jobs::take_variable("DCCAST_WORKER_SCRATCH"),
+                      .readable = jobs::take_variable("DCCAST_WORKER_JOBS")};
+    return tie_to_parent(parent) ? serve_daemon(reach) : exit_daemon_gone;
   } catch (const std::bad_alloc&) {
     std::cerr << "dccast-worker: out of memory\n";
     ::_exit(jobs::exit_out_of_memory);  // libraries that lacked memory may never end orderly

@@ -16,6 +16,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -93,6 +94,8 @@ constexpr std::array sanitizer_calls{SYS_ptrace, SYS_execve, SYS_socketpair};
 // that opens the file wait for us.
 constexpr std::array<std::uint32_t, 5> refused_file_controls{F_SETOWN, F_SETSIG, F_SETOWN_EX,
                                                              F_SETLEASE, F_NOTIFY};
+// Locks on a file, of a process or of an open file.
+constexpr std::array<std::uint32_t, 4> lock_controls{F_SETLK, F_SETLKW, F_OFD_SETLK, F_OFD_SETLKW};
 // The same for sockets; and characters typed into the terminal that the daemon was started from.
 constexpr std::array<std::uint32_t, 4> refused_device_controls{FIOSETOWN, SIOCSPGRP, TIOCSTI,
                                                                TIOCLINUX};
@@ -207,6 +210,23 @@ Filter system_call_filter() {
   return filter;
 }
 
+/// A lock outlives no process, but holds up every other one that wants it: the daemon at its users,
+/// its store and its folder, the worker of another job. The claim on the folder is taken before.
+Filter lock_filter() {
+  Filter filter;
+  require_machine(filter);
+  add_call(filter, SYS_flock, {refuse});
+  add_call(filter, SYS_fcntl, refuse_values(1, lock_controls));
+  filter.push_back(allow);
+  return filter;
+}
+
+/// Adds a filter, for all threads. @return 0, or -1 and errno
+long install(Filter filter) {
+  const sock_fprog whole{static_cast<unsigned short>(filter.size()), filter.data()};
+  return ::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &whole);
+}
+
 /// Gives up all privileges of root: with them a worker of a daemon that runs as root could set the
 /// clock or the name of the machine. @return whether that succeeded
 bool drop_capabilities() {
@@ -229,6 +249,20 @@ constexpr std::uint64_t truncate = 1u << 14;             // version 3
 constexpr std::uint64_t tcp = (1u << 0) | (1u << 1);     // version 4: bind, connect
 constexpr std::uint64_t others = (1u << 0) | (1u << 1);  // version 6: abstract sockets, signals
 
+// Of a file, and of the list of a folder.
+constexpr std::uint64_t reading = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
+
+/// What the program reads besides its work: libraries, time zones, the machine it runs on.
+constexpr std::array program_files{"/usr",
+                                   "/lib",
+                                   "/lib64",
+                                   "/etc/ld.so.cache",
+                                   "/etc/localtime",
+                                   "/etc/ssl/openssl.cnf",
+                                   "/proc/self",
+                                   "/proc/cpuinfo",
+                                   "/sys/devices/system/cpu"};
+
 /// All rights to change a file system that a version of Landlock knows.
 constexpr std::uint64_t writing(long version) {
   std::uint64_t writes = 0;
@@ -243,9 +277,22 @@ constexpr std::uint64_t writing(long version) {
   return writes;
 }
 
+/// Permits access beneath a folder, or to a file. @return 0, or -1 and errno
+long permit(const storage::FileDescriptor& ruleset, const std::filesystem::path& path,
+            std::uint64_t rights) {
+  const storage::FileDescriptor beneath(::open(path.c_str(), O_PATH | O_CLOEXEC));
+  struct stat status {};
+  if (!beneath || ::fstat(beneath.get(), &status) != 0) return -1;
+
+  // A kernel refuses rights of folders for a file.
+  if (!S_ISDIR(status.st_mode)) rights &= LANDLOCK_ACCESS_FS_READ_FILE;
+  const landlock_path_beneath_attr rule{.allowed_access = rights, .parent_fd = beneath.get()};
+  return ::syscall(SYS_landlock_add_rule, ruleset.get(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
+}
+
 /// @return 0, or -1 and errno
-long restrict_writing(long version, const std::filesystem::path& folder) {
-  const Ruleset rules{.files = writing(version),
+long restrict_files(long version, const Reach& reach) {
+  const Ruleset rules{.files = reading | writing(version),
                       .network = version >= 4 ? tcp : 0,
                       .scope = version >= 6 ? others : 0};
 
@@ -253,17 +300,14 @@ long restrict_writing(long version, const std::filesystem::path& folder) {
   const std::size_t size = (version >= 6 ? 3 : version >= 4 ? 2 : 1) * sizeof(std::uint64_t);
   const storage::FileDescriptor ruleset(
       static_cast<int>(::syscall(SYS_landlock_create_ruleset, &rules, size, 0)));
-
   if (!ruleset) return -1;
 
-  if (!folder.empty()) {
-    const storage::FileDescriptor beneath(::open(folder.c_str(), O_PATH | O_CLOEXEC));
-    if (!beneath) return -1;
-    const landlock_path_beneath_attr rule{.allowed_access = rules.files,
-                                          .parent_fd = beneath.get()};
-    if (::syscall(SYS_landlock_add_rule, ruleset.get(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0)
-      return -1;
-  }
+  if (!reach.own.empty() && permit(ruleset, reach.own, rules.files) != 0) return -1;
+  if (!reach.readable.empty() && permit(ruleset, reach.readable, reading) != 0) return -1;
+
+  // Not every machine has each of these.
+  for (const char* path : program_files) permit(ruleset, path, reading);
+  permit(ruleset, std::filesystem::path("/proc/self/exe"), reading);
 
   return ::syscall(SYS_landlock_restrict_self, ruleset.get(), 0);
 }
@@ -327,24 +371,26 @@ std::string isolate() {
 
   if (!drop_capabilities()) return lacking("keeps the privileges of its user", "capset");
 
-  Filter filter = system_call_filter();
-  const sock_fprog whole{static_cast<unsigned short>(filter.size()), filter.data()};
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return lacking("may gain privileges", "prctl");
-  if (::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &whole) != 0)
-    return lacking("may use the network", "seccomp");
+  if (install(system_call_filter()) != 0) return lacking("may use the network", "seccomp");
   return "no network, no other processes (seccomp)";
 }
 
-std::string confine_writing_to(const std::filesystem::path& folder) {
+std::string confine_to(const Reach& reach) {
+  const std::string locks = install(lock_filter()) == 0
+                                ? "no locks on files (seccomp)"
+                                : lacking("may lock what its user may", "seccomp");
+
   const long version =
       ::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
-  const char* anywhere = "writes where its user may";
-  if (version < 0) return lacking(anywhere, "Landlock");
-  if (restrict_writing(version, folder) != 0) return lacking(anywhere, "Landlock");
+  if (version < 0 || restrict_files(version, reach) != 0)
+    return fmt::format("{}, {}", locks, lacking("reads and writes where its user may", "Landlock"));
 
-  const std::string writes =
-      folder.empty() ? "writes no file" : fmt::format("writes only beneath {}", folder.string());
-  return fmt::format("{} (Landlock {})", writes, version);
+  std::string writes = "writes no file";
+  if (!reach.own.empty()) writes = fmt::format("writes only beneath {}", reach.own.string());
+  std::string reads = "reads only there and its program";
+  if (!reach.readable.empty()) reads += fmt::format(" and {}", reach.readable.string());
+  return fmt::format("{}, {}, {} (Landlock {})", locks, writes, reads, version);
 }
 
 std::string bound(const Bounds& bounds) {

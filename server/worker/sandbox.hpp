@@ -22,9 +22,16 @@ using jobs::sanitized;
 /// the kernel lacks
 std::string isolate();
 
-/// Forbids writing outside of a folder. A worker is confined once, for its job or for its answers.
-/// @param folder  empty: nowhere  @return as isolate()
-std::string confine_writing_to(const std::filesystem::path& folder);
+/// The folders that a worker still reaches; what lies elsewhere it reads only as part of its
+/// program.
+struct Reach {
+  std::filesystem::path own{};       ///< it reads and writes here; empty: it writes nowhere
+  std::filesystem::path readable{};  ///< it reads here, too; empty: none
+};
+
+/// Forbids files elsewhere, and locks on all files. A worker is confined once, for its job or for
+/// its answers, and takes the lock that it needs before. @return as isolate()
+std::string confine_to(const Reach& reach);
 
 /// Limits of a job; 0: nine tenths of the machine's memory, files of any size.
 struct Bounds {

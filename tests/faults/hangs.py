@@ -42,15 +42,17 @@ class StopWorker(TwoCastings):
 
 
 class WorkerTakenOver(Fault):
-    """A worker taken over by its file attacks its daemon and takes memory past its bound"""
+    """A worker taken over by its file attacks its daemon, its memory bound, and each file of the data folder"""
     short, long = 1, 5
     settings = {"workers__count": 1, "workers__memory": "300 MB"}
-    attack = "steps=20 attack=600000000"
+    attack = "steps=20 wait_at=1 attack=600000000"
 
     def disturb(self, scene, count):
         process = scene.daemon.process.pid
         before = self.state(process)
         attacking, waiting = scene.submit(fake(self.attack)), scene.submit(fake("steps=20"))
+        scene.client.until_step(attacking, 1)
+        count.measured("files", self.aim_at_files(scene, attacking))
         for job_id in (attacking, waiting):
             must(count, lambda: scene.ended(job_id), f"job {job_id} does not end", 30)
         with open(scene.data("jobs", attacking, "taken"), encoding="utf-8") as file:
@@ -60,6 +62,22 @@ class WorkerTakenOver(Fault):
                 count.found("wrong", f"the worker could do this: {worked}")
         if self.state(process) != before:
             count.found("wrong", "the daemon has other limits or another priority")
+
+    @staticmethod
+    def aim_at_files(scene, attacking):
+        """Names each file of the data folder, besides its own, to the worker. Returns their number."""
+        own = scene.data("jobs", attacking)
+        targets = [scene.data("pki", "server.key"), scene.data("users.toml"), scene.data("users.lock")]
+        os.makedirs(scene.data("pki"), exist_ok=True)
+        for path in targets:
+            with open(path, "a", encoding="ascii"):
+                pass
+        targets = [os.path.join(folder, name) for folder, _, names in os.walk(scene.data())
+                   if folder != own for name in names]
+        with open(os.path.join(own, "targets"), "w", encoding="utf-8") as file:
+            file.write("\n".join(targets) + "\n")
+        with open(os.path.join(own, "go"), "wb"):
+            return len(targets)
 
     @staticmethod
     def state(process):

@@ -186,6 +186,15 @@ class Doctor(ClientTest):
         with self.serving(lambda connection: None) as address:
             self.doctor(address, cause="without an answer", remedy="try again later")
 
+    def test_what_holds_the_workers(self):
+        """A kernel without Landlock is named there, with what the workers can reach then."""
+        self.start()
+        self.log_in("anna")
+        ended = self.dccast("doctor")
+        self.assertEqual(ended.returncode, 0, ended.stdout)
+        self.assertIn("its workers are held by: no network", ended.stdout)
+        self.assertIn("(Landlock", ended.stdout)
+
     def test_tokens_and_roles(self):
         self.start()
         self.log_in("anna", "viewer")

@@ -48,7 +48,7 @@ class Sandbox(ServiceTest):
             said = file.readline()
         self.assertIn("no network, no other processes (seccomp)", said)
         self.assertIn(self.landlock(), said)
-        self.assertIn(folder if "beneath" in said else "writes where", said)
+        self.assertIn(folder if "beneath" in said else "reads and writes where", said)
 
         memory = "memory without a bound (sanitizer)" if SANITIZED else "memory up to 1000 MB"
         self.assertIn(memory + ", files up to 50 MB", said)

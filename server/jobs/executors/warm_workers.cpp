@@ -100,7 +100,7 @@ void WarmWorkers::run(const std::stop_token& stop) {
     std::unique_ptr<WorkerProcess> worker;
     std::string failure;
     try {
-      worker = std::make_unique<WorkerProcess>(program_, limits_.scratch);
+      worker = std::make_unique<WorkerProcess>(program_, limits_.folders);
     } catch (const std::exception& error) {
       failure = error.what();
     }

@@ -15,8 +15,8 @@ namespace dccast::jobs {
 
 /// Bounds on processes, memory and answers.
 struct WarmWorkerLimits {
-  std::filesystem::path scratch{};  ///< directory in which requests may write; empty: none
-  int kept = 1;                     ///< number of idle and busy workers that are kept
+  AnswerFolders folders{};
+  int kept = 1;       ///< number of idle and busy workers that are kept
   int answers = 200;  ///< after which a worker is replaced, so that leaks do not accumulate
   std::int64_t idle_bytes = 512'000'000;  ///< an idle worker that uses more is replaced [bytes]
 };

@@ -57,7 +57,7 @@ pid_t collect(pid_t child, int options, int& status) {
 /// Environment of a worker: that of the daemon without the variables of workers, and with one
 /// thread for BLAS. Jobs share the cores, and measurements showed no gain of the solver from two
 /// threads.
-std::vector<std::string> worker_environment(const std::filesystem::path& scratch) {
+std::vector<std::string> worker_environment(const AnswerFolders& folders) {
   auto variables = environment(
       false, {"DCCAST_WORKER_", "OPENBLAS_NUM_THREADS=", "OMP_NUM_THREADS=", "OMP_THREAD_LIMIT="});
 
@@ -66,7 +66,8 @@ std::vector<std::string> worker_environment(const std::filesystem::path& scratch
   variables.insert(variables.end(),
                    {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMP_THREAD_LIMIT=1",
                     fmt::format("DCCAST_WORKER_PARENT={}", ::getpid()),
-                    fmt::format("DCCAST_WORKER_SCRATCH={}", scratch.string())});
+                    fmt::format("DCCAST_WORKER_SCRATCH={}", folders.scratch.string()),
+                    fmt::format("DCCAST_WORKER_JOBS={}", folders.jobs.string())});
   return variables;
 }
 
@@ -77,8 +78,7 @@ std::vector<std::string> worker_environment(const std::filesystem::path& scratch
 
 }  // namespace
 
-WorkerProcess::WorkerProcess(const std::filesystem::path& program,
-                             const std::filesystem::path& scratch)
+WorkerProcess::WorkerProcess(const std::filesystem::path& program, const AnswerFolders& folders)
     : name_(program.filename().string()) {
   std::array<int, 2> ends;
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
@@ -87,7 +87,7 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program,
   const storage::FileDescriptor theirs(ends[1]);
 
   // The socket is the worker's standard input. Output of its libraries goes to the daemon's log.
-  if (const int error = spawn({program}, worker_environment(scratch),
+  if (const int error = spawn({program}, worker_environment(folders),
                               {theirs.get(), STDERR_FILENO, STDERR_FILENO}, &process_)) {
     process_ = 0;
     fail_to_start(program, error);

@@ -53,15 +53,20 @@ struct CallLimits {
   std::function<Precedence::Registration(const WorkerProcess& worker)> enter{};
 };
 
+/// Folders that a worker reaches for its answers; empty: none.
+struct AnswerFolders {
+  std::filesystem::path scratch{};  ///< requests may write here
+  std::filesystem::path jobs{};     ///< and read here
+};
+
 /// A process of the worker program. It answers one request after another, or is handed the run of a
 /// job; worker.proto describes the messages. A mesh or a result file that crashes it, or keeps it
 /// busy forever, costs one answer but not the daemon. The system kills it when the thread that
 /// started it ends, until it has claimed the folder of a job.
 class WorkerProcess {
 public:
-  /// Starts a worker. @param scratch  directory in which requests may write; empty: none
-  /// @throws WorkerDidNotAnswer
-  WorkerProcess(const std::filesystem::path& program, const std::filesystem::path& scratch);
+  /// Starts a worker. @throws WorkerDidNotAnswer
+  WorkerProcess(const std::filesystem::path& program, const AnswerFolders& folders);
   /// Adopts a worker that an earlier daemon has started. @param handle  see open_process()
   WorkerProcess(pid_t process, storage::FileDescriptor handle)
       : handle_(std::move(handle)), id_(process) {}

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/shm.h>
@@ -9,6 +10,7 @@
 #include <unistd.h>
 
 #include <cstring>
+#include <fstream>
 
 namespace dccast::casting {
 
@@ -42,9 +44,31 @@ bool can_direct_signal(pid_t target) {
   return directed;
 }
 
+/// Whether a lock of any kind can be had on an open file.
+bool can_lock(int file) {
+  struct flock whole {};
+  whole.l_type = F_RDLCK;
+  whole.l_whence = SEEK_SET;
+  for (const int kind : {F_SETLK, F_OFD_SETLK})
+    if (::fcntl(file, kind, &whole) == 0) return true;
+  return ::flock(file, LOCK_SH | LOCK_NB) == 0;
+}
+
+/// What can be done to a foreign file: "" for nothing.
+std::string reach(const std::string& path) {
+  for (const int mode : {O_RDWR, O_RDONLY}) {
+    const int file = ::open(path.c_str(), mode | O_NONBLOCK | O_CLOEXEC);
+    if (file < 0) continue;
+    const bool locked = can_lock(file);
+    ::close(file);
+    return (locked ? "locking " : mode == O_RDWR ? "opening to write " : "reading ") + path;
+  }
+  return {};
+}
+
 }  // namespace
 
-std::string attack(std::size_t bytes) {
+std::string attack(std::size_t bytes, const std::filesystem::path& folder) {
   const pid_t daemon = ::getppid();
   std::string succeeded;
   const auto note = [&succeeded](bool success, const char* attempt) {
@@ -65,6 +89,13 @@ std::string attack(std::size_t bytes) {
   note(can_fork(), "fork");
   note(::chroot("/") == 0, "chroot");
   note(::shmget(IPC_PRIVATE, 4096, 0600) >= 0, "shmget");
+
+  std::ifstream targets(folder / "targets");
+  for (std::string path; std::getline(targets, path);)
+    if (const std::string reached = reach(path); !reached.empty()) note(true, reached.c_str());
+  const int own = ::open((folder / "taken").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  note(can_lock(own), "locking a file of its own");
+  ::close(own);
   return succeeded;
 }
 

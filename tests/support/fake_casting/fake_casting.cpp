@@ -229,7 +229,8 @@ void FakeRun::misbehave() const {
   if (is("crash_once_at")) std::abort();
   if (is("freeze_once_at")) ::raise(SIGSTOP);
   if (const auto bytes = script.number("attack", 0); bytes > 0 && state.step == 2)
-    std::ofstream(directory.path / "taken") << attack(static_cast<std::size_t>(bytes));
+    std::ofstream(directory.path / "taken")
+        << attack(static_cast<std::size_t>(bytes), directory.path);
   while (is("hang_once_at")) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 

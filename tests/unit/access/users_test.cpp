@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <thread>
 
 #include "core/storage/file.hpp"
+#include "core/storage/file_lock.hpp"
+#include "core/storage/storage_error.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::access {
@@ -145,6 +148,31 @@ TEST_F(Users, NoChangeIsLostBetweenProcesses) {
   first.join();
   second.join();
   EXPECT_EQ(store.users().user_size(), 40);
+}
+
+/// Such a lock once held up all calls: that of the file was awaited under the mutex of the readers.
+TEST_F(Users, ALockThatAnotherProcessKeepsStopsChangesForASecondAndNoReader) {
+  const std::string token = token_of("anna");
+  const storage::FileLock kept(folder / "users.lock", std::chrono::milliseconds(0));
+  ASSERT_TRUE(kept);
+
+  const auto begin = std::chrono::steady_clock::now();
+  const auto elapsed_s = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  std::thread changing([&] {
+    try {
+      store.add("berta", v1::VIEWER, now, now + day);
+      ADD_FAILURE() << "was changed without the lock";
+    } catch (const storage::StorageError& error) {
+      EXPECT_NE(std::string(error.what()).find("is locked by another process"), std::string::npos);
+    }
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_TRUE(store.prove(token, now).proven());
+  EXPECT_LT(elapsed_s(), 0.9);
+  changing.join();
+  EXPECT_LT(elapsed_s(), 3.0);
 }
 
 TEST_F(Users, TheMachineIsOneShortLine) {

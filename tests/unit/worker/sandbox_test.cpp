@@ -5,6 +5,7 @@
 #include <linux/sockios.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -80,7 +81,7 @@ protected:
 TEST_F(SandboxTest, WritesWhatItLikesBeneathItsFolder) {
   EXPECT_EQ(
       status_of_child([&] {
-        confine_writing_to(own_);
+        confine_to({.own = own_, .readable = other_});
         storage::write_file(own_ / "results.h5.part", "frames");
         MUST(::rename((own_ / "results.h5.part").c_str(), (own_ / "results.h5").c_str()) == 0);
         MUST(::truncate((own_ / "old").c_str(), 3) == 0);
@@ -96,7 +97,7 @@ TEST_F(SandboxTest, WritesNothingElsewhere) {
   if (!has_landlock()) GTEST_SKIP() << "the kernel has no Landlock";
   const fs::path file = other_ / "file", made = other_ / "new";
   EXPECT_EQ(status_of_child([&] {
-              confine_writing_to(own_);
+              confine_to({.own = own_});
               MUST(refused(::open(file.c_str(), O_WRONLY)));
               MUST(refused(::open(file.c_str(), O_RDWR | O_APPEND)));
               MUST(refused(::open(made.c_str(), O_WRONLY | O_CREAT, 0600)));
@@ -112,7 +113,7 @@ TEST_F(SandboxTest, WritesNothingElsewhere) {
               MUST(::symlink(file.c_str(), (own_ / "way").c_str()) == 0);
               MUST(refused(::open((own_ / "way").c_str(), O_WRONLY)));
               // Nor is a second confinement.
-              confine_writing_to(other_);
+              confine_to({.own = other_});
               MUST(refused(::open(file.c_str(), O_WRONLY)));
             }),
             0);
@@ -122,8 +123,50 @@ TEST_F(SandboxTest, WritesNothingElsewhere) {
 TEST_F(SandboxTest, WithoutAFolderWritesNowhere) {
   if (!has_landlock()) GTEST_SKIP() << "the kernel has no Landlock";
   EXPECT_EQ(status_of_child([&] {
-              confine_writing_to({});
+              confine_to({});
               MUST(refused(::open((own_ / "old").c_str(), O_WRONLY)));
+            }),
+            0);
+}
+
+TEST_F(SandboxTest, ReadsItsFolderItsProgramAndNothingElse) {
+  if (!has_landlock()) GTEST_SKIP() << "the kernel has no Landlock";
+  EXPECT_EQ(status_of_child([&] {
+              confine_to({.own = own_});
+              MUST(storage::read_file(own_ / "old") == "of an earlier attempt");
+              MUST(!fs::directory_iterator(own_)->path().empty());
+              MUST(::open("/proc/self/exe", O_RDONLY) >= 0);
+              MUST(::open("/proc/self/status", O_RDONLY) >= 0);
+              MUST(refused(::open((other_ / "file").c_str(), O_RDONLY)));
+              MUST(refused(::open(other_.c_str(), O_RDONLY | O_DIRECTORY)));
+              MUST(refused(::open("/etc/passwd", O_RDONLY)));
+              MUST(refused(
+                  ::open(("/proc/" + std::to_string(::getppid()) + "/status").c_str(), O_RDONLY)));
+              // The file is there all the same: a job without a daemon looks for its time.
+              MUST(fs::exists(other_ / "file"));
+            }),
+            0);
+}
+
+/// A lock on the daemon's files, or on those of another job, would hold up those that wait for it.
+TEST_F(SandboxTest, LocksNoFile) {
+  EXPECT_EQ(status_of_child([&] {
+              const int own = ::open((own_ / "old").c_str(), O_RDWR);
+              const int open_before = ::open((other_ / "file").c_str(), O_RDWR);
+              struct flock whole {};
+              whole.l_type = F_WRLCK;
+              whole.l_whence = SEEK_SET;
+              isolate();
+              MUST(::fcntl(own, F_SETLK, &whole) == 0);  // the claim on the folder
+
+              confine_to({.own = own_});
+              for (const int file : {own, open_before}) {
+                for (const int kind : {F_SETLK, F_SETLKW, F_OFD_SETLK, F_OFD_SETLKW})
+                  MUST(refused(::fcntl(file, kind, &whole)));
+                MUST(refused(::flock(file, LOCK_SH | LOCK_NB)));
+              }
+              MUST(::fcntl(own, F_GETLK, &whole) == 0);
+              std::thread([&] { MUST(refused(::flock(own, LOCK_EX | LOCK_NB))); }).join();
             }),
             0);
 }
@@ -271,12 +314,14 @@ TEST_F(SandboxTest, StatesWhatIsInForce) {
   const fs::path log = folder_ / "log";
   EXPECT_EQ(status_of_child([&] {
               const std::string text =
-                  isolate() + "\n" + confine_writing_to(own_) + "\n" +
+                  isolate() + "\n" + confine_to({.own = own_}) + "\n" +
                   bound({.memory_bytes = 900'000'000, .file_bytes = 7'000'000});
               MUST(text.starts_with("no network, no other processes (seccomp)\n"));
               MUST(text.find(has_landlock()
-                                 ? "writes only beneath " + own_.string() + " (Landlock "
-                                 : "writes where its user may (Landlock: ") != std::string::npos);
+                                 ? "writes only beneath " + own_.string() + ", reads only there"
+                                 : "reads and writes where its user may (Landlock: ") !=
+                   std::string::npos);
+              MUST(text.find("\nno locks on files (seccomp), ") != std::string::npos);
               MUST(text.ends_with(", files up to 7 MB"));
             }),
             0);
@@ -335,7 +380,7 @@ TEST_F(SandboxTest, ACastingHasTheSameResultsBitByBit) {
   EXPECT_EQ(status_of_child([&] { cast_into(other_); }), 0);
   EXPECT_EQ(status_of_child([&] {
               isolate();
-              confine_writing_to(own_);
+              confine_to({.own = own_});
               bound({.memory_bytes = 2'000'000'000, .file_bytes = 1'000'000'000});
               cast_into(own_);
             }),
