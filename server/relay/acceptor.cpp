@@ -1,7 +1,6 @@
 #include "server/relay/acceptor.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -43,12 +42,6 @@ constexpr std::size_t kept_for_root = 16;
 
 bool is_root(const Peer& peer) {
   return peer.user_id == 0U;
-}
-
-/// Group of connections that share a delay and a maximum: those of a local user, or of another
-/// machine.
-std::string origin_of(const Peer& peer) {
-  return peer.user_id ? fmt::format("user id {}", *peer.user_id) : peer.host;
 }
 
 bool have_one_origin(const Peer& left, const Peer& right) {
@@ -100,13 +93,14 @@ bool Acceptor::remove(const Connection& connection, bool hostile) {
 void Acceptor::delay_next(const Peer& peer) {
   const auto now = Connection::Clock::now();
   std::erase_if(not_before_, [&](const auto& entry) { return entry.second <= now; });
-  auto& time = not_before_[origin_of(peer)];
+  auto& time = not_before_[peer.origin()];
   time = std::min(std::max(time, now) + delay_per_hostile, now + longest_delay);
 }
 
 Connection::Clock::time_point Acceptor::first_turn(const Peer& peer) const {
-  const auto found = not_before_.find(origin_of(peer));
-  return found == not_before_.end() ? Connection::Clock::time_point() : found->second;
+  const auto found = not_before_.find(peer.origin());
+  const auto reads_at = owner_.reads_at(peer);
+  return found == not_before_.end() ? reads_at : std::max(found->second, reads_at);
 }
 
 void Acceptor::end_those(const Condition& condition) {
@@ -147,7 +141,7 @@ void Acceptor::admit(int socket, Peer peer) {
     if (!was_full)
       log::warn(
           "all connections are in use, or those of {}; further ones are closed until one ends",
-          origin_of(peer));
+          peer.origin());
     ::close(socket);
     return;
   }

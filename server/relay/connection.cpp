@@ -44,7 +44,8 @@ Connection::Connection(boost::asio::io_context& loop, ConnectionOwner& owner, in
       owner_(owner),
       peer_(std::move(peer)),
       client_{Socket(loop, socket), nullptr},
-      deadline_(loop) {
+      deadline_(loop),
+      pause_(loop) {
   client_.stream = tls != nullptr ? tls_stream(socket, *tls, turn_) : plain_stream(socket, turn_);
 }
 
@@ -118,6 +119,8 @@ void Connection::open() {
 
 void Connection::carry_requests() {
   while (!ended_ && !turn_.is_spent(Clock::now())) {
+    if (const auto until = owner_.reads_at(peer_); until > Clock::now())
+      return pause(until, &Connection::carry_requests);
     if (!send_rest(*service_, &Connection::carry_requests)) return;
     const Transfer read = client_.stream->read(read_buffer().data(), buffer_bytes);
     if (read.outcome != Outcome::moved) return wait(client_, read, &Connection::carry_requests);
@@ -129,6 +132,7 @@ void Connection::carry_requests() {
     const std::size_t before = guard_->unfinished_bytes();
     const std::string_view fault =
         guard_->take({read_buffer().data(), read.bytes}, FrameGuard::Clock::now(), forwarded);
+    report_resets();
     if (!fault.empty()) return end(fault);
     if (guard_->unfinished_bytes() > before) owner_.on_growth(guard_->unfinished_bytes() - before);
 
@@ -145,6 +149,7 @@ void Connection::carry_answers() {
     if (read.outcome != Outcome::moved) return wait(*service_, read, &Connection::carry_answers);
 
     guard_->take_answer({read_buffer().data(), read.bytes});
+    report_resets();
     if (!send(client_, {read_buffer().data(), read.bytes}, &Connection::carry_answers)) return;
 
     // A short read has emptied the socket: wait instead of trying again.
@@ -191,6 +196,17 @@ void Connection::yield(Step next) {
   boost::asio::post(loop_, [self = shared_from_this(), next] { self->take_turn(next); });
 }
 
+void Connection::pause(Clock::time_point until, Step next) {
+  pause_.expires_at(until);
+  pause_.async_wait([self = shared_from_this(), next](const boost::system::error_code& cancelled) {
+    if (!cancelled) self->take_turn(next);
+  });
+}
+
+void Connection::report_resets() {
+  if (const std::size_t resets = guard_->take_resets(); resets > 0) owner_.on_resets(peer_, resets);
+}
+
 void Connection::end_after(std::chrono::seconds time) {
   deadline_.expires_after(time);
   deadline_.async_wait([self = shared_from_this()](const boost::system::error_code& cancelled) {
@@ -205,6 +221,7 @@ void Connection::end(std::string_view hostile) {
 
   boost::system::error_code ignored;
   deadline_.cancel(ignored);
+  pause_.cancel(ignored);
   client_.socket.close(ignored);
   if (service_) service_->socket.close(ignored);
   client_.stream.reset();

@@ -33,6 +33,10 @@ public:
   virtual const MemoryBounds& memory() const = 0;
   /// Reports that unfinished requests of a connection hold this much more memory [bytes].
   virtual void on_growth(std::size_t bytes) = 0;
+  /// Reports calls that were taken back.
+  virtual void on_resets(const Peer& peer, std::size_t resets) = 0;
+  /// When a peer is read again, since it pays for such calls; a time that has passed: at once.
+  virtual std::chrono::steady_clock::time_point reads_at(const Peer& peer) const = 0;
   /// @param hostile  whether the client's behaviour ended the connection
   virtual void on_end(const Connection& connection, bool hostile) = 0;
 };
@@ -99,6 +103,10 @@ private:
   void wait(Side& side, const Transfer& transfer, Step next);
   /// Lets other connections have their turn before the next step.
   void yield(Step next);
+  /// Takes the next step at that time.
+  void pause(Clock::time_point until, Step next);
+  /// Reports the calls that were taken back to the owner.
+  void report_resets();
   /// Ends the connection unless it has ended before.
   void end_after(std::chrono::seconds time);
 
@@ -109,7 +117,7 @@ private:
   TurnBudget turn_;
   Side client_;
   std::optional<Side> service_;  ///< gRPC, after the handshake
-  boost::asio::steady_timer deadline_;
+  boost::asio::steady_timer deadline_, pause_;
   std::string name_;  ///< key in the table of peers
   std::optional<FrameGuard> guard_;
   std::uint64_t received_ = 0;  ///< from the client, decrypted [bytes]

@@ -58,6 +58,7 @@ void FrameGuard::take_answer(std::string_view bytes) {
     if (!frame) continue;
 
     const bool has_content = frame->kind == Frame::headers || frame->kind == Frame::data;
+    if (frame->kind == Frame::rst_stream) ++resets_counted_;
     if (frame->kind == Frame::rst_stream || (has_content && frame->flags & Frame::end_stream))
       forget(frame->stream);
   }
@@ -103,6 +104,7 @@ std::string_view FrameGuard::judge(const Frame& frame, Clock::time_point now) {
       return take_body(frame);
 
     case Frame::rst_stream:
+      ++resets_counted_;
       forget(frame.stream);
       return resets_.take(now) ? "" : "it takes back its calls";
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/access/limits.hpp"
 #include "server/relay/http2_frames.hpp"
@@ -36,6 +37,9 @@ public:
 
   /// Memory that gRPC holds for unfinished requests [bytes].
   std::size_t unfinished_bytes() const { return unfinished_bytes_; }
+
+  /// Calls that the client has taken back, or made the server take back, since the last question.
+  std::size_t take_resets() { return std::exchange(resets_counted_, 0); }
 
 private:
   /// Judges the head of a frame. @return reason to end the connection; empty if there is none
@@ -78,6 +82,7 @@ private:
   const std::size_t most_of_call_;
   std::map<std::uint32_t, Unfinished> unfinished_;  ///< by open call
   std::size_t unfinished_bytes_ = 0;
+  std::size_t resets_counted_ = 0;
 };
 
 }  // namespace dccast::relay

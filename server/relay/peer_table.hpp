@@ -17,6 +17,10 @@ struct Peer {
   std::optional<unsigned> user_id{};       ///< on this machine; empty if unknown
   std::string certificate_name{};          ///< verified; empty if no certificate was presented
   std::int64_t certificate_ends_unix = 0;  ///< [s since 1970]
+
+  /// Group of connections that share delays and a maximum: those of a local user, or of another
+  /// machine.
+  std::string origin() const { return user_id ? "user id " + std::to_string(*user_id) : host; }
 };
 
 /// Header that names the connection of a call, added by the relay after the client's own headers. A

@@ -13,6 +13,7 @@
 #include "server/jobs/log.hpp"
 #include "server/relay/acceptor.hpp"
 #include "server/relay/connection.hpp"
+#include "server/relay/reset_toll.hpp"
 
 namespace dccast::relay {
 
@@ -90,6 +91,13 @@ public:
     bound_memory();
   }
 
+  void on_resets(const Peer& peer, std::size_t resets) override {
+    toll_.charge(peer.origin(), resets, ResetToll::Clock::now());
+  }
+  ResetToll::Clock::time_point reads_at(const Peer& peer) const override {
+    return toll_.is_empty() ? ResetToll::Clock::time_point() : toll_.paid_at(peer.origin());
+  }
+
   void on_end(const Connection& connection, bool hostile) override {
     for (const auto& acceptor : acceptors_)
       if (acceptor->remove(connection, hostile)) break;
@@ -155,6 +163,7 @@ private:
   asio::io_context context_{1};  // hint: one thread
   asio::steady_timer certificates_{context_}, trim_{context_}, last_answers_{context_};
   std::vector<std::unique_ptr<Acceptor>> acceptors_;
+  ResetToll toll_;
   std::size_t grown_ = 0;
   bool closing_ = false;
   std::thread thread_;
