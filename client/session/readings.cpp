@@ -20,6 +20,16 @@ int count_values(const v1::Reading& reading) {
          reading.curls_size();
 }
 
+/// Whether the same readings may be taken later. What the server has refused itself it refuses
+/// again, unless it lacks something now.
+bool may_pass(const grpc::Status& status) {
+  using v1::ErrorInfo;
+  const auto refusal = refusal_of(status);
+  if (!refusal) return is_passing(status.error_code());
+  return refusal->reason == ErrorInfo::BUSY || refusal->reason == ErrorInfo::STORAGE_FULL ||
+         refusal->reason == ErrorInfo::SERVER_OVERLOADED;
+}
+
 }  // namespace
 
 RecordSender::RecordSender(Connection& connection, std::string id, Remark remark)
@@ -41,8 +51,7 @@ grpc::Status RecordSender::append(const v1::AppendReadingsRequest& request) {
       kept_ = kept;
       return status;
     }
-    // What the server has refused itself it will refuse again.
-    if (refusal_of(status) || !is_passing(status.error_code())) return status;
+    if (!may_pass(status)) return status;
 
     if (!said) remark_(fmt::format("{}; the readings wait here", reason_of(status)));
     connection_.interruption().sleep(pause);

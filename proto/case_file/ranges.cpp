@@ -47,7 +47,17 @@ public:
           "give alloy.reference_creep, or alloy.norton_hoff");
   }
 
+  /// Without weight the pool presses nothing against shell and block, and the first step fails.
+  void check_gravity(const v1::Mechanics& mechanics) {
+    if (mechanics.has_gravity_m_per_s2() && mechanics.gravity_m_per_s2() < least_gravity)
+      add("mechanics.gravity", quantity_text(mechanics.gravity_m_per_s2(), "m/s2"),
+          "the metal has no weight", fmt::format("{:g} to 100 m/s2", least_gravity),
+          "leave the key out: gravity is 9.81 m/s2");
+  }
+
 private:
+  static constexpr double least_gravity = 0.1;  // [m/s2], below that of any planet
+
   /// Adds a fault.
   void add(const std::string& path, const std::string& value, const std::string& message,
            const std::string& permitted = {}, const std::string& remedy = {}) {
@@ -142,6 +152,7 @@ std::vector<v1::Fault> check_ranges(const Message& message) {
     check.check_depth(*c);
     check.check_stirring(c->alloy());
     check.check_creep(c->alloy());
+    check.check_gravity(c->mechanics());
   }
   return std::move(check.faults);
 }

@@ -21,11 +21,11 @@ double Allowance::available(Time now) const {
   return std::min(at_once_, left_ + per_s_ * std::chrono::duration<double>(now - last_).count());
 }
 
-bool Allowance::take(Time now) {
+bool Allowance::take(Time now, double count) {
   left_ = available(now);
   last_ = now;
-  if (left_ < 1.0) return false;
-  left_ -= 1.0;
+  if (left_ < count) return false;
+  left_ -= count;
   return true;
 }
 

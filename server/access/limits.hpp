@@ -14,8 +14,8 @@ public:
   using Time = std::chrono::steady_clock::time_point;
   constexpr Allowance(double per_s, double at_once)
       : per_s_(per_s), at_once_(at_once), left_(at_once) {}
-  /// @return whether one more is permitted now
-  bool take(Time now);
+  /// @return whether so many more are permitted now; if not, none is taken
+  bool take(Time now, double count = 1.0);
   bool is_full(Time now) const { return available(now) >= at_once_; }
 
 private:

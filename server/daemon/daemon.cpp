@@ -47,6 +47,7 @@ namespace fs = std::filesystem;
 class DataDirectory : public state::StateFolder {
 public:
   explicit DataDirectory(const fs::path& path) : StateFolder(path), lock_(created()) {
+    state::set_strange_folders_aside(*this);
     fs::remove_all(check());  // files left by the checks of a killed daemon
     fs::create_directories(check());
     fs::create_directories(jobs());
@@ -271,6 +272,24 @@ struct JobSide {
   studies::Lines lines;
 };
 
+/// Adds the castings to their lines whose jobs a daemon has written just before it was killed. They
+/// have not ended: a casting takes longer than the start of a daemon.
+void add_lost_castings(jobs::JobStore& store, const state::StateFolder& folder,
+                       studies::Lines& lines) {
+  for (const jobs::JobRecord& record : store.unfinished()) {
+    const v1::Job& job = record.job;
+    const auto of_job = folder.jobs() / job.id();
+    if (!jobs::follows_readings(of_job)) continue;
+    try {
+      const v1::Following following = jobs::ReadingsReader(of_job).following();
+      if (!following.line().empty())
+        lines.add_lost(following.line(), job.owner(), studies::make_line_casting(job, following));
+    } catch (const std::exception& error) {
+      log::warn("job {} may be missing on its line: {}", job.id(), error.what());
+    }
+  }
+}
+
 JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
     : directory(settings.data_directory()),
       warm_workers(worker_program(settings),
@@ -307,6 +326,7 @@ JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
     end_hook.on_transition(job, from);
   });
 
+  add_lost_castings(*store, directory, lines);
   scheduler.recover();
   studies.requests().recover();
 }
@@ -466,6 +486,10 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
 
   jobs.scheduler.observe_removal(
       [&context](const v1::Job& job) { service::learn_before_removal(context, job); });
+  jobs.scheduler.refuse_owners([&access](const std::string& owner) {
+    const auto user = access.users.find(owner);
+    return user && user->disabled() ? fmt::format("user {} is disabled", owner) : std::string();
+  });
   jobs.scheduler.start();
   jobs.studies.start();
   const jobs::Retention retention({.time = whole_seconds(config.retention().keep_time_s()),

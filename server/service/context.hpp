@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <string>
@@ -20,6 +22,7 @@
 #include "server/jobs/store/job_store.hpp"
 #include "server/service/gate.hpp"
 #include "server/studies/lines.hpp"
+#include "server/studies/planned_levers.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::service {
@@ -60,6 +63,36 @@ private:
   std::map<std::string, int> by_job_;
 };
 
+/// The record of a job that follows a casting, read as far as it went at the last question.
+/// Safe to use from several threads.
+class FollowedRecord {
+public:
+  /// @throws std::exception  record or case cannot be read
+  explicit FollowedRecord(const std::filesystem::path& folder);
+  /// Reads on. @throws std::exception  the record cannot be read
+  v1::CastingNow now();
+
+private:
+  std::mutex mutex_;
+  jobs::ReadingsReader record_;
+  studies::CastingProgress casting_;
+};
+
+/// The records of running jobs: no question reads one from its beginning again. Safe to use from
+/// several threads.
+class FollowedRecords {
+public:
+  /// @param folder  of the job  @param runs  whether a job still runs; others are forgotten
+  /// @throws as FollowedRecord's constructor
+  std::shared_ptr<FollowedRecord> open(const std::filesystem::path& folder,
+                                       const std::function<bool(const std::string& job)>& runs);
+  void forget(const std::string& job);
+
+private:
+  std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<FollowedRecord>> records_;
+};
+
 /// Everything that calls use; owned by the daemon.
 struct Context {
   const v1::DaemonConfig& settings;  ///< as resolved by daemon::resolved()
@@ -89,6 +122,7 @@ struct Context {
   /// their cases, by which CompareRuns names them.
   jobs::Recent<const QueryAnswer> query_answers{16'000'000};
   LatestWarnings latest_warnings{};
+  FollowedRecords followed_records{};
   std::atomic<bool> leaving{false};  ///< the daemon is shutting down: streams end
 };
 

@@ -203,17 +203,12 @@ std::optional<double> seconds_since(const google::protobuf::Timestamp& moment) {
   return age_ms < 0 ? std::nullopt : std::optional(1e-3 * static_cast<double>(age_ms));
 }
 
-/// Empty: the case cannot be read. @throws std::exception  the record cannot be read
-std::optional<v1::CastingNow> read_casting(const std::filesystem::path& folder) {
+/// The case of a job. @throws std::runtime_error  it cannot be read
+v1::Case require_case(const std::filesystem::path& folder) {
   v1::Case plan;
-  if (!jobs::read_complete_case(folder, plan)) return std::nullopt;
-
-  jobs::ReadingsReader record(folder);
-  v1::CastingNow casting = studies::casting_now(plan, record.read_new());
-  *casting.mutable_following() = record.following();
-  const auto age_s = record.last_arrival() ? seconds_since(*record.last_arrival()) : std::nullopt;
-  if (casting.has_measured() && age_s) casting.set_age_s(*age_s);
-  return casting;
+  if (!jobs::read_complete_case(folder, plan))
+    throw std::runtime_error("the case cannot be read any more");
+  return plan;
 }
 
 /// @param ask  of a studies::ForecastBasis, of the casting that a job follows
@@ -232,13 +227,47 @@ auto ask_record(Context& context, const std::string& id, const auto& ask) {
 
 }  // namespace
 
-void add_casting(const Context& context, v1::Job& job) {
+FollowedRecord::FollowedRecord(const std::filesystem::path& folder)
+    : record_(folder), casting_(require_case(folder)) {}
+
+v1::CastingNow FollowedRecord::now() {
+  const std::lock_guard lock(mutex_);
+  for (const v1::Reading& reading : record_.read_new()) casting_.follow(reading);
+
+  v1::CastingNow casting = casting_.now();
+  *casting.mutable_following() = record_.following();
+  const auto age_s = record_.last_arrival() ? seconds_since(*record_.last_arrival()) : std::nullopt;
+  if (casting.has_measured() && age_s) casting.set_age_s(*age_s);
+  return casting;
+}
+
+std::shared_ptr<FollowedRecord> FollowedRecords::open(
+    const std::filesystem::path& folder, const std::function<bool(const std::string&)>& runs) {
+  const std::lock_guard lock(mutex_);
+  const std::string job = folder.filename();
+  if (const auto found = records_.find(job); found != records_.end()) return found->second;
+
+  std::erase_if(records_, [&](const auto& entry) { return !runs(entry.first); });
+  return records_.emplace(job, std::make_shared<FollowedRecord>(folder)).first->second;
+}
+
+void FollowedRecords::forget(const std::string& job) {
+  const std::lock_guard lock(mutex_);
+  records_.erase(job);
+}
+
+void add_casting(Context& context, v1::Job& job) {
   const auto folder = context.jobs_directory / job.id();
   if (job.state() != v1::RUNNING || !jobs::follows_readings(folder)) return;
+  const auto runs = [&](const std::string& id) {
+    const auto other = context.scheduler.find(id);
+    return other && other->state() == v1::RUNNING;
+  };
   try {
-    if (auto casting = read_casting(folder)) *job.mutable_casting() = std::move(*casting);
+    *job.mutable_casting() = context.followed_records.open(folder, runs)->now();
   } catch (const std::exception& error) {
     log::warn("job {}: {}", job.id(), error.what());
+    context.followed_records.forget(job.id());
   }
 }
 

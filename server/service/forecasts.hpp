@@ -17,7 +17,7 @@ void require_following(const Context& context, const std::string& id);
 
 /// Adds how far the casting has been measured to a running job that follows one. It is left out,
 /// with a line in the log, where the record cannot be read.
-void add_casting(const Context& context, v1::Job& job);
+void add_casting(Context& context, v1::Job& job);
 
 /// The castings that running jobs follow, for metrics.
 struct FollowedCastings {

@@ -190,8 +190,8 @@ void check_joins_own_study(Context& context, const access::Caller& caller, const
          study->owner().empty() ? "no known user" : study->owner());
 }
 
-/// Submits a job on a line, whose name no other user takes meanwhile; a call that is repeated after
-/// a crash adds the casting once. @throws refusal::LimitReached
+/// Submits a job on a line, whose name no other user takes meanwhile. After a crash in between, the
+/// next daemon adds the casting. @throws refusal::LimitReached
 v1::Job submit_on_line(Context& context, const Call& call, const jobs::NewJob& job,
                        const jobs::Attachments& attachments) {
   const std::string& name = job.following->line();
@@ -199,12 +199,7 @@ v1::Job submit_on_line(Context& context, const Call& call, const jobs::NewJob& j
   check_line(context, call.caller, name);
 
   v1::Job submitted = context.scheduler.submit(job, attachments);
-  v1::LineCasting casting;
-  casting.set_job(submitted.id());
-  casting.set_title(submitted.title());
-  *casting.mutable_begin_time() = submitted.create_time();
-  *casting.mutable_following() = *job.following;
-  line.add(casting);
+  line.add(studies::make_line_casting(submitted, *job.following));
   return submitted;
 }
 
@@ -386,7 +381,6 @@ v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& r
 
   if (request.has_following()) {
     made.following = request.following();
-    made.goes_first = true;
     // Its results are those of the casting, not of the case alone.
     made.description.answer_key.clear();
     if (!made.following->line().empty())

@@ -14,6 +14,7 @@
 #include "proto/values/printable.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/job_description.hpp"
+#include "server/jobs/queue/queue_hold.hpp"
 #include "server/service/forecasts.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
@@ -138,6 +139,9 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
     clean_levers(sound, reading, cleaned);
     clean_curls(gauges, reading, cleaned);
   }
+  if (!readings.empty())
+    jobs::require_free_space(context.jobs_directory,
+                             std::llround(context.settings.limits().minimum_free_bytes()));
   try {
     record->append(readings);
   } catch (const jobs::MissingReading& error) {
@@ -145,6 +149,13 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
            request.id(), error.what());
   } catch (const jobs::UnfitReading& error) {
     refuse(Remedy{"send what was measured later, in short readings"}, "job {}: {}", request.id(),
+           error.what());
+  } catch (const jobs::RecordFull& error) {
+    refuse(ErrorInfo::LIMIT_REACHED,
+           Remedy{"close it, and follow a further casting with readings at larger intervals"},
+           "job {}: {}, as many as it may have", request.id(), error.what());
+  } catch (const jobs::TooManyAtOnce& error) {
+    refuse(ErrorInfo::BUSY, Remedy{"try again in a moment"}, "job {}: {}", request.id(),
            error.what());
   }
   response = record->state();

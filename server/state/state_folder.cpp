@@ -18,6 +18,7 @@
 #include "server/jobs/folder/format.hpp"
 #include "server/jobs/folder/job_description.hpp"
 #include "server/jobs/folder/quarantine.hpp"
+#include "server/jobs/log.hpp"
 #include "server/jobs/store/job_store.hpp"
 #include "server/state/check.hpp"
 #include "server/state/index.hpp"
@@ -205,9 +206,20 @@ void require_data_format(const StateFolder& folder) {
     check(studies::study_file(folder.studies(), id), studies::study_file(folder.studies(), id),
           studies::study_file_kind);
 
-  if (!fs::exists(folder.lines())) return;
+  if (!fs::is_directory(folder.lines())) return;
   for (const auto& line : fs::directory_iterator(folder.lines()))
     check(line.path(), line.path(), studies::line_file_kind);
+}
+
+void set_strange_folders_aside(const StateFolder& folder) {
+  for (const fs::path& path : {folder.studies(), folder.lines(), folder.uploads()}) {
+    const std::string kind = storage::kind_of_entry(path);
+    if (kind.empty() || fs::is_directory(path)) continue;
+    fs::path aside = path;
+    aside += ".aside";
+    fs::rename(path, aside);
+    log::warn("{} is {}, not a folder; it was moved to {}", path.string(), kind, aside.string());
+  }
 }
 
 void make_state_folder(const StateFolder& folder) {

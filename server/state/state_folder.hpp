@@ -46,6 +46,10 @@ private:
 /// @throws std::system_error
 void require_data_format(const StateFolder& folder);
 
+/// Moves what stands in place of the folders of studies, lines and uploads, and is no folder, to
+/// NAME.aside, with a line in the log. @throws std::system_error
+void set_strange_folders_aside(const StateFolder& folder);
+
 /// Creates the data directory, accessible to its owner only. @throws
 /// std::filesystem::filesystem_error
 void make_state_folder(const StateFolder& folder);

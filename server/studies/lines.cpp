@@ -68,6 +68,15 @@ bool is_line_name(const std::string& text) {
              text, [&](char c) { return is_alphanumeric(c) || c == '-' || c == '_' || c == '.'; });
 }
 
+v1::LineCasting make_line_casting(const v1::Job& job, const v1::Following& following) {
+  v1::LineCasting casting;
+  casting.set_job(job.id());
+  casting.set_title(job.title());
+  *casting.mutable_begin_time() = job.create_time();
+  *casting.mutable_following() = following;
+  return casting;
+}
+
 v1::ListLinesResponse list_lines(const std::filesystem::path& directory) {
   v1::ListLinesResponse listing;
   if (!std::filesystem::is_directory(directory)) return listing;
@@ -153,18 +162,32 @@ void Lines::release(const std::string& name) {
   if (--reserved->second.castings == 0) reserved_.erase(reserved);
 }
 
-void Lines::add(const std::string& name, const v1::LineCasting& casting) {
-  const std::lock_guard lock(mutex_);
-  auto line = read_line(directory_, name);
+void Lines::write_with(std::optional<v1::Line> line, const std::string& name,
+                       const std::string& owner, const v1::LineCasting& casting) {
   if (!line) {
     line.emplace();
     line->set_name(name);
-    line->set_owner(reserved_.at(name).owner);
+    line->set_owner(owner);
     *line->mutable_create_time() = jobs::now();
   }
   if (find_casting(*line, casting.job())) return;
   *line->add_castings() = casting;
   write(std::move(*line));
+}
+
+void Lines::add(const std::string& name, const v1::LineCasting& casting) {
+  const std::lock_guard lock(mutex_);
+  write_with(read_line(directory_, name), name, reserved_.at(name).owner, casting);
+}
+
+void Lines::add_lost(const std::string& name, const std::string& owner,
+                     const v1::LineCasting& casting) {
+  const std::lock_guard lock(mutex_);
+  auto line = read_line(directory_, name);
+  if (line && line->has_restart_time() &&
+      jobs::milliseconds(line->restart_time()) >= jobs::milliseconds(casting.begin_time()))
+    return;
+  write_with(std::move(line), name, owner, casting);
 }
 
 void Lines::end_casting(const std::string& name, const std::string& job,

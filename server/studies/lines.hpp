@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "dccast/v1/job.pb.h"
 #include "dccast/v1/line.pb.h"
 
 namespace dccast::studies {
@@ -33,6 +34,9 @@ v1::ListLinesResponse list_lines(const std::filesystem::path& directory);
 
 /// Whether a text may name a line, so that a path made of it stays in its folder.
 bool is_line_name(const std::string& text);
+
+/// A job as a casting of its line, before it has told anything.
+v1::LineCasting make_line_casting(const v1::Job& job, const v1::Following& following);
 
 /// The lines: castings that share mould, water and metal, with the curls observed in each.
 ///
@@ -69,6 +73,9 @@ public:
 
   /// Keeps the name of a new line for this owner. @throws refusal::LimitReached
   Reservation reserve(const std::string& name, const std::string& owner);
+  /// Adds a casting of a job that a crash of the daemon kept from its line. Nothing if the line has
+  /// it, or was begun afresh since.
+  void add_lost(const std::string& name, const std::string& owner, const v1::LineCasting& casting);
   /// Keeps the curls observed in an ended casting; nothing if the line does not have it any more.
   void end_casting(const std::string& name, const std::string& job,
                    const std::vector<v1::ObservedCurl>& curls);
@@ -85,6 +92,9 @@ private:
   };
 
   void add(const std::string& name, const v1::LineCasting& casting);
+  /// Writes a line with one more casting. @param line  empty: it begins with it
+  void write_with(std::optional<v1::Line> line, const std::string& name, const std::string& owner,
+                  const v1::LineCasting& casting);
   void release(const std::string& name);
   void write(v1::Line line);
 

@@ -9,21 +9,19 @@ namespace {
 /// The run keeps the last value of a lever as long (core/casting/case/lever_record.hpp).
 constexpr double longest_gap_s = 10.0;
 
-/// Each lever and curl as it was measured last, at most `longest_gap_s` before the last reading.
-v1::Reading last_values(const std::vector<const v1::Reading*>& readings) {
+/// Each lever and curl as it was measured last.
+v1::Reading last_values(const std::deque<v1::Reading>& readings) {
   v1::Reading values;
-  for (const v1::Reading* reading : readings) {
-    if (reading->time_s() < readings.back()->time_s() - longest_gap_s) continue;
-
+  for (const v1::Reading& reading : readings) {
     // A merge adds curls, so that earlier ones of the same gauges are removed first.
-    for (const v1::MeasuredCurl& curl : reading->curls()) {
+    for (const v1::MeasuredCurl& curl : reading.curls()) {
       const auto is_same = [&](const v1::MeasuredCurl& known) {
         return known.monitor() == curl.monitor();
       };
       auto& curls = *values.mutable_curls();
       curls.erase(std::remove_if(curls.begin(), curls.end(), is_same), curls.end());
     }
-    values.MergeFrom(*reading);
+    values.MergeFrom(reading);
   }
   return values;
 }
@@ -53,22 +51,23 @@ v1::Reading PlannedLevers::levers() const {
   return levers;
 }
 
-v1::CastingNow casting_now(const v1::Case& plan, const std::vector<v1::Reading>& readings) {
-  v1::CastingNow now;
-  PlannedLevers planned(plan);
-  std::vector<const v1::Reading*> measured;
-  for (const v1::Reading& reading : readings) {
-    if (reading.closes()) {
-      now.set_closed(true);
-      continue;
-    }
-    planned.follow(reading);
-    measured.push_back(&reading);
+void CastingProgress::follow(const v1::Reading& reading) {
+  if (reading.closes()) {
+    closed_ = true;
+    return;
   }
-  if (measured.empty()) return now;
+  planned_.follow(reading);
+  last_.push_back(reading);
+  while (last_.front().time_s() < reading.time_s() - longest_gap_s) last_.pop_front();
+}
 
-  *now.mutable_measured() = last_values(measured);
-  *now.mutable_planned() = planned.levers();
+v1::CastingNow CastingProgress::now() const {
+  v1::CastingNow now;
+  if (closed_) now.set_closed(true);
+  if (last_.empty()) return now;
+
+  *now.mutable_measured() = last_values(last_);
+  *now.mutable_planned() = planned_.levers();
   return now;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <vector>
+#include <deque>
+#include <utility>
 
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/follow.pb.h"
@@ -27,10 +28,24 @@ private:
   double speed_m_per_s_ = 0.0;  ///< measured last, or planned
 };
 
-/// How far a casting has been measured, and the levers of its plan at that time.
-/// @param plan      complete case
-/// @param readings  by time
-/// @return          without `following` and `age_s`
-v1::CastingNow casting_now(const v1::Case& plan, const std::vector<v1::Reading>& readings);
+/// How far a casting has been measured, and the levers of its plan at that time. It keeps the last
+/// readings alone, so that its memory does not grow with the casting.
+class CastingProgress {
+public:
+  /// @param plan  complete case
+  explicit CastingProgress(v1::Case plan) : plan_(std::move(plan)) {}
+  CastingProgress(const CastingProgress&) = delete;
+
+  /// Goes on to a later reading, or to the one that closes the record.
+  void follow(const v1::Reading& reading);
+  /// Without `following` and `age_s`.
+  v1::CastingNow now() const;
+
+private:
+  const v1::Case plan_;
+  PlannedLevers planned_{plan_};
+  std::deque<v1::Reading> last_;  ///< of the last seconds, in which a lever keeps its value
+  bool closed_ = false;
+};
 
 }  // namespace dccast::studies

@@ -186,7 +186,7 @@ void remove_study_file(const fs::path& directory, const std::string& id) {
 
 std::set<std::string> ids_of_study_files(const fs::path& directory) {
   std::set<std::string> ids;
-  if (!fs::exists(directory)) return ids;
+  if (!fs::is_directory(directory)) return ids;
   for (const auto& entry : fs::directory_iterator(directory)) {
     const std::string id = entry.path().stem().string();
     if (entry.path().extension() == ".bin" && values::is_uuid(id)) ids.insert(id);

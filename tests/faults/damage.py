@@ -250,7 +250,7 @@ class FlipAnyFile(Damage):
 
 
 class StrangeFiles(Fault):
-    """A pipe in place of a line, a study or the key of TLS, a file in place of the quarantine: named, all go on"""
+    """A pipe in place of a line, a study or the key of TLS, a file in place of a folder: named, all go on"""
     short = long = 1
 
     def disturb(self, scene, count):
@@ -272,6 +272,20 @@ class StrangeFiles(Fault):
         scene.submit(fake("steps=20"))
 
         scene.tell_daemon(signal.SIGTERM)
+        for name in ("lines", "studies", "uploads"):
+            if os.path.isdir(scene.data(name)):
+                os.rename(scene.data(name), scene.data(name + ".before"))
+            with open(scene.data(name), "wb"):
+                pass
+        scene.come_back()
+        if scene.client.stub.ListLines(line_pb2.ListLinesRequest(), timeout=5).lines:
+            count.found("wrong", "a file in place of the lines has lines")
+        for name in ("lines", "studies", "uploads"):
+            if f"{scene.data(name)}.aside" not in scene.daemon.said():
+                count.found("wrong", f"the file in place of {name} is not named")
+        scene.submit(fake("steps=20"))
+
+        scene.tell_daemon(signal.SIGTERM)
         self.replace_key(scene, count)
         scene.come_back()
 
@@ -281,7 +295,7 @@ class StrangeFiles(Fault):
         key = os.path.join(scene.folder, "key.pem")
         os.mkfifo(key)
         command = [*scene.daemon.command(), "--set", "listen.tls=127.0.0.2:0", "--set",
-                   f"tls.certificate={key}", "--set", f"tls.key={key}"]
+                   f"tls.certificate={key}", "--set", f"tls.key={key}", "--set", f"tls.ca={key}"]
         ended = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
         if ended.returncode == 0 or "named pipe" not in ended.stderr:
             count.found("wrong", f"a key that is a pipe: {ended.returncode}, {ended.stderr}")

@@ -5,8 +5,10 @@ import time
 
 import grpc
 
-from cases import REAL, coarse
-from dccast.v1 import follow_pb2, job_pb2
+from access import RemoteFault, admin, over_tls
+from cases import REAL, coarse, fake
+from clients import ANSWER, memory_of
+from dccast.v1 import follow_pb2, job_pb2, service_pb2
 from fault import Fault
 from oracle import must
 from support import until
@@ -63,6 +65,119 @@ class FedFollower(BesideAFollower):
                     follow_pb2.AppendReadingsRequest(id=self.follower, readings=[reading]), timeout=20)
             if self.leaving.wait(0.1):
                 return
+
+
+class EndlessRecord(Fault):
+    """A casting is fed as fast as the server takes readings, also 1e-7 s apart: calls of others go on"""
+    short, long = 1, 5
+    lasts, most = 10.0, 100_000
+    most_memory = 300e6
+
+    def begin(self, scene):
+        self.follower = scene.submit(fake("steps=100000 sleep_ms=10"), following=follow_pb2.Following())
+        scene.acknowledged.pop(self.follower)
+        scene.foreign_jobs.add(self.follower)
+
+    def feed(self, scene, spacing_s, leaving):
+        """A batch that is refused is sent again, by each of several feeders."""
+        client, number = scene.connected(), 0
+        while not leaving.is_set():
+            readings = [follow_pb2.Reading(number=number + i, time_s=spacing_s * (number + i))
+                        for i in range(1, 1001)]
+            with contextlib.suppress(grpc.RpcError):
+                number = client.stub.AppendReadings(follow_pb2.AppendReadingsRequest(
+                    id=self.follower, readings=readings), timeout=20).number
+
+    def disturb(self, scene, count):
+        leaving = threading.Event()
+        feeders = [threading.Thread(target=self.feed, args=(scene, spacing_s, leaving), daemon=True)
+                   for spacing_s in (1e-7, 0.02)]
+        for feeder in feeders:
+            feeder.start()
+        slowest, end = 0.0, time.monotonic() + self.lasts
+        while time.monotonic() < end:
+            begin = time.monotonic()
+            scene.client.job(self.follower)
+            scene.info(timeout=20)
+            slowest = max(slowest, time.monotonic() - begin)
+            time.sleep(0.05)
+        leaving.set()
+        for feeder in feeders:
+            feeder.join(30)
+        job = scene.client.job(self.follower)
+        peak = memory_of(scene.daemon.process.pid, "VmHWM")
+        number = scene.client.stub.AppendReadings(
+            follow_pb2.AppendReadingsRequest(id=job.id), timeout=20).number
+        count.measured("s", slowest)
+        count.measured("readings", number)
+        if number > self.most:
+            count.found("wrong", f"{number} readings were taken")
+        if slowest > ANSWER:
+            count.found("wrong", f"two calls took {slowest:.1f} s")
+        if peak > self.most_memory:
+            count.found("wrong", f"the daemon took {peak / 1e6:.0f} MB")
+
+    def look(self, scene, count):
+        scene.client.cancel(self.follower)
+        must(count, lambda: scene.ended(self.follower), "the follower does not end", 30)
+
+
+class ManyFollowers(Fault):
+    """A user follows 60 castings at once: 16 run, the others wait and say so, a job beside them ends at once"""
+    short, long = 1, 5
+    followers, most = 60, 16
+    settings = {"workers__count": 1}
+
+    def begin(self, scene):
+        self.ids = [scene.submit(fake("steps=100000 sleep_ms=50"), following=follow_pb2.Following())
+                    for _ in range(self.followers)]
+        for follower in self.ids:
+            scene.acknowledged.pop(follower)
+            scene.foreign_jobs.add(follower)
+
+    def disturb(self, scene, count):
+        begin = time.monotonic()
+        job = scene.submit(fake("steps=20"))
+        must(count, lambda: scene.ended(job), "a job beside them does not end", 30)
+        count.measured("s", time.monotonic() - begin)
+
+        jobs = [scene.client.job(follower) for follower in self.ids]
+        running = [job for job in jobs if job.state == job_pb2.RUNNING]
+        count.measured("running", len(running))
+        if len(running) > self.most:
+            count.found("wrong", f"{len(running)} are followed at once")
+        if silent := [job.id for job in jobs if job.state == job_pb2.QUEUED
+                      and "permitted at once: 16" not in job.held]:
+            count.found("wrong", f"{len(silent)} do not say why they wait")
+        count.measured("MB of workers", scene.info().worker_memory_bytes / 1e6)
+
+    def look(self, scene, count):
+        for follower in reversed(self.ids):
+            scene.client.cancel(follower)
+        must(count, lambda: all(map(scene.ended, self.ids)), "a follower does not end", 60)
+
+
+class FollowerOfDisabledUser(RemoteFault):
+    """A user is disabled: the castings that this user follows end within seconds, those of others go on"""
+    longest = 5.0
+
+    def disturb(self, scene, count):
+        ids = {}
+        for name in ("anna", "bert"):
+            stub = over_tls(scene, self.ca(scene), self.enrol(scene, name))
+            request = service_pb2.SubmitJobRequest(case=fake("steps=100000 sleep_ms=10"),
+                                                   following=follow_pb2.Following())
+            ids[name] = stub.SubmitJob(request, timeout=20).id
+            scene.foreign_jobs.add(ids[name])
+            scene.client.until_step(ids[name], 1)
+        admin(scene, "user", "disable", "anna")
+        must(count, lambda: scene.ended(ids["anna"]), "the follower goes on", self.longest)
+        if "anna is disabled" not in scene.client.job(ids["anna"]).cause:
+            count.found("wrong", f"its cause is: {scene.client.job(ids['anna']).cause}")
+        if scene.ended(ids["bert"]):
+            count.found("wrong", "the follower of another ended, too")
+        scene.client.cancel(ids["bert"])
+        must(count, lambda: scene.ended(ids["bert"]), "a cancelled follower goes on", 30)
 
 
 class UnfedFollower(Fault):

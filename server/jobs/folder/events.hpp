@@ -31,7 +31,8 @@ struct NewJob {
   std::string case_file{};     ///< as the submitter wrote it; empty: not known
   /// Starts at once, in addition to the jobs of the queue. A restarted daemon queues it normally.
   bool goes_first = false;
-  std::optional<v1::Following> following{};  ///< goes as far as its record (logs/readings_log.hpp)
+  /// It goes as far as its record (logs/readings_log.hpp), and starts beside the jobs of the queue.
+  std::optional<v1::Following> following{};
 };
 
 /// Creates the first record of a job: queued, with a new id, created now.

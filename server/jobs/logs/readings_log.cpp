@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/format.hpp"
@@ -94,6 +95,9 @@ void ReadingsReader::require_no_gap(storage::FileWindow& window) {
 std::vector<v1::Reading> ReadingsReader::read_new() {
   std::vector<v1::Reading> readings;
   storage::FileWindow window(file_);
+  if (window.size() > longest_record)
+    throw DamagedReadings(fmt::format("{} has {} bytes; a record has {} at most", readings_file,
+                                      window.size(), longest_record));
   while (auto entry = next(window)) {
     if (entry->reading().number() != number_ + 1)
       throw DamagedReadings(fmt::format("{} is damaged after reading {}", readings_file, number_));
@@ -132,9 +136,12 @@ void ReadingsLog::advance(v1::AppendReadingsResponse& state, const v1::Reading& 
 
   state.set_number(reading.number());
   if (reading.closes()) return state.set_closed(true);
-  if (state.has_time_s() && !(reading.time_s() > state.time_s()))
-    throw UnfitReading(fmt::format("reading {} is of {:g} s, the one before of {:g} s",
-                                   reading.number(), reading.time_s(), state.time_s()));
+  if (reading.number() > most_readings)
+    throw RecordFull(fmt::format("the record has {} readings", most_readings));
+  if (state.has_time_s() && !(reading.time_s() >= state.time_s() + least_spacing_s))
+    throw UnfitReading(fmt::format(
+        "reading {} is of {:.8g} s, the one before of {:.8g} s; permitted: at least {:g} s later",
+        reading.number(), reading.time_s(), state.time_s(), least_spacing_s));
   state.set_time_s(reading.time_s());
 }
 
@@ -154,6 +161,14 @@ void ReadingsLog::append(const google::protobuf::RepeatedPtrField<v1::Reading>& 
     records += short_records.framed(entry.SerializeAsString());
   }
   if (records.empty()) return;
+
+  // The entry that closes the record has room behind its end.
+  const auto size = log_.file().size() + static_cast<std::int64_t>(records.size());
+  if (size > longest_record - (state.closed() ? 0 : 1000))
+    throw RecordFull(fmt::format("the record has {} bytes", log_.file().size()));
+  if (!allowance_.take(std::chrono::steady_clock::now(),
+                       static_cast<double>(state.number() - state_.number())))
+    throw TooManyAtOnce(fmt::format("readings come faster than {:g} a second", readings_per_s));
 
   const std::int64_t before = log_.append(records);
   try {

@@ -14,6 +14,7 @@
 
 #include "core/storage/record_log.hpp"
 #include "dccast/v1/follow.pb.h"
+#include "server/access/limits.hpp"
 
 namespace dccast::jobs {
 
@@ -26,6 +27,14 @@ inline constexpr const char* readings_file = "readings.log";
 
 /// Longest RecordEntry, for writer and reader alike [bytes].
 inline constexpr std::size_t longest_entry = 64 * 1024;
+/// Readings of a job [1], and the size of its record [bytes]. A forecast reads all of it.
+inline constexpr std::int64_t most_readings = 100'000;
+inline constexpr std::int64_t longest_record = 32'000'000;
+/// Least time from one reading to the next [s].
+inline constexpr double least_spacing_s = 0.01;
+/// Readings that a job takes [1/s], and at once after a pause [1]: those of eight hours.
+inline constexpr double readings_per_s = 1000.0, readings_at_once = 30'000.0;
+
 /// Whether a record can begin with this. The room that is left is for what the entry has around it.
 inline bool fits_record(const v1::Following& following) {
   return following.ByteSizeLong() + 64 <= longest_entry;
@@ -81,9 +90,21 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-/// A reading is not later than the one before it, follows the one that closes the record, or is
-/// longer than an entry may be.
+/// A reading is not later than the one before it by `least_spacing_s`, follows the one that closes
+/// the record, or is longer than an entry may be.
 class UnfitReading : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The record is as long as it may become.
+class RecordFull : public std::runtime_error {
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Readings come faster than a job takes them.
+class TooManyAtOnce : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
 };
@@ -101,17 +122,20 @@ public:
   const v1::Following& following() const { return following_; }
 
   /// Adds what is new among readings, all or nothing, and syncs it to disk.
-  /// @throws MissingReading, UnfitReading, std::system_error  nothing was added
+  /// @throws MissingReading, UnfitReading, RecordFull, TooManyAtOnce, std::system_error  nothing
+  /// was
+  ///         added
   void append(const google::protobuf::RepeatedPtrField<v1::Reading>& readings);
 
 private:
-  /// The state after a reading. @throws MissingReading, UnfitReading
+  /// The state after a reading. @throws MissingReading, UnfitReading, RecordFull
   static void advance(v1::AppendReadingsResponse& state, const v1::Reading& reading);
 
   mutable std::mutex mutex_;
   storage::RecordLog log_;
   v1::Following following_;
   v1::AppendReadingsResponse state_;  ///< of what is on the disk
+  access::Allowance allowance_{readings_per_s, readings_at_once};
 };
 
 /// The open records; each file is opened once. Safe to use from several threads.

@@ -69,7 +69,7 @@ SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& l
   const SilenceDeadline heartbeat{
       attempt.last_sign + limits.heartbeat,
       fmt::format("gave no sign of life for {:g} s", seconds(limits.heartbeat))};
-  if (limits.stall.count() == 0 || attempt.waits_for_readings) return heartbeat;
+  if (limits.stall.count() == 0 || attempt.lane == Lane::followed) return heartbeat;
 
   const SilenceDeadline stall{
       attempt.last_progress + limits.stall,
@@ -80,7 +80,7 @@ SilenceDeadline silence_deadline(const Attempt& attempt, const WatchdogLimits& l
 
 /// When a job that follows a casting will have had no reading for too long.
 Attempt::Clock::time_point reading_deadline(const Attempt& attempt, const WatchdogLimits& limits) {
-  if (!attempt.waits_for_readings || !attempt.begun || limits.reading().count() == 0)
+  if (attempt.lane != Lane::followed || !attempt.begun || limits.reading().count() == 0)
     return Attempt::Clock::time_point::max();
   return attempt.last_progress + limits.reading();
 }
@@ -186,17 +186,17 @@ std::filesystem::path Attempts::folder(const Attempt& attempt) const {
   return options_.jobs_directory / attempt.job_id;
 }
 
-std::shared_ptr<Attempt> Attempts::add(JobRecord record, std::shared_ptr<EventLog> log,
+std::shared_ptr<Attempt> Attempts::add(JobRecord record, std::shared_ptr<EventLog> log, Lane lane,
                                        bool adopted) {
   auto attempt = std::make_shared<Attempt>();
   attempt->job_id = record.job.id();
   attempt->number = record.job.attempts();
   attempt->adopted = attempt->begun = adopted;
+  attempt->lane = lane;
 
   attempt->sequence = log->last_sequence();
   attempt->log = std::move(log);
   attempt->record = std::move(record);
-  attempt->waits_for_readings = follows_readings(folder(*attempt));
   attempt->sign = signs_in(folder(*attempt)).claimed_ns;
 
   forgive_silence(*attempt, Clock::now());
@@ -225,7 +225,7 @@ WorkerLaunch Attempts::make_launch(const Attempt& attempt) const {
   WorkerLaunch launch{attempt.job_id, attempt.number, folder(attempt), make_order(attempt)};
 
   launch.estimated_s = attempt.record.job.estimated_s();
-  if (attempt.goes_first) launch.urgency = classify_query(launch.estimated_s, false);
+  if (attempt.lane != Lane::job) launch.urgency = classify_query(launch.estimated_s, false);
   launch.order.set_nice(nice_value(launch.urgency));
 
   return launch;
@@ -240,8 +240,9 @@ v1::SolveCase Attempts::make_order(const Attempt& attempt) const {
   order.set_resume(attempt.number > 1);
   order.set_other_version(options_.other_version);
 
-  order.set_threads(attempt.goes_first ? options_.first_threads : options_.job_threads);
-  order.set_goes_first(attempt.goes_first);
+  const bool goes_first = attempt.lane != Lane::job;
+  order.set_threads(goes_first ? options_.first_threads : options_.job_threads);
+  order.set_goes_first(goes_first);
 
   order.set_heartbeat_interval_s(seconds(options_.heartbeat_interval));
   order.set_daemon_patience_s(seconds(options_.daemon_patience));

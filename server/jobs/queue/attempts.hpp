@@ -12,6 +12,7 @@
 
 #include "server/jobs/executors/executor.hpp"
 #include "server/jobs/logs/event_log.hpp"
+#include "server/jobs/queue/lane.hpp"
 #include "server/jobs/queue/settlement.hpp"
 #include "server/jobs/store/job_store.hpp"
 
@@ -25,9 +26,8 @@ struct Attempt {
   std::string job_id;
   int number = 0;  ///< attempts at the job are counted from 1
   std::shared_ptr<EventLog> log;
-  bool adopted = false;             ///< its worker was started by an earlier daemon
-  bool goes_first = false;          ///< runs in addition to the capacity of the executor
-  bool waits_for_readings = false;  ///< it follows a casting: without readings it makes no step
+  bool adopted = false;  ///< its worker was started by an earlier daemon
+  Lane lane = Lane::job;
   JobRecord record;
 
   Clock::time_point since;  ///< when it got its machine
@@ -94,7 +94,8 @@ public:
 
   /// Adds an attempt at a job that is RUNNING now.
   /// @param adopted  the executor has found its worker; otherwise start() starts it
-  std::shared_ptr<Attempt> add(JobRecord record, std::shared_ptr<EventLog> log, bool adopted);
+  std::shared_ptr<Attempt> add(JobRecord record, std::shared_ptr<EventLog> log, Lane lane,
+                               bool adopted);
   /// Starts the worker of an attempt that was added.
   void start(Attempt& attempt);
   /// Forgets an attempt whose outcome is on the disk.
@@ -112,14 +113,14 @@ public:
   int running() const {
     return count([](const Attempt& each) { return !each.exit; });
   }
-  /// Number of attempts that use the capacity of the executor.
-  int count_queued() const {
-    return count([](const Attempt& each) { return !each.goes_first; });
+  /// Number of attempts of a lane.
+  int count_in(Lane lane) const {
+    return count([&](const Attempt& each) { return each.lane == lane; });
   }
-  /// Number of attempts of one owner that use the capacity of the executor.
-  int count_queued(const std::string& owner) const {
+  /// The same of one owner.
+  int count_in(Lane lane, const std::string& owner) const {
     return count(
-        [&](const Attempt& each) { return !each.goes_first && each.record.job.owner() == owner; });
+        [&](const Attempt& each) { return each.lane == lane && each.record.job.owner() == owner; });
   }
   /// The attempt at a job; null if there is none.
   std::shared_ptr<Attempt> find(const std::string& job_id) const;

@@ -8,13 +8,13 @@
 namespace dccast::jobs {
 
 JobQueue::Order& JobQueue::find_order(const Entry& entry) {
-  return entry.goes_first ? first_ : orders_[entry.owner];
+  return entry.lane == Lane::query ? first_ : orders_of(entry.lane)[entry.owner];
 }
 
-void JobQueue::push(const v1::Job& job, bool goes_first) {
+void JobQueue::push(const v1::Job& job, Lane lane) {
   const int level = job.priority() == v1::HIGH ? 2 : job.priority() == v1::LOW ? 0 : 1;
-  const Entry entry{goes_first, job.owner(),
-                    milliseconds(job.create_time()) - level * priority_bonus_ms, job.estimated_s()};
+  const Entry entry{lane, job.owner(), milliseconds(job.create_time()) - level * priority_bonus_ms,
+                    job.estimated_s()};
 
   if (!entries_.emplace(job.id(), entry).second) return;
   find_order(entry).insert({entry.key, job.id()});
@@ -33,7 +33,8 @@ void JobQueue::erase(const std::string& job_id) {
 
   const Entry& entry = found->second;
   find_order(entry).erase({entry.key, job_id});
-  if (!entry.goes_first && orders_[entry.owner].empty()) orders_.erase(entry.owner);
+  if (entry.lane != Lane::query && find_order(entry).empty())
+    orders_of(entry.lane).erase(entry.owner);
   count_estimate(entry, -1);
   entries_.erase(found);
 }
@@ -66,16 +67,20 @@ bool JobQueue::is_before(const Orders::value_type& left, const Orders::value_typ
          std::pair(past_use(right.first), *right.second.begin());
 }
 
-std::optional<std::string> JobQueue::front(
-    const std::function<bool(const std::string& owner)>& may_start) const {
-  if (!first_.empty()) return first_.begin()->second;
-
+const JobQueue::Orders::value_type* JobQueue::next_of(Lane lane, const MayStart& may_start) const {
   const Orders::value_type* next = nullptr;
-  for (const auto& order : orders_)
-    if ((!may_start || may_start(order.first)) && (next == nullptr || is_before(order, *next)))
+  for (const auto& order : lane == Lane::followed ? followed_ : orders_)
+    if ((!may_start || may_start(lane, order.first)) &&
+        (next == nullptr || is_before(order, *next)))
       next = &order;
-  if (next == nullptr) return std::nullopt;
-  return next->second.begin()->second;
+  return next;
+}
+
+std::optional<std::string> JobQueue::front(const MayStart& may_start) const {
+  if (!first_.empty()) return first_.begin()->second;
+  for (const Lane lane : {Lane::followed, Lane::job})
+    if (const auto* next = next_of(lane, may_start)) return next->second.begin()->second;
+  return std::nullopt;
 }
 
 int JobQueue::position(const std::string& job_id) const {
@@ -83,14 +88,16 @@ int JobQueue::position(const std::string& job_id) const {
   if (found == entries_.end()) return 0;
 
   const Entry& entry = found->second;
-  if (entry.goes_first) return static_cast<int>(first_.order_of_key({entry.key, job_id})) + 1;
+  if (entry.lane == Lane::query)
+    return static_cast<int>(first_.order_of_key({entry.key, job_id})) + 1;
 
   // Owners take turns: of each other owner, as many jobs come first as of this one.
-  const auto own = orders_.find(entry.owner);
+  const Orders& orders = entry.lane == Lane::followed ? followed_ : orders_;
+  const auto own = orders.find(entry.owner);
   const std::size_t before_it = own->second.order_of_key({entry.key, job_id});
   std::size_t position = first_.size() + before_it + 1;
 
-  for (const auto& other : orders_)
+  for (const auto& other : orders)
     if (other.first != entry.owner && half_life_.count() == 0)
       position += other.second.order_of_key({entry.key, job_id});
     else if (other.first != entry.owner)

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "dccast/v1/job.pb.h"
+#include "server/jobs/queue/lane.hpp"
 
 namespace dccast::jobs {
 
@@ -21,6 +22,9 @@ namespace dccast::jobs {
 /// time of submission minus the bonus.
 class JobQueue {
 public:
+  /// Whether an owner may have one more job of a lane running; not asked for Lane::query.
+  using MayStart = std::function<bool(Lane lane, const std::string& owner)>;
+
   /// Half an hour for each level [ms].
   static constexpr std::int64_t priority_bonus_ms = 30 * 60 * 1000;
   /// Charged for a job at its start, until its use is known [s].
@@ -30,17 +34,16 @@ public:
   explicit JobQueue(std::chrono::seconds half_life = std::chrono::hours(24))
       : half_life_(half_life) {}
 
-  /// @param goes_first  starts before all jobs without it
-  void push(const v1::Job& job, bool goes_first = false);
+  void push(const v1::Job& job, Lane lane = Lane::job);
   /// Removes a job that was started or cancelled; others keep their order.
   void erase(const std::string& job_id);
   /// Counts processor seconds for an owner. @param at_ms  when they were used, since 1970
   void charge(const std::string& owner, double seconds, std::int64_t at_ms);
-  /// The next job. @return nothing if no job waits
-  /// @param may_start  whether an owner may have one more job running
-  std::optional<std::string> front(
-      const std::function<bool(const std::string& owner)>& may_start = {}) const;
-  bool front_goes_first() const { return !first_.empty(); }
+  /// The next job: queries before castings that are followed, and these before others.
+  /// @return nothing if none waits that may start
+  std::optional<std::string> front(const MayStart& may_start = {}) const;
+  /// The lane of a job in the queue.
+  Lane lane_of(const std::string& job_id) const { return entries_.at(job_id).lane; }
   std::size_t size() const { return entries_.size(); }
   /// Mean estimate of the waiting jobs that have one [s]; 0: none has.
   double mean_estimated_s() const { return estimated_ == 0 ? 0.0 : estimated_s_ / estimated_; }
@@ -56,15 +59,19 @@ private:
                                  __gnu_pbds::tree_order_statistics_node_update>;
   /// A queued job with what orders it.
   struct Entry {
-    bool goes_first;
+    Lane lane;
     std::string owner;
     std::int64_t key;
     double estimated_s;
   };
   /// Queued jobs by owner.
   using Orders = std::map<std::string, Order>;
+  /// The orders of a lane by owner.
+  Orders& orders_of(Lane lane) { return lane == Lane::followed ? followed_ : orders_; }
   /// The order that an entry belongs to, made if it is the owner's first.
   Order& find_order(const Entry& entry);
+  /// The order whose first job is next of a lane; null if none may start.
+  const Orders::value_type* next_of(Lane lane, const MayStart& may_start) const;
   /// Adds an estimate to the mean, or takes it out. @param change  +1 or -1
   void count_estimate(const Entry& entry, int change);
   /// Use of an owner, in which later use counts more; 0 if there was none.
@@ -73,9 +80,8 @@ private:
   bool is_before(const Orders::value_type& left, const Orders::value_type& right) const;
 
   const std::chrono::seconds half_life_;
-  /// Jobs that start before all others.
-  Order first_;
-  Orders orders_;  ///< by owner; none is empty
+  Order first_;               ///< of Lane::query
+  Orders followed_, orders_;  ///< by owner; none is empty
   std::map<std::string, Entry> entries_;
   double estimated_s_ = 0.0;  ///< of all that have an estimate
   int estimated_ = 0;         ///< their number

@@ -19,10 +19,11 @@ Reply JobRequests::settle_idle(std::unique_lock<std::mutex>& lock, JobRecord& re
 
   state_.ledger.transition(record, to, cause);
   if (is_terminal(to)) remove_run_files(folder);
+  const Lane lane = lane_in(folder);
 
   lock.lock();
   if (to == v1::QUEUED)
-    state_.enqueue(record.job);
+    state_.enqueue(record.job, lane);
   else
     state_.dequeue(id);
   state_.changed.notify_all();

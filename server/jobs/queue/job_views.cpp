@@ -20,14 +20,16 @@ v1::Job JobViews::view(JobRecord record) {
   job.set_queue_position(queued ? state_.queue.position(job.id()) : 0);
   if (!queued) return job;
 
+  std::string bound;
+  if (job.queue_position() > 0)  // just submitted, it may not be in the queue yet
+    bound = state_.bound_reached(state_.queue.lane_of(job.id()), job.owner());
+
   if (state_.queue_hold.holds())
     job.set_held(state_.queue_hold.reason());
   else if (state_.dependents.contains(job.id()))
     job.set_held(fmt::format("waits for {}", fmt::join(job.after(), ", ")));
-  else if (!state_.user_may_start(job.owner()))
-    job.set_held(fmt::format("{} has {} jobs running; per_user.maximum_running = {}", job.owner(),
-                             state_.attempts.count_queued(job.owner()),
-                             state_.options.maximum_running_per_user));
+  else if (!bound.empty())
+    job.set_held(bound);
   else
     predict(job);
   return job;
@@ -66,7 +68,7 @@ const std::vector<double>& JobViews::remaining_s() {
   remaining_at_ = now_at;
   remaining_s_.clear();
   for (const auto& [id, attempt] : state_.attempts.by_job())
-    if (!attempt->goes_first)
+    if (attempt->lane == Lane::job)
       remaining_s_.push_back(forecast_.remaining_s(view(*attempt), ran_s(*attempt, now_at)));
   return remaining_s_;
 }

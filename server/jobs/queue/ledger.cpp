@@ -103,12 +103,16 @@ void Ledger::settle(JobRecord& record, v1::JobState to, const std::string& cause
                error.what());
     if (daemon_lacks(error)) throw;
 
-    // The files of the job itself are damaged, so the job fails, unless it has ended before.
-    const v1::JobState from = record.job.state();
-    add_failure(record.job, v1::Finding::STORAGE, error.what());
-    if (!is_terminal(from)) enter(record, v1::FAILED);
-    write_store(record, error.what(), from);
+    // The files of the job itself are damaged.
+    fail_without_event(record, error.what());
   }
+}
+
+void Ledger::fail_without_event(JobRecord& record, const std::string& why) {
+  const v1::JobState from = record.job.state();
+  add_failure(record.job, v1::Finding::STORAGE, why);
+  if (!is_terminal(from)) enter(record, v1::FAILED);
+  write_store(record, why, from);
 }
 
 void Ledger::announce(const std::string& job_id) {

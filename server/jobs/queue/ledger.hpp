@@ -36,6 +36,8 @@ public:
   /// The same, but a job whose own files are damaged becomes FAILED.
   /// @throws std::exception  nothing can be written now
   void settle(JobRecord& record, v1::JobState to, const std::string& cause);
+  /// Makes a job FAILED whose own files take no event of it: the store alone has its end.
+  void fail_without_event(JobRecord& record, const std::string& why);
   /// Writes the row of a job whose folder has changed. If the store refuses, the row stays behind
   /// its folder until retry().
   void index(const JobRecord& record);

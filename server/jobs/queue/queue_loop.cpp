@@ -19,6 +19,9 @@ namespace {
 /// A thread that wakes later than this was not only delayed: the process was suspended.
 constexpr std::chrono::milliseconds standstill{250};
 
+/// How often it is seen whether the owners of castings that are followed may still have them.
+constexpr std::chrono::seconds between_checks_of_owners{1};
+
 }  // namespace
 
 QueueLoop::~QueueLoop() {
@@ -70,6 +73,7 @@ void QueueLoop::run() {
     settle_ended_attempts();
     resume_after_hold();
     release_dependents();
+    end_castings_of_refused_owners();
     while (start_next()) {
     }
     lock.lock();
@@ -81,6 +85,8 @@ void QueueLoop::run() {
     }
 
     expected_wake_ = state_.attempts.next_deadline();
+    if (owner_refusal_ && state_.attempts.count_in(Lane::followed) > 0)
+      expected_wake_ = std::min(expected_wake_, owners_checked_ + between_checks_of_owners);
     if (state_.queue_hold.holds())
       expected_wake_ = std::min(expected_wake_, state_.queue_hold.next_check());
     state_.changed.wait_until(lock, expected_wake_);
@@ -129,8 +135,12 @@ void QueueLoop::settle_attempt(const std::shared_ptr<Attempt>& attempt) {
     if (is_terminal(settlement.state)) record.bytes = bytes_kept(folder);
     state_.ledger.settle(record, settlement.state, settlement.cause);
   } catch (const std::exception& error) {
-    lock.lock();
-    return state_.hold(error.what());
+    if (!is_unreadable(attempt->job_id, error)) {
+      lock.lock();
+      return state_.hold(error.what());
+    }
+    settlement = {v1::FAILED, error.what()};
+    state_.ledger.fail_without_event(record, error.what());
   }
   remove_request(folder);
   if (is_terminal(record.job.state())) remove_run_files(folder);
@@ -168,7 +178,7 @@ void QueueLoop::forget_attempt(const Attempt& attempt, const JobRecord& record,
   state_.attempts.count_storage_failure(attempt, settlement, log->content().reached_step);
   state_.attempts.erase(attempt);
 
-  if (job.state() == v1::QUEUED) state_.queue.push(job);
+  if (job.state() == v1::QUEUED) state_.queue.push(job, attempt.lane);
   if (is_terminal(job.state())) {
     state_.dependents.note_change(job.id());
     log->complete(job);
@@ -261,20 +271,45 @@ void QueueLoop::release_dependent(const Dependents::Dependent& dependent) {
     return;
   }
 
+  const Lane lane = lane_in(state_.jobs_directory / dependent.id);
   lock.lock();
   state_.dependents.remove(dependent.id);
-  state_.queue.push(record->job);
+  state_.queue.push(record->job, lane);
+}
+
+/// A casting that is followed runs as long as it is fed or waits: it does not end by itself soon
+/// after its owner may feed it no more.
+void QueueLoop::end_castings_of_refused_owners() {
+  std::map<std::string, std::vector<std::string>> castings;
+  {
+    const std::lock_guard lock(state_.mutex);
+    if (!owner_refusal_ || Clock::now() < owners_checked_ + between_checks_of_owners) return;
+    owners_checked_ = Clock::now();
+    for (const auto& [id, attempt] : state_.attempts.by_job())
+      if (attempt->lane == Lane::followed && !attempt->exit && !attempt->kill_at)
+        castings[attempt->record.job.owner()].push_back(id);
+  }
+
+  for (const auto& [owner, ids] : castings) {
+    try {
+      const std::string why = owner_refusal_(owner);
+      if (why.empty()) continue;
+      for (const std::string& id : ids) requests_.stop(id, {RequestedAction::cancel, why});
+    } catch (const std::exception& error) {
+      log::error("{}", error.what());
+    }
+  }
 }
 
 bool QueueLoop::may_start() const {
-  return !state_.shutting_down && !state_.queue_hold.holds() &&
-         (state_.attempts.count_queued() < state_.executor.capacity() ||
-          state_.queue.front_goes_first());
+  return !state_.shutting_down && !state_.queue_hold.holds();
 }
 
 std::optional<std::string> QueueLoop::next_job() const {
-  return state_.queue.front(
-      [this](const std::string& owner) { return state_.user_may_start(owner); });
+  const bool has_places = state_.attempts.count_in(Lane::job) < state_.executor.capacity();
+  return state_.queue.front([&](Lane lane, const std::string& owner) {
+    return (lane == Lane::followed || has_places) && state_.bound_reached(lane, owner).empty();
+  });
 }
 
 /// @return whether there may be another job to start
@@ -290,14 +325,13 @@ bool QueueLoop::start_next() {
     auto [record, log] = begin_attempt(*id);
 
     lock.lock();
-    const bool goes_first = state_.queue.front_goes_first() && state_.queue.front() == id;
+    const Lane lane = state_.queue.lane_of(*id);
     state_.queue.erase(*id);
     if (!log) return true;  // it no longer waits
 
     state_.queue.charge(record.job.owner(), JobQueue::start_charge_s, milliseconds(now()));
 
-    const auto attempt = state_.attempts.add(std::move(record), std::move(log), false);
-    attempt->goes_first = goes_first;
+    const auto attempt = state_.attempts.add(std::move(record), std::move(log), lane, false);
     state_.attempts.start(*attempt);
     if (const std::string fault = state_.ledger.refusal(); !fault.empty()) state_.hold(fault);
   } catch (const std::exception& error) {
@@ -353,12 +387,16 @@ bool QueueLoop::is_unreadable(const std::string& id, const std::exception& error
 /// A job that cannot be started waits for the missing resource; it fails only for its own files.
 void QueueLoop::refuse_start(const std::string& id, const std::exception& error) {
   try {
-    if (const auto lack = daemon_lacks(error); lack && !is_unreadable(id, error))
-      throw std::runtime_error(*lack);
+    const auto lack = daemon_lacks(error);
+    if (lack && !is_unreadable(id, error)) throw std::runtime_error(*lack);
     auto record = state_.ledger.find(id);
     if (record && record->job.state() == v1::QUEUED) {
-      add_failure(record->job, v1::Finding::STORAGE, error.what());
-      state_.ledger.settle(*record, v1::FAILED, error.what());
+      if (lack) {
+        state_.ledger.fail_without_event(*record, error.what());
+      } else {
+        add_failure(record->job, v1::Finding::STORAGE, error.what());
+        state_.ledger.settle(*record, v1::FAILED, error.what());
+      }
       state_.ledger.announce(id);
     }
     const std::lock_guard lock(state_.mutex);

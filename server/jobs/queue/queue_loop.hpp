@@ -24,6 +24,8 @@ public:
   /// Shuts the queue down unless it has ended.
   ~QueueLoop();
 
+  /// See Scheduler::refuse_owners().
+  void refuse_owners(OwnerRefusal refusal) { owner_refusal_ = std::move(refusal); }
   /// Starts the thread.
   void start();
   /// See Scheduler::shut_down().
@@ -43,7 +45,7 @@ private:
   bool may_end() const;
   /// Whether a round would change something.
   bool has_work() const;
-  /// Whether a job may start now: no hold, no shutdown, capacity left.
+  /// Whether jobs may start now: no hold, no shutdown.
   bool may_start() const;
   /// The job to start next; empty if none may.
   std::optional<std::string> next_job() const;
@@ -64,6 +66,8 @@ private:
   void release_dependents();
   /// Queues a job if all jobs before it have succeeded; cancels it if one of them never will.
   void release_dependent(const Dependents::Dependent& dependent);
+  /// Cancels the followed castings of owners whose jobs may not run any more.
+  void end_castings_of_refused_owners();
   /// Starts the next job. @return whether there may be another job to start
   bool start_next();
   /// Records that a job is running. @return no log if the job does not wait
@@ -77,10 +81,12 @@ private:
   QueueState& state_;
   JobViews& views_;
   JobRequests& requests_;
-  std::map<std::string, int> failed_reads_;  ///< in a row at its start, by job; of the thread
+  std::map<std::string, int> failed_reads_;  ///< in a row of a job's files, by job; of the thread
   bool stopping_ = false;                    ///< the thread must end at once
   bool round_requested_ = false;             ///< see is_responsive()
   Clock::time_point expected_wake_;          ///< of the thread
+  OwnerRefusal owner_refusal_;
+  Clock::time_point owners_checked_{};
   std::thread thread_;
 };
 

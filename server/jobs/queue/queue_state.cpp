@@ -1,5 +1,7 @@
 #include "server/jobs/queue/queue_state.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -26,8 +28,8 @@ void QueueState::hold(const std::string& reason) {
   changed.notify_all();
 }
 
-void QueueState::enqueue(const v1::Job& job, bool goes_first) {
-  if (!dependents.add(job)) queue.push(job, goes_first);
+void QueueState::enqueue(const v1::Job& job, Lane lane) {
+  if (!dependents.add(job)) queue.push(job, lane);
 }
 
 void QueueState::dequeue(const std::string& id) {
@@ -42,9 +44,24 @@ void QueueState::charge(const v1::Job& job, std::int64_t at_ms) {
   queue.charge(job.owner(), std::max(0.0, taken - charged), at_ms);
 }
 
-bool QueueState::user_may_start(const std::string& owner) const {
-  return options.maximum_running_per_user == 0 ||
-         attempts.count_queued(owner) < options.maximum_running_per_user;
+std::string QueueState::bound_reached(Lane lane, const std::string& owner) const {
+  if (lane == Lane::query) return {};
+
+  const int followed = attempts.count_in(Lane::followed, owner);
+  const int running = followed + attempts.count_in(Lane::job, owner);
+  if (options.maximum_running_per_user > 0 && running >= options.maximum_running_per_user)
+    return fmt::format("{} has {} jobs running; per_user.maximum_running = {}", owner, running,
+                       options.maximum_running_per_user);
+  if (lane != Lane::followed) return {};
+
+  if (followed >= options.maximum_followed_per_user)
+    return fmt::format("{} follows {} castings; permitted at once: {}", owner, followed,
+                       options.maximum_followed_per_user);
+  const int of_all = attempts.count_in(Lane::followed);
+  if (of_all >= options.maximum_followed)
+    return fmt::format("{} castings of all users are followed; permitted at once: {}", of_all,
+                       options.maximum_followed);
+  return {};
 }
 
 ExclusiveJob::ExclusiveJob(QueueState& state, std::unique_lock<std::mutex>& lock,

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <set>
 #include <string>
@@ -28,7 +29,13 @@ struct SchedulerOptions {
   std::int64_t minimum_free_bytes = 0;              ///< below it no job is accepted or started
   std::chrono::seconds share_half_life{86400};      ///< see JobQueue
   int maximum_running_per_user = 0;                 ///< 0: no limit
+  int maximum_followed = 32;                        ///< castings that running jobs follow
+  int maximum_followed_per_user = 16;
 };
+
+/// Why an owner's jobs may not run any more, e.g. "user anna is disabled"; empty: they may. It may
+/// wait for the disk.
+using OwnerRefusal = std::function<std::string(const std::string& owner)>;
 
 /// State shared by the parts of the scheduler: waiting and running jobs. The mutex guards the
 /// members below it, and the member functions expect it to be held.
@@ -43,14 +50,15 @@ struct QueueState {
   /// Holds the queue until the fault has passed.
   void hold(const std::string& reason);
   /// Queues a job, or lets it wait until the jobs before it have succeeded.
-  void enqueue(const v1::Job& job, bool goes_first = false);
+  void enqueue(const v1::Job& job, Lane lane);
   /// Removes a job from the queue and from those that wait; jobs that wait for it are checked
   /// again.
   void dequeue(const std::string& id);
   /// Charges the owner for the processor time of a job, beyond what was charged at its starts.
   void charge(const v1::Job& job, std::int64_t at_ms);
-  /// Whether a user may have one more job running. Kept queries do not count.
-  bool user_may_start(const std::string& owner) const;
+  /// Why one more job of a lane may not start, besides a lack of places: a bound of its owner or of
+  /// its lane, as a sentence with its value; empty: it may. Kept queries have none.
+  std::string bound_reached(Lane lane, const std::string& owner) const;
   /// Jobs that have not been started, with those that wait for others.
   int waiting() const { return static_cast<int>(queue.size()) + dependents.size(); }
 

@@ -25,10 +25,12 @@ void Recovery::run() {
   charge_recent_use();
   learn_from_ended_jobs();
 
-  for (const JobRecord& record : waiting) state_.enqueue(record.job);
+  for (const JobRecord& record : waiting)
+    state_.enqueue(record.job, lane_in(state_.jobs_directory / record.job.id()));
   for (JobRecord& record : with_worker) {
     const std::string id = record.job.id();
-    const auto attempt = state_.attempts.add(std::move(record), state_.logs.open(id), true);
+    const auto attempt = state_.attempts.add(std::move(record), state_.logs.open(id),
+                                             lane_in(state_.jobs_directory / id), true);
     if (attempt->record.requested_action != RequestedAction::none)
       state_.attempts.expect_stop(*attempt);
     state_.logs.follow(id);

@@ -64,6 +64,9 @@ public:
   /// Sets the observer of jobs that are about to be deleted, whose folder still exists; before
   /// start(). It must not throw.
   void observe_removal(JobObserver observer) { requests_.observe_removal(std::move(observer)); }
+  /// Sets what decides whose castings are followed no more; before start(). The objects that it
+  /// uses live until shut_down() or let_workers_run() has returned.
+  void refuse_owners(OwnerRefusal refusal) { loop_.refuse_owners(std::move(refusal)); }
   /// Cancels a job; see JobRequests::stop(). @param reason  stored as its cause
   Reply cancel(const std::string& id, const std::string& reason) {
     return requests_.stop(id, {RequestedAction::cancel, reason});

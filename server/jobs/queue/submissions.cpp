@@ -83,8 +83,11 @@ v1::Job Submissions::submit(const NewJob& new_job, const Attachments& attachment
   log::info("job {}: QUEUED: submitted{}", record.job.id(),
             record.job.title().empty() ? "" : fmt::format(" as \"{}\"", record.job.title()));
 
+  const Lane lane = new_job.following    ? Lane::followed
+                    : new_job.goes_first ? Lane::query
+                                         : Lane::job;
   const std::lock_guard lock(state_.mutex);
-  state_.enqueue(record.job, new_job.goes_first);
+  state_.enqueue(record.job, lane);
   state_.changed.notify_all();
   return views_.view(std::move(record));
 }

@@ -116,6 +116,18 @@ TEST(SizeBounds, EveryTextTableAndCurveOfTheSchemaHasOne) {
     }
 }
 
+/// Such a case was "no faults" and failed in its first step.
+TEST(CheckRanges, MetalHasAWeight) {
+  v1::Case message = sound();
+  message.mutable_mechanics()->set_gravity_m_per_s2(0.0);
+  const v1::Fault fault = only_fault(message);
+  EXPECT_EQ(fault.field(), "mechanics.gravity");
+  EXPECT_EQ(fault.permitted(), "0.1 to 100 m/s2");
+  EXPECT_THAT(fault.remedy(), HasSubstr("9.81 m/s2"));
+  message.mutable_mechanics()->set_gravity_m_per_s2(9.81);
+  EXPECT_TRUE(check_ranges(message).empty());
+}
+
 TEST(CheckRanges, AConstantMayNotStandAtInfinityOrNowhere) {
   for (const double at :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {

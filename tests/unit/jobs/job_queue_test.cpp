@@ -110,9 +110,31 @@ TEST(JobQueue, AnOwnerWhoMayNotStartIsPassedOver) {
     queue.push(job_of("anna", "a", v1::NORMAL, start));
     queue.push(job_of("ben", "b", v1::NORMAL, start + 1));
     EXPECT_EQ(queue.front(), "a");
-    EXPECT_EQ(queue.front([](const std::string& owner) { return owner != "anna"; }), "b");
-    EXPECT_EQ(queue.front([](const std::string&) { return false; }), std::nullopt);
+    EXPECT_EQ(queue.front([](Lane, const std::string& owner) { return owner != "anna"; }), "b");
+    EXPECT_EQ(queue.front([](Lane, const std::string&) { return false; }), std::nullopt);
   }
+}
+
+/// Such a job once stood before all others, whether or not it might start.
+TEST(JobQueue, AFollowedCastingThatMayNotStartStandsInNobodysWay) {
+  JobQueue queue;
+  queue.push(job_of("anna", "casting 1", v1::NORMAL, start), Lane::followed);
+  queue.push(job_of("anna", "casting 2", v1::NORMAL, start + 1), Lane::followed);
+  queue.push(job_of("ben", "casting 3", v1::NORMAL, start + 2), Lane::followed);
+  queue.push(job_of("ben", "job", v1::NORMAL, start), Lane::job);
+  EXPECT_EQ(queue.front(), "casting 1");
+  EXPECT_EQ(queue.position("casting 2"), 3) << "owners take turns";
+  EXPECT_EQ(queue.position("job"), 1);
+  EXPECT_EQ(queue.front([](Lane lane, const std::string& owner) {
+    return lane == Lane::job || owner != "anna";
+  }),
+            "casting 3");
+  EXPECT_EQ(queue.front([](Lane lane, const std::string&) { return lane == Lane::job; }), "job");
+
+  queue.push(job_of("eve", "query", v1::NORMAL, start + 9), Lane::query);
+  EXPECT_EQ(queue.front([](Lane, const std::string&) { return false; }), "query");
+  for (const char* id : {"query", "casting 1", "casting 2", "casting 3", "job"}) queue.erase(id);
+  EXPECT_EQ(queue.front(), std::nullopt);
 }
 
 TEST(JobQueue, PositionsWithoutSharesAreThoseOfOneOrder) {

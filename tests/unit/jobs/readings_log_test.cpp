@@ -3,6 +3,9 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "core/storage/file.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -30,6 +33,16 @@ protected:
     v1::Following with;
     with.set_ensemble("study");
     return with;
+  }
+  /// Adds readings as their bytes, without the rate of append().
+  void write_records(std::int64_t count) const {
+    std::string bytes = storage::read_file(path());
+    for (const v1::Reading& reading : readings(1, count)) {
+      v1::RecordEntry entry;
+      *entry.mutable_reading() = reading;
+      bytes += storage::short_records.framed(entry.SerializeAsString());
+    }
+    storage::write_file(path(), bytes);
   }
   std::filesystem::path folder() const { return folder_ / ""; }
   std::filesystem::path path() const { return folder_ / readings_file; }
@@ -158,6 +171,61 @@ TEST_F(ReadingsLogTest, RefusesReadingsThatGoBackInTime) {
   add(1, 5.0);
   EXPECT_EQ(ReadingsLog(folder()).state().time_s(), 5.0);
   add(2, 4.0);
+  EXPECT_THROW(ReadingsLog{folder()}, DamagedReadings);
+}
+
+/// 10^6 readings 1e-7 s apart once made each look at the job take seconds.
+TEST_F(ReadingsLogTest, RefusesReadingsThatLieTooClose) {
+  ReadingsLog log(folder());
+  log.append(readings(1, 1));
+  Readings close = readings(2, 2);
+  close.Mutable(0)->set_time_s(1.0 + 1e-7);
+  EXPECT_THROW(log.append(close), UnfitReading);
+  close.Mutable(0)->set_time_s(1.0 + 1.5 * least_spacing_s);
+  log.append(close);
+  EXPECT_EQ(log.state().number(), 2);
+}
+
+TEST_F(ReadingsLogTest, TakesSoManyAtOnceAndLaterMore) {
+  ReadingsLog log(folder());
+  constexpr std::int64_t batch = 1000;
+  std::int64_t taken = 0;
+  try {
+    for (; taken <= most_readings; taken += batch) log.append(readings(taken + 1, taken + batch));
+    FAIL() << "all were taken";
+  } catch (const TooManyAtOnce&) {
+    EXPECT_GE(taken, static_cast<std::int64_t>(readings_at_once));
+    EXPECT_LT(taken, most_readings);
+  }
+  EXPECT_EQ(log.state().number(), taken) << "a call is taken as a whole or not at all";
+
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < end && log.state().number() == taken) {
+    try {
+      log.append(readings(taken + 1, taken + batch));
+    } catch (const TooManyAtOnce&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+  EXPECT_EQ(log.state().number(), taken + batch);
+}
+
+TEST_F(ReadingsLogTest, IsFullAtItsBoundAndCanStillBeClosed) {
+  write_records(most_readings);
+  ReadingsLog log(folder());
+  EXPECT_EQ(log.state().number(), most_readings);
+  EXPECT_THROW(log.append(readings(most_readings + 1, most_readings + 1)), RecordFull);
+
+  Readings last = readings(most_readings + 1, most_readings + 1);
+  last.Mutable(0)->set_closes(true);
+  log.append(last);
+  EXPECT_TRUE(log.state().closed());
+}
+
+/// A worker that was taken over can write its own record.
+TEST_F(ReadingsLogTest, ARecordBeyondItsBoundIsDamaged) {
+  std::filesystem::resize_file(path(), longest_record + 1);
+  EXPECT_THROW(ReadingsReader(folder()).read_new(), DamagedReadings);
   EXPECT_THROW(ReadingsLog{folder()}, DamagedReadings);
 }
 

@@ -3,6 +3,7 @@
 
 #include "server/jobs/executors/worker_claim.hpp"
 #include "server/jobs/logs/step_index.hpp"
+#include "tests/unit/jobs/failing_read.hpp"
 #include "tests/unit/jobs/failing_sync.hpp"
 #include "tests/unit/jobs/scheduler_fixture.hpp"
 
@@ -94,6 +95,22 @@ TEST_F(SchedulerFaults, AJobWhoseLogCouldNotBeSyncedGoesOn) {
   EXPECT_EQ(daemon.scheduler.resume(id).kind, Reply::Kind::done);
   daemon.scheduler.start();
   EXPECT_EQ(daemon.executor.wait_for_launch(1).job_id, id);
+}
+
+/// The queue was held for good: each look at it began with this job.
+TEST_F(SchedulerFaults, AJobWhoseOwnLogCannotBeReadAtItsEndFailsAlone) {
+  Daemon daemon(folder_.path());
+  run_a_job(daemon);
+  const auto other = daemon.scheduler.submit(new_job(), {}).id();
+  {
+    const std::string log = id_ + "/events.log";
+    const FailingRead failing(log.c_str());
+    end_worker(daemon, "signal 9 (Killed)");
+    EXPECT_TRUE(becomes(daemon, id_, v1::FAILED));
+    EXPECT_EQ(daemon.executor.wait_for_launch(2).job_id, other);
+    EXPECT_EQ(daemon.scheduler.held(), "");
+  }
+  EXPECT_EQ(daemon.scheduler.find(id_)->failure().kind(), v1::Finding::STORAGE);
 }
 
 TEST_F(SchedulerFaults, ACancelWhoseFirstWriteFailsCanBeRequestedAgain) {

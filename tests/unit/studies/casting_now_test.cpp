@@ -31,6 +31,12 @@ v1::Reading speed_reading(double time_s, double speed) {
   return reading;
 }
 
+v1::CastingNow casting_now(const v1::Case& plan, const std::vector<v1::Reading>& readings) {
+  CastingProgress casting(plan);
+  for (const v1::Reading& reading : readings) casting.follow(reading);
+  return casting.now();
+}
+
 TEST(CastingNow, HasThePlanAtTheMeasuredCastLength) {
   // 10 s at 0.1 m/s, after half of the first second: 1 m is cast at 10.5 s, and the plan is 2e-3
   // m/s.

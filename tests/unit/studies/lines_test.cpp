@@ -53,6 +53,22 @@ TEST(Lines, KeepWhatCastingsTellForTheNextDaemon) {
   EXPECT_EQ(lines.list().lines_size(), 1);
 }
 
+/// A daemon that was killed between the job and its line left the casting out for good.
+TEST(Lines, TakeACastingThatACrashKeptFromThem) {
+  const TemporaryFolder folder;
+  Lines lines(folder / "lines");
+  v1::LineCasting lost = casting("job-1");
+  lost.mutable_begin_time()->set_seconds(1'700'000'000);
+  lines.add_lost("pit-3", "anna", lost);
+  lines.add_lost("pit-3", "anna", lost);
+  EXPECT_EQ(lines.find("pit-3")->castings_size(), 1);
+  EXPECT_EQ(lines.owner("pit-3"), "anna");
+
+  lines.restart("pit-3");
+  lines.add_lost("pit-3", "anna", lost);
+  EXPECT_EQ(lines.find("pit-3")->castings_size(), 0) << "it was taken off since";
+}
+
 TEST(Lines, BeginAfreshOrAreRemoved) {
   const TemporaryFolder folder;
   Lines lines(folder / "lines");
