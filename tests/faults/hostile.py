@@ -2,6 +2,7 @@
 import contextlib
 import os
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -131,6 +132,38 @@ class UploadBesideStrangers(RemoteFault):
                 if time.monotonic() > end:
                     raise TimeoutError
                 peer.receive(0.1)
+
+
+class StopUnderAttack(RemoteFault):
+    """SIGTERM while hostile peers send all they can: the daemon ends in order within seconds"""
+    kinds = ("KeyUpdates", "HandshakesInPieces", "RapidResetOfLists", "PriorityFlood", "UnfinishedUploads",
+             "PingFlood")
+    short = long = at_once = len(kinds)
+    lasts, before, longest = 20.0, 1.5, 6.0
+    settings = {**RemoteFault.settings, "workers__stop_grace": "2 s"}
+
+    def begin(self, scene):
+        self.token = self.enrol(scene, "mallory")
+
+    def disturb(self, scene, count):
+        kind = self.kinds[count.tried % len(self.kinds)]
+        scene.submit(fake("steps=400 sleep_ms=5"))
+        peers = subprocess.Popen(
+            ["setpriv", "--pdeathsig", "KILL", sys.executable,
+             os.path.join(os.path.dirname(__file__), "hostile_peers.py"), kind, str(self.lasts),
+             scene.daemon.tls_address, self.ca(scene), self.token], env=environment())
+        try:
+            time.sleep(self.before)
+            begin = time.monotonic()
+            code = scene.tell_daemon(signal.SIGTERM)
+            taken = time.monotonic() - begin
+        finally:
+            peers.kill()
+            peers.wait(10)
+        count.measured("s", taken)
+        if code != 0 or taken > self.longest:
+            count.found("wrong", f"{kind}: it ended with {code} after {taken:.1f} s")
+        scene.come_back()
 
 
 class BorrowedConnections(RemoteFault):

@@ -148,7 +148,7 @@ class KillUnderLoad(Fault):
 
 class KillDuringUploads(Fault):
     """kill -9 of the daemon while clients upload files of cases: no job lacks its file"""
-    short, long = 3, 30
+    short, long = 3, 60
     at_once = 3
     jobs = 12  # for each kill
 

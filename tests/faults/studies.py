@@ -1,11 +1,14 @@
 """kill -9 while a study is fed: every run has one job, none is done twice, and the figures stay."""
+import contextlib
 import signal
 
+import grpc
+
 from cases import FAKE, REAL, coarse, fake
-from dccast.v1 import service_pb2, study_pb2
+from dccast.v1 import follow_pb2, job_pb2, line_pb2, service_pb2, study_pb2
 from fault import Fault
-from oracle import all_jobs
-from scene import Expected, pause
+from oracle import all_jobs, content_of_results
+from scene import Expected, pause, signal_process
 from support import until
 
 ENDED = (study_pb2.STUDY_SUCCEEDED, study_pb2.STUDY_FAILED, study_pb2.STUDY_CANCELLED)
@@ -72,6 +75,111 @@ class KillUnderStudy(KilledStudy):
         sweep = study_pb2.SweepPlan(design=study_pb2.SweepPlan.GRID)
         sweep.axes.add(key="mesh.rows", values=[str(rows) for rows in range(1, 25)])
         return fake("steps=20 checkpoint=7 sleep_ms=4"), sweep
+
+
+class KillAmidCastings(KilledStudy):
+    """kill -9 of daemon, worker or both, amid jobs, a study, and castings that are followed on a line"""
+    short, long = 4, 300
+    at_once = 10
+    seconds = 200.0
+    patience = 120.0
+    worker = REAL
+    batch, most_fed = 40, 200
+
+    def plan(self):
+        sweep = study_pb2.SweepPlan(design=study_pb2.SweepPlan.LATIN_HYPERCUBE, runs=8, seed=5)
+        sweep.axes.add(key="alloy.conductivity.scale", values=["0.9", "1.1"])
+        return coarse(), sweep
+
+    def begin(self, scene):
+        """One casting is followed before anything is killed: the others have its results to the last bit."""
+        self.fed = {}  # readings of each casting that were acknowledged
+        self.reference = self.follow(scene)
+        self.feed_all(scene)
+        until(lambda: scene.ended(self.reference), self.patience)
+        super().begin(scene)
+
+    def disturb(self, scene, count):
+        self.keep_busy(scene)
+        pause(scene.chance, 0.4)
+        kind = scene.chance.choice(("worker", "daemon", "both"))
+        workers = scene.job_workers()
+        if kind == "worker":
+            return bool(workers) and signal_process(scene.chance.choice(workers), signal.SIGKILL)
+        if kind == "daemon":
+            scene.tell_daemon(signal.SIGKILL)
+        else:
+            scene.kill_daemon()
+        scene.come_back()
+        for job_id, number in self.fed.items():
+            if self.feed(scene, job_id, []).number < number:
+                count.found("lost", f"readings of job {job_id}")
+        return True
+
+    def keep_busy(self, scene):
+        """A job and a casting that is followed."""
+        if all(map(scene.ended, scene.acknowledged)):
+            scene.submit(coarse())
+        followed = [job_id for job_id in self.fed if not scene.ended(job_id)]
+        for job_id in followed or [self.follow(scene)]:
+            self.feed_on(scene, job_id)
+
+    def follow(self, scene):
+        job_id = scene.submit(coarse(), following=follow_pb2.Following(line="pit-3"))
+        scene.acknowledged.pop(job_id)  # its twin is the reference
+        scene.foreign_jobs.add(job_id)
+        self.fed[job_id] = 0
+        return job_id
+
+    def feed_all(self, scene):
+        for job_id in self.fed:
+            for _ in range(self.most_fed // self.batch + 1):
+                self.feed_on(scene, job_id)
+
+    def feed_on(self, scene, job_id):
+        """The next readings; after the last ones the record is closed."""
+        first = self.fed[job_id] + 1
+        if first <= self.most_fed:
+            readings = [follow_pb2.Reading(number=number, time_s=-61.0 + number,
+                                           casting_speed_m_per_s=self.speed(number))
+                        for number in range(first, first + self.batch)]
+        elif first == self.most_fed + 1:
+            readings = [follow_pb2.Reading(number=first, closes=True)]
+        else:
+            return
+        with contextlib.suppress(grpc.RpcError):  # the casting has ended
+            self.fed[job_id] = self.feed(scene, job_id, readings).number
+
+    @staticmethod
+    def speed(number):
+        return 1e-3 + 1e-6 * (number % 7) if number > 61 else 0.0
+
+    @staticmethod
+    def feed(scene, job_id, readings):
+        return scene.client.stub.AppendReadings(
+            follow_pb2.AppendReadingsRequest(id=job_id, readings=readings), timeout=20)
+
+    def look(self, scene, count):
+        self.feed_all(scene)
+        super().look(scene, count)
+        self.judge_castings(scene, count)
+        line = scene.client.stub.GetLine(line_pb2.GetLineRequest(id="pit-3"), timeout=30)
+        on_line = [casting.job for casting in line.castings]
+        if len(set(on_line)) < len(on_line):
+            count.found("duplicated", f"castings on the line: {on_line}")
+        for job_id in set(self.fed) - set(on_line):
+            count.found("lost", f"job {job_id} is not on its line")
+
+    def judge_castings(self, scene, count):
+        until(lambda: all(map(scene.ended, self.fed)), self.patience)
+        jobs = {job_id: scene.client.job(job_id) for job_id in self.fed}
+        wanted = content_of_results(scene.client, jobs[self.reference])
+        for job_id, job in jobs.items():
+            if job.state != job_pb2.SUCCEEDED:
+                count.found("wrong", f"casting {job_id} has failed: {job.failure.message}")
+            elif content_of_results(scene.client, job) != wanted:
+                count.found("wrong", f"casting {job_id} has other results than an undisturbed one")
+        count.measured("castings", len(jobs))
 
 
 class KillUnderDataStudy(KilledStudy):
