@@ -122,7 +122,7 @@ TEST(CheckRanges, MetalHasAWeight) {
   message.mutable_mechanics()->set_gravity_m_per_s2(0.0);
   const v1::Fault fault = only_fault(message);
   EXPECT_EQ(fault.field(), "mechanics.gravity");
-  EXPECT_EQ(fault.permitted(), "0.1 to 100 m/s2");
+  EXPECT_EQ(fault.permitted(), "1 to 100 m/s2");
   EXPECT_THAT(fault.remedy(), HasSubstr("9.81 m/s2"));
   message.mutable_mechanics()->set_gravity_m_per_s2(9.81);
   EXPECT_TRUE(check_ranges(message).empty());
