@@ -304,6 +304,7 @@ class StrangeFiles(Fault):
 class DamageOfOneJob(Fault):
     """A file of one job's folder flipped, cut, emptied, missing, a pipe, a link or a folder: no queue is held"""
     short, long = 6, 200
+    seconds = 250.0
     worker = REAL
     others = 3
     longest = 60.0  # seconds for the jobs of others: half a second each, at nice 19 on a busy machine
