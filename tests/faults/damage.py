@@ -301,6 +301,27 @@ class StrangeFiles(Fault):
             count.found("wrong", f"a key that is a pipe: {ended.returncode}, {ended.stderr}")
 
 
+class CastingKeptFromItsLine(Fault):
+    """kill -9 between a job and its line, as the disk shows it: the next daemon adds the casting, once"""
+    short = long = 1
+
+    def disturb(self, scene, count):
+        following = follow_pb2.Following(line="pit-3")
+        casting = scene.submit(fake("steps=100000 sleep_ms=10"), following=following)
+        scene.acknowledged.pop(casting)
+        scene.foreign_jobs.add(casting)
+        for there in (False, True):  # the line without it, then with it
+            scene.kill_daemon()
+            if not there:
+                os.remove(scene.data("lines", "pit-3.bin"))
+            scene.come_back()
+            line = scene.client.stub.GetLine(line_pb2.GetLineRequest(id="pit-3"), timeout=10)
+            if [each.job for each in line.castings] != [casting]:
+                count.found("lost", f"castings of the line: {[each.job for each in line.castings]}")
+        scene.client.cancel(casting)
+        must(count, lambda: scene.ended(casting), "the casting does not end", 30)
+
+
 class DamageOfOneJob(Fault):
     """A file of one job's folder flipped, cut, emptied, missing, a pipe, a link or a folder: no queue is held"""
     short, long = 6, 200
