@@ -10,6 +10,7 @@
 #include "client/cli/options.hpp"
 #include "client/model/json.hpp"
 #include "client/session/connection.hpp"
+#include "client/session/jobs.hpp"
 #include "client/session/ssh_tunnel.hpp"
 
 /// The commands, several to a file by what they are about.
@@ -72,7 +73,7 @@ void print_judgement(Connection& connection, const v1::ComparedRun& run, std::os
 /// `messages_only`.
 /// @param strict  findings beyond notes give ExitCode::solve_failed
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
-                   bool messages_only, bool strict);
+                   bool messages_only, bool strict, const RetryPolicy& policy = {});
 
 /// Waits until jobs have ended and prints how, in the order given.
 /// @param command  run in a shell for each of them; empty: none

@@ -17,6 +17,7 @@
 #include "client/session/readings.hpp"
 #include "client/session/readings_table.hpp"
 #include "client/session/studies.hpp"
+#include "client/session/unsent_readings.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/values/digests.hpp"
 
@@ -87,6 +88,13 @@ std::vector<ReadingOfLine> readings_in(const std::vector<std::string>& lines,
   return readings;
 }
 
+/// A command for the same case, "dccast follow --prepare my.toml --set 'time.end=40 s'".
+std::string command_of(const std::string& command, const FollowOptions& options) {
+  std::string text = fmt::format("{} {}", command, options.file);
+  for (const std::string& change : options.set) text += fmt::format(" --set '{}'", change);
+  return text;
+}
+
 /// A question about the preparation of the case that a job follows.
 v1::PrepareCastingRequest preparation_of(const v1::SubmitJobRequest& job) {
   v1::PrepareCastingRequest request;
@@ -117,8 +125,8 @@ void add_studies(const FollowOptions& options, const v1::SubmitJobRequest& job,
   remark(
       fmt::format("this plan is not prepared: the forecast is its run, job {}, plus the last "
                   "difference between "
-                  "measured and computed curl. Before the next casting: dccast follow --prepare {}",
-                  following.plan_job(), options.file));
+                  "measured and computed curl. Before the next casting: {}",
+                  following.plan_job(), command_of("dccast follow --prepare", options)));
   if (!options.line.empty())
     remark(fmt::format("line {} learns nothing from a casting that is not prepared", options.line));
 }
@@ -169,20 +177,6 @@ std::string submit(const FollowOptions& options, const ReadingsTable& table,
   return job.id();
 }
 
-/// Sends what the source holds until it ends, the job takes no more, or the stop is requested.
-void send_all(RecordSender& sender, LineSource& source, ReadingsTable& table,
-              std::vector<ReadingOfLine> first, const std::stop_token& stop) {
-  bool takes_more = sender.send(std::move(first));
-  while (takes_more) {
-    const auto lines = source.next(stop);
-    if (lines.empty()) break;
-    takes_more = sender.send(readings_in(lines, table));
-  }
-  if (takes_more && !stop.stop_requested()) sender.close();
-  sender.remark_left_out();
-  for (const std::string& each : table.summary()) remark(each);
-}
-
 std::unique_ptr<LineSource> open_source(const FollowOptions& options) {
   if (!is_topic(options.readings))
     return lines_of_file(options.readings, options.growing ? FileEnd::grows : FileEnd::ends_source,
@@ -215,44 +209,115 @@ public:
     });
   }
 
+  /// Interrupts the work, and waits for its end.
+  void stop() { thread_ = {}; }
+
 private:
   std::shared_ptr<Interruption> interruption_ = std::make_shared<Interruption>();
   Connection connection_;
   std::jthread thread_;
 };
 
-/// Sends the readings to the job until the source ends. Throws CommandFailed: the job follows none.
-std::shared_ptr<const RecordSender> start_sending(Companion& companion, const std::string& id,
-                                                  LineSource& source, ReadingsTable& table,
-                                                  std::vector<ReadingOfLine> first) {
-  const auto sender = std::make_shared<RecordSender>(companion.connection(), id, remark);
-  companion.start([=, &source, &table](const std::stop_token& stop) {
+/// Readings on their way to a job: one thread reads the source, and another sends. While the server
+/// is away what comes is kept.
+class Sending {
+public:
+  /// Throws CommandFailed: the job follows no readings.
+  Sending(const Connection& connection, std::string id)
+      : id_(std::move(id)),
+        companion_(connection),
+        unsent_(unsent_readings_file(id_), remark),
+        sender_(companion_.connection(), id_, remark) {}
+  ~Sending() {
+    reader_ = {};
+    companion_.stop();  // it uses the other members
+  }
+
+  void start(LineSource& source, ReadingsTable& table, std::vector<ReadingOfLine> first) {
+    companion_.start([this](const std::stop_token& stop) { send_all(stop); });
+    reader_ =
+        std::jthread([this, &source, &table, first = std::move(first)](
+                         const std::stop_token& stop) { read_all(source, table, first, stop); });
+  }
+
+  const RecordSender& sender() const { return sender_; }
+  /// Readings that the server does not have.
+  std::size_t unsent() const { return unsent_.size(); }
+
+private:
+  void read_all(LineSource& source, ReadingsTable& table, const std::vector<ReadingOfLine>& first,
+                const std::stop_token& stop) {
     try {
-      send_all(*sender, source, table, first, stop);
+      bool goes_on = unsent_.add(first, stop);
+      while (goes_on) {
+        const auto lines = source.next(stop);
+        if (lines.empty()) break;
+        goes_on = unsent_.add(readings_in(lines, table), stop);
+      }
+      for (const std::string& each : table.summary()) remark(each);
+      if (!stop.stop_requested()) unsent_.close();
+    } catch (const std::exception& error) {
+      end_early(error);
+    }
+  }
+
+  /// Sends until the source ends, the job takes no more, or the stop is requested.
+  void send_all(const std::stop_token& stop) {
+    try {
+      bool takes_more = true;
+      for (auto readings = unsent_.next(stop); takes_more && !readings.empty();
+           readings = unsent_.next(stop)) {
+        const std::size_t count = readings.size();
+        takes_more = sender_.send(std::move(readings));
+        unsent_.acknowledge(count);
+      }
+      if (takes_more && !stop.stop_requested()) sender_.close();
+      sender_.remark_left_out();
     } catch (const Interrupted&) {
       throw;
     } catch (const std::exception& error) {
-      remark(fmt::format("no more are sent: {}. The job waits for them: dccast follow --job {}",
-                         error.what(), id));
+      end_early(error);
     }
-  });
-  return sender;
-}
+  }
 
-/// Watches the job to its end and tells alarms.
+  void end_early(const std::exception& error) const {
+    remark(fmt::format("no more are sent: {}. The job waits for them: dccast follow --job {}",
+                       error.what(), id_));
+  }
+
+  const std::string id_;
+  Companion companion_;
+  UnsentReadings unsent_;
+  RecordSender sender_;
+  std::jthread reader_;
+};
+
+/// Watches the job to its end and tells alarms. A server that is away ends neither.
 ExitCode watch_with_alarms(Connection& connection, const std::string& id, AlarmWatch& alarms,
                            const FollowOptions& options) {
   constexpr std::chrono::seconds between_looks{2};
-  ExitCode code;
+  constexpr RetryPolicy for_ever{.attempts = 0};
+  const auto watched = [&]() -> std::optional<ExitCode> {
+    try {
+      return watch_job(connection, id, 1, options.json, false, options.strict, for_ever);
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const CommandFailed& failure) {
+      if (failure.code() != ExitCode::unreachable) throw;
+      return std::nullopt;  // before the first event
+    }
+  };
+
+  std::optional<ExitCode> code;
   {
     Companion companion(connection);
     companion.start([&](const std::stop_token&) {
       for (;; companion.interruption().sleep(between_looks)) alarms.look(companion.connection());
     });
-    code = watch_job(connection, id, 1, options.json, false, options.strict);
+    while (!(code = watched())) connection.interruption().sleep(between_looks);
   }
   alarms.look(connection);  // at what came last
-  return code;
+  return *code;
 }
 
 /// Waits for the end of a study of a preparation. Throws CommandFailed: it was cancelled.
@@ -272,8 +337,7 @@ ExitCode run_preparation(const FollowOptions& options, Program& program) {
   if (options.file.empty() || options.file == "-" || !options.job.empty())
     throw invalid("name the case FILE to prepare");
   Connection connection = program.connect();
-  std::string come_back = "dccast follow --prepare " + options.file;
-  for (const std::string& change : options.set) come_back += " --set '" + change + "'";
+  const std::string come_back = command_of("dccast follow --prepare", options);
 
   const v1::SubmitJobRequest job = sound_submission(options, connection);
   v1::PrepareCastingRequest request = preparation_of(job);
@@ -284,7 +348,7 @@ ExitCode run_preparation(const FollowOptions& options, Program& program) {
       if (study->state() == v1::STUDY_RUNNING) await(*study, connection, come_back);
     if (there.ready()) break;
   }
-  std::cerr << "the plan is prepared: dccast follow " << options.file << std::endl;
+  std::cerr << "the plan is prepared: " << command_of("dccast follow", options) << std::endl;
   return ExitCode::done;
 }
 
@@ -307,12 +371,21 @@ ExitCode run(const FollowOptions& options, Program& program) {
 
   AlarmHandlers handlers = alarm_handlers(options.alarms, options.broker, id);
   const bool has_forecast = !table.gauges().empty();
-  if (!has_forecast) handlers = {.finding = handlers.finding};
+  if (!has_forecast) handlers = {.finding = handlers.finding, .lever = handlers.lever};
   AlarmWatch alarms(id, std::move(handlers));
-  Companion sending(connection);
-  const auto sender = start_sending(sending, id, *source, table, std::move(first));
-  const ExitCode code = watch_with_alarms(connection, id, alarms, options);
-  if (code != ExitCode::done || sender->has_values()) return code;
+  Sending sending(connection, id);
+  sending.start(*source, table, std::move(first));
+  ExitCode code{};
+  try {
+    code = watch_with_alarms(connection, id, alarms, options);
+  } catch (const Interrupted&) {
+    const std::size_t unsent = sending.unsent();
+    throw Interrupted(fmt::format(
+        "{}job {} waits for readings. Go on: dccast follow --job {}",
+        unsent > 0 ? fmt::format("{} readings are kept for the server, and ", unsent) : "", id,
+        id));
+  }
+  if (code != ExitCode::done || sending.sender().has_values()) return code;
 
   remark("no value that was measured was used: the job has computed the plan of the case");
   return ExitCode::invalid;

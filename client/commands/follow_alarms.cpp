@@ -12,6 +12,7 @@
 #include "client/session/user_command.hpp"
 #include "client/text/findings.hpp"
 #include "client/text/forecast_text.hpp"
+#include "client/text/terminal.hpp"
 
 namespace dccast::client {
 
@@ -63,6 +64,14 @@ AlarmHandlers alarm_handlers(const AlarmOptions& options, const std::string& bro
         fmt::format("warning at {:.0f} s, {}", warning.time_s(), warning_text(warning));
     std::cerr << text << std::endl;
     notify(text, Json{{"warning", to_json(warning)}});
+  };
+
+  // What the plant can mend at once stands out.
+  handlers.lever = [notify](const v1::ForecastWarning& alarm) {
+    const std::string text =
+        fmt::format("ALARM at {:.0f} s, {}", alarm.time_s(), warning_text(alarm));
+    std::cerr << red(text, terminal_of(2)) << std::endl;
+    notify(text, Json{{"lever", to_json(alarm)}});
   };
 
   // The watch of the job has printed it already.

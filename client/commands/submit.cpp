@@ -173,21 +173,23 @@ void print_curl(const figures::RunHistory& history) {
 }
 
 v1::JobEvent::StateChange watch_for_scripts(Connection& connection, const std::string& id,
-                                            std::int64_t from) {
+                                            std::int64_t from, const RetryPolicy& policy) {
   WatchOutput output;
   return follow_job(
       connection, id, from,
       [&](const v1::JobEvent& event) { std::cout << output.line(event).dump() << std::endl; },
-      std::cerr);
+      std::cerr, policy);
 }
 
 /// @param run_s  expected duration of the whole run [s]; 0 if unknown
 v1::JobEvent::StateChange watch_for_people(Connection& connection, const std::string& id,
-                                           std::int64_t from, bool messages_only, double run_s) {
+                                           std::int64_t from, bool messages_only, double run_s,
+                                           const RetryPolicy& policy) {
   Progress progress(messages_only ? std::cerr : std::cout, terminal_of(messages_only ? 2 : 1));
   progress.expect(run_s);
   const auto end = follow_job(
-      connection, id, from, [&](const v1::JobEvent& event) { progress.show(event); }, std::cerr);
+      connection, id, from, [&](const v1::JobEvent& event) { progress.show(event); }, std::cerr,
+      policy);
   progress.finish();
   print_curl(progress.history());
   return end;
@@ -260,12 +262,12 @@ void add_submit(CommandLine& line, Program& program) {
 }
 
 ExitCode watch_job(Connection& connection, const std::string& id, std::int64_t from, bool json,
-                   bool messages_only, bool strict) {
+                   bool messages_only, bool strict, const RetryPolicy& policy) {
   const v1::Job job = job_now(connection, id);
   if (!job.held().empty()) std::cerr << "held: " << job.held() << std::endl;
-  const auto end = json
-                       ? watch_for_scripts(connection, id, from)
-                       : watch_for_people(connection, id, from, messages_only, expected_run_s(job));
+  const auto end =
+      json ? watch_for_scripts(connection, id, from, policy)
+           : watch_for_people(connection, id, from, messages_only, expected_run_s(job), policy);
   if (end.has_failure())
     std::cerr << "dccast: job " << id << ": " << failure_text(end.failure()) << '\n';
   const ExitCode code = exit_code_of(end.state());

@@ -14,7 +14,8 @@ namespace dccast::client {
 struct AlarmHandlers {
   std::function<void(const v1::Forecast&)> forecast{};  ///< each new one
   std::function<void(const v1::ForecastWarning&)> warning{};
-  std::function<void(const v1::Finding&)> finding{};  ///< beyond notes
+  std::function<void(const v1::Finding&)> finding{};        ///< beyond notes
+  std::function<void(const v1::ForecastWarning&)> lever{};  ///< off its plan (CastingNow.alarms)
 };
 
 /// Asks what is wrong with a casting that a job follows, and tells each thing once.
@@ -30,7 +31,10 @@ public:
 
 private:
   void look_at_forecast(Connection& connection);
-  void look_at_findings(Connection& connection);
+  void look_at_job(Connection& connection);
+  /// Passes on those that were not passed on before.
+  void tell(const google::protobuf::RepeatedPtrField<v1::ForecastWarning>& warnings,
+            const std::function<void(const v1::ForecastWarning&)>& handler);
 
   std::string id_;
   AlarmHandlers handlers_;

@@ -1,5 +1,6 @@
 #include "client/session/jobs.hpp"
 
+#include <fmt/format.h>
 #include <pwd.h>
 #include <unistd.h>
 
@@ -137,7 +138,8 @@ v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, 
                                  const std::function<void(const v1::JobEvent&)>& on_event,
                                  std::ostream& messages, const RetryPolicy& policy) {
   auto pause = policy.first_pause;
-  for (int attempt = 0; attempt < policy.attempts;) {
+  const bool gives_up = policy.attempts > 0;
+  for (int attempt = 0; !gives_up || attempt < policy.attempts;) {
     const Stream stream = read_stream(connection, id, next, on_event);
     if (stream.terminal) return *stream.terminal;
     if (connection.interruption().came()) throw Interrupted("");
@@ -147,12 +149,15 @@ v1::JobEvent::StateChange follow(Connection& connection, const std::string& id, 
     // A stream that brought events is sound: attempts count those in a row that brought none.
     attempt = stream.progressed ? 1 : attempt + 1;
     if (stream.progressed) pause = policy.first_pause;
-    if (attempt == policy.attempts) break;
+    if (gives_up && attempt == policy.attempts) break;
 
-    messages << "watch: the stream from " << connection.server() << " ended"
-             << (stream.status.ok() ? "" : " (" + reason_of(stream.status) + ")")
-             << " but the job has not; taking it up again at event " << next << " (attempt "
-             << attempt << " of " << policy.attempts - 1 << ")" << std::endl;
+    // Without an end one line is enough.
+    if (gives_up || attempt == 1)
+      messages << "watch: the stream from " << connection.server() << " ended"
+               << (stream.status.ok() ? "" : " (" + reason_of(stream.status) + ")")
+               << " but the job has not; taking it up again at event " << next
+               << (gives_up ? fmt::format(" (attempt {} of {})", attempt, policy.attempts - 1) : "")
+               << std::endl;
     connection.interruption().sleep(pause);
     pause = std::min(2 * pause, policy.longest_pause);
   }

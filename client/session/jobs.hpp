@@ -71,7 +71,8 @@ grpc::Status submit_with_retries(Connection& connection, const v1::SubmitJobRequ
 
 /// How often and how fast a broken stream is reconnected.
 struct RetryPolicy {
-  int attempts = 12;  ///< consecutive attempts without an event before giving up
+  /// Consecutive attempts without an event before giving up; 0: it never does.
+  int attempts = 12;
   std::chrono::milliseconds first_pause{200};
   /// Pauses double up to this one.
   std::chrono::milliseconds longest_pause{5000};

@@ -72,7 +72,14 @@ void RecordSender::count_left_out(std::span<const ReadingOfLine> readings, std::
   }
 }
 
-void RecordSender::remark_left_out() const {
+void RecordSender::remark_known() {
+  if (known_ > 0) remark_(fmt::format("{} readings are on the server already", known_));
+  known_ = 0;
+}
+
+void RecordSender::remark_left_out() {
+  remark_known();
+  if (refused_ > 1) remark_(fmt::format("readings that were refused: {} in all", refused_));
   for (const auto& [name, count] : left_out_)
     if (count > 1) remark_(fmt::format("{}: {} values were left out", name, count));
 }
@@ -99,7 +106,8 @@ bool RecordSender::send_numbered(std::span<const ReadingOfLine> readings) {
 
   // One reading among them is refused: only that one is lost.
   if (readings.size() == 1) {
-    remark_(fmt::format("line {}: {}", readings.front().line, reason_of(status)));
+    if (++refused_ == 1)
+      remark_(fmt::format("line {}: {}", readings.front().line, reason_of(status)));
     return true;
   }
   for (std::size_t i = 0; i < readings.size(); ++i)
@@ -112,7 +120,8 @@ bool RecordSender::send(std::vector<ReadingOfLine> readings) {
   const std::size_t known = std::erase_if(readings, [this](const ReadingOfLine& each) {
     return kept_.has_time_s() && each.reading.time_s() <= kept_.time_s();
   });
-  if (known > 0) remark_(fmt::format("{} readings are on the server already", known));
+  known_ += known;
+  if (!readings.empty()) remark_known();
 
   const std::span all(readings);
   for (std::size_t i = 0; i < readings.size(); i += most)

@@ -25,8 +25,9 @@ public:
   bool send(std::vector<ReadingOfLine> readings);
   /// Sends the end of the record. Throws CommandFailed, Interrupted.
   void close();
-  /// Remarks how many values of each sensor were left out, where that was more than one.
-  void remark_left_out() const;
+  /// Remarks how many values of each sensor were left out, and how many readings were refused,
+  /// where that was more than one.
+  void remark_left_out();
   /// Whether the record holds a value that was measured, from this sender or before it. Safe to
   /// call from another thread.
   bool has_values() const { return has_values_; }
@@ -36,6 +37,7 @@ private:
   grpc::Status append(const v1::AppendReadingsRequest& request);
   /// Sends readings with the next numbers. @return as send()
   bool send_numbered(std::span<const ReadingOfLine> readings);
+  void remark_known();
   /// Remarks the first value of each sensor that the server has left out of these readings.
   /// @param before  number of the reading before the first of them
   void count_left_out(std::span<const ReadingOfLine> readings, std::int64_t before);
@@ -45,6 +47,8 @@ private:
   Remark remark_;
   v1::AppendReadingsResponse kept_;      ///< what the server has
   std::map<std::string, int> left_out_;  ///< values that no plant has, by LeftOutValue.name
+  std::size_t known_ = 0;  ///< readings that the server had, and that are not remarked yet
+  int refused_ = 0;
   std::atomic<bool> has_values_;
 };
 

@@ -29,6 +29,8 @@ constexpr double longest_repetition_s = 120.0;
 constexpr double still_m_per_s = 1e-3 / 60.0;
 /// No block is faster; the server leaves out what is (case.proto) [m/s].
 constexpr double fastest_m_per_s = 0.1;
+/// A length that rises so fast at first does so by a step of its counter: 150 mm/min [m/s].
+constexpr double swift_m_per_s = 150e-3 / 60.0;
 /// The zero of a sensor drifts: down to -5 mm/min the block stands [m/s].
 constexpr double drift_m_per_s = 5e-3 / 60.0;
 /// Readings that are kept while the block stands: an hour at one a second.
@@ -345,7 +347,10 @@ void ReadingsTable::read_cells(const std::vector<std::string>& cells, Line& line
     set_value(columns_[i], *measured[i], reading);
     report_repetition(i, *measured[i], *line.time_s, line);
   }
-  if (length_m) set_speed(*line.time_s, *length_m, reading, line);
+  if (length_m)
+    set_speed(*line.time_s, *length_m, reading, line);
+  else
+    keep_speed(*line.time_s);
   place_in_time(std::move(reading), line);
 }
 
@@ -372,6 +377,7 @@ bool ReadingsTable::follows_last(const std::vector<std::string>& cells, Line& li
     if (!placed.is_jump && !placed.remark.empty()) gap += "; " + placed.remark;
     remark_first("gaps without a reading", gap, line);
   }
+  before_s_ = last_s_;
   last_s_ = placed.time_s;
   return true;
 }
@@ -390,7 +396,9 @@ bool ReadingsTable::is_odd(double time_s, double length_m, Line& line) {
   const auto odd = std::exchange(odd_length_, std::pair(time_s, length_m));
   if (odd && is_speed(rate_since(*odd))) {
     last_length_ = odd;
+    rise_s_ = odd->first;
     odd_length_.reset();
+    course_.reset();
     return false;
   }
   remark_first("cast lengths that fall or jump",
@@ -401,24 +409,74 @@ bool ReadingsTable::is_odd(double time_s, double length_m, Line& line) {
   return true;
 }
 
-/// The speed since the last length. The first length gives none.
+void ReadingsTable::keep_speed(double time_s) {
+  if (!course_) return;
+  // After that the server follows the plan, which is not known here.
+  if (time_s - course_->measured_s > longest_gap_s) return course_.reset();
+  course_->length_m += course_->speed_m_per_s * (time_s - course_->time_s);
+  course_->time_s = time_s;
+}
+
+void ReadingsTable::hold_speed(double time_s, double speed_m_per_s, Line& line) {
+  const auto send = [&](double at_s) {
+    v1::Reading reading;
+    reading.set_time_s(at_s);
+    reading.set_casting_speed_m_per_s(speed_m_per_s);
+    place_in_time(std::move(reading), line);
+  };
+  // Between two readings the server interpolates: without one right behind the last, half of each
+  // change of the speed would be lost.
+  constexpr double right_after_s = 1e-3;
+  if (!before_s_ || *before_s_ + 2.0 * right_after_s > time_s) return;
+  const bool is_known = course_ && course_->speed_m_per_s == speed_m_per_s;
+  if (!is_known) send(*before_s_ + right_after_s);
+
+  // A length tells its mean speed over a gap, too.
+  constexpr double apart_s = 0.9 * longest_gap_s;
+  for (double at_s = *before_s_ + apart_s; at_s < time_s - right_after_s; at_s += apart_s)
+    send(at_s);
+}
+
+/// The speed with which the server meets this length. The first length gives none.
 void ReadingsTable::set_speed(double time_s, double length_m, v1::Reading& reading, Line& line) {
   if (!last_length_) {
     last_length_ = {time_s, length_m};
-    first_length_s_ = time_s;
-    return;
+    first_length_s_ = rise_s_ = due_s_ = time_s;
+    return keep_speed(time_s);
   }
-  if (is_odd(time_s, length_m, line)) return;
+  if (is_odd(time_s, length_m, line)) return keep_speed(time_s);
 
   // A length that trembles adds up to its highest values: what was cast stays cast.
   const auto last = *last_length_;
   last_length_ = {time_s, std::max(length_m, last.second)};
+  const bool rises = length_m > last.second, is_first_rise = rises && !length_rises_;
+  length_rises_ = length_rises_ || rises;
+  // Before its first rise a coarse counter stays although the block may move.
+  if (!length_rises_ && time_s - first_length_s_ < longest_step_of_counter_s)
+    return keep_speed(time_s);
 
-  // Differences of neighbours add up to the length itself, also where a coarse counter makes them
-  // jump. Before its first rise such a counter stays although the block may move.
-  length_rises_ = length_rises_ || length_m > last.second;
-  if (!length_rises_ && time_s - first_length_s_ < longest_step_of_counter_s) return;
-  reading.set_casting_speed_m_per_s((last_length_->second - last.second) / (time_s - last.first));
+  // The step of a coarse counter belongs to the time since its last one, and is spread over as
+  // much.
+  const double begin_s = before_s_.value_or(last.first);
+  if (rises) {
+    const bool is_coarse = length_m - last.second > swift_m_per_s * (time_s - last.first);
+    const double of_first_s = is_coarse ? longest_step_of_counter_s : 0.0;
+    const double between_rises_s = is_first_rise ? of_first_s : last.first - rise_s_;
+    due_s_ = time_s + std::min(between_rises_s, longest_step_of_counter_s);
+    rise_s_ = time_s;
+  }
+  const bool is_known = course_ && course_->time_s == begin_s;
+  const double known_m = is_known ? course_->length_m : last.second;
+  const double since_s = is_known ? begin_s : last.first;
+  const double speed =
+      std::clamp((last_length_->second - known_m) / (std::max(due_s_, time_s) - since_s), 0.0,
+                 fastest_m_per_s);
+  hold_speed(time_s, speed, line);
+  course_ = Course{.time_s = time_s,
+                   .length_m = known_m + speed * (time_s - since_s),
+                   .speed_m_per_s = speed,
+                   .measured_s = time_s};
+  reading.set_casting_speed_m_per_s(speed);
 }
 
 /// Reports a value that is exactly the same for long since the block moves.

@@ -89,6 +89,10 @@ private:
   /// last
   bool follows_last(const std::vector<std::string>& cells, Line& line);
   void set_speed(double time_s, double length_m, v1::Reading& reading, Line& line);
+  /// Goes on to a reading that may have no speed: the server keeps the last one for a while.
+  void keep_speed(double time_s);
+  /// Sends a speed that begins right after the last reading and holds up to a time.
+  void hold_speed(double time_s, double speed_m_per_s, Line& line);
   bool is_odd(double time_s, double length_m, Line& line);
   void report_repetition(std::size_t column, double value, double time_s, Line& line);
   void place_in_time(v1::Reading reading, Line& line);
@@ -110,6 +114,15 @@ private:
   std::optional<std::pair<double, double>> odd_length_;   ///< no block moves to it from the last
   double first_length_s_ = 0.0;
   bool length_rises_ = false;
+  /// A course of the block as the server integrates the speeds so far.
+  struct Course {
+    double time_s, length_m, speed_m_per_s;
+    double measured_s;  ///< when a length was last there
+  };
+  std::optional<Course> course_;
+  std::optional<double> before_s_;                      ///< time of the reading before this one
+  double rise_s_ = 0.0;                                 ///< when the length last rose
+  double due_s_ = 0.0;                                  ///< until when its last rise is spread
   std::vector<std::optional<Repetition>> repetitions_;  ///< (column)
   std::vector<int> unreadable_;                         ///< (column) cells
 

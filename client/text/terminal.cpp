@@ -87,4 +87,8 @@ std::string bold(const std::string& text, const Terminal& terminal) {
   return terminal.colour ? "\033[1m" + text + "\033[0m" : text;
 }
 
+std::string red(const std::string& text, const Terminal& terminal) {
+  return terminal.colour ? "\033[1;31m" + text + "\033[0m" : text;
+}
+
 }  // namespace dccast::client

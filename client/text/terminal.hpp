@@ -34,5 +34,7 @@ std::string wrapped(const std::string& text, int columns, int first = 0, int ind
 
 /// The text in bold, if the terminal shows colour.
 std::string bold(const std::string& text, const Terminal& terminal);
+/// The text in bold and red, if the terminal shows colour.
+std::string red(const std::string& text, const Terminal& terminal);
 
 }  // namespace dccast::client

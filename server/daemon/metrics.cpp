@@ -133,6 +133,8 @@ void add_castings(Exposition& to, service::Context& context) {
   to.gauge("dccast_castings_followed", "Castings that running jobs follow.", now.castings);
   to.gauge("dccast_casting_warnings", "Warnings in the latest forecast of each of them.",
            now.warnings);
+  to.gauge("dccast_levers_off_plan", "Levers of these castings that are not as planned now.",
+           now.levers_off_plan);
   to.gauge("dccast_reading_age_seconds",
            "Longest time since the last reading of one of them arrived.", now.oldest_reading_s);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/judging/judgement.hpp"
 
@@ -58,7 +59,8 @@ void add_forecast_chart(const v1::ForecastCurl& gauge, const PastForecast& past,
                   far_s));
 }
 
-void add_forecast_table(const FollowedCasting& followed, v1::Judgement& judgement) {
+void add_forecast_table(const FollowedCasting& followed, bool has_findings,
+                        v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "forecast", "forecast against measured curl");
   *table.add_columns() = text_column("gauge", "gauge");
   *table.add_columns() = number_column("ahead", "ahead", "s", 1.0);
@@ -79,7 +81,7 @@ void add_forecast_table(const FollowedCasting& followed, v1::Judgement& judgemen
       "The error is the root mean square of reading minus forecast, over forecasts from the start "
       "of the block on. Readings that were left out do not count, nor forecasts from before a slip "
       "of the gauge for times after it." +
-      (followed.forecast.warnings().empty() ? " No warning was raised." : ""));
+      (followed.forecast.warnings().empty() && !has_findings ? " No warning was raised." : ""));
 }
 
 void add_warnings(const v1::Forecast& forecast, v1::Judgement& judgement) {
@@ -96,9 +98,24 @@ void add_warnings(const v1::Forecast& forecast, v1::Judgement& judgement) {
                     text_cell(warning.text()), text_cell(joined(warning.causes(), ", "))});
 }
 
+void add_poured(const FollowedCasting& followed, v1::Judgement& judgement) {
+  if (followed.poured.empty()) return;
+  v1::Table& table = add_table(judgement, "poured", "what was cast, beside the plan");
+  for (const auto& [key, heading] : {std::pair{"lever", "lever"},
+                                     {"measured", "measured, mean"},
+                                     {"range", "least to most"},
+                                     {"planned", "planned, mean"}})
+    *table.add_columns() = text_column(key, heading);
+  for (const levers::PouredLever& lever : followed.poured)
+    add_row(table, {text_cell(lever.name), text_cell(lever.measured), text_cell(lever.range),
+                    text_cell(lever.planned)});
+  table.set_note("Readings from 10 s on. The run was computed with these.");
+}
+
 }  // namespace
 
 void add_followed(const FollowedCasting& followed, const JudgedRun& run, v1::Judgement& judgement) {
+  add_poured(followed, judgement);
   if (!followed.no_forecast.empty()) {
     add_table(judgement, "forecast", "forecast against measured curl")
         .set_note("No forecast: " + followed.no_forecast + ".");
@@ -107,7 +124,7 @@ void add_followed(const FollowedCasting& followed, const JudgedRun& run, v1::Jud
 
   for (const v1::ForecastCurl& gauge : followed.forecast.curls())
     add_forecast_chart(gauge, find_past(followed, gauge.monitor()), run, judgement);
-  add_forecast_table(followed, judgement);
+  add_forecast_table(followed, followed.has_findings, judgement);
   add_warnings(followed.forecast, judgement);
 }
 

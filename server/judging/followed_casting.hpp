@@ -6,6 +6,7 @@
 #include "dccast/v1/follow.pb.h"
 #include "dccast/v1/judgement.pb.h"
 #include "server/judging/judged_run.hpp"
+#include "server/levers/lever_watch.hpp"
 
 namespace dccast::judging {
 
@@ -25,11 +26,14 @@ struct FollowedCasting {
   v1::Forecast forecast{};           ///< after the last reading
   std::vector<PastForecast> past{};  ///< of each gauge 30 and 60 s ahead
   std::string no_forecast{};         ///< why there is none; empty: there is one
+  std::vector<levers::PouredLever> poured{};
+  bool has_findings = false;  ///< beyond notes
 };
 
-/// Adds a chart "forecast" for each gauge: measured, computed, and what had been forecast 60 s
-/// before each time. Then the table "forecast" with the errors by time ahead, and the table
-/// "warnings". Without a forecast the table "forecast" has the reason as its note.
+/// Adds the table "poured" with the levers as they were measured, and a chart "forecast" for each
+/// gauge: measured, computed, and what had been forecast 60 s before each time. Then the table
+/// "forecast" with the errors by time ahead, and the table "warnings". Without a forecast the table
+/// "forecast" has the reason as its note.
 void add_followed(const FollowedCasting& followed, const JudgedRun& run, v1::Judgement& judgement);
 
 }  // namespace dccast::judging

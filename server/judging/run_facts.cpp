@@ -101,12 +101,12 @@ std::string coherency_text(const v1::Alloy& alloy) {
 
 }  // namespace
 
-void add_recipe(const v1::Case& input, v1::Judgement& judgement) {
+void add_recipe(const v1::Case& input, const std::string& heading, v1::Judgement& judgement) {
   const v1::Schedule& recipe = input.schedule();
   const v1::Section& section = input.section();
   const auto celsius = [](const v1::Curve& curve) { return curve_in_words(curve, 1.0, "°C"); };
 
-  v1::Table& table = add_facts(judgement, "recipe", "recipe");
+  v1::Table& table = add_facts(judgement, "recipe", heading);
   add_fact(table, section.kind() == v1::Section::AXISYMMETRIC ? "Billet" : "Slab",
            size_text(section),
            fmt::format("metal stands {} deep at the start", plant_mm(section.initial_depth_m())));

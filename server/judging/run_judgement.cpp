@@ -424,7 +424,8 @@ v1::Judgement judge_run(const RunToJudge& judged) {
               judgement);
   }
 
-  add_recipe(run.description, judgement);
+  // A casting that was followed had other levers than its case.
+  add_recipe(run.description, judged.followed ? "plan" : "recipe", judgement);
   add_checks(run, is_beyond, judgement);
   add_basis(run.description, judgement);
   limit_points(judgement, most_points);

@@ -20,9 +20,9 @@
 #include "server/jobs/queue/scheduler.hpp"
 #include "server/jobs/recent.hpp"
 #include "server/jobs/store/job_store.hpp"
+#include "server/levers/casting_progress.hpp"
 #include "server/service/gate.hpp"
 #include "server/studies/lines.hpp"
-#include "server/studies/planned_levers.hpp"
 #include "server/studies/studies.hpp"
 
 namespace dccast::service {
@@ -75,7 +75,7 @@ public:
 private:
   std::mutex mutex_;
   jobs::ReadingsReader record_;
-  studies::CastingProgress casting_;
+  levers::CastingProgress casting_;
 };
 
 /// The records of running jobs: no question reads one from its beginning again. Safe to use from

@@ -9,12 +9,12 @@
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
 #include "server/jobs/logs/readings_log.hpp"
+#include "server/levers/lever_watch.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
 #include "server/studies/curl_forecast.hpp"
 #include "server/studies/curl_prior.hpp"
 #include "server/studies/past_forecasts.hpp"
-#include "server/studies/planned_levers.hpp"
 #include "server/studies/study_plan.hpp"
 
 namespace dccast::service {
@@ -280,6 +280,7 @@ FollowedCastings followed_castings(Context& context) {
     if (!job.has_casting() || job.casting().closed()) continue;
     followed.insert(job.id());
     now.oldest_reading_s = std::max(now.oldest_reading_s, job.casting().age_s());
+    now.levers_off_plan += job.casting().alarms_size();
   }
 
   now.castings = static_cast<int>(followed.size());
@@ -302,15 +303,27 @@ v1::Forecast forecast_job(Context& context, const std::string& id) {
 }
 
 std::optional<judging::FollowedCasting> followed_casting(Context& context, const std::string& id) {
-  if (!jobs::follows_readings(context.jobs_directory / id)) return std::nullopt;
+  const auto folder = context.jobs_directory / id;
+  if (!jobs::follows_readings(folder)) return std::nullopt;
+
+  judging::FollowedCasting followed;
+  v1::Case plan;
+  if (jobs::read_complete_case(folder, plan))
+    followed.poured = levers::poured_levers(plan, jobs::ReadingsReader(folder).read_new());
+  const v1::Job job = find_job(context, id);
+  followed.has_findings = std::ranges::any_of(job.findings(), [](const v1::Finding& finding) {
+    return finding.severity() > v1::Finding::NOTE;
+  });
   try {
-    return ask_record(context, id, [](const studies::ForecastBasis& basis) {
-      return judging::FollowedCasting{.forecast = studies::forecast_curls(basis),
-                                      .past = studies::past_forecasts(basis)};
+    ask_record(context, id, [&](const studies::ForecastBasis& basis) {
+      followed.forecast = studies::forecast_curls(basis);
+      followed.past = studies::past_forecasts(basis);
+      return true;
     });
   } catch (const Refusal& refusal) {
-    return judging::FollowedCasting{.no_forecast = refusal.status.error_message()};
+    followed.no_forecast = refusal.status.error_message();
   }
+  return followed;
 }
 
 void learn_before_removal(Context& context, const v1::Job& job) noexcept {

@@ -23,6 +23,7 @@ void add_casting(Context& context, v1::Job& job);
 struct FollowedCastings {
   int castings = 0;
   int warnings = 0;               ///< in the latest forecast of each
+  int levers_off_plan = 0;        ///< now (CastingNow.alarms)
   double oldest_reading_s = 0.0;  ///< longest time since the last reading of a casting arrived
 };
 FollowedCastings followed_castings(Context& context);

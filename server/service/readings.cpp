@@ -15,10 +15,10 @@
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/job_description.hpp"
 #include "server/jobs/queue/queue_hold.hpp"
+#include "server/levers/sound_levers.hpp"
 #include "server/service/forecasts.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/simulation_service.hpp"
-#include "server/studies/sound_levers.hpp"
 
 namespace dccast::service {
 
@@ -50,7 +50,7 @@ void add_left_out(const v1::Reading& reading, const std::string& name, double va
 
 /// Takes out levers beyond the range of the key of a case with the same name, and what no lever of
 /// this casting can be.
-void clean_levers(const studies::SoundLevers& sound, v1::Reading& reading,
+void clean_levers(const levers::SoundLevers& sound, v1::Reading& reading,
                   v1::AppendReadingsResponse& response) {
   const auto& reflection = *v1::Reading::GetReflection();
   for (const auto* const field : case_file::fields_of(*v1::Reading::descriptor())) {
@@ -132,7 +132,7 @@ void append(Context& context, const v1::AppendReadingsRequest& request,
   v1::Case plan;
   // Without its plan a casting is still recorded.
   if (!jobs::read_complete_case(context.jobs_directory / request.id(), plan)) plan.Clear();
-  const studies::SoundLevers sound(plan);
+  const levers::SoundLevers sound(plan);
   auto readings = request.readings();
   v1::AppendReadingsResponse cleaned;
   for (v1::Reading& reading : readings) {

@@ -10,9 +10,10 @@
 #include <string>
 
 #include "server/judging/judged_study.hpp"
+#include "server/levers/lever_watch.hpp"
+#include "server/levers/levers_off_plan.hpp"
 #include "server/studies/advice.hpp"
 #include "server/studies/known_curl.hpp"
-#include "server/studies/levers_off_plan.hpp"
 
 namespace dccast::studies {
 
@@ -180,7 +181,7 @@ void add_notes(const ForecastBasis& basis, v1::Forecast& to) {
                     "failed, or left what the model holds for",
                     lost, basis.ensemble.runs_size()));
 
-  for (const std::string& lever : levers_off_plan(basis.plan, basis.readings))
+  for (const std::string& lever : levers::levers_off_plan(basis.plan, basis.readings))
     to.add_notes(lever + (basis.followed_run.empty()
                               ? ": the forecast holds for the plan, and rests on less"
                               : ": the forecast counts what that has done, and rests on less"));
@@ -208,7 +209,13 @@ v1::Forecast forecast_curls(const ForecastBasis& basis) {
   add_findings_to_come(basis.ensemble, last_s, forecast);
   add_notes(basis, forecast);
 
-  if (basis.levers) add_advice(*basis.levers, basis.following, forecast);
+  levers::LeverWatch watch(basis.plan);
+  for (const v1::Reading& reading : basis.readings) watch.follow(reading);
+  // What the other levers would do was computed for a casting as planned.
+  if (const auto alarms = watch.under_way(); !alarms.empty())
+    forecast.add_advice(watch.remedy_at(forecast.time_s()));
+  else if (basis.levers)
+    add_advice(*basis.levers, basis.following, forecast);
   return forecast;
 }
 

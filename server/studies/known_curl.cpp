@@ -5,8 +5,8 @@
 #include <iterator>
 #include <span>
 
+#include "server/levers/sound_levers.hpp"
 #include "server/studies/run_curves.hpp"
-#include "server/studies/sound_levers.hpp"
 
 namespace dccast::studies {
 
@@ -113,7 +113,7 @@ std::optional<WrongGauge> find_wrong_gauge(const TrajectoryForecast& before,
     });
     if (unlikely < most) continue;
 
-    for (const WrongScale& wrong : wrong_scales()) {
+    for (const levers::WrongScale& wrong : levers::wrong_scales()) {
       const auto explained = std::ranges::count_if(
           last, [&](const BesideForecast& each) { return each.off(wrong.factor) < near; });
       if (explained >= most)
@@ -131,7 +131,7 @@ std::optional<WrongGauge> find_wrong_gauge(const TrajectoryForecast& before,
 KnownCurl::KnownCurl(const v1::Gauge& gauge, const ForecastBasis& basis)
     : monitor_(gauge.monitor()),
       levers_(executed_levers(basis, monitor_)),
-      off_plan_(plan_departures(basis.plan, basis.readings)),
+      off_plan_(levers::plan_departures(basis.plan, basis.readings)),
       prior_(prior_of_curl(basis, monitor_)),
       before_(prior_.trajectory, gauge_of(gauge)),
       readings_(readings_of(monitor_, basis.readings)),
@@ -147,7 +147,8 @@ std::vector<CurlReading> KnownCurl::as_planned() const {
 
 statistics::Estimated KnownCurl::with_levers(const statistics::Estimated& as_planned, double time_s,
                                              double known_until_s) const {
-  const auto after = std::ranges::upper_bound(off_plan_, known_until_s, {}, &PlanDeparture::time_s);
+  const auto after =
+      std::ranges::upper_bound(off_plan_, known_until_s, {}, &levers::PlanDeparture::time_s);
   const double off = after == off_plan_.begin() ? 0.0 : std::prev(after)->share;
   const double otherwise = off * minute_share(time_s, known_until_s) * before_.at(time_s).deviation;
 

@@ -7,10 +7,10 @@
 #include "core/statistics/innovations.hpp"
 #include "core/statistics/trajectory_forecast.hpp"
 #include "dccast/v1/follow.pb.h"
+#include "server/levers/levers_off_plan.hpp"
 #include "server/studies/curl_prior.hpp"
 #include "server/studies/executed_levers.hpp"
 #include "server/studies/forecast_basis.hpp"
-#include "server/studies/levers_off_plan.hpp"
 
 namespace dccast::studies {
 
@@ -65,7 +65,7 @@ private:
 
   std::string monitor_;
   ExecutedLevers levers_;
-  std::vector<PlanDeparture> off_plan_;  ///< by time
+  std::vector<levers::PlanDeparture> off_plan_;  ///< by time
   CurlPrior prior_;
   statistics::TrajectoryForecast before_;
   std::vector<CurlReading> readings_;

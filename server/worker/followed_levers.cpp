@@ -31,6 +31,7 @@ casting::LeverFeed::Arrived FollowedLevers::wait_until(double time) {
   Arrived arrived;
   for (;;) {
     for (const v1::Reading& reading : record_.read_new()) {
+      watch_.follow(reading);
       if (reading.closes())
         closed_ = true;
       else

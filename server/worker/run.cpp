@@ -62,8 +62,9 @@ JobRun::Clock::duration to_duration(double seconds) {
 class ReportingObserver : public casting::StepObserver {
 public:
   ReportingObserver(RunLink& link, const casting::Case& casting_case,
-                    std::optional<v1::RelativeError> mesh_error)
-      : link_(link), case_(casting_case), mesh_error_(std::move(mesh_error)) {}
+                    std::optional<v1::RelativeError> mesh_error,
+                    const std::optional<FollowedLevers>& levers)
+      : link_(link), case_(casting_case), mesh_error_(std::move(mesh_error)), levers_(levers) {}
 
   casting::Order on_step(const results::StepReport& report) override {
     send([&](v1::JobEvent& event) {
@@ -93,7 +94,13 @@ public:
   }
 
   void on_finding(const results::Finding& finding) override {
-    send([&](v1::JobEvent& event) { *event.mutable_finding() = translate::to_proto(finding); });
+    send([&](v1::JobEvent& event) {
+      *event.mutable_finding() = translate::to_proto(finding);
+      // No other lever mends what one that is off its plan does.
+      const std::string first =
+          levers_ && finding.time ? levers_->remedy_at(*finding.time) : std::string();
+      if (!first.empty()) event.mutable_finding()->set_remedy(first);
+    });
   }
 
   void on_message(std::string_view text) override {
@@ -111,6 +118,7 @@ private:
   RunLink& link_;
   const casting::Case& case_;
   const std::optional<v1::RelativeError> mesh_error_;
+  const std::optional<FollowedLevers>& levers_;  ///< empty: the case is not followed
 };
 
 /// Lists the results with sizes and checksums. They are computed here, once, while the files are
@@ -154,11 +162,11 @@ v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
   if (!order.job_id().empty())
     casting_case.case_sha256 = jobs::read_job_description(directory).job.case_sha256();
 
-  ReportingObserver observer(link, casting_case,
-                             case_file::relative_discretisation_error(order.case_()));
   std::optional<FollowedLevers> levers;
   if (!order.job_id().empty() && jobs::follows_readings(directory))
-    levers.emplace(directory, [&link] { return link.order(); });
+    levers.emplace(directory, order.case_(), [&link] { return link.order(); });
+  ReportingObserver observer(link, casting_case,
+                             case_file::relative_discretisation_error(order.case_()), levers);
 
   const auto outcome =
       casting::run(casting_case,

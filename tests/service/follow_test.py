@@ -958,6 +958,133 @@ class Client(FollowTest):
         self.assertEqual(self.append(job_id).number, len(lines))  # readings, and the end
         self.assertAlmostEqual(self.client.job(job_id).last_step.time_s, END)
 
+    def kept_file(self, job_id):
+        return os.path.join(self.folder, "state", "dccast", "readings", job_id)
+
+    def begin_live(self, lines):
+        """A client that follows live, whose readings so far are on the server."""
+        state = {"XDG_STATE_HOME": os.path.join(self.folder, "state")}
+        client = self.dccast("follow", self.case_file(), "--set", "quality=draft", stdin=subprocess.PIPE,
+                             env=os.environ | state)
+        self.write(client, lines)
+        until(lambda: self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs, 30)
+        job_id = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id
+        until(lambda: self.append(job_id).number >= len(lines) - 1, 20)
+        until(lambda: not os.path.exists(self.kept_file(job_id))
+              or os.path.getsize(self.kept_file(job_id)) == 0, 10)
+        return client, job_id, state
+
+    @staticmethod
+    def text_of(path):
+        if not os.path.exists(path):
+            return ""
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+
+    @staticmethod
+    def write(client, lines):
+        client.stdin.write("".join(lines))
+        client.stdin.flush()
+
+    def test_a_server_that_is_away_for_long_loses_nothing(self):
+        """Longer than a watch lasts by itself (37 s); the client reads on, and keeps what comes."""
+        lines = table().splitlines(keepends=True)
+        client, job_id, _ = self.begin_live(lines[:40])
+        self.daemon.kill()
+        for line in lines[40:90]:
+            self.write(client, [line])
+            time.sleep(0.9)
+        kept = self.kept_file(job_id)
+        self.assertGreater(os.path.getsize(kept), 1000)
+        self.assertEqual(os.stat(kept).st_mode & 0o777, 0o600)
+        self.assertIsNone(client.poll())
+        self.restart()
+        self.write(client, lines[90:])
+        _, err = self.ended(client)
+        self.assertEqual(self.append(job_id).number, len(lines))
+        self.assertAlmostEqual(self.client.job(job_id).last_step.time_s, END)
+        self.assertEqual(err.count("the readings wait here"), 1, err)
+        self.assertFalse(os.path.exists(kept))
+
+    def test_a_client_that_is_killed_while_the_server_is_away_loses_nothing(self):
+        lines = table().splitlines(keepends=True)
+        client, job_id, state = self.begin_live(lines[:40])
+        self.daemon.kill()
+        self.write(client, lines[40:60])
+        until(lambda: os.path.exists(self.kept_file(job_id))
+              and os.path.getsize(self.kept_file(job_id)) > 500, 20)
+        client.kill()
+        client.communicate(timeout=10)
+        self.restart()
+
+        # The logger has gone on meanwhile: its next lines are later ones.
+        second = self.dccast("follow", "--job", job_id, stdin=subprocess.PIPE, env=os.environ | state)
+        _, err = self.ended(second, input="".join(lines[:1] + lines[60:]))
+        self.assertIn("20 readings were kept in", err)
+        self.assertEqual(self.append(job_id).number, len(lines))
+        self.assertAlmostEqual(self.client.job(job_id).last_step.time_s, END)
+        self.assertFalse(os.path.exists(self.kept_file(job_id)))
+
+    def test_who_leaves_while_the_server_is_away_is_told_how_to_go_on(self):
+        lines = table().splitlines(keepends=True)
+        client, job_id, _ = self.begin_live(lines[:40])
+        self.daemon.kill()
+        self.write(client, lines[40:60])
+        until(lambda: os.path.exists(self.kept_file(job_id))
+              and os.path.getsize(self.kept_file(job_id)) > 500, 20)
+        client.send_signal(signal.SIGINT)
+        _, err = self.ended(client, code=130)
+        last = err.strip().splitlines()[-1]
+        self.assertIn("20 readings are kept for the server", last)
+        self.assertIn(f"dccast follow --job {job_id}", last)
+        self.assertGreater(os.path.getsize(self.kept_file(job_id)), 500)
+
+    def test_a_lever_off_its_plan_is_an_alarm_and_the_advice_is_to_bring_it_back(self):
+        head, *rows = table().splitlines(keepends=True)
+        path = os.path.join(self.folder, "casting.csv")
+        told = os.path.join(self.folder, "told")
+        for column, value, word in ((2, "0", "ALARM at 13 s, water: the water is off: 0 l/min/m, the plan has"),
+                                    (1, "0", "ALARM at 17 s, casting speed: the block stands"),
+                                    (1, "4", "the unit of its column; if it is a tenth"),
+                                    (3, "650", "ALARM at 17 s, metal: 650 degC, the plan has 680 degC")):
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(head)
+                for row in rows:
+                    cells = row.split(", ")
+                    cells[1:3] = ["40" if float(cells[0]) > 0 else "0", "90"]
+                    if float(cells[0]) >= 12:
+                        cells[column] = value
+                    file.write(", ".join(cells))
+            client = self.dccast("follow", self.case_file(end=145), "--set", "quality=draft", "--readings", path,
+                                 "--growing", "--notify", f"echo $DCCAST_ALARM >> {told}")
+            until(lambda: word in self.text_of(told), 30)
+            job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0]
+            self.assertEqual(len(job.casting.alarms), 1)
+            client.send_signal(signal.SIGINT)
+            _, err = self.ended(client, code=130)
+            self.assertIn(word, err)
+            self.client.cancel(job.id)
+            os.remove(told)
+
+    def test_without_water_no_finding_says_cast_slower(self):
+        """The shell of a casting melts without its water: the advice is to bring the water back."""
+        job_id = self.follow(end=END)
+        made = readings()
+        for reading in made:
+            if reading.time_s >= 12:
+                reading.water_flow_m2_per_s = 0.0
+                reading.casting_speed_m_per_s = 2.4e-3
+        self.append(job_id, *made)
+        self.append(job_id, follow_pb2.Reading(number=len(made) + 1, closes=True))
+        until(lambda: self.client.job(job_id).state in (job_pb2.SUCCEEDED, job_pb2.FAILED), 60)
+        job = self.client.job(job_id)
+        late = [finding for finding in job.findings if finding.time_s > 13]
+        self.assertTrue(late, job)
+        for finding in late:
+            self.assertIn("bring the water back to its plan", finding.remedy)
+        for finding in job.findings:
+            self.assertFalse(finding.time_s > 13 and "slower" in finding.remedy)
+
 
 if __name__ == "__main__":
     main()

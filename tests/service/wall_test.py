@@ -152,6 +152,25 @@ class Figures(Wall):
             self.browser.save_screenshot(os.path.join(os.environ["DCCAST_PICTURES"], "wall-warning.png"))
         self.assertEqual(self.complaints(), [])
 
+    def test_a_lever_off_its_plan_stands_first_and_in_red(self):
+        job_id = self.follow_on_line()
+        made = []
+        for number, t in enumerate(range(-60, 31), 1):
+            speed, _, metal = levers(t)
+            made.append(follow_pb2.Reading(number=number, time_s=t, casting_speed_m_per_s=speed,
+                                           water_flow_m2_per_s=0.0 if t >= 20 else 1.5e-3,
+                                           casting_temperature_c=metal))
+        self.append(job_id, *made)
+        self.on_wall()
+        self.go("wall")
+        self.wait_for("water: the water is off: 0 l/min/m", ".alarms")
+        self.assertEqual(self.style(".alarms", "background-color"), "rgba(179, 38, 30, 1)")
+        place = lambda selector: self.read(selector, lambda element: element.rect["y"])
+        self.assertLess(place(".alarms"), place(".curls"))
+        self.assertNotIn("No warning", self.text(".warnings"))
+        self.assertIn("bring the water back", self.text(".advice"))
+        self.assertEqual(self.complaints(), [])
+
     def test_without_a_forecast_the_curls_and_the_reason_are_shown(self):
         gauge = follow_pb2.Gauge(monitor="corner", noise_m=2e-4)
         job_id = self.follow(end=END, gauges=[gauge])

@@ -66,16 +66,20 @@ const warningLine = ({monitor, text, causes}) =>
   h('li', {}, h('strong', {}, `${monitor}: ${text}`),
     causes.length ? h('p', {}, `Likeliest: ${causes.join(', ')}`) : null);
 
+/** Levers that are off their plan: what the hall can mend at once. Empty where none is. */
+const alarmsOf = ({casting}) => h('div', {class: 'alarms', role: 'alert'},
+  [...(casting.alarms || [])].reverse().map(({monitor, text}) => h('p', {}, `${monitor}: ${text}`)));
+
 /** The newest warnings of the forecast, the gravest finding of the run, and what may come. */
 function warningsOf({job, forecast}) {
   const newest = [...(forecast?.warnings || [])].reverse(), most = 2;
   const findings = (job.findings || []).filter(finding => finding.severity !== 'NOTE');
   const toCome = (forecast?.findings || []).map(({rule, members, of}) =>
     `${rule.replaceAll('_', ' ')} in ${members} of ${of}`);
+  const isSound = !newest.length && !findings.length && !job.casting.alarms?.length;
   return h('section', {class: newest.length ? 'warnings raised' : 'warnings', 'aria-label': 'Warnings'},
-    newest.length
-      ? h('ul', {}, newest.slice(0, most).map(warningLine))
-      : h('p', {}, forecast ? 'No warning.' : ''),
+    newest.length ? h('ul', {}, newest.slice(0, most).map(warningLine)) : null,
+    isSound && forecast ? h('p', {}, 'No warning.') : null,
     newest.length > most ? h('p', {class: 'soft'}, `and ${newest.length - most} earlier`) : null,
     findings.length ? gravestFinding(findings) : null,
     toCome.length
@@ -164,7 +168,7 @@ export function followedWall(element, signal) {
     replace(element, h('div', {class: 'casting'},
       h('div', {class: 'place'}, h('h1', {}, following.line || now.job.title || now.job.id),
         h('p', {class: 'when'}, when), age),
-      old, curlFigures(now), leverRows(now.levers),
+      alarmsOf(now.job), old, curlFigures(now), leverRows(now.levers),
       h('div', {class: 'curl-chart'}, curlChart(now)),
       h('div', {class: 'remarks'}, warningsOf(now), adviceOf(now.forecast),
         (now.forecast?.notes || []).map(note => h('p', {class: 'note'}, note)))));

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "client/session/failure.hpp"
 
@@ -324,13 +326,92 @@ TEST(ReadingsTable, TheSpeedFollowsFromTheCastLength) {
   EXPECT_FALSE(reading_of(table, "0, 10, 680").has_casting_speed_m_per_s());
   EXPECT_DOUBLE_EQ(reading_of(table, "2, 12, 680").casting_speed_m_per_s(), 1e-3);
   EXPECT_FALSE(reading_of(table, "3, , 680").has_casting_speed_m_per_s());
-  EXPECT_DOUBLE_EQ(reading_of(table, "4, 13, 680").casting_speed_m_per_s(), 0.5e-3);
+  EXPECT_NEAR(reading_of(table, "4, 14, 680").casting_speed_m_per_s(), 1e-3, 1e-12);
 
   const auto reset = table.take("5, 0, 680");
   EXPECT_THAT(reset.remarks,
-              ElementsAre(HasSubstr("falls from 13 to 0 mm; the speed is left out")));
+              ElementsAre(HasSubstr("falls from 14 to 0 mm; the speed is left out")));
   EXPECT_FALSE(reset.readings.front().reading.has_casting_speed_m_per_s());
-  EXPECT_DOUBLE_EQ(reading_of(table, "6, 1, 680").casting_speed_m_per_s(), 1e-3);
+  EXPECT_NEAR(reading_of(table, "6, 1, 680").casting_speed_m_per_s(), 1e-3, 1e-12);
+}
+
+/// What the server makes of readings: it interpolates the speed, and keeps one for 10 s.
+class Integral {
+public:
+  void add(const ReadingsTable::Line& line) {
+    for (const ReadingOfLine& each : line.readings) {
+      const v1::Reading& reading = each.reading;
+      EXPECT_GT(reading.time_s(), last_s_);
+      const bool is_measured = reading.has_casting_speed_m_per_s();
+      std::optional<double> speed = speed_;
+      if (is_measured) speed = reading.casting_speed_m_per_s();
+      if (!is_measured && reading.time_s() - measured_s_ > 10.0) speed.reset();
+      if (speed && speed_ && reading.time_s() - last_s_ <= 10.0)
+        length_m_ += 0.5 * (*speed + *speed_) * (reading.time_s() - last_s_);
+      if (is_measured) measured_s_ = reading.time_s();
+      last_s_ = reading.time_s();
+      speed_ = speed;
+    }
+  }
+  double length_m() const { return length_m_; }
+
+private:
+  double last_s_ = -1e9, measured_s_ = -1e9, length_m_ = 0.0;
+  std::optional<double> speed_;
+};
+
+/// Length of a block that gathers speed for 20 s [mm].
+double cast_mm(double t) {
+  if (t <= 0.0) return 0.0;
+  if (t < 20.0) return 0.0125 * t * t;
+  return t < 60.0 ? 5.0 + 0.5 * (t - 20.0) : 25.0 + 0.8 * (t - 60.0);
+}
+
+TEST(ReadingsTable, AMeasuredLengthIsMetExactly) {
+  for (const double pause_s : {1.0, 2.5, 9.0, 9.9, 25.0}) {
+    ReadingsTable table;
+    table.take("time [s], cast length [mm]");
+    Integral server;
+    double t = -40.0;
+    for (; t <= 120.0; t += pause_s) {
+      server.add(table.take(fmt::format("{}, {}", t, cast_mm(t))));
+      EXPECT_NEAR(server.length_m(), 1e-3 * cast_mm(t), 2e-6)
+          << "every " << pause_s << " s at " << t;
+    }
+  }
+}
+
+TEST(ReadingsTable, AMeasuredLengthIsMetOverCellsThatAreMissing) {
+  ReadingsTable table;
+  table.take("time [s], cast length [mm], metal [degC]");
+  Integral server;
+  for (int t = -20; t <= 120; ++t) {
+    const bool is_there = t % 7 < 3;
+    server.add(table.take(is_there ? fmt::format("{}, {}, 680.{}", t, cast_mm(t), t + 20)
+                                   : fmt::format("{}, , 680.{}", t, t + 20)));
+    if (t % 7 == 2) {
+      EXPECT_NEAR(server.length_m(), 1e-3 * cast_mm(t), 3e-6) << t;
+    }
+  }
+}
+
+/// The speed of a counter with steps of 5 mm is that of the block, and no row of peaks.
+TEST(ReadingsTable, TheStepsOfACoarseCounterAreSpread) {
+  ReadingsTable table;
+  table.take("time [s], cast length [mm]");
+  Integral server;
+  double fastest = 0.0;
+  for (int t = -20; t <= 400; ++t) {
+    const double shown = 5.0 * std::floor(0.5 * std::max(t, 0) / 5.0);
+    const auto line = table.take(fmt::format("{}, {}", t, shown));
+    server.add(line);
+    if (t > 30)
+      for (const auto& each : line.readings)
+        fastest = std::max(fastest, each.reading.casting_speed_m_per_s());
+    EXPECT_NEAR(server.length_m(), 1e-3 * std::max(0.5 * t, 0.0), 10.1e-3) << t;
+  }
+  EXPECT_NEAR(server.length_m(), 0.2, 5.1e-3);
+  EXPECT_NEAR(fastest, 0.5e-3, 1e-5);
 }
 
 TEST(ReadingsTable, ALengthOfABrokenSensorIsLeftOutAlone) {
@@ -340,7 +421,8 @@ TEST(ReadingsTable, ALengthOfABrokenSensorIsLeftOutAlone) {
   reading_of(table, "1, 11, 680");
   for (const char* broken : {"2, -9999, 680", "3, 32767, 680"})
     EXPECT_FALSE(table.take(broken).readings.front().reading.has_casting_speed_m_per_s());
-  EXPECT_DOUBLE_EQ(reading_of(table, "4, 14, 680").casting_speed_m_per_s(), 1e-3) << "over the gap";
+  EXPECT_NEAR(reading_of(table, "4, 14, 680").casting_speed_m_per_s(), 1e-3, 1e-12)
+      << "over the gap";
 }
 
 TEST(ReadingsTable, ALengthThatTremblesAddsUpToItself) {
@@ -380,8 +462,10 @@ TEST(ReadingsTable, ACounterThatStaysTellsOnlyAfterAWhileThatTheBlockStands) {
   const v1::Reading still = reading_of(table, "10, 5, 680");
   EXPECT_TRUE(still.has_casting_speed_m_per_s());
   EXPECT_EQ(still.casting_speed_m_per_s(), 0.0);
-  EXPECT_DOUBLE_EQ(reading_of(table, "11, 10, 680").casting_speed_m_per_s(), 5e-3);
-  EXPECT_EQ(reading_of(table, "12, 10, 680").casting_speed_m_per_s(), 0.0);
+  // The first step of 5 mm is spread over 10 s.
+  for (int t = 11; t < 20; ++t)
+    EXPECT_NEAR(reading_of(table, fmt::format("{}, 10, 680.{}", t, t)).casting_speed_m_per_s(),
+                5e-3 / 11.0, 1e-9);
 }
 
 const char* const names_of_plant = R"(
@@ -435,8 +519,8 @@ TEST(ReadingsTable, FindsTheStartByTheCastLength) {
   table.take("t, L");
   for (int t = 0; t < 20; ++t) EXPECT_THAT(table.take(fmt::format("{}, 0", t)).readings, IsEmpty());
   const auto line = table.take("20, 1");
-  ASSERT_EQ(line.readings.size(), 21u);
-  EXPECT_EQ(line.readings[19].reading.time_s(), 0.0);
+  ASSERT_EQ(line.readings.size(), 23u) << "two changes of the speed begin right after a reading";
+  EXPECT_EQ(line.readings[20].reading.time_s(), 0.0);
 }
 
 TEST(ReadingsTable, ACoarseCounterOfABlockThatMovesShowsNoStart) {

@@ -102,7 +102,7 @@ TEST(RunFacts, TheRecipeIsAsAPlantReadsIt) {
   input.mutable_schedule()->mutable_water_flow_m2_per_s()->add_value(3e-3);
   input.mutable_cooling()->mutable_narrow_water()->set_enabled(false);
   v1::Judgement judgement;
-  add_recipe(input, judgement);
+  add_recipe(input, "recipe", judgement);
 
   const v1::Table recipe = table(judgement, "recipe");
   std::vector<std::string> lines;

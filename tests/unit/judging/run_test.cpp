@@ -276,6 +276,26 @@ const v1::Table* find_table(const v1::Judgement& judgement, const std::string& k
   return nullptr;
 }
 
+TEST(FollowedRun, ShowsWhatWasCastBesideThePlan) {
+  RunToJudge judged = even_rise();
+  judged.followed = followed_corner();
+  judged.followed->poured = {{.name = "water",
+                              .planned = "120 l/min/m",
+                              .measured = "90 l/min/m",
+                              .range = "60 l/min/m to 120 l/min/m"}};
+  judged.followed->has_findings = true;
+  const v1::Judgement judgement = judge_run(judged);
+
+  const v1::Table* const poured = find_table(judgement, "poured");
+  ASSERT_NE(poured, nullptr);
+  ASSERT_EQ(poured->rows_size(), 1);
+  EXPECT_EQ(poured->rows(0).cells(1).text(), "90 l/min/m");
+  EXPECT_EQ(poured->rows(0).cells(3).text(), "120 l/min/m");
+  EXPECT_EQ(find_table(judgement, "recipe")->heading(), "plan");
+  EXPECT_THAT(find_table(judgement, "forecast")->note(), testing::Not(HasSubstr("No warning")));
+  EXPECT_EQ(find_table(judge_run(even_rise()), "recipe")->heading(), "recipe");
+}
+
 TEST(FollowedRun, ComparesForecastAndReadings) {
   RunToJudge judged = even_rise();
   judged.followed = followed_corner();

@@ -1,4 +1,4 @@
-#include "server/studies/levers_off_plan.hpp"
+#include "server/levers/levers_off_plan.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +11,8 @@
 
 namespace dccast::studies {
 namespace {
+
+using levers::levers_off_plan;
 
 TEST(LeversOffPlan, ReadsTablesAgainstTimeAndCastLength) {
   v1::Case complete = plan();

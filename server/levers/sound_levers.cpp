@@ -1,4 +1,4 @@
-#include "server/studies/sound_levers.hpp"
+#include "server/levers/sound_levers.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "proto/case_file/schedule.hpp"
 
-namespace dccast::studies {
+namespace dccast::levers {
 
 namespace {
 
@@ -140,4 +140,4 @@ std::string SoundLevers::explanation(const std::string& lever, double value) con
   return {};
 }
 
-}  // namespace dccast::studies
+}  // namespace dccast::levers

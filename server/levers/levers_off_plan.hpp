@@ -6,7 +6,7 @@
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/follow.pb.h"
 
-namespace dccast::studies {
+namespace dccast::levers {
 
 /// A sentence for speed and for water, where what was measured over the last minute is on average
 /// more than 10 % off the plan.
@@ -27,4 +27,4 @@ struct PlanDeparture {
 std::vector<PlanDeparture> plan_departures(const v1::Case& plan,
                                            const std::vector<v1::Reading>& readings);
 
-}  // namespace dccast::studies
+}  // namespace dccast::levers

@@ -1,13 +1,11 @@
-#include "server/studies/sound_levers.hpp"
+#include "server/levers/sound_levers.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "tests/support/shaped_castings.hpp"
-
-namespace dccast::studies {
+namespace dccast::levers {
 namespace {
 
 using ::testing::HasSubstr;
@@ -16,8 +14,11 @@ using ::testing::IsEmpty;
 /// Speed 60 mm/min, water 2e-3 rising to 4e-3 m2/s, metal of 680 °C that freezes from 645 to 575
 /// °C.
 v1::Case aluminium() {
-  v1::Case complete = plan();
+  v1::Case complete;
+  complete.mutable_time()->set_end_s(1e4);
+  complete.mutable_cooling()->mutable_water()->set_enabled(true);
   v1::Schedule& schedule = *complete.mutable_schedule();
+  schedule.mutable_casting_speed_m_per_s()->add_value(1e-3);
   schedule.mutable_casting_temperature_c()->add_value(680.0);
   v1::Curve& water = *schedule.mutable_water_flow_m2_per_s();
   water.Clear();
@@ -65,7 +66,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Shown{metal, 570.0, ""}, Shown{speed, 1e-2, "ten times too large"},
                       Shown{speed, 6e-2, "what is read per second is per minute"},
                       Shown{speed, -1e-3, "its sign is turned, it is 0.001 m/s"},
-                      Shown{speed, 4.1e-3, ""}, Shown{water, 3e-2, "ten times too large"},
+                      Shown{speed, 4.1e-3, ""}, Shown{speed, 1.6e-2, ""},
+                      Shown{water, 3e-2, "ten times too large"},
                       Shown{water, 0.12, "what is read per second is per minute"},
                       Shown{water, 2.5, "what is read as m is in mm"}));
 
@@ -96,4 +98,4 @@ TEST(SoundLevers, JudgeTheNarrowFaceByItsOwnFlow) {
 }
 
 }  // namespace
-}  // namespace dccast::studies
+}  // namespace dccast::levers

@@ -1,4 +1,4 @@
-#include "server/studies/levers_off_plan.hpp"
+#include "server/levers/levers_off_plan.hpp"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <optional>
 
-#include "server/studies/planned_levers.hpp"
+#include "server/levers/planned_levers.hpp"
 
-namespace dccast::studies {
+namespace dccast::levers {
 
 namespace {
 
@@ -94,4 +94,4 @@ std::vector<PlanDeparture> plan_departures(const v1::Case& plan,
   return departures;
 }
 
-}  // namespace dccast::studies
+}  // namespace dccast::levers

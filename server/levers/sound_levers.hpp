@@ -6,7 +6,7 @@
 
 #include "dccast/v1/case.pb.h"
 
-namespace dccast::studies {
+namespace dccast::levers {
 
 /// What the levers of a casting can be, judged by its alloy and its plan. Names of levers are
 /// fields of v1::Reading, values have the unit in the name.
@@ -44,4 +44,4 @@ struct WrongScale {
 /// Scales of sensors, plants' usual mistakes first.
 const std::vector<WrongScale>& wrong_scales();
 
-}  // namespace dccast::studies
+}  // namespace dccast::levers

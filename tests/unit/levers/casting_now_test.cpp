@@ -1,10 +1,10 @@
-#include "server/studies/planned_levers.hpp"
+#include "server/levers/casting_progress.hpp"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-namespace dccast::studies {
+namespace dccast::levers {
 namespace {
 
 /// A plan whose speed rises with cast length, whose water comes at 5 s.
@@ -97,4 +97,4 @@ TEST(CastingNow, SaysWhetherMoreComes) {
 }
 
 }  // namespace
-}  // namespace dccast::studies
+}  // namespace dccast::levers
