@@ -431,8 +431,9 @@ void ReadingsTable::hold_speed(double time_s, double speed_m_per_s, Line& line) 
   const bool is_known = course_ && course_->speed_m_per_s == speed_m_per_s;
   if (!is_known) send(*before_s_ + right_after_s);
 
-  // A length tells its mean speed over a gap, too.
-  constexpr double apart_s = 0.9 * longest_gap_s;
+  // A length tells its mean speed over a gap, too, unless the source was away for long.
+  constexpr double apart_s = 0.9 * longest_gap_s, longest_filled_s = 3600.0;
+  if (time_s - *before_s_ > longest_filled_s) return;
   for (double at_s = *before_s_ + apart_s; at_s < time_s - right_after_s; at_s += apart_s)
     send(at_s);
 }

@@ -32,13 +32,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
       const std::size_t end = std::min(text.find('\n'), text.size());
       const auto line = table.take(std::string(text.substr(0, end)));
       text.remove_prefix(std::min(end + 1, text.size()));
-      for (const v1::Reading& reading : line.readings) {
-        fuzz::require(reading.time_s() > last_s, "readings have rising times");
-        last_s = reading.time_s();
+      fuzz::require(line.readings.size() <= 5000, "a line holds what waited, and an hour's speeds");
+      for (const client::ReadingOfLine& each : line.readings) {
+        fuzz::require(each.reading.time_s() > last_s, "readings have rising times");
+        last_s = each.reading.time_s();
       }
     }
-  } catch (const client::CommandFailed&) {
-    fuzz::require(!std::isfinite(last_s), "a table ends before its first reading alone");
+  } catch (const client::CommandFailed&) {  // also of a second header that lacks a column
   }
   return 0;
 }

@@ -381,6 +381,14 @@ TEST(ReadingsTable, AMeasuredLengthIsMetExactly) {
   }
 }
 
+TEST(ReadingsTable, AGapOfYearsIsNotFilled) {
+  ReadingsTable table;
+  table.take("time [s], cast length [mm]");
+  table.take("0, 0");
+  table.take("1, 1");
+  EXPECT_LE(table.take("1e9, 2").readings.size(), 2u);
+}
+
 TEST(ReadingsTable, AMeasuredLengthIsMetOverCellsThatAreMissing) {
   ReadingsTable table;
   table.take("time [s], cast length [mm], metal [degC]");
