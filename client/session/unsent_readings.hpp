@@ -53,8 +53,8 @@ private:
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<ReadingOfLine> unsent_;
-  std::size_t bytes_ =
-      0;  ///< of the file, also of readings that were acknowledged since it was empty
+  /// Of the file, also of readings that were acknowledged since it was empty.
+  std::size_t bytes_ = 0;
   bool closed_ = false;
   bool is_full_ = false;
 };

@@ -59,8 +59,7 @@ void add_forecast_chart(const v1::ForecastCurl& gauge, const PastForecast& past,
                   far_s));
 }
 
-void add_forecast_table(const FollowedCasting& followed, bool has_findings,
-                        v1::Judgement& judgement) {
+void add_forecast_table(const FollowedCasting& followed, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "forecast", "forecast against measured curl");
   *table.add_columns() = text_column("gauge", "gauge");
   *table.add_columns() = number_column("ahead", "ahead", "s", 1.0);
@@ -81,7 +80,8 @@ void add_forecast_table(const FollowedCasting& followed, bool has_findings,
       "The error is the root mean square of reading minus forecast, over forecasts from the start "
       "of the block on. Readings that were left out do not count, nor forecasts from before a slip "
       "of the gauge for times after it." +
-      (followed.forecast.warnings().empty() && !has_findings ? " No warning was raised." : ""));
+      (followed.forecast.warnings().empty() && !followed.has_findings ? " No warning was raised."
+                                                                      : ""));
 }
 
 void add_warnings(const v1::Forecast& forecast, v1::Judgement& judgement) {
@@ -124,7 +124,7 @@ void add_followed(const FollowedCasting& followed, const JudgedRun& run, v1::Jud
 
   for (const v1::ForecastCurl& gauge : followed.forecast.curls())
     add_forecast_chart(gauge, find_past(followed, gauge.monitor()), run, judgement);
-  add_forecast_table(followed, followed.has_findings, judgement);
+  add_forecast_table(followed, judgement);
   add_warnings(followed.forecast, judgement);
 }
 

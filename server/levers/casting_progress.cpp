@@ -33,7 +33,6 @@ void CastingProgress::follow(const v1::Reading& reading) {
     closed_ = true;
     return;
   }
-  planned_.follow(reading);
   watch_.follow(reading);
   last_.push_back(reading);
   while (last_.front().time_s() < reading.time_s() - longest_gap_s) last_.pop_front();
@@ -45,7 +44,7 @@ v1::CastingNow CastingProgress::now() const {
   if (last_.empty()) return now;
 
   *now.mutable_measured() = last_values(last_);
-  *now.mutable_planned() = planned_.levers();
+  *now.mutable_planned() = watch_.planned();
   for (v1::ForecastWarning& alarm : watch_.under_way()) *now.add_alarms() = std::move(alarm);
   return now;
 }

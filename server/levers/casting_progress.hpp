@@ -6,7 +6,6 @@
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/follow.pb.h"
 #include "server/levers/lever_watch.hpp"
-#include "server/levers/planned_levers.hpp"
 
 namespace dccast::levers {
 
@@ -15,8 +14,7 @@ namespace dccast::levers {
 class CastingProgress {
 public:
   /// @param plan  complete case
-  explicit CastingProgress(v1::Case plan) : plan_(std::move(plan)) {}
-  CastingProgress(const CastingProgress&) = delete;
+  explicit CastingProgress(v1::Case plan) : watch_(std::move(plan)) {}
 
   /// Goes on to a later reading, or to the one that closes the record.
   void follow(const v1::Reading& reading);
@@ -24,9 +22,7 @@ public:
   v1::CastingNow now() const;
 
 private:
-  const v1::Case plan_;
-  PlannedLevers planned_{plan_};
-  LeverWatch watch_{plan_};
+  LeverWatch watch_;
   std::deque<v1::Reading> last_;  ///< of the last seconds, in which a lever keeps its value
   bool closed_ = false;
 };

@@ -12,7 +12,6 @@ namespace dccast::levers {
 
 namespace {
 
-constexpr double gathers_speed_s = 10.0;
 constexpr double longest_off_s = 5.0;  // without an alarm
 constexpr double far_share = 0.2;      // of the plan
 constexpr double far_k = 20.0;         // plants permit themselves 10 K

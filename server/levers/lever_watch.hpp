@@ -26,6 +26,8 @@ public:
 
   /// Goes on to a later reading.
   void follow(const v1::Reading& reading);
+  /// The levers of the plan at the time of the last reading.
+  v1::Reading planned() const { return planned_.levers(); }
   /// The levers that are off now, the newest last. The `monitor` of each is a lever.
   std::vector<v1::ForecastWarning> under_way() const;
   /// What is to be done first about a finding of a time [s]: the levers that were off there, or

@@ -77,7 +77,6 @@ std::vector<std::string> levers_off_plan(const v1::Case& plan,
 
 std::vector<PlanDeparture> plan_departures(const v1::Case& plan,
                                            const std::vector<v1::Reading>& readings) {
-  constexpr double gathers_speed_s = 10.0;
   std::vector<PlanDeparture> departures;
   PlannedLevers plan_so_far(plan);
   double sum = 0.0;

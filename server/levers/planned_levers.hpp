@@ -6,6 +6,9 @@
 
 namespace dccast::levers {
 
+/// In the first seconds the block gathers speed: levers beside their plan count from then on [s].
+inline constexpr double gathers_speed_s = 10.0;
+
 /// The levers that a plan has where a casting is. Tables of a plan may be against cast length,
 /// which is the integral of the measured speed; where the speed was not measured, of the planned
 /// one.
