@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <iterator>
@@ -13,6 +14,7 @@
 #include "client/model/answer.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
+#include "client/session/kept_clock.hpp"
 #include "client/session/line_source.hpp"
 #include "client/session/readings.hpp"
 #include "client/session/readings_table.hpp"
@@ -225,6 +227,7 @@ public:
   /// Throws CommandFailed: the job follows no readings.
   Sending(const Connection& connection, std::string id)
       : id_(std::move(id)),
+        clock_file_(kept_clock_file(id_)),
         companion_(connection),
         unsent_(unsent_readings_file(id_), remark),
         sender_(companion_.connection(), id_, remark) {}
@@ -243,22 +246,40 @@ public:
   const RecordSender& sender() const { return sender_; }
   /// Readings that the server does not have.
   std::size_t unsent() const { return unsent_.size(); }
+  /// The casting has ended: nothing of its source is needed any more.
+  void forget_clock() {
+    reader_ = {};
+    std::error_code error;
+    std::filesystem::remove(clock_file_, error);
+  }
 
 private:
   void read_all(LineSource& source, ReadingsTable& table, const std::vector<ReadingOfLine>& first,
                 const std::stop_token& stop) {
     try {
+      keep_jumps(table);
       bool goes_on = unsent_.add(first, stop);
       while (goes_on) {
         const auto lines = source.next(stop);
         if (lines.empty()) break;
-        goes_on = unsent_.add(readings_in(lines, table), stop);
+        std::vector<ReadingOfLine> readings = readings_in(lines, table);
+        keep_jumps(table);
+        goes_on = unsent_.add(std::move(readings), stop);
       }
       for (const std::string& each : table.summary()) remark(each);
       if (!stop.stop_requested()) unsent_.close();
     } catch (const std::exception& error) {
       end_early(error);
     }
+  }
+
+  /// Whoever goes on with the source must know of jumps before.
+  void keep_jumps(const ReadingsTable& table) {
+    const SourceClock::History& history = table.clock().history();
+    if (history.jumps.size() == kept_jumps_) return;
+    kept_jumps_ = history.jumps.size();
+    if (const std::string fault = keep_clock(clock_file_, history); !fault.empty())
+      remark(fault + "; if this program is started again, stamps are taken as they are");
   }
 
   /// Sends until the source ends, the job takes no more, or the stop is requested.
@@ -286,6 +307,8 @@ private:
   }
 
   const std::string id_;
+  const std::filesystem::path clock_file_;
+  std::size_t kept_jumps_ = 0;  ///< of the clock of the source
   Companion companion_;
   UnsentReadings unsent_;
   RecordSender sender_;
@@ -352,6 +375,22 @@ ExitCode run_preparation(const FollowOptions& options, Program& program) {
   return ExitCode::done;
 }
 
+/// The clock of the source. @param job  that waits for further readings; empty: it is a new one
+SourceClock clock_of(const FollowOptions& options, const std::string& job) {
+  std::optional<double> jump_from_s;
+  if (!options.jump_from.empty())
+    jump_from_s = case_file::parse_quantity(options.jump_from, "s").value;
+  if (job.empty()) return SourceClock(jump_from_s);
+
+  SourceClock::History before = read_kept_clock(kept_clock_file(job));
+  if (!before.jumps.empty())
+    remark(fmt::format(
+        "the clock of the source had jumped by {:+.4g} s in all; stamps from there on are "
+        "moved by as much",
+        -before.jumps.back().offset_s));
+  return SourceClock(jump_from_s, std::move(before));
+}
+
 ExitCode run(const FollowOptions& options, Program& program) {
   if (options.prepare) return run_preparation(options, program);
   if (options.file.empty() == options.job.empty()) throw invalid("give either FILE or --job JOB");
@@ -359,15 +398,12 @@ ExitCode run(const FollowOptions& options, Program& program) {
     throw invalid("standard input holds the readings; give the case as a file");
 
   const auto source = open_source(options);
-  std::optional<double> jump_from_s;
-  if (!options.jump_from.empty())
-    jump_from_s = case_file::parse_quantity(options.jump_from, "s").value;
-  ReadingsTable table(read_columns(options.columns), SourceClock(jump_from_s));
-  std::vector<ReadingOfLine> first = read_first(*source, table);
-
   Connection connection = program.connect();
-  const std::string id = options.job.empty() ? submit(options, table, connection)
-                                             : resolve_job(connection, options.job);
+  std::string id;
+  if (!options.job.empty()) id = resolve_job(connection, options.job);
+  ReadingsTable table(read_columns(options.columns), clock_of(options, id));
+  std::vector<ReadingOfLine> first = read_first(*source, table);
+  if (id.empty()) id = submit(options, table, connection);
 
   AlarmHandlers handlers = alarm_handlers(options.alarms, options.broker, id);
   const bool has_forecast = !table.gauges().empty();
@@ -385,6 +421,7 @@ ExitCode run(const FollowOptions& options, Program& program) {
         unsent > 0 ? fmt::format("{} readings are kept for the server, and ", unsent) : "", id,
         id));
   }
+  sending.forget_clock();
   if (code != ExitCode::done || sending.sender().has_values()) return code;
 
   remark("no value that was measured was used: the job has computed the plan of the case");

@@ -53,6 +53,7 @@ public:
   Line take(const std::string& line, std::optional<double> arrival_s = {});
 
   bool has_header() const { return !header_.empty(); }
+  const SourceClock& clock() const { return clock_; }
   /// How many cells of each column could not be read, and how many lines had each other fault,
   /// where that was more than one.
   std::vector<std::string> summary() const;

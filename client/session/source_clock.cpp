@@ -48,15 +48,33 @@ bool SourceClock::is_set_back(const Line& line) const {
   if (next == lines_.end() || next == lines_.begin()) return false;
   const auto before = next - 1;
   const bool is_doubled =
-      next->time_s - line.time_s < least_step_s && next->content == line.content;
+      next->time_s - line.time_s < least_step_s && next->mark.content == line.mark.content;
   return !is_doubled && next->time_s - before->time_s < 1.5 * *step_s;
 }
 
-SourceClock::Placed SourceClock::jump(double to_s, double from_s, const std::string& reason) {
-  offset_s_ += to_s - from_s;
+SourceClock::Placed SourceClock::jump(double to_s, const Line& line, const std::string& reason) {
+  offset_s_ += to_s - line.time_s;
+  history_.jumps.resize(passed_++);
+  history_.jumps.push_back({line.mark, offset_s_});
   return {.time_s = to_s,
           .is_jump = true,
-          .remark = fmt::format("jumps by {:+.4g} s: {}", from_s - to_s, reason)};
+          .remark = fmt::format("jumps by {:+.4g} s: {}", line.time_s - to_s, reason)};
+}
+
+void SourceClock::begin(const Mark& first) {
+  if (history_.jumps.empty()) history_.first = first;
+  if (first == history_.first) return;
+  // A line before the first jump has an earlier stamp, unless that jump has set the clock back.
+  const auto& jumps = history_.jumps;
+  for (std::size_t i = jumps.size(); i > 0 && passed_ == 0; --i)
+    if (first.stamp_s >= jumps[i - 1].at.stamp_s) passed_ = i;
+  if (passed_ > 0) offset_s_ = jumps[passed_ - 1].offset_s;
+}
+
+bool SourceClock::meets_known_jump(const Mark& mark) {
+  if (passed_ == history_.jumps.size() || history_.jumps[passed_].at != mark) return false;
+  offset_s_ = history_.jumps[passed_++].offset_s;
+  return true;
 }
 
 SourceClock::Placed SourceClock::place_earlier(const Line& line, std::optional<double> elapsed_s) {
@@ -70,7 +88,7 @@ SourceClock::Placed SourceClock::place_earlier(const Line& line, std::optional<d
   // The line before, which was left out, came a usual pause after the last one.
   const double since_s =
       is_in_real_time() && elapsed_s ? *elapsed_s : *step_s + (line.time_s - before->time_s);
-  return jump(lines_.back().time_s + since_s, line.time_s,
+  return jump(lines_.back().time_s + since_s, line,
               "the lines go on from an earlier time, which is a clock that was set back. Later "
               "stamps are moved by as much; a table with lines in another order is to be sorted");
 }
@@ -86,7 +104,7 @@ SourceClock::Placed SourceClock::place_later(const Line& line, std::optional<dou
                                *step_s - long_s >= least_jump_s &&
                                *elapsed_s <= few_pauses * *pause_s;
     if (lead_s < least_jump_s && !is_late_stamp) return {.time_s = line.time_s};
-    return jump(last_s + *elapsed_s, line.time_s,
+    return jump(last_s + *elapsed_s, line,
                 fmt::format("the stamps are {:.4g} s apart, the lines came {:.4g} s apart. The "
                             "arrival counts, and later stamps are moved by as much",
                             long_s, *elapsed_s));
@@ -98,7 +116,7 @@ SourceClock::Placed SourceClock::place_later(const Line& line, std::optional<dou
     return {.time_s = line.time_s,
             .remark = fmt::format("taken for a gap; if the clock jumped there: --jump-from \"{}\"",
                                   case_file::quantity_text(std::floor(long_s), "s"))};
-  return jump(last_s + *step_s, line.time_s,
+  return jump(last_s + *step_s, line,
               fmt::format("no reading for {:.4g} s is taken for a clock that was set, and later "
                           "stamps are moved by as much; if there was none for so long: --jump-from "
                           "\"{}\"",
@@ -126,19 +144,22 @@ void SourceClock::accept(const Line& line, std::optional<double> arrival_s) {
 
 SourceClock::Placed SourceClock::place(double time_s, std::optional<double> arrival_s,
                                        std::size_t content) {
-  const Line line{time_s + offset_s_, content};
+  const Mark mark{time_s, content};
+  if (lines_.empty()) begin(mark);
+  const bool is_known = meets_known_jump(mark);
+  const Line line{time_s + offset_s_, mark};
   std::optional<double> elapsed_s;
   if (arrival_s && last_arrival_s_) elapsed_s = *arrival_s - *last_arrival_s_;
 
   Placed placed{.time_s = line.time_s};
   if (!lines_.empty() && line.time_s < lines_.back().time_s + least_step_s)
     placed = place_earlier(line, elapsed_s);
-  else if (!lines_.empty())
+  else if (!lines_.empty() && !is_known)
     placed = place_later(line, elapsed_s);
 
   if (placed.is_earlier) return placed;
   back_.reset();
-  accept({placed.time_s, content}, arrival_s);
+  accept({placed.time_s, mark}, arrival_s);
   return placed;
 }
 

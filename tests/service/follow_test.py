@@ -3,6 +3,7 @@
 import datetime
 import json
 import os
+import pathlib
 import random
 import signal
 import subprocess
@@ -934,17 +935,11 @@ class Client(FollowTest):
 
     def test_a_killed_client_and_a_restarted_daemon_lose_nothing(self):
         lines = table().splitlines(keepends=True)
-        first = self.dccast("follow", self.case_file(), "--set", "quality=draft",
-                            stdin=subprocess.PIPE)
-        first.stdin.write("".join(lines[:40]))
-        first.stdin.flush()
-        until(lambda: self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs, 30)
-        job_id = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id
-        until(lambda: self.append(job_id).number >= 39, 20)
+        first, job_id, state = self.begin_live(lines[:40])
         first.kill()
         first.communicate(timeout=10)
 
-        second = self.dccast("follow", "--job", job_id, stdin=subprocess.PIPE)
+        second = self.dccast("follow", "--job", job_id, stdin=subprocess.PIPE, env=os.environ | state)
         second.stdin.write("".join(lines[:60]))
         second.stdin.flush()
         until(lambda: self.append(job_id).number >= 59, 20)
@@ -1024,6 +1019,34 @@ class Client(FollowTest):
         self.assertEqual(self.append(job_id).number, len(lines))
         self.assertAlmostEqual(self.client.job(job_id).last_step.time_s, END)
         self.assertFalse(os.path.exists(self.kept_file(job_id)))
+
+    def start_anew_after_a_jump(self, reads_again):
+        """The clock of the logger was set forward before its client was killed."""
+        head, *rows = table().splitlines(keepends=True)
+        lines = [head]
+        for row in rows:
+            time_s, rest = row.split(",", 1)
+            lines.append(f"{int(time_s) + (874 if int(time_s) > -40 else 0)},{rest}")
+        first, job_id, state = self.begin_live(lines[:40])
+        clock = pathlib.Path(self.kept_file(job_id) + ".clock")
+        mode = clock.stat().st_mode & 0o777 if clock.exists() else None
+        first.kill()
+        first.communicate(timeout=10)
+
+        second = self.dccast("follow", "--job", job_id, stdin=subprocess.PIPE, env=os.environ | state)
+        _, err = self.ended(second, input="".join(lines if reads_again else lines[:1] + lines[40:]))
+        self.assertAlmostEqual(self.append(job_id).time_s, END, msg=err)
+        self.assertEqual(self.append(job_id).number, len(lines), err)
+        self.assertIn("the clock of the source had jumped by +874 s in all", err)
+        self.assertNotIn("the clock of the source jumps", err)
+        self.assertEqual(mode, 0o600)
+        self.assertFalse(clock.exists())
+
+    def test_a_client_that_is_started_anew_reads_on_behind_a_jump_of_the_clock(self):
+        self.start_anew_after_a_jump(reads_again=False)
+
+    def test_a_client_that_is_started_anew_reads_a_file_with_a_jump_again(self):
+        self.start_anew_after_a_jump(reads_again=True)
 
     def test_who_leaves_while_the_server_is_away_is_told_how_to_go_on(self):
         lines = table().splitlines(keepends=True)

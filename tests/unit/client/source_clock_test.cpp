@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dccast::client {
@@ -19,12 +20,14 @@ using ::testing::IsEmpty;
 class Source {
 public:
   explicit Source(std::optional<double> jump_from_s = {}) : clock_(jump_from_s) {}
+  explicit Source(SourceClock::History before) : clock_({}, std::move(before)) {}
 
   /// A line in real time. @param arrival_s  when it comes
   void live(double stamp_s, double arrival_s) { take(stamp_s, 1e5 + arrival_s, ++content_); }
   /// A line of a file.
   void read(double stamp_s) { take(stamp_s, {}, ++content_); }
   void repeat(double stamp_s, std::size_t content) { take(stamp_s, {}, content); }
+  const SourceClock::History& history() const { return clock_.history(); }
 
   std::vector<double> times;
   std::vector<std::string> jumps, gaps;
@@ -145,6 +148,49 @@ TEST(SourceClock, EachJumpIsFound) {
   }
   EXPECT_EQ(source.jumps.size(), 3u);
   EXPECT_NEAR(source.times.back(), 300.0, 1e-9);
+}
+
+/// A program that is started anew reads on where the source is, or the whole file again.
+TEST(SourceClock, JumpsOfAnEarlierProgramAreKnown) {
+  for (const double by : {874.0, -60.0, -8.0}) {
+    const auto stamp = [&](int t) { return t + (t > 100 ? by : 0.0); };
+    Source before;
+    for (int t = 0; t <= 130; ++t) before.read(stamp(t));
+    ASSERT_EQ(before.history().jumps.size(), 1u) << by;
+    const double last_s = before.times.back();
+
+    Source behind(before.history());
+    for (int t = 131; t <= 140; ++t) behind.read(stamp(t));
+    EXPECT_NEAR(behind.times.front(), last_s + 1.0, 1e-9) << by;
+    EXPECT_NEAR(behind.times.back(), last_s + 10.0, 1e-9) << by;
+
+    Source again(before.history());
+    for (int t = 0; t <= 140; ++t) again.read(stamp(t));
+    EXPECT_NEAR(again.times[50], 50.0, 1e-9) << by;
+    EXPECT_NEAR(again.times.back(), last_s + 10.0, 1e-9) << by;
+    EXPECT_THAT(again.jumps, IsEmpty()) << by;
+  }
+}
+
+/// A log that was begun anew before the jump is read from its own first line.
+TEST(SourceClock, AnotherFirstLineBeforeTheJumpIsBeforeIt) {
+  Source before;
+  for (int t = 0; t <= 130; ++t) before.read(t + (t > 100 ? 874.0 : 0.0));
+  Source again(before.history());
+  for (int t = 70; t <= 140; ++t) again.repeat(t + (t > 100 ? 874.0 : 0.0), 1001 + t);
+  EXPECT_EQ(again.times.front(), 70.0);
+  EXPECT_NEAR(again.times.back(), before.times.back() + 10.0, 1e-9);
+}
+
+TEST(SourceClock, AJumpAfterAKnownOneIsFoundAndAddsToIt) {
+  Source before;
+  for (int t = 0; t <= 130; ++t) before.read(t + (t > 100 ? 874.0 : 0.0));
+  Source behind(before.history());
+  for (int t = 131; t <= 200; ++t) behind.read(t + (t > 160 ? 2000.0 : 874.0));
+  EXPECT_NEAR(behind.times.back(), 200.0, 1e-9);
+  EXPECT_EQ(behind.jumps.size(), 1u);
+  ASSERT_EQ(behind.history().jumps.size(), 2u);
+  EXPECT_NEAR(behind.history().jumps.back().offset_s, -2000.0, 1e-9);
 }
 
 }  // namespace
