@@ -120,62 +120,71 @@ int RunCounts::ended() const {
 }
 
 StudyStore::StudyStore(const std::filesystem::path& path) : database_(path) {
-  database_.execute(
-      "PRAGMA busy_timeout = 10000; PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON; "
-      "PRAGMA synchronous = FULL");
-  database_.execute(tables);
+  database_.write([](Database& database) {
+    database.execute(
+        "PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON; PRAGMA synchronous = FULL");
+    database.execute(tables);
+  });
 }
 
 bool StudyStore::insert(const StudyRecord& record, const std::vector<RunRecord>& runs) {
-  const std::lock_guard lock(mutex_);
-  Transaction transaction(database_);
-  execute(database_,
-          "INSERT OR IGNORE INTO study (id, request_id, owner, created_ms, changed_ms, removing, "
-          "case_sha256, request) VALUES (?, NULLIF(?, ''), ?, ?, ?, 0, ?, ?)",
-          record.id, record.request.request_id(), record.owner, record.created_ms,
-          record.changed_ms, record.case_sha256, record.request);
-  if (database_.changes() == 0) return false;
-  insert_runs(database_, record.id, runs);
-  transaction.commit();
-  return true;
+  return database_.write([&](Database& database) {
+    Transaction transaction(database);
+    execute(database,
+            "INSERT OR IGNORE INTO study (id, request_id, owner, created_ms, changed_ms, removing, "
+            "case_sha256, request) VALUES (?, NULLIF(?, ''), ?, ?, ?, 0, ?, ?)",
+            record.id, record.request.request_id(), record.owner, record.created_ms,
+            record.changed_ms, record.case_sha256, record.request);
+    if (database.changes() == 0) return false;
+    insert_runs(database, record.id, runs);
+    transaction.commit();
+    return true;
+  });
 }
 
 void StudyStore::extend(const StudyRecord& record, const std::vector<RunRecord>& more) {
-  const std::lock_guard lock(mutex_);
-  Transaction transaction(database_);
-  execute(database_, "UPDATE study SET request = ? WHERE id = ?", record.request, record.id);
-  insert_runs(database_, record.id, more);
-  transaction.commit();
+  database_.write([&](Database& database) {
+    Transaction transaction(database);
+    execute(database, "UPDATE study SET request = ? WHERE id = ?", record.request, record.id);
+    insert_runs(database, record.id, more);
+    transaction.commit();
+  });
 }
 
 void StudyStore::begin_removal(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  execute(database_, "UPDATE study SET removing = 1 WHERE id = ?", id);
+  database_.write([&](Database& database) {
+    execute(database, "UPDATE study SET removing = 1 WHERE id = ?", id);
+  });
 }
 
 void StudyStore::erase(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  execute(database_, "DELETE FROM study WHERE id = ?", id);
+  database_.write(
+      [&](Database& database) { execute(database, "DELETE FROM study WHERE id = ?", id); });
 }
 
 std::optional<StudyRecord> StudyStore::find(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  return first_of(rows(database_, select_studies + "WHERE id = ? AND removing = 0", record_of, id));
+  return database_.read([&](Database& database) {
+    return first_of(
+        rows(database, select_studies + "WHERE id = ? AND removing = 0", record_of, id));
+  });
 }
 
 std::optional<StudyRecord> StudyStore::find_request(const std::string& request_id) {
-  const std::lock_guard lock(mutex_);
-  return first_of(rows(database_, select_studies + "WHERE request_id = ?", record_of, request_id));
+  return database_.read([&](Database& database) {
+    return first_of(rows(database, select_studies + "WHERE request_id = ?", record_of, request_id));
+  });
 }
 
 std::vector<std::string> StudyStore::ids() {
-  const std::lock_guard lock(mutex_);
-  return rows(database_, "SELECT id FROM study WHERE removing = 0", id_of);
+  return database_.read([&](Database& database) {
+    return rows(database, "SELECT id FROM study WHERE removing = 0", id_of);
+  });
 }
 
 std::vector<StudyRecord> StudyStore::removing() {
-  const std::lock_guard lock(mutex_);
-  return rows(database_, select_studies + "WHERE removing = 1", record_of);
+  return database_.read([&](Database& database) {
+    return rows(database, select_studies + "WHERE removing = 1", record_of);
+  });
 }
 
 std::vector<StudyRecord> StudyStore::list(const Page& page) {
@@ -199,112 +208,124 @@ std::vector<StudyRecord> StudyStore::list(const Page& page) {
 }
 
 std::vector<StudyRecord> StudyStore::with_any_label(const Page& page) {
-  const std::lock_guard lock(mutex_);
-  // '~' sorts after every character of an id: these are hexadecimal digits and '-'.
-  return rows(database_,
-              select_studies +
-                  "WHERE removing = 0 AND (created_ms, id) < (?, ?) AND (? = '' OR owner = ?) "
-                  "AND (? = '' OR (id >= ? AND id < ?)) ORDER BY created_ms DESC, id DESC LIMIT ?",
-              record_of, page.before_ms, page.before_id, page.owner, page.owner, page.id_prefix,
-              page.id_prefix, page.id_prefix + "~", page.size);
+  return database_.read([&](Database& database) {
+    // '~' sorts after every character of an id: these are hexadecimal digits and '-'.
+    return rows(
+        database,
+        select_studies +
+            "WHERE removing = 0 AND (created_ms, id) < (?, ?) AND (? = '' OR owner = ?) "
+            "AND (? = '' OR (id >= ? AND id < ?)) ORDER BY created_ms DESC, id DESC LIMIT ?",
+        record_of, page.before_ms, page.before_id, page.owner, page.owner, page.id_prefix,
+        page.id_prefix, page.id_prefix + "~", page.size);
+  });
 }
 
 RunCounts StudyStore::counts(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  // A run without a job is QUEUED until it has an outcome. A job that was deleted has no state.
-  RunCounts counts;
-  const auto add = [&](const Statement& row) {
-    const auto state = static_cast<v1::JobState>(row.integer(0));
-    counts.by_state[state] = static_cast<int>(row.integer(1));
-    counts.last_end_ms = std::max(counts.last_end_ms, row.integer(2));
-    if (state == v1::QUEUED) counts.waiting = static_cast<int>(row.integer(3));
-  };
+  return database_.read([&](Database& database) {
+    // A run without a job is QUEUED until it has an outcome. A job that was deleted has no state.
+    RunCounts counts;
+    const auto add = [&](const Statement& row) {
+      const auto state = static_cast<v1::JobState>(row.integer(0));
+      counts.by_state[state] = static_cast<int>(row.integer(1));
+      counts.last_end_ms = std::max(counts.last_end_ms, row.integer(2));
+      if (state == v1::QUEUED) counts.waiting = static_cast<int>(row.integer(3));
+    };
 
-  database_.read(
-      "SELECT CASE WHEN run.job <> '' THEN job.state WHEN run.outcome = 0 THEN 1 "
-      "ELSE run.outcome END AS run_state, COUNT(*), MAX(COALESCE(job.ended_ms, 0)), "
-      "SUM(run.job <> '') FROM study_run AS run LEFT JOIN job ON job.id = run.job "
-      "WHERE run.study = ? GROUP BY 1 HAVING run_state IS NOT NULL",
-      add, id);
-  return counts;
+    database.read(
+        "SELECT CASE WHEN run.job <> '' THEN job.state WHEN run.outcome = 0 THEN 1 "
+        "ELSE run.outcome END AS run_state, COUNT(*), MAX(COALESCE(job.ended_ms, 0)), "
+        "SUM(run.job <> '') FROM study_run AS run LEFT JOIN job ON job.id = run.job "
+        "WHERE run.study = ? GROUP BY 1 HAVING run_state IS NOT NULL",
+        add, id);
+    return counts;
+  });
 }
 
 std::vector<RunRecord> StudyStore::runs(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  return rows(database_, select_runs + "ORDER BY number", run_of, id);
+  return database_.read([&](Database& database) {
+    return rows(database, select_runs + "ORDER BY number", run_of, id);
+  });
 }
 
 std::vector<std::string> StudyStore::to_feed() {
-  const std::lock_guard lock(mutex_);
-  return rows(database_,
-              "SELECT id FROM study WHERE removing = 0 AND EXISTS (SELECT 1 FROM study_run WHERE "
-              "study = study.id AND job = '' AND outcome = 0) ORDER BY created_ms, id",
-              id_of);
+  return database_.read([&](Database& database) {
+    return rows(database,
+                "SELECT id FROM study WHERE removing = 0 AND EXISTS (SELECT 1 FROM study_run WHERE "
+                "study = study.id AND job = '' AND outcome = 0) ORDER BY created_ms, id",
+                id_of);
+  });
 }
 
 std::optional<RunRecord> StudyStore::next_to_queue(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  return first_of(rows(
-      database_, select_runs + "AND job = '' AND outcome = 0 ORDER BY number LIMIT 1", run_of, id));
+  return database_.read([&](Database& database) {
+    return first_of(rows(database,
+                         select_runs + "AND job = '' AND outcome = 0 ORDER BY number LIMIT 1",
+                         run_of, id));
+  });
 }
 
 bool StudyStore::set_job(const std::string& id, const RunRecord& run, bool followed) {
-  const std::lock_guard lock(mutex_);
-  Transaction transaction(database_);
-  execute(database_,
-          "UPDATE study_run SET job = ?, attempt = ? "
-          "WHERE study = ? AND number = ? AND outcome = 0",
-          run.job, run.attempt, id, run.number);
-  const bool done = database_.changes() > 0;
+  return database_.write([&](Database& database) {
+    Transaction transaction(database);
+    execute(database,
+            "UPDATE study_run SET job = ?, attempt = ? "
+            "WHERE study = ? AND number = ? AND outcome = 0",
+            run.job, run.attempt, id, run.number);
+    const bool done = database.changes() > 0;
 
-  if (done && followed)
-    execute(database_,
-            "INSERT OR IGNORE INTO study_run (study, number, attempt, job, outcome) "
-            "VALUES (?, ?, 0, '', 0)",
-            id, run.number + 1);
+    if (done && followed)
+      execute(database,
+              "INSERT OR IGNORE INTO study_run (study, number, attempt, job, outcome) "
+              "VALUES (?, ?, 0, '', 0)",
+              id, run.number + 1);
 
-  transaction.commit();
-  return done;
+    transaction.commit();
+    return done;
+  });
 }
 
 void StudyStore::drop(const std::string& id, int number) {
-  const std::lock_guard lock(mutex_);
-  execute(database_,
-          "DELETE FROM study_run WHERE study = ? AND number = ? AND job = '' AND outcome = 0", id,
-          number);
+  database_.write([&](Database& database) {
+    execute(database,
+            "DELETE FROM study_run WHERE study = ? AND number = ? AND job = '' AND outcome = 0", id,
+            number);
+  });
 }
 
 void StudyStore::refuse(const std::string& id, int number, const v1::Finding& failure,
                         std::int64_t now_ms) {
-  const std::lock_guard lock(mutex_);
-  Transaction transaction(database_);
-  execute(database_,
-          "UPDATE study_run SET outcome = ?, failure = ? "
-          "WHERE study = ? AND number = ? AND job = '' AND outcome = 0",
-          v1::FAILED, failure, id, number);
-  set_changed(database_, id, now_ms);
-  transaction.commit();
+  database_.write([&](Database& database) {
+    Transaction transaction(database);
+    execute(database,
+            "UPDATE study_run SET outcome = ?, failure = ? "
+            "WHERE study = ? AND number = ? AND job = '' AND outcome = 0",
+            v1::FAILED, failure, id, number);
+    set_changed(database, id, now_ms);
+    transaction.commit();
+  });
 }
 
 void StudyStore::cancel_waiting(const std::string& id, std::int64_t now_ms) {
-  const std::lock_guard lock(mutex_);
-  Transaction transaction(database_);
-  execute(database_,
-          "UPDATE study_run SET outcome = ? WHERE study = ? AND job = '' AND outcome = 0",
-          v1::CANCELLED, id);
-  set_changed(database_, id, now_ms);
-  transaction.commit();
+  database_.write([&](Database& database) {
+    Transaction transaction(database);
+    execute(database,
+            "UPDATE study_run SET outcome = ? WHERE study = ? AND job = '' AND outcome = 0",
+            v1::CANCELLED, id);
+    set_changed(database, id, now_ms);
+    transaction.commit();
+  });
 }
 
 void StudyStore::queue_again(const std::string& id, const std::vector<RunRecord>& runs) {
-  const std::lock_guard lock(mutex_);
-  Transaction transaction(database_);
-  for (const RunRecord& run : runs)
-    execute(database_,
-            "UPDATE study_run SET job = '', outcome = 0, failure = NULL "
-            "WHERE study = ? AND number = ?",
-            id, run.number);
-  transaction.commit();
+  database_.write([&](Database& database) {
+    Transaction transaction(database);
+    for (const RunRecord& run : runs)
+      execute(database,
+              "UPDATE study_run SET job = '', outcome = 0, failure = NULL "
+              "WHERE study = ? AND number = ?",
+              id, run.number);
+    transaction.commit();
+  });
 }
 
 }  // namespace dccast::studies

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -87,8 +86,7 @@ private:
   /// As list(), without regard to labels.
   std::vector<StudyRecord> with_any_label(const Page& page);
 
-  std::mutex mutex_;
-  jobs::Database database_;
+  jobs::SharedDatabase database_;
 };
 
 }  // namespace dccast::studies

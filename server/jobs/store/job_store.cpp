@@ -85,20 +85,21 @@ JobRecord read_record(const Statement& row) {
 
 }  // namespace
 
-JobStore::JobStore(const std::filesystem::path& path) : database_(path) {
-  database_.execute(
-      "PRAGMA busy_timeout = 2000; PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON; "
-      "PRAGMA synchronous = NORMAL");
-  require_schema(database_, path);
+JobStore::JobStore(const std::filesystem::path& path) : writer_(path) {
+  writer_.write([&](Database& database) {
+    database.execute(
+        "PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON; PRAGMA synchronous = NORMAL");
+    require_schema(database, path);
+  });
   reader_.emplace(path);
-  reader_->execute("PRAGMA busy_timeout = 2000");
 }
 
 template <typename... Values>
 int JobStore::write(std::string_view sql, const Values&... values) {
-  const std::lock_guard lock(mutex_);
-  Statement(database_, sql, values...).step();
-  return database_.changes();
+  return writer_.write([&](Database& database) {
+    Statement(database, sql, values...).step();
+    return database.changes();
+  });
 }
 
 int JobStore::write_row(const JobRecord& record, const std::string& on_conflict) {
@@ -111,8 +112,7 @@ int JobStore::write_row(const JobRecord& record, const std::string& on_conflict)
 
 template <typename Take, typename... Values>
 void JobStore::read(std::string_view sql, const Take& take, const Values&... values) {
-  const std::lock_guard lock(reading_);
-  reader_->read(sql, take, values...);
+  reader_->read([&](Database& database) { database.read(sql, take, values...); });
 }
 
 template <typename... Values>
@@ -150,27 +150,30 @@ void JobStore::put(const JobRecord& record) {
 }
 
 void JobStore::erase(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  database_.execute("PRAGMA synchronous = FULL");
-  Statement(database_, "DELETE FROM job WHERE id = ?", id).step();
-  database_.execute("PRAGMA synchronous = NORMAL");
+  writer_.write([&](Database& database) {
+    database.execute("PRAGMA synchronous = FULL");
+    Statement(database, "DELETE FROM job WHERE id = ?", id).step();
+    database.execute("PRAGMA synchronous = NORMAL");
+  });
 }
 
 void JobStore::probe() {
-  const std::lock_guard lock(mutex_);
-  database_.execute(fmt::format("PRAGMA user_version = {}", this_version).c_str());
+  writer_.write([](Database& database) {
+    database.execute(fmt::format("PRAGMA user_version = {}", this_version).c_str());
+  });
 }
 
 std::string JobStore::first_fault() {
-  const std::lock_guard lock(mutex_);
   std::string answer;
-  database_.read("PRAGMA integrity_check(1)", [&](const Statement& row) { answer = row.text(0); });
+  writer_.read([&](Database& database) {
+    database.read("PRAGMA integrity_check(1)", [&](const Statement& row) { answer = row.text(0); });
+  });
   return answer == "ok" ? "" : answer;
 }
 
 void JobStore::copy_to(const std::filesystem::path& path) {
-  const std::lock_guard lock(mutex_);
-  Statement(database_, "VACUUM INTO ?", path.native()).step();
+  writer_.read(
+      [&](Database& database) { Statement(database, "VACUUM INTO ?", path.native()).step(); });
 }
 
 std::optional<JobRecord> JobStore::find(const std::string& id) {

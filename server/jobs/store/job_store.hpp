@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -110,10 +109,8 @@ private:
   template <typename... Values>
   std::vector<JobRecord> select(const std::string& where_and_order, const Values&... values);
 
-  std::mutex mutex_;  ///< guards the connection that writes
-  Database database_;
-  std::mutex reading_;
-  std::optional<Database> reader_;
+  SharedDatabase writer_;
+  std::optional<SharedDatabase> reader_;  ///< opened once the tables are there
 };
 
 }  // namespace dccast::jobs

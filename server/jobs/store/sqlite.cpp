@@ -30,8 +30,9 @@ const std::map<int, std::string> meanings{
 
 [[noreturn]] void fail(sqlite3* handle, std::string_view action) {
   const int code = sqlite3_errcode(handle) & 0xff;
-  log::error("job store: {} (SQLite {}, system error {}) in: {}", sqlite3_errmsg(handle),
-             sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), action);
+  if (code != SQLITE_BUSY)  // it is tried again, and the caller names it if it lasts
+    log::error("job store: {} (SQLite {}, system error {}) in: {}", sqlite3_errmsg(handle),
+               sqlite3_extended_errcode(handle), sqlite3_system_errno(handle), action);
 
   const auto known = meanings.find(code);
   const std::string meaning =
@@ -81,6 +82,10 @@ int Database::changes() const {
 bool must_be_rebuilt(const StoreError& error) {
   return error.code() == SQLITE_CORRUPT || error.code() == SQLITE_NOTADB ||
          error.code() == SQLITE_SCHEMA;
+}
+
+bool is_locked(const StoreError& error) {
+  return error.code() == SQLITE_BUSY;
 }
 
 bool is_passing(const StoreError& error) {

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
+
+#include "core/storage/file_lock.hpp"
 
 namespace google::protobuf {
 class MessageLite;
@@ -32,7 +37,10 @@ bool must_be_rebuilt(const StoreError& error);
 /// Whether the fault may pass: the disk is full or out of reach, or memory is short.
 bool is_passing(const StoreError& error);
 
-/// One SQLite connection. Not safe to use from several threads; its owner has a mutex.
+/// Whether another connection has the file locked.
+bool is_locked(const StoreError& error);
+
+/// One SQLite connection. Not safe to use from several threads: see SharedDatabase.
 class Database {
 public:
   /// @throws StoreError
@@ -51,6 +59,30 @@ public:
 
 private:
   sqlite3* handle_ = nullptr;
+};
+
+/// A connection that several threads use, one at a time. Of this process one connection writes at a
+/// time. While another process has the file locked, a call tries again, for a second at most, and
+/// other threads have their turn meanwhile.
+class SharedDatabase {
+public:
+  /// @throws StoreError
+  explicit SharedDatabase(const std::filesystem::path& path) : database_(path) {}
+
+  /// @param action  called with the Database; it may be called again unless it has changed anything
+  /// @return what it returns @throws StoreError
+  template <typename Action>
+  auto read(const Action& action);
+  template <typename Action>
+  auto write(const Action& action);
+
+private:
+  template <typename Action>
+  static auto try_for_a_while(const Action& action);
+
+  static inline std::mutex writing_;
+  std::mutex mutex_;  ///< guards all below
+  Database database_;
 };
 
 /// A prepared statement: bind() in the order of the question marks, then step().
@@ -95,6 +127,35 @@ template <typename Take, typename... Values>
 void Database::read(std::string_view sql, const Take& take, const Values&... values) {
   Statement statement(*this, sql, values...);
   while (statement.step()) take(statement);
+}
+
+template <typename Action>
+auto SharedDatabase::try_for_a_while(const Action& action) {
+  constexpr std::chrono::milliseconds between_tries{2};
+  const auto end = std::chrono::steady_clock::now() + storage::longest_lock_wait;
+  for (;; std::this_thread::sleep_for(between_tries)) {
+    try {
+      return action();
+    } catch (const StoreError& error) {
+      if (!is_locked(error) || std::chrono::steady_clock::now() > end) throw;
+    }
+  }
+}
+
+template <typename Action>
+auto SharedDatabase::read(const Action& action) {
+  return try_for_a_while([&] {
+    const std::lock_guard lock(mutex_);
+    return action(database_);
+  });
+}
+
+template <typename Action>
+auto SharedDatabase::write(const Action& action) {
+  return try_for_a_while([&] {
+    const std::scoped_lock lock(mutex_, writing_);
+    return action(database_);
+  });
 }
 
 /// BEGIN IMMEDIATE ... COMMIT; the destructor rolls back unless commit() was called.

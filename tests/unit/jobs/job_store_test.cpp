@@ -3,7 +3,9 @@
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "core/storage/file.hpp"
 #include "proto/values/digests.hpp"
@@ -237,6 +239,25 @@ TEST_F(JobStoreTest, AStoreOfAnotherVersionMustBeRebuilt) {
       EXPECT_TRUE(must_be_rebuilt(error)) << error.what();
     }
   }
+}
+
+TEST_F(JobStoreTest, ALockOfAnotherProcessIsAwaitedForASecond) {
+  Database other(folder_.path() / "jobs.sqlite");
+  other.execute("BEGIN IMMEDIATE");
+  const auto begin = std::chrono::steady_clock::now();
+  try {
+    store_.put(new_record());
+    FAIL() << "was written without the lock";
+  } catch (const StoreError& error) {
+    EXPECT_TRUE(is_passing(error)) << error.what();
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1800));
+
+  std::thread writing([&] { store_.put(new_record("r")); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  other.execute("ROLLBACK");
+  writing.join();
+  EXPECT_TRUE(store_.find_request("r"));
 }
 
 }  // namespace

@@ -3,8 +3,10 @@
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "proto/values/digests.hpp"
 #include "server/jobs/folder/events.hpp"
@@ -203,6 +205,29 @@ TEST_F(StudyStoreTest, AFileSaysWhatTheRowSays) {
 
   remove_study_file(folder_.path(), record.id);
   EXPECT_THROW(read_study_file(folder_.path(), record.id), std::runtime_error);
+}
+
+/// Of another connection: a wait for it once took ten seconds, and held up those who read.
+TEST_F(StudyStoreTest, ALockOfAnotherProcessStopsChangesForASecondAndNoReader) {
+  const StudyRecord record = study();
+  store_.insert(record, three_runs());
+  jobs::Database other(folder_.path() / "jobs.sqlite");
+  other.execute("BEGIN IMMEDIATE");
+
+  const auto begin = std::chrono::steady_clock::now();
+  const auto elapsed_s = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  std::thread changing([&] { EXPECT_THROW(store_.begin_removal(record.id), jobs::StoreError); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_TRUE(store_.find(record.id));
+  EXPECT_LT(elapsed_s(), 0.9);
+  changing.join();
+  EXPECT_LT(elapsed_s(), 1.8);
+
+  other.execute("ROLLBACK");
+  store_.begin_removal(record.id);
+  EXPECT_FALSE(store_.find(record.id));
 }
 
 }  // namespace
