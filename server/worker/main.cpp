@@ -29,6 +29,7 @@
 #include "core/storage/storage_error.hpp"
 #include "server/jobs/executors/precedence.hpp"
 #include "server/jobs/executors/worker_claim.hpp"
+#include "server/jobs/executors/worker_process.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/jobs/processes.hpp"
 #include "server/translate/translate.hpp"
@@ -309,8 +310,8 @@ void fill(v1::WorkerAnswer& answer, const v1::WorkerRequest& request) {
 }
 
 /// Answers requests until the daemon closes the link, or a request is the run of a job.
-/// @param reach  of its answers
-int serve_daemon(const Reach& reach) {
+/// @param scratch  where its answers write
+int serve_daemon(const std::string& scratch) {
   google::protobuf::io::FileInputStream input(STDIN_FILENO);
   std::string confined;
   for (;;) {
@@ -328,8 +329,10 @@ int serve_daemon(const Reach& reach) {
       return run_whole_job(order, rank_if_needed(order));
     }
 
-    // A file that is read for an answer may take control of this process: it never gets a job.
-    if (confined.empty()) confined = confine_to(reach);
+    // A file that is read for an answer may take control of this process: it never gets a job, nor
+    // the folder of another one.
+    if (confined.empty())
+      confined = confine_to({.own = scratch, .readable = jobs::job_folder_read(request)});
 
     v1::WorkerAnswer answered;
     try {
@@ -362,9 +365,8 @@ int work(int argc, char** argv) {
       return exit_usage;
     }
 
-    const Reach reach{.own = jobs::take_variable("DCCAST_WORKER_SCRATCH"),
-                      .readable = jobs::take_variable("DCCAST_WORKER_JOBS")};
-    return tie_to_parent(parent) ? serve_daemon(reach) : exit_daemon_gone;
+    const std::string scratch = jobs::take_variable("DCCAST_WORKER_SCRATCH");
+    return tie_to_parent(parent) ? serve_daemon(scratch) : exit_daemon_gone;
   } catch (const std::bad_alloc&) {
     std::cerr << "dccast-worker: out of memory\n";
     ::_exit(jobs::exit_out_of_memory);  // libraries that lacked memory may never end orderly

@@ -5,7 +5,7 @@ import signal
 
 from cases import FAKE, REAL, coarse, failing_check, fake
 from disk import FailingDisk
-from dccast.v1 import job_pb2
+from dccast.v1 import job_pb2, service_pb2
 from fault import Fault
 from oracle import must, undisturbed
 from scene import Scene, alive, at_some_step, pause, signal_process
@@ -41,6 +41,22 @@ class StopWorker(TwoCastings):
         signal_process(stopped, signal.SIGKILL)
 
 
+def aim_at_files(scene, *own):
+    """Names each file of the data folder to a worker, besides those of its own folder. Returns their number."""
+    own = scene.data(*own)
+    targets = [scene.data("pki", "server.key"), scene.data("users.toml"), scene.data("users.lock")]
+    os.makedirs(scene.data("pki"), exist_ok=True)
+    for path in targets:
+        with open(path, "a", encoding="ascii"):
+            pass
+    targets = [os.path.join(folder, name) for folder, _, names in os.walk(scene.data())
+               if folder != own for name in names]
+    with open(os.path.join(own, "targets"), "w", encoding="utf-8") as file:
+        file.write("\n".join(targets) + "\n")
+    with open(os.path.join(own, "go"), "wb"):
+        return len(targets)
+
+
 class WorkerTakenOver(Fault):
     """A worker taken over by its file attacks its daemon, its memory bound, and each file of the data folder"""
     short, long = 1, 5
@@ -52,7 +68,7 @@ class WorkerTakenOver(Fault):
         before = self.state(process)
         attacking, waiting = scene.submit(fake(self.attack)), scene.submit(fake("steps=20"))
         scene.client.until_step(attacking, 1)
-        count.measured("files", self.aim_at_files(scene, attacking))
+        count.measured("files", aim_at_files(scene, "jobs", attacking))
         for job_id in (attacking, waiting):
             must(count, lambda: scene.ended(job_id), f"job {job_id} does not end", 30)
         with open(scene.data("jobs", attacking, "taken"), encoding="utf-8") as file:
@@ -64,25 +80,32 @@ class WorkerTakenOver(Fault):
             count.found("wrong", "the daemon has other limits or another priority")
 
     @staticmethod
-    def aim_at_files(scene, attacking):
-        """Names each file of the data folder, besides its own, to the worker. Returns their number."""
-        own = scene.data("jobs", attacking)
-        targets = [scene.data("pki", "server.key"), scene.data("users.toml"), scene.data("users.lock")]
-        os.makedirs(scene.data("pki"), exist_ok=True)
-        for path in targets:
-            with open(path, "a", encoding="ascii"):
-                pass
-        targets = [os.path.join(folder, name) for folder, _, names in os.walk(scene.data())
-                   if folder != own for name in names]
-        with open(os.path.join(own, "targets"), "w", encoding="utf-8") as file:
-            file.write("\n".join(targets) + "\n")
-        with open(os.path.join(own, "go"), "wb"):
-            return len(targets)
-
-    @staticmethod
     def state(process):
         return (os.getpriority(os.PRIO_PROCESS, process),
                 resource.prlimit(process, resource.RLIMIT_NOFILE))
+
+
+class QueryTakenOver(Fault):
+    """A worker that answers a query is taken over by its file: it reaches no file of a job, a user or the daemon"""
+    short, long = 1, 5
+    attack = "steps=400 sleep_ms=10 wait_at=1 attack=1000"
+
+    def disturb(self, scene, count):
+        scene.submit(fake("steps=20"))
+        scene.wait_until_ended()
+        case = fake(self.attack)
+        case.time.end_s -= 1  # another one than the job's, whose answer is there
+        query = scene.client.stub.QueryButtCurl(service_pb2.QueryButtCurlRequest(case=case), timeout=30)
+        next(query)
+        until(lambda: os.listdir(scene.data("check")), 10)
+        own = "check", os.listdir(scene.data("check"))[0]
+        count.measured("files", aim_at_files(scene, *own))
+        while next(query).step.step < 3:
+            pass
+        with open(scene.data(*own, "taken"), encoding="utf-8") as file:
+            for worked in file.read().splitlines():
+                count.found("wrong", f"the worker could do this: {worked}")
+        query.cancel()
 
 
 class LimitedMemory(Fault):

@@ -14,7 +14,7 @@ WarmWorkers::WarmWorkers(std::filesystem::path program, const WarmWorkerLimits& 
 
 v1::WorkerAnswer WarmWorkers::ask(const v1::WorkerRequest& request, const CallLimits& limits,
                                   const OnEvent& on_event) {
-  auto worker = lend(Purpose::answer);
+  auto worker = lend({.job_folder = job_folder_read(request)});
   v1::WorkerAnswer answer;
   try {
     const auto registration = limits.enter ? limits.enter(*worker) : Precedence::Registration();
@@ -36,43 +36,44 @@ v1::WorkerAnswer WarmWorkers::ask(const v1::WorkerRequest& request, const CallLi
   return answer;
 }
 
-/// Jobs need a worker that has given no answer. Answers prefer one that has: its caches are warm,
-/// and no job can use it.
-WarmWorkers::Idle::iterator WarmWorkers::choose_idle(Purpose purpose) {
-  const bool for_job = purpose == Purpose::job;
-  const auto found = std::ranges::find_if(
-      idle_, [&](const auto& worker) { return (worker->answers() == 0) == for_job; });
-
-  if (found != idle_.end() || for_job || idle_.empty()) return found;
-  return std::prev(idle_.end());
+WarmWorkers::Idle::iterator WarmWorkers::choose_idle(const Need& need) {
+  const auto warm = std::ranges::find_if(idle_, [&](const auto& worker) {
+    return !need.is_job && worker->answers() > 0 && worker->job_folder() == need.job_folder;
+  });
+  if (warm != idle_.end()) return warm;
+  return std::ranges::find_if(idle_, [](const auto& worker) { return worker->answers() == 0; });
 }
 
-std::unique_ptr<WorkerProcess> WarmWorkers::lend(Purpose purpose) {
-  const bool for_job = purpose == Purpose::job;
+void WarmWorkers::make_room() {
+  if (static_cast<int>(idle_.size()) + lent_ < limits_.kept) return;
+  const auto used =
+      std::ranges::find_if(idle_, [](const auto& worker) { return worker->answers() > 0; });
+  if (used != idle_.end()) idle_.erase(used);
+}
+
+std::unique_ptr<WorkerProcess> WarmWorkers::lend(const Need& need) {
   std::unique_lock lock(mutex_);
   const int failures = failures_;
   ++waiting_;
-  jobs_waiting_ += for_job;
+  std::erase_if(idle_, [](const auto& worker) { return !worker->is_idle(); });
+  if (!need.is_job && choose_idle(need) == idle_.end()) make_room();
   changed_.notify_all();
 
   auto chosen = idle_.end();
   changed_.wait(lock, [&] {
     std::erase_if(idle_, [](const auto& worker) { return !worker->is_idle(); });
-    chosen = choose_idle(purpose);
+    chosen = choose_idle(need);
     return chosen != idle_.end() || failures_ != failures;
   });
 
-  // A failed start has already reset the counters.
-  if (failures_ == failures) {
-    --waiting_;
-    jobs_waiting_ -= for_job;
-  }
+  // A failed start has already reset the counter.
+  if (failures_ == failures) --waiting_;
 
   if (chosen == idle_.end()) throw WorkerDidNotAnswer(Why::not_started, failure_);
 
   auto worker = std::move(*chosen);
   idle_.erase(chosen);
-  if (!for_job) ++lent_;
+  if (!need.is_job) ++lent_;
   changed_.notify_all();
   return worker;
 }
@@ -89,7 +90,7 @@ bool WarmWorkers::wants_more() const {
   const int idle = static_cast<int>(idle_.size());
   const auto fresh =
       std::ranges::count_if(idle_, [](const auto& worker) { return worker->answers() == 0; });
-  return waiting_ > idle || jobs_waiting_ > fresh || (!fails_ && idle + lent_ < limits_.kept);
+  return waiting_ > fresh || (!fails_ && idle + lent_ < limits_.kept);
 }
 
 void WarmWorkers::run(const std::stop_token& stop) {
@@ -100,7 +101,7 @@ void WarmWorkers::run(const std::stop_token& stop) {
     std::unique_ptr<WorkerProcess> worker;
     std::string failure;
     try {
-      worker = std::make_unique<WorkerProcess>(program_, limits_.folders);
+      worker = std::make_unique<WorkerProcess>(program_, limits_.scratch);
     } catch (const std::exception& error) {
       failure = error.what();
     }
@@ -113,7 +114,7 @@ void WarmWorkers::run(const std::stop_token& stop) {
     } else {
       failure_ = failure;
       ++failures_;
-      waiting_ = jobs_waiting_ = 0;
+      waiting_ = 0;
     }
 
     changed_.notify_all();

@@ -15,8 +15,8 @@ namespace dccast::jobs {
 
 /// Bounds on processes, memory and answers.
 struct WarmWorkerLimits {
-  AnswerFolders folders{};
-  int kept = 1;       ///< number of idle and busy workers that are kept
+  std::filesystem::path scratch{};  ///< where answers may write; empty: nowhere
+  int kept = 1;                     ///< number of idle and busy workers that are kept
   int answers = 200;  ///< after which a worker is replaced, so that leaks do not accumulate
   std::int64_t idle_bytes = 512'000'000;  ///< an idle worker that uses more is replaced [bytes]
 };
@@ -38,17 +38,23 @@ public:
       const OnEvent& on_event = [](v1::JobEvent&) {});
   /// Takes a worker out of the pool, for a job. It has given no answer before: a file that it read
   /// for an answer may have taken control of it. @throws WorkerDidNotAnswer  none can be started
-  std::unique_ptr<WorkerProcess> take() { return lend(Purpose::job); }
+  std::unique_ptr<WorkerProcess> take() { return lend({.is_job = true}); }
 
 private:
   using Idle = std::vector<std::unique_ptr<WorkerProcess>>;
-  /// A worker that has answered may have been taken over by what it read, and gets no job.
-  enum class Purpose { answer, job };
+  /// What a worker is for. One that has answered may have been taken over by what it read: it gets
+  /// no job, and no folder of another job.
+  struct Need {
+    bool is_job = false;
+    std::string job_folder{};  ///< see WorkerProcess
+  };
 
-  /// Takes an idle worker out; waits for one to be started if none is idle.
-  std::unique_ptr<WorkerProcess> lend(Purpose purpose);
-  /// An idle worker: for a job one that has given no answer, for an answer preferably another.
-  Idle::iterator choose_idle(Purpose purpose);
+  /// Takes an idle worker out; waits for one to be started if none suits.
+  std::unique_ptr<WorkerProcess> lend(const Need& need);
+  /// An idle worker: for an answer preferably one whose caches are warm.
+  Idle::iterator choose_idle(const Need& need);
+  /// Ends the oldest worker that has answered, so that another one has a place.
+  void make_room();
   /// Takes a worker back, unless enough are kept; null: it was handed a job or has ended.
   void give_back(std::unique_ptr<WorkerProcess> worker);
   /// Whether the starter should start another worker.
@@ -61,11 +67,10 @@ private:
   std::mutex mutex_;  ///< guards all below
   std::condition_variable_any changed_;
   Idle idle_;
-  int lent_ = 0;          ///< workers that are answering
-  int waiting_ = 0;       ///< callers that have waited since the last failure
-  int jobs_waiting_ = 0;  ///< those of them that need a worker for a job
-  int failures_ = 0;      ///< failed starts; waiting callers see the number change
-  bool fails_ = false;    ///< the last start failed: the next one is made on demand only
+  int lent_ = 0;        ///< workers that are answering
+  int waiting_ = 0;     ///< callers that have waited since the last failure
+  int failures_ = 0;    ///< failed starts; waiting callers see the number change
+  bool fails_ = false;  ///< the last start failed: the next one is made on demand only
   std::string failure_;
   std::jthread starter_;
 };

@@ -57,7 +57,7 @@ pid_t collect(pid_t child, int options, int& status) {
 /// Environment of a worker: that of the daemon without the variables of workers, and with one
 /// thread for BLAS. Jobs share the cores, and measurements showed no gain of the solver from two
 /// threads.
-std::vector<std::string> worker_environment(const AnswerFolders& folders) {
+std::vector<std::string> worker_environment(const std::filesystem::path& scratch) {
   auto variables = environment(
       false, {"DCCAST_WORKER_", "OPENBLAS_NUM_THREADS=", "OMP_NUM_THREADS=", "OMP_THREAD_LIMIT="});
 
@@ -66,8 +66,7 @@ std::vector<std::string> worker_environment(const AnswerFolders& folders) {
   variables.insert(variables.end(),
                    {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMP_THREAD_LIMIT=1",
                     fmt::format("DCCAST_WORKER_PARENT={}", ::getpid()),
-                    fmt::format("DCCAST_WORKER_SCRATCH={}", folders.scratch.string()),
-                    fmt::format("DCCAST_WORKER_JOBS={}", folders.jobs.string())});
+                    fmt::format("DCCAST_WORKER_SCRATCH={}", scratch.string())});
   return variables;
 }
 
@@ -78,7 +77,13 @@ std::vector<std::string> worker_environment(const AnswerFolders& folders) {
 
 }  // namespace
 
-WorkerProcess::WorkerProcess(const std::filesystem::path& program, const AnswerFolders& folders)
+std::string job_folder_read(const v1::WorkerRequest& request) {
+  if (request.has_read_frame()) return request.read_frame().directory();
+  return request.has_probe_frames() ? request.probe_frames().directory() : std::string();
+}
+
+WorkerProcess::WorkerProcess(const std::filesystem::path& program,
+                             const std::filesystem::path& scratch)
     : name_(program.filename().string()) {
   std::array<int, 2> ends;
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
@@ -87,7 +92,7 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program, const AnswerF
   const storage::FileDescriptor theirs(ends[1]);
 
   // The socket is the worker's standard input. Output of its libraries goes to the daemon's log.
-  if (const int error = spawn({program}, worker_environment(folders),
+  if (const int error = spawn({program}, worker_environment(scratch),
                               {theirs.get(), STDERR_FILENO, STDERR_FILENO}, &process_)) {
     process_ = 0;
     fail_to_start(program, error);
@@ -105,6 +110,7 @@ WorkerProcess::~WorkerProcess() {
 
 v1::WorkerAnswer WorkerProcess::ask(const v1::WorkerRequest& request, const CallLimits& limits,
                                     const OnEvent& on_event) {
+  if (answers_ == 0) job_folder_ = job_folder_read(request);
   send(request, limits);
   for (;;) {
     v1::WorkerAnswer answer = receive(limits);

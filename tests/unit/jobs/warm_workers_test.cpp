@@ -238,6 +238,35 @@ TEST_F(WarmWorkersTest, OneThatHasAnsweredGetsNoJob) {
   EXPECT_EQ(ask(workers, "again").first, process);
 }
 
+/// It can read the folder of that job, and what it read may have taken it over.
+TEST_F(WarmWorkersTest, OneThatHasReadTheFolderOfAJobServesNothingElse) {
+  WarmWorkers workers(program_, {.kept = 2});
+  const auto process_of = [&](const v1::WorkerRequest& request) {
+    const std::string answer = workers.ask(request, in(std::chrono::seconds(20))).solver();
+    return std::stoi(answer.substr(0, answer.find(' ')));
+  };
+  const auto frame_of = [](const std::string& job) {
+    v1::WorkerRequest request;
+    request.mutable_read_frame()->set_directory(job);
+    return request;
+  };
+  v1::WorkerRequest probe;
+  probe.mutable_probe_frames()->set_directory("a");
+
+  const pid_t of_a = process_of(frame_of("a"));
+  const pid_t of_checks = process_of(request_of("check"));
+  EXPECT_NE(of_checks, of_a);
+  EXPECT_EQ(process_of(probe), of_a);
+  EXPECT_EQ(process_of(request_of("check")), of_checks);
+
+  // A third kind takes the place of the one that has waited longest.
+  const pid_t of_b = process_of(frame_of("b"));
+  EXPECT_NE(of_b, of_a);
+  EXPECT_NE(of_b, of_checks);
+  EXPECT_EQ(process_of(request_of("check")), of_checks);
+  EXPECT_NE(process_of(frame_of("a")), of_a);
+}
+
 TEST(Processes, AnEndIsDescribedInWords) {
   EXPECT_EQ(describe_exit(SIGKILL), "signal 9 (Killed)");
   EXPECT_EQ(describe_exit(3 << 8), "exit code 3");

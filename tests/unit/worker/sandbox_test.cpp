@@ -129,6 +129,18 @@ TEST_F(SandboxTest, WithoutAFolderWritesNowhere) {
             0);
 }
 
+/// The job whose frames it reads may be deleted before.
+TEST_F(SandboxTest, AFolderThatIsGoneOpensNoOther) {
+  if (!has_landlock()) GTEST_SKIP() << "the kernel has no Landlock";
+  EXPECT_EQ(status_of_child([&] {
+              confine_to({.own = own_, .readable = folder_ / "gone"});
+              MUST(refused(::open((other_ / "file").c_str(), O_RDONLY)));
+              MUST(refused(::open((other_ / "new").c_str(), O_WRONLY | O_CREAT, 0600)));
+              MUST(storage::read_file(own_ / "old") == "of an earlier attempt");
+            }),
+            0);
+}
+
 TEST_F(SandboxTest, ReadsItsFolderItsProgramAndNothingElse) {
   if (!has_landlock()) GTEST_SKIP() << "the kernel has no Landlock";
   EXPECT_EQ(status_of_child([&] {
