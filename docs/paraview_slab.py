@@ -1,24 +1,36 @@
 """Draws the last frame of a fetched result with ParaView, deformed and coloured by temperature.
 
 Usage: pvpython paraview_slab.py RESULTS.xdmf [PICTURE.png]
-The picture lies beside the results, under their name, unless it is given.
+The picture lies beside the results, under their name, unless it is given. Where there is no display it is
+drawn by xvfb-run (Debian's package xvfb).
 """
 import os
+import shutil
 import sys
 
 from paraview import simple
+from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
 if not 2 <= len(sys.argv) <= 3:
     sys.exit(__doc__)
 results = os.path.abspath(sys.argv[1])  # the reader needs the folder of the file
 if not os.path.isfile(results):
     sys.exit(f"{sys.argv[1]} is not there; `dccast fetch JOB` writes it")
+
+# ParaView of Debian ends by a signal without a display; other builds need none.
+if "X" in vtkRenderWindow().GetClassName() and not os.environ.get("DISPLAY"):
+    without_display = shutil.which("xvfb-run")
+    if not without_display:
+        sys.exit("there is no display; install xvfb, which stands for one: apt install xvfb")
+    os.execv(without_display, [without_display, "-a", "pvpython", *sys.argv])
+
 picture = sys.argv[2] if len(sys.argv) == 3 else os.path.splitext(results)[0] + ".png"
 
 source = simple.Xdmf3ReaderS(FileName=[results])
 view = simple.CreateView("RenderView")
 view.ViewSize = [900, 520]
-view.ViewTime = source.TimestepValues[-1]
+if source.TimestepValues:  # results-end.xdmf has the last frame alone
+    view.ViewTime = source.TimestepValues[-1]
 view.UseColorPaletteForBackground = 0
 view.Background = [1, 1, 1]
 view.OrientationAxesLabelColor = [0, 0, 0]

@@ -129,17 +129,16 @@ bool CastingSchedule::valve_is_open(Face face, double time_s) const {
 /// the bend, so that the length grows evenly with the step.
 double CastingSchedule::length_after(const Instant& now, double step_s, double bend_m) const {
   const PlannedQuantity speed = casting_speed();
-  const auto [time_s, length_m] = now;
   const double half_s = 0.5 * step_s;
   const auto speed_at = [&](double after_s, double moved_m) {
-    return speed.at({time_s + after_s, std::min(length_m + moved_m, bend_m)});
+    return speed.at({now.time_s + after_s, std::min(now.cast_length_m + moved_m, bend_m)});
   };
 
   const double k1 = speed_at(0.0, 0.0);
   const double k2 = speed_at(half_s, half_s * k1);
   const double k3 = speed_at(half_s, half_s * k2);
   const double k4 = speed_at(step_s, step_s * k3);
-  return length_m + step_s / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+  return now.cast_length_m + step_s / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
 }
 
 Instant CastingSchedule::advance(Instant now, double time_s, double length_m) const {

@@ -58,6 +58,19 @@ class ParaView(ServiceTest):
     def test_a_quarter_slab(self):
         self.check("start-3d.toml", 3)
 
+    @unittest.skipUnless(shutil.which("xvfb-run"), "xvfb is not installed")
+    def test_the_script_of_the_docs_draws_without_a_display(self):
+        self.dccast("submit", "--watch", os.path.join(CASES, "start-3d.toml"), "--set", "quality=draft",
+                    "--set", "time.end=15 s")
+        self.dccast("fetch", "last", "-o", os.path.join(self.folder, "run.h5"))
+        for name in ("run.xdmf", "run-end.xdmf"):
+            drawn = subprocess.run([PVPYTHON, os.path.join(HERE, "..", "..", "docs", "paraview_slab.py"), name],
+                                   cwd=self.folder, capture_output=True, text=True, timeout=120,
+                                   env={name: value for name, value in os.environ.items() if name != "DISPLAY"},
+                                   check=False)
+            self.assertEqual(drawn.returncode, 0, drawn.stderr)
+            self.assertGreater(os.path.getsize(drawn.stdout.strip()), 10_000)
+
     def test_a_section(self):
         self.check("start-2d-thickness.toml", 2)
 
