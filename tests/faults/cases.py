@@ -26,6 +26,13 @@ COARSE = ((r"(?s)^\[mesh\].*?(?=^\[)",
 LOOSE = ((r"^algorithm = .*$", 'algorithm = "newton"\ntolerance = 3e-3'),)
 
 
+# The same on a mesh file, of a block that stands.
+OWN_MESH = ((r"(?s)^\[mesh\].*?(?=^\[)", '[mesh]\nfile = "slab.msh"\ngrowth = false\n\n'),
+            (r"^casting_speed = .*$", 'casting_speed = "0 mm/min"'),
+            (r"^end = .*$", 'end = "40 s"\nstep = "0.5 s"'))
+PAGE = os.path.join(os.path.dirname(SHIPPED), "..", "docs", "own-mesh.md")
+
+
 def edited(text, changes):
     """The text with each pattern replaced. Raises ValueError for a pattern that is not there."""
     for pattern, replacement in changes:
@@ -35,12 +42,15 @@ def edited(text, changes):
     return text
 
 
-def read_by_the_client(text):
-    """The complete Case that the command line client makes of a case file."""
+def read_by_the_client(text, **files):
+    """The complete Case that the command line client makes of a case file, with the files it names."""
     folder = tempfile.mkdtemp(prefix="dccast-case-")
     daemon = Daemon(folder, FAKE).start()
     client = Client(daemon.address)
     try:
+        for name, content in files.items():
+            with open(os.path.join(folder, f"{name}.msh"), "wb") as file:
+                file.write(content)
         path = os.path.join(folder, "case.toml")
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
@@ -72,6 +82,18 @@ def coarse():
 def failing_check():
     """A run that ends, but one of whose own checks failed on the way."""
     return read_by_the_client(shipped(*COARSE, *LOOSE))
+
+
+@functools.cache
+def own_mesh():
+    """A block of metal that cools, on a mesh of one's own. Returns its case and the file "slab.msh"."""
+    with open(PAGE, encoding="utf-8") as file:
+        writers = {}
+        exec(re.search(r"```python\n(.*?)```", file.read(), re.DOTALL)[1], writers)
+    with tempfile.NamedTemporaryFile() as file:
+        writers["write_section"](file.name, 0.28, 0.10, 0.02)
+        mesh = file.read()
+    return read_by_the_client(shipped(*OWN_MESH), slab=mesh), mesh
 
 
 def fake(title):

@@ -1,10 +1,11 @@
 """kill -9 while a study is fed: every run has one job, none is done twice, and the figures stay."""
 import contextlib
 import signal
+import threading
 
 import grpc
 
-from cases import FAKE, REAL, coarse, fake
+from cases import FAKE, REAL, coarse, fake, own_mesh
 from dccast.v1 import follow_pb2, job_pb2, line_pb2, service_pb2, study_pb2
 from fault import Fault
 from oracle import all_jobs, content_of_results
@@ -78,7 +79,7 @@ class KillUnderStudy(KilledStudy):
 
 
 class KillAmidCastings(KilledStudy):
-    """kill -9 of daemon, worker or both, amid jobs, a study, and castings that are followed on a line"""
+    """kill -9 of daemon, worker or both, amid jobs, files of cases, a study, and castings that are followed on a line"""
     short, long = 4, 300
     at_once = 10
     seconds = 200.0
@@ -92,15 +93,26 @@ class KillAmidCastings(KilledStudy):
         return coarse(), sweep
 
     def begin(self, scene):
-        """One casting is followed before anything is killed: the others have its results to the last bit."""
+        """One casting is followed before anything is killed, and one has a file: the others have their results
+        to the last bit."""
         self.fed = {}  # readings of each casting that were acknowledged
         self.reference = self.follow(scene)
         self.feed_all(scene)
-        until(lambda: scene.ended(self.reference), self.patience)
+        self.with_file = []  # jobs, by the number of their request; None: whether it came, nobody knows
+        self.send_file(scene, 0)
+        until(lambda: scene.ended(self.reference) and scene.ended(self.with_file[0]), self.patience)
         super().begin(scene)
 
     def disturb(self, scene, count):
         self.keep_busy(scene)
+        sending = threading.Thread(target=self.send_files, args=(scene,))
+        sending.start()
+        try:
+            return self.kill(scene, count)
+        finally:
+            sending.join()
+
+    def kill(self, scene, count):
         pause(scene.chance, 0.4)
         kind = scene.chance.choice(("worker", "daemon", "both"))
         workers = scene.job_workers()
@@ -115,6 +127,25 @@ class KillAmidCastings(KilledStudy):
             if self.feed(scene, job_id, []).number < number:
                 count.found("lost", f"readings of job {job_id}")
         return True
+
+    def send_files(self, scene):
+        """Uploads the file of one more case while something is killed, and of one whose answer never came."""
+        unsure = [number for number, job in enumerate(self.with_file) if job is None]
+        with contextlib.suppress(grpc.RpcError):  # the daemon has gone
+            if not unsure and scene.ended(self.with_file[-1]):
+                unsure = [len(self.with_file)]
+            for number in unsure:
+                self.send_file(scene, number)
+
+    def send_file(self, scene, number):
+        case, mesh = own_mesh()
+        if number == len(self.with_file):
+            self.with_file.append(None)
+        client = scene.connected()
+        attachments = [client.upload("slab.msh", mesh)]
+        job = client.submit(case, request_id=f"file-{number}", attachments=attachments)
+        scene.foreign_jobs.add(job.id)  # its twin is the first one
+        self.with_file[number] = job.id
 
     def keep_busy(self, scene):
         """A job and a casting that is followed."""
@@ -161,6 +192,7 @@ class KillAmidCastings(KilledStudy):
 
     def look(self, scene, count):
         self.feed_all(scene)
+        self.send_files(scene)
         super().look(scene, count)
         self.judge_castings(scene, count)
         line = scene.client.stub.GetLine(line_pb2.GetLineRequest(id="pit-3"), timeout=30)
@@ -171,15 +203,26 @@ class KillAmidCastings(KilledStudy):
             count.found("lost", f"job {job_id} is not on its line")
 
     def judge_castings(self, scene, count):
-        until(lambda: all(map(scene.ended, self.fed)), self.patience)
-        jobs = {job_id: scene.client.job(job_id) for job_id in self.fed}
-        wanted = content_of_results(scene.client, jobs[self.reference])
-        for job_id, job in jobs.items():
+        self.judge_twins(scene, count, self.reference, self.fed)
+        self.judge_twins(scene, count, self.with_file[0], self.with_file)
+        count.measured("castings", len(self.fed))
+        count.measured("cases with a file", len(self.with_file))
+        requests = [job.request_id for job in all_jobs(scene.client) if job.request_id.startswith("file-")]
+        if len(requests) != len(self.with_file):
+            count.found("duplicated", f"jobs of {len(self.with_file)} requests: {sorted(requests)}")
+        for job_id in self.with_file:
+            with open(scene.data("jobs", job_id, "attachments", "slab.msh"), "rb") as file:
+                if file.read() != own_mesh()[1]:
+                    count.found("lost", f"job {job_id}: its file")
+
+    def judge_twins(self, scene, count, reference, ids):
+        until(lambda: all(map(scene.ended, ids)), self.patience)
+        wanted = content_of_results(scene.client, scene.client.job(reference))
+        for job in map(scene.client.job, ids):
             if job.state != job_pb2.SUCCEEDED:
-                count.found("wrong", f"casting {job_id} has failed: {job.failure.message}")
+                count.found("wrong", f"casting {job.id} has failed: {job.failure.message}")
             elif content_of_results(scene.client, job) != wanted:
-                count.found("wrong", f"casting {job_id} has other results than an undisturbed one")
-        count.measured("castings", len(jobs))
+                count.found("wrong", f"casting {job.id} has other results than an undisturbed one")
 
 
 class KillUnderDataStudy(KilledStudy):
