@@ -26,6 +26,10 @@ Rules read_rules() {
   return rules;
 }
 
+refusal::Facts removed(const std::string& name) {
+  return not_proven(fmt::format("user {} was removed", name), "ask an admin (dccastd user add)");
+}
+
 std::string display_name(const Caller& caller) {
   return caller.name.empty() ? "a local user whom the system cannot name" : caller.name;
 }
@@ -77,9 +81,7 @@ std::optional<refusal::Facts> Authority::lapse(const Caller& caller, std::int64_
 
   const auto listed = users_.find(caller.name);
   if (!listed && is_local) return std::nullopt;  // local users need not be listed
-  if (!listed)
-    return not_proven(fmt::format("user {} was removed", caller.name),
-                      "ask an admin (dccastd user add)");
+  if (!listed) return removed(caller.name);
 
   const bool owns_daemon = is_local && caller.role >= v1::ADMIN;
   if (listed->disabled() && !owns_daemon) return disabled(caller.name);
@@ -88,6 +90,12 @@ std::optional<refusal::Facts> Authority::lapse(const Caller& caller, std::int64_
   for (const v1::Credential& credential : listed->credential())
     if (credential.id() == caller.credential) return std::nullopt;
   return not_proven(fmt::format("the token of {} was revoked", caller.name), new_line);
+}
+
+std::string Authority::refusal_of_owner(const v1::Job& job) {
+  const auto listed = users_.find(job.owner());
+  if (!listed) return job.owner_is_listed() ? removed(job.owner()).cause : std::string();
+  return listed->disabled() ? disabled(job.owner()).cause : std::string();
 }
 
 std::string Authority::describe_admins() {

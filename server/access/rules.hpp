@@ -8,6 +8,7 @@
 #include <string>
 
 #include "dccast/v1/access.pb.h"
+#include "dccast/v1/job.pb.h"
 #include "server/access/users.hpp"
 
 namespace dccast::access {
@@ -51,6 +52,10 @@ public:
   /// Reason to end the access of a caller whose identity was proved; empty while nothing has
   /// changed. For calls that last.
   std::optional<refusal::Facts> lapse(const Caller& caller, std::int64_t now);
+
+  /// Why the owner of a job may have it no more: disabled, or removed from the list; empty: the
+  /// owner may.
+  std::string refusal_of_owner(const v1::Job& job);
 
   /// Reason to deny a call because of the role; empty if allowed.
   std::optional<refusal::Facts> role_fault(const Caller& caller, const CallRule& rule);

@@ -166,7 +166,9 @@ jobs::SchedulerOptions scheduler_options(const v1::DaemonConfig& config,
       .maximum_waiting_bytes = std::llround(config.limits().maximum_waiting_bytes()),
       .minimum_free_bytes = std::llround(config.limits().minimum_free_bytes()),
       .share_half_life = whole_seconds(config.per_user().share_half_life_s()),
-      .maximum_running_per_user = config.per_user().maximum_running()};
+      .maximum_running_per_user = config.per_user().maximum_running(),
+      .maximum_followed = config.limits().maximum_followed(),
+      .maximum_followed_per_user = config.per_user().maximum_followed()};
 }
 
 /// Asks a worker for the identity of its solver, by which stored answers are found, and for its
@@ -293,7 +295,7 @@ void add_lost_castings(jobs::JobStore& store, const state::StateFolder& folder,
 JobSide::JobSide(const v1::DaemonConfig& settings, const WorkerPolicy& policy)
     : directory(settings.data_directory()),
       warm_workers(worker_program(settings),
-                   {.folders = {.scratch = directory.check(), .jobs = directory.jobs()},
+                   {.scratch = directory.check(),
                     .kept = settings.checks().workers() + settings.queries().workers() + 1}),
       worker(identify_worker(warm_workers)),
       intake(warm_workers, settings.alloy_directory(), directory.check(),
@@ -486,10 +488,8 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
 
   jobs.scheduler.observe_removal(
       [&context](const v1::Job& job) { service::learn_before_removal(context, job); });
-  jobs.scheduler.refuse_owners([&access](const std::string& owner) {
-    const auto user = access.users.find(owner);
-    return user && user->disabled() ? fmt::format("user {} is disabled", owner) : std::string();
-  });
+  jobs.scheduler.refuse_owners(
+      [&access](const v1::Job& job) { return access.authority.refusal_of_owner(job); });
   jobs.scheduler.start();
   jobs.studies.start();
   const jobs::Retention retention({.time = whole_seconds(config.retention().keep_time_s()),

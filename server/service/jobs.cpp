@@ -373,6 +373,7 @@ v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& r
   job.set_study(request.study());
   job.set_priority(request.priority());
   job.set_owner(call.caller.name);
+  job.set_owner_is_listed(call.caller.by != access::ProvenBy::local_user);
   *job.mutable_labels() = request.labels();
   *job.mutable_changes() = request.changes();
   *job.mutable_after() = request.after();

@@ -122,11 +122,10 @@ class EndlessRecord(Fault):
         must(count, lambda: scene.ended(self.follower), "the follower does not end", 30)
 
 
-class ManyFollowers(Fault):
-    """A user follows 60 castings at once: 16 run, the others wait and say so, a job beside them ends at once"""
+class SixtyFollowers(Fault):
+    """A user follows 60 castings at once."""
     short, long = 1, 5
-    followers, most = 60, 16
-    settings = {"workers__count": 1}
+    followers, most_memory = 60, 300e6
 
     def begin(self, scene):
         self.ids = [scene.submit(fake("steps=100000 sleep_ms=50"), following=follow_pb2.Following())
@@ -144,12 +143,16 @@ class ManyFollowers(Fault):
         jobs = [scene.client.job(follower) for follower in self.ids]
         running = [job for job in jobs if job.state == job_pb2.RUNNING]
         count.measured("running", len(running))
-        if len(running) > self.most:
+        if len(running) != self.most:
             count.found("wrong", f"{len(running)} are followed at once")
-        if silent := [job.id for job in jobs if job.state == job_pb2.QUEUED
-                      and "permitted at once: 16" not in job.held]:
+        if silent := [job.id for job in jobs if job.state == job_pb2.QUEUED and self.reason not in job.held]:
             count.found("wrong", f"{len(silent)} do not say why they wait")
-        count.measured("MB of workers", scene.info().worker_memory_bytes / 1e6)
+        processes = [scene.daemon.process.pid, *scene.daemon.worker_processes(),
+                     *scene.daemon.answering_processes()]
+        memory = sum(memory_of(process, "VmRSS") for process in processes)
+        count.measured("MB of daemon and workers", memory / 1e6)
+        if memory > self.most_memory:
+            count.found("wrong", f"daemon and workers take {memory / 1e6:.0f} MB")
 
     def look(self, scene, count):
         for follower in reversed(self.ids):
@@ -157,8 +160,20 @@ class ManyFollowers(Fault):
         must(count, lambda: all(map(scene.ended, self.ids)), "a follower does not end", 60)
 
 
-class FollowerOfDisabledUser(RemoteFault):
-    """A user is disabled: the castings that this user follows end within seconds, those of others go on"""
+class ManyFollowers(SixtyFollowers):
+    """A user follows 60 castings at once: 8 run, the others wait and say so, a job beside them ends at once"""
+    most, reason = 8, "per_user.maximum_followed = 8"
+    settings = {"workers__count": 1}
+
+
+class ManyFollowersOfAll(SixtyFollowers):
+    """Castings of all users are followed, without a bound of each: 10 run, the others wait and say so"""
+    most, reason = 10, "limits.maximum_followed = 10"
+    settings = {"workers__count": 1, "per_user__maximum_followed": 60}
+
+
+class FollowerOfLostUser(RemoteFault):
+    """A user may follow no more."""
     longest = 5.0
 
     def disturb(self, scene, count):
@@ -170,14 +185,25 @@ class FollowerOfDisabledUser(RemoteFault):
             ids[name] = stub.SubmitJob(request, timeout=20).id
             scene.foreign_jobs.add(ids[name])
             scene.client.until_step(ids[name], 1)
-        admin(scene, "user", "disable", "anna")
+        admin(scene, "user", self.command, "anna")
         must(count, lambda: scene.ended(ids["anna"]), "the follower goes on", self.longest)
-        if "anna is disabled" not in scene.client.job(ids["anna"]).cause:
+        if self.cause not in scene.client.job(ids["anna"]).cause:
             count.found("wrong", f"its cause is: {scene.client.job(ids['anna']).cause}")
         if scene.ended(ids["bert"]):
             count.found("wrong", "the follower of another ended, too")
-        scene.client.cancel(ids["bert"])
-        must(count, lambda: scene.ended(ids["bert"]), "a cancelled follower goes on", 30)
+        for job_id in ids.values():
+            scene.client.cancel(job_id)
+            must(count, lambda: scene.ended(job_id), "a cancelled follower goes on", 30)
+
+
+class FollowerOfDisabledUser(FollowerOfLostUser):
+    """A user is disabled: the castings that this user follows end within seconds, those of others go on"""
+    command, cause = "disable", "user anna is disabled"
+
+
+class FollowerOfRemovedUser(FollowerOfLostUser):
+    """A user is removed: the castings that this user follows end within seconds, those of others go on"""
+    command, cause = "remove", "user anna was removed"
 
 
 class UnfedFollower(Fault):

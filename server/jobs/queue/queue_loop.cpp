@@ -280,21 +280,20 @@ void QueueLoop::release_dependent(const Dependents::Dependent& dependent) {
 /// A casting that is followed runs as long as it is fed or waits: it does not end by itself soon
 /// after its owner may feed it no more.
 void QueueLoop::end_castings_of_refused_owners() {
-  std::map<std::string, std::vector<std::string>> castings;
+  std::vector<v1::Job> castings;
   {
     const std::lock_guard lock(state_.mutex);
     if (!owner_refusal_ || Clock::now() < owners_checked_ + between_checks_of_owners) return;
     owners_checked_ = Clock::now();
     for (const auto& [id, attempt] : state_.attempts.by_job())
       if (attempt->lane == Lane::followed && !attempt->exit && !attempt->kill_at)
-        castings[attempt->record.job.owner()].push_back(id);
+        castings.push_back(attempt->record.job);
   }
 
-  for (const auto& [owner, ids] : castings) {
+  for (const v1::Job& job : castings) {
     try {
-      const std::string why = owner_refusal_(owner);
-      if (why.empty()) continue;
-      for (const std::string& id : ids) requests_.stop(id, {RequestedAction::cancel, why});
+      const std::string why = owner_refusal_(job);
+      if (!why.empty()) requests_.stop(job.id(), {RequestedAction::cancel, why});
     } catch (const std::exception& error) {
       log::error("{}", error.what());
     }

@@ -55,12 +55,12 @@ std::string QueueState::bound_reached(Lane lane, const std::string& owner) const
   if (lane != Lane::followed) return {};
 
   if (followed >= options.maximum_followed_per_user)
-    return fmt::format("{} follows {} castings; permitted at once: {}", owner, followed,
+    return fmt::format("{} follows {} castings; per_user.maximum_followed = {}", owner, followed,
                        options.maximum_followed_per_user);
   const int of_all = attempts.count_in(Lane::followed);
   if (of_all >= options.maximum_followed)
-    return fmt::format("{} castings of all users are followed; permitted at once: {}", of_all,
-                       options.maximum_followed);
+    return fmt::format("{} castings of all users are followed; limits.maximum_followed = {}",
+                       of_all, options.maximum_followed);
   return {};
 }
 

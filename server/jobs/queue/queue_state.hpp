@@ -29,13 +29,13 @@ struct SchedulerOptions {
   std::int64_t minimum_free_bytes = 0;              ///< below it no job is accepted or started
   std::chrono::seconds share_half_life{86400};      ///< see JobQueue
   int maximum_running_per_user = 0;                 ///< 0: no limit
-  int maximum_followed = 32;                        ///< castings that running jobs follow
-  int maximum_followed_per_user = 16;
+  int maximum_followed = 10;                        ///< castings that running jobs follow
+  int maximum_followed_per_user = 8;
 };
 
-/// Why an owner's jobs may not run any more, e.g. "user anna is disabled"; empty: they may. It may
-/// wait for the disk.
-using OwnerRefusal = std::function<std::string(const std::string& owner)>;
+/// Why the owner of a job may run it no more, e.g. "user anna is disabled"; empty: it may run. It
+/// may wait for the disk.
+using OwnerRefusal = std::function<std::string(const v1::Job& job)>;
 
 /// State shared by the parts of the scheduler: waiting and running jobs. The mutex guards the
 /// members below it, and the member functions expect it to be held.

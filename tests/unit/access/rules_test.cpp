@@ -124,6 +124,20 @@ TEST_F(AuthorityTest, AProvenCallerLapses) {
   EXPECT_NE(authority.lapse(anna, now).value().cause.find("removed"), std::string::npos);
 }
 
+TEST_F(AuthorityTest, AnOwnerWhoIsDisabledOrRemovedHasNoJobAnyMore) {
+  v1::Job job;
+  job.set_owner("anna");
+  EXPECT_EQ(authority.refusal_of_owner(job), "") << "a local user need not be listed";
+  users.add("anna", v1::SUBMITTER, now, now + day);
+  EXPECT_EQ(authority.refusal_of_owner(job), "");
+  users.set_disabled("anna", true);
+  EXPECT_EQ(authority.refusal_of_owner(job), "user anna is disabled");
+  users.remove("anna");
+  EXPECT_EQ(authority.refusal_of_owner(job), "");
+  job.set_owner_is_listed(true);
+  EXPECT_EQ(authority.refusal_of_owner(job), "user anna was removed");
+}
+
 TEST_F(AuthorityTest, ADisabledAdminOfAnotherMachineIsOneNoLonger) {
   std::string token;
   users.enrol(users.add("kalle", v1::ADMIN, now, now + day), "", now, now + day, token);

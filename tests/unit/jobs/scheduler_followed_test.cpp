@@ -52,8 +52,9 @@ TEST_F(Followed, StartUpToTheNumberOfAUserAndOfAll) {
     EXPECT_TRUE(eventually([&] { return runs(daemon, id); })) << "a job is in nobody's way";
 
   EXPECT_EQ(daemon.scheduler.find(third)->state(), v1::QUEUED);
-  EXPECT_EQ(held(daemon, third), "anna follows 2 castings; permitted at once: 2");
-  EXPECT_EQ(held(daemon, beyond), "3 castings of all users are followed; permitted at once: 3");
+  EXPECT_EQ(held(daemon, third), "anna follows 2 castings; per_user.maximum_followed = 2");
+  EXPECT_EQ(held(daemon, beyond),
+            "3 castings of all users are followed; limits.maximum_followed = 3");
   EXPECT_EQ(daemon.executor.launches(), 4u);
 
   const auto launch = daemon.executor.wait_for_launch(1);
@@ -91,8 +92,8 @@ TEST_F(Followed, KeepTheirPlaceAfterAPause) {
 
 TEST_F(Followed, EndWhenTheirOwnerMayRunNothingAnyMore) {
   Daemon daemon(folder_.path());
-  daemon.scheduler.refuse_owners([](const std::string& owner) {
-    return owner == "anna" ? std::string("user anna is disabled") : std::string();
+  daemon.scheduler.refuse_owners([](const v1::Job& job) {
+    return job.owner() == "anna" ? std::string("user anna is disabled") : std::string();
   });
   daemon.scheduler.start();
   NewJob casting = new_job();
