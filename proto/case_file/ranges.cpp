@@ -110,9 +110,10 @@ private:
     for (int i = 0; i < curve.value_size(); ++i)
       check_number(field, curve.value(i), element_path(path, static_cast<std::size_t>(i)));
 
-    // A single point is a constant and needs no abscissa.
+    // A single point is a constant and needs no abscissa; but a number that names none is a fault.
     const auto permitted = abscissae_of(field);
-    if (curve.at_size() > 1 && std::ranges::count(permitted, curve.abscissa()) == 0)
+    const bool is_constant = curve.at_size() == 1 && v1::Abscissa_IsValid(curve.abscissa());
+    if (!is_constant && std::ranges::count(permitted, curve.abscissa()) == 0)
       add(path, abscissa_name(curve.abscissa()), "not a permitted abscissa of this table");
     check_abscissae(curve, path);
   }

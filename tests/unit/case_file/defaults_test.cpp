@@ -175,6 +175,16 @@ TEST(CheckRanges, FindsEverythingInAMessageFromTheWire) {
     EXPECT_THAT(all, HasSubstr(expected));
 }
 
+/// Found by the fuzz target case_check: it was no fault, and the worker had no answer.
+TEST(CheckRanges, AConstantNeedsNoAbscissaButOneThatThereIsNotIsAFault) {
+  v1::Case message = sound_defaults();
+  message.mutable_time()->mutable_step_s()->add_at(0.0);
+  message.mutable_time()->mutable_step_s()->add_value(0.5);
+  EXPECT_EQ(ranges_of(message), "");
+  message.mutable_time()->mutable_step_s()->set_abscissa(static_cast<v1::Abscissa>(7));
+  EXPECT_THAT(ranges_of(message), HasSubstr("time.step: not a permitted abscissa"));
+}
+
 TEST(CheckRanges, RefusesTwoLawsOfStirring) {
   v1::Case message = sound_defaults();
   message.mutable_alloy()->set_melt_stirring(9.0);
