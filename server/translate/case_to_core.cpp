@@ -1,6 +1,8 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <optional>
 
 #include "core/material/thermal_properties.hpp"
@@ -121,12 +123,18 @@ void set_coherency(const v1::Alloy& from, material::AlloyCard& to) {
   if (from.has_coherency_c()) to.coherency = from.coherency_c();
 }
 
-/// Property of the metal: its table, or solid and liquid weighted by their fractions.
+bool are_finite(const auto& numbers) {
+  return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
+}
+
+/// Property of the metal: its table, or solid and liquid weighted by their fractions. Of a case
+/// with faults the temperatures may be any numbers.
 /// @pre liquidus, solidus and liquid fraction are set in the card
 Curve metal_property(const material::AlloyCard& card, const v1::Curve& table,
                      const v1::Curve& solid, double liquid) {
-  const bool has_mush = material::is_given(card.solidus) && material::is_given(card.liquidus);
-  if (solid.value_size() == 0 || liquid <= 0.0 || !has_mush) return to_core(table);
+  const bool has_mush = are_finite(std::array{card.solidus, card.liquidus}) &&
+                        are_finite(solid.at()) && are_finite(card.liquid_fraction.at());
+  if (solid.value_size() == 0 || !(liquid > 0.0) || !has_mush) return to_core(table);
   return material::mixed_by_fraction(card, to_core(solid), liquid);
 }
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "proto/case_file/case_file.hpp"
 
 namespace dccast::translate {
@@ -87,6 +90,27 @@ v1::Case mush(double solidus, double liquidus) {
   from.mutable_alloy()->set_solidus_c(solidus);
   from.mutable_alloy()->set_liquidus_c(liquidus);
   return from;
+}
+
+/// Of a case with faults, which a worker is shown all the same. Found by the fuzz target
+/// case_check.
+TEST(CaseToCore, AMushWithoutAFiniteWidthMixesNothing) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const double liquidus : {infinity, std::nan(""), 650.0})
+    for (const double kink : {600.0, std::nan(""), infinity}) {
+      v1::Case from;
+      v1::Alloy& alloy = *from.mutable_alloy();
+      alloy.set_liquidus_c(liquidus);
+      alloy.set_solidus_c(liquidus == 650.0 ? 600.0 : -infinity);
+      alloy.set_liquid_density_kg_per_m3(2400.0);
+      alloy.mutable_density_kg_per_m3()->add_at(0.0);
+      alloy.mutable_density_kg_per_m3()->add_value(2700.0);
+      v1::Curve& solid = *alloy.mutable_solid_density_kg_per_m3();
+      for (const double at : {20.0, kink}) solid.add_at(at);
+      for (const double value : {2700.0, 2600.0}) solid.add_value(value);
+      const bool is_mixed = liquidus == 650.0 && kink == 600.0;
+      EXPECT_EQ(to_core(from, "").alloy.density.constant(), !is_mixed) << liquidus << " " << kink;
+    }
 }
 
 TEST(Coherency, IsATemperatureOrASolidFraction) {
