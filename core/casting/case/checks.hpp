@@ -83,6 +83,7 @@ inline const Keys course_keys = {"time.end",
                                  "mechanics.start",
                                  "section.initial_depth",
                                  "mesh.growth",
+                                 "output.frame_interval",
                                  "limits.maximum_steps"};
 /// Keys that determine the plan of a quarter slab.
 inline const Keys plan_keys = {"section.half_width",
