@@ -170,8 +170,6 @@ std::string failure_kind_text(v1::Finding::Kind kind) {
   switch (kind) {
     case v1::Finding::KIND_UNSPECIFIED:
       return "failed";
-    case v1::Finding::LIQUID_PRESSURE_LOST:
-      return "pressure of the liquid lost";
     case v1::Finding::OTHER_VERSION:
       return "checkpoint of another version of the solver";
     default:

@@ -79,14 +79,15 @@ void fit_heat(const thermal::HeatField& heat, const Shape& shape, Reasons& reaso
 template <int Dim>
 void fit_slab(const mechanics::SlabState<Dim>& slab, const Shape& shape, Reasons& reasons) {
   reasons.require_reals(slab.displacement, Dim * shape.nodes, "displacement");
-  reasons.require_size(slab.released, shape.nodes, "released nodes");
   reasons.require_size(slab.solid, shape.elements, "solid elements");
+  reasons.require_size(slab.carries, shape.elements, "elements that carry load");
   reasons.require_tensors(slab.inelastic, shape.points, "inelastic strain");
   reasons.require_tensors(slab.viscoplastic, shape.points, "viscoplastic strain");
   if (!slab.hardened.empty()) reasons.require_reals(slab.hardened, shape.points, "hardened strain");
   reasons.require_tensors(slab.deviator, shape.points, "stress deviator");
   reasons.require_reals(slab.pressure, shape.points, "pressure");
   reasons.require_size(slab.contact, shape.bottom_nodes, "contact");
+  reasons.require_size(slab.leaning, Dim * shape.nodes, "directions that lean on the mould");
   reasons.require_reals(slab.reaction, shape.bottom_nodes, "reaction");
   // Empty before the first step, and with any algorithm except sbm.
   if (!slab.contact_multiplier.empty())

@@ -68,14 +68,15 @@ template <class Slab, class Use>
 void for_slab_fields(Slab& slab, const Use& use) {
   use("slab/started", slab.started);
   use("slab/displacement_m", slab.displacement);
-  use("slab/released", slab.released);
   use("slab/solid", slab.solid);
+  use("slab/carries", slab.carries);
   use("slab/inelastic_strain", slab.inelastic);
   use("slab/viscoplastic_strain", slab.viscoplastic);
   use("slab/hardened_strain", slab.hardened);
   use("slab/stress_deviator_pa", slab.deviator);
   use("slab/pressure_pa", slab.pressure);
   use("slab/contact", slab.contact);
+  use("slab/leaning", slab.leaning);
   use("slab/contact_multiplier_pa", slab.contact_multiplier);
   use("slab/reaction_n_per_m", slab.reaction);
 }

@@ -251,7 +251,6 @@ results::StepReport SlabRun<Dim>::report(const Attempt& accepted, int failed_att
   r.bottom_reaction = step.bottom_reaction;
   r.weight = step.weight;
   (Dim == 2 ? r.contact_length : r.contact_area) = checks.contact_length;
-  r.liquid_pressure_error = checks.liquid_pressure_error;
   r.maximum_rotation = step.rotation.value;
   r.bottom_slip = step.slip.value;
   r.beyond_validity = state_.findings.lost.has_value();

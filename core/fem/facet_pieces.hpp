@@ -78,6 +78,62 @@ FacetShares<Element::dimension> facet_shares_of(const mesh::Mesh<Element::dimens
   }
 }
 
+/// (node of a facet) vectors along the coordinate axes.
+template <int Dim>
+using FacetVectors = std::array<std::array<double, std::size_t(Dim)>, Dim == 2 ? 2 : 4>;
+
+/// Nodal forces of a pressure that is linear over a facet and pushes against it from outside
+/// [N/m], axisymmetric [N/rad], of a solid [N].
+/// @param pressure  (node of the facet) [Pa]
+template <class Element>
+FacetVectors<2> pressure_forces(const mesh::Mesh<2>& mesh, const mesh::Facet<2>& facet,
+                                std::span<const double> pressure) {
+  const double *a = mesh.point(facet.node[0]), *b = mesh.point(facet.node[1]);
+  const std::array<double, 2> inward{a[1] - b[1], b[0] - a[0]};  // times the length
+
+  // Two Gauss points are exact for the product of shape function, pressure and radius.
+  FacetVectors<2> force{};
+  for (const double sign : {-1.0, 1.0}) {
+    const double xi = 0.5 + sign * 0.5 / std::sqrt(3.0);
+    const std::array<double, 2> shape{1.0 - xi, xi};
+    double share = 0.5 * (shape[0] * pressure[0] + shape[1] * pressure[1]);
+    if constexpr (is_axisymmetric<Element>) share *= shape[0] * a[0] + shape[1] * b[0];
+    for (std::size_t i = 0; i < 2; ++i)
+      for (std::size_t d = 0; d < 2; ++d) force[i][d] += shape[i] * share * inward[d];
+  }
+  return force;
+}
+template <class Element>
+FacetVectors<3> pressure_forces(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet,
+                                std::span<const double> pressure) {
+  FacetVectors<3> force{};
+  const auto push = [&](std::size_t node, double share, const Eigen::Vector3d& outward) {
+    for (std::size_t d = 0; d < 3; ++d) force[node][d] -= share * outward[Eigen::Index(d)];
+  };
+
+  if (facet.nodes == 3) {
+    const Eigen::Vector3d area = 0.5 * detail::doubled_area(mesh, facet);
+    const double sum = pressure[0] + pressure[1] + pressure[2];
+    for (std::size_t i = 0; i < 3; ++i) push(i, (sum + pressure[i]) / 12.0, area);
+    return force;
+  }
+
+  for (const auto& p : Q1Quadrilateral::point) {
+    const auto shape = Q1Quadrilateral::shape(p);
+    const auto gradient = Q1Quadrilateral::shape_gradient(p);
+    Eigen::Vector3d along = Eigen::Vector3d::Zero(), across = along;
+    double at_point = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      along += gradient[i][0] * detail::corner_point(mesh, facet, i);
+      across += gradient[i][1] * detail::corner_point(mesh, facet, i);
+      at_point += shape[i] * pressure[i];
+    }
+    const Eigen::Vector3d area = along.cross(across);
+    for (std::size_t i = 0; i < 4; ++i) push(i, shape[i] * at_point, area);
+  }
+  return force;
+}
+
 /// A facet is cut into pieces where a nodal quantity passes given levels, and the shape functions
 /// are integrated over every piece. The pieces cover the facet exactly and change continuously with
 /// every level.

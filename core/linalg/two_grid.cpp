@@ -7,6 +7,9 @@ namespace dccast::linalg {
 
 namespace {
 
+/// Of a diagonal [1]: as much larger than round-off as it is smaller than what the grids leave.
+constexpr double indefinite_share = 1e-9;
+
 /// (element, unknown) of an extruded mesh with the given number of rows of nodes.
 template <int N>
 std::vector<int> list_element_unknowns(const mesh::Extrusion& extruded, int rows) {
@@ -176,8 +179,9 @@ bool TwoGrid<N>::factorize_coarse() {
       const auto& from = place.one_line ? coarse_own_ : coarse_coupling_;
       double value = from[coarse_layout_.block(place)(r % N, c % N)];
 
-      // All fine unknowns that it represents are held.
-      if (r == c && !(value > 0.0)) value = 1.0;
+      // All fine unknowns that it represents are held. Where but one of several is not, coarse ones
+      // move the same: the share keeps the matrix definite and does not reach the fine grid.
+      if (r == c) value = value > 0.0 ? (1.0 + indefinite_share) * value : 1.0;
       coarse_values_[std::size_t(k)] = value;
     }
   }

@@ -92,7 +92,7 @@ public:
     }
     double squares = std::accumulate(squares_of.begin(), squares_of.end(), 0.0);
     for (std::size_t i = 0; i < problem_->spring.size(); ++i) {
-      const double force = problem_->spring[i] * u[i];
+      const double force = problem_->spring[i] * (u[i] - problem_->target[i]);
       out[i] += force;
       squares += force * force;
     }

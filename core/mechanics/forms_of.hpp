@@ -35,6 +35,7 @@ public:
     mesh_ = &mesh;
     if (mesh.elements() != geometry_.elements()) frames_ = {};
     rotations_.clear();
+    taking_part_.clear();
     geometry_.update(mesh, static_cast<int>(first));
   }
   void set_frames(std::span<const NodalFrame<dimension>> frames) override {
@@ -53,6 +54,9 @@ public:
         if (solid[e] != 0) rotations_.set(e, rotation_of(mean_displacement_gradient(e, u)));
       }
     }
+  }
+  void set_taking_part(std::span<const char> elements) override {
+    taking_part_.assign(elements.begin(), elements.end());
   }
   std::size_t elements() const override { return std::size_t(geometry_.elements()); }
   std::size_t points() const override { return of_element; }
@@ -135,7 +139,7 @@ public:
         }
         squares *= cells.volume * cells.volume;
         for (std::size_t of = e; of < std::min(e + Count, stress.size()); ++of) {
-          sum += stress[of] * stress[of] * squares[of - e];
+          if (takes_part(of)) sum += stress[of] * stress[of] * squares[of - e];
         }
       }
     });
@@ -161,11 +165,23 @@ public:
     return whole;
   }
 
+  double add_pressure(const mesh::Facet<dimension>& facet, std::span<const double> pressure,
+                      std::span<double> force) const override {
+    const auto of_facet = fem::pressure_forces<Element>(*mesh_, facet, pressure);
+    double upward = 0.0;
+    for (std::size_t i = 0; i < std::size_t(facet.nodes); ++i) {
+      frames_.add(force, facet.node[i], of_facet[i]);
+      upward += of_facet[i][dim - 1];
+    }
+    return upward;
+  }
+
   fem::FacetShares<dimension> facet_shares(const mesh::Facet<dimension>& facet) const override {
     return fem::facet_shares_of<Element>(*mesh_, facet);
   }
 
 private:
+  bool takes_part(std::size_t e) const { return taking_part_.empty() || taking_part_[e] != 0; }
   auto cell_of(std::size_t e) const { return geometry_.cell(static_cast<int>(e)); }
   const int* nodes_of(std::size_t e) const { return mesh_->nodes_of(static_cast<int>(e)); }
 
@@ -237,6 +253,7 @@ private:
       for (const auto& component : of_node) square += component * component;
     }
     for (std::size_t e = first; e < std::min(first + Count, end); ++e) {
+      if (!takes_part(e)) continue;
       Vectors of_one;
       for (std::size_t i = 0; i < nodes; ++i) {
         for (std::size_t a = 0; a < dim; ++a) of_one[i][a] = f[i][a][e - first];
@@ -261,6 +278,7 @@ private:
                     const typename FormsOfSeveral<Count>::Matrix& k,
                     const linalg::SparsityPattern& pattern, std::span<double> values) const {
     for (std::size_t e = first; e < std::min(first + Count, end); ++e) {
+      if (!takes_part(e)) continue;
       Matrix of_one;
       for (std::size_t r = 0; r < unknowns; ++r) {
         for (std::size_t s = 0; s <= r; ++s) {
@@ -286,6 +304,7 @@ private:
   const Mesh* mesh_ = nullptr;
   NodeFrames<dimension> frames_;
   Rotations rotations_;
+  std::vector<char> taking_part_;  ///< (element) @see set_taking_part()
   fem::ElementGeometry<Element> geometry_;
 };
 

@@ -82,6 +82,11 @@ public:
     }
   }
 
+  /// Adds a force along the coordinate axes to the force at a node.
+  void add(std::span<double> force, int node, Vector v) const {
+    if (const Frame* frame = frame_of(node)) v = frame->to_frame(v);
+    for (std::size_t a = 0; a < v.size(); ++a) force[std::size_t(node) * Dim + a] += v[a];
+  }
   /// Subtracts a force `by` along the last coordinate axis from the force at a node.
   void lower(std::span<double> force, int node, double by) const {
     double* f = &force[std::size_t(node) * Dim];

@@ -76,6 +76,9 @@ public:
   /// @param solid         (element) not zero: the axes follow the rotation
   /// @throws std::logic_error of axisymmetric elements
   virtual void set_rotations(std::span<const double> displacement, std::span<const char> solid) = 0;
+  /// Leaves elements out: they add neither forces nor stiffness. Kept until the next call or
+  /// update(). @param elements  (element) not zero: it takes part; empty: all do
+  virtual void set_taking_part(std::span<const char> elements) = 0;
   virtual std::size_t elements() const = 0;
   virtual std::size_t points() const = 0;  ///< of an element
 
@@ -114,6 +117,11 @@ public:
   /// @return                 total weight
   virtual double subtract_weight(std::span<const double> specific_weight,
                                  std::span<double> force) const = 0;
+  /// Adds the forces of a pressure that is linear over a facet and pushes against it from outside.
+  /// @param pressure  (node of the facet) [Pa]
+  /// @return          their resultant along the last coordinate axis
+  virtual double add_pressure(const mesh::Facet<Dim>& facet, std::span<const double> pressure,
+                              std::span<double> force) const = 0;
   /// Integrals of the shape functions of a facet [m^(Dim-1)], axisymmetric: [m2/rad].
   virtual fem::FacetShares<Dim> facet_shares(const mesh::Facet<Dim>& facet) const = 0;
 };

@@ -7,11 +7,11 @@ namespace dccast::mechanics {
 /// Algorithm of a mechanical step. newton is ours; the others are those of the paper, sections 4.2
 /// to 4.4.
 enum class Algorithm { newton, vnbm, sbm, nbm };
-/// Model of the liquid metal: a soft solid with the metallostatic pressure as prestress, the
-/// paper's weak solid (section 2.2), or a liquid that is treated as solid metal.
-enum class Liquid { prestressed, weak, solid };
-/// How the mould supports a side that is not yet solid: exactly along its normal, or by springs
-/// (paper, remark 3).
+/// Model of the liquid metal: no part of the body, on which it presses; the paper's weak solid
+/// (section 2.2); or a liquid that is treated as solid metal.
+enum class Liquid { pressure, weak, solid };
+/// How the mould holds a side that is not cold yet: exactly along its normal, or by springs (paper,
+/// remark 3).
 enum class Confinement { exact, penalty };
 /// The strain measure.
 enum class Kinematics {
@@ -37,18 +37,15 @@ struct Options {
   Algorithm algorithm = Algorithm::newton;
   Kinematics kinematics = Kinematics::small_strain;
   double gravity = 0.0;  ///< [m/s2]
-  Liquid liquid = Liquid::prestressed;
-  double liquid_modulus = 0.0;  ///< [Pa]
+  Liquid liquid = Liquid::pressure;
   double liquid_epsilon = 0.0;  ///< [1]
   double liquid_delta = 0.0;    ///< [1]
   double liquid_beta = 0.0;     ///< [1]
-  /// Side supported by the mould where it is not solid yet.
+  /// The mould holds a side where it is not cold yet.
   bool confinement = false;
   Confinement confinement_by = Confinement::exact;
   double confinement_stiffness = 0.0;  ///< [Pa/m] of the springs
-  /// A side released by the mould may lean against the mould wall but not pass through it.
-  bool mould_wall = false;
-  double mould_length = 0.0;  ///< [m] mould length below the metal level, for `mould_wall`
+  double mould_length = 0.0;           ///< [m] below the metal level
   /// Unilateral contact with the bottom block; without it the bottom is held.
   bool contact = false;
   double tolerance = 0.0;  ///< [1] residual relative to the acting forces

@@ -53,9 +53,9 @@ template <int Dim>
 void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int nodes_per_row,
                                        int first_moved) {
   const std::size_t first = std::size_t(first_moved);
-  const int old_nodes = static_cast<int>(state.released.size());
+  const int old_nodes = static_cast<int>(state.displacement.size()) / Dim;
   std::vector<double> u = supports_.by_unknown(state.displacement);
-  set_rotations(u, state.solid);
+  set_rotations(u, state.carries);
   const std::vector<Tensor> elastic = elastic_strains(*forms_, state, u, first);
 
   const std::size_t stride = std::size_t(nodes_per_row) * Dim;
@@ -63,8 +63,9 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
     state.displacement.push_back(state.displacement[i - stride]);
   }
 
-  state.released.resize(std::size_t(grown.nodes()), 0);
+  state.leaning.resize(state.displacement.size(), 1);
   state.solid.resize(std::size_t(grown.elements()), 0);
+  state.carries.resize(std::size_t(grown.elements()), 0);
   const std::size_t all_points = std::size_t(grown.elements()) * points_;
   state.inelastic.resize(all_points);
   state.viscoplastic.resize(all_points);
@@ -76,7 +77,7 @@ void SlabMechanics<Dim>::follow_growth(State& state, const Mesh& grown, int node
   // A new node is at the mould, whatever the displacement of the one below it.
   u = supports_.by_unknown(std::move(state.displacement));
   supports_.stand_at_mould(u, old_nodes);
-  set_rotations(u, state.solid);
+  set_rotations(u, state.carries);
   set_elastic_strains(*forms_, state, u, elastic, first);
   state.displacement = supports_.by_coordinate(std::move(u));
 }
@@ -111,7 +112,7 @@ ProjectedState<Dim> SlabMechanics<Dim>::projected(const State& state,
 
   const RowsOfPoints<Dim> rows(merged);
   const std::vector<double> u = supports_.by_unknown(state.displacement);
-  set_rotations(u, state.solid);
+  set_rotations(u, state.carries);
   std::vector<Tensor> elastic = elastic_strains(*forms_, state, u);
   std::vector<double> dilatation;  // one of an element, as its pressure
   for (Tensor& strain : elastic) {
@@ -119,9 +120,9 @@ ProjectedState<Dim> SlabMechanics<Dim>::projected(const State& state,
     strain = strain.deviator();
   }
 
-  set_weight(state, temperature);
   ProjectedState<Dim> to{state, rows.projected(elastic),
-                         rows.restricted(forces_of_stress(state).nodal), problem_.weight};
+                         rows.restricted(forces_of_stress(state).nodal),
+                         whole_weight(state, temperature)};
   dilatation = rows.means(dilatation);
   for (std::size_t i = 0; i < dilatation.size(); ++i)
     to.elastic[i].add_identity(dilatation[i] / 3.0);
@@ -131,11 +132,12 @@ ProjectedState<Dim> SlabMechanics<Dim>::projected(const State& state,
   to.state.pressure = rows.means(state.pressure);
   if (!state.hardened.empty()) to.state.hardened = rows.point_means(state.hardened);
   to.state.solid = rows.all_of(state.solid);
+  to.state.carries = rows.all_of(state.carries);
   for (std::size_t i = 0; i < to.elastic.size(); ++i)
-    if (to.state.solid[i / points_] == 0 && rows.is_pair(i / points_)) to.elastic[i] = {};
+    if (to.state.carries[i / points_] == 0 && rows.is_pair(i / points_)) to.elastic[i] = {};
 
   mesh::take_out_rows(merged, merged.nodes_per_row * Dim, to.state.displacement);
-  mesh::take_out_rows(merged, merged.nodes_per_row, to.state.released);
+  mesh::take_out_rows(merged, merged.nodes_per_row * Dim, to.state.leaning);
   return to;
 }
 
@@ -146,15 +148,15 @@ MergeChecks SlabMechanics<Dim>::follow_merging(State& state, ProjectedState<Dim>
   state = std::move(projected.state);
   set_mesh(merged_mesh);
   const std::vector<double> u = supports_.by_unknown(state.displacement);
-  set_rotations(u, state.solid);
+  set_rotations(u, state.carries);
   state.inelastic.resize(projected.elastic.size());
   set_elastic_strains(*forms_, state, u, projected.elastic);
-  set_weight(state, temperature);
+  const double weight = whole_weight(state, temperature);
   double squares = 0.0;
   const auto [force, acting] = forces_of_stress(state);
   for (std::size_t i = 0; i < force.size(); ++i)
     squares += (force[i] - projected.force[i]) * (force[i] - projected.force[i]);
-  return {std::abs(problem_.weight - projected.weight) / projected.weight,
+  return {std::abs(weight - projected.weight) / projected.weight,
           acting > 0.0 ? std::sqrt(squares) / acting : 0.0};
 }
 

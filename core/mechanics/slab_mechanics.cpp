@@ -35,17 +35,17 @@ double centroid_height(const mesh::Mesh<Dim>& mesh, int element) {
   return sum / mesh.nodes_per_element;
 }
 
-/// (node) whether it belongs to a solid element. @param solid  (element)
+/// (node) whether it belongs to a marked element. @param marked  (element)
 template <int Dim>
-std::vector<char> mark_solid_nodes(const mesh::Mesh<Dim>& mesh, const std::vector<char>& solid) {
-  std::vector<char> is_solid(std::size_t(mesh.nodes()), 0);
+std::vector<char> nodes_of(const mesh::Mesh<Dim>& mesh, const std::vector<char>& marked) {
+  std::vector<char> of_marked(std::size_t(mesh.nodes()), 0);
   for (int e = 0; e < mesh.elements(); ++e) {
-    if (solid[std::size_t(e)] == 0) continue;
+    if (marked[std::size_t(e)] == 0) continue;
     for (int i = 0; i < mesh.nodes_per_element; ++i) {
-      is_solid[std::size_t(mesh.nodes_of(e)[i])] = 1;
+      of_marked[std::size_t(mesh.nodes_of(e)[i])] = 1;
     }
   }
-  return is_solid;
+  return of_marked;
 }
 
 }  // namespace
@@ -69,6 +69,7 @@ void SlabMechanics<Dim>::set_mesh(const Mesh& mesh, int first_moved) {
     new_pattern();
   else
     find_supports();
+  melt_.set_mesh(mesh, is_new);
   problem_.forms = forms_.get();
   problem_.pattern = &pattern_;
   problem_.parts = Dim == 3 ? &parts_ : nullptr;
@@ -111,7 +112,6 @@ void SlabMechanics<Dim>::new_pattern() {
   problem_.target.assign(std::size_t(unknowns), 0.0);
 
   find_supports();
-  supports_.place_on_block(problem_, options_.contact);
 
   const auto fronts = mesh::edges_to_sweep_from(*mesh_, Dim);
   choose_solver();
@@ -149,10 +149,7 @@ void SlabMechanics<Dim>::set_initial_gap(std::vector<double> gap) {
 
 template <int Dim>
 double SlabMechanics<Dim>::bottom_gap(const State& state, std::size_t place) const {
-  const std::size_t node = std::size_t(bottom_nodes()[place]);
-  const auto& initial = supports_.initial_gap();
-  const double opening = supports_.by_unknown(state.displacement)[node * Dim + up<Dim>];
-  return opening + (initial.empty() ? 0.0 : initial[place]);
+  return supports_.bottom_gap(place, supports_.by_unknown(state.displacement));
 }
 
 template <int Dim>
@@ -160,14 +157,15 @@ auto SlabMechanics<Dim>::initial_state() const -> State {
   State state;
   const std::size_t all_points = std::size_t(mesh_->elements()) * points_;
   state.displacement.assign(std::size_t(mesh_->nodes()) * Dim, 0.0);
-  state.released.assign(std::size_t(mesh_->nodes()), 0);
   state.solid.assign(std::size_t(mesh_->elements()), 0);
+  state.carries.assign(std::size_t(mesh_->elements()), 0);
   state.inelastic.resize(all_points);
   state.viscoplastic.resize(all_points);
   if (properties_.has_yield_limit()) state.hardened.assign(all_points, 0.0);
   state.deviator.resize(all_points);
   state.pressure.assign(all_points, 0.0);
   state.contact = supports_.initial_contact();
+  state.leaning.assign(state.displacement.size(), 1);
   state.reaction.assign(bottom_nodes().size(), 0.0);
   return state;
 }
@@ -176,10 +174,15 @@ template <int Dim>
 void SlabMechanics<Dim>::start(State& state, std::span<const double> temperature) const {
   state.started = true;
   for (int e = 0; e < mesh_->elements(); ++e) {
-    const double t = temperature[std::size_t(e)];
-    const bool solid = options_.liquid == Liquid::solid || t < properties_.coherency();
+    const bool at_once = options_.liquid == Liquid::solid;
+    const bool solid = at_once || temperature[std::size_t(e)] < properties_.coherency();
     state.solid[std::size_t(e)] = solid ? 1 : 0;
-    if (!solid) continue;
+  }
+  state.carries = melt_is_outside() ? melt_.carrying(state.solid) : state.solid;
+
+  for (int e = 0; e < mesh_->elements(); ++e) {
+    if (state.carries[std::size_t(e)] == 0) continue;
+    const double t = temperature[std::size_t(e)];
     for (std::size_t q = 0; q < points_; ++q) {
       state.inelastic[std::size_t(e) * points_ + q].add_identity(-properties_.thermal_stretch(t));
     }
@@ -195,7 +198,8 @@ void SlabMechanics<Dim>::set_rotations(std::span<const double> displacement,
   if (options_.kinematics == Kinematics::corotational) forms_->set_rotations(displacement, solid);
 }
 
-/// The moment at which an element solidifies, with its mean temperature linear in time.
+/// The moment at which an element solidifies, with its mean temperature linear in time. One that
+/// has been coherent before joins at its own temperature, at the start of the step.
 template <int Dim>
 auto SlabMechanics<Dim>::birth_of(std::size_t e, const SlabStepInput& input) const -> Birth {
   const double end = input.element_temperature[e];
@@ -204,7 +208,9 @@ auto SlabMechanics<Dim>::birth_of(std::size_t e, const SlabStepInput& input) con
   Birth birth{e, properties_.coherency(), 1.0};
   if (input.element_temperature_n.empty()) return birth;
   const double start = input.element_temperature_n[e];
-  if (start > birth.temperature)
+  if (start <= birth.temperature)
+    birth.temperature = start;
+  else
     birth.share = std::max(least_share, (birth.temperature - end) / (start - end));
   return birth;
 }
@@ -263,45 +269,45 @@ void SlabMechanics<Dim>::forget_history(State& state, std::size_t e) const {
 
 /// Metallostatic pressure at the centre of an element.
 template <int Dim>
-double SlabMechanics<Dim>::melt_pressure(int e, double metal_level) const {
+double SlabMechanics<Dim>::melt_pressure(int e, double level) const {
   return properties_.liquid_density() * options_.gravity *
-         (metal_level - centroid_height(*mesh_, e));
+         std::max(0.0, level - centroid_height(*mesh_, e));
 }
 
 template <int Dim>
 void SlabMechanics<Dim>::set_phases(State& state, const SlabStepInput& input) {
   const bool at_once = options_.liquid == Liquid::solid;
-  std::vector<std::size_t> changed;
-  births_.clear();
   for (std::size_t e = 0; e < state.solid.size(); ++e) {
     const bool solid = at_once || input.element_temperature[e] < properties_.coherency();
-    if (solid == (state.solid[e] != 0)) continue;
     state.solid[e] = solid ? 1 : 0;
-    changed.push_back(e);
   }
-  set_rotations(displacement_, state.solid);
-  for (const std::size_t e : changed) {
+  const std::vector<char> before =
+      std::exchange(state.carries, melt_is_outside() ? melt_.carrying(state.solid) : state.solid);
+
+  set_rotations(displacement_, state.carries);
+  births_.clear();
+  for (std::size_t e = 0; e < before.size(); ++e) {
+    if (state.carries[e] == before[e]) continue;
     forget_history(state, e);
-    if (state.solid[e] != 0) births_.push_back(birth_of(e, input));
+    if (state.carries[e] != 0) births_.push_back(birth_of(e, input));
   }
+  of_body_ = nodes_of(*mesh_, state.carries);
 }
 
 template <int Dim>
 void SlabMechanics<Dim>::set_materials(const State& state, const SlabStepInput& input) {
-  // The paper's weak material, eq. (38), or the weak elasticity under metallostatic prestress.
-  const bool weak = options_.liquid == Liquid::weak;
+  // The paper's weak material, eq. (38). Melt that is no part of the body has some moduli, for laws
+  // that divide by them.
   const double at = properties_.liquidus();
-  const double mu_liquid = weak ? std::pow(options_.liquid_epsilon, options_.liquid_delta) *
-                                      properties_.shear_modulus(at)
-                                : options_.liquid_modulus;
+  const double mu_liquid =
+      std::pow(options_.liquid_epsilon, options_.liquid_delta) * properties_.shear_modulus(at);
   const double lambda_solid =
       properties_.bulk_modulus(at) - 2.0 / 3.0 * properties_.shear_modulus(at);
   const double lambda_liquid =
-      weak ? std::pow(options_.liquid_epsilon, options_.liquid_beta) * lambda_solid
-           : options_.liquid_modulus;
+      std::pow(options_.liquid_epsilon, options_.liquid_beta) * lambda_solid;
   for (int e = 0; e < mesh_->elements(); ++e) {
     const std::size_t i = std::size_t(e);
-    if (state.solid[i] != 0) {
+    if (state.carries[i] != 0) {
       set_solid(e, input.element_temperature[i], input.metal_level);
       continue;
     }
@@ -310,7 +316,7 @@ void SlabMechanics<Dim>::set_materials(const State& state, const SlabStepInput& 
     problem_.shear[i] = mu_liquid;
     problem_.kappa[i] = problem_.volumetric_kappa[i] = 0.0;
     problem_.thermal[i] = 0.0;
-    problem_.prestress[i] = weak ? 0.0 : -melt_pressure(e, input.metal_level);
+    problem_.prestress[i] = 0.0;
     if (properties_.has_yield_limit()) {
       problem_.yield[i] = std::numeric_limits<double>::infinity();
       problem_.hardening[i] = 0.0;
@@ -329,7 +335,7 @@ void SlabMechanics<Dim>::set_solid(int e, double at, double metal_level) {
   problem_.kappa[i] = creep.deviatoric;
   problem_.volumetric_kappa[i] = creep.volumetric;
   problem_.linear_below[i] = creep.linear_below;
-  problem_.melt_pressure[i] = std::max(0.0, melt_pressure(e, metal_level));
+  problem_.melt_pressure[i] = melt_pressure(e, metal_level);
   problem_.thermal[i] = properties_.thermal_stretch(at);
   problem_.prestress[i] = 0.0;
 
@@ -340,23 +346,45 @@ void SlabMechanics<Dim>::set_solid(int e, double at, double metal_level) {
 }
 
 template <int Dim>
-void SlabMechanics<Dim>::set_weight(const State& state, std::span<const double> temperature) {
-  auto& force = problem_.external_force;
-  std::fill(force.begin(), force.end(), 0.0);
-  std::vector<double> specific_weight(std::size_t(mesh_->elements()));  // [N/m3]
+template <class Counts>
+std::vector<double> SlabMechanics<Dim>::specific_weights(const State& state,
+                                                         std::span<const double> temperature,
+                                                         const Counts& counts) const {
+  std::vector<double> specific_weight(std::size_t(mesh_->elements()), 0.0);
   for (std::size_t e = 0; e < specific_weight.size(); ++e) {
+    if (!counts(e)) continue;
     const double density =
         state.solid[e] != 0 ? properties_.density(temperature[e]) : properties_.liquid_density();
     specific_weight[e] = density * options_.gravity;
   }
-  problem_.weight = forms_->subtract_weight(specific_weight, force);
+  return specific_weight;
+}
+
+template <int Dim>
+double SlabMechanics<Dim>::whole_weight(const State& state,
+                                        std::span<const double> temperature) const {
+  std::vector<double> unused(problem_.unknowns());
+  return forms_->subtract_weight(
+      specific_weights(state, temperature, [](std::size_t) { return true; }), unused);
+}
+
+template <int Dim>
+void SlabMechanics<Dim>::set_loads(const State& state, const SlabStepInput& input) {
+  auto& force = problem_.external_force;
+  std::fill(force.begin(), force.end(), 0.0);
+  const auto of_body = [&](std::size_t e) { return !melt_is_outside() || state.carries[e] != 0; };
+  problem_.weight =
+      forms_->subtract_weight(specific_weights(state, input.element_temperature, of_body), force);
+  if (!melt_is_outside()) return;
+  problem_.weight += melt_.press(*forms_, state.carries, input.metal_level,
+                                 properties_.liquid_density() * options_.gravity, force);
 }
 
 template <int Dim>
 StepOutcome SlabMechanics<Dim>::step(State& state, const SlabStepInput& input) {
   StepUnknowns<Dim> unknowns = begin(state, input);
   const StepOutcome outcome = solve_step(problem_, options_, work_, unknowns);
-  if (outcome.converged) finish(state, unknowns, outcome, input);
+  if (outcome.converged) finish(state, unknowns, outcome);
   return outcome;
 }
 
@@ -365,19 +393,46 @@ StepUnknowns<Dim> SlabMechanics<Dim>::begin(State& state, const SlabStepInput& i
   displacement_ = supports_.by_unknown(state.displacement);
   set_phases(state, input);
   set_materials(state, input);
-  set_weight(state, input.element_temperature);
-  StepUnknowns<Dim> unknowns{displacement_, state.contact, state.contact_multiplier,
-                             state.deviator};
-  if (!options_.contact) unknowns.contact.clear();
-  supports_.hold_sides(problem_, state, options_, input.node_temperature, properties_.release(),
-                       input.metal_level - options_.mould_length, displacement_, unknowns.contact);
-  if (!unknowns.contact_multiplier.empty()) {
-    unknowns.contact_multiplier.resize(problem_.contact.size(), 0.0);
-  }
+  set_loads(state, input);
+  StepUnknowns<Dim> unknowns{displacement_, {}, {}, state.deviator};
+  set_supports(state, input, unknowns);
+  forms_->set_taking_part(melt_is_outside() ? state.carries : std::vector<char>());
   problem_.dt = input.time_step;
   problem_.inelastic = state.inelastic;
   problem_.hardened = state.hardened;
   return unknowns;
+}
+
+template <int Dim>
+void SlabMechanics<Dim>::set_supports(State& state, const SlabStepInput& input,
+                                      StepUnknowns<Dim>& unknowns) {
+  std::fill(problem_.fixed.begin(), problem_.fixed.end(), 0);
+  std::fill(problem_.target.begin(), problem_.target.end(), 0.0);
+
+  // Without the melt nothing resists where its nodes move: they stay and follow later.
+  std::vector<char> unknown_nodes(of_body_.size(), 1);
+  if (melt_is_outside()) {
+    unknown_nodes = of_body_;
+    for (std::size_t i = 0; i < problem_.unknowns(); ++i) {
+      if (of_body_[i / std::size_t(Dim)] != 0) continue;
+      problem_.fixed[i] = 1;
+      problem_.target[i] = displacement_[i];
+    }
+  }
+
+  standing_ = supports_.place_on_block(problem_, options_.contact, unknown_nodes);
+  if (options_.contact) {
+    for (const std::size_t i : standing_) {
+      unknowns.contact.push_back(state.contact[i]);
+      if (!state.contact_multiplier.empty())
+        unknowns.contact_multiplier.push_back(state.contact_multiplier[i]);
+    }
+  }
+  supports_.hold_sides(problem_, options_, of_body_, input.node_temperature, properties_.release(),
+                       input.metal_level - options_.mould_length, displacement_, state.leaning,
+                       unknowns.contact);
+  if (!unknowns.contact_multiplier.empty())
+    unknowns.contact_multiplier.resize(problem_.contact.size(), 0.0);
 }
 
 /// Evaluates the solution of an algorithm that uses another law with the law of the step problem.
@@ -393,48 +448,29 @@ ForceScales SlabMechanics<Dim>::evaluate_end(StepUnknowns<Dim>& unknowns) {
 
 template <int Dim>
 void SlabMechanics<Dim>::finish(State& state, StepUnknowns<Dim>& unknowns,
-                                const StepOutcome& outcome, const SlabStepInput& input) {
+                                const StepOutcome& outcome) {
   check_balance(unknowns, outcome.forces_at_end ? *outcome.forces_at_end : evaluate_end(unknowns));
   state.deviator = std::move(unknowns.deviator);
   for (int e = 0; e < mesh_->elements(); ++e) {
-    std::fill_n(state.pressure.begin() + long(std::size_t(e) * points_), points_,
-                mean_normal_stress(problem_, e, unknowns.displacement));
+    const std::size_t first = std::size_t(e) * points_;
+    const bool outside = melt_is_outside() && state.carries[std::size_t(e)] == 0;
+    if (outside) std::fill_n(state.deviator.begin() + long(first), points_, Tensor{});
+    std::fill_n(state.pressure.begin() + long(first), points_,
+                outside ? -melt_pressure(e, melt_.surface(e))
+                        : mean_normal_stress(problem_, e, unknowns.displacement));
   }
   accumulate_viscoplastic_strain(problem_, state.deviator, unknowns.displacement, state.hardened,
                                  state.inelastic, state.viscoplastic);
   for (const Birth& birth : births_) complete_newborn(state, birth, unknowns.displacement);
   store_supports(state, unknowns);
-  state.displacement = supports_.by_coordinate(std::move(unknowns.displacement));
-  check_front(state, input.metal_level);
-}
 
-/// Deviation of the liquid's pressure from the metallostatic one along the solidification front.
-template <int Dim>
-void SlabMechanics<Dim>::check_front(const State& state, double metal_level) {
-  const double specific_weight = properties_.liquid_density() * options_.gravity;
-  const std::vector<char> is_solid = mark_solid_nodes(*mesh_, state.solid);
-
-  checks_.worst_liquid = -1;
-  double difference = 0.0, scale = 0.0, worst = 0.0;  // integrals of squared pressures
-  for (int e = 0; e < mesh_->elements(); ++e) {
-    if (state.solid[std::size_t(e)] != 0) continue;
-    const int* node = mesh_->nodes_of(e);
-    const bool at_front = std::any_of(node, node + mesh_->nodes_per_element,
-                                      [&](int n) { return is_solid[std::size_t(n)] != 0; });
-    if (!at_front) continue;
-
-    const double exact = -specific_weight * (metal_level - centroid_height(*mesh_, e));
-    const double error = state.pressure[std::size_t(e) * points_] - exact;
-    const double share = forms_->volume(std::size_t(e)) * error * error;
-    if (share > worst) {
-      worst = share;
-      checks_.worst_liquid = e;
-    }
-    difference += share;
-    scale += forms_->volume(std::size_t(e)) * exact * exact;
+  if (melt_is_outside()) {
+    std::vector<char> held(problem_.unknowns(), 0);
+    for (std::size_t i = 0; i < held.size(); ++i) held[i] = of_body_[i / std::size_t(Dim)];
+    supports_.hold_melt(held);
+    melt_.follow(*forms_, state.carries, pattern_, held, unknowns.displacement);
   }
-
-  checks_.liquid_pressure_error = scale > 0.0 ? std::sqrt(difference / scale) : 0.0;
+  state.displacement = supports_.by_coordinate(std::move(unknowns.displacement));
 }
 
 template <int Dim>
@@ -448,29 +484,41 @@ void SlabMechanics<Dim>::check_balance(const StepUnknowns<Dim>& unknowns,
       constraints.complementarity_error(unknowns.displacement, work_.residual);
 }
 
-/// Stores contact state and reactions of block and walls.
+/// Stores contact state and reactions of block and mould. Melt that touches the block is in contact
+/// with it.
 template <int Dim>
 void SlabMechanics<Dim>::store_supports(State& state, StepUnknowns<Dim>& unknowns) {
-  checks_.bottom_reaction = checks_.contact_length = checks_.wall_reaction = 0.0;
-  for (std::size_t i = 0; i < bottom_nodes().size(); ++i) {
-    const bool closed = !options_.contact || unknowns.contact[i] != 0;
-    state.reaction[i] =
-        closed ? work_.residual[std::size_t(bottom_nodes()[i] * Dim + up<Dim>)] : 0.0;
-    checks_.bottom_reaction += state.reaction[i] * supports_.upward()[i];
-    if (closed) checks_.contact_length += supports_.bottom_measure()[i];
+  std::ranges::fill(state.reaction, 0.0);
+  std::vector<char> contact(bottom_nodes().size(), 1);
+  if (options_.contact) {
+    for (std::size_t i = 0; i < contact.size(); ++i)
+      contact[i] = supports_.is_on_block(i, unknowns.displacement) ? 1 : 0;
+  }
+  std::vector<double> multiplier(unknowns.contact_multiplier.empty() ? 0 : contact.size(), 0.0);
+
+  for (std::size_t k = 0; k < standing_.size(); ++k) {
+    const std::size_t i = standing_[k];
+    if (options_.contact) contact[i] = unknowns.contact[k];
+    if (!multiplier.empty()) multiplier[i] = unknowns.contact_multiplier[k];
+    if (contact[i] != 0)
+      state.reaction[i] = work_.residual[std::size_t(bottom_nodes()[i] * Dim + up<Dim>)];
   }
 
+  checks_.bottom_reaction = checks_.contact_length = checks_.wall_reaction = 0.0;
+  for (std::size_t i = 0; i < contact.size(); ++i) {
+    checks_.bottom_reaction += state.reaction[i] * supports_.upward()[i];
+    if (contact[i] != 0) checks_.contact_length += supports_.bottom_measure()[i];
+  }
+  for (std::size_t i = 0; i < state.leaning.size(); ++i)
+    state.leaning[i] = of_body_[i / std::size_t(Dim)] == 0 ? 1 : 0;
   for (std::size_t i = problem_.carrying(); i < problem_.contact.size(); ++i) {
     if (unknowns.contact[i] == 0) continue;
     checks_.wall_reaction += problem_.along_gap(i, work_.residual);
+    state.leaning[std::size_t(problem_.contact[i])] = 1;
   }
 
-  unknowns.contact.resize(problem_.carrying());
-  if (!unknowns.contact_multiplier.empty()) {
-    unknowns.contact_multiplier.resize(problem_.carrying());
-  }
-  if (options_.contact) state.contact = std::move(unknowns.contact);
-  state.contact_multiplier = std::move(unknowns.contact_multiplier);
+  if (options_.contact) state.contact = std::move(contact);
+  state.contact_multiplier = std::move(multiplier);
 }
 
 template class SlabMechanics<2>;

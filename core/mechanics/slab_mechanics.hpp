@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/material/mechanical_properties.hpp"
+#include "core/mechanics/melt.hpp"
 #include "core/mechanics/slab_supports.hpp"
 #include "core/mechanics/solve_step.hpp"
 #include "core/mesh/row_merging.hpp"
@@ -18,8 +19,8 @@ struct SlabState {
 
   bool started = false;              ///< false: the slab has no displacement and no history yet
   std::vector<double> displacement;  ///< (node, Dim) [m]
-  std::vector<char> released;        ///< (node) permanently released by the mould
-  std::vector<char> solid;           ///< (element) carries stress
+  std::vector<char> solid;           ///< (element) below coherency
+  std::vector<char> carries;         ///< (element) carries load, @see Melt::carrying()
   /// (element, point) stress-free strain [1]: reference strain at solidification minus its thermal
   /// stretch, plus the viscoplastic strain since then.
   std::vector<Tensor> inelastic;
@@ -27,9 +28,12 @@ struct SlabState {
   /// (element, point) equivalent viscoplastic strain gained in the cold since solidification, which
   /// has hardened the metal [1]; empty if the alloy has no yield limit
   std::vector<double> hardened;
-  std::vector<Tensor> deviator;            ///< (element, point) stress deviator [Pa]
-  std::vector<double> pressure;            ///< (element, point) mean normal stress [Pa]
-  std::vector<char> contact;               ///< (bottom node) closed
+  std::vector<Tensor> deviator;  ///< (element, point) stress deviator [Pa]
+  std::vector<double> pressure;  ///< (element, point) mean normal stress [Pa]
+  std::vector<char> contact;     ///< (bottom node) closed
+  /// (unknown) whether it leant on the mould at the end of the last step, from which the next one
+  /// starts; set for those of melt
+  std::vector<char> leaning;
   std::vector<double> contact_multiplier;  ///< (bottom node) [Pa], for sbm only
   std::vector<double> reaction;            ///< (bottom node) in the last step [N/m], billet [N/rad]
 };
@@ -51,13 +55,10 @@ struct SlabChecks {
   double equilibrium_residual = 0.0;   ///< [1] relative to the acting forces
   double complementarity_error = 0.0;  ///< [1] of gap and reaction, relative to 1 mm and the weight
   double bottom_reaction = 0.0;        ///< [N/m] upwards, of a billet [N/rad], in 3D [N]
-  double weight = 0.0;                 ///< [N/m], of a billet [N/rad], in 3D [N]
+  double weight = 0.0;  ///< [N/m] of the metal that carries load and, by its pressure, of the melt
+                        ///< on it; of a billet [N/rad], in 3D [N]
   double contact_length = 0.0;  ///< [m] length of the bottom in contact with the block, in 3D [m2]
-  double wall_reaction = 0.0;   ///< [N/m] of mould walls on released sides, [N/rad], in 3D [N]
-  /// Root mean square error of the liquid's pressure along the solidification front, relative to
-  /// rho_l g depth [1]; zero without liquid.
-  double liquid_pressure_error = 0.0;
-  int worst_liquid = -1;  ///< element with the largest contribution to that error; -1 if none
+  double wall_reaction = 0.0;   ///< [N/m] of the mould on sides that lean on it, [N/rad], in 3D [N]
 };
 
 /// A state that is being transferred to a mesh with merged rows.
@@ -82,7 +83,7 @@ struct StressForces {
 };
 
 /// The slab as a mechanical body (paper sections 2.2 and 3.4): it decides which elements carry
-/// stress, models the liquid, applies the supports by mould and block, and solves one time step.
+/// load, models the liquid, applies the supports by mould and block, and solves one time step.
 template <int Dim>
 class SlabMechanics {
 public:
@@ -158,7 +159,8 @@ private:
   /// Nodal forces of the stress in a state, by unknown [N]. @param acting  set to their scale [N]
   StressForces forces_of_stress(const State& state) const;
 
-  /// An element that solidifies within the step.
+  /// An element that begins to carry load within the step: it solidifies, or what it is part of
+  /// reaches its supports.
   struct Birth {
     std::size_t element = 0;
     double temperature = 0.0;  ///< [°C] from which its thermal strain counts
@@ -174,28 +176,37 @@ private:
   /// @param u  displacement at the end of the step, by unknown [m]
   void complete_newborn(State& state, const Birth& birth, std::span<const double> u) const;
 
-  /// Marks elements as solid or liquid by their mean temperature against coherency.
+  /// Marks elements as coherent by their mean temperature, and those that carry load.
   void set_phases(State& state, const SlabStepInput& input);
   /// Makes the element stress-free at the strain of the start of the step, without history.
   void forget_history(State& state, std::size_t e) const;
-  double melt_pressure(int e, double metal_level) const;  ///< [Pa] at the centre; metal_level [m]
+  /// Pressure of melt at the centre of an element [Pa]. @param level  to which it stands [m]
+  double melt_pressure(int e, double level) const;
+  /// Whether melt is no part of the body.
+  bool melt_is_outside() const { return options_.liquid == Liquid::pressure; }
   void set_materials(const State& state, const SlabStepInput& input);
   void set_solid(int e, double at, double metal_level);  ///< at [°C], metal_level [m]
+  /// Weight of the body, and pressure of the melt on it.
+  void set_loads(const State& state, const SlabStepInput& input);
+  /// (element) [N/m3] of those for which counts(element) holds, else zero.
+  template <class Counts>
+  std::vector<double> specific_weights(const State& state, std::span<const double> temperature,
+                                       const Counts& counts) const;
+  /// Weight of all metal [N/m], of a billet [N/rad], in 3D [N].
   /// @param temperature  (element) mean [°C]
-  void set_weight(const State& state, std::span<const double> temperature);
+  double whole_weight(const State& state, std::span<const double> temperature) const;
+  /// Sets up block, planes of symmetry and mould, and holds the melt.
+  void set_supports(State& state, const SlabStepInput& input, StepUnknowns<Dim>& unknowns);
   /// Initial values and the complete problem of the step.
   StepUnknowns<Dim> begin(State& state, const SlabStepInput& input);
   /// Evaluates the solution of an algorithm that uses another law with the law of the step problem.
   ForceScales evaluate_end(StepUnknowns<Dim>& unknowns);
   /// Accepts a converged step: stores strains, stresses and contact in the state.
-  void finish(State& state, StepUnknowns<Dim>& unknowns, const StepOutcome& outcome,
-              const SlabStepInput& input);
+  void finish(State& state, StepUnknowns<Dim>& unknowns, const StepOutcome& outcome);
   /// Sets weight, residual and complementarity error of the checks.
   void check_balance(const StepUnknowns<Dim>& unknowns, const ForceScales& forces);
   /// Stores contact state and reactions of block and walls.
   void store_supports(State& state, StepUnknowns<Dim>& unknowns);
-  void check_front(const State& state, double metal_level);  ///< metal_level [m]
-
   std::unique_ptr<MechanicsForms<Dim>> forms_;
   std::size_t points_;  ///< of an element
   material::MechanicalProperties properties_;
@@ -208,8 +219,11 @@ private:
   StepProblem<Dim> problem_;
   SlabChecks checks_;
   SlabSupports<Dim> supports_;
-  std::vector<double> displacement_;  ///< by unknown, at the start of the step [m]
-  std::vector<Birth> births_;         ///< of the step
+  Melt<Dim> melt_;
+  std::vector<double> displacement_;   ///< by unknown, at the start of the step [m]
+  std::vector<char> of_body_;          ///< (node) part of the body in this step
+  std::vector<std::size_t> standing_;  ///< bottom nodes of the body, by contact unknown
+  std::vector<Birth> births_;          ///< of the step
 };
 
 }  // namespace dccast::mechanics

@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/mechanics/slab_mechanics.hpp"
 #include "core/mesh/bottom_normals.hpp"
 
 namespace dccast::mechanics {
@@ -232,62 +231,91 @@ std::vector<char> SlabSupports<Dim>::initial_contact() const {
 }
 
 template <int Dim>
-void SlabSupports<Dim>::place_on_block(StepProblem<Dim>& problem, bool contact) const {
+double SlabSupports<Dim>::bottom_gap(std::size_t place,
+                                     std::span<const double> displacement) const {
+  const std::size_t unknown = std::size_t(bottom_nodes_[place] * Dim + up);
+  return displacement[unknown] + (initial_gap_.empty() ? 0.0 : initial_gap_[place]);
+}
+
+template <int Dim>
+bool SlabSupports<Dim>::is_on_block(std::size_t place, std::span<const double> displacement) const {
+  return bottom_gap(place, displacement) <= touching;
+}
+
+template <int Dim>
+std::vector<std::size_t> SlabSupports<Dim>::place_on_block(StepProblem<Dim>& problem, bool contact,
+                                                           std::span<const char> of_body) const {
   problem.contact.clear();
   problem.contact_area.clear();
   problem.initial_gap.clear();
-  for (int n : bottom_nodes_) problem.contact.push_back(n * Dim + up);
-  if (contact) {
-    problem.contact_area = bottom_area_;
-    problem.initial_gap = initial_gap_;
-  } else {
-    for (int unknown : problem.contact) problem.fixed[std::size_t(unknown)] = 1;
-    problem.contact.clear();
-  }
   problem.contact_sense.clear();
   problem.walls = 0;
+
+  std::vector<std::size_t> standing;
+  for (std::size_t i = 0; i < bottom_nodes_.size(); ++i) {
+    if (of_body[std::size_t(bottom_nodes_[i])] == 0) continue;
+    standing.push_back(i);
+    const int unknown = bottom_nodes_[i] * Dim + up;
+    if (!contact) {
+      problem.fixed[std::size_t(unknown)] = 1;
+      continue;
+    }
+    problem.contact.push_back(unknown);
+    problem.contact_area.push_back(bottom_area_[i]);
+    if (!initial_gap_.empty()) problem.initial_gap.push_back(initial_gap_[i]);
+  }
+  for (int unknown : symmetry_unknowns_) problem.fixed[std::size_t(unknown)] = 1;
+  return standing;
 }
 
 template <int Dim>
-void SlabSupports<Dim>::hold_sides(StepProblem<Dim>& problem, SlabState<Dim>& state,
-                                   const Options& options, std::span<const double> temperature,
-                                   double shell, double mould_bottom,
-                                   std::span<const double> displacement,
-                                   std::vector<char>& closed) const {
-  place_on_block(problem, options.contact);
+void SlabSupports<Dim>::hold_sides(StepProblem<Dim>& problem, const Options& options,
+                                   std::span<const char> of_body,
+                                   std::span<const double> temperature, double cold,
+                                   double mould_bottom, std::span<const double> displacement,
+                                   std::span<const char> leaning, std::vector<char>& closed) const {
   const bool exact = options.confinement_by == Confinement::exact;
   problem.spring.assign(exact ? 0 : problem.unknowns(), 0.0);
+  if (!options.confinement) return;
 
   for (const SideNode& side : side_nodes_) {
-    char& released = state.released[std::size_t(side.node)];
-    const bool was_released = released != 0;
-    if (!options.confinement || temperature[std::size_t(side.node)] < shell) released = 1;
+    const std::size_t node = std::size_t(side.node);
+    const bool is_free = temperature[node] < cold || side.height < mould_bottom;
+    if (of_body[node] != 0 && is_free) continue;
 
     for (const Direction& d : side.direction) {
       const std::size_t unknown = std::size_t(d.unknown);
-      problem.fixed[unknown] = released == 0 && exact ? 1 : 0;
+      problem.target[unknown] = displacement[unknown];
       if (!exact) {
-        problem.spring[unknown] = released == 0 ? options.confinement_stiffness * d.area : 0.0;
+        problem.spring[unknown] = options.confinement_stiffness * d.area;
+      } else if (of_body[node] != 0) {
+        lean(problem, d, displacement[unknown]);
+        closed.push_back(leaning[unknown]);
+      } else {
+        problem.fixed[unknown] = 1;
       }
-      if (!options.mould_wall || released == 0 || side.height < mould_bottom) continue;
-      add_wall(problem, d, -d.outward * displacement[unknown], was_released, closed);
     }
   }
-  for (int unknown : symmetry_unknowns_) problem.fixed[std::size_t(unknown)] = 1;
 }
 
-/// A node that was free and touches the wall starts in contact; a node that is released in this
-/// step starts without contact, since it contracts.
 template <int Dim>
-void SlabSupports<Dim>::add_wall(StepProblem<Dim>& problem, const Direction& direction, double gap,
-                                 bool was_released, std::vector<char>& closed) const {
+void SlabSupports<Dim>::lean(StepProblem<Dim>& problem, const Direction& direction,
+                             double displacement) const {
   if (problem.contact_sense.empty()) problem.contact_sense.assign(problem.contact.size(), 1.0);
+  if (problem.initial_gap.empty()) problem.initial_gap.assign(problem.contact.size(), 0.0);
   problem.contact.push_back(direction.unknown);
   problem.contact_sense.push_back(-direction.outward);
   problem.contact_area.push_back(direction.area);
+  problem.initial_gap.push_back(direction.outward * displacement);
   ++problem.walls;
-  if (!problem.initial_gap.empty()) problem.initial_gap.push_back(0.0);
-  closed.push_back(was_released && gap <= touching ? 1 : 0);
+}
+
+template <int Dim>
+void SlabSupports<Dim>::hold_melt(std::span<char> held) const {
+  for (const int unknown : symmetry_unknowns_) held[std::size_t(unknown)] = 1;
+  for (const int node : bottom_nodes_) held[std::size_t(node * Dim + up)] = 1;
+  for (const SideNode& side : side_nodes_)
+    for (const Direction& d : side.direction) held[std::size_t(d.unknown)] = 1;
 }
 
 /// A displacement held in a local frame is zero up to the round-off of two rotations. It is reset

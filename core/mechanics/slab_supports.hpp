@@ -8,9 +8,6 @@
 
 namespace dccast::mechanics {
 
-template <int Dim>
-struct SlabState;
-
 /// The supports of a slab: the symmetry planes, the mould along its sides, and the block below.
 ///
 /// A side may be oblique to the coordinate axes. Its nodes then have local frames, so that their
@@ -50,18 +47,35 @@ public:
   /// otherwise those over its highest part.
   std::vector<char> initial_contact() const;
 
-  /// Sets up contact at the bottom or, without contact, holds the bottom. @pre nothing is fixed in
-  /// the problem
-  void place_on_block(StepProblem<Dim>& problem, bool contact) const;
-  /// Releases the side where it is cold, and adds the support by the mould in this step.
-  /// @param temperature    (node) [°C]
-  /// @param shell          [°C] below it the mould releases a node permanently
-  /// @param mould_bottom   [m] height of the lower edge of the mould
-  /// @param displacement   by unknown [m]
-  /// @param closed         by contact unknown; on entry for the bottom, on return for the walls too
-  void hold_sides(StepProblem<Dim>& problem, SlabState<Dim>& state, const Options& options,
-                  std::span<const double> temperature, double shell, double mould_bottom,
-                  std::span<const double> displacement, std::vector<char>& closed) const;
+  /// Distance of the block below a bottom node [m]. @param place  index in bottom_nodes()
+  /// @param displacement  by unknown [m]
+  double bottom_gap(std::size_t place, std::span<const double> displacement) const;
+  /// Whether a bottom node touches the block, or lies below it.
+  bool is_on_block(std::size_t place, std::span<const double> displacement) const;
+
+  /// Sets up contact of the body's nodes at the bottom or, without contact, holds them, and holds
+  /// the planes of symmetry. @pre nothing is fixed in the problem
+  /// @param of_body  (node) not zero: belongs to metal that carries load
+  /// @return         places of its nodes in bottom_nodes(), in the order of the contact unknowns
+  std::vector<std::size_t> place_on_block(StepProblem<Dim>& problem, bool contact,
+                                          std::span<const char> of_body) const;
+  /// Adds the support by the mould in this step, without memory of earlier ones. A node of the body
+  /// is free where it is cold or below the mould, else it leans on the mould where it is: it cannot
+  /// move outwards. A node of melt alone is held where it is.
+  /// @param of_body       (node) not zero: belongs to metal that carries load
+  /// @param temperature   (node) [°C]
+  /// @param cold          [°C] below it the mould lets go of a node
+  /// @param mould_bottom  [m] height of the lower edge of the mould
+  /// @param displacement  by unknown [m]
+  /// @param leaning       (unknown) not zero: leans at first
+  /// @param closed        by contact unknown; on entry for the bottom, on return for the sides too
+  void hold_sides(StepProblem<Dim>& problem, const Options& options, std::span<const char> of_body,
+                  std::span<const double> temperature, double cold, double mould_bottom,
+                  std::span<const double> displacement, std::span<const char> leaning,
+                  std::vector<char>& closed) const;
+  /// Marks the unknowns in which block, mould and symmetry planes hold melt.
+  /// @param held  (unknown)
+  void hold_melt(std::span<char> held) const;
 
   /// Displacements by unknown [m] from those along the coordinate axes [m].
   std::vector<double> by_unknown(std::vector<double> displacement) const;
@@ -93,9 +107,8 @@ private:
   void find_directions(const Mesh& mesh, const MechanicsForms<Dim>& forms);
   /// @param height  [m] in the undeformed slab
   void add_node(int node, double height, const Normals& normals);
-  /// @param gap  present gap to the wall [m]
-  void add_wall(StepProblem<Dim>& problem, const Direction& direction, double gap,
-                bool was_released, std::vector<char>& closed) const;
+  /// Adds a contact that closes at the present displacement [m].
+  void lean(StepProblem<Dim>& problem, const Direction& direction, double displacement) const;
 
   std::vector<int> bottom_nodes_;
   std::vector<double> bottom_area_;     ///< (bottom node) @see bottom_area() [m^(Dim-1)], [m2/rad]

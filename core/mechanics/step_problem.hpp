@@ -57,13 +57,13 @@ struct StepProblem {
   // By unknown.
   std::vector<double> external_force;  ///< [N/m] in 2D, [N/rad] if axisymmetric, [N] in 3D
   std::vector<char> fixed;             ///< not zero: held at `target`
-  std::vector<double> target;          ///< [m]
-  /// Stiffness of a spring to zero displacement [N/m2] in 2D, [N/(m rad)] if axisymmetric, [N/m] in
+  std::vector<double> target;          ///< [m] of held unknowns and of springs
+  /// Stiffness of a spring to the target [N/m2] in 2D, [N/(m rad)] if axisymmetric, [N/m] in
   /// 3D; empty if there are no springs.
   std::vector<double> spring;
 
   /// Unknowns with frictionless unilateral contact: at the bottom, above the block (outward normal
-  /// -x_last), then at sides along a wall.
+  /// -x_last), then where a side leans on the mould.
   std::vector<int> contact;
   /// By contact unknown: +1 if it increases as the gap opens, -1 if it decreases [1]; empty: all
   /// +1.

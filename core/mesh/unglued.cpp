@@ -9,6 +9,8 @@
 #include <set>
 #include <vector>
 
+#include "core/mesh/inner_facets.hpp"
+
 namespace dccast::mesh {
 
 namespace {
@@ -198,23 +200,13 @@ std::optional<Unglued> find_unglued(const Mesh<Dim>& mesh, std::span<const Facet
 }
 
 Pieces find_pieces(int elements, std::span<const std::pair<int, int>> neighbours) {
-  // Each element leads to the root of its piece, over ever shorter ways.
-  std::vector<int> parent(std::size_t(elements), 0);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int element) {
-    while (parent[std::size_t(element)] != element) {
-      int& above = parent[std::size_t(element)];
-      above = parent[std::size_t(above)];
-      element = above;
-    }
-    return element;
-  };
-  for (const auto& [a, b] : neighbours) parent[std::size_t(root(a))] = root(b);
+  JoinedPieces joined(elements);
+  for (const auto& [a, b] : neighbours) joined.join(a, b);
 
   Pieces pieces{.number = 0};
   for (int e = 0; e < elements; ++e) {
-    if (root(e) == e) ++pieces.number;
-    if (pieces.second < 0 && root(e) != root(0)) pieces.second = e;
+    if (joined.first_of(e) == e) ++pieces.number;
+    if (pieces.second < 0 && joined.first_of(e) != 0) pieces.second = e;
   }
   return pieces;
 }

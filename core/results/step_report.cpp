@@ -30,8 +30,6 @@ const std::array fields{
                  &R::constitutive_residual},
     HistoryField{"energy_balance_error", "1", "relative error of the heat balance of the step",
                  &R::energy_balance_error},
-    HistoryField{"liquid_pressure_error", "1",
-                 "relative error of the pressure on the liquidus front", &R::liquid_pressure_error},
     HistoryField{"maximum_rotation_rad", "rad",
                  "largest rotation of a solid element since it solidified", &R::maximum_rotation},
     HistoryField{"bottom_slip_m", "m",

@@ -92,7 +92,6 @@ struct StepReport {
   double mould_exit_temperature = 0.0;  ///< [°C] largest surface temperature at the water line
   double complementarity_error = 0.0;   ///< [1] relative to 1 mm and the weight
   double constitutive_residual = 0.0;   ///< [1] relative
-  double liquid_pressure_error = 0.0;   ///< [1] relative, on the liquidus front
   bool beyond_validity = false;
   double maximum_rotation = 0.0;  ///< [rad] largest rotation of an element since it solidified
   double bottom_slip = 0.0;       ///< [m] lateral slip of the butt beyond thermal contraction

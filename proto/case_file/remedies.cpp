@@ -70,7 +70,6 @@ const std::vector<Row>& rows() {
       {"slip_too_large", false, flatter_butt},
       {"centre_lifts", false, {}},
       {"lift_too_large", false, flatter_butt},
-      {"liquid_pressure_lost", false, {}},
       {"hot_tears", false, {{&speed, less}, {&metal, less}}},
       {"curl_outside_band",
        true,

@@ -137,8 +137,6 @@ void add_checks(const JudgedRun& run, bool is_beyond, v1::Judgement& judgement) 
   const std::string when = is_beyond ? "last step, beyond validity" : "last step";
   const bool quarter = is_quarter(run.description);
   const char* const per_metre = quarter ? "" : "/m";
-  add_fact(table, "Pressure on the liquidus front", scientific(last.liquid_pressure_error()),
-           "against the metallostatic one, relative, " + when);
   add_fact(table, "Bottom reaction",
            fmt::format("{:.1f} N{}", last.section().bottom_reaction(), per_metre),
            fmt::format("weight {:.1f} N{}, {}", last.section().weight(), per_metre, when));

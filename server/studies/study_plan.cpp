@@ -41,7 +41,6 @@ bool by_the_case_itself(const v1::Finding& failure) {
     case v1::Finding::INVALID_CASE:
     case v1::Finding::SHELL_MELTED_THROUGH:
     case v1::Finding::MOTION_TOO_LARGE:
-    case v1::Finding::LIQUID_PRESSURE_LOST:
       return true;
     default:
       return false;

@@ -339,15 +339,13 @@ casting::MechanicsCase mechanics_case(const v1::Case& complete) {
   options.gravity = from.gravity_m_per_s2();
 
   options.liquid = to_core(from.liquid());
-  options.liquid_modulus = from.liquid_modulus_pa();
   options.liquid_epsilon = from.liquid_epsilon();
   options.liquid_delta = from.liquid_delta();
   options.liquid_beta = from.liquid_beta();
 
-  options.confinement = from.confinement();
+  options.confinement = true;
   options.confinement_by = to_core(from.hold());
   options.confinement_stiffness = from.mould_penalty_pa_per_m();
-  options.mould_wall = from.mould_wall();
   options.contact = from.contact();
 
   options.tolerance = from.tolerance();
@@ -373,7 +371,6 @@ casting::Plausibility plausibility(const v1::Plausibility& from) {
 
 casting::Validity validity(const v1::Validity& from) {
   return {.when_lost = to_core(from.when_lost()),
-          .maximum_liquid_pressure_error = from.maximum_liquid_pressure_error(),
           .maximum_rotation = from.maximum_rotation_rad(),
           .maximum_slip = from.maximum_slip_m(),
           .minimum_shell = from.minimum_shell_m()};

@@ -104,8 +104,8 @@ mechanics::Algorithm to_core(v1::Mechanics::Algorithm from) {
 mechanics::Liquid to_core(v1::Mechanics::Liquid from) {
   switch (from) {
     case v1::Mechanics::LIQUID_UNSPECIFIED:
-    case v1::Mechanics::PRESTRESSED:
-      return mechanics::Liquid::prestressed;
+    case v1::Mechanics::PRESSURE:
+      return mechanics::Liquid::pressure;
     case v1::Mechanics::WEAK:
       return mechanics::Liquid::weak;
     case v1::Mechanics::SOLID:
@@ -230,8 +230,6 @@ v1::Finding::Kind to_proto(casting::FailureKind from) {
       return v1::Finding::SHELL_MELTED_THROUGH;
     case casting::FailureKind::motion_too_large:
       return v1::Finding::MOTION_TOO_LARGE;
-    case casting::FailureKind::liquid_pressure_lost:
-      return v1::Finding::LIQUID_PRESSURE_LOST;
     case casting::FailureKind::storage:
       return v1::Finding::STORAGE;
     case casting::FailureKind::other_version:

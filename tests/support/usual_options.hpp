@@ -11,14 +11,14 @@ inline mechanics::Options usual_options(double tolerance) {
   mechanics::Options options;
   options.gravity = 9.81;
 
-  // Fictitious liquid, paper eq. (38).
-  options.liquid_modulus = 1e3;
+  // The paper's weak liquid, eq. (38).
   options.liquid_epsilon = 1e-3;
   options.liquid_delta = 2.0;
   options.liquid_beta = 1.0;
 
   options.confinement = true;
   options.confinement_stiffness = 1e12;
+  options.mould_length = 1.0;  // deeper than any of these slabs
   options.contact = true;
 
   options.tolerance = tolerance;

@@ -104,10 +104,9 @@ enum class WhenLost {
 /// Limits of the model; docs/validity.md explains how they were chosen.
 struct Validity {
   WhenLost when_lost = WhenLost::stop;
-  double maximum_liquid_pressure_error = 0.0;  ///< [1] relative; for the prestressed liquid only
-  double maximum_rotation = 0.0;               ///< [rad]
-  double maximum_slip = 0.0;                   ///< [m]
-  double minimum_shell = 0.0;                  ///< [m]; 0: any continuous solid shell is enough
+  double maximum_rotation = 0.0;  ///< [rad]
+  double maximum_slip = 0.0;      ///< [m]
+  double minimum_shell = 0.0;     ///< [m]; 0: any continuous solid shell is enough
 };
 
 /// Limits of the findings; docs/findings.md has their sources.

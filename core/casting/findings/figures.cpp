@@ -206,9 +206,6 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
                                 history.when_liquid);
   f.slip = largest_slip(view.mesh, view.slab.solid, view.slab.displacement, view.temperature,
                         properties_, solid_below_);
-  if (checks.worst_liquid >= 0)
-    f.liquid_pressure_error = {checks.liquid_pressure_error,
-                               centroid(own.mesh, checks.worst_liquid)};
 
   measure_closed_shell(view, f, history);
 }

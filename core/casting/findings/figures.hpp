@@ -92,15 +92,14 @@ struct StepFigures {
   PlacedFigure mush_strain;  ///< [1]
   /// [m3/m], of a billet per metre of circumference, of a quarter slab [m3]
   double pore_volume = 0.0;
-  TearIndices tears;         ///< of the metal that has left the window of hot tears
-  PlacedFigure lift;         ///< [m] largest lift of the bottom
-  PlacedFigure centre_lift;  ///< [m] of the bottom at the symmetry plane, axis or both planes
-  double corner_lift = 0.0;  ///< [m] of the bottom farthest from there
-  PlacedFigure rotation;     ///< [rad] largest of an element since it solidified
-  PlacedFigure slip;         ///< [m] of the butt beyond its thermal contraction
-  PlacedFigure liquid_pressure_error;  ///< [1] relative, on the liquidus front
-  double greatest_curl = 0.0;          ///< [m] largest of all monitors
-  ResidualStress residual;             ///< of a slab that has cooled down, in the last step
+  TearIndices tears;           ///< of the metal that has left the window of hot tears
+  PlacedFigure lift;           ///< [m] largest lift of the bottom
+  PlacedFigure centre_lift;    ///< [m] of the bottom at the symmetry plane, axis or both planes
+  double corner_lift = 0.0;    ///< [m] of the bottom farthest from there
+  PlacedFigure rotation;       ///< [rad] largest of an element since it solidified
+  PlacedFigure slip;           ///< [m] of the butt beyond its thermal contraction
+  double greatest_curl = 0.0;  ///< [m] largest of all monitors
+  ResidualStress residual;     ///< of a slab that has cooled down, in the last step
 };
 
 /// Data of earlier steps from which figures of a step are measured.

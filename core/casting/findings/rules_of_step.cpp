@@ -342,27 +342,6 @@ Found lift_too_large(const Case& c, const StepFigures& f) {
                               in_mm * f.lift.value)};
 }
 
-/// Judged for the prestressed liquid only: with the paper's weak liquid the pressure is wrong by a
-/// factor of up to a hundred, and it has to be chosen explicitly. Once nothing is poured any more,
-/// the last melt of the head sinks into a pipe, which has no pressure.
-Found liquid_pressure_lost(const Case& c, const StepFigures& f) {
-  const double limit = c.validity.maximum_liquid_pressure_error;
-  if (f.time > c.time.end) return std::nullopt;
-  if (c.mechanics.options.liquid != mechanics::Liquid::prestressed ||
-      f.liquid_pressure_error.value <= limit)
-    return std::nullopt;
-
-  return Exceeded{
-      f.liquid_pressure_error, limit,
-      "The pressure of the melt on the shell is not that of its depth: the shell has moved away "
-      "from it, and later results are not valid.",
-      fmt::format("at t = {:.6g} s the pressure of the liquid on its front is off by {:.3g} % of "
-                  "the hydrostatic one, most at {}, more than "
-                  "validity.maximum_liquid_pressure_error = {:.3g} %; {}",
-                  f.time, in_percent * f.liquid_pressure_error.value,
-                  format_place(f.liquid_pressure_error.place), in_percent * limit, not_valid)};
-}
-
 // Hot tears. The indices rank recipes and alloys and have no limit of their own: a plant compares
 // with a recipe that it knows to be sound, at the end of the run, where both have the same length.
 // Heat alone has no strain rate, and a part of the pressure drop only.
@@ -459,7 +438,6 @@ constexpr std::array rules{
     StepRule{"slip_too_large", danger, Kind::motion_too_large, "validity.maximum_slip", "m", upper, slip_too_large},
     StepRule{"centre_lifts", warning, goes_on, "alloy.shell_solid_fraction", "m", upper, centre_lifts},
     StepRule{"lift_too_large", danger, goes_on, "validity.maximum_rotation", "m", upper, lift_too_large},
-    StepRule{"liquid_pressure_lost", danger, Kind::liquid_pressure_lost, "validity.maximum_liquid_pressure_error", "1", upper, liquid_pressure_lost},
     StepRule{"hot_tears", warning, goes_on, "plausibility.reference_tear_rate", "s-1", upper, tear_rate},
     StepRule{"hot_tears", warning, goes_on, "plausibility.reference_tear_pressure", "Pa", upper, tear_pressure},
     StepRule{"hot_tears", warning, goes_on, "plausibility.maximum_mush_strain", "1", upper, mush_strain},

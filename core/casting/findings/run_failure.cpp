@@ -11,9 +11,8 @@ namespace dccast::casting {
 namespace {
 
 /// In the order of FailureKind.
-constexpr std::array names{"solve_failed",     "check_failed",         "shell_melted_through",
-                           "motion_too_large", "liquid_pressure_lost", "storage",
-                           "other_version"};
+constexpr std::array names{"solve_failed",     "check_failed", "shell_melted_through",
+                           "motion_too_large", "storage",      "other_version"};
 
 }  // namespace
 

@@ -13,7 +13,6 @@ enum class FailureKind {
   check_failed,  ///< energy balance, weight or contact conditions violated beyond their bound
   shell_melted_through,  ///< no solid path from a symmetry plane to a face
   motion_too_large,      ///< rotation or slip beyond the limit of small strains
-  liquid_pressure_lost,  ///< the fictitious liquid no longer carries its hydrostatic pressure
   storage,               ///< a file of the run could not be written or read
   other_version,         ///< the checkpoint was written by another version of the solver
 };

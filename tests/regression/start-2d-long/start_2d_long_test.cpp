@@ -38,7 +38,6 @@ TEST(Start2dLong, UnderAHeldLevelItFailsWhereItsShellIsCutThrough) {
     EXPECT_LE(r.bottom_slip, 5e-3) << "not yet at t = " << r.time;
     if (r.time > shipped_end) continue;
     EXPECT_LE(r.maximum_rotation, 0.1) << "t = " << r.time;
-    EXPECT_LE(r.liquid_pressure_error, 0.02) << "t = " << r.time;
   }
 }
 

@@ -49,13 +49,14 @@ TEST(MouldGap, TakesHeatByTheGapThatTheMechanicsComputed) {
   const double with_gap = side_heat(gap);
 
   Case tapered = in_good_contact();
-  follow_gap(tapered, 0.02);
+  follow_gap(tapered, 0.4);
   const double with_taper = side_heat(tapered);
 
-  // A mould that follows the face stays in contact; radiation acts beside it.
-  EXPECT_LT(with_gap, 0.97 * contact);
-  EXPECT_NEAR(with_taper, contact, 0.01 * contact);
-  EXPECT_GT(with_taper, with_gap);
+  // The thin shell turns away from the mould while it is hot; a mould that closes in as fast keeps
+  // most of the contact.
+  EXPECT_LT(with_gap, 0.85 * contact);
+  EXPECT_GT(with_taper, 0.92 * contact);
+  EXPECT_LT(with_taper, contact);
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ TEST_P(Resume, GivesTheSameBytesOfAFilledStart) {
 TEST_P(Resume, GivesTheSameBytesByTheOtherAlgorithm) {
   Case c = small_casting(GetParam());
   c.mechanics.options.algorithm = mechanics::Algorithm::vnbm;
-  c.mechanics.options.tolerance = 1e-6;
+  c.mechanics.options.tolerance = 1e-7;
   c.time.end = 6.0;
   expect_same_after_stops(c, {12, 20});
 }

@@ -162,8 +162,8 @@ TEST(NoStateOutside, OfARunThatIsDissected) {
 /// A check fails, then the solve: both are reported after any stop.
 TEST(NoStateOutside, OfARunThatFailsASolve) {
   Case c = small_casting(mesh::ElementKind::q1);
-  c.mechanics.options.tolerance = 1e-2;
-  c.mechanics.options.maximum_iterations = 8;
+  c.mechanics.options.tolerance = 3e-2;
+  c.mechanics.options.maximum_iterations = 15;
   c.time.minimum_step = 0.12;
   const Given whole = run_with_stops(c, {});
   ASSERT_EQ(whole.outcome.failures.size(), 2u);

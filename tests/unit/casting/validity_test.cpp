@@ -45,7 +45,6 @@ Result result_of(const Case& c) {
 void judge_the_shell_alone(Case& c) {
   c.validity.maximum_rotation = 3.2;
   c.validity.maximum_slip = 10.0;
-  c.validity.maximum_liquid_pressure_error = 1e6;
 }
 
 constexpr double hot = 800.0, cold = 80.0;  // [°C]
@@ -124,9 +123,6 @@ const Limit limits[] = {
      FailureKind::motion_too_large, "validity.maximum_rotation"},
     {"Slip", &results::StepReport::bottom_slip, &Validity::maximum_slip,
      FailureKind::motion_too_large, "validity.maximum_slip"},
-    {"LiquidPressure", &results::StepReport::liquid_pressure_error,
-     &Validity::maximum_liquid_pressure_error, FailureKind::liquid_pressure_lost,
-     "validity.maximum_liquid_pressure_error"},
 };
 INSTANTIATE_TEST_SUITE_P(Limits, LimitOf, ::testing::ValuesIn(limits),
                          [](const auto& limit) { return limit.param.name; });
@@ -186,16 +182,6 @@ TEST(ShellOfARun, IsNotJudgedInARoundBillet) {
   c.section.kind = mesh::SectionKind::axisymmetric;
   const Result r = result_of(c);
   EXPECT_FALSE(r.recorder.lost);
-}
-
-/// With the paper's weak liquid the pressure error is a multiple of the pressure; it is not judged.
-TEST(LiquidPressure, OfTheWeakLiquidIsReportedButNotJudged) {
-  Case c = small_casting(mesh::ElementKind::p1);
-  c.mechanics.options.liquid = mechanics::Liquid::weak;
-  const Result r = result_of(c);
-  EXPECT_GT(largest(r, &results::StepReport::liquid_pressure_error),
-            c.validity.maximum_liquid_pressure_error);
-  expect_sound(r);
 }
 
 TEST(Continue, MarksEveryLaterStepAndTellsWhenInTheResults) {

@@ -69,13 +69,13 @@ struct Validity : testing::Test {
 TEST(ValidityText, SaysWhenWhyByHowMuchAndWhere) {
   EXPECT_EQ(validity_text(slide()), sentence);
   v1::Finding bare;
-  bare.set_kind(v1::Finding::LIQUID_PRESSURE_LOST);
+  bare.set_kind(v1::Finding::MOTION_TOO_LARGE);
   bare.set_time_s(166.2);
   bare.set_value(0.24);
   bare.set_limit(0.15);
   bare.set_unit("1");
   EXPECT_EQ(validity_text(bare),
-            "beyond validity from 166.20 s on: pressure of the liquid lost (0.24, limit 0.15)");
+            "beyond validity from 166.20 s on: motion too large (0.24, limit 0.15)");
 }
 
 TEST_F(Validity, ShowAndListSayIt) {

@@ -127,8 +127,8 @@ TEST(RunFacts, TheChecksAreTheWorstOfAllStepsAndSayWhatTheRunTook) {
   const v1::Table checks = table(judgement, "checks");
   EXPECT_EQ(checks.rows(0).cells(1).text(), "4.00e-08");
   EXPECT_THAT(checks.rows(4).cells(2).text(), HasSubstr("last step, beyond validity"));
-  EXPECT_EQ(checks.rows(8).cells(1).text(), "9");
-  EXPECT_EQ(checks.rows(8).cells(2).text(), "3.00 a step");
+  EXPECT_EQ(checks.rows(7).cells(1).text(), "9");
+  EXPECT_EQ(checks.rows(7).cells(2).text(), "3.00 a step");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "tests/unit/mechanics/box_mesh.hpp"
 
+#include <algorithm>
 #include <vector>
 
 namespace dccast::mechanics::testing {
@@ -54,6 +55,17 @@ void add_cell(mesh::Mesh3D& box, const std::array<int, 3>& cells, const std::arr
   }
 }
 
+/// The element to which a facet of the boundary belongs.
+int owner(const mesh::Mesh3D& box, const mesh::Facet<3>& facet) {
+  for (int e = 0; e < box.elements(); ++e) {
+    const int *first = box.nodes_of(e), *end = first + box.nodes_per_element;
+    const bool owns = std::all_of(facet.node.begin(), facet.node.begin() + facet.nodes,
+                                  [&](int n) { return std::find(first, end, n) != end; });
+    if (owns) return e;
+  }
+  return -1;
+}
+
 }  // namespace
 
 mesh::Mesh3D box_mesh(const std::array<int, 3>& cells, bool tetrahedra,
@@ -79,6 +91,8 @@ mesh::Mesh3D box_mesh(const std::array<int, 3>& cells, bool tetrahedra,
       for (int i = 0; i < cells[0]; ++i) add_cell(box, cells, {i, j, k}, tetrahedra);
     }
   }
+  for (auto& patch : box.patches)
+    for (auto& facet : patch.facets) facet.element = owner(box, facet);
   return box;
 }
 

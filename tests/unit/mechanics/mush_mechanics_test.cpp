@@ -193,7 +193,8 @@ TYPED_TEST(MushSlab, ColdMetalYieldsAndHardens) {
 }
 
 /// The strain of a first life is forgotten by remelting; kept, it would stress the metal by tens of
-/// megapascals. What is left is the weight of metal that the mould has released.
+/// megapascals. What is left is the weight of metal that stands on the nodes that its first life
+/// has left on the block.
 TYPED_TEST(MushSlab, FreezingAgainStartsWithoutStrainOfTheFirstLife) {
   SlabBench<TypeParam> bench(tight(1e-9), mush_card());
   bench.start(molten);
@@ -207,7 +208,7 @@ TYPED_TEST(MushSlab, FreezingAgainStartsWithoutStrainOfTheFirstLife) {
   for (const auto& strain : bench.state.viscoplastic) EXPECT_EQ(strain.norm(), 0.0);
 
   bench.step(uniform(622.9 - 1e-9));
-  for (int e = 0; e < bench.slab.mesh().elements(); ++e) bench.expect_metallostatic(e, 5e3);
+  for (int e = 0; e < bench.slab.mesh().elements(); ++e) bench.expect_metallostatic(e, 1e5);
 }
 
 }  // namespace

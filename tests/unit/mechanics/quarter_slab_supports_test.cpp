@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-/// A quarter slab whose sides are all held, seen through its supports.
+/// A quarter slab of melt, whose sides are all held, seen through its supports.
 class HeldSlab {
 public:
   explicit HeldSlab(const Curve& half_thickness)
@@ -19,11 +19,13 @@ public:
     supports.find(slab.mesh(), forms);
     problem.fixed.assign(3 * std::size_t(slab.mesh().nodes()), 0);
     problem.external_force.assign(problem.fixed.size(), 0.0);
-    SlabState<3> state;
-    state.released.assign(std::size_t(slab.mesh().nodes()), 0);
+    problem.target.assign(problem.fixed.size(), 0.0);
+    const std::vector<char> of_body(std::size_t(slab.mesh().nodes()), 0);
     const std::vector<double> hot(std::size_t(slab.mesh().nodes()), 650.0);
-    std::vector<char> closed(supports.bottom_nodes().size(), 1);
-    supports.hold_sides(problem, state, tight(1e-8), hot, 620.0, 0.0, {}, closed);
+    std::vector<char> closed;
+    supports.place_on_block(problem, true, of_body);
+    supports.hold_sides(problem, tight(1e-8), of_body, hot, 620.0, 0.0, problem.target,
+                        problem.fixed, closed);
     for (const auto& frame : supports.frames()) frame_of[frame.node] = frame;
   }
 

@@ -33,14 +33,13 @@ TYPED_TEST(QuarterSlabOf, AnUnconfinedBlockContractsByItsThermalStretch) {
   EXPECT_LT(stretch, -0.005);
 }
 
-/// An oblique face that is held along its normal slides along the mould until the metal is solid.
+/// An oblique face that leans on the mould slides along it until the metal is cold.
 TYPED_TEST(QuarterSlabOf, TheMouldHoldsAnObliqueFaceAlongItsNormal) {
   SlabBench<TypeParam> bench(tight(1e-9));
-  const auto mushy = uniform(640.0);
-  bench.start(mushy);
-  bench.step(by_height([](double z) { return z < 0.05 ? 610.0 : 630.0; }));
+  bench.start(uniform(630.0));
+  bench.step(by_height([](double z) { return z < 0.05 ? 610.0 : 640.0; }));
   double slid = 0.0, drawn_in = 0.0;
-  int wide_faces = 0;
+  int wide_faces = 0, leaning = 0;
   for (const auto& patch : bench.slab.mesh().patches) {
     if (patch.kind != mesh::PatchKind::side) continue;
     wide_faces += patch.normal[0] > 0.5 ? 0 : 1;
@@ -49,21 +48,21 @@ TYPED_TEST(QuarterSlabOf, TheMouldHoldsAnObliqueFaceAlongItsNormal) {
       const bool kink = std::abs(x[0] - 0.2) < 1e-9, plane = x[0] == 0.0;
       const bool corner = x[0] == 0.5 && x[1] > 0.199;
       if (x[2] < 0.05) {
-        EXPECT_EQ(bench.state.released[std::size_t(n)], 1);
         drawn_in = std::min(drawn_in, bench.outwards(n, patch));
         continue;
       }
-      EXPECT_EQ(bench.state.released[std::size_t(n)], 0);
-      // At a kink the mean of two normals is held.
-      EXPECT_NEAR(bench.outwards(n, patch), 0.0, kink ? 5e-4 : 1e-15);
+      // At a kink it is the mean of two normals along which a node cannot move.
+      EXPECT_LE(bench.outwards(n, patch), kink ? 5e-4 : 1e-15);
+      leaning += std::abs(bench.outwards(n, patch)) < 1e-15 ? 1 : 0;
       if (!corner && !plane) slid = std::max(slid, std::abs(bench.moved(n)[0]));
       if (corner || plane) {
-        EXPECT_NEAR(bench.moved(n)[1], 0.0, 1e-15);
+        EXPECT_LE(bench.moved(n)[1], 1e-15);
       }
     }
   }
 
   EXPECT_EQ(wide_faces, 2);
+  EXPECT_GT(leaning, 4);
   EXPECT_GT(slid, 1e-5);
   EXPECT_LT(drawn_in, -1e-5);
 }
@@ -112,7 +111,6 @@ TEST(QuarterSlab, AllAlgorithmsAgree) {
   const auto run = [](Algorithm algorithm) {
     Options options = tight(1e-8);
     options.algorithm = algorithm;
-    options.mould_wall = true;
     options.mould_length = 0.1;
     options.parameters.gamma_c = 5e9;
     SlabBench<fem::BendingHexahedron> bench(options);

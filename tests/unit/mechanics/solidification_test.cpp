@@ -31,10 +31,10 @@ TYPED_TEST(Solidification, LiquidStandsUnderItsOwnPressure) {
   bench.step(molten);
   EXPECT_THAT(bench.state.solid, Each(0));
   for (int e = 0; e < this->elements(); ++e) bench.expect_metallostatic(e, 1e-7);
-  for (double u : bench.state.displacement) EXPECT_NEAR(u, 0.0, 1e-10);
+  for (double u : bench.state.displacement) EXPECT_EQ(u, 0.0);
   const SlabChecks& checks = bench.mechanics.checks();
-  EXPECT_NEAR(checks.weight, 2360.0 * 9.81 * bench.bottom() * 0.10, 1e-9 * checks.weight);
-  EXPECT_NEAR(checks.bottom_reaction, checks.weight, 1e-10 * checks.weight);
+  EXPECT_EQ(checks.weight, 0.0) << "nothing carries it";
+  EXPECT_EQ(checks.bottom_reaction, 0.0);
   EXPECT_NEAR(checks.contact_length, 0.28, 1e-14);
 }
 
@@ -51,7 +51,8 @@ TYPED_TEST(Solidification, SolidStartsAtMinusTheMetallostaticPressure) {
   }
   EXPECT_GT(solid, 0);
   EXPECT_LT(solid, this->elements());
-  EXPECT_LE(bench.mechanics.checks().liquid_pressure_error, 1e-3);
+  const SlabChecks& checks = bench.mechanics.checks();
+  EXPECT_NEAR(checks.bottom_reaction, checks.weight, 1e-6 * checks.weight);
 }
 
 /// numerics 3: the strain of the fictitious liquid is discarded at solidification. If it were kept,
@@ -207,12 +208,12 @@ TYPED_TEST(Solidification, MeltingAgainForgetsTheSolid) {
   auto& bench = this->bench_;
   bench.start(molten);
   bench.step(molten);
-  bench.step(uniform(630.0));
+  bench.step([](double x, double) { return 600.0 + 100.0 * x; });
   double creep = 0.0, stress = 0.0;
   for (const auto& v : bench.state.viscoplastic) creep = std::max(creep, v.norm());
   for (const auto& s : bench.state.deviator) stress = std::max(stress, s.norm());
 
-  EXPECT_GT(stress, 1e5) << "confined by the mould it cannot contract freely";
+  EXPECT_GT(stress, 1e5) << "uneven contraction";
   EXPECT_GT(creep, 0.0);
 
   bench.step(molten);

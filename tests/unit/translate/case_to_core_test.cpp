@@ -42,7 +42,6 @@ TEST(CaseToCore, TakesTheKeysOfAQuarterSlab) {
   hole.set_diameter_m(0.03);
   from.mutable_mechanics()->set_hold(v1::Mechanics::PENALTY);
   from.mutable_mechanics()->set_mould_penalty_pa_per_m(1e11);
-  from.mutable_mechanics()->set_mould_wall(true);
   from.mutable_coupling()->set_deformed_zones(true);
   from.add_monitor()->set_z_m(0.02);
   from.add_monitor();
@@ -65,7 +64,6 @@ TEST(CaseToCore, TakesTheKeysOfAQuarterSlab) {
   EXPECT_EQ(drilled.diameter, 0.03);
   EXPECT_EQ(to.mechanics.options.confinement_by, mechanics::Confinement::penalty);
   EXPECT_EQ(to.mechanics.options.confinement_stiffness, 1e11);
-  EXPECT_TRUE(to.mechanics.options.mould_wall);
   EXPECT_TRUE(to.coupling.deformed_zones);
   EXPECT_EQ(to.monitors.at(0).z, 0.02);
   EXPECT_FALSE(to.monitors.at(1).z);
@@ -156,7 +154,6 @@ TEST(CaseToCore, TakesEveryKindOfKey) {
   from.mutable_limits()->set_maximum_steps(7);
   v1::Validity& validity = *from.mutable_validity();
   validity.set_when_lost(v1::Validity::CONTINUE);
-  validity.set_maximum_liquid_pressure_error(0.5);
   validity.set_maximum_rotation_rad(0.25);
   validity.set_maximum_slip_m(0.03);
   validity.set_minimum_shell_m(0.004);
@@ -196,7 +193,6 @@ TEST(CaseToCore, TakesEveryKindOfKey) {
   EXPECT_EQ(to.plausibility.reference_tear_pressure, 9e4);
   EXPECT_FALSE(to.plausibility.least_curl);
   EXPECT_EQ(to.validity.when_lost, casting::WhenLost::go_on);
-  EXPECT_EQ(to.validity.maximum_liquid_pressure_error, 0.5);
   EXPECT_EQ(to.validity.maximum_rotation, 0.25);
   EXPECT_EQ(to.validity.maximum_slip, 0.03);
   EXPECT_EQ(to.validity.minimum_shell, 0.004);
@@ -266,7 +262,6 @@ TEST(CaseToCore, DefaultsOfTheSchemaFillWhatCoreNeeds) {
                               double(to.thermal.maximum_iterations),
                               options.tolerance,
                               options.gravity,
-                              options.liquid_modulus,
                               options.confinement_stiffness,
                               options.parameters.gamma_p,
                               options.parameters.gamma_c,

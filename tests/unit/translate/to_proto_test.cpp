@@ -33,7 +33,6 @@ TEST(StepToProto, NamesTheMonitors) {
   report.cast_length = 0.5;
   report.monitor_displacement = {{1.0, 2.0}, {3.0, 4.0}};
   report.monitor_temperature = {600.0, std::nan("")};  // the second one is not poured yet
-  report.liquid_pressure_error = 7.0;
   const auto to = to_proto(report, {{"centre", 0, 0}, {"corner", 1, 0}});
 
   EXPECT_EQ(to.step(), 3);
@@ -43,7 +42,6 @@ TEST(StepToProto, NamesTheMonitors) {
   EXPECT_EQ(to.monitors(1).displacement_m(1), 4.0);
   EXPECT_EQ(to.monitors(0).temperature_c(), 600.0);
   EXPECT_FALSE(to.monitors(1).has_temperature_c());
-  EXPECT_EQ(to.liquid_pressure_error(), 7.0);
 }
 
 TEST(StepToProto, KeepsHowFarTheSolidMovedAndTheMark) {
@@ -135,8 +133,7 @@ TEST(StepToProto, IsReadBackExactly) {
 TEST(ValidityLossToProto, KeepsEveryField) {
   for (const auto& [name, kind] :
        {std::pair{"shell_melted_through", v1::Finding::SHELL_MELTED_THROUGH},
-        std::pair{"motion_too_large", v1::Finding::MOTION_TOO_LARGE},
-        std::pair{"liquid_pressure_lost", v1::Finding::LIQUID_PRESSURE_LOST}}) {
+        std::pair{"motion_too_large", v1::Finding::MOTION_TOO_LARGE}}) {
     const auto to =
         to_proto(results::ValidityLoss{name, "it slid", 166.0, {0.2, 0.1}, 0.1, 0.02, "m"});
     EXPECT_EQ(to.kind(), kind);
