@@ -66,9 +66,11 @@ class DataStudy(DataStudyCase):
                 self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=60)
 
     def test_a_run_that_fails_is_counted(self):
-        # The hottest block melts the shell of so short a hold.
+        # The shell over a cold block turns by more than this, that over a hot one by less.
         path = self.case_file((r'^"cooling.bottom_block.temperature" = .*$',
-                               '"cooling.bottom_block.temperature" = "50..990 degC"'))
+                               '"cooling.bottom_block.temperature" = "50..990 degC"'),
+                              (r"^\[uncertainty\]$",
+                               '[validity]\nmaximum_rotation = "0.2 degrees"\n\n[uncertainty]'))
         answer = json.loads(self.dccast("uncertainty", path, *self.only(), "--runs", "12", "--json"))
         failed = [run for run in answer["runs"] if run["state"] != "SUCCEEDED" or run["beyond_validity"]]
         self.assertTrue(failed)

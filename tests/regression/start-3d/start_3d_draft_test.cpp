@@ -11,9 +11,9 @@ using regression::end_lift_mm;
 TEST(Start3dDraft, StaysInBalanceAndLiftsItsCorner) {
   const auto reports = regression::run(support::load_case("start-3d", v1::DRAFT));
   regression::expect_sound_casting(reports);
-  EXPECT_NEAR(end_lift_mm(reports, 0), 42.56, 0.5) << "corner";
-  EXPECT_NEAR(end_lift_mm(reports, 1), 42.00, 0.5) << "middle of the narrow face";
-  EXPECT_NEAR(end_lift_mm(reports, 2), 5.44, 0.2) << "middle of the wide face";
+  EXPECT_NEAR(end_lift_mm(reports, 0), 37.50, 0.5) << "corner";
+  EXPECT_NEAR(end_lift_mm(reports, 1), 37.43, 0.5) << "middle of the narrow face";
+  EXPECT_NEAR(end_lift_mm(reports, 2), 5.08, 0.2) << "middle of the wide face";
   EXPECT_NEAR(end_lift_mm(reports, 3), 0.0, 1e-3) << "the centre stands on the block";
 }
 
@@ -21,9 +21,9 @@ TEST(Start3dDraft, StaysInBalanceAndLiftsItsCorner) {
 TEST(Start3dDraft, WithTheMushOfThePaperStaysInBalanceAndLiftsItsCorner) {
   const auto reports = regression::run(support::load_case("start-3d-paper", v1::DRAFT));
   regression::expect_sound_casting(reports);
-  EXPECT_NEAR(end_lift_mm(reports, 0), 38.04, 0.5) << "corner";
-  EXPECT_NEAR(end_lift_mm(reports, 1), 36.98, 0.5) << "middle of the narrow face";
-  EXPECT_NEAR(end_lift_mm(reports, 2), 5.78, 0.2) << "middle of the wide face";
+  EXPECT_NEAR(end_lift_mm(reports, 0), 36.72, 0.5) << "corner";
+  EXPECT_NEAR(end_lift_mm(reports, 1), 35.35, 0.5) << "middle of the narrow face";
+  EXPECT_NEAR(end_lift_mm(reports, 2), 5.99, 0.2) << "middle of the wide face";
   EXPECT_NEAR(end_lift_mm(reports, 3), 0.0, 1e-3) << "the centre stands on the block";
 }
 
@@ -38,7 +38,7 @@ TEST(Start3dDraft, CurlsAlikeWithRowsMergedOrNot) {
   EXPECT_LT(merged.back().nodes, whole.back().nodes);
   for (std::size_t monitor = 0; monitor < 3; ++monitor)
     EXPECT_NEAR(end_lift_mm(merged, monitor), end_lift_mm(whole, monitor),
-                1e-3 * end_lift_mm(whole, 0));
+                2e-3 * end_lift_mm(whole, 0));
 }
 
 double corner_after_five_seconds(mechanics::Algorithm algorithm) {
@@ -52,7 +52,7 @@ double corner_after_five_seconds(mechanics::Algorithm algorithm) {
 /// While the slab rocks from one support to another what a tolerance leaves is seen in the lift.
 TEST(Start3dDraft, LiftsItsCornerByEveryAlgorithm) {
   const double newton = corner_after_five_seconds(mechanics::Algorithm::newton);
-  EXPECT_NEAR(newton, 0.713, 0.02);
+  EXPECT_NEAR(newton, 0.756, 0.02);
   EXPECT_NEAR(corner_after_five_seconds(mechanics::Algorithm::vnbm), newton, 0.01);
   EXPECT_NEAR(corner_after_five_seconds(mechanics::Algorithm::nbm), newton, 0.01);
   EXPECT_NEAR(corner_after_five_seconds(mechanics::Algorithm::sbm), newton, 0.05);
