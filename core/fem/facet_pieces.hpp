@@ -38,6 +38,22 @@ inline Eigen::Vector3d doubled_area(const mesh::Mesh<3>& mesh, const mesh::Facet
   const Eigen::Vector3d a = corner_point(mesh, facet, 0);
   return (corner_point(mesh, facet, 1) - a).cross(corner_point(mesh, facet, 2) - a);
 }
+
+/// Calls use(shape functions, area vector) at the 2 x 2 Gauss points of a quadrilateral; the area
+/// vector points along the normal [m2].
+template <class Use>
+void for_each_gauss_point(const mesh::Mesh<3>& mesh, const mesh::Facet<3>& facet, const Use& use) {
+  for (const auto& p : Q1Quadrilateral::point) {
+    const auto gradient = Q1Quadrilateral::shape_gradient(p);
+    Eigen::Vector3d along = Eigen::Vector3d::Zero(), across = along;
+    for (std::size_t i = 0; i < 4; ++i) {
+      along += gradient[i][0] * corner_point(mesh, facet, i);
+      across += gradient[i][1] * corner_point(mesh, facet, i);
+    }
+    const Eigen::Vector3d area = along.cross(across);
+    use(Q1Quadrilateral::shape(p), area);
+  }
+}
 }  // namespace detail
 
 /// Integrals of the shape functions of a triangle or of a quadrilateral, which need not be plane
@@ -50,18 +66,10 @@ inline FacetShares<3> facet_shares(const mesh::Mesh<3>& mesh, const mesh::Facet<
   }
 
   FacetShares<3> shares{};
-  for (const auto& p : Q1Quadrilateral::point) {
-    const auto shape = Q1Quadrilateral::shape(p);
-    const auto gradient = Q1Quadrilateral::shape_gradient(p);
-    Eigen::Vector3d along = Eigen::Vector3d::Zero(), across = along;
-    for (std::size_t i = 0; i < 4; ++i) {
-      along += gradient[i][0] * detail::corner_point(mesh, facet, i);
-      across += gradient[i][1] * detail::corner_point(mesh, facet, i);
-    }
-
-    const double area = along.cross(across).norm();
-    for (std::size_t i = 0; i < 4; ++i) shares[i] += shape[i] * area;
-  }
+  detail::for_each_gauss_point(mesh, facet, [&](const auto& shape, const Eigen::Vector3d& area) {
+    const double size = area.norm();
+    for (std::size_t i = 0; i < 4; ++i) shares[i] += shape[i] * size;
+  });
   return shares;
 }
 
@@ -118,19 +126,11 @@ FacetVectors<3> pressure_forces(const mesh::Mesh<3>& mesh, const mesh::Facet<3>&
     return force;
   }
 
-  for (const auto& p : Q1Quadrilateral::point) {
-    const auto shape = Q1Quadrilateral::shape(p);
-    const auto gradient = Q1Quadrilateral::shape_gradient(p);
-    Eigen::Vector3d along = Eigen::Vector3d::Zero(), across = along;
+  detail::for_each_gauss_point(mesh, facet, [&](const auto& shape, const Eigen::Vector3d& area) {
     double at_point = 0.0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      along += gradient[i][0] * detail::corner_point(mesh, facet, i);
-      across += gradient[i][1] * detail::corner_point(mesh, facet, i);
-      at_point += shape[i] * pressure[i];
-    }
-    const Eigen::Vector3d area = along.cross(across);
+    for (std::size_t i = 0; i < 4; ++i) at_point += shape[i] * pressure[i];
     for (std::size_t i = 0; i < 4; ++i) push(i, shape[i] * at_point, area);
-  }
+  });
   return force;
 }
 

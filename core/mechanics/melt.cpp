@@ -20,8 +20,10 @@ constexpr int most_follower_iterations = 1000;
 constexpr double same_plane = 1.0 - 1e-9;  // [1] product of two unit normals
 
 /// One sweep of symmetric Gauss-Seidel over the free unknowns, from zero, forwards and backwards.
+/// Held ones stay at zero, or the sweep would not be symmetric.
 void sweep(const linalg::SparsityPattern& pattern, std::span<const double> values,
-           std::span<const int> free, std::span<const double> r, std::span<double> z) {
+           std::span<const char> held, std::span<const int> free, std::span<const double> r,
+           std::span<double> z) {
   const auto& start = pattern.column_start();
   const auto& row = pattern.row();
   std::ranges::copy(r, z.begin());
@@ -32,6 +34,8 @@ void sweep(const linalg::SparsityPattern& pattern, std::span<const double> value
     for (std::size_t k = first + 1; k < end; ++k) z[std::size_t(row[k])] -= values[k] * solved;
   }
 
+  for (std::size_t i = 0; i < held.size(); ++i)
+    if (held[i] != 0) z[i] = 0.0;
   for (const int c : free | std::views::reverse) {
     const std::size_t first = std::size_t(start[std::size_t(c)]);
     const std::size_t end = std::size_t(start[std::size_t(c) + 1]);
@@ -176,7 +180,7 @@ void Melt<Dim>::follow(MechanicsForms<Dim>& forms, std::span<const char> carries
 
   std::vector<double> step(displacement.size(), 0.0);
   const auto precondition = [&](std::span<const double> r, std::span<double> z) {
-    sweep(pattern, stiffness_, free, r, z);
+    sweep(pattern, stiffness_, held, free, r, z);
   };
   const auto outcome =
       gradients_.solve(pattern, stiffness_, held, precondition, force, step,
