@@ -1,15 +1,11 @@
 #include "client/session/kept_clock.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <iterator>
-#include <system_error>
 
+#include "client/session/private_file.hpp"
 #include "client/session/unsent_readings.hpp"
 
 namespace dccast::client {
@@ -41,18 +37,8 @@ std::string keep_clock(const fs::path& file, const SourceClock::History& history
   for (const auto& [at, offset_s] : history.jumps)
     fmt::format_to(std::back_inserter(text), "{} {} {}\n", at.stamp_s, at.content, offset_s);
 
-  fs::path written = file;
-  written += ".part";
-  std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  const int descriptor =
-      ::open(written.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600);
-  if (descriptor < 0) return fmt::format("{}: {}", written.string(), std::strerror(errno));
-  const bool is_whole = ::write(descriptor, text.data(), text.size()) == std::ssize(text);
-  ::close(descriptor);
-  if (!is_whole || ::rename(written.c_str(), file.c_str()) != 0)
-    return fmt::format("{} cannot be written", file.string());
-  return {};
+  const std::string fault = write_private_file(file, text);
+  return fault.empty() ? fault : fmt::format("{} cannot be written: {}", file.string(), fault);
 }
 
 }  // namespace dccast::client

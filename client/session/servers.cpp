@@ -1,18 +1,16 @@
 #include "client/session/servers.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <sstream>
 
 #include <toml++/toml.h>
 
+#include "client/session/private_file.hpp"
 #include "client/session/socket.hpp"
 #include "proto/values/address.hpp"
 #include "proto/values/printable.hpp"
@@ -102,24 +100,8 @@ void StoredServers::write() const {
   content << "# Written by dccast login; with its tokens anyone can call as you.\n"
           << toml::table{{"server", servers}} << '\n';
 
-  std::error_code error;
-  fs::create_directories(file_.parent_path(), error);
-  const std::string whole = content.str(), part = file_.string() + ".part";
-  // Created with mode 0600 and renamed when complete: no moment in which others can read it, and a
-  // full disk leaves the old file.
-  ::unlink(part.c_str());
-
-  const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  const bool written =
-      descriptor >= 0 &&
-      ::write(descriptor, whole.data(), whole.size()) == static_cast<ssize_t>(whole.size()) &&
-      ::fsync(descriptor) == 0;
-
-  const int reason = errno;
-  if (descriptor >= 0) ::close(descriptor);
-  if (written && ::rename(part.c_str(), file_.c_str()) == 0) return;
-  ::unlink(part.c_str());
-  fail(file_, std::string("cannot be written: ") + std::strerror(written ? errno : reason));
+  const std::string fault = write_private_file(file_, content.str());
+  if (!fault.empty()) fail(file_, "cannot be written: " + fault);
 }
 
 Endpoint endpoint_of(const std::string& server) {
