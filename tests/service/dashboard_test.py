@@ -381,6 +381,9 @@ class InBrowser(Dashboard):
         wait = self.wait_up_to(seconds, StaleElementReferenceException)
         return wait.until(lambda browser: [what(browser.find_element(By.CSS_SELECTOR, selector))])[0]
 
+    def text(self, selector, seconds=20):
+        return self.read(selector, lambda element: element.text, seconds)
+
     def wait_for(self, text, selector="main", seconds=20):
         def there(browser):
             found = browser.find_elements(By.CSS_SELECTOR, selector)
@@ -527,14 +530,14 @@ class Pages(InBrowser):
         rows = lambda: self.read("tbody", lambda table: [
             row.text for row in table.find_elements(By.CSS_SELECTOR, "tr")])
         self.assertEqual(len(rows()), 2)
-        folded = self.read("tr.study", lambda row: row.text)
+        folded = self.text("tr.study")
         for text in ("2 runs", study[:8], "2 of 2 succeeded", "draft", "time.end = 145 s", " to "):
             self.assertIn(text, folded)
         self.assertNotIn("water_flow", folded)
         self.find("button.fold").send_keys(Keys.ENTER)
         self.wait_up_to(10).until(lambda _: len(rows()) == 4)
-        self.assertIn("schedule.water_flow.scale = 0.9", self.find("tr.run").text)
-        self.assertNotIn("time.end", self.find("tr.run").text)
+        self.assertIn("schedule.water_flow.scale = 0.9", self.text("tr.run"))
+        self.assertNotIn("time.end", self.text("tr.run"))
         self.assertIn("engineering", rows()[0])
         self.assertEqual(self.find("button.fold").get_attribute("aria-expanded"), "true")
         self.assertEqual(self.complaints(), [])
@@ -543,7 +546,7 @@ class Pages(InBrowser):
         self.finished_job("steps=20 finding_at=3")
         self.go("wall")
         self.wait_for("The shell leaves the mould 3 mm thick.", ".verdict")
-        self.assertIn("danger", self.read(".verdict", lambda line: line.text))
+        self.assertIn("danger", self.text(".verdict"))
         middle = lambda element: element.rect["y"] + element.rect["height"] / 2
         self.assertLess(abs(self.read(".verdict", middle) - self.read(".huge", middle)), 100)
 
@@ -701,11 +704,11 @@ class RealPages(InBrowser):
             slider.send_keys(Keys.ARROW_LEFT)
         self.wait_for("Changed: corner", seconds=60)
         # An error has two digits and its curl as many decimals, as in the terminal.
-        self.assertRegex(self.find(".what-if strong").text, r"corner \d\.\d\d ± 0\.\d\d mm")
+        self.assertRegex(self.text(".what-if strong"), r"corner \d\.\d\d ± 0\.\d\d mm")
 
         self.wait_for("run 2, corner: ", "#difference")
-        self.assertRegex(self.find("#difference").text, r"± \d[.\d]* mm, (real|within its error)\.")
-        self.assertIn("less 1, mm", self.find("#difference table").text)
+        self.assertRegex(self.text("#difference"), r"± \d[.\d]* mm, (real|within its error)\.")
+        self.assertIn("less 1, mm", self.text("#difference table"))
 
         # While the next key press is computed, only the case as it is has bands.
         self.wait_up_to(60).until(
@@ -713,7 +716,7 @@ class RealPages(InBrowser):
         [b for b in self.browser.find_elements(By.CSS_SELECTOR, ".bar button")
          if b.text == "Keep as a job"][0].click()
         self.wait_for("Queued as")
-        job = self.find("p[role=status] a").text
+        job = self.text("p[role=status] a")
         changes = {change.key: change.value for change in self.client.job(job).changes}
         self.assertEqual(changes["schedule.water_flow.scale"], "0.80")
         self.assertEqual(self.complaints(), [])
@@ -726,7 +729,7 @@ class RealPages(InBrowser):
             capture_output=True, text=True, timeout=90, check=True)
         self.go("study/" + re.search(r"study ([0-9a-f-]{36})", made.stdout)[1])
         self.wait_for("9 of 10 castings have", "#answer", seconds=30)
-        self.assertIn("alone, %", self.find("#answer table").text)
+        self.assertIn("alone, %", self.text("#answer table"))
         self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "#answer figure svg")), 2)
         self.assertEqual(self.complaints(), [])
 
@@ -802,7 +805,7 @@ class RealPages(InBrowser):
 
         canvas.click()
         self.wait_for("°C, moved", ".probe")
-        self.assertIn("10.0 s", self.find(".probe").text)
+        self.assertIn("10.0 s", self.text(".probe"))
         self.find(".stage .marker:not([hidden])")
         time_slider = self.find(".levers.row input[type=range]")
         time_slider.send_keys(Keys.ARROW_LEFT)
@@ -831,7 +834,7 @@ class RealPages(InBrowser):
             self.find(f"canvas[aria-label^='{title} of']")
             self.wait_for(title, "svg.colours")
             pictures.add(self.pixels()[1])
-        self.assertIn("MPa", self.find("svg.colours").text)
+        self.assertIn("MPa", self.text("svg.colours"))
         self.assertGreater(len(pictures), 2)
 
         point, end = (self.find(f"input[aria-label^='{label}']") for label in ("Point", "End of"))
@@ -898,14 +901,14 @@ class RealPages(InBrowser):
         upload = self.find("#new-file")
         upload.send_keys(faulty)
         self.wait_for("casting_sped", "#found")
-        self.assertNotIn("root:", self.find("#found").text)
+        self.assertNotIn("root:", self.text("#found"))
         upload.send_keys(own)
         self.wait_up_to(20).until(
             lambda b: "casting_sped" not in b.find_element(By.ID, "found").text)
         self.find("#found svg.casting")
         self.press("Queue as a job", "#found")
         self.wait_for("Queued as", "#found")
-        job = self.find("#found p[role=status] a").text
+        job = self.text("#found p[role=status] a")
         self.client.until_state(job, job_pb2.SUCCEEDED, job_pb2.RUNNING, seconds=60)
         self.press("What-if with it", "#found")
         self.wait_for("As it is: corner", seconds=60)
@@ -927,7 +930,7 @@ class RealPages(InBrowser):
         self.assertGreater(self.find("#found svg.casting").size["width"], 100)
         self.press("Queue as a job", "#found")
         self.wait_for("Queued as", "#found", seconds=60)
-        job = self.find("#found p[role=status] a").text
+        job = self.text("#found p[role=status] a")
         case = self.client.stub.QueryResult(
             service_pb2.QueryResultRequest(id=job), timeout=20).case
         self.assertAlmostEqual(case.section.half_width_m, 0.8)

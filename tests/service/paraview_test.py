@@ -31,7 +31,7 @@ class ParaView(ServiceTest):
                     "--set", "time.end=15 s")
         self.dccast("fetch", "last", "-o", os.path.join(self.folder, "run.h5"))
         said = subprocess.run([PVPYTHON, os.path.join(HERE, "paraview_reads.py"), "./run.xdmf"],
-                              cwd=self.folder, capture_output=True, text=True, timeout=120,
+                              cwd=self.folder, capture_output=True, text=True, timeout=120 * WAIT_FACTOR,
                               check=True)
         return h5py.File(os.path.join(self.folder, "run.h5")), json.loads(said.stdout)
 
@@ -65,7 +65,7 @@ class ParaView(ServiceTest):
         self.dccast("fetch", "last", "-o", os.path.join(self.folder, "run.h5"))
         for name in ("run.xdmf", "run-end.xdmf"):
             drawn = subprocess.run([PVPYTHON, os.path.join(HERE, "..", "..", "docs", "paraview_slab.py"), name],
-                                   cwd=self.folder, capture_output=True, text=True, timeout=120,
+                                   cwd=self.folder, capture_output=True, text=True, timeout=120 * WAIT_FACTOR,
                                    env={name: value for name, value in os.environ.items() if name != "DISPLAY"},
                                    check=False)
             self.assertEqual(drawn.returncode, 0, drawn.stderr)

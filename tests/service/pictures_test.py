@@ -52,7 +52,7 @@ class Camera(InBrowser):
         """A picture of the page, or of a part of it, without the address of the test's own server."""
         self.browser.execute_script(
             "document.getElementById('server').style.visibility = 'hidden'")
-        self.assertNotRegex(self.find("main").text, r"/(home|root|tmp|work)/", name)
+        self.assertNotRegex(self.text("main"), r"/(home|root|tmp|work)/", name)
         if selector:
             self.find(selector).screenshot(self.made(name))
         else:
@@ -139,7 +139,7 @@ class Pictures(Camera):
             self.go(f"job/{short}")
             self.press("Compute what helps", "main")
             self.wait_for("shell_melted_through: hold", "#answer", 180)
-            until(lambda: "to come" not in self.find("#answer").text, 180)
+            until(lambda: "to come" not in self.text("#answer"), 180)
             self.take("dashboard-remedy.png", "main")
         with self.subTest("a study"):
             data = ("cooling.bottom_block.temperature", "alloy.conductivity", "cooling.water.temperature")

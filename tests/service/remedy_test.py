@@ -94,7 +94,7 @@ class OnThePage(Client, InBrowser):
         self.wait_for("remedy", "[role=status]", 60)
         self.wait_for("answered", "[role=status]", 120)
         self.wait_for("shell_melted_through: hold", "#answer", 30)
-        self.assertRegex(self.find("#answer").text, AMOUNT)
+        self.assertRegex(self.text("#answer"), AMOUNT)
         self.assertEqual(self.complaints(), [])
 
 

@@ -115,7 +115,7 @@ class Reports(Page):
         self.dccast("report", job, "-o", "report.html")
         self.browser.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
         self.show("report.html")
-        text = self.find("main").text
+        text = self.text("main")
         for part in ("drawn by the script in this page", "has risen", "Casting speed", "Checks of the run",
                      "Curl against time"):
             self.assertIn(part, text)
@@ -138,7 +138,7 @@ class Reports(Page):
                     "start.html")
         self.drawn("start.html")
         for label in ("water line", "bowl, 30 mm deep"):
-            self.assertIn(label, self.find("svg.casting").text)
+            self.assertIn(label, self.text("svg.casting"))
         self.assertEqual(len(self.charts()), 2)
         self.check_phone()
 
@@ -168,7 +168,7 @@ class FollowedCasting(Wall, Page):
         self.assertIn("Corner, measured and forecast", self.charts())
 
         table = next(part.table for part in judgement.parts if part.table.key == "forecast")
-        shown = self.find("main").text
+        shown = self.text("main")
         errors = []
         for row, (ahead, forecasts) in zip(table.rows, ((30, 81), (60, 51)), strict=True):
             gauge, *numbers = row.cells
@@ -195,8 +195,8 @@ class FollowedCasting(Wall, Page):
         job_id = self.follow_on_line()
         self.measure(job_id, 110, curl=lambda t: self.curl_m(t) + (12e-3 if t > 30 else 0.0))
         self.report_of(job_id, 171)
-        self.assertIn("the gauge has slipped", self.find("main").text)
-        self.assertIn("Warnings of the forecast", self.find("main").text)
+        self.assertIn("the gauge has slipped", self.text("main"))
+        self.assertIn("Warnings of the forecast", self.text("main"))
         if "DCCAST_PICTURES" in os.environ:
             self.take_card("report-followed-slip.png")
 
@@ -204,7 +204,7 @@ class FollowedCasting(Wall, Page):
         job_id = self.follow(end=20)
         self.append(job_id, *[follow_pb2.Reading(number=t + 1, time_s=t) for t in range(10)])
         self.report_of(job_id, 10)
-        self.assertIn(f"No forecast: job {job_id} measures no curl", self.find("main").text)
+        self.assertIn(f"No forecast: job {job_id} measures no curl", self.text("main"))
         self.assertNotIn("Corner, measured and forecast", self.charts())
 
 
