@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <ranges>
 
 namespace dccast::mechanics {
 
@@ -13,8 +12,8 @@ namespace {
 // Moduli of the elastic body that the melt is taken for to move its nodes [Pa]: of both only the
 // ratio counts, and of that little (docs/developers/decisions.md).
 constexpr double follower_shear = 1.0, follower_bulk = 1.0;
-// Its forces out of balance, relative to those of each node alone: ten times less moves no node by
-// a micrometre.
+// Its forces out of balance, relative to those of each node alone or, while no node has moved, to
+// those at the start: ten times less moves no node by a micrometre.
 constexpr double follower_tolerance = 1e-7;
 constexpr int most_follower_iterations = 1000;
 constexpr double same_plane = 1.0 - 1e-9;  // [1] product of two unit normals
@@ -36,7 +35,8 @@ void sweep(const linalg::SparsityPattern& pattern, std::span<const double> value
 
   for (std::size_t i = 0; i < held.size(); ++i)
     if (held[i] != 0) z[i] = 0.0;
-  for (const int c : free | std::views::reverse) {
+  for (auto at = free.rbegin(); at != free.rend(); ++at) {
+    const int c = *at;
     const std::size_t first = std::size_t(start[std::size_t(c)]);
     const std::size_t end = std::size_t(start[std::size_t(c) + 1]);
     double sum = z[std::size_t(c)];
@@ -175,7 +175,7 @@ void Melt<Dim>::follow(MechanicsForms<Dim>& forms, std::span<const char> carries
     out_of_balance += force[i] * force[i];
     of_nodes += alone * alone;
   }
-  const double permitted = follower_tolerance * std::sqrt(of_nodes);
+  const double permitted = follower_tolerance * std::sqrt(std::max(of_nodes, out_of_balance));
   if (std::sqrt(out_of_balance) <= permitted) return;
 
   std::vector<double> step(displacement.size(), 0.0);
@@ -185,7 +185,8 @@ void Melt<Dim>::follow(MechanicsForms<Dim>& forms, std::span<const char> carries
   const auto outcome =
       gradients_.solve(pattern, stiffness_, held, precondition, force, step,
                        {permitted / std::sqrt(out_of_balance), most_follower_iterations});
-  static_cast<void>(outcome);  // what is left moves melt alone
+  // What is left out of balance moves melt alone; more than before is no step towards its rest.
+  if (outcome.residual >= 1.0) return;
   for (const int i : free) displacement[std::size_t(i)] += step[std::size_t(i)];
 }
 
