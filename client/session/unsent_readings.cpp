@@ -121,8 +121,8 @@ std::vector<ReadingOfLine> UnsentReadings::next(std::stop_token stop) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, stop, [this] { return closed_ || !unsent_.empty(); });
   if (stop.stop_requested()) return {};
-  const auto end = unsent_.begin() + std::ssize(unsent_);
-  return {unsent_.begin(), std::min(unsent_.begin() + most, end)};
+  const auto count = static_cast<std::ptrdiff_t>(std::min(most, unsent_.size()));
+  return {unsent_.begin(), unsent_.begin() + count};
 }
 
 void UnsentReadings::acknowledge(std::size_t count) {
