@@ -134,9 +134,9 @@ Quantity convert_to(double number, const std::string& unit, const std::string& w
 
 }  // namespace
 
-std::optional<std::string> unit_suffix(std::string_view unit) {
+std::optional<std::string_view> unit_suffix(std::string_view unit) {
   for (const auto& [name, suffix] : suffixes)
-    if (name == unit) return std::string(suffix);
+    if (name == unit) return suffix;
   return std::nullopt;
 }
 

@@ -8,7 +8,7 @@ namespace dccast::case_file {
 
 /// Suffix of the field names of quantities with this unit: "m" -> "_m", "W/(m2 K)" ->
 /// "_w_per_m2_k"; "" for "" and "1". Empty for a unit that is not in the table: add it there.
-std::optional<std::string> unit_suffix(std::string_view unit);
+std::optional<std::string_view> unit_suffix(std::string_view unit);
 
 /// A text without blanks and tabs at its ends.
 std::string_view trimmed(std::string_view text);

@@ -16,8 +16,19 @@ namespace dccast::case_file {
 namespace {
 
 bool is_message_of(const FieldDescriptor& field, const Descriptor& descriptor) {
-  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE &&
+  if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return false;
+  // Of another descriptor pool (dynamic messages) the name alone is the same.
+  return field.message_type() == &descriptor ||
          field.message_type()->full_name() == descriptor.full_name();
+}
+
+/// toml_key() without a copy.
+std::string_view key_in_name(const FieldDescriptor& field) {
+  const auto suffix = unit_suffix(key_of(field).unit());
+  if (!suffix || !field.name().ends_with(*suffix))
+    throw std::logic_error(
+        fmt::format("field {} does not end in the suffix of its unit", field.full_name()));
+  return std::string_view(field.name()).substr(0, field.name().size() - suffix->size());
 }
 
 /// The bounds of a key in a unit: "0 to 0.1 m/s", "more than 0 Pa, at most 1 Pa".
@@ -79,11 +90,7 @@ const v1::Key& key_of(const FieldDescriptor& field) {
 }
 
 std::string toml_key(const FieldDescriptor& field) {
-  const auto suffix = unit_suffix(key_of(field).unit());
-  if (!suffix || !field.name().ends_with(*suffix))
-    throw std::logic_error(
-        fmt::format("field {} does not end in the suffix of its unit", field.full_name()));
-  return field.name().substr(0, field.name().size() - suffix->size());
+  return std::string(key_in_name(field));
 }
 
 std::vector<const FieldDescriptor*> fields_of(const Descriptor& descriptor) {
@@ -93,8 +100,8 @@ std::vector<const FieldDescriptor*> fields_of(const Descriptor& descriptor) {
 }
 
 const FieldDescriptor* field_of_key(const Descriptor& descriptor, std::string_view key) {
-  for (const FieldDescriptor* const field : fields_of(descriptor))
-    if (toml_key(*field) == key) return field;
+  for (int i = 0; i < descriptor.field_count(); ++i)
+    if (key_in_name(*descriptor.field(i)) == key) return descriptor.field(i);
   return nullptr;
 }
 
@@ -164,9 +171,11 @@ std::optional<double> number_of(const Message& message, const FieldDescriptor& f
 }
 
 v1::Curve curve_of(const Message& message, const FieldDescriptor& field) {
-  // A copy, so that a Curve of another descriptor pool (dynamic messages) can be read too.
-  v1::Curve curve;
-  curve.ParseFromString(message.GetReflection()->GetMessage(message, &field).SerializeAsString());
+  const Message& table = message.GetReflection()->GetMessage(message, &field);
+  if (const auto* const generated = dynamic_cast<const v1::Curve*>(&table)) return *generated;
+
+  v1::Curve curve;  // of another descriptor pool (dynamic messages)
+  curve.ParseFromString(table.SerializeAsString());
   return curve;
 }
 
