@@ -259,7 +259,10 @@ void check_alloy(CaseFindings& found) {
   if (!found.sound({"alloy.solidus", "alloy.coherency", "alloy.coherency_solid_fraction"})) return;
   coherency(found);
   onset_of_stress(found);
-  if (has_mechanics && found.sound({"alloy.density", "alloy.solid_density"})) contraction(found);
+  // A density that is mixed is not there as long as one of both is at fault.
+  if (has_mechanics &&
+      found.sound({"alloy.density", "alloy.solid_density", "alloy.liquid_density"}))
+    contraction(found);
 }
 
 }  // namespace dccast::casting

@@ -252,6 +252,13 @@ TEST(CaseCheck, WhatFollowsFromAValueAtFaultWaitsForItAndSaysSo) {
   EXPECT_THAT(checked.warnings.list()[0].message, ::testing::HasSubstr("wait until this is fixed"));
 }
 
+TEST(CaseCheck, ADensityThatIsMixedWaitsForBoth) {
+  Case c = small_casting();
+  c.alloy.solid_density = c.alloy.density;
+  c.alloy.density = {};  // it is mixed once the liquid's is sound
+  EXPECT_THAT(fields(check(c, {"alloy.liquid_density"}).faults), IsEmpty());
+}
+
 TEST(CaseCheck, APureMetalHasHeatAloneAndItsRemedyIsAccepted) {
   Case c = small_casting();
   c.alloy.solidus = c.alloy.liquidus;
