@@ -210,11 +210,11 @@ std::vector<v1::Abscissa> abscissae_of(const FieldDescriptor& field) {
 }
 
 std::string join_path(const std::string& parent, const std::string& key) {
-  return parent.empty() ? key : fmt::format("{}.{}", parent, key);
+  return parent.empty() ? key : parent + '.' + key;
 }
 
 std::string element_path(const std::string& list, std::size_t element) {
-  return fmt::format("{}[{}]", list, element);
+  return list + '[' + std::to_string(element) + ']';
 }
 
 std::string joined(const std::vector<std::string>& words) {
