@@ -24,7 +24,7 @@ void add_number(const std::string& key, const std::string& suffix, const v1::Cel
 void add_cell(const v1::Table::Column& column, const v1::Cell& cell, Json& row) {
   const std::string& unit = column.unit().empty() ? cell.unit() : column.unit();
   if (cell.has_value()) {
-    add_number(column.key(), case_file::unit_suffix(unit).value_or(""), cell, row);
+    add_number(column.key(), std::string(case_file::unit_suffix(unit).value_or("")), cell, row);
     if (!cell.code().empty()) row[column.key() + "_code"] = cell.code();
   } else if (!cell.code().empty())
     row[column.key()] = cell.code();

@@ -18,7 +18,7 @@ std::string si_suffix(const std::string& key) {
   const auto* const field = case_file::field_at(v1::Case(), key);
   const auto suffix =
       field == nullptr ? std::nullopt : case_file::unit_suffix(case_file::key_of(*field).unit());
-  return suffix && !suffix->empty() ? *suffix : "_si";
+  return suffix && !suffix->empty() ? std::string(*suffix) : "_si";
 }
 
 std::string csv_number(double value) {

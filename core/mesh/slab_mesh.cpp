@@ -140,6 +140,12 @@ void SlabMesh<Dim>::restore(const std::vector<double>& row_heights) {
   build();
 }
 
+double unmerged_rows(const SectionSpec& spec, double level) {
+  const std::vector<double> heights = initial_rows(spec);
+  const double below_top = heights[heights.size() - 2];
+  return double(heights.size()) - 2.0 + (level - below_top) / growth_cell(spec);
+}
+
 int rows_at(const SectionSpec& spec, double level) {
   std::vector<double> heights = initial_rows(spec);
   const int first = first_grown(heights);

@@ -81,7 +81,13 @@ using SlabMesh3D = SlabMesh<3>;
 /// Height of the rows that growth adds [m].
 double growth_cell(const SectionSpec& spec);
 
-/// Number of rows of a slab's mesh when the metal level is at `level` [m].
+/// How many rows growth and the division of the topmost row would make of a slab's mesh without
+/// merging, when the metal level is at `level` [m]; not a count, since it may be as large as you
+/// like.
+double unmerged_rows(const SectionSpec& spec, double level);
+
+/// Number of rows of a slab's mesh when the metal level is at `level` [m]. It takes as long as
+/// there are unmerged_rows().
 int rows_at(const SectionSpec& spec, double level);
 
 }  // namespace dccast::mesh

@@ -14,8 +14,9 @@ namespace dccast::casting {
 namespace {
 
 /// Keys that determine the number of rows, besides course_keys.
-const Keys row_keys = {"section.kind",    "mesh.rows",    "mesh.growth_cell",
-                       "mesh.refinement", "mesh.element", "limits.maximum_nodes"};
+const Keys row_keys = {"section.kind",     "mesh.rows",           "section.initial_depth",
+                       "mesh.bottom_cell", "mesh.growth_cell",    "mesh.refinement",
+                       "mesh.element",     "limits.maximum_nodes"};
 /// Keys that determine the number of cells in a row of the built-in mesh.
 const Keys grid_keys = {"mesh.columns", "mesh.layers", "mesh.heat_cells_per_column",
                         "mesh.heat_cells_per_layer"};
@@ -240,13 +241,14 @@ RowSize divided_row(const mesh::Base<3>& plan, int refinement) {
 void check_rows(CaseFindings& found, const RowSize& row) {
   const mesh::SectionSpec& s = found.casting.section;
   found.nodes_per_row = row.nodes;
-  const double cell = s.growth_cell.value_or(s.initial_depth / s.rows) / s.refinement;
-
-  // Checked before any mesh is built: a growth cell of micrometres would exhaust the memory.
-  const double rough = (s.rows * s.refinement + (*found.final_level - s.initial_depth) / cell) *
-                       static_cast<double>(row.nodes);
-  if (rough > 2.0 * static_cast<double>(found.casting.limits.maximum_nodes))
-    return too_many_nodes(found, rough);
+  // Checked before any mesh is built: a growth cell of micrometres would exhaust the memory, and
+  // one that follows from graded rows may be as small.
+  const double most = 2.0 * static_cast<double>(found.casting.limits.maximum_nodes);
+  const double at_start = double(s.rows) * s.refinement * static_cast<double>(row.nodes);
+  if (at_start > most) return too_many_nodes(found, at_start);
+  const double unmerged =
+      mesh::unmerged_rows(s, *found.final_level) * static_cast<double>(row.nodes);
+  if (!(unmerged <= most)) return too_many_nodes(found, unmerged);
 
   const std::int64_t rows = mesh::rows_at(s, *found.final_level);
   const std::int64_t in_a_cell = s.element != mesh::ElementKind::p1 ? 1 : found.solid() ? 6 : 2;

@@ -126,6 +126,16 @@ const Mistake mistakes[] = {
     {"MonitorAboveTheSlab", "monitor[2].y", [](Case& c) { c.monitors[2].y = 0.13; }},
     {"MonitorTwice", "monitor[1].name", [](Case& c) { c.monitors[1].name = "corner"; }},
     {"TooManyNodes", "mesh.columns", [](Case& c) { c.limits.maximum_nodes = 60; }},
+    {"BottomCellSoHighThatTopRowsAreNothing", "mesh.columns",
+     [](Case& c) {
+       c.section.growth_cell = {};
+       c.section.bottom_cell = c.section.initial_depth * (1.0 - 1e-9);
+     }},
+    {"GrowthCellOfNothingInATopRow", "mesh.columns",
+     [](Case& c) {
+       c.section.growth_cell = 1e-20;  // heights that no number can tell apart
+       c.schedule.casting_speed = Curve(0.0);
+     }},
     {"GrowthCellOfMicrometres", "mesh.columns", [](Case& c) { c.section.growth_cell = 1e-9; }},
     {"TooManySteps", "time.step", [](Case& c) { c.limits.maximum_steps = 20; }},
     {"UnreadableMesh", "mesh.file",
