@@ -56,6 +56,11 @@ bool CaseFindings::sound(const Keys& keys) {
   return sound;
 }
 
+const mesh::Base<3>& CaseFindings::built_in_plan() {
+  if (!built_in_plan_) built_in_plan_ = mesh::base_of<3>(casting.section, mesh::Plan::heat);
+  return *built_in_plan_;
+}
+
 CheckedCase CaseFindings::answer() {
   for (const std::string& key : waited_for_)
     warning(key, "", "further checks wait until this is fixed");
@@ -70,6 +75,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>& faul
   check_zones(found);
   check_tables(found);
   check_levers(found);
+  check_row_size(found);
   check_section(found);
   check_quarter_slab(found);
   check_gap_water(found);

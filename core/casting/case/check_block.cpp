@@ -23,13 +23,13 @@ void check_symmetry_of_hole(CaseFindings& found, const std::string& field, doubl
 
 /// Distance from the centre of a hole to the edge of the block [m]: to that of the plan, whether it
 /// is built in or from a file; of an imported mesh to its end.
-double distance_from_edge(const CaseFindings& found, const thermal::DrainHole& hole) {
+double distance_from_edge(CaseFindings& found, const thermal::DrainHole& hole) {
   const mesh::SectionSpec& s = found.casting.section;
   const auto& imported = std::get<std::optional<mesh::Mesh3D>>(found.imported);
   if (imported) return std::min(imported->largest(0) - hole.x, imported->largest(1) - hole.y);
 
-  const mesh::Base<3> plan = found.plan ? *found.plan : mesh::base_of<3>(s, mesh::Plan::heat);
-  return mesh::distance_from_edge(s, plan, hole.x, hole.y);
+  return mesh::distance_from_edge(s, found.plan ? *found.plan : found.built_in_plan(), hole.x,
+                                  hole.y);
 }
 
 /// Smallest depth of a piecewise linear profile over the slab [m].

@@ -284,6 +284,15 @@ void temperature_range(CaseFindings& found, const results::TemperatureHistory& h
 
 }  // namespace
 
+void check_row_size(CaseFindings& found) {
+  if (mesh::has_mesh_file(found.casting.section) || mesh::has_plan_file(found.casting.section) ||
+      !found.sound({"section.kind", "mesh.refinement", "limits.maximum_nodes"}) ||
+      !found.sound(grid_keys))
+    return;
+  const std::int64_t nodes = built_in_row(found).nodes;
+  if (nodes > found.casting.limits.maximum_nodes) too_many_nodes(found, static_cast<double>(nodes));
+}
+
 void check_built_in_size(CaseFindings& found) {
   if (!found.sound(row_keys) || !found.sound(grid_keys) || !found.sound(course_keys)) return;
   check_rows(found, built_in_row(found));

@@ -23,12 +23,11 @@ void above(CaseFindings& found, const std::string& field, double height) {
 }
 
 /// Depth of the bowl below the block's lip at the place of a monitor [m]. @pre there is a bowl
-double depth_of_block(const CaseFindings& found, const Monitor& m) {
+double depth_of_block(CaseFindings& found, const Monitor& m) {
   const mesh::SectionSpec& section = found.casting.section;
-  const double inward =
-      found.solid()
-          ? mesh::distance_from_edge(section, mesh::base_of<3>(section, mesh::Plan::heat), m.x, m.y)
-          : mesh::distance_from_edge(section, m.x);
+  const double inward = found.solid()
+                            ? mesh::distance_from_edge(section, found.built_in_plan(), m.x, m.y)
+                            : mesh::distance_from_edge(section, m.x);
   return section.bowl->depth_at(inward);
 }
 
@@ -52,7 +51,7 @@ void behind(CaseFindings& found, const std::string& field, const Monitor& m) {
   const mesh::SectionSpec& section = found.casting.section;
   double opening = section.half_thickness(m.x);
   if (section.corner_radius > 0.0 && found.sound(plan_keys))
-    opening = std::min(opening, mesh::reach_of(mesh::base_of<3>(section, mesh::Plan::heat), m.x));
+    opening = std::min(opening, mesh::reach_of(found.built_in_plan(), m.x));
   if (m.y > opening + length_round_off)
     lies_outside(found, field + ".y", m.y,
                  "0 m to half the opening of the mould there, " + with_unit(opening, "m"),

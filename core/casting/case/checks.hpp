@@ -46,6 +46,8 @@ public:
   bool sound(const Keys& keys);
   bool axisymmetric() const { return casting.section.kind == mesh::SectionKind::axisymmetric; }
   bool solid() const { return mesh::dimension_of(casting.section.kind) == 3; }
+  /// The plan of the heat that is built in, made once. @pre plan_keys are sound
+  const mesh::Base<3>& built_in_plan();
 
   /// All findings, with warnings for the checks that were skipped.
   CheckedCase answer();
@@ -67,6 +69,7 @@ private:
   const std::vector<std::string>& faulty_keys_;
   Faults warnings_;
   std::set<std::string> waited_for_;
+  std::optional<mesh::Base<3>> built_in_plan_;
 };
 
 /// Keys that determine the course of the casting in time.
@@ -107,6 +110,8 @@ void check_zones(CaseFindings& found);
 void check_levers(CaseFindings& found);
 /// Abscissae of tables must increase.
 void check_tables(CaseFindings& found);
+/// Nodes in a row of the built-in mesh against `limits`, before any plan is built.
+void check_row_size(CaseFindings& found);
 /// Size of the section against its mesh.
 void check_section(CaseFindings& found);
 /// The plan of a quarter slab, and keys that apply to quarter slabs only.

@@ -72,6 +72,8 @@ const Mistake mistakes[] = {
      }},
     {"LayerWiderThanTheSlab", "mesh.wide_side_cell",
      [](Case& c) { c.section.wide_side_cell = 0.2; }},
+    {"MoreNodesInARowThanInAMesh", "mesh.columns",
+     [](Case& c) { c.section.columns = c.section.layers = 5000; }},  // no plan is built
     {"MonitorWithoutAHeight", "monitor[1].z", [](Case& c) { c.monitors[1].z.reset(); }},
     {"MonitorAboveTheSlab", "monitor[2].z", [](Case& c) { c.monitors[2].z = 0.09; }},
     {"MonitorBehindTheWideFace", "monitor[0].y", [](Case& c) { c.monitors[0].y = 0.145; }},
