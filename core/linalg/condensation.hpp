@@ -25,7 +25,7 @@ namespace dccast::linalg {
 class Condensation {
 public:
   /// @param most_changes  largest number of changed unknowns that change() accepts: four solves
-  ///                      cost as much as a factorisation, by dissection or by the band
+  ///                      cost as much as a factorisation
   explicit Condensation(std::size_t most_changes = 4) : most_changes_(most_changes) {}
 
   /// Starts from a new factor. All arguments must outlive the use of this object and must not

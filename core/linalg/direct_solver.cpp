@@ -1,7 +1,6 @@
 #include "core/linalg/direct_solver.hpp"
 
 #include <cmath>
-#include <optional>
 #include <utility>
 
 namespace dccast::linalg {
@@ -15,9 +14,6 @@ constexpr double solve_bytes_rate = 6e9;    // [byte/s] of factor in a solve by 
 constexpr double reference_size = 13e3;     // unknowns of the fits below
 constexpr double cholmod_factor_s = 0.13;   // grows with exponent 1.63
 constexpr double cholmod_bytes = 48e6;      // grows with exponent 1.35
-
-/// 2D: work per unknown below which the band is faster than a dissection [1].
-constexpr double band_against_dissection = 100.0 * 100.0;
 
 double cholmod_seconds(int unknowns) {
   const double size = unknowns / reference_size;
@@ -39,23 +35,6 @@ bool band_wins(const BandShape& shape, int unknowns, Geometry geometry,
   return shape.flops <= kernels.flops_per_unknown * unknowns;
 }
 
-bool has_two_edges(std::span<const std::vector<int>> fronts) {
-  return fronts.size() == 2 && !fronts[0].empty() && !fronts[1].empty();
-}
-
-/// @return nothing if the band is faster, or if lines at one distance from the edges do not halve
-///         the mesh well: it is not in one piece, or its edges lie side by side
-std::optional<DissectionTree> find_dissection(const SparsityPattern& pattern, Geometry geometry,
-                                              std::span<const std::vector<int>> fronts,
-                                              const BandShape& shape) {
-  if (geometry != Geometry::plane || !has_two_edges(fronts)) return std::nullopt;
-  if (shape.flops <= band_against_dissection * pattern.unknowns()) return std::nullopt;
-
-  DissectionTree tree(pattern, fronts);
-  if (tree.flops() >= shape.flops) return std::nullopt;
-  return tree;
-}
-
 }  // namespace
 
 void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
@@ -69,11 +48,6 @@ void DirectSolver::analyze(const SparsityPattern& pattern, Geometry geometry,
     if (swept_shape.flops >= shape.flops) continue;
     place = std::move(swept);
     shape = std::move(swept_shape);
-  }
-
-  if (const auto tree = find_dissection(pattern, geometry, fronts, shape)) {
-    method_ = Method::dissection;
-    return dissection_.analyze(pattern, *tree);
   }
 
   const bool by_band = band_wins(shape, pattern.unknowns(), geometry, best_tile_kernels());

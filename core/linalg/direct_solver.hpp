@@ -5,13 +5,12 @@
 
 #include "core/linalg/band_cholesky.hpp"
 #include "core/linalg/cholmod_solver.hpp"
-#include "core/linalg/dissection_cholesky.hpp"
 
 namespace dccast::linalg {
 
 /// Direct solver for symmetric positive definite systems on a fixed pattern: BandCholesky if the
-/// band is narrow enough for it to be the fastest, DissectionCholesky for larger 2D systems,
-/// CholmodSolver otherwise. docs/developers/factorisation.md has the measurements.
+/// band is narrow enough for it to be the fastest, CholmodSolver otherwise.
+/// docs/developers/factorisation.md has the measurements.
 ///
 /// Analyse once per mesh, factorise when the values change, solve as often as needed.
 ///
@@ -22,7 +21,7 @@ public:
   /// @param pattern  must outlive the solver's use of it
   /// @param fronts   sets of unknowns along an edge of the mesh from which an elimination may
   ///                 start; of these orders and the reversed numbering the one with the least work
-  ///                 is used. A dissection in 2D measures its distances from two non-empty ones
+  ///                 is used
   /// @throws std::bad_alloc when memory is exhausted
   void analyze(const SparsityPattern& pattern, Geometry geometry = Geometry::plane,
                std::span<const std::vector<int>> fronts = {});
@@ -38,7 +37,7 @@ public:
   }
 
   /// The factorisation in use, chosen by analyze().
-  enum class Method { band, dissection, cholmod };
+  enum class Method { band, cholmod };
   Method method() const { return method_; }
   bool uses_band() const { return method_ == Method::band; }
   /// Numbers of calls since this object was made, for the figures of a step.
@@ -53,14 +52,11 @@ private:
   /// Calls use(solver) with the solver of the method. @param self  *this, constant or not
   template <class Self, class Use>
   static auto with_solver(Self& self, const Use& use) {
-    return self.method_ == Method::band         ? use(self.band_)
-           : self.method_ == Method::dissection ? use(self.dissection_)
-                                                : use(self.cholmod_);
+    return self.method_ == Method::band ? use(self.band_) : use(self.cholmod_);
   }
 
   Method method_ = Method::cholmod;
   BandCholesky band_;
-  DissectionCholesky dissection_;
   CholmodSolver cholmod_;
   long factorizations_ = 0;
   long solves_ = 0;

@@ -158,24 +158,8 @@ bool factorize_plain(const TileBand& band, int from, const BandShare& share) {
 void solve_plain(const TileBand& band, TileRow* x, const BandShare& share) {
   solve_band<2>(band, x, share);
 }
-bool factorize_front_plain(const Front& front) {
-  return factorize_front<2>(front);
-}
-void forward_front_plain(const Front& front, TileRow* x, TileRow* rest) {
-  forward_front<2>(front, x, rest);
-}
-void backward_front_plain(const Front& front, TileRow* x, const TileRow* rest, Tile* sums) {
-  backward_front<2>(front, x, rest, sums);
-}
 
-constexpr TileKernels plain{"plain",
-                            120.0 * 120.0,
-                            16e9,
-                            factorize_plain,
-                            solve_plain,
-                            factorize_front_plain,
-                            forward_front_plain,
-                            backward_front_plain};
+constexpr TileKernels plain{"plain", 120.0 * 120.0, 16e9, factorize_plain, solve_plain};
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #define DCCAST_AVX2 [[gnu::target("avx2,fma")]]
@@ -187,25 +171,8 @@ DCCAST_AVX2 bool factorize_avx2(const TileBand& band, int from, const BandShare&
 DCCAST_AVX2 void solve_avx2(const TileBand& band, TileRow* x, const BandShare& share) {
   solve_band<4>(band, x, share);
 }
-DCCAST_AVX2 bool factorize_front_avx2(const Front& front) {
-  return factorize_front<4>(front);
-}
-DCCAST_AVX2 void forward_front_avx2(const Front& front, TileRow* x, TileRow* rest) {
-  forward_front<4>(front, x, rest);
-}
-DCCAST_AVX2 void backward_front_avx2(const Front& front, TileRow* x, const TileRow* rest,
-                                     Tile* sums) {
-  backward_front<4>(front, x, rest, sums);
-}
 
-constexpr TileKernels avx2{"AVX2",
-                           200.0 * 200.0,
-                           38e9,
-                           factorize_avx2,
-                           solve_avx2,
-                           factorize_front_avx2,
-                           forward_front_avx2,
-                           backward_front_avx2};
+constexpr TileKernels avx2{"AVX2", 200.0 * 200.0, 38e9, factorize_avx2, solve_avx2};
 
 DCCAST_AVX512 bool factorize_avx512(const TileBand& band, int from, const BandShare& share) {
   return factorize_band<8>(band, from, share);
@@ -213,25 +180,8 @@ DCCAST_AVX512 bool factorize_avx512(const TileBand& band, int from, const BandSh
 DCCAST_AVX512 void solve_avx512(const TileBand& band, TileRow* x, const BandShare& share) {
   solve_band<8>(band, x, share);
 }
-DCCAST_AVX512 bool factorize_front_avx512(const Front& front) {
-  return factorize_front<8>(front);
-}
-DCCAST_AVX512 void forward_front_avx512(const Front& front, TileRow* x, TileRow* rest) {
-  forward_front<8>(front, x, rest);
-}
-DCCAST_AVX512 void backward_front_avx512(const Front& front, TileRow* x, const TileRow* rest,
-                                         Tile* sums) {
-  backward_front<8>(front, x, rest, sums);
-}
 
-constexpr TileKernels avx512{"AVX-512",
-                             200.0 * 200.0,
-                             45e9,
-                             factorize_avx512,
-                             solve_avx512,
-                             factorize_front_avx512,
-                             forward_front_avx512,
-                             backward_front_avx512};
+constexpr TileKernels avx512{"AVX-512", 200.0 * 200.0, 45e9, factorize_avx512, solve_avx512};
 #endif
 
 constexpr std::size_t huge_page = std::size_t(2) << 20;  // [byte]

@@ -58,28 +58,8 @@ struct BandShare {
   bool owns(int row) const { return row % members == member; }
 };
 
-/// A front of a dissection: the columns of its pivots in the factor, and the Schur complement on
-/// its boundary. Row I of tiles of the panel holds columns 0 to min(I, pivots - 1), stored row by
-/// row.
-struct Front {
-  Tile* panel = nullptr;
-  Tile* update = nullptr;      ///< lower triangle of the boundary, row by row of tiles
-  TileRow* inverse = nullptr;  ///< (row of pivots) reciprocals of the diagonal of the factor
-  int pivots = 0;              ///< rows of tiles
-  int boundary = 0;            ///< rows of tiles below them
-
-  /// First tile of a row of the panel.
-  static std::size_t row_start(int row, int pivots) {
-    const std::size_t i = std::size_t(row), k = std::size_t(pivots);
-    return i < k ? i * (i + 1) / 2 : k * (k + 1) / 2 + (i - k) * k;
-  }
-  /// First tile of a row of the panel, and of the update.
-  Tile* row(int i) const { return panel + row_start(i, pivots); }
-  Tile* update_row(int i) const { return update + std::size_t(i) * std::size_t(i + 1) / 2; }
-};
-
-/// The numerical work of BandCholesky and DissectionCholesky, compiled for several instruction
-/// sets. For the sources of this room only.
+/// The numerical work of BandCholesky, compiled for several instruction sets. For the sources of
+/// this room only.
 struct TileKernels {
   /// Name of the instruction set, as in DCCAST_INSTRUCTIONS.
   const char* name;
@@ -97,14 +77,6 @@ struct TileKernels {
   /// x <- (L L')^-1 x. Several members only if the band has workspace for sums.
   /// @param share  rows of this member in the forward, columns in the backward substitution
   void (*solve)(const TileBand& band, TileRow* x, const BandShare& share);
-  /// Replaces the panel of a front by its columns of the factor and subtracts their contribution
-  /// from the update. @return false if a pivot is not positive
-  bool (*factorize_front)(const Front& front);
-  /// x <- L^-1 x for the pivots. @param rest  receives their contribution to the boundary
-  void (*forward_front)(const Front& front, TileRow* x, TileRow* rest);
-  /// x <- (L')^-1 x for the pivots. @param rest  the solution on the boundary
-  /// @param sums  workspace of as many tiles as there are rows of pivots, zero before and after
-  void (*backward_front)(const Front& front, TileRow* x, const TileRow* rest, Tile* sums);
 };
 
 /// The kernels for the instruction set in use, see instructions().

@@ -6,8 +6,6 @@
 
 #include "core/casting/run_state.hpp"
 #include "core/casting/stored_run.hpp"
-#include "core/linalg/direct_solver.hpp"
-#include "core/mesh/slab_mesh.hpp"
 #include "core/results/checkpoint_file.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 
@@ -125,39 +123,6 @@ TEST_P(NoStateOutsideTheCheckpoint, OfARunWhoseStepsWereCut) {
 
 INSTANTIATE_TEST_SUITE_P(Elements, NoStateOutsideTheCheckpoint,
                          ::testing::Values(mesh::ElementKind::p1, mesh::ElementKind::q1));
-
-/// Kind of factorisation for the mechanics of a section at its start.
-linalg::DirectSolver::Method method_of(const mesh::SectionSpec& section) {
-  const mesh::SlabMesh2D slab(section);
-  const mesh::Mesh<2>& mesh = slab.mesh();
-  std::vector<int> unknown;
-  for (const int n : mesh.element_node) unknown.insert(unknown.end(), {2 * n, 2 * n + 1});
-  const linalg::SparsityPattern pattern(2 * mesh.nodes(), unknown, 2 * mesh.nodes_per_element);
-  linalg::DirectSolver solver;
-  solver.analyze(pattern, linalg::Geometry::plane, mesh::edges_to_sweep_from(mesh, 2));
-  return solver.method();
-}
-
-/// A mesh that is not solved by the band solver, and which grows by one row before and one after
-/// the stop.
-TEST(NoStateOutside, OfARunThatIsDissected) {
-  Case c = small_casting(mesh::ElementKind::q1_bending);
-  c.section.columns = 60;
-  c.section.rows = 56;
-  c.section.side_cell = 0.28 / 60;
-  c.section.bottom_cell = 0.10 / 56;
-  c.section.growth_cell = 1.5e-3;
-  ASSERT_EQ(method_of(c.section), linalg::DirectSolver::Method::dissection);
-
-  c.schedule.hold = 2.0;
-  c.time.end = 3.5;
-  c.time.step = Curve(0.5);
-  const Given whole = run_with_stops(c, {});
-  EXPECT_EQ(whole.reports.back().progress, 1.0);
-  EXPECT_GT(whole.reports.back().nodes, whole.reports[7].nodes);
-  EXPECT_GT(whole.reports[7].nodes, whole.reports.front().nodes);
-  expect_equal(run_with_stops(c, {8}), whole);
-}
 
 /// A check fails, then the solve: both are reported after any stop.
 TEST(NoStateOutside, OfARunThatFailsASolve) {

@@ -66,57 +66,6 @@ TEST(DirectSolver, SweepsFromTheFrontThatMakesTheBandNarrow) {
   EXPECT_LE(swept.error, 1e-12);
 }
 
-/// Unknowns of the left and of the upper edge of a grid.
-std::vector<std::vector<int>> edges_of(int columns, int rows) {
-  std::vector<std::vector<int>> edges(2);
-  for (int row = 0; row < rows; ++row) edges[0].push_back(columns * row);
-  for (int column = 0; column < columns; ++column)
-    edges[1].push_back(columns * (rows - 1) + column);
-  return edges;
-}
-
-TEST(DirectSolver, DissectsAWideMeshInThePlaneWhoseEdgesItKnows) {
-  const auto wide = grid_cells(150, 170);
-  const SparsityPattern pattern(150 * 170, wide, 4);
-  const Outcome dissected = solve(pattern, edges_of(150, 170));
-  EXPECT_EQ(dissected.method, DirectSolver::Method::dissection);
-  EXPECT_LE(dissected.error, 1e-12);
-}
-
-/// A mesh from a file may lack a symmetry plane or a top: distances from one edge alone cut it into
-/// strips.
-TEST(DirectSolver, DoesNotDissectByOneEdge) {
-  const auto wide = grid_cells(150, 170);
-  const SparsityPattern pattern(150 * 170, wide, 4);
-  for (const std::size_t lacking : {0u, 1u}) {
-    auto edges = edges_of(150, 170);
-    edges[lacking].clear();
-    const Outcome outcome = solve(pattern, edges);
-    EXPECT_NE(outcome.method, DirectSolver::Method::dissection);
-    EXPECT_LE(outcome.error, 1e-12);
-  }
-  const std::vector<std::vector<int>> same(2, edges_of(150, 170)[0]);
-  EXPECT_NE(solve(pattern, same).method, DirectSolver::Method::dissection)
-      << "two edges in one place";
-}
-
-/// A slab grows out of the band, and a checkpoint returns to it.
-TEST(DirectSolver, ChangesBetweenBandAndDissection) {
-  DirectSolver solver;
-  for (const auto& [columns, rows] : {std::pair(12, 10), std::pair(150, 170), std::pair(12, 10)}) {
-    const auto cells = grid_cells(columns, rows);
-    const SparsityPattern pattern(columns * rows, cells, 4);
-    solver.analyze(pattern, Geometry::plane, edges_of(columns, rows));
-    EXPECT_EQ(solver.uses_band(), columns == 12);
-    const auto values = values_of(pattern);
-    ASSERT_TRUE(solver.factorize(values));
-    std::vector<double> x(std::size_t(pattern.unknowns()), 1.0), b(x.size());
-    multiply(pattern, values, x, b);
-    solver.solve(b, b);
-    for (const double found : b) ASSERT_NEAR(found, 1.0, 1e-12);
-  }
-}
-
 TEST(DirectSolver, ChangesTheMethodWithThePattern) {
   const auto narrow = grid_cells(10, 12), wide = grid_cells(300, 300);
   const SparsityPattern first(120, narrow, 4), second(90000, wide, 4);
