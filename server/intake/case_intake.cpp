@@ -305,7 +305,7 @@ v1::ValidateCaseResponse CaseIntake::ask_core(v1::CheckCase check,
                                               const jobs::CallLimits& waiting) const {
   std::optional<jobs::CheckFolder> folder;
   if (!attachments.empty()) folder.emplace(check_directory_, attachments);
-  check.set_directory(folder ? folder->path() : check_directory_);
+  if (folder) check.set_directory(folder->path());
   v1::WorkerRequest request;
   *request.mutable_check() = std::move(check);
   return std::move(*workers_.ask(request, waiting).mutable_verdict());

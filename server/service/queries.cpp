@@ -160,11 +160,12 @@ private:
   /// Runs the case for this answer only; the run leaves no job.
   void run_without_job(jobs::CallLimits waiting) {
     waiting.enter = [this](const jobs::WorkerProcess& worker) { return enter(worker); };
-    const jobs::CheckFolder folder(context_.query_directory, attachments_);
+    std::optional<jobs::CheckFolder> folder;
+    if (!attachments_.empty()) folder.emplace(context_.query_directory, attachments_);
 
     begin("");
     const RunEnd end = context_.warm_workers
-                           .ask(run_request(folder.path()), waiting,
+                           .ask(run_request(folder ? folder->path() : ""), waiting,
                                 [this](const v1::JobEvent& event) { take(event); })
                            .run_end();
     finish(state_of(end.outcome()), end.failure());

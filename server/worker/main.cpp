@@ -310,8 +310,7 @@ void fill(v1::WorkerAnswer& answer, const v1::WorkerRequest& request) {
 }
 
 /// Answers requests until the daemon closes the link, or a request is the run of a job.
-/// @param scratch  where its answers write
-int serve_daemon(const std::string& scratch) {
+int serve_daemon() {
   google::protobuf::io::FileInputStream input(STDIN_FILENO);
   std::string confined;
   for (;;) {
@@ -330,9 +329,12 @@ int serve_daemon(const std::string& scratch) {
     }
 
     // A file that is read for an answer may take control of this process: it never gets a job, nor
-    // the folder of another one.
-    if (confined.empty())
-      confined = confine_to({.own = scratch, .readable = jobs::job_folder_read(request)});
+    // the folder of another request.
+    if (confined.empty()) {
+      const std::filesystem::path folder = jobs::folder_of(request);
+      const bool writes = request.has_write_table() || request.has_solve();
+      confined = confine_to(writes ? Reach{.own = folder} : Reach{.readable = folder});
+    }
 
     v1::WorkerAnswer answered;
     try {
@@ -365,8 +367,7 @@ int work(int argc, char** argv) {
       return exit_usage;
     }
 
-    const std::string scratch = jobs::take_variable("DCCAST_WORKER_SCRATCH");
-    return tie_to_parent(parent) ? serve_daemon(scratch) : exit_daemon_gone;
+    return tie_to_parent(parent) ? serve_daemon() : exit_daemon_gone;
   } catch (const std::bad_alloc&) {
     std::cerr << "dccast-worker: out of memory\n";
     ::_exit(jobs::exit_out_of_memory);  // libraries that lacked memory may never end orderly

@@ -50,7 +50,7 @@ def aim_at_files(scene, *own):
         with open(path, "a", encoding="ascii"):
             pass
     targets = [os.path.join(folder, name) for folder, _, names in os.walk(scene.data())
-               if folder != own for name in names]
+               if not folder.startswith(own) for name in names]
     with open(os.path.join(own, "targets"), "w", encoding="utf-8") as file:
         file.write("\n".join(targets) + "\n")
     with open(os.path.join(own, "go"), "wb"):
@@ -86,7 +86,7 @@ class WorkerTakenOver(Fault):
 
 
 class QueryTakenOver(Fault):
-    """A worker that answers a query is taken over by its file: it reaches no file of a job, a user or the daemon"""
+    """A worker that answers a query is taken over by its file: it reaches no file of another query, a job, a user or the daemon"""
     short, long = 1, 5
     attack = "steps=400 sleep_ms=10 wait_at=1 attack=1000"
 
@@ -95,10 +95,16 @@ class QueryTakenOver(Fault):
         scene.wait_until_ended()
         case = fake(self.attack)
         case.time.end_s -= 1  # another one than the job's, whose answer is there
-        query = scene.client.stub.QueryButtCurl(service_pb2.QueryButtCurlRequest(case=case), timeout=30)
+        case.mesh.file = "slab.msh"
+        query = scene.client.stub.QueryButtCurl(service_pb2.QueryButtCurlRequest(
+            case=case, attachments=[scene.client.upload("slab.msh", b"a mesh")]), timeout=30)
         next(query)
         until(lambda: os.listdir(scene.data("check")), 10)
         own = "check", os.listdir(scene.data("check"))[0]
+        other = scene.data("check", "of-another-query")
+        os.makedirs(other)
+        with open(os.path.join(other, "slab.msh"), "wb") as file:
+            file.write(b"a mesh of another user")
         count.measured("files", aim_at_files(scene, *own))
         while next(query).step.step < 3:
             pass

@@ -14,7 +14,7 @@ WarmWorkers::WarmWorkers(std::filesystem::path program, const WarmWorkerLimits& 
 
 v1::WorkerAnswer WarmWorkers::ask(const v1::WorkerRequest& request, const CallLimits& limits,
                                   const OnEvent& on_event) {
-  auto worker = lend({.job_folder = job_folder_read(request)});
+  auto worker = lend({.folder = folder_of(request)});
   v1::WorkerAnswer answer;
   try {
     const auto registration = limits.enter ? limits.enter(*worker) : Precedence::Registration();
@@ -38,7 +38,7 @@ v1::WorkerAnswer WarmWorkers::ask(const v1::WorkerRequest& request, const CallLi
 
 WarmWorkers::Idle::iterator WarmWorkers::choose_idle(const Need& need) {
   const auto warm = std::ranges::find_if(idle_, [&](const auto& worker) {
-    return !need.is_job && worker->answers() > 0 && worker->job_folder() == need.job_folder;
+    return !need.is_job && worker->answers() > 0 && worker->folder() == need.folder;
   });
   if (warm != idle_.end()) return warm;
   return std::ranges::find_if(idle_, [](const auto& worker) { return worker->answers() == 0; });
@@ -101,7 +101,7 @@ void WarmWorkers::run(const std::stop_token& stop) {
     std::unique_ptr<WorkerProcess> worker;
     std::string failure;
     try {
-      worker = std::make_unique<WorkerProcess>(program_, limits_.scratch);
+      worker = std::make_unique<WorkerProcess>(program_);
     } catch (const std::exception& error) {
       failure = error.what();
     }

@@ -15,8 +15,7 @@ namespace dccast::jobs {
 
 /// Bounds on processes, memory and answers.
 struct WarmWorkerLimits {
-  std::filesystem::path scratch{};  ///< where answers may write; empty: nowhere
-  int kept = 1;                     ///< number of idle and busy workers that are kept
+  int kept = 1;       ///< number of idle and busy workers that are kept
   int answers = 200;  ///< after which a worker is replaced, so that leaks do not accumulate
   std::int64_t idle_bytes = 512'000'000;  ///< an idle worker that uses more is replaced [bytes]
 };
@@ -46,7 +45,7 @@ private:
   /// no job, and no folder of another job.
   struct Need {
     bool is_job = false;
-    std::string job_folder{};  ///< see WorkerProcess
+    std::string folder{};  ///< see WorkerProcess
   };
 
   /// Takes an idle worker out; waits for one to be started if none suits.

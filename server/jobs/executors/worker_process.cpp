@@ -57,7 +57,7 @@ pid_t collect(pid_t child, int options, int& status) {
 /// Environment of a worker: that of the daemon without the variables of workers, and with one
 /// thread for BLAS. Jobs share the cores, and measurements showed no gain of the solver from two
 /// threads.
-std::vector<std::string> worker_environment(const std::filesystem::path& scratch) {
+std::vector<std::string> worker_environment() {
   auto variables = environment(
       false, {"DCCAST_WORKER_", "OPENBLAS_NUM_THREADS=", "OMP_NUM_THREADS=", "OMP_THREAD_LIMIT="});
 
@@ -65,8 +65,7 @@ std::vector<std::string> worker_environment(const std::filesystem::path& scratch
   // respects OMP_THREAD_LIMIT.
   variables.insert(variables.end(),
                    {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMP_THREAD_LIMIT=1",
-                    fmt::format("DCCAST_WORKER_PARENT={}", ::getpid()),
-                    fmt::format("DCCAST_WORKER_SCRATCH={}", scratch.string())});
+                    fmt::format("DCCAST_WORKER_PARENT={}", ::getpid())});
   return variables;
 }
 
@@ -77,13 +76,24 @@ std::vector<std::string> worker_environment(const std::filesystem::path& scratch
 
 }  // namespace
 
-std::string job_folder_read(const v1::WorkerRequest& request) {
-  if (request.has_read_frame()) return request.read_frame().directory();
-  return request.has_probe_frames() ? request.probe_frames().directory() : std::string();
+std::string folder_of(const v1::WorkerRequest& request) {
+  switch (request.request_case()) {
+    case v1::WorkerRequest::kReadFrame:
+      return request.read_frame().directory();
+    case v1::WorkerRequest::kProbeFrames:
+      return request.probe_frames().directory();
+    case v1::WorkerRequest::kCheck:
+      return request.check().directory();
+    case v1::WorkerRequest::kSolve:
+      return request.solve().directory();
+    case v1::WorkerRequest::kWriteTable:
+      return std::filesystem::path(request.write_table().path()).parent_path();
+    default:
+      return {};
+  }
 }
 
-WorkerProcess::WorkerProcess(const std::filesystem::path& program,
-                             const std::filesystem::path& scratch)
+WorkerProcess::WorkerProcess(const std::filesystem::path& program)
     : name_(program.filename().string()) {
   std::array<int, 2> ends;
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
@@ -92,7 +102,7 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program,
   const storage::FileDescriptor theirs(ends[1]);
 
   // The socket is the worker's standard input. Output of its libraries goes to the daemon's log.
-  if (const int error = spawn({program}, worker_environment(scratch),
+  if (const int error = spawn({program}, worker_environment(),
                               {theirs.get(), STDERR_FILENO, STDERR_FILENO}, &process_)) {
     process_ = 0;
     fail_to_start(program, error);
@@ -110,7 +120,7 @@ WorkerProcess::~WorkerProcess() {
 
 v1::WorkerAnswer WorkerProcess::ask(const v1::WorkerRequest& request, const CallLimits& limits,
                                     const OnEvent& on_event) {
-  if (answers_ == 0) job_folder_ = job_folder_read(request);
+  if (answers_ == 0) folder_ = folder_of(request);
   send(request, limits);
   for (;;) {
     v1::WorkerAnswer answer = receive(limits);

@@ -53,9 +53,10 @@ struct CallLimits {
   std::function<Precedence::Registration(const WorkerProcess& worker)> enter{};
 };
 
-/// The folder of the job whose frames a request reads; empty: it reads none. A worker reaches that
-/// of its first request alone.
-std::string job_folder_read(const v1::WorkerRequest& request);
+/// The folder with the files of a request: of a job whose frames it reads, of a case that comes
+/// with files, or of the table that it writes. Empty: it has none. A worker reaches that of its
+/// first request alone.
+std::string folder_of(const v1::WorkerRequest& request);
 
 /// A process of the worker program. It answers one request after another, or is handed the run of a
 /// job; worker.proto describes the messages. A mesh or a result file that crashes it, or keeps it
@@ -63,9 +64,8 @@ std::string job_folder_read(const v1::WorkerRequest& request);
 /// started it ends, until it has claimed the folder of a job.
 class WorkerProcess {
 public:
-  /// Starts a worker. @param scratch  where its answers may write; empty: nowhere
-  /// @throws WorkerDidNotAnswer
-  WorkerProcess(const std::filesystem::path& program, const std::filesystem::path& scratch);
+  /// Starts a worker. @throws WorkerDidNotAnswer
+  explicit WorkerProcess(const std::filesystem::path& program);
   /// Adopts a worker that an earlier daemon has started. @param handle  see open_process()
   WorkerProcess(pid_t process, storage::FileDescriptor handle)
       : handle_(std::move(handle)), id_(process) {}
@@ -91,10 +91,9 @@ public:
 
   /// Whether it is idle and still running.
   bool is_idle() const;
-  /// Answers given so far, the job whose folder they read (see job_folder_read()), and memory in
-  /// use [bytes].
+  /// Answers given so far, the folder of their files (see folder_of()), and memory in use [bytes].
   int answers() const { return answers_; }
-  const std::string& job_folder() const { return job_folder_; }
+  const std::string& folder() const { return folder_; }
   std::int64_t resident_bytes() const;
   /// Processor time that it has used [s]; nothing: it has ended. May be called from any thread.
   std::optional<double> processor_s() const { return jobs::processor_s(id_); }
@@ -123,7 +122,7 @@ private:
   pid_t process_ = 0;     ///< 0: not our child, or collected
   std::string received_;  ///< bytes of an incomplete message
   int answers_ = 0;
-  std::string job_folder_;
+  std::string folder_;
 };
 
 }  // namespace dccast::jobs

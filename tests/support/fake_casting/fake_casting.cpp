@@ -235,7 +235,8 @@ void FakeRun::misbehave() const {
 }
 
 RunOutcome FakeRun::solve_failed() const {
-  if (script.number("partial", 0) != 0) write_results(directory.path, script, state.step);
+  if (!directory.keeps_nothing && script.number("partial", 0) != 0)
+    write_results(directory.path, script, state.step);
   RunFailure failure;
   failure.message = "did not converge";
   failure.time = static_cast<double>(state.step);
@@ -256,7 +257,8 @@ std::optional<RunOutcome> FakeRun::step() {
   state.found |= is("finding_at");
 
   const Order order = observer.on_step(report(state));
-  if (state.step % script.number("checkpoint", 5) == 0) write_checkpoint(directory.path, state);
+  if (!directory.keeps_nothing && state.step % script.number("checkpoint", 5) == 0)
+    write_checkpoint(directory.path, state);
 
   if (script.number("deaf", 0) != 0 || order == Order::go_on) return std::nullopt;
   if (order == Order::cancel) return RunOutcome{RunEnd::cancelled, {}};
@@ -308,6 +310,7 @@ RunOutcome run(const Case& casting_case, const RunDirectory& directory, StepObse
   while (fake.state.step < fake.steps)
     if (const auto end = fake.step()) return *end;
 
+  if (directory.keeps_nothing) return {};
   if (const auto per_mille = script.number("mould", 0); per_mille > 0)
     write_slab(directory.path, casting_case, static_cast<double>(per_mille));
   else

@@ -17,7 +17,7 @@ namespace {
 
 using Why = WorkerDidNotAnswer::Why;
 
-// A worker program: does what the directory of its request says, with the number of the process
+// A worker program: does what the first text of its request says, with the number of the process
 // before the answer.
 constexpr const char* program_text = R"(#!/usr/bin/python3
 import os, signal, socket, sys, time
@@ -69,7 +69,7 @@ while True:
 
 v1::WorkerRequest request_of(const std::string& question) {
   v1::WorkerRequest request;
-  request.mutable_check()->set_directory(question);
+  request.mutable_check()->add_faulty_keys(question);
   return request;
 }
 
@@ -236,6 +236,17 @@ TEST_F(WarmWorkersTest, OneThatHasAnsweredGetsNoJob) {
       taken->ask(request_of("job"), in(std::chrono::seconds(20)), [](const v1::JobEvent&) {});
   EXPECT_NE(std::stoi(answer.solver()), process);
   EXPECT_EQ(ask(workers, "again").first, process);
+}
+
+TEST(FolderOf, EachKindOfRequestHasItsOwn) {
+  EXPECT_EQ(folder_of(request_of("check")), "") << "a case without files";
+  v1::WorkerRequest request;
+  request.mutable_check()->set_directory("a");
+  EXPECT_EQ(folder_of(request), "a");
+  request.mutable_solve()->set_directory("b");
+  EXPECT_EQ(folder_of(request), "b");
+  request.mutable_write_table()->set_path("c/study.h5");
+  EXPECT_EQ(folder_of(request), "c");
 }
 
 /// It can read the folder of that job, and what it read may have taken it over.
