@@ -197,7 +197,7 @@ void add_design_recipe(CommandLine& line, Program& program) {
   command.number("--within", choice.within_percent, 1, 90,
                  "Largest difference of the levels of speed and water from those of the case, "
                  "in percent");
-  command.option("--point", choice.point, "Monitor; absent: that with the largest curl");
+  command.option("--point", choice.point, "Monitor; absent: output.curl, or the largest curl");
   command.number("--drafts", choice.drafts, 12, 5000, "Drafts over recipe and data");
   command.number("--castings", choice.castings, 2, 200,
                  "Drafts over the data at each recipe, twice");

@@ -46,7 +46,7 @@ void add_remedy(CommandLine& line, Program& program) {
       "lever\n"
       "is named where its effect is larger than its error (docs/findings.md).");
   command.option("JOB", options.job, job_help, required);
-  command.option("--point", options.point, "Monitor; absent: that with the largest curl");
+  command.option("--point", options.point, "Monitor; absent: output.curl, or the largest curl");
   command.flag("--no-wait", options.no_wait, "Do not wait for the drafts to end");
   command.option("--plot", options.plot, "Write an HTML page; - for standard output");
   add_force_flag(command, options.force);

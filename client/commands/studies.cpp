@@ -221,12 +221,13 @@ void print(const v1::Prediction& prediction) {
     if (last < 0 || !std::isfinite(curve.curl_m(last))) continue;
     // The larger of the two errors determines the number of digits of the curl.
     const double curl_m = curve.curl_m(last), surface_m = curve.uncertainty_m(last);
-    const double lower_m = has_error ? prediction.end_lower_error_m(i) : 0.0;
-    const double upper_m = has_error ? prediction.end_upper_error_m(i) : 0.0;
+    const bool is_known = has_error && std::isfinite(prediction.end_upper_error_m(i));
+    const double lower_m = is_known ? prediction.end_lower_error_m(i) : 0.0;
+    const double upper_m = is_known ? prediction.end_upper_error_m(i) : 0.0;
     const int decimals = mm_decimals(std::max({surface_m, lower_m, upper_m}));
 
     std::vector<std::string> row{curve.monitor(), mm(curl_m, decimals), mm(surface_m, decimals)};
-    if (has_error) row.push_back(mm_errors(lower_m, upper_m, decimals));
+    if (has_error) row.push_back(is_known ? mm_errors(lower_m, upper_m, decimals) : "-");
     row.push_back(fixed(curve.time_s(last), 2));
     row.push_back(fixed(1e3 * curve.cast_length_m(last), 1));
     table.add(std::move(row));

@@ -84,7 +84,7 @@ ExitCode run_sensitivity(const DataOptions& options, Program& program) {
 void add_common(const Command& command, DataOptions& options, const char* plot) {
   command.option("FILE", options.base.file, "Case file");
   command.option("--only", options.plan.only, "Only this datum; repeatable");
-  command.option("--point", options.point, "Monitor; absent: that with the largest curl");
+  command.option("--point", options.point, "Monitor; absent: output.curl, or the largest curl");
   add_study_options(
       command, options,
       {.study = "Take this study up again", .plot = plot, .json = "As JSON, in metres"});

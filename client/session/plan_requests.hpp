@@ -38,7 +38,7 @@ v1::SweepPlan::Axis axis_of(std::string_view text);
 /// What the user chose, with the limits of a plant. Texts are as in a case file.
 struct RecipeChoice {
   std::string band;   ///< empty: plausibility.least_curl and greatest_curl of the case
-  std::string point;  ///< empty: the monitor with the largest curl
+  std::string point;  ///< empty: output.curl, or the largest
   std::string speed = "20..120 mm/min", speed_rate = "60 mm/min2";
   /// Limits of the plant, as options give them.
   std::string water = "30..400 l/min/m", water_rate = "200 l/min2/m";

@@ -64,7 +64,7 @@ v1::StudyResult evaluate_study(Connection& connection, const std::string& id);
 /// A question about the results of a study.
 struct StudyQuestion {
   std::string id{};
-  std::string monitor{};  ///< whose curl is judged; empty: that with the largest curl
+  std::string monitor{};  ///< whose curl is judged; empty: output.curl, or the largest
   bool curves = false;    ///< with the curl of every run against time
 };
 /// What the server concludes from a study so far, with the figures. Throws CommandFailed.

@@ -82,7 +82,7 @@ const std::array list_columns{
                [](StudyRow study) { return state_text(study); }},
     ListColumn{"done", ">DONE", done_cell, Visibility::always,
                [](StudyRow study) { return fixed(100.0 * study.progress(), 0) + " %"; }},
-    ListColumn{"curl", ">CURL mm", largest_curl_text, Visibility::always,
+    ListColumn{"curl", ">CURL mm", judged_curl_text, Visibility::always,
                [](StudyRow) { return std::string("-"); }},
     ListColumn{"findings", "FINDINGS", [](Row job) { return findings_count(job.findings()); },
                Visibility::if_any},
@@ -125,9 +125,9 @@ const ListColumn& column_of(const std::string& name) {
 
 }  // namespace
 
-std::string largest_curl_text(const v1::Job& job) {
-  const v1::MonitorValue* const largest = figures::largest_curl(job.last_step());
-  return largest == nullptr ? "-" : mm(largest->curl_m(), 2);
+std::string judged_curl_text(const v1::Job& job) {
+  const v1::MonitorValue* const judged = figures::judged_curl(job.last_step());
+  return judged == nullptr ? "-" : mm(judged->curl_m(), 2);
 }
 
 std::string state_text(v1::JobState state) {

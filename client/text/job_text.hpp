@@ -12,8 +12,8 @@ namespace dccast::client {
 /// "running", "succeeded", ...
 std::string state_text(v1::JobState state);
 
-/// The curl so far, of the monitor with the largest one [mm]; "-" for none.
-std::string largest_curl_text(const v1::Job& job);
+/// The curl so far that is judged [mm]; "-" for none.
+std::string judged_curl_text(const v1::Job& job);
 
 /// Local time of a time stamp, "2024-05-01 13:45:10"; "-" for none.
 std::string time_text(const google::protobuf::Timestamp& time);

@@ -105,8 +105,8 @@ void Progress::show(const v1::JobEvent& event) {
   if (!terminal_.interactive)
     return line(step_line(event.step()) + (eta.empty() ? "" : "  " + eta));
   std::string curve;
-  if (const v1::MonitorValue* const largest = figures::largest_curl(event.step()))
-    curve = braille_curve(history_.curl_m(largest->name()), curve_columns, 1).front();
+  if (const v1::MonitorValue* const judged = figures::judged_curl(event.step()))
+    curve = braille_curve(history_.curl_m(judged->name()), curve_columns, 1).front();
   // The most important figures come first, because a narrow window cuts off the end of the line.
   renew(fmt::format("{:3.0f} % {}{}{} {}", 100.0 * event.step().progress(), eta,
                     eta.empty() ? "" : " ", curve, step_facts(event.step())),
@@ -122,13 +122,13 @@ void Progress::finish() {
   end_line();
   if (!terminal_.interactive || history_.steps.size() < 2) return;
   const v1::StepReport &first = history_.steps.front(), &last = history_.steps.back();
-  const v1::MonitorValue* const largest = figures::largest_curl(last);
-  if (largest == nullptr) return;
+  const v1::MonitorValue* const judged = figures::judged_curl(last);
+  if (judged == nullptr) return;
 
   const int columns = std::min(60, columns_now(terminal_) - 12);
-  stream_ << "curl of " << largest->name() << ", " << fixed(first.time_s(), 0) << " to "
+  stream_ << "curl of " << judged->name() << ", " << fixed(first.time_s(), 0) << " to "
           << fixed(last.time_s(), 0) << " s" << beyond_note(history_) << '\n';
-  const std::vector<double> curl_m = history_.curl_m(largest->name());
+  const std::vector<double> curl_m = history_.curl_m(judged->name());
   double low = 0.0, high = 0.0;
   for (const double curl : curl_m) {
     low = std::min(low, curl);

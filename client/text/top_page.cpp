@@ -34,7 +34,7 @@ std::string running_table(const TopView& view) {
   Table table({"JOB", "OWNER", "DONE", ">LEFT", ">CURL mm", "TITLE"});
   for (const v1::Job& job : view.running)
     table.add({job.id().substr(0, length), job.owner(), bar(job.last_step().progress()),
-               job.has_ends_in_s() ? duration_text(job.ends_in_s()) : "-", largest_curl_text(job),
+               job.has_ends_in_s() ? duration_text(job.ends_in_s()) : "-", judged_curl_text(job),
                job.title() + (job.held().empty() ? "" : " (" + job.held() + ")")});
   return table.text();
 }

@@ -185,19 +185,19 @@ Json job_json(Connection& connection, const std::string& id) {
           {"case", case_file::to_toml(result.case_())}};
 }
 
-/// The largest curl of a job at some instants, for a thumbnail in a list.
+/// The judged curl of a job at some instants, for a thumbnail in a list.
 Json sketch_json(Connection& connection, const std::string& id) {
   constexpr int points = 60;
   const v1::Job job = job_of(connection, id);
   const auto steps = query_result(connection, job.id()).steps();
-  const v1::MonitorValue* const largest =
-      steps.empty() ? nullptr : figures::largest_curl(*steps.rbegin());
-  if (largest == nullptr) return {{"time_s", Json::array()}, {"curl_m", Json::array()}};
+  const v1::MonitorValue* const judged =
+      steps.empty() ? nullptr : figures::judged_curl(*steps.rbegin());
+  if (judged == nullptr) return {{"time_s", Json::array()}, {"curl_m", Json::array()}};
 
   std::vector<double> time_s, curl_m;
   const auto add = [&](const v1::StepReport& step) {
     time_s.push_back(step.time_s());
-    curl_m.push_back(figures::curl_of(figures::monitor_of(step, largest->name())));
+    curl_m.push_back(figures::curl_of(figures::monitor_of(step, judged->name())));
   };
   const int stride = steps.size() / points + 1;
   for (int i = 0; i < steps.size(); i += stride) add(steps[i]);

@@ -158,6 +158,9 @@ std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
   fit_heat(state.heat, heat, reasons);
   fit_slab(state.slab, mechanics, reasons);
 
+  reasons.require_reals(state.curl.curl, state.curl.time.size(), "curl of the last minute");
+  reasons.require_finite(state.curl.time, "time of the last minute");
+
   const std::vector<double>& when_liquid = state.findings.history.when_liquid;
   if (!when_liquid.empty())  // before the mechanics begins nothing turns
     reasons.require_reals(when_liquid, mechanics.elements * std::tuple_size_v<Turn<Dim>>,

@@ -94,6 +94,9 @@ void for_fields(State& state, const Use& use) {
   use("superheat_j_per_m", state.superheat);
   use("level_heat_j_per_m", state.level_heat);
   use("row_heights_m", state.row_heights);
+  use("curl/time_s", state.curl.time);
+  use("curl/curl_m", state.curl.curl);
+  use("settled_at_s", state.settled_at);
 
   use("heat/enthalpy_j_per_m3", state.heat.enthalpy);
   use("heat/temperature_c", state.heat.temperature);

@@ -46,8 +46,10 @@ results::RunHeader header_of(const Case& c) {
 
   for (const Monitor& monitor : c.monitors) {
     header.monitor_name.push_back(monitor.name);
-    header.monitor_position.push_back({monitor.x, monitor.y});
-    if (header.dimension == 3) header.monitor_position.back().push_back(monitor.z.value_or(0.0));
+    std::vector<double> place{monitor.x, monitor.y};
+    if (header.dimension == 3) place.push_back(monitor.z.value_or(0.0));
+    if (!monitor.of.empty()) std::ranges::fill(place, std::nan(""));
+    header.monitor_position.push_back(std::move(place));
   }
   return header;
 }

@@ -113,7 +113,9 @@ std::string SlabRun<Dim>::restore(const results::Sections& stored) {
   try {
     const auto state = state_of<Dim>(stored);
     std::string reason = misfit(state, {case_, schedule_, mesh_, mechanics_.points()});
-    if (reason.empty()) go_back_to(state);
+    if (!reason.empty()) return reason;
+    if (state.settled_at > 0.0) end_casting(state.settled_at);
+    go_back_to(state);
     return reason;
   } catch (const std::out_of_range& error) {
     return std::string("it is incomplete: ") + error.what();
@@ -123,6 +125,27 @@ std::string SlabRun<Dim>::restore(const results::Sections& stored) {
 template <int Dim>
 bool SlabRun<Dim>::finished() const {
   return state_.time >= schedule_.end() - same_time || has_cooled_down();
+}
+
+template <int Dim>
+void SlabRun<Dim>::end_where_settled(const MonitorReadings& monitors) {
+  if (state_.settled_at > 0.0 || schedule_.is_followed()) return;
+  const double curl = judged_curl(case_, monitors.displacement);
+  state_.curl.add(state_.time, curl);
+
+  const auto rate = state_.curl.rate();
+  if (!rate || *rate >= *case_.time.settled || std::abs(curl) < CurlTrace::least_curl ||
+      state_.cast_length < CurlTrace::least_cast ||
+      schedule_.changes_after(state_.time, state_.cast_length))
+    return;
+  state_.settled_at = state_.time;
+  end_casting(state_.settled_at);
+}
+
+template <int Dim>
+void SlabRun<Dim>::end_casting(double time) {
+  case_.time.end = time;
+  schedule_.end_casting(time);
 }
 
 /// Whether all metal is at the temperature of the air, some time after the end of the casting.
@@ -177,6 +200,7 @@ results::StepReport SlabRun<Dim>::advance() {
       state_.process_seconds += seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process_start;
 
       MonitorReadings monitors = read_monitors();
+      if (case_.time.settled) end_where_settled(monitors);
       const StepFigures figures = measure(tried, monitors);
       judge(figures);
       return report(tried, failed, figures, std::move(monitors));

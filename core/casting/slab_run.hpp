@@ -120,6 +120,10 @@ private:
 
   /// [m] The level from which mould and water lines are counted, also while the mould is filled.
   double mould_level() const;
+  /// Ends the casting once the curl that is judged has settled. @param monitors  of this step
+  void end_where_settled(const MonitorReadings& monitors);
+  /// Takes over that the casting ended before its plan.
+  void end_casting(double time);
   /// Interpolates displacement and temperature at the monitors.
   MonitorReadings read_monitors() const;
   /// Figures of the accepted step. @param monitors  at its end

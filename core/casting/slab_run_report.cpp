@@ -1,5 +1,6 @@
 // Report of a step, and frames of a run.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -138,16 +139,34 @@ const mechanics::SlabState<Dim>& SlabRun<Dim>::reported_slab(
 
 template <int Dim>
 MonitorReadings SlabRun<Dim>::read_monitors() const {
-  MonitorReadings readings;
+  using Values = std::array<double, std::size_t(Dim) + 1>;  // displacement, then temperature
   const std::vector<double> u = displacement();
+  const auto at_point = [&](const Monitor& point) {
+    Values values;
+    values.fill(std::nan(""));
+    const auto place = fem::locate(mesh(), point_of<Dim>(point));
+    if (!place) return values;
+    for (int d = 0; d < Dim; ++d)
+      values[std::size_t(d)] = fem::interpolate<Dim>(mesh(), *place, u, Dim, d);
+    values.back() = fem::interpolate<Dim>(mesh(), *place, state_.heat.temperature);
+    return values;
+  };
+  const auto mean_of = [&](const std::vector<MonitorShare>& shares) {
+    Values mean{};
+    double weights = 0.0;
+    for (const MonitorShare& share : shares) weights += share.weight;
+    for (const MonitorShare& share : shares) {
+      const Values at = at_point(*std::ranges::find(case_.monitors, share.monitor, &Monitor::name));
+      for (std::size_t i = 0; i < at.size(); ++i) mean[i] += share.weight / weights * at[i];
+    }
+    return mean;
+  };
+
+  MonitorReadings readings;
   for (const Monitor& monitor : case_.monitors) {
-    const auto place = fem::locate(mesh(), point_of<Dim>(monitor));
-    std::vector<double> displacement(Dim, std::nan(""));
-    for (int d = 0; place && d < Dim; ++d)
-      displacement[std::size_t(d)] = fem::interpolate<Dim>(mesh(), *place, u, Dim, d);
-    readings.displacement.push_back(std::move(displacement));
-    readings.temperature.push_back(
-        place ? fem::interpolate<Dim>(mesh(), *place, state_.heat.temperature) : std::nan(""));
+    const Values values = monitor.of.empty() ? at_point(monitor) : mean_of(monitor.of);
+    readings.displacement.emplace_back(values.begin(), values.begin() + Dim);
+    readings.temperature.push_back(values.back());
   }
   return readings;
 }

@@ -13,7 +13,7 @@ extern const char core_sources[];  // written by hash_sources.cmake when a sourc
 const std::string& solver_identity() {
   static const std::string identity = std::string("dccast ") + DCCAST_VERSION + ", g++ " +
                                       __VERSION__ + ", " + linalg::best_tile_kernels().name +
-                                      ", state 5, sources " + core_sources;
+                                      ", state 6, sources " + core_sources;
   return identity;
 }
 

@@ -102,7 +102,8 @@ struct RunHeader {
   /// Names of the monitors, in the order of the case.
   std::vector<std::string> monitor_name;
   int dimension = 2;  ///< number of coordinates; the last one points upwards
-  std::vector<std::vector<double>> monitor_position;  ///< (monitor, dimension) [m]
+  /// (monitor, dimension) [m]; NaN of a mean of others
+  std::vector<std::vector<double>> monitor_position;
   bool operator==(const RunHeader&) const = default;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
 
@@ -41,12 +43,16 @@ struct CurlError {
 CurlError curl_error(const v1::RelativeError& error, double curl_m);
 
 /// Sets the errors of curls at the end [m] of a run of a study or of a prediction, which has those
-/// relative to them; none where they are not known.
+/// relative to them; none where they are not known, NaN of a mean of monitors, for which they were
+/// not measured.
+/// @param curls_m  (monitor of the case)
 template <class Curls, class Message>
-void set_end_errors(const Curls& curls_m, Message& message) {
+void set_end_errors(const v1::Case& description, const Curls& curls_m, Message& message) {
   if (!message.has_mesh_error()) return;
-  for (const double curl_m : curls_m) {
-    const CurlError error = curl_error(message.mesh_error(), curl_m);
+  for (int i = 0; i < int(std::size(curls_m)); ++i) {
+    const bool mean = i < description.monitor_size() && !description.monitor(i).of().empty();
+    const CurlError error =
+        curl_error(message.mesh_error(), mean ? std::nan("") : curls_m[std::size_t(i)]);
     message.add_end_lower_error_m(error.lower_m);
     message.add_end_upper_error_m(error.upper_m);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
@@ -54,6 +55,17 @@ public:
           "the pool has too little weight to press on shell and block",
           fmt::format("{:g} to 100 m/s2", least_gravity),
           "leave the key out: gravity is 9.81 m/s2");
+  }
+
+  /// A monitor is a point, or a mean of points.
+  void check_monitor(const v1::Monitor& monitor, const std::string& path) {
+    if (monitor.of().empty()) return;
+    for (const auto& [key, given] :
+         {std::pair("x", monitor.has_x_m()), std::pair("y", monitor.has_y_m()),
+          std::pair("z", monitor.has_z_m())})
+      if (given)
+        add(join_path(path, key), "", "a mean of other monitors has no place",
+            fmt::format("{}.of, or x, y and z", path), "leave the place out, or of");
   }
 
 private:
@@ -156,6 +168,8 @@ std::vector<v1::Fault> check_ranges(const Message& message) {
     check.check_stirring(c->alloy());
     check.check_creep(c->alloy());
     check.check_gravity(c->mechanics());
+    for (int i = 0; i < c->monitor_size(); ++i)
+      check.check_monitor(c->monitor(i), element_path("monitor", std::size_t(i)));
   }
   return std::move(check.faults);
 }

@@ -107,7 +107,8 @@ std::string rounded(const std::string& text) {
   return number_text(value) + text.substr(blank);
 }
 
-int monitor_of(const v1::StudyResult& result, const std::string& name) {
+int monitor_of(const v1::StudyResult& result, const std::string& asked) {
+  const std::string& name = asked.empty() ? result.judged_monitor() : asked;
   if (!name.empty()) {
     const auto found = std::ranges::find(result.monitors(), name);
     return found == result.monitors().end() ? -1

@@ -40,8 +40,9 @@ double leading_number(const std::string& text);
 /// A number with its unit in four digits: "231.5 degC". @param text  as in a case file
 std::string rounded(const std::string& text);
 
-/// Index of the monitor with this name; with an empty name that with the largest curl at the end.
+/// Index of the monitor with the name that was asked for; with an empty name that of output.curl,
+/// or that with the largest curl at the end.
 /// @return -1 where there is none
-int monitor_of(const v1::StudyResult& result, const std::string& name);
+int monitor_of(const v1::StudyResult& result, const std::string& asked);
 
 }  // namespace dccast::case_file

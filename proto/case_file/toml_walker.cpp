@@ -109,6 +109,23 @@ void read_string(const Entry& entry, Message& message) {
     message.GetReflection()->SetString(&message, &field, *text);
 }
 
+std::vector<std::string> keys_of(const Descriptor& descriptor) {
+  std::vector<std::string> keys;
+  for (const FieldDescriptor* const field : fields_of(descriptor)) keys.push_back(toml_key(*field));
+  return keys;
+}
+
+/// Reads a table that is written as a row, the values of its keys in their order.
+void read_row(const Entry& entry, const toml::array& row, Message& message) {
+  const auto fields = fields_of(*message.GetDescriptor());
+  if (row.size() != fields.size())
+    return entry.refuse(fmt::format("a row of {} values", row.size()),
+                        fmt::format("[{}]", joined(keys_of(*message.GetDescriptor()))));
+  for (std::size_t i = 0; i < row.size(); ++i)
+    read_field({entry.walk, *row.get(i), *fields[i], join_path(entry.path, toml_key(*fields[i]))},
+               message);
+}
+
 void read_array_of_tables(const Entry& entry, Message& message) {
   const auto& [walk, node, field, path] = entry;
   const toml::array* const array = node.as_array();
@@ -122,15 +139,11 @@ void read_array_of_tables(const Entry& entry, Message& message) {
     Message& added = *message.GetReflection()->AddMessage(&message, &field);
     if (const toml::table* const table = item.node.as_table())
       read_table(walk, *table, added, item.path);
+    else if (const toml::array* const row = item.node.as_array())
+      read_row(item, *row, added);
     else
       item.refuse_type("a table");
   }
-}
-
-std::vector<std::string> keys_of(const Descriptor& descriptor) {
-  std::vector<std::string> keys;
-  for (const FieldDescriptor* const field : fields_of(descriptor)) keys.push_back(toml_key(*field));
-  return keys;
 }
 
 void read_nested(const Entry& entry, Message& message) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "proto/figures/run_history.hpp"
 #include "server/judging/study_parts.hpp"
 
 namespace dccast::judging {
@@ -19,11 +20,9 @@ struct FindingFigure {
   bool less_is_worse;
 };
 
-double greatest_lift_m(const v1::StepReport& step) {
-  double lift_m = 0.0;
-  for (const v1::MonitorValue& monitor : step.monitors())
-    if (monitor.has_curl_m()) lift_m = std::max(lift_m, monitor.curl_m());
-  return lift_m;
+double judged_lift_m(const v1::StepReport& step) {
+  const v1::MonitorValue* const judged = figures::judged_curl(step);
+  return judged == nullptr ? 0.0 : std::max(judged->curl_m(), 0.0);
 }
 
 const std::array all_figures{
@@ -49,8 +48,8 @@ const std::array all_figures{
                   false},
     FindingFigure{"rotation_too_large", "rad", "rotation",
                   [](const auto& s) { return s.maximum_rotation_rad(); }, false},
-    FindingFigure{"lift_too_large", "m", "curl", greatest_lift_m, false},
-    FindingFigure{"curl_outside_band", "m", "curl", greatest_lift_m, false},
+    FindingFigure{"lift_too_large", "m", "curl", judged_lift_m, false},
+    FindingFigure{"curl_outside_band", "m", "curl", judged_lift_m, false},
     FindingFigure{"hot_tears", "s-1", "strain rate in the window",
                   [](const auto& s) { return s.tear_rate_per_s(); }, false},
     FindingFigure{"hot_tears", "Pa", "pressure drop in the mush",

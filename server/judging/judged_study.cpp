@@ -59,7 +59,8 @@ std::string loss_text(const v1::StudyResult& result) {
 
 /// What mesh and time steps leave uncertain of the curl of a monitor; empty: not known.
 std::optional<case_file::CurlError> mesh_error(const v1::StudyRun& run, int monitor) {
-  if (monitor >= run.end_upper_error_m_size()) return std::nullopt;
+  if (monitor >= run.end_upper_error_m_size() || !std::isfinite(run.end_upper_error_m(monitor)))
+    return std::nullopt;
   return case_file::CurlError{run.end_lower_error_m(monitor), run.end_upper_error_m(monitor)};
 }
 

@@ -12,6 +12,7 @@
 #include "proto/values/interpolation.hpp"
 #include "server/judging/judged_study.hpp"
 #include "server/judging/judgement.hpp"
+#include "server/judging/settling.hpp"
 
 namespace dccast::judging {
 namespace {
@@ -88,14 +89,12 @@ std::vector<MonitoredCurl> monitored_curls(const RunToJudge& judged) {
   return curls;
 }
 
-/// The curl with the largest end; null where none is reported.
-const MonitoredCurl* find_largest(const std::vector<MonitoredCurl>& curls) {
-  const MonitoredCurl* largest = nullptr;
-  for (const MonitoredCurl& curl : curls)
-    if (std::isfinite(curl.end_m) &&
-        (largest == nullptr || std::abs(curl.end_m) > std::abs(largest->end_m)))
-      largest = &curl;
-  return largest;
+/// The curl that is judged; null where none is reported.
+const MonitoredCurl* find_judged(const JudgedRun& run, const std::vector<MonitoredCurl>& curls) {
+  const v1::MonitorValue* const judged = figures::judged_curl(run.steps.back());
+  if (judged == nullptr) return nullptr;
+  const auto found = std::ranges::find(curls, judged->name(), &MonitoredCurl::monitor);
+  return found == curls.end() ? nullptr : &*found;
 }
 
 bool has_errors(const std::vector<MonitoredCurl>& curls) {
@@ -148,7 +147,7 @@ std::string band_sentence(const v1::Chart::Region& band, double curl_m,
                      decides ? "" : ", but its limit is within the error: this run cannot decide");
 }
 
-/// The largest curl at the end: place, value, error, and whether it is within the plant's band.
+/// The judged curl at the end: place, value, error, and whether it is within the plant's band.
 std::string curl_sentence(const JudgedRun& run, const MonitoredCurl& curl) {
   const v1::StepReport& last = run.steps.back();
   std::string text =
@@ -198,7 +197,7 @@ std::string range_of_percent(double first, double last) {
   return begin == end ? end + " %" : fmt::format("{} to {} %", begin, end);
 }
 
-/// When half of the largest curl came, and through which faces the heat left meanwhile.
+/// When half of the judged curl came, and through which faces the heat left meanwhile.
 std::string cause_sentence(const JudgedRun& run, const MonitoredCurl& curl) {
   const std::size_t first = last_below(curl, 0.25);
   const std::size_t last = last_below(curl, 0.75);
@@ -403,11 +402,13 @@ v1::Judgement judge_run(const RunToJudge& judged) {
 
   v1::Judgement judgement;
   judgement.set_heading(run.name);
-  const MonitoredCurl* const largest = find_largest(curls);
-  if (largest != nullptr && !is_beyond) {
-    judgement.add_sentences(curl_sentence(run, *largest));
-    if (std::abs(largest->end_m) >= nothing_m)
-      judgement.add_sentences(cause_sentence(run, *largest));
+  const MonitoredCurl* const judged_curl = find_judged(run, curls);
+  if (judged_curl != nullptr && !is_beyond) {
+    judgement.add_sentences(curl_sentence(run, *judged_curl));
+    if (std::abs(judged_curl->end_m) >= nothing_m)
+      judgement.add_sentences(cause_sentence(run, *judged_curl));
+    const std::string settling = settling_sentence(run, judged_curl->curl_m);
+    if (!settling.empty()) judgement.add_sentences(settling);
   }
 
   if (!curls.empty()) add_curl_table(curls, judgement);

@@ -20,7 +20,7 @@ struct RunToJudge {
   std::optional<v1::Frame> last_frame{};      ///< the last stored one; empty: it is not judged
 };
 
-/// What one run shows: a sentence about the largest curl at the end, its error and the plant's
+/// What one run shows: a sentence about the judged curl at the end, its error and the plant's
 /// band; a sentence about when it came and where the heat left meanwhile; the tables "curls" and
 /// "end" with the figures of the last step; charts of the curl (the first one against time), of
 /// speed and water, and of what decides whether a casting succeeds; how much of the curl is

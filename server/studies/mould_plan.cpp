@@ -174,6 +174,7 @@ private:
         case_file::change_of("section.half_thickness", table_text(opening))};
     for (int i = 0; i < base_.monitor_size(); ++i) {
       const v1::Monitor& monitor = base_.monitor(i);
+      if (!monitor.of().empty()) continue;
       const double before = frames::half_opening_m(base_.section(), monitor.x_m());
       const double now = opening.at(monitor.x_m());
       const bool on_face = monitor.y_m() >= std::min(now, before - on_the_face);

@@ -147,10 +147,12 @@ private:
     return place;
   }
 
-  /// The monitor of the plan, or that with the largest curl of a run laid out beforehand.
+  /// The monitor of the plan or of output.curl, or that with the largest curl of a run laid out
+  /// beforehand.
   int monitor_of(const std::vector<EvaluatedRun>& runs) const {
+    const std::string& name = plan_.monitor().empty() ? full_.output().curl() : plan_.monitor();
     for (int m = 0; m < full_.monitor_size(); ++m)
-      if (full_.monitor(m).name() == plan_.monitor()) return m;
+      if (full_.monitor(m).name() == name) return m;
     int largest = 0;
     double most = -1.0;
     for (const EvaluatedRun& evaluated : runs)

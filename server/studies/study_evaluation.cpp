@@ -28,13 +28,14 @@ void describe_face(const RunFace& cast, double wanted_m, v1::MouldFace& face) {
 }
 
 /// Moves the runs, with their faces and curves, into the answer.
-void add_runs(std::vector<EvaluatedRun>&& runs, bool curves, v1::StudyResult& result) {
+void add_runs(const v1::Case& description, std::vector<EvaluatedRun>&& runs, bool curves,
+              v1::StudyResult& result) {
   for (EvaluatedRun& evaluated : runs) {
     v1::StudyRun& run = *result.add_runs() = std::move(evaluated.run);
     if (evaluated.face)
       describe_face(*evaluated.face, result.mould().wanted_half_thickness_m(), *run.mutable_face());
     run.set_face_fault(evaluated.face_fault);
-    case_file::set_end_errors(run.end_curl_m(), run);
+    case_file::set_end_errors(description, run.end_curl_m(), run);
     if (curves)
       for (v1::CurlCurve& curve : evaluated.history.curves) *run.add_curves() = std::move(curve);
   }
@@ -75,6 +76,7 @@ std::optional<v1::StudyResult> StudyEvaluation::evaluate(const v1::EvaluateStudy
   *result.mutable_study() = study_view(state_, *study);
   for (const v1::Monitor& monitor : study->request.case_().monitor())
     result.add_monitors(monitor.name());
+  result.set_judged_monitor(study->request.case_().output().curl());
   plan->evaluate(runs, result);
 
   // A part that cannot be computed yet leaves its reason: the others stand.
@@ -90,7 +92,7 @@ std::optional<v1::StudyResult> StudyEvaluation::evaluate(const v1::EvaluateStudy
     result.set_calibration_fault(reason.what());
   }
 
-  add_runs(std::move(runs), request.curves(), result);
+  add_runs(study->request.case_(), std::move(runs), request.curves(), result);
   return result;
 }
 

@@ -329,7 +329,7 @@ std::optional<v1::Prediction> SweepSurfaces::predict(const v1::PredictStudyReque
   std::vector<double> end_curl_m;
   for (const v1::CurlCurve& curve : prediction.curves())
     end_curl_m.push_back(curve.curl_m().empty() ? NAN : *curve.curl_m().rbegin());
-  case_file::set_end_errors(end_curl_m, prediction);
+  case_file::set_end_errors(keys->base, end_curl_m, prediction);
   return prediction;
 }
 

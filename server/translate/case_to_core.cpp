@@ -377,10 +377,13 @@ casting::Validity validity(const v1::Validity& from) {
 }
 
 casting::Monitor monitor(const v1::Monitor& from) {
-  return {.name = from.name(),
-          .x = from.x_m(),
-          .y = from.y_m(),
-          .z = given(from.has_z_m(), from.z_m())};
+  casting::Monitor to{.name = from.name(),
+                      .x = from.x_m(),
+                      .y = from.y_m(),
+                      .z = given(from.has_z_m(), from.z_m())};
+  for (const v1::MonitorShare& share : from.of())
+    to.of.push_back({.monitor = share.monitor(), .weight = share.weight()});
+  return to;
 }
 
 /// Sets the remaining tables of a case, each of a few fields.
@@ -391,6 +394,7 @@ void set_small_tables(const v1::Case& from, casting::Case& to) {
 
   to.time.end = from.time().end_s();
   to.time.cool_down = from.time().cool_down_s();
+  to.time.settled = given(from.time().has_settled_m_per_s(), from.time().settled_m_per_s());
   to.time.step = to_core(from.time().step_s());
   to.time.minimum_step = from.time().minimum_step_s();
 
@@ -398,6 +402,7 @@ void set_small_tables(const v1::Case& from, casting::Case& to) {
 
   to.output.frame_interval = from.output().frame_interval_s();
   to.output.stresses = from.output().stresses();
+  to.output.curl = from.output().curl();
   to.checkpoint.every_steps = from.checkpoint().every_steps();
   to.checkpoint.every_seconds = from.checkpoint().every_s();
 

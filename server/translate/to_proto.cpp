@@ -91,10 +91,12 @@ void add_monitors(const results::StepReport& report, const std::vector<casting::
   for (std::size_t i = 0; i < report.monitor_displacement.size(); ++i) {
     auto* value = to.add_monitors();
     if (i < monitors.size()) value->set_name(monitors[i].name);
+    const bool mean = i < monitors.size() && !monitors[i].of.empty();
     for (const double along : report.monitor_displacement[i]) value->add_displacement_m(along);
     if (i < report.monitor_temperature.size() && std::isfinite(report.monitor_temperature[i]))
       value->set_temperature_c(report.monitor_temperature[i]);
-    case_file::add_curl(mesh_error, *value);
+    // The bands were not measured for means (docs/error-bars.md).
+    case_file::add_curl(mean ? std::nullopt : mesh_error, *value);
   }
 }
 

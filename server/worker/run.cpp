@@ -16,6 +16,7 @@
 #include "core/casting/simulation.hpp"
 #include "core/storage/storage_error.hpp"
 #include "proto/case_file/quality.hpp"
+#include "proto/figures/run_history.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/job_folder.hpp"
@@ -69,6 +70,7 @@ public:
   casting::Order on_step(const results::StepReport& report) override {
     send([&](v1::JobEvent& event) {
       *event.mutable_step() = translate::to_proto(report, case_.monitors, mesh_error_);
+      figures::mark_judged(case_.output.curl, *event.mutable_step());
     });
     return link_.order();
   }

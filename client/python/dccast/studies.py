@@ -99,7 +99,7 @@ class Study:
         """What the server concludes so far: the sentences and tables that the command of such a study
         prints. A calibration is judged once it has ended.
 
-        @param monitor  whose curl; without one that with the largest curl
+        @param monitor  whose curl; without one output.curl, or the largest
         """
         answer = self._transport.call("JudgeStudy", judgement_pb2.JudgeStudyRequest(
             id=self.id, monitor=monitor))

@@ -10,10 +10,9 @@ const sketches = new Map();  // of jobs that have ended: they change no more
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 const most = 1000;
 
-/** The monitor that has curled most; none before the first step. */
-export const largestMonitor = job => (job.last_step?.monitors || []).reduce((most, m) => (
-  Number.isFinite(m.curl_m) && !(Math.abs(m.curl_m) <= Math.abs(most?.curl_m)) ? m : most), undefined);
-const lastCurl = job => largestMonitor(job)?.curl_m ?? NaN;
+/** The monitor whose curl is judged; none before the first step. */
+export const judgedMonitor = job => (job.last_step?.monitors || []).find(m => m.judged);
+const lastCurl = job => judgedMonitor(job)?.curl_m ?? NaN;
 
 async function sketch(job, cell) {
   const key = ended.has(job.state) ? job.id : `${job.id} ${job.last_step?.step}`;

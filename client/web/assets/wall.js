@@ -4,7 +4,7 @@ import {chart, wantedBand} from './chart.js';
 import {findingList, gravestFinding, h, monitorText, replace, stateText} from './dom.js';
 import {followedWall} from './followed.js';
 import {curlLines} from './history.js';
-import {largestMonitor} from './jobs.js';
+import {judgedMonitor} from './jobs.js';
 
 /** The job to show: a running one, if possible one that follows a casting; else the newest. */
 async function findJob(label) {
@@ -15,7 +15,7 @@ async function findJob(label) {
 }
 
 function drawRun(element, {job, steps, wanted}) {
-  const findings = (job.findings || []).filter(f => f.severity !== 'NOTE'), last = largestMonitor(job);
+  const findings = (job.findings || []).filter(f => f.severity !== 'NOTE'), last = judgedMonitor(job);
   replace(
     element, h('h1', {}, job.title || job.id),
     h('div', {class: 'headline'},

@@ -62,16 +62,25 @@ struct TimeControl {
   Curve step;                 ///< [s] against time
   double minimum_step = 0.0;  ///< [s]
   double cool_down = 0.0;     ///< [s] after the end, in air, without water and without pouring
+  /// [m/s] the casting ends before `end` once its curl moves more slowly; absent: it does not
+  std::optional<double> settled{};
+};
+
+/// A point of a mean.
+struct MonitorShare {
+  std::string monitor;
+  double weight = 1.0;  ///< [1] positive
 };
 
 /// A point of the undeformed slab whose history is reported: x and y in 2D, x, y and z in a quarter
-/// slab.
+/// slab. Or a mean of such points.
 struct Monitor {
   std::string name;
   double x = 0.0;  ///< [m] from the symmetry plane
   double y = 0.0;  ///< [m] above the bottom block; in a quarter slab from the plane y = 0
   /// [m] above the bottom block; quarter slab only
   std::optional<double> z = std::nullopt;
+  std::vector<MonitorShare> of{};  ///< of a mean, which has no place
 };
 
 /// Coordinates of a monitor [m].
@@ -87,6 +96,7 @@ std::array<double, std::size_t(Dim)> point_of(const Monitor& monitor) {
 struct OutputOptions {
   double frame_interval = 0.0;  ///< [s]
   bool stresses = false;
+  std::string curl{};  ///< monitor whose curl is judged; empty: that with the largest
 };
 
 /// Table `checkpoint`: whichever comes first.

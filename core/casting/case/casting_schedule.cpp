@@ -81,6 +81,32 @@ CastingSchedule::CastingSchedule(const Case& c)
   std::sort(events_.begin(), events_.end());
 }
 
+void CastingSchedule::end_casting(double time) {
+  end_ = time + (end_ - end_of_casting_);
+  end_of_casting_ = time;
+  std::erase_if(events_, [&](double event) { return event > time; });
+  for (const double event : {end_of_casting_, end_})
+    if (events_.empty() || event > events_.back()) events_.push_back(event);
+}
+
+bool CastingSchedule::changes_after(double time, double length) const {
+  const auto ahead = [&](const Curve& table, double shift = 0.0) {
+    if (table.empty() || table.constant()) return false;
+    return against_length(table) ? table.at().back() > length : table.at().back() + shift > time;
+  };
+  for (const thermal::Face face : {thermal::Face::wide, thermal::Face::narrow}) {
+    const thermal::Water& water = cooling_.water_of(face);
+    if (!water.enabled) continue;
+    const double last_pulse = water.pulse_period > 0.0 ? water.pulse_end : 0.0;
+    if (std::max(water.start, last_pulse) > time || ahead(water.temperature)) return true;
+  }
+  return ahead(schedule_.casting_speed, schedule_.casting_speed_shift) ||
+         ahead(schedule_.casting_speed_factor) || ahead(schedule_.casting_temperature) ||
+         ahead(schedule_.water_flow, schedule_.water_flow_shift) ||
+         ahead(schedule_.narrow_water_flow, schedule_.water_flow_shift) ||
+         ahead(schedule_.water_flow_factor);
+}
+
 bool CastingSchedule::cools_down(double time) const {
   return end_ > end_of_casting_ && time >= end_of_casting_ - same_time;
 }

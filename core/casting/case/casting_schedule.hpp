@@ -40,6 +40,13 @@ public:
   /// End of the casting [s]: from then on nothing is poured, and no water runs.
   double end_of_casting() const { return end_of_casting_; }
 
+  /// Ends the casting at a time before its planned end; the cool-down follows.
+  void end_casting(double time);
+  /// Whether speed, metal, water, valves or pulses change later by the plan.
+  bool changes_after(double time, double length) const;
+  /// Whether a casting is under way, of which levers are measured.
+  bool is_followed() const { return !measured_.empty(); }
+
   /// Cast length at the end of a step [m]; zero before time zero. Exact if the speed is tabulated
   /// against time; integrated by the classical Runge-Kutta method if it is tabulated against
   /// length.

@@ -108,6 +108,24 @@ void outside_the_mesh(CaseFindings& found, const std::string& field, const Monit
     lies_outside(found, field + ".y", m.y, "a point of the imported mesh");
 }
 
+/// The points of a mean must be there, each once.
+void check_mean(CaseFindings& found, const std::string& field,
+                const std::vector<MonitorShare>& of) {
+  const auto& monitors = found.casting.monitors;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    const std::string& name = of[i].monitor;
+    const std::string key = field + ".of[" + std::to_string(i) + "].monitor";
+    const auto member = std::ranges::find(monitors, name, &Monitor::name);
+    if (member == monitors.end() || !member->of.empty())
+      found.fault(key, name, "is no monitor with a place", "the name of a [[monitor]] with x and y",
+                  "name a point");
+    else if (std::ranges::find(of.begin(), of.begin() + long(i), name, &MonitorShare::monitor) !=
+             of.begin() + long(i))
+      found.fault(key, name, "is in this mean already", "each point once",
+                  "give the point one weight");
+  }
+}
+
 void check_monitor(CaseFindings& found, std::size_t index) {
   const Monitor& m = found.casting.monitors[index];
   const std::string field = "monitor[" + std::to_string(index) + "]";
@@ -115,6 +133,7 @@ void check_monitor(CaseFindings& found, std::size_t index) {
     if (found.casting.monitors[j].name == m.name)
       found.fault(field + ".name", m.name, "is the name of an earlier monitor", "a name of its own",
                   "rename it");
+  if (!m.of.empty()) return check_mean(found, field, m.of);
   check_coordinates(found, field, m);
   if (mesh::has_plan_file(found.casting.section)) return outside_the_plan(found, field, m);
   if (!mesh::has_mesh_file(found.casting.section)) return beside_or_above(found, field, m);
@@ -124,7 +143,13 @@ void check_monitor(CaseFindings& found, std::size_t index) {
 }  // namespace
 
 void check_monitors(CaseFindings& found) {
-  for (std::size_t i = 0; i < found.casting.monitors.size(); ++i) check_monitor(found, i);
+  const auto& monitors = found.casting.monitors;
+  for (std::size_t i = 0; i < monitors.size(); ++i) check_monitor(found, i);
+
+  const std::string& judged = found.casting.output.curl;
+  if (!judged.empty() && std::ranges::find(monitors, judged, &Monitor::name) == monitors.end())
+    found.fault("output.curl", judged, "is no monitor of the case", "the name of a [[monitor]]",
+                "name one, or leave the key out: the largest curl is judged");
 }
 
 void check_plausibility(CaseFindings& found) {

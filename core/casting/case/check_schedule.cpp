@@ -154,6 +154,10 @@ void check_time(CaseFindings& found) {
                 "needs a metal level that can cool",
                 "with cooling.top = \"pouring\" or \"insulated\"", "change cooling.top");
 
+  if (c.time.settled && (!c.mechanics.enabled || c.monitors.empty()))
+    found.fault("time.settled", with_unit(*c.time.settled, "m/s"), "needs a curl that can settle",
+                "with mechanics.enabled and a [[monitor]]", "leave it out: time.end ends the run");
+
   if (filling > 0.0 && found.sound({"schedule.filling", "schedule.hold"})) {
     if (filling > c.schedule.hold)
       found.fault("schedule.filling", with_unit(filling, "s"),

@@ -140,7 +140,7 @@ void check_plan_file(CaseFindings& found);
 void check_imported_mesh(CaseFindings& found);
 /// Prescribed temperatures: readable, and as many as the mesh has nodes.
 void check_temperature_file(CaseFindings& found);
-/// Monitors must lie in the slab, with names of their own.
+/// Monitors must lie in the slab, or be means of such, with names of their own.
 void check_monitors(CaseFindings& found);
 /// Limits of the findings among each other.
 void check_plausibility(CaseFindings& found);

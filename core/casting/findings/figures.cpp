@@ -52,6 +52,13 @@ double greatest_lift(std::span<const std::vector<double>> displacement) {
   return std::isfinite(most) ? most : 0.0;
 }
 
+/// The lift that is judged: that of output.curl, or the largest [m].
+double judged_lift(const Case& c, std::span<const std::vector<double>> displacement) {
+  if (c.output.curl.empty()) return greatest_lift(displacement);
+  const double lift = judged_curl(c, displacement);
+  return std::isfinite(lift) ? lift : 0.0;
+}
+
 /// Distance of the mould exit, where the water begins, below the metal level [m].
 double mould_exit(const Case& c) {
   return c.cooling.water.from;
@@ -275,8 +282,19 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   if (f.moves)
     history.thickest_bottom_shell = std::max(history.thickest_bottom_shell, f.bottom_shell.value);
   f.thickest_bottom_shell = history.thickest_bottom_shell;
-  f.greatest_curl = greatest_lift(view.monitor_displacement);
+  f.greatest_curl = judged_lift(case_, view.monitor_displacement);
   return f;
+}
+
+double judged_curl(const Case& c, std::span<const std::vector<double>> displacement) {
+  double judged = std::nan("");
+  for (std::size_t i = 0; i < displacement.size(); ++i) {
+    const double curl = displacement[i].back();
+    if (!std::isfinite(curl) || (!c.output.curl.empty() && c.monitors[i].name != c.output.curl))
+      continue;
+    if (!(std::abs(curl) <= std::abs(judged))) judged = curl;
+  }
+  return judged;
 }
 
 template class StepMeter<2>;

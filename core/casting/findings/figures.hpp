@@ -98,7 +98,7 @@ struct StepFigures {
   double corner_lift = 0.0;    ///< [m] of the bottom farthest from there
   PlacedFigure rotation;       ///< [rad] largest of an element since it solidified
   PlacedFigure slip;           ///< [m] of the butt beyond its thermal contraction
-  double greatest_curl = 0.0;  ///< [m] largest of all monitors
+  double greatest_curl = 0.0;  ///< [m] of output.curl, or largest of all monitors
   ResidualStress residual;     ///< of a slab that has cooled down, in the last step
 };
 
@@ -154,5 +154,10 @@ private:
   double fragile_above_;  ///< [°C] at which metal becomes tough
   double solid_below_;    ///< [°C] below which contraction counts
 };
+
+/// The curl that is judged: that of output.curl, or the largest of all monitors, upwards or
+/// downwards [m]; not a number where it has none yet.
+/// @param displacement  (monitor of the case, coordinate) [m]
+double judged_curl(const Case& casting_case, std::span<const std::vector<double>> displacement);
 
 }  // namespace dccast::casting

@@ -125,6 +125,19 @@ const Mistake mistakes[] = {
     {"MonitorBesideTheSlab", "monitor[1].x", [](Case& c) { c.monitors[1].x = 0.3; }},
     {"MonitorAboveTheSlab", "monitor[2].y", [](Case& c) { c.monitors[2].y = 0.13; }},
     {"MonitorTwice", "monitor[1].name", [](Case& c) { c.monitors[1].name = "corner"; }},
+    {"MeanOfNothing", "monitor[3].of[1].monitor",
+     [](Case& c) {
+       c.monitors.push_back({.name = "plant", .of = {{"corner", 2.0}, {"edge", 1.0}}});
+     }},
+    {"MeanOfAMean", "monitor[3].of[0].monitor",
+     [](Case& c) {
+       c.monitors.push_back({.name = "plant", .of = {{"plant", 1.0}}});
+     }},
+    {"MeanOfOnePointTwice", "monitor[3].of[1].monitor",
+     [](Case& c) {
+       c.monitors.push_back({.name = "plant", .of = {{"corner", 2.0}, {"corner", 1.0}}});
+     }},
+    {"CurlOfNoMonitor", "output.curl", [](Case& c) { c.output.curl = "plant"; }},
     {"TooManyNodes", "mesh.columns", [](Case& c) { c.limits.maximum_nodes = 60; }},
     {"BottomCellSoHighThatTopRowsAreNothing", "mesh.columns",
      [](Case& c) {
@@ -332,6 +345,7 @@ TEST(CaseCheck, WhatItFindsItselfIsWaitedForToo) {
 /// No faults are invented for a case that could hardly be read.
 TEST(CaseCheck, ACaseWithoutItsRequiredKeysIsSurvived) {
   Case c;
+  c.limits.maximum_nodes = 1000;  // every case has limits
   c.monitors = {{"a", 0.1, 0.1}, {"a", 0.2, 0.1}};
   const CheckedCase checked =
       check(c, {"section.half_width", "section.initial_depth", "alloy.card", "time.end",

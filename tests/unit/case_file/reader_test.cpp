@@ -135,6 +135,35 @@ TEST(Reader, AKeyOfTheSettingsInTheWrongPlaceIsToldItsTable) {
     EXPECT_THAT(faults, HasSubstr(expected));
 }
 
+TEST(Reader, ATableOfAListMayBeWrittenAsARow) {
+  v1::Case message;
+  const std::string text = sound_text + "[[monitor]]\nname = \"plant\"\nof = ";
+  const auto outcome = read_text(text + "[[\"corner\", 2], {monitor = \"narrow\", weight = 1}]\n",
+                                 "my.toml", message);
+  EXPECT_TRUE(outcome.ok()) << describe(outcome.faults.front(), outcome.source);
+  EXPECT_EQ(message.monitor(0).of(0).monitor(), "corner");
+  EXPECT_EQ(message.monitor(0).of(0).weight(), 2.0);
+  EXPECT_EQ(message.monitor(0).of(1).monitor(), "narrow");
+
+  v1::Case again;
+  EXPECT_TRUE(read_text(to_toml(message), "again.toml", again).ok());
+  EXPECT_EQ(again.SerializeAsString(), message.SerializeAsString());
+
+  EXPECT_THAT(fault_on("monitor[0].of[0]", text + "[[\"corner\"]]\n"),
+              HasSubstr("a row of 1 values; permitted: [monitor, weight]"));
+  EXPECT_THAT(fault_on("monitor[0].of[0].weight", text + "[[\"corner\", 0]]\n"),
+              HasSubstr("weight"));
+}
+
+TEST(Ranges, AMonitorIsAPointOrAMean) {
+  v1::Case message;
+  read_text(sound_text + "[[monitor]]\nname = \"plant\"\nx = \"0.1 m\"\nof = [[\"corner\", 2]]\n",
+            "my.toml", message);
+  const auto faults = check_ranges(message);
+  EXPECT_EQ(std::ranges::count(faults, "monitor[0].x", &v1::Fault::field), 1);
+  EXPECT_EQ(std::ranges::count(faults, "monitor[0].y", &v1::Fault::field), 0);
+}
+
 TEST(Reader, ATableThatIsAbsentAltogetherIsReportedByItsRequiredKeys) {
   const std::string fault = fault_on("section.half_width", "[time]\nend = \"1 s\"\n");
   EXPECT_THAT(fault, HasSubstr("required key is missing"));

@@ -113,6 +113,28 @@ TEST_P(QuarterSlab, MonitorsHaveThreeCoordinatesAndATemperature) {
   }
 }
 
+TEST_P(QuarterSlab, AMeanOfMonitorsHasTheirWeightsAndNoPlace) {
+  const TemporaryFolder folder;
+  Recorder recorder;
+  Case c = small_quarter_slab(GetParam());
+  c.monitors.insert(c.monitors.begin(),
+                    {.name = "plant", .of = {{"corner", 2.0}, {"centre", 1.0}}});
+  c.monitors.push_back({.name = "later", .of = {{"corner", 1.0}, {"wide", 1.0}}});
+  ASSERT_EQ(run(c, {folder / "", false}, recorder).end, RunEnd::succeeded);
+
+  for (const auto& r : recorder.reports) {
+    for (std::size_t d = 0; d < 3; ++d)
+      EXPECT_NEAR(3.0 * r.monitor_displacement[0][d],
+                  2.0 * r.monitor_displacement[1][d] + r.monitor_displacement[2][d], 1e-15);
+    EXPECT_NEAR(3.0 * r.monitor_temperature[0],
+                2.0 * r.monitor_temperature[1] + r.monitor_temperature[2], 1e-9);
+    EXPECT_EQ(std::isnan(r.monitor_displacement[4][2]), std::isnan(r.monitor_displacement[3][2]))
+        << "without one of its points there is no mean";
+  }
+  EXPECT_TRUE(
+      std::isnan(results::ResultReader(folder / "results.h5").header().monitor_position[0][0]));
+}
+
 TEST_P(QuarterSlab, TheFileHoldsItsFramesAtTheTimesAskedFor) {
   const TemporaryFolder folder;
   Recorder recorder;

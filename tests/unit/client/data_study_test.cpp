@@ -32,7 +32,7 @@ TEST(Sweep, CsvHasTheErrorOfMeshAndStepsWhereItIsKnown) {
   add_run(result, 0, 1, 41.0);
   for (v1::StudyRun& run : *result.mutable_runs()) {
     run.mutable_end_curl_m()->Truncate(1);
-    case_file::set_end_errors(run.end_curl_m(), run);
+    case_file::set_end_errors(v1::Case(), run.end_curl_m(), run);
     run.add_numbers(10.0);
   }
   const std::string csv = sweep_csv(result);

@@ -219,6 +219,7 @@ std::vector<v1::JobEvent> run_of(int steps, v1::JobState end) {
     corner.add_displacement_m(-1e-4 * i);
     corner.add_displacement_m(1e-3 * i);
     corner.set_curl_m(1e-3 * i);
+    corner.set_judged(true);
   }
   auto& last = *events.back().mutable_state_change();
   last.set_state(end);

@@ -114,6 +114,7 @@ v1::QueryResultResponse run_with(double least_mm, double greatest_mm) {
     v1::MonitorValue& corner = *step.add_monitors();
     corner.set_name("corner");
     corner.set_curl_m(8e-3 * i);
+    corner.set_judged(true);
     corner.set_temperature_c(300.0);
   }
   return result;

@@ -80,15 +80,31 @@ TEST(MonitorSeries, HasTemperaturesAndErrorsWhereTheyAreKnown) {
   EXPECT_TRUE(series.has_error());
 }
 
-TEST(LargestCurl, CountsDownwardsToo) {
+TEST(JudgedCurl, IsTheLargestWithoutAName) {
   v1::StepReport step = step_of(1);
-  EXPECT_EQ(largest_curl(step)->name(), "corner");
   v1::MonitorValue& other = *step.add_monitors();
   other.set_name("centre");
-  EXPECT_EQ(largest_curl(step)->name(), "corner") << "the other has none yet";
-  other.set_curl_m(-4e-3);
-  EXPECT_EQ(largest_curl(step)->name(), "centre");
-  EXPECT_EQ(largest_curl(v1::StepReport()), nullptr);
+  v1::StepReport later = step;
+  mark_judged("", step);
+  EXPECT_EQ(judged_curl(step)->name(), "corner") << "the other has none yet";
+
+  later.mutable_monitors(1)->set_curl_m(-4e-3);
+  mark_judged("", later);
+  EXPECT_EQ(judged_curl(later)->name(), "centre") << "downwards counts, too";
+  EXPECT_EQ(judged_curl(v1::StepReport()), nullptr);
+}
+
+TEST(JudgedCurl, IsTheOneThatTheCaseNames) {
+  v1::StepReport step = step_of(1);
+  v1::MonitorValue& other = *step.add_monitors();
+  other.set_name("centre");
+  v1::StepReport later = step;
+  mark_judged("centre", step);
+  EXPECT_EQ(judged_curl(step), nullptr) << "it has no curl yet, and no other stands in for it";
+
+  later.mutable_monitors(1)->set_curl_m(1e-6);
+  mark_judged("centre", later);
+  EXPECT_EQ(judged_curl(later)->name(), "centre");
 }
 
 }  // namespace

@@ -35,6 +35,7 @@ JudgedRun run_of(const std::function<double(double)>& curl_m, const Change& chan
     v1::MonitorValue& corner = *step.add_monitors();
     corner.set_name("corner");
     corner.set_curl_m(curl_m(step.time_s()));
+    corner.set_judged(true);
     run.steps.push_back(std::move(step));
   }
   return run;

@@ -64,6 +64,7 @@ public:
       corner.add_displacement_m(0.0);
       corner.add_displacement_m(outcome.corner_m * i / 20.0);
       corner.set_curl_m(corner.displacement_m(1));
+      corner.set_judged(true);
     }
     runs_.push_back(run);
 

@@ -41,6 +41,7 @@ RunToJudge even_rise() {
     v1::MonitorValue& corner = *step.add_monitors();
     corner.set_name("corner");
     corner.set_curl_m(8e-3 * i);
+    corner.set_judged(true);
   }
   return judged;
 }
@@ -91,6 +92,48 @@ v1::Cell corner_cell(const v1::Judgement& judgement, const std::string& key) {
   for (int i = 0; i < table.columns_size(); ++i)
     if (table.columns(i).key() == key) return table.rows(0).cells(i);
   return {};
+}
+
+/// A curl that tends to 40 mm like exp(-time / 100 s), in steps of 10 s.
+RunToJudge settling_rise(double end_s) {
+  RunToJudge judged = even_rise();
+  judged.run.steps.clear();
+  judged.run.description.mutable_time()->set_end_s(end_s);
+  for (int i = 1; 10.0 * i <= end_s; ++i) {
+    v1::StepReport& step = judged.run.steps.emplace_back();
+    step.set_step(i);
+    step.set_time_s(10.0 * i);
+    v1::MonitorValue& corner = *step.add_monitors();
+    corner.set_name("corner");
+    corner.set_curl_m(40e-3 * (1.0 - std::exp(-0.1 * i)));
+    corner.set_judged(true);
+  }
+  return judged;
+}
+
+TEST(JudgeRun, SaysHowFastTheCurlStillMovesAndHowMuchIsToCome) {
+  EXPECT_THAT(judge_run(even_rise()).sentences(),
+              Contains("The curl still rises by 0.16 mm/s at the end: a later time.end shows where "
+                       "it ends."));
+  // 40 mm exp(-2.5) = 3.3 mm
+  EXPECT_THAT(
+      judge_run(settling_rise(250.0)).sentences(),
+      Contains("The curl still rises by 0.033 mm/s at the end: with nothing changed about 3.3 "
+               "mm or more are to come."));
+}
+
+TEST(JudgeRun, ACurlThatSettledSaysSoWhereThatWasAsked) {
+  RunToJudge judged = settling_rise(800.0);
+  EXPECT_THAT(judge_run(judged).sentences(), Not(Contains(HasSubstr("still"))));
+  judged.run.description.mutable_time()->set_settled_m_per_s(5e-6);
+  EXPECT_THAT(judge_run(judged).sentences(),
+              Contains("The curl has settled: it moved by less than 0.005 mm/s."));
+}
+
+TEST(JudgeRun, OfASlabThatHasCooledDownNothingIsToCome) {
+  RunToJudge judged = settling_rise(250.0);
+  judged.run.description.mutable_time()->set_end_s(200.0);
+  EXPECT_THAT(judge_run(judged).sentences(), Not(Contains(HasSubstr("to come"))));
 }
 
 TEST(JudgeRun, SaysHowTheCurlLiesInThePlantsBand) {

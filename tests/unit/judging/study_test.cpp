@@ -243,7 +243,7 @@ TEST(Runs, AreListedWithTheErrorOfMeshAndStepsWhereItIsKnown) {
   add_axis(result, "mesh.rows", "10", "20");
   v1::StudyRun& run = add_run(result, 0, 0, -40.0);
   run.mutable_mesh_error()->set_upper(0.05);
-  case_file::set_end_errors(run.end_curl_m(), run);
+  case_file::set_end_errors(v1::Case(), run.end_curl_m(), run);
   add_run(result, 0, 1, 41.0);
   const v1::Table runs = table_of(judged(result, std::nullopt), "runs");
   EXPECT_TRUE(runs.columns(2).has_error());
