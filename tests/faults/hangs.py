@@ -57,6 +57,15 @@ def aim_at_files(scene, *own):
         return len(targets)
 
 
+def report_attack(scene, count, *own):
+    """What an attack did from this folder."""
+    with open(scene.data(*own, "taken"), encoding="utf-8") as file:
+        for worked in file.read().splitlines():
+            if SANITIZED and worked == "a shared mapping past worker_memory":
+                continue  # a sanitizer needs memory without a bound (docs/build.md)
+            count.found("wrong", f"the worker could do this: {worked}")
+
+
 class WorkerTakenOver(Fault):
     """A worker taken over by its file attacks its daemon, its memory bound, and each file of the data folder"""
     short, long = 1, 5
@@ -71,11 +80,7 @@ class WorkerTakenOver(Fault):
         count.measured("files", aim_at_files(scene, "jobs", attacking))
         for job_id in (attacking, waiting):
             must(count, lambda: scene.ended(job_id), f"job {job_id} does not end", 30)
-        with open(scene.data("jobs", attacking, "taken"), encoding="utf-8") as file:
-            for worked in file.read().splitlines():
-                if SANITIZED and worked == "a shared mapping past worker_memory":
-                    continue  # a sanitizer needs memory without a bound (docs/build.md)
-                count.found("wrong", f"the worker could do this: {worked}")
+        report_attack(scene, count, "jobs", attacking)
         if self.state(process) != before:
             count.found("wrong", "the daemon has other limits or another priority")
 
@@ -108,9 +113,7 @@ class QueryTakenOver(Fault):
         count.measured("files", aim_at_files(scene, *own))
         while next(query).step.step < 3:
             pass
-        with open(scene.data(*own, "taken"), encoding="utf-8") as file:
-            for worked in file.read().splitlines():
-                count.found("wrong", f"the worker could do this: {worked}")
+        report_attack(scene, count, *own)
         query.cancel()
 
 
