@@ -13,7 +13,6 @@ namespace {
 
 constexpr double longest_window_s = 60.0, shortest_window_s = 1.0;
 constexpr double at_rest_m_per_s = 5e-6;  // without time.settled
-constexpr double round_off_s = 1e-6;      // of summed time steps
 
 /// Mean rates of a curl in the last two windows of equal length.
 struct LastRates {
@@ -36,7 +35,7 @@ LastRates last_rates(const JudgedRun& run, const std::vector<double>& curl_m) {
 std::string settling_sentence(const JudgedRun& run, const std::vector<double>& curl_m) {
   const v1::TimeControl& time = run.description.time();
   const double end_s = run.steps.back().time_s();
-  if (end_s > time.end_s() + round_off_s || end_s < 2.0 * shortest_window_s) return {};
+  if (time.cool_down_s() > 0.0 || end_s < 2.0 * shortest_window_s) return {};
 
   const LastRates rates = last_rates(run, curl_m);
   const double limit_m_per_s =
@@ -49,7 +48,7 @@ std::string settling_sentence(const JudgedRun& run, const std::vector<double>& c
                              1e3 * limit_m_per_s)
                : std::string();
 
-  // A curl that settles does so like exp(-time / decay), and starts decay more slowly later on.
+  // A curl that settles does so like exp(-time / decay). Later on it decays more slowly.
   const char* const moves = mm_per_s > 0.0 ? "rises" : "falls";
   const double slower = rates.before_m_per_s / rates.last_m_per_s;
   constexpr double least_slower = 1.1;

@@ -8,8 +8,8 @@
 namespace dccast::judging {
 
 /// Whether a curl has settled when its casting ends, or how fast it still moves and how much may be
-/// to come. Empty of a curl that is at rest without having been asked, of one that has cooled down
-/// since, and of one that has not been followed for two seconds.
+/// to come. Empty of a curl that is at rest without having been asked, of one that cools down
+/// afterwards, and of one that has not been followed for two seconds.
 /// @param curl_m  by step [m]
 std::string settling_sentence(const JudgedRun& run, const std::vector<double>& curl_m);
 

@@ -132,7 +132,8 @@ TEST(JudgeRun, ACurlThatSettledSaysSoWhereThatWasAsked) {
 
 TEST(JudgeRun, OfASlabThatHasCooledDownNothingIsToCome) {
   RunToJudge judged = settling_rise(250.0);
-  judged.run.description.mutable_time()->set_end_s(200.0);
+  judged.run.description.mutable_time()->set_end_s(1000.0);  // it settled before
+  judged.run.description.mutable_time()->set_cool_down_s(50.0);
   EXPECT_THAT(judge_run(judged).sentences(), Not(Contains(HasSubstr("to come"))));
 }
 
