@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.hpp"
+#include "core/casting/case/judged_monitor.hpp"
 #include "core/casting/findings/motion.hpp"
 #include "core/casting/run_shape.hpp"
 #include "core/mesh/bottom_normals.hpp"

@@ -136,7 +136,8 @@ private:
   /// Number of elements in the row that stretches with the metal level; 0 once it no longer rises.
   int growing_elements(const mesh::Mesh<Dim>& of) const;
 
-  /// The case, and objects that follow from it: none of them is part of the state of a run.
+  /// The case, and objects that follow from it and from state_.settled_at: none of them is part of
+  /// the state of a run.
   Case case_;
   Team team_;
   CastingSchedule schedule_;

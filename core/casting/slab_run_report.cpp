@@ -151,22 +151,29 @@ MonitorReadings SlabRun<Dim>::read_monitors() const {
     values.back() = fem::interpolate<Dim>(mesh(), *place, state_.heat.temperature);
     return values;
   };
+  // Points first: means may stand before their points.
+  std::vector<Values> values(case_.monitors.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (case_.monitors[i].of.empty()) values[i] = at_point(case_.monitors[i]);
+  }
   const auto mean_of = [&](const std::vector<MonitorShare>& shares) {
     Values mean{};
     double weights = 0.0;
     for (const MonitorShare& share : shares) weights += share.weight;
     for (const MonitorShare& share : shares) {
-      const Values at = at_point(*std::ranges::find(case_.monitors, share.monitor, &Monitor::name));
+      const auto point = std::ranges::find(case_.monitors, share.monitor, &Monitor::name);
+      const Values& at = values[std::size_t(point - case_.monitors.begin())];
       for (std::size_t i = 0; i < at.size(); ++i) mean[i] += share.weight / weights * at[i];
     }
     return mean;
   };
 
   MonitorReadings readings;
-  for (const Monitor& monitor : case_.monitors) {
-    const Values values = monitor.of.empty() ? at_point(monitor) : mean_of(monitor.of);
-    readings.displacement.emplace_back(values.begin(), values.begin() + Dim);
-    readings.temperature.push_back(values.back());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto& of = case_.monitors[i].of;
+    const Values read = of.empty() ? values[i] : mean_of(of);
+    readings.displacement.emplace_back(read.begin(), read.begin() + Dim);
+    readings.temperature.push_back(read.back());
   }
   return readings;
 }

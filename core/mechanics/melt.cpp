@@ -186,7 +186,7 @@ void Melt<Dim>::follow(MechanicsForms<Dim>& forms, std::span<const char> carries
       gradients_.solve(pattern, stiffness_, held, precondition, force, step,
                        {permitted / std::sqrt(out_of_balance), most_follower_iterations});
   // What is left out of balance moves melt alone; more than before is no step towards its rest.
-  if (outcome.residual >= 1.0) return;
+  if (!(outcome.residual < 1.0)) return;
   for (const int i : free) displacement[std::size_t(i)] += step[std::size_t(i)];
 }
 

@@ -115,16 +115,6 @@ double curl_of(const v1::MonitorValue& monitor) {
   return monitor.has_curl_m() ? monitor.curl_m() : unknown;
 }
 
-void mark_judged(const std::string& name, v1::StepReport& step) {
-  v1::MonitorValue* judged = nullptr;
-  for (v1::MonitorValue& monitor : *step.mutable_monitors()) {
-    if (!std::isfinite(curl_of(monitor)) || (!name.empty() && monitor.name() != name)) continue;
-    if (judged == nullptr || std::abs(monitor.curl_m()) > std::abs(judged->curl_m()))
-      judged = &monitor;
-  }
-  if (judged != nullptr) judged->set_judged(true);
-}
-
 const v1::MonitorValue* judged_curl(const v1::StepReport& step) {
   const auto found = std::ranges::find_if(step.monitors(), &v1::MonitorValue::judged);
   return found == step.monitors().end() ? nullptr : &*found;

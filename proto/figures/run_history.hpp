@@ -58,10 +58,6 @@ const v1::MonitorValue& monitor_of(const v1::StepReport& step, const std::string
 /// Curl of a monitor [m]; NaN where it has none.
 double curl_of(const v1::MonitorValue& monitor);
 
-/// Marks the monitor of a step whose curl is judged: that with this name or, without a name, that
-/// which has curled most. None where it has no curl yet.
-void mark_judged(const std::string& name, v1::StepReport& step);
-
 /// The monitor whose curl is judged; null: none has a curl.
 const v1::MonitorValue* judged_curl(const v1::StepReport& step);
 

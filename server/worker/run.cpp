@@ -13,10 +13,10 @@
 #include <system_error>
 #include <utility>
 
+#include "core/casting/case/judged_monitor.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/storage/storage_error.hpp"
 #include "proto/case_file/quality.hpp"
-#include "proto/figures/run_history.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/job_folder.hpp"
@@ -70,7 +70,8 @@ public:
   casting::Order on_step(const results::StepReport& report) override {
     send([&](v1::JobEvent& event) {
       *event.mutable_step() = translate::to_proto(report, case_.monitors, mesh_error_);
-      figures::mark_judged(case_.output.curl, *event.mutable_step());
+      const auto judged = casting::judged_monitor(case_, report.monitor_displacement);
+      if (judged) event.mutable_step()->mutable_monitors(int(*judged))->set_judged(true);
     });
     return link_.order();
   }

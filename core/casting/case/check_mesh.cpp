@@ -285,7 +285,7 @@ void temperature_range(CaseFindings& found, const results::TemperatureHistory& h
 }  // namespace
 
 void check_row_size(CaseFindings& found) {
-  if (mesh::has_mesh_file(found.casting.section) || mesh::has_plan_file(found.casting.section) ||
+  if (!found.casting.section.file.empty() ||
       !found.sound({"section.kind", "mesh.refinement", "limits.maximum_nodes"}) ||
       !found.sound(grid_keys))
     return;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/casting/case/judged_monitor.hpp"
 #include "core/casting/findings/motion.hpp"
 #include "core/casting/findings/mush_strain.hpp"
 #include "core/casting/findings/shell.hpp"
@@ -284,17 +285,6 @@ StepFigures StepMeter<Dim>::measure(const StepView<Dim>& view, FigureHistory& hi
   f.thickest_bottom_shell = history.thickest_bottom_shell;
   f.greatest_curl = judged_lift(case_, view.monitor_displacement);
   return f;
-}
-
-double judged_curl(const Case& c, std::span<const std::vector<double>> displacement) {
-  double judged = std::nan("");
-  for (std::size_t i = 0; i < displacement.size(); ++i) {
-    const double curl = displacement[i].back();
-    if (!std::isfinite(curl) || (!c.output.curl.empty() && c.monitors[i].name != c.output.curl))
-      continue;
-    if (!(std::abs(curl) <= std::abs(judged))) judged = curl;
-  }
-  return judged;
 }
 
 template class StepMeter<2>;

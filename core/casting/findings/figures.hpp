@@ -155,9 +155,4 @@ private:
   double solid_below_;    ///< [°C] below which contraction counts
 };
 
-/// The curl that is judged: that of output.curl, or the largest of all monitors, upwards or
-/// downwards [m]; not a number where it has none yet.
-/// @param displacement  (monitor of the case, coordinate) [m]
-double judged_curl(const Case& casting_case, std::span<const std::vector<double>> displacement);
-
 }  // namespace dccast::casting

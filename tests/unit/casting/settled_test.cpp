@@ -6,13 +6,15 @@
 #include "core/casting/curl_trace.hpp"
 #include "core/results/result_reader.hpp"
 #include "tests/unit/casting/small_casting.hpp"
+#include "tests/unit/casting/stopped_runs.hpp"
 
 namespace dccast::casting {
-using testing::bytes_of;
-using testing::Recorder;
-using testing::small_casting;
-
 namespace {
+
+using testing::expect_equal;
+using testing::Recorder;
+using testing::run_with_stops;
+using testing::small_casting;
 
 TEST(CurlTrace, KeepsAMinuteAndKnowsNoRateBefore) {
   CurlTrace trace;
@@ -47,9 +49,8 @@ Case long_casting() {
   return c;
 }
 
-results::StepReport last_of(const Case& c, Recorder& recorder, const std::string& folder,
-                            bool resume = false) {
-  EXPECT_EQ(run(c, {folder, resume}, recorder).end, RunEnd::succeeded);
+results::StepReport last_of(const Case& c, Recorder& recorder, const std::string& folder) {
+  EXPECT_EQ(run(c, {folder, false}, recorder).end, RunEnd::succeeded);
   return recorder.reports.back();
 }
 
@@ -99,21 +100,11 @@ TEST(Settled, IsTheSameAfterAResumptionBeforeAndAfter) {
   Case c = long_casting();
   c.cooling.top = thermal::Top::insulated;
   c.time.cool_down = 5.0;
-  const TemporaryFolder whole;
-  Recorder uninterrupted;
-  last_of(c, uninterrupted, whole / "");
-  const auto steps = std::int64_t(uninterrupted.reports.size());
-
+  const auto whole = run_with_stops(c, {});
+  const auto steps = std::int64_t(whole.reports.size());
   for (const std::int64_t stop : {steps - 20, steps - 2}) {
-    const TemporaryFolder folder;
-    Recorder first, second;
-    first.act_after = stop;
-    first.then = Order::stop_at_checkpoint;
-    ASSERT_EQ(run(c, {folder / "", false}, first).end, RunEnd::stopped);
-    second.before = first.reports;
-    last_of(c, second, folder / "", true);
-    EXPECT_EQ(second.resumed_from, stop);
-    EXPECT_TRUE(bytes_of(folder / "results.h5") == bytes_of(whole / "results.h5")) << stop;
+    SCOPED_TRACE("stopped after step " + std::to_string(stop));
+    expect_equal(run_with_stops(c, {stop}), whole);
   }
 }
 

@@ -80,31 +80,12 @@ TEST(MonitorSeries, HasTemperaturesAndErrorsWhereTheyAreKnown) {
   EXPECT_TRUE(series.has_error());
 }
 
-TEST(JudgedCurl, IsTheLargestWithoutAName) {
+TEST(JudgedCurl, IsTheOneThatIsMarked) {
   v1::StepReport step = step_of(1);
-  v1::MonitorValue& other = *step.add_monitors();
-  other.set_name("centre");
-  v1::StepReport later = step;
-  mark_judged("", step);
-  EXPECT_EQ(judged_curl(step)->name(), "corner") << "the other has none yet";
-
-  later.mutable_monitors(1)->set_curl_m(-4e-3);
-  mark_judged("", later);
-  EXPECT_EQ(judged_curl(later)->name(), "centre") << "downwards counts, too";
+  EXPECT_EQ(judged_curl(step), nullptr);
+  step.add_monitors()->set_judged(true);
+  EXPECT_EQ(judged_curl(step), &step.monitors(1));
   EXPECT_EQ(judged_curl(v1::StepReport()), nullptr);
-}
-
-TEST(JudgedCurl, IsTheOneThatTheCaseNames) {
-  v1::StepReport step = step_of(1);
-  v1::MonitorValue& other = *step.add_monitors();
-  other.set_name("centre");
-  v1::StepReport later = step;
-  mark_judged("centre", step);
-  EXPECT_EQ(judged_curl(step), nullptr) << "it has no curl yet, and no other stands in for it";
-
-  later.mutable_monitors(1)->set_curl_m(1e-6);
-  mark_judged("centre", later);
-  EXPECT_EQ(judged_curl(later)->name(), "centre");
 }
 
 }  // namespace
