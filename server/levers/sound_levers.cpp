@@ -58,17 +58,18 @@ const char* unit_of(const std::string& lever) {
 }  // namespace
 
 const std::vector<WrongScale>& wrong_scales() {
-  static const std::vector<WrongScale> all{{-1.0, "its sign is turned"},
-                                           {10.0, "it is ten times too large"},
-                                           {0.1, "it is a tenth"},
-                                           {-10.0, "it is ten times too large, its sign turned"},
-                                           {-0.1, "it is a tenth, its sign turned"},
-                                           {60.0, "what is read per second is per minute"},
-                                           {1.0 / 60.0, "what is read per minute is per second"},
-                                           {1000.0, "what is read as m is in mm"},
-                                           {1e-3, "what is read as mm is in m"},
-                                           {25.4, "what is read as inches is in mm"},
-                                           {1.0 / 25.4, "what is read as mm is in inches"}};
+  static const std::vector<WrongScale> all{
+      {-1.0, "its sign is turned"},
+      {10.0, "it is ten times too large"},
+      {0.1, "it is a tenth"},
+      {-10.0, "it is ten times too large, its sign turned"},
+      {-0.1, "it is a tenth, its sign turned"},
+      {60.0, "what is read per second is per minute", true},
+      {1.0 / 60.0, "what is read per minute is per second", true},
+      {1000.0, "what is read as m is in mm"},
+      {1e-3, "what is read as mm is in m"},
+      {25.4, "what is read as inches is in mm"},
+      {1.0 / 25.4, "what is read as mm is in inches"}};
   return all;
 }
 

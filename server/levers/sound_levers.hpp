@@ -37,8 +37,9 @@ private:
 
 /// A scale or a sign by which a sensor may be wrong.
 struct WrongScale {
-  double factor;     ///< what is shown over what is true
-  const char* text;  ///< for people: "the sign is turned"
+  double factor;                ///< what is shown over what is true
+  const char* text;             ///< for people: "the sign is turned"
+  bool of_rates_alone = false;  ///< no gauge of a length has it
 };
 
 /// Scales of sensors, plants' usual mistakes first.

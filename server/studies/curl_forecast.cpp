@@ -52,7 +52,7 @@ v1::ForecastWarning warning_of(const WrongGauge& wrong, const std::string& monit
       "the gauge shows {:.1f} mm where {:.1f} mm was expected before the casting; no reading of it "
       "counts",
       1e3 * wrong.shown_m, 1e3 * wrong.expected_m));
-  warning.add_causes(std::string("the unit, scale or sign of the gauge: ") + wrong.mistake);
+  warning.add_causes("the unit, scale or sign of the gauge: " + wrong.mistake);
   return warning;
 }
 

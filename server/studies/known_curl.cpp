@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <span>
 
-#include "server/levers/sound_levers.hpp"
 #include "server/studies/run_curves.hpp"
 
 namespace dccast::studies {
@@ -83,49 +81,6 @@ LearnedCurl learn_with_slips(const TrajectoryForecast& before, double noise_m, c
   }
 }
 
-/// A reading beside what was expected of it before the casting [standard deviations].
-struct BesideForecast {
-  const CurlReading& reading;
-  statistics::Estimated expected;
-
-  double off(double factor) const {
-    return std::abs(reading.curl_m / factor - expected.value) / expected.deviation;
-  }
-  double expected_size() const { return std::abs(expected.value) / expected.deviation; }
-};
-
-/// Finds the mistake of scale or sign of a gauge, judged by what was expected before the casting.
-/// Each reading alone would be believed: it is as near to the one before as those of a sound gauge.
-std::optional<WrongGauge> find_wrong_gauge(const TrajectoryForecast& before,
-                                           const std::vector<CurlReading>& readings) {
-  constexpr std::size_t window = 10;
-  constexpr std::ptrdiff_t most = 8;       // readings of the window that have to agree
-  constexpr double far = 3.0, near = 2.0;  // [standard deviations]
-  std::vector<BesideForecast> beside;
-  for (const CurlReading& reading : readings)
-    beside.push_back({reading, before.expected_reading(reading.time_s)});
-
-  for (std::size_t end = window; end <= beside.size(); ++end) {
-    const std::span last(beside.data() + end - window, window);
-    // Where hardly any curl was expected yet, each scale would explain a casting that begins early.
-    const auto unlikely = std::ranges::count_if(last, [](const BesideForecast& each) {
-      return each.expected_size() > far && each.off(1.0) > far;
-    });
-    if (unlikely < most) continue;
-
-    for (const levers::WrongScale& wrong : levers::wrong_scales()) {
-      const auto explained = std::ranges::count_if(
-          last, [&](const BesideForecast& each) { return each.off(wrong.factor) < near; });
-      if (explained >= most)
-        return WrongGauge{.time_s = last.back().reading.time_s,
-                          .shown_m = last.back().reading.curl_m,
-                          .expected_m = last.back().expected.value,
-                          .mistake = wrong.text};
-    }
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 KnownCurl::KnownCurl(const v1::Gauge& gauge, const ForecastBasis& basis)
@@ -135,7 +90,7 @@ KnownCurl::KnownCurl(const v1::Gauge& gauge, const ForecastBasis& basis)
       prior_(prior_of_curl(basis, monitor_)),
       before_(prior_.trajectory, gauge_of(gauge)),
       readings_(readings_of(monitor_, basis.readings)),
-      wrong_gauge_(find_wrong_gauge(before_, as_planned())),
+      wrong_gauge_(find_wrong_gauge(before_, prior_.trajectory.time, levers_, readings_)),
       learned_(learn_with_slips(before_, gauge.noise_m(), scale_of(prior_, gauge_of(gauge)),
                                 wrong_gauge_ ? std::vector<CurlReading>() : as_planned())) {}
 

@@ -11,28 +11,15 @@
 #include "server/studies/curl_prior.hpp"
 #include "server/studies/executed_levers.hpp"
 #include "server/studies/forecast_basis.hpp"
+#include "server/studies/wrong_gauge.hpp"
 
 namespace dccast::studies {
-
-/// A curl that was measured.
-struct CurlReading {
-  double time_s;
-  double curl_m;
-};
 
 /// What all readings of a gauge tell.
 struct LearnedCurl {
   statistics::TrajectoryForecast forecast;
   std::vector<statistics::Innovation> innovations;  ///< one for each reading
   std::vector<statistics::Departure> departures;    ///< by time
-};
-
-/// A gauge whose scale or sign is wrong, as its first readings show that no casting of the plan
-/// has.
-struct WrongGauge {
-  double time_s = 0.0;                     ///< of the reading that shows it
-  double shown_m = 0.0, expected_m = 0.0;  ///< there; expected before the casting
-  const char* mistake = "";                ///< that explains it
 };
 
 /// What is known of the curl at a gauge. Trajectories are those of the casting with its levers as

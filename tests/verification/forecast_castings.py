@@ -17,7 +17,8 @@ With --cast the hidden castings leave the plan. Their levers are read too, and t
 these do; with --blind the forecast takes the levers as planned.
 
 With --fault-at SECOND it is counted how soon a warning follows a fault: --slip-mm of the gauge, or what
---cast does from then on, whose levers are then not read (--unreported).
+--cast does from then on, whose levers are then not read (--unreported). A gauge that is wrong by --gauge-scale
+has its fault at 0.
 """
 import argparse
 import collections
@@ -56,6 +57,7 @@ def arguments():
     parser.add_argument("--unreported", action="store_true", help="the levers are not read")
     parser.add_argument("--fault-at", type=float, metavar="SECOND", help="when a fault begins")
     parser.add_argument("--slip-mm", type=float, default=0.0, help="the gauge slips by it at --fault-at")
+    parser.add_argument("--gauge-scale", type=float, default=1.0, help="what the gauge shows over the curl")
     parser.add_argument("--monitor", default="corner")
     parser.add_argument("--noise-mm", type=float, default=1.0)
     parser.add_argument("--zero-mm", type=float, default=0.0, help="standard deviation, hidden")
@@ -63,7 +65,10 @@ def arguments():
                         help="standard deviation of a factor on the hidden curl")
     parser.add_argument("--server", default="unix:/run/dccast/dccastd.sock")
     parser.add_argument("--dccast", default="dccast")
-    return parser.parse_args()
+    options = parser.parse_args()
+    if options.gauge_scale != 1.0:
+        options.fault_at = 0.0
+    return options
 
 
 def study(options, seed, runs, quality, changes=()):
@@ -176,7 +181,8 @@ def errors_of(options, basis, mean, truth, band, shots, levers=None):
     end = int(truth[0][-1])
     for t in range(0, end - min(AHEAD)):
         slip = 1e-3 * options.slip_mm if options.fault_at is not None and t >= options.fault_at else 0.0
-        measured = factor * at(t) + zero + slip + shots.gauss(0, 1e-3 * options.noise_mm)
+        measured = options.gauge_scale * (factor * at(t) + zero + slip
+                                          + shots.gauss(0, 1e-3 * options.noise_mm))
         curl = follow_pb2.MeasuredCurl(monitor=options.monitor, curl_m=measured)
         options.stub.AppendReadings(follow_pb2.AppendReadingsRequest(
             id=job, readings=[follow_pb2.Reading(number=t + 1, time_s=t, curls=[curl],

@@ -169,6 +169,22 @@ TEST(CurlForecast, TellsAGaugeOfWrongScaleOrSignByTheForecastBeforeTheCasting) {
         << casting;
 }
 
+/// Whether a forecast warns of the scale or sign of a gauge.
+bool tells_wrong_gauge(const v1::Forecast& forecast) {
+  return std::ranges::any_of(forecast.warnings(), [](const v1::ForecastWarning& warning) {
+    return warning.causes(0).find("scale or sign") != std::string::npos;
+  });
+}
+
+TEST(CurlForecast, TakesACastingWhoseCurlFallsBackForNoGaugeThatShowsATenth) {
+  auto fallen = readings(1.0, 100.0);
+  for (v1::Reading& reading : fallen) {
+    const double left = std::clamp(1.0 - (reading.time_s() - 40.0) / 20.0, 0.1, 1.0);
+    reading.mutable_curls(0)->set_curl_m(left * shape(reading.time_s()));
+  }
+  EXPECT_FALSE(tells_wrong_gauge(whole_forecast(ensemble(21), fallen)));
+}
+
 TEST(CurlForecast, WarnsWhereMostReadingsAreLeftOut) {
   auto made = readings(1.0, 100.0);
   for (std::size_t i = 12; i < made.size(); ++i)
@@ -295,7 +311,8 @@ TEST(CurlForecast, IsWiderByTheShareThatLeversAreOffThePlan) {
 }
 
 /// A forecast from a run of the plan alone, whose curl is the shape.
-v1::Forecast unprepared(const std::vector<v1::Reading>& measured) {
+/// @param error  of the plan, that of a section unless given
+v1::Forecast unprepared(const std::vector<v1::Reading>& measured, double error = 0.5) {
   v1::Following with = following();
   with.clear_ensemble();
   with.set_plan_job("job-1");
@@ -307,7 +324,8 @@ v1::Forecast unprepared(const std::vector<v1::Reading>& measured) {
                          .plan = complete,
                          .following = with,
                          .readings = measured,
-                         .plan_run = {run.runs(1).curves().begin(), run.runs(1).curves().end()}});
+                         .plan_run = {run.runs(1).curves().begin(), run.runs(1).curves().end()},
+                         .error_of_plan = error});
 }
 
 TEST(UnpreparedForecast, IsThePlanPlusTheLastDifference) {
@@ -333,6 +351,53 @@ TEST(UnpreparedForecast, IsThePlanPlusTheLastDifference) {
                                                       ::testing::HasSubstr("--prepare"))));
   EXPECT_THAT(whole.findings(), ::testing::IsEmpty());
   EXPECT_EQ(curl.left_out(), 0);
+}
+
+constexpr double of_quarter_slab = 0.25, of_section = 0.5;
+
+TEST(UnpreparedForecast, TellsAGaugeOfWrongScaleOrSign) {
+  for (const double error : {of_quarter_slab, of_section})
+    for (const auto& [scale, mistake] : {std::pair{-1.0, "its sign is turned"},
+                                         {10.0, "ten times too large"},
+                                         {-10.0, "ten times too large, its sign turned"},
+                                         {25.4, "what is read as inches is in mm"},
+                                         {1000.0, "what is read as m is in mm"}})
+      for (const double casting : {0.85, 1.0, 1.15}) {
+        const auto found = unprepared(misread(casting, scale), error);
+        ASSERT_EQ(found.warnings_size(), 1) << scale << " of " << casting << ", " << error;
+        EXPECT_THAT(found.warnings(0).causes(0), ::testing::HasSubstr(mistake));
+        EXPECT_LT(found.warnings(0).time_s(), 60.0) << scale << " of " << casting << ", " << error;
+        EXPECT_EQ(found.curls(0).readings(), 0);
+      }
+}
+
+TEST(UnpreparedForecast, TakesACastingThatCurlsOtherwiseForNoWrongGauge) {
+  for (const double casting : {0.2, 0.5, 1.0, 1.5, 2.3})
+    EXPECT_FALSE(tells_wrong_gauge(unprepared(misread(casting, 1.0)))) << casting;
+
+  auto early = readings(1.0, 100.0);
+  for (v1::Reading& reading : early)
+    reading.mutable_curls(0)->set_curl_m(2.0 * shape(reading.time_s() + 30.0));
+  EXPECT_FALSE(tells_wrong_gauge(unprepared(early)));
+}
+
+TEST(UnpreparedForecast, TakesASlipAndAWrongZeroForNoWrongScale) {
+  for (const double off_m : {-0.1, -0.05, 0.05, 0.1, 0.3})
+    for (const double from_s : {-20.0, 20.0, 60.0}) {
+      auto measured = readings(1.0, 100.0);
+      for (v1::Reading& reading : measured) {
+        v1::MeasuredCurl& curl = *reading.mutable_curls(0);
+        if (reading.time_s() >= from_s) curl.set_curl_m(curl.curl_m() + off_m);
+      }
+      EXPECT_FALSE(tells_wrong_gauge(unprepared(measured))) << off_m << " from " << from_s;
+    }
+}
+
+TEST(UnpreparedForecast, TellsNothingOfAGaugeWhereItsNoiseHidesTheCurl) {
+  for (const double scale : {-1.0, 0.1, 10.0}) {
+    auto measured = misread(0.03, scale);  // 0.9 mm in all
+    EXPECT_FALSE(tells_wrong_gauge(unprepared(measured))) << scale;
+  }
 }
 
 }  // namespace
