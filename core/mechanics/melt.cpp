@@ -12,37 +12,100 @@ namespace {
 // Moduli of the elastic body that the melt is taken for to move its nodes [Pa]: of both only the
 // ratio counts, and of that little (docs/developers/decisions.md).
 constexpr double follower_shear = 1.0, follower_bulk = 1.0;
-// Its forces out of balance, relative to those of each node alone or, while no node has moved, to
-// those at the start: ten times less moves no node by a micrometre.
+// What one sweep still moves, relative to the displacement or, while no node has moved, to what the
+// first sweep moves: ten times less moves no node by a micrometre.
 constexpr double follower_tolerance = 1e-7;
 constexpr int most_follower_iterations = 1000;
 constexpr double same_plane = 1.0 - 1e-9;  // [1] product of two unit normals
 
-/// One sweep of symmetric Gauss-Seidel over the free unknowns, from zero, forwards and backwards.
-/// Held ones stay at zero, or the sweep would not be symmetric.
-void sweep(const linalg::SparsityPattern& pattern, std::span<const double> values,
-           std::span<const char> held, std::span<const int> free, std::span<const double> r,
-           std::span<double> z) {
-  const auto& start = pattern.column_start();
-  const auto& row = pattern.row();
-  std::ranges::copy(r, z.begin());
-  for (const int c : free) {
-    const std::size_t first = std::size_t(start[std::size_t(c)]);
-    const std::size_t end = std::size_t(start[std::size_t(c) + 1]);
-    const double solved = z[std::size_t(c)] / values[first];
-    for (std::size_t k = first + 1; k < end; ++k) z[std::size_t(row[k])] -= values[k] * solved;
+/// The matrix of the follower with some unknowns held at zero, K = L + D + L^T, and the halves of a
+/// sweep of symmetric Gauss-Seidel. Vectors are zero where an unknown is held, before and after.
+class FollowerMatrix {
+public:
+  FollowerMatrix(const linalg::SparsityPattern& pattern, std::span<const double> values,
+                 std::span<const char> held)
+      : start_(pattern.column_start()), row_(pattern.row()), values_(values), held_(held) {
+    for (std::size_t i = 0; i < held.size(); ++i)
+      if (held[i] == 0) free_.push_back(i);
   }
 
-  for (std::size_t i = 0; i < held.size(); ++i)
-    if (held[i] != 0) z[i] = 0.0;
-  for (auto at = free.rbegin(); at != free.rend(); ++at) {
-    const int c = *at;
-    const std::size_t first = std::size_t(start[std::size_t(c)]);
-    const std::size_t end = std::size_t(start[std::size_t(c) + 1]);
-    double sum = z[std::size_t(c)];
-    for (std::size_t k = first + 1; k < end; ++k) sum -= values[k] * z[std::size_t(row[k])];
-    z[std::size_t(c)] = sum / values[first];
+  const std::vector<std::size_t>& free() const { return free_; }
+  double diagonal(std::size_t unknown) const { return values_[std::size_t(start_[unknown])]; }
+
+  /// Replaces v by (L + D)^-1 v.
+  void forwards(std::span<double> v) const {
+    for (const std::size_t c : free_) {
+      v[c] /= diagonal(c);
+      below(c, [&](std::size_t row, double value) {
+        if (held_[row] == 0) v[row] -= value * v[c];
+      });
+    }
   }
+
+  /// Replaces v by (D + L^T)^-1 v.
+  void backwards(std::span<double> v) const {
+    for (auto at = free_.rbegin(); at != free_.rend(); ++at) {
+      double sum = v[*at];
+      below(*at, [&](std::size_t row, double value) { sum -= value * v[row]; });
+      v[*at] = sum / diagonal(*at);
+    }
+  }
+
+private:
+  /// Calls visit(row, value) for the entries of a column below the diagonal.
+  template <class Visit>
+  void below(std::size_t column, const Visit& visit) const {
+    for (int k = start_[column] + 1; k < start_[column + 1]; ++k)
+      visit(std::size_t(row_[std::size_t(k)]), values_[std::size_t(k)]);
+  }
+
+  const std::vector<int>& start_;
+  const std::vector<int>& row_;
+  std::span<const double> values_;
+  std::span<const char> held_;
+  std::vector<std::size_t> free_;
+};
+
+double norm_of(std::span<const double> v, const std::vector<std::size_t>& unknowns) {
+  double squares = 0.0;
+  for (const std::size_t i : unknowns) squares += v[i] * v[i];
+  return std::sqrt(squares);
+}
+
+/// Conjugate gradients with the preconditioner of symmetric Gauss-Seidel, one sweep an iteration
+/// and no product with the matrix (Eisenstat): the unknowns are (D + L^T) x, so that residuals
+/// are those of Gauss-Seidel, in metres.
+/// @param v          residual: (L + D)^-1 b on entry; solution: x on return [m]
+/// @param tolerance  [1] relative to the norm of that residual
+linalg::CgOutcome solve_by_sweeps(const FollowerMatrix& matrix, linalg::GradientVectors<double>& v,
+                                  double tolerance) {
+  std::vector<double> turned(v.residual.size());
+  const auto dot = [&](const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0.0;
+    for (const std::size_t i : matrix.free()) sum += a[i] * b[i];
+    return sum;
+  };
+  const auto precondition = [&] {
+    for (const std::size_t i : matrix.free())
+      v.preconditioned[i] = matrix.diagonal(i) * v.residual[i];
+  };
+  // (L + D)^-1 K t = t + (L + D)^-1 (p - D t), with t = (D + L^T)^-1 p.
+  const auto multiply = [&] {
+    std::ranges::copy(v.direction, turned.begin());
+    matrix.backwards(turned);
+    for (const std::size_t i : matrix.free())
+      v.product[i] = v.direction[i] - matrix.diagonal(i) * turned[i];
+    matrix.forwards(v.product);
+    for (const std::size_t i : matrix.free()) v.product[i] += turned[i];
+  };
+
+  for (auto* vector : {&v.solution, &v.preconditioned, &v.direction, &v.product})
+    vector->assign(v.residual.size(), 0.0);
+  const auto outcome =
+      linalg::iterate_gradients(v, norm_of(v.residual, matrix.free()), precondition, multiply, dot,
+                                {tolerance, most_follower_iterations});
+  matrix.backwards(v.solution);
+  return outcome;
 }
 
 }  // namespace
@@ -160,34 +223,23 @@ void Melt<Dim>::follow(MechanicsForms<Dim>& forms, std::span<const char> carries
   assemble(forms, carries, pattern);
   forms.set_taking_part({});
 
-  // From the present place of the free nodes: forces out of balance, beside those of each node
-  // alone.
-  std::vector<double> force(displacement.size());
-  linalg::multiply(pattern, stiffness_, displacement, force);
-  std::vector<int> free;
-  double out_of_balance = 0.0, of_nodes = 0.0;
-  for (std::size_t i = 0; i < held.size(); ++i) {
-    if (held[i] != 0) continue;
-    free.push_back(static_cast<int>(i));
-    force[i] = -force[i];
-    const double alone =
-        stiffness_[std::size_t(pattern.diagonal(static_cast<int>(i)))] * displacement[i];
-    out_of_balance += force[i] * force[i];
-    of_nodes += alone * alone;
-  }
-  const double permitted = follower_tolerance * std::sqrt(std::max(of_nodes, out_of_balance));
-  if (std::sqrt(out_of_balance) <= permitted) return;
+  // From the present place of the free nodes: by how much one sweep would move them.
+  const FollowerMatrix matrix(pattern, stiffness_, held);
+  std::vector<double>& residual = gradients_.residual;
+  residual.resize(displacement.size());
+  linalg::multiply(pattern, stiffness_, displacement, residual);
+  for (std::size_t i = 0; i < held.size(); ++i) residual[i] = held[i] != 0 ? 0.0 : -residual[i];
+  matrix.forwards(residual);
 
-  std::vector<double> step(displacement.size(), 0.0);
-  const auto precondition = [&](std::span<const double> r, std::span<double> z) {
-    sweep(pattern, stiffness_, held, free, r, z);
-  };
-  const auto outcome =
-      gradients_.solve(pattern, stiffness_, held, precondition, force, step,
-                       {permitted / std::sqrt(out_of_balance), most_follower_iterations});
+  const double start = norm_of(residual, matrix.free());
+  const double permitted =
+      follower_tolerance * std::max(norm_of(displacement, matrix.free()), start);
+  if (start <= permitted) return;
+
+  const auto outcome = solve_by_sweeps(matrix, gradients_, permitted / start);
   // What is left out of balance moves melt alone; more than before is no step towards its rest.
   if (!(outcome.residual < 1.0)) return;
-  for (const int i : free) displacement[std::size_t(i)] += step[std::size_t(i)];
+  for (const std::size_t i : matrix.free()) displacement[i] += gradients_.solution[i];
 }
 
 template class Melt<2>;

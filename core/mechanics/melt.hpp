@@ -61,7 +61,7 @@ private:
   unsigned all_supports_ = 0;           ///< bits of the bottom and of every plane
   std::vector<double> surface_;         ///< (element) @see surface() [m]
   std::vector<double> stiffness_;       ///< (entry of the pattern) of the melt
-  linalg::ConjugateGradients gradients_;
+  linalg::GradientVectors<double> gradients_;
 };
 
 }  // namespace dccast::mechanics
