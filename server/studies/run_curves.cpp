@@ -15,6 +15,27 @@ std::size_t RunCurves::bytes() const {
   return bytes;
 }
 
+void RunCurves::hold_until(double time_s) {
+  constexpr double same_time_s = 1e-6;
+  if (curves.empty() || curves.front().time_s().empty() ||
+      *curves.front().time_s().rbegin() >= time_s - same_time_s)
+    return;
+
+  for (v1::CurlCurve& curve : curves) {
+    const int last = curve.time_s_size() - 1;
+    const double longer_s = time_s - curve.time_s(last);
+    const double speed_m_per_s = last == 0
+                                     ? 0.0
+                                     : (curve.cast_length_m(last) - curve.cast_length_m(last - 1)) /
+                                           (curve.time_s(last) - curve.time_s(last - 1));
+    curve.add_time_s(time_s);
+    curve.add_cast_length_m(curve.cast_length_m(last) + speed_m_per_s * longer_s);
+    curve.add_curl_m(curve.curl_m(last));
+  }
+  for (auto& [monitor, temperatures] : temperature_c) temperatures.push_back(std::nan(""));
+  if (!least_shell_m.empty()) least_shell_m.push_back(least_shell_m.back());
+}
+
 std::vector<double> at_instants(const std::vector<double>& instants_s, const v1::CurlCurve& curve,
                                 const google::protobuf::RepeatedField<double>& figures) {
   return values::at_instants(instants_s, {curve.time_s().begin(), curve.time_s().end()},

@@ -33,6 +33,9 @@ struct RunCurves {
   const v1::CurlCurve* curve(const std::string& monitor) const {
     return find_curve(curves, monitor);
   }
+  /// Goes on from the end of the run to a later time: the curls stay, the cast length grows as in
+  /// its last step. Does nothing where the run lasted as long.
+  void hold_until(double time_s);
   /// Memory that it takes [bytes].
   std::size_t bytes() const;
 };

@@ -39,6 +39,15 @@ const v1::Artifact& results_of(const v1::Job& job) {
 
 }  // namespace
 
+void hold_settled(const v1::Case& description, std::vector<EvaluatedRun>& runs) {
+  if (!description.time().has_settled_m_per_s() || description.time().cool_down_s() > 0.0) return;
+  double end_s = -INFINITY;
+  for (const EvaluatedRun& run : runs)
+    if (run.counts()) end_s = std::max(end_s, *run.history.curves.front().time_s().rbegin());
+  for (EvaluatedRun& run : runs)
+    if (run.counts()) run.history.hold_until(end_s);
+}
+
 void RunResults::forget(const std::string& job) {
   histories_.forget(job);
   faces_.forget(job);
@@ -115,6 +124,7 @@ std::vector<EvaluatedRun> RunResults::evaluated_runs(const StudyRecord& study, c
     if (depth.histories) evaluated.history = history_of(*job);
     if (depth.faces) add_face(*job, evaluated);
   }
+  if (depth.histories) hold_settled(study.request.case_(), runs);
   return runs;
 }
 

@@ -10,6 +10,12 @@
 
 namespace dccast::studies {
 
+/// Holds the curls of castings that ended once they had settled (`time.settled`) up to the end of
+/// the longest, so that all runs of a study are compared at all lengths. Castings that cool down go
+/// on by themselves.
+/// @param runs  with their histories
+void hold_settled(const v1::Case& description, std::vector<EvaluatedRun>& runs);
+
 /// Results of the runs of studies: curves from the event logs of their jobs, faces of the slab from
 /// the last frames. What cannot change any more is kept. Safe to use from several threads.
 class RunResults {

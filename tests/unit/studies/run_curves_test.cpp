@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/studies/run_results.hpp"
+
 namespace dccast::studies {
 namespace {
 
@@ -46,6 +48,46 @@ TEST(RunCurves, IsBeyondTheModelFromTheFirstStepThatSaysSo) {
   v1::Job job;
   job.mutable_validity_loss()->set_time_s(1.5);
   EXPECT_EQ(run_curves(job, steps).beyond_from_s, 2.0);
+}
+
+/// A run of a casting at 1 mm/s, with a step each 10 s.
+EvaluatedRun cast_for(double end_s, double curl_m) {
+  std::vector<v1::StepReport> steps;
+  for (double t = 10.0; t <= end_s; t += 10.0) {
+    steps.push_back(step(t));
+    steps.back().set_cast_length_m(1e-3 * t);
+    add_monitor(steps.back(), "corner").set_curl_m(curl_m * t / end_s);
+  }
+  EvaluatedRun run;
+  run.run.set_state(v1::SUCCEEDED);
+  run.history = run_curves({}, steps);
+  return run;
+}
+
+TEST(HoldSettled, CurlsStayUpToTheEndOfTheLongestCasting) {
+  v1::Case description;
+  description.mutable_time()->set_settled_m_per_s(5e-6);
+  std::vector<EvaluatedRun> runs{cast_for(40.0, 4e-3), cast_for(70.0, 7e-3)};
+  hold_settled(description, runs);
+
+  const v1::CurlCurve& held = *runs[0].history.curve("corner");
+  ASSERT_EQ(held.time_s_size(), 5);
+  EXPECT_DOUBLE_EQ(held.time_s(4), 70.0);
+  EXPECT_NEAR(held.cast_length_m(4), 0.07, 1e-12);
+  EXPECT_DOUBLE_EQ(held.curl_m(4), 4e-3);
+  EXPECT_EQ(runs[0].history.least_shell_m.size(), 5u);
+  EXPECT_EQ(runs[1].history.curve("corner")->time_s_size(), 7) << "the longest stays as it is";
+}
+
+TEST(HoldSettled, LeavesOtherCastingsAsTheyAre) {
+  v1::Case by_time, cools;
+  cools.mutable_time()->set_settled_m_per_s(5e-6);
+  cools.mutable_time()->set_cool_down_s(100.0);
+  for (const v1::Case& description : {by_time, cools}) {
+    std::vector<EvaluatedRun> runs{cast_for(40.0, 4e-3), cast_for(70.0, 7e-3)};
+    hold_settled(description, runs);
+    EXPECT_EQ(runs[0].history.curve("corner")->time_s_size(), 4);
+  }
 }
 
 }  // namespace
