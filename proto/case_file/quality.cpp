@@ -70,14 +70,13 @@ const Discretisation& section_discretisation(v1::Quality quality) {
 /// too much heat; the mechanics needs even ones, since the widest decides. So the heat divides the
 /// mechanics' cells, and these are few, for their cost grows with the square of their number. The
 /// lowest rows resolve the shell over the block, which is 4 to 15 mm thick in the first minute.
-/// Rows that growth adds have little effect; deep ones are merged. While the butt curls, steps of
-/// 1 s halve the error of steps of 2 s, which is as large as that of the mesh. The runs on which
-/// this is based are in docs/developers/discretisation.md.
+/// Rows that growth adds have little effect; deep ones are merged. Steps grow as the curl slows
+/// down. The runs on which this is based are in docs/developers/discretisation.md.
 const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
-  static const Ladder filling{{0, 1}, {10, 4}}, start{{0, 0.25}, {2, 1}, {150, 2}};
+  static const Ladder filling{{0, 2}, {10, 8}}, start{{0, 0.5}, {2, 2}, {150, 4}, {300, 8}};
   static const Discretisation draft{.column = 94e-3,
                                     .fewest_columns = 6,
-                                    .layer = 41e-3,
+                                    .layer = 36e-3,
                                     .heat_per_column = 3,
                                     .heat_per_layer = 2,
                                     .bottom_cell = 4e-3,
@@ -86,11 +85,11 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
                                     .merge_below = 0.1,
                                     .begin = filling,
                                     .event = start,
-                                    .error = {0.04, 0.13}};
+                                    .error = {0.04, 0.08}};
 
-  static const Discretisation engineering{.column = 73e-3,
+  static const Discretisation engineering{.column = 82e-3,
                                           .fewest_columns = 7,
-                                          .layer = 36e-3,
+                                          .layer = 31.5e-3,
                                           .heat_per_column = 4,
                                           .heat_per_layer = 2,
                                           .bottom_cell = 3e-3,
@@ -99,7 +98,7 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
                                           .merge_below = 0.1,
                                           .begin = filling,
                                           .event = start,
-                                          .error = {0.05, 0.11}};
+                                          .error = {0.05, 0.05}};
 
   static const Discretisation fine{.column = 55e-3,
                                    .fewest_columns = 10,
@@ -110,8 +109,8 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
                                    .top_cell = 3e-3,
                                    .growth_cell = 8e-3,
                                    .merge_below = 0.1,
-                                   .event = {{0, 0.25}, {2, 0.5}, {150, 1}},
-                                   .error = {0.05, 0.07}};
+                                   .event = {{0, 0.25}, {2, 0.5}, {150, 1}, {300, 2}},
+                                   .error = {0.05, 0.03}};
 
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
 }

@@ -97,6 +97,7 @@ int main(int count, char** values) {
   const mechanics::CostSplit& cost = run.mechanics_cost();
   std::printf(" heat %.2f tangents %.2f forces %.2f factors %.2f solutions %.2f |",
               run.heat_seconds(), cost.stiffness, cost.forces, cost.preconditioner, cost.solution);
+  corner[static_cast<int>(last.time)] = 1e3 * last.monitor_displacement.at(0).back();
   for (const auto& [time, lift] : corner) std::printf(" %d s: %.3f", time, lift);
   std::printf(" findings");
   for (const auto& f : run.findings())

@@ -11,8 +11,8 @@ using regression::end_lift_mm;
 TEST(Start3dDraft, StaysInBalanceAndLiftsItsCorner) {
   const auto reports = regression::run(support::load_case("start-3d", v1::DRAFT));
   regression::expect_sound_casting(reports);
-  EXPECT_NEAR(end_lift_mm(reports, 0), 37.50, 0.5) << "corner";
-  EXPECT_NEAR(end_lift_mm(reports, 1), 37.43, 0.5) << "middle of the narrow face";
+  EXPECT_NEAR(end_lift_mm(reports, 0), 38.40, 0.5) << "corner";
+  EXPECT_NEAR(end_lift_mm(reports, 1), 38.18, 0.5) << "middle of the narrow face";
   EXPECT_NEAR(end_lift_mm(reports, 2), 5.08, 0.2) << "middle of the wide face";
   EXPECT_NEAR(end_lift_mm(reports, 3), 0.0, 1e-3) << "the centre stands on the block";
 }
@@ -52,7 +52,7 @@ double corner_after_five_seconds(mechanics::Algorithm algorithm) {
 /// While the slab rocks from one support to another what a tolerance leaves is seen in the lift.
 TEST(Start3dDraft, LiftsItsCornerByEveryAlgorithm) {
   const double newton = corner_after_five_seconds(mechanics::Algorithm::newton);
-  EXPECT_NEAR(newton, 0.756, 0.02);
+  EXPECT_NEAR(newton, 1.275, 0.02);
   EXPECT_NEAR(corner_after_five_seconds(mechanics::Algorithm::vnbm), newton, 0.01);
   EXPECT_NEAR(corner_after_five_seconds(mechanics::Algorithm::nbm), newton, 0.01);
   EXPECT_NEAR(corner_after_five_seconds(mechanics::Algorithm::sbm), newton, 0.05);
