@@ -32,6 +32,14 @@ public:
   const std::vector<std::size_t>& free() const { return free_; }
   double diagonal(std::size_t unknown) const { return values_[std::size_t(start_[unknown])]; }
 
+  /// Scalar product over the free unknowns.
+  double dot(std::span<const double> a, std::span<const double> b) const {
+    double sum = 0.0;
+    for (const std::size_t i : free_) sum += a[i] * b[i];
+    return sum;
+  }
+  double norm(std::span<const double> v) const { return std::sqrt(dot(v, v)); }
+
   /// Replaces v by (L + D)^-1 v.
   void forwards(std::span<double> v) const {
     for (const std::size_t c : free_) {
@@ -66,12 +74,6 @@ private:
   std::vector<std::size_t> free_;
 };
 
-double norm_of(std::span<const double> v, const std::vector<std::size_t>& unknowns) {
-  double squares = 0.0;
-  for (const std::size_t i : unknowns) squares += v[i] * v[i];
-  return std::sqrt(squares);
-}
-
 /// Conjugate gradients with the preconditioner of symmetric Gauss-Seidel, one sweep an iteration
 /// and no product with the matrix (Eisenstat): the unknowns are (D + L^T) x, so that residuals
 /// are those of Gauss-Seidel, in metres.
@@ -80,11 +82,7 @@ double norm_of(std::span<const double> v, const std::vector<std::size_t>& unknow
 linalg::CgOutcome solve_by_sweeps(const FollowerMatrix& matrix, linalg::GradientVectors<double>& v,
                                   double tolerance) {
   std::vector<double> turned(v.residual.size());
-  const auto dot = [&](const std::vector<double>& a, const std::vector<double>& b) {
-    double sum = 0.0;
-    for (const std::size_t i : matrix.free()) sum += a[i] * b[i];
-    return sum;
-  };
+  const auto dot = [&](const auto& a, const auto& b) { return matrix.dot(a, b); };
   const auto precondition = [&] {
     for (const std::size_t i : matrix.free())
       v.preconditioned[i] = matrix.diagonal(i) * v.residual[i];
@@ -101,9 +99,8 @@ linalg::CgOutcome solve_by_sweeps(const FollowerMatrix& matrix, linalg::Gradient
 
   for (auto* vector : {&v.solution, &v.preconditioned, &v.direction, &v.product})
     vector->assign(v.residual.size(), 0.0);
-  const auto outcome =
-      linalg::iterate_gradients(v, norm_of(v.residual, matrix.free()), precondition, multiply, dot,
-                                {tolerance, most_follower_iterations});
+  const auto outcome = linalg::iterate_gradients(v, matrix.norm(v.residual), precondition, multiply,
+                                                 dot, {tolerance, most_follower_iterations});
   matrix.backwards(v.solution);
   return outcome;
 }
@@ -231,9 +228,8 @@ void Melt<Dim>::follow(MechanicsForms<Dim>& forms, std::span<const char> carries
   for (std::size_t i = 0; i < held.size(); ++i) residual[i] = held[i] != 0 ? 0.0 : -residual[i];
   matrix.forwards(residual);
 
-  const double start = norm_of(residual, matrix.free());
-  const double permitted =
-      follower_tolerance * std::max(norm_of(displacement, matrix.free()), start);
+  const double start = matrix.norm(residual);
+  const double permitted = follower_tolerance * std::max(matrix.norm(displacement), start);
   if (start <= permitted) return;
 
   const auto outcome = solve_by_sweeps(matrix, gradients_, permitted / start);

@@ -133,14 +133,17 @@ std::optional<WrongGauge> find_wrong_gauge(const TrajectoryForecast& before,
     judged.push_back(beside[i]);
     if (judged.size() < window) continue;
 
+    const auto last = std::span(judged).last(window);
+    const auto is_far_off = [](const BesideForecast& each) { return each.off(1.0) > far; };
+    if (std::ranges::count_if(last, is_far_off) < most) continue;
+
     // Where little curl is expected against its band, each scale would explain a casting that
     // begins early, and a slip. There a reading has to be beyond all that the plan ever shows.
     const bool grown = has_grown({beside.data(), i + 1});
-    const auto unlikely =
-        std::ranges::count_if(std::span(judged).last(window), [&](const BesideForecast& each) {
-          if (each.off(1.0) <= far) return false;
-          return each.expected_size() > far || (grown && !range.contains(each.reading.curl_m));
-        });
+    const auto unlikely = std::ranges::count_if(last, [&](const BesideForecast& each) {
+      return is_far_off(each) &&
+             (each.expected_size() > far || (grown && !range.contains(each.reading.curl_m)));
+    });
     if (unlikely < most) continue;
 
     if (std::string mistake = explanation_of(judged); !mistake.empty())

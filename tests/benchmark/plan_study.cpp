@@ -4,7 +4,7 @@
 //   dccast-plan-study CASE QUALITY [KEY=NUMBER ...]
 //
 // One line: nodes of the heat's mesh, steps, iterations, processor seconds, wall seconds by task,
-// the corner at 60, 120 and 250 s, and what was found, with value and limit.
+// the corner at 60, 120 and 250 s and at the end, and what was found, with value and limit.
 
 #include <cstdio>
 #include <cstdlib>

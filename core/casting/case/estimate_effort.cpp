@@ -10,7 +10,8 @@ namespace {
 
 // Seconds on one core of a server of 2023, fitted to the cases of docs/developers/decisions.md:
 // within a factor of 1.5 on the shipped cases and on refinement 2 with newton, and on steps halved
-// and quartered with the cells. Fits, not theory: the cost of a step goes with the nodes times
+// and quartered with the cells; twice too long for quarter slabs with the paper's alloy, whose
+// steps need half the iterations. Fits, not theory: the cost of a step goes with the nodes times
 // those of a row, the band of the matrix.
 constexpr double heat_by_node = 0.5e-6;       // [s]
 constexpr double heat_by_band = 26e-9;        // [s]
