@@ -3,6 +3,7 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <utility>
 
@@ -11,6 +12,25 @@
 namespace dccast::jobs {
 
 using google::protobuf::util::TimeUtil;
+
+namespace {
+
+/// The time of a submission [ms since 1970]. Jobs start in the order of these times, so no two are
+/// alike: one that comes in the millisecond of another gets the next. A clock that was set back by
+/// more than a second counts anew.
+std::int64_t submission_time() {
+  constexpr std::int64_t longest_lead = 1000;
+  static std::atomic<std::int64_t> last = 0;
+
+  std::int64_t before = last, time = 0;
+  do {
+    time = milliseconds(now());
+    if (time <= before && before - time < longest_lead) time = before + 1;
+  } while (!last.compare_exchange_weak(before, time));
+  return time;
+}
+
+}  // namespace
 
 google::protobuf::Timestamp now() {
   using std::chrono::nanoseconds;
@@ -82,7 +102,7 @@ JobRecord make_record(const NewJob& new_job, const Attachments& attachments) {
   record.job.set_id(values::random_uuid());
   record.job.set_state(v1::QUEUED);
   if (record.job.priority() == v1::PRIORITY_UNSPECIFIED) record.job.set_priority(v1::NORMAL);
-  *record.job.mutable_create_time() = timestamp(milliseconds(now()));
+  *record.job.mutable_create_time() = timestamp(submission_time());
 
   record.bytes =
       static_cast<std::int64_t>(description.submitted_case.size() +

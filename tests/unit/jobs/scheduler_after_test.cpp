@@ -78,6 +78,14 @@ TEST_F(After, AChainIsCancelledToItsEnd) {
   daemon.scheduler.shut_down();
 }
 
+TEST_F(After, JobsOfOneMillisecondKeepTheirOrder) {
+  LongQueue daemon(folder_.path());
+  std::vector<std::string> jobs;
+  for (int i = 0; i < 30; ++i) jobs.push_back(submit(daemon));
+  for (int i = 0; i < 30; ++i)
+    EXPECT_EQ(daemon.scheduler.find(jobs[i])->queue_position(), i + 1) << i;
+}
+
 TEST_F(After, AUserAtTheLimitLeavesWorkersToOthers) {
   LongQueue daemon(folder_.path(), 1);
   const auto first = submit(daemon), second = submit(daemon), of_ben = submit(daemon, {}, "ben");
