@@ -247,8 +247,7 @@ std::vector<Cause> find_causes(const JudgedRun& first, const JudgedRun& other,
   if (difference.verdict() == Verdict::no_difference || course.places.size() < 2) return {};
 
   const std::string& monitor = difference.monitor;
-  const Pair curl{course, along(course, first, first.curl_m(monitor)),
-                  along(course, other, other.curl_m(monitor))};
+  const Pair curl{course, curl_along(course, first, monitor), curl_along(course, other, monitor)};
   const Parting parting{first_reached(curl, 0.5), first_reached(curl, 0.9) + 1};
   std::vector<Cause> causes;
   for (const Figure& figure : figures)

@@ -11,6 +11,7 @@
 #include "proto/case_file/fingerprint.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/values/interpolation.hpp"
+#include "server/judging/settling.hpp"
 
 namespace dccast::judging {
 namespace {
@@ -58,12 +59,9 @@ bool lengths_differ(const JudgedRun& first, const JudgedRun& other) {
 /// Curl of the second run less that of the first along a course [m]; empty if a monitor is missing.
 std::vector<double> differences_along(const Course& course, const JudgedRun& first,
                                       const JudgedRun& other, const std::string& monitor) {
-  const std::vector<double> mine = first.curl_m(monitor);
-  const std::vector<double> theirs = other.curl_m(monitor);
-  if (mine.empty() || theirs.empty()) return {};
-
-  const std::vector<double> before = along(course, first, mine);
-  std::vector<double> difference = along(course, other, theirs);
+  const std::vector<double> before = curl_along(course, first, monitor);
+  std::vector<double> difference = curl_along(course, other, monitor);
+  if (before.empty() || difference.empty()) return {};
   std::ranges::transform(difference, before, difference.begin(), std::minus());
   return difference;
 }
@@ -136,7 +134,7 @@ std::optional<CurlDifference> difference_of(const JudgedRun& first, const Judged
   const std::vector<double>& difference = found.difference_m;
   if (difference.empty() || std::isnan(difference.back())) return std::nullopt;
 
-  found.first_m = along(found.course, first, first.curl_m(monitor)).back();
+  found.first_m = curl_along(found.course, first, monitor).back();
   found.other_m = found.first_m + difference.back();
   found.end_m = difference.back();
 
@@ -162,9 +160,15 @@ Course common_course(const JudgedRun& first, const JudgedRun& other) {
   const std::vector<double> theirs = track_of(other, course.by_length).places;
   if (mine.empty() || theirs.empty()) return course;
 
-  const double end = std::min(mine.back(), theirs.back());
+  const bool first_is_shorter = mine.back() < theirs.back();
+  const bool is_held = has_settled(first_is_shorter ? first : other);
+  const auto [shorter_end, longer_end] = std::minmax(mine.back(), theirs.back());
+  const double end = is_held ? longer_end : shorter_end;
+
   for (const double place : mine)
     if (place >= theirs.front() - same && place < end - same) course.places.push_back(place);
+  for (const double place : theirs)
+    if (place > mine.back() + same && place < end - same) course.places.push_back(place);
   if (end >= std::max(mine.front(), theirs.front()) - same) course.places.push_back(end);
   return course;
 }
@@ -175,6 +179,20 @@ std::vector<double> along(const Course& course, const JudgedRun& run,
   std::vector<double> kept;
   for (const std::size_t step : track.steps) kept.push_back(values[step]);
   return values::at_instants(course.places, track.places, kept);
+}
+
+std::vector<double> curl_along(const Course& course, const JudgedRun& run,
+                               const std::string& monitor) {
+  const std::vector<double> curl_m = run.curl_m(monitor);
+  if (curl_m.empty()) return {};
+
+  std::vector<double> values = along(course, run, curl_m);
+  if (has_settled(run)) {
+    const double end = track_of(run, course.by_length).places.back();
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (course.places[i] > end) values[i] = curl_m.back();
+  }
+  return values;
 }
 
 Verdict CurlDifference::verdict() const {

@@ -18,11 +18,13 @@ struct KeyDifference {
 /// Titles are ignored: they do not affect the results.
 std::vector<KeyDifference> differing_keys(const std::vector<JudgedRun>& runs);
 
-/// The places at which two runs are compared, up to the end of the shorter one: times of the block,
-/// or cast lengths where the two have not cast the same length at the same time.
+/// The places at which two runs are compared: times of the block, or cast lengths where the two
+/// have not cast the same length at the same time. They reach to the end of the shorter run, or of
+/// the longer one where the curl of the shorter has settled.
 struct Course {
   bool by_length = false;
-  /// Steps of the first run and the common end, ascending [s] or [m].
+  /// Steps of the first run, after its end those of the other one, and the common end, ascending
+  /// [s] or [m].
   std::vector<double> places;
 
   /// From the first place to the last [s] or [m].
@@ -37,6 +39,9 @@ Course common_course(const JudgedRun& first, const JudgedRun& other);
 /// @return        (place of the course) [unit of `values`]
 std::vector<double> along(const Course& course, const JudgedRun& run,
                           const std::vector<double>& values);
+/// A curl of a run along the course [m]: one that has settled stays. Empty: no such monitor.
+std::vector<double> curl_along(const Course& course, const JudgedRun& run,
+                               const std::string& monitor);
 
 /// Where the error of a difference comes from.
 enum class ErrorSource {

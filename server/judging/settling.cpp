@@ -30,12 +30,33 @@ LastRates last_rates(const JudgedRun& run, const std::vector<double>& curl_m) {
   return {window_s, (at[1] - at[0]) / window_s, (at[2] - at[1]) / window_s};
 }
 
+/// Whether a run shows how its curl ends: it was followed for a moment and does not cool down.
+bool shows_its_end(const JudgedRun& run) {
+  return !run.steps.empty() && run.steps.back().time_s() >= 2.0 * shortest_window_s &&
+         run.description.time().cool_down_s() <= 0.0;
+}
+
+/// The chosen curl by step [m]; NaN where it has none.
+std::vector<double> judged_curl_m(const JudgedRun& run) {
+  std::vector<double> curl_m;
+  for (const v1::StepReport& step : run.steps) {
+    const auto* monitor = figures::judged_curl(step);
+    curl_m.push_back(monitor == nullptr ? std::nan("") : figures::curl_of(*monitor));
+  }
+  return curl_m;
+}
+
 }  // namespace
+
+bool has_settled(const JudgedRun& run) {
+  const v1::TimeControl& time = run.description.time();
+  if (!time.has_settled_m_per_s() || !shows_its_end(run)) return false;
+  return std::abs(last_rates(run, judged_curl_m(run)).last_m_per_s) < time.settled_m_per_s();
+}
 
 std::string settling_sentence(const JudgedRun& run, const std::vector<double>& curl_m) {
   const v1::TimeControl& time = run.description.time();
-  const double end_s = run.steps.back().time_s();
-  if (time.cool_down_s() > 0.0 || end_s < 2.0 * shortest_window_s) return {};
+  if (!shows_its_end(run)) return {};
 
   const LastRates rates = last_rates(run, curl_m);
   const double limit_m_per_s =

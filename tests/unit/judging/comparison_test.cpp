@@ -81,6 +81,33 @@ TEST(Comparison, ARunThatEndsEarlierIsComparedUpToItsEnd) {
   EXPECT_NEAR(rows[0].end_m, 0.2, 1e-12);
 }
 
+/// Of two castings that end when their curl has settled, one ends at 120 s.
+std::vector<JudgedRun> settled_castings() {
+  JudgedRun early = run_of([](double time_s) { return std::min(0.3, 0.01 * time_s); });
+  JudgedRun late = run_of(rise_to(0.4));
+  early.steps.resize(121);
+  for (JudgedRun* run : {&early, &late}) run->description.mutable_time()->set_settled_m_per_s(5e-6);
+  return {early, late};
+}
+
+TEST(Comparison, ASettledCurlIsHeldToTheEndOfTheLongerRun) {
+  const std::vector<JudgedRun> runs = settled_castings();
+  for (const bool early_is_first : {true, false}) {
+    const auto rows =
+        curl_differences({runs[early_is_first ? 0 : 1], runs[early_is_first ? 1 : 0]});
+    ASSERT_THAT(rows, SizeIs(1));
+    EXPECT_EQ(rows[0].course.places.back(), 200.0);
+    EXPECT_THAT(rows[0].course.places, SizeIs(201));
+    EXPECT_NEAR(rows[0].end_m, early_is_first ? 0.1 : -0.1, 1e-12);
+  }
+}
+
+TEST(Comparison, ACurlThatMovesAtTheEndOfTheShorterRunIsNotHeld) {
+  std::vector<JudgedRun> runs = settled_castings();
+  runs[0].steps.resize(31);  // stopped while it rises
+  EXPECT_EQ(curl_differences(runs).at(0).course.places.back(), 30.0);
+}
+
 TEST(Comparison, RunsOfDifferentSpeedAreComparedAtTheSameCastLength) {
   const JudgedRun slow = run_of(rise_to(0.4), [](double time_s, v1::StepReport& step) {
     step.set_cast_length_m(0.5e-3 * time_s);
