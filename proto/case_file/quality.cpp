@@ -280,7 +280,7 @@ bool is_measured_casting(const v1::Case& c) {
 
   const auto& half_thickness = c.section().half_thickness_m().value();
   return half_width >= 0.5 && half_width <= 0.9 && !half_thickness.empty() &&
-         half_thickness[0] >= 0.2 && half_thickness[0] <= 0.4 && c.time().end_s() <= 300.0;
+         half_thickness[0] >= 0.2 && half_thickness[0] <= 0.4 && c.time().end_s() <= 1200.0;
 }
 
 }  // namespace
@@ -311,6 +311,31 @@ std::optional<v1::RelativeError> relative_discretisation_error(const v1::Case& c
   error.set_lower(band.below);
   error.set_upper(band.above);
   return error;
+}
+
+bool is_measured_at(const v1::Case& c, const std::string& name) {
+  constexpr double same_place = 1e-6;  // [m]
+  if (c.section().kind() != v1::Section::QUARTER_SLAB) return true;
+
+  const auto find = [&](const std::string& wanted) {
+    return std::ranges::find(c.monitor(), wanted, &v1::Monitor::name);
+  };
+  const auto is_on_the_edge = [&](const std::string& point) {
+    const auto found = find(point);
+    return found != c.monitor().end() && found->of().empty() &&
+           std::abs(found->x_m() - c.section().half_width_m()) < same_place &&
+           std::abs(found->z_m()) < same_place;
+  };
+
+  const auto monitor = find(name);
+  if (monitor == c.monitor().end() || monitor->of().empty()) return is_on_the_edge(name);
+  return std::ranges::all_of(monitor->of(), is_on_the_edge, &v1::MonitorShare::monitor);
+}
+
+std::optional<v1::RelativeError> monitor_error(const v1::Case& complete,
+                                               const std::string& monitor) {
+  if (!is_measured_at(complete, monitor)) return std::nullopt;
+  return relative_discretisation_error(complete);
 }
 
 CurlError curl_error(const v1::RelativeError& error, double curl_m) {

@@ -26,10 +26,19 @@ bool quality_matters(const v1::Case& description);
 /// How far mesh and time steps may have put the true curl below and above the computed one,
 /// relative to the computed one [1]: the band of docs/error-bars.md. Empty if no band was measured:
 /// it exists, with the built-in mesh and steps of the quality, for plane-strain thickness sections
-/// (half width 0.2 to 0.4 m) and for the first 300 s of quarter slabs (half width 0.5 to 0.9 m,
-/// half thickness 0.2 to 0.4 m).
+/// (half width 0.2 to 0.4 m) and for the first 1200 s of quarter slabs (half width 0.5 to 0.9 m,
+/// half thickness 0.2 to 0.4 m), at the monitors of is_measured_at().
 /// @param complete  case with all its defaults
 std::optional<v1::RelativeError> relative_discretisation_error(const v1::Case& complete);
+
+/// Whether the bands were measured at a monitor: in a section at any, in a quarter slab along the
+/// narrow edge of the butt, from its middle to the corner; and at a mean of such monitors.
+bool is_measured_at(const v1::Case& description, const std::string& monitor);
+
+/// The band of a monitor; empty where it was not measured.
+/// @param complete  case with all its defaults
+std::optional<v1::RelativeError> monitor_error(const v1::Case& complete,
+                                               const std::string& monitor);
 
 /// How far the true curl may lie below and above a computed one [m].
 struct CurlError {
@@ -43,16 +52,16 @@ struct CurlError {
 CurlError curl_error(const v1::RelativeError& error, double curl_m);
 
 /// Sets the errors of curls at the end [m] of a run of a study or of a prediction, which has those
-/// relative to them; none where they are not known, NaN of a mean of monitors, for which they were
-/// not measured.
+/// relative to them; none where they are not known, NaN at a monitor where they were not measured.
 /// @param curls_m  (monitor of the case)
 template <class Curls, class Message>
 void set_end_errors(const v1::Case& description, const Curls& curls_m, Message& message) {
   if (!message.has_mesh_error()) return;
   for (int i = 0; i < int(std::size(curls_m)); ++i) {
-    const bool mean = i < description.monitor_size() && !description.monitor(i).of().empty();
+    const std::string name = i < description.monitor_size() ? description.monitor(i).name() : "";
     const CurlError error =
-        curl_error(message.mesh_error(), mean ? std::nan("") : curls_m[std::size_t(i)]);
+        curl_error(message.mesh_error(),
+                   is_measured_at(description, name) ? curls_m[std::size_t(i)] : std::nan(""));
     message.add_end_lower_error_m(error.lower_m);
     message.add_end_upper_error_m(error.upper_m);
   }

@@ -90,7 +90,7 @@ void add_curls(const Runs& runs, const std::string& monitor, v1::Judgement& judg
     const auto curl = runs[i].curl_m(monitor);
     if (curl.empty()) continue;
     v1::Chart::Line& line = add_line(chart, numbered(runs, i), runs[i].time_s(), curl);
-    if (const auto error = case_file::relative_discretisation_error(runs[i].description))
+    if (const auto error = case_file::monitor_error(runs[i].description, monitor))
       add_band(line, *error);
   }
 }
@@ -150,8 +150,8 @@ void add_differences_table(const Runs& runs, const Differences& differences,
   for (const int column : {4, 5}) table.mutable_columns(column)->set_is_signed(true);
 
   for (const CurlDifference& row : differences) {
-    const auto own_curl = [](const JudgedRun& run, double curl_m) {
-      const auto error = case_file::relative_discretisation_error(run.description);
+    const auto own_curl = [&](const JudgedRun& run, double curl_m) {
+      const auto error = case_file::monitor_error(run.description, row.monitor);
       return curl_cell(curl_m,
                        error ? std::optional(case_file::curl_error(*error, curl_m)) : std::nullopt);
     };

@@ -206,6 +206,16 @@ const v1::StudyRun* first_valid_run(const v1::StudyResult& result) {
   return found == result.runs().end() ? nullptr : &*found;
 }
 
+std::optional<v1::RelativeError> study_study_mesh_error(const v1::StudyResult& result,
+                                                        const std::string& monitor) {
+  const v1::StudyRun* const run = first_valid_run(result);
+  if (run == nullptr || !run->has_mesh_error()) return std::nullopt;
+
+  // A run has no error at its end where none was measured.
+  const int number = monitor_of(result, monitor);
+  return number >= 0 && mesh_error(*run, number) ? std::optional(run->mesh_error()) : std::nullopt;
+}
+
 v1::Judgement judge_study(const StudyToJudge& study) {
   const v1::StudyResult& result = study.result;
   v1::Judgement judgement;

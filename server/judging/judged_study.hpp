@@ -30,6 +30,10 @@ bool is_valid(const v1::StudyRun& run);
 /// The first valid run; of a sensitivity study that is the case itself. Null: there is none.
 const v1::StudyRun* first_valid_run(const v1::StudyResult& result);
 
+/// The band of a monitor's curls, that of the first valid run; empty: not known.
+std::optional<v1::RelativeError> study_study_mesh_error(const v1::StudyResult& result,
+                                                        const std::string& monitor);
+
 /// The answer of a study so far: sentences, and the tables and charts that they rest on. A sweep
 /// without a purpose has charts and the table of its runs alone; so has a calibration that was not
 /// evaluated.

@@ -114,11 +114,10 @@ void add_sentences(const StudyToJudge& study, v1::Judgement& judgement) {
       last(spread.time_s()), losses.empty() ? "castings" : "of the others",
       mm(last(spread.low_m())), mm(last(spread.high_m())), spread.monitor(),
       mm(last(spread.median_m()))));
-  const v1::StudyRun* const run = first_valid_run(result);
+  const auto error = study_study_mesh_error(result, spread.monitor());
   judgement.add_sentences(
-      run != nullptr && run->has_mesh_error()
-          ? fmt::format("Mesh and time steps add {}.",
-                        error_text(run->mesh_error(), last(spread.median_m())))
+      error
+          ? fmt::format("Mesh and time steps add {}.", error_text(*error, last(spread.median_m())))
           : "What mesh and time steps add is not known for such a case: run dccast convergence.");
   // A casting that is lost ends in no band.
   if (spread.has_inside_band())
@@ -176,11 +175,11 @@ void add_curl_chart(const v1::StudyResult& result, v1::Judgement& judgement) {
   *data.mutable_low() = spread.low_m();
   *data.mutable_high() = spread.high_m();
 
-  const v1::StudyRun* const run = first_valid_run(result);
-  if (run == nullptr || !run->has_mesh_error()) return;
+  const auto error = study_study_mesh_error(result, spread.monitor());
+  if (!error) return;
   v1::Chart::Line& mesh = add_line(chart, "mesh and time steps", vector_of(spread.time_s()),
                                    vector_of(spread.median_m()));
-  add_band(mesh, run->mesh_error());
+  add_band(mesh, *error);
   // The band alone: its middle is the line above.
   for (double& value : *mesh.mutable_y()) value = std::numeric_limits<double>::quiet_NaN();
 }

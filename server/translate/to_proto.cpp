@@ -87,16 +87,14 @@ const std::vector<const Field*>& message_fields() {
 }
 
 void add_monitors(const results::StepReport& report, const std::vector<casting::Monitor>& monitors,
-                  const std::optional<v1::RelativeError>& mesh_error, v1::StepReport& to) {
+                  const std::vector<std::optional<v1::RelativeError>>& errors, v1::StepReport& to) {
   for (std::size_t i = 0; i < report.monitor_displacement.size(); ++i) {
     auto* value = to.add_monitors();
     if (i < monitors.size()) value->set_name(monitors[i].name);
-    const bool mean = i < monitors.size() && !monitors[i].of.empty();
     for (const double along : report.monitor_displacement[i]) value->add_displacement_m(along);
     if (i < report.monitor_temperature.size() && std::isfinite(report.monitor_temperature[i]))
       value->set_temperature_c(report.monitor_temperature[i]);
-    // The bands were not measured for means (docs/error-bars.md).
-    case_file::add_curl(mean ? std::nullopt : mesh_error, *value);
+    case_file::add_curl(i < errors.size() ? errors[i] : std::nullopt, *value);
   }
 }
 
@@ -210,7 +208,7 @@ std::string describe(const std::vector<Fault>& faults) {
 
 v1::StepReport to_proto(const results::StepReport& report,
                         const std::vector<casting::Monitor>& monitors,
-                        const std::optional<v1::RelativeError>& mesh_error) {
+                        const std::vector<std::optional<v1::RelativeError>>& errors) {
   v1::StepReport to;
   v1::SectionFigures& section = *to.mutable_section();
   section.set_extent(report.dimension == 3 ? v1::SectionFigures::WHOLE_QUARTER
@@ -230,7 +228,7 @@ v1::StepReport to_proto(const results::StepReport& report,
                field.member);
   }
 
-  add_monitors(report, monitors, mesh_error, to);
+  add_monitors(report, monitors, errors, to);
   to.set_solver_s(report.solver_seconds);
   to.set_process_s(report.process_seconds);
   return to;

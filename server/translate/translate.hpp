@@ -55,10 +55,10 @@ void add_probed(const results::Frame& frame, const v1::ProbeResultRequest& reque
                 v1::ProbeResultResponse& response);
 
 /// @param monitors    of the case, in its order: the core's reports identify them by index
-/// @param mesh_error  of the case, see case_file::relative_discretisation_error(); empty: not known
+/// @param errors      by monitor, see case_file::monitor_error(); of a further one not known
 v1::StepReport to_proto(const results::StepReport& report,
                         const std::vector<casting::Monitor>& monitors,
-                        const std::optional<v1::RelativeError>& mesh_error = std::nullopt);
+                        const std::vector<std::optional<v1::RelativeError>>& errors = {});
 
 /// Restores a report, bit by bit. @param dimension  2 in sections, 3 in quarter slabs
 results::StepReport to_core(const v1::StepReport& report, int dimension);

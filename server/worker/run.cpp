@@ -63,13 +63,13 @@ JobRun::Clock::duration to_duration(double seconds) {
 class ReportingObserver : public casting::StepObserver {
 public:
   ReportingObserver(RunLink& link, const casting::Case& casting_case,
-                    std::optional<v1::RelativeError> mesh_error,
+                    std::vector<std::optional<v1::RelativeError>> errors,
                     const std::optional<FollowedLevers>& levers)
-      : link_(link), case_(casting_case), mesh_error_(std::move(mesh_error)), levers_(levers) {}
+      : link_(link), case_(casting_case), errors_(std::move(errors)), levers_(levers) {}
 
   casting::Order on_step(const results::StepReport& report) override {
     send([&](v1::JobEvent& event) {
-      *event.mutable_step() = translate::to_proto(report, case_.monitors, mesh_error_);
+      *event.mutable_step() = translate::to_proto(report, case_.monitors, errors_);
       const auto judged = casting::judged_monitor(case_, report.monitor_displacement);
       if (judged) event.mutable_step()->mutable_monitors(int(*judged))->set_judged(true);
     });
@@ -120,8 +120,8 @@ private:
 
   RunLink& link_;
   const casting::Case& case_;
-  const std::optional<v1::RelativeError> mesh_error_;
-  const std::optional<FollowedLevers>& levers_;  ///< empty: the case is not followed
+  const std::vector<std::optional<v1::RelativeError>> errors_;  ///< by monitor
+  const std::optional<FollowedLevers>& levers_;                 ///< empty: the case is not followed
 };
 
 /// Lists the results with sizes and checksums. They are computed here, once, while the files are
@@ -168,8 +168,10 @@ v1::RunEnd run(const v1::SolveCase& order, RunLink& link) {
   std::optional<FollowedLevers> levers;
   if (!order.job_id().empty() && jobs::follows_readings(directory))
     levers.emplace(directory, order.case_(), [&link] { return link.order(); });
-  ReportingObserver observer(link, casting_case,
-                             case_file::relative_discretisation_error(order.case_()), levers);
+  std::vector<std::optional<v1::RelativeError>> errors;
+  for (const v1::Monitor& monitor : order.case_().monitor())
+    errors.push_back(case_file::monitor_error(order.case_(), monitor.name()));
+  ReportingObserver observer(link, casting_case, std::move(errors), levers);
 
   const auto outcome =
       casting::run(casting_case,

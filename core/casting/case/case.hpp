@@ -163,8 +163,9 @@ struct Case {
   std::string source_json;
   /// Commit of the program and SHA-256 of the submitted case, kept there too; empty: not known.
   std::string commit = {}, case_sha256 = {};
-  /// What mesh and time steps leave uncertain of a curl, relative to it [1]; kept in the result
-  /// file. Core does not know it: it comes with the case. Absent: not known.
+  /// What mesh and time steps leave uncertain of a curl, where its error was measured, relative to
+  /// it [1]; kept in the result file. Core does not know it: it comes with the case. Absent: not
+  /// known.
   std::optional<double> relative_curl_error = std::nullopt;
 };
 

@@ -262,10 +262,40 @@ TEST(DiscretisationError, OfADraftOfAQuarterSlabReachesFartherUp) {
   EXPECT_GT(draft->upper(), draft->lower());
 }
 
+/// They were measured at the corner and at the middle of the narrow face.
+TEST(DiscretisationError, OfAQuarterSlabIsKnownAlongTheNarrowEdgeAndForMeansOfIt) {
+  v1::Case c = quarter_slab(v1::DRAFT);
+  const double half_width_m = c.section().half_width_m();
+  const auto add = [&](const char* name, double x_m, double z_m) {
+    v1::Monitor& monitor = *c.add_monitor();
+    monitor.set_name(name);
+    monitor.set_x_m(x_m);
+    monitor.set_y_m(0.0);
+    monitor.set_z_m(z_m);
+  };
+  add("narrow face", half_width_m, 0.0);
+  add("above it", half_width_m, 0.1);
+  add("wide face", 0.0, 0.0);
+
+  const auto add_mean = [&](const char* name, const char* beside) {
+    v1::Monitor& mean = *c.add_monitor();
+    mean.set_name(name);
+    for (const char* member : {"narrow face", beside}) mean.add_of()->set_monitor(member);
+  };
+  add_mean("plant", "narrow face");
+  add_mean("all around", "wide face");
+
+  const v1::Case all = complete(c);
+  for (const char* known : {"narrow face", "plant"})
+    EXPECT_TRUE(monitor_error(all, known)) << known;
+  for (const char* unknown : {"above it", "wide face", "all around", "nowhere"})
+    EXPECT_FALSE(monitor_error(all, unknown)) << unknown;
+}
+
 TEST(DiscretisationError, OfAQuarterSlabIsUnknownBeyondItsStartAndOnAnotherMesh) {
   v1::Case later = quarter_slab(v1::DRAFT), layers = later, merged = later, long_slab = later,
            heat = later;
-  later.mutable_time()->set_end_s(1000.0);
+  later.mutable_time()->set_end_s(1500.0);
   layers.mutable_mesh()->set_layers(4);
   merged.mutable_mesh()->set_merge_below_m(0.2);
   long_slab.mutable_section()->set_half_width_m(1.2);

@@ -133,6 +133,7 @@ v1::StudyResult uncertainty() {
   for (v1::StudyRun& run : *result.mutable_runs()) {
     run.mutable_mesh_error()->set_lower(0.05);
     run.mutable_mesh_error()->set_upper(0.05);
+    case_file::set_end_errors(v1::Case(), run.end_curl_m(), run);
   }
   v1::Spread& spread = *result.mutable_spread();
   spread.set_monitor("corner");

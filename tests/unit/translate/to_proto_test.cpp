@@ -86,7 +86,7 @@ TEST(StepToProto, CurlsHaveTheErrorOfMeshAndStepsOnTheirSides) {
 
   v1::RelativeError error;
   error.set_upper(0.1);
-  const auto to = to_proto(report, monitors, error);
+  const auto to = to_proto(report, monitors, {error, error, error, error});
   EXPECT_EQ(to.monitors(0).curl_m(), 0.02);
   EXPECT_EQ(to.monitors(0).curl_lower_error_m(), 0.0);
   EXPECT_DOUBLE_EQ(to.monitors(0).curl_upper_error_m(), 0.002);
@@ -94,9 +94,11 @@ TEST(StepToProto, CurlsHaveTheErrorOfMeshAndStepsOnTheirSides) {
   EXPECT_EQ(to.monitors(1).curl_upper_error_m(), 0.0);
   EXPECT_FALSE(to.monitors(2).has_curl_m() || to.monitors(3).has_curl_m());
 
-  const auto unknown = to_proto(report, monitors);
-  EXPECT_TRUE(unknown.monitors(0).has_curl_m());
-  EXPECT_FALSE(unknown.monitors(0).has_curl_upper_error_m());
+  const auto partly = to_proto(report, monitors, {std::nullopt, error});
+  EXPECT_TRUE(partly.monitors(0).has_curl_m());
+  EXPECT_FALSE(partly.monitors(0).has_curl_upper_error_m());
+  EXPECT_TRUE(partly.monitors(1).has_curl_upper_error_m());
+  EXPECT_FALSE(to_proto(report, monitors).monitors(1).has_curl_upper_error_m());
 }
 
 /// The results of a resumed run are made of what is read back: every bit counts.
