@@ -98,7 +98,10 @@ bool more_than_notes(const Findings& findings) {
 }
 
 std::string findings_part(const Findings& findings) {
-  if (findings.empty()) return "<p class='note'>Findings: none (docs/findings.md).</p>";
+  static const std::string purpose =
+      "Screening and advice, not a safety system: the limits of your plant hold.</p>";
+  if (findings.empty()) return "<p class='note'>Findings: none (docs/findings.md). " + purpose;
+
   std::vector<const v1::Finding*> ordered;
   for (const v1::Finding& finding : findings) ordered.push_back(&finding);
   std::ranges::stable_sort(ordered, std::ranges::greater{}, &v1::Finding::severity);
@@ -107,8 +110,8 @@ std::string findings_part(const Findings& findings) {
   return "<section class='card findings'><h2>Findings: " + findings_count(findings) +
          "</h2><table>" + rows +
          "</table><p class='soft'>What each means, its limit and where that comes from: "
-         "docs/findings.md.</p>"
-         "</section>";
+         "docs/findings.md. " +
+         purpose + "</section>";
 }
 
 std::string place_text(const google::protobuf::RepeatedField<double>& place_m) {

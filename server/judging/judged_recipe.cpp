@@ -174,8 +174,9 @@ void add_recipe_sentences(const v1::StudyResult& result, v1::Judgement& judgemen
   constexpr double no_recipe = 0.5;
   if (!found.front().empty() && found.front(0).risk() > no_recipe)
     judgement.add_sentences(
-        "No recipe within these limits is safe whatever the data are: what leaves them open has to "
-        "be measured first (dccast uncertainty, dccast sensitivity).");
+        "No recipe within these limits stays without a danger whatever the data are: what leaves "
+        "them open has to be measured first (dccast uncertainty, dccast sensitivity).");
+  judgement.add_sentences("A recipe is advice: the limits of your plant hold.");
   judgement.add_sentences(fmt::format(
       "The surfaces rest on {} drafts, {} with a danger; the curl is off by {} mm, the danger is "
       "misjudged in {} % of them. Curls of drafts count {:.2f} times, what full quality made of "

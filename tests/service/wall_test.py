@@ -94,6 +94,7 @@ class Figures(Wall):
         self.wait_for("39 s", ".when")
         self.measure(job_id, 40, begin=40)
         self.wait_for("40 s", ".when")
+        self.wait_for("not a safety system", ".remarks")
 
         # The figures are those of the server.
         forecast = self.forecast(job_id).curls[0]
@@ -253,6 +254,7 @@ class Choice(Wall):
         self.wait_for("pit-3", "h1")
         self.go("wall/hall=7")
         self.wait_for("Start stage", "h1")
+        self.wait_for("not a safety system", "main")
         self.assertFalse(self.browser.find_elements(By.CSS_SELECTOR, ".casting"))
         self.go("wall/hall=3")
         self.wait_for("pit-3", "h1")

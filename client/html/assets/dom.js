@@ -107,6 +107,10 @@ export function gravestFinding(findings) {
     others.length ? h('small', {}, ` and ${others.length} more`) : null);
 }
 
+/** What the program is for: on pages that are looked at while metal flows. */
+export const purpose = () => h(
+  'p', {class: 'soft'}, 'Screening and advice, not a safety system: the limits of your plant hold.');
+
 /** The findings of a job as a list, the gravest first. */
 export function findingList(findings) {
   if (findings.length === 0) return h('p', {class: 'soft'}, 'No findings.');

@@ -2,7 +2,7 @@
 // old all of this is. The figures are the server's.
 import {repeat} from './api.js';
 import {chart, valueAt, wantedBand} from './chart.js';
-import {durationText, fixed, gravestFinding, h, mm, replace} from './dom.js';
+import {durationText, fixed, gravestFinding, h, mm, purpose, replace} from './dom.js';
 import {curlLines} from './history.js';
 
 const oldAfter = 10;  // s without a reading
@@ -171,7 +171,7 @@ export function followedWall(element, signal) {
       alarmsOf(now.job), old, curlFigures(now), leverRows(now.levers),
       h('div', {class: 'curl-chart'}, curlChart(now)),
       h('div', {class: 'remarks'}, warningsOf(now), adviceOf(now.forecast),
-        (now.forecast?.notes || []).map(note => h('p', {class: 'note'}, note)))));
+        (now.forecast?.notes || []).map(note => h('p', {class: 'note'}, note)), purpose())));
     drawAge();
   };
 }

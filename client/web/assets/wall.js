@@ -1,7 +1,7 @@
 // One line for a screen on the wall: what runs now, large enough to be read across the hall.
 import {call, get, repeat} from './api.js';
 import {chart, wantedBand} from './chart.js';
-import {findingList, gravestFinding, h, monitorText, replace, stateText} from './dom.js';
+import {findingList, gravestFinding, h, monitorText, purpose, replace, stateText} from './dom.js';
 import {followedWall} from './followed.js';
 import {curlLines} from './history.js';
 import {judgedMonitor} from './jobs.js';
@@ -29,7 +29,7 @@ function drawRun(element, {job, steps, wanted}) {
           curlLines(steps),
           {title: 'Curl', xLabel: 'time, s', yLabel: 'mm', wanted: wantedBand(wanted)})
       : null,
-    findings.length > 1 ? findingList(findings) : null);
+    findings.length > 1 ? findingList(findings) : null, purpose());
 }
 
 /** The forecast of a job, or why there is none. */

@@ -76,6 +76,7 @@ TEST(MoreThanNotes, IsWhatStrictFailsFor) {
 
 TEST(FindingsPart, HasTheGravestFirstAndNoMarkupOfTheirs) {
   EXPECT_THAT(findings_part({}), HasSubstr("Findings: none"));
+  EXPECT_THAT(findings_part({}), HasSubstr("not a safety system"));
   const std::string part = findings_part(list_of({remark(), thin_shell()}));
   EXPECT_LT(part.find("bleed_out_at_exit"), part.find("remark"));
   EXPECT_THAT(part, HasSubstr("thin &lt;here&gt;"));

@@ -101,11 +101,11 @@ TEST(Recipe, NumbersThatThePlanLeavesAloneHaveNoColumn) {
   EXPECT_DOUBLE_EQ(cell_of(judgement.parts(0).table(), 0, "hold").value(), 60.0);
 }
 
-TEST(Recipe, SaysWhereNothingIsSafeOrConfirmedOrThere) {
+TEST(Recipe, SaysWhereNoRecipeHoldsIsConfirmedOrThere) {
   auto lost = recipes();
   for (auto& candidate : *lost.mutable_recipe()->mutable_front()) candidate.set_risk(0.9);
   EXPECT_THAT(judged_recipe(lost).sentences(),
-              Contains(HasSubstr("No recipe within these limits is safe")));
+              Contains(HasSubstr("No recipe within these limits stays without a danger")));
 
   auto unconfirmed = recipes();
   unconfirmed.mutable_recipe()->set_chosen(-1);
