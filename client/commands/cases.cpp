@@ -163,13 +163,14 @@ v1::Case complete_case(const CaseUnderCheck& checked) {
 }
 
 void print_verdict(const CaseUnderCheck& checked, bool local) {
+  const bool may_end_early = checked.description.time().has_settled_m_per_s();
   if (!checked.faults.empty())
     std::cerr << checked.faults.size() << (checked.faults.size() == 1 ? " fault\n" : " faults\n");
   else if (checked.estimate)
     std::cout << verdict_text(checked) << ": " << checked.estimate->nodes() << " nodes, "
               << checked.estimate->elements() << " elements, " << checked.estimate->steps()
-              << " steps, about " << duration_text(checked.estimate->solver_s())
-              << " of computing\n"
+              << " steps, " << (may_end_early ? "at most " : "about ")
+              << duration_text(checked.estimate->solver_s()) << " of computing\n"
               << checked.uncertain.size() << " data have a range (--ranges, docs/uncertainty.md)\n";
   else
     std::cout << (local ? "no faults found without a server" : verdict_text(checked)) << '\n';

@@ -2,7 +2,7 @@
 // other charts are in run_histories.cpp and frame_judgement.cpp, the facts in run_facts.cpp.
 #include "server/judging/run_judgement.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -147,13 +147,23 @@ std::string band_sentence(const v1::Chart::Region& band, double curl_m,
                      decides ? "" : ", but its limit is within the error: this run cannot decide");
 }
 
+/// A monitor as the subject of a sentence; a mean names its members.
+std::string subject(const v1::Case& description, const std::string& name) {
+  const auto monitor = std::ranges::find(description.monitor(), name, &v1::Monitor::name);
+  if (monitor == description.monitor().end() || monitor->of().empty()) return name;
+
+  std::vector<std::string> members;
+  for (const v1::MonitorShare& share : monitor->of()) members.push_back(share.monitor());
+  return fmt::format("{}, a mean of {},", name, fmt::join(members, " and "));
+}
+
 /// The judged curl at the end: place, value, error, and whether it is within the plant's band.
 std::string curl_sentence(const JudgedRun& run, const MonitoredCurl& curl) {
   const v1::StepReport& last = run.steps.back();
-  std::string text =
-      fmt::format("At {:.0f} s, after {} mm of casting, {} has {} {} mm since the block started. ",
-                  last.time_s(), figures::mm(last.cast_length_m(), 0), curl.monitor,
-                  curl.end_m < 0.0 ? "sunk" : "risen", figures::mm(std::abs(curl.end_m), 1));
+  std::string text = fmt::format(
+      "At {:.0f} s, after {} mm of casting, {} has {} {} mm since the block started. ",
+      last.time_s(), figures::mm(last.cast_length_m(), 0), subject(run.description, curl.monitor),
+      curl.end_m < 0.0 ? "sunk" : "risen", figures::mm(std::abs(curl.end_m), 1));
 
   text += curl.error ? fmt::format(
                            "Mesh and time steps leave {} mm of it uncertain; thermal data and "

@@ -4,12 +4,15 @@
 //   dccast-plan-study CASE QUALITY [KEY=NUMBER ...]
 //
 // One line: nodes of the heat's mesh, steps, iterations, processor seconds, wall seconds by task,
-// the corner at 60, 120 and 250 s and at the end, and what was found, with value and limit.
+// what was found, with value and limit; then one for each monitor, in mm. Keys are in m and s,
+// `settled` in mm/s.
 
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "core/casting/slab_run.hpp"
 #include "dccast/v1/case.pb.h"
@@ -51,7 +54,9 @@ void set(casting::Case& c, const std::string& key, double value) {
     *found->second = value;
     return;
   }
-  if (key == "growth_cell")
+  if (key == "settled")
+    c.time.settled = 1e-3 * value;
+  else if (key == "growth_cell")
     s.growth_cell = value;
   else if (key == "divide_steps")
     c.time.step = divided(c.time.step, value);
@@ -81,15 +86,19 @@ int main(int count, char** values) {
   casting::SlabRun<3> run(c);
   results::StepReport last;
   int iterations = 0, steps = 0;
-  std::map<int, double> corner;
+  constexpr std::array instants{60.0, 120.0, 250.0, 400.0, 600.0};  // [s]
+  std::vector<std::map<int, double>> curls(c.monitors.size());      // [mm] by time
   while (!run.finished()) {
     last = run.advance();
     ++steps;
     iterations += last.iterations;
-    for (const int time : {60, 120, 250})
-      if (!corner.contains(time) && last.time >= time - 1e-6)
-        corner[time] = 1e3 * last.monitor_displacement.at(0).back();
+    for (std::size_t monitor = 0; monitor < curls.size(); ++monitor)
+      for (const double time : instants)
+        if (last.time >= time - 1e-6 && last.time - last.time_step < time - 1e-6)
+          curls[monitor][int(time)] = 1e3 * last.monitor_displacement.at(monitor).back();
   }
+  for (std::size_t monitor = 0; monitor < curls.size(); ++monitor)
+    curls[monitor][int(last.time)] = 1e3 * last.monitor_displacement.at(monitor).back();
 
   for (int i = 1; i < count; ++i) std::printf("%s ", values[i]);
   std::printf("| nodes %lld steps %d iterations %d seconds %.2f |",
@@ -97,11 +106,15 @@ int main(int count, char** values) {
   const mechanics::CostSplit& cost = run.mechanics_cost();
   std::printf(" heat %.2f tangents %.2f forces %.2f factors %.2f solutions %.2f |",
               run.heat_seconds(), cost.stiffness, cost.forces, cost.preconditioner, cost.solution);
-  corner[static_cast<int>(last.time)] = 1e3 * last.monitor_displacement.at(0).back();
-  for (const auto& [time, lift] : corner) std::printf(" %d s: %.3f", time, lift);
   std::printf(" findings");
   for (const auto& f : run.findings())
     std::printf(" %s at %.0f s: %.4g of %.4g %s", f.code.c_str(), f.time.value_or(0.0),
                 f.value.value_or(0.0), f.limit.value_or(0.0), f.unit.c_str());
   std::printf("\n");
+
+  for (std::size_t monitor = 0; monitor < curls.size(); ++monitor) {
+    std::printf("%26s |", c.monitors[monitor].name.c_str());
+    for (const auto& [time, curl] : curls[monitor]) std::printf(" %d s: %.3f", time, curl);
+    std::printf("\n");
+  }
 }

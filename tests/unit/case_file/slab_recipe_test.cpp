@@ -82,10 +82,11 @@ TEST(NewCase, MonitorsMoveWithTheSlab) {
   SlabRecipe one = recipe();
   one.slab = "1.6x0.5 m";
   const v1::Case c = made(one);
-  ASSERT_EQ(c.monitor_size(), 4);
+  ASSERT_EQ(c.monitor_size(), 5);
   EXPECT_DOUBLE_EQ(c.monitor(0).x_m(), 0.8);
   EXPECT_DOUBLE_EQ(c.monitor(0).y_m(), 0.25);
   EXPECT_DOUBLE_EQ(c.monitor(3).x_m(), 0.0);
+  EXPECT_EQ(c.monitor(4).of_size(), 2) << "the mean of a plant has no place";
 }
 
 TEST(NewCase, EveryCardGivesACaseThatReads) {

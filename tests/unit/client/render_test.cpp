@@ -237,6 +237,7 @@ std::map<std::string, std::vector<double>> drawn_values(const v1::Case& complete
 TEST(CastingDrawing, HasPointsOfWhatTheLeversLeave) {
   v1::Case c;
   case_file::read_text(shipped::find(shipped::case_templates(), "start-3d")->text, "", c);
+  c.mutable_time()->set_end_s(250.0);
   case_file::apply_defaults(c);
   const auto range_of = [&](const std::string& line) {
     const std::vector<double> values = drawn_values(c).at(line);

@@ -130,6 +130,15 @@ TEST(JudgeRun, ACurlThatSettledSaysSoWhereThatWasAsked) {
               Contains("The curl has settled: it moved by less than 0.005 mm/s."));
 }
 
+TEST(JudgeRun, AMeanNamesItsMembers) {
+  RunToJudge judged = settling_rise(250.0);
+  v1::Monitor& mean = *judged.run.description.add_monitor();
+  mean.set_name("corner");
+  for (const char* member : {"left", "right"}) mean.add_of()->set_monitor(member);
+  EXPECT_THAT(judge_run(judged).sentences(),
+              Contains(HasSubstr("corner, a mean of left and right, has risen 36.7 mm")));
+}
+
 TEST(JudgeRun, OfASlabThatHasCooledDownNothingIsToCome) {
   RunToJudge judged = settling_rise(250.0);
   judged.run.description.mutable_time()->set_end_s(1000.0);  // it settled before
