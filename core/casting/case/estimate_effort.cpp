@@ -9,17 +9,15 @@ namespace dccast::casting {
 namespace {
 
 // Seconds on one core of a server of 2023, fitted to the cases of docs/developers/decisions.md:
-// within a factor of 1.5 on the shipped cases and on refinement 2 with newton, and on steps halved
-// and quartered with the cells; twice too long for quarter slabs with the paper's alloy, whose
-// steps need half the iterations. Fits, not theory: the cost of a step goes with the nodes times
-// those of a row, the band of the matrix.
-constexpr double heat_by_node = 0.5e-6;       // [s]
-constexpr double heat_by_band = 26e-9;        // [s]
-constexpr double mechanics_by_band = 142e-9;  // [s] newton, at steps of `usual_step`
-constexpr double usual_step = 0.7;            // [s]
-constexpr double billet_factor = 4.0;         // a billet's steps need more iterations
-constexpr double memory_base = 3e7;           // [bytes]
-constexpr double memory_by_node = 1.2e4;      // [bytes]
+// within a factor of 1.5 on the shipped cases. Fits, not theory: the cost of a step goes with the
+// nodes times those of a row, the band of the matrix.
+constexpr double heat_by_node = 0.3e-6;      // [s]
+constexpr double heat_by_band = 16e-9;       // [s]
+constexpr double mechanics_by_band = 82e-9;  // [s] newton, at steps of `usual_step`
+constexpr double usual_step = 0.7;           // [s]
+constexpr double billet_factor = 6.9;        // a billet's steps need more iterations
+constexpr double memory_base = 3e7;          // [bytes]
+constexpr double memory_by_node = 1.2e4;     // [bytes]
 
 // Quarter slab of bricks: the factor for 3 unknowns per node in a nested dissection, measured from
 // 5,000 to 192,000 unknowns, plus states and matrices.
@@ -29,9 +27,11 @@ constexpr double factor_seconds = 0.25;         // [s]
 constexpr double factor_unknowns = 20.6e3;
 constexpr double factor_memory_power = 1.28;
 constexpr double factor_time_power = 1.75;
-constexpr double solid_heat_by_node = 5e-6;         // [s]
+constexpr double solid_heat_by_node = 1.5e-6;       // [s]
 constexpr double solid_heat_memory_by_node = 5e3;   // [bytes] of a node that only the heat has
 constexpr double solid_mechanics_by_node = 1.8e-5;  // [s] iterations of newton without the factor
+// Iterations of a step: where metal also yields they are twice as many as where it only creeps.
+constexpr double yielding_factor = 1.33, creeping_factor = 0.63;
 
 // The same with the two-grid solver instead of the factor: peak memory of whole processes from
 // 6,000 to 97,000 nodes was 13 to 17 kB per node, the time of a step 40 to 60 us per node
@@ -114,6 +114,8 @@ StepSeconds in_a_solid(const CaseFindings& found) {
   const double factor = factor_seconds * std::pow(3.0 * nodes / factor_unknowns, factor_time_power);
   seconds.mechanics = by_two_grids(found, nodes) ? grids_seconds_by_node * nodes
                                                  : factor + solid_mechanics_by_node * nodes;
+  seconds.mechanics *=
+      found.casting.alloy.cold_strength.has_value() ? yielding_factor : creeping_factor;
   return seconds;
 }
 
