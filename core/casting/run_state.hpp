@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "core/casting/curl_trace.hpp"
 #include "core/casting/findings/judge.hpp"
 #include "core/casting/findings/run_failure.hpp"
 #include "core/mechanics/slab_mechanics.hpp"
 #include "core/results/checkpoint_file.hpp"
+#include "core/statistics/curl_trace.hpp"
 #include "core/thermal/heat_solver.hpp"
 
 namespace dccast::casting {
@@ -28,9 +28,9 @@ struct RunState {
   /// [J/m]; billet [J/rad], quarter slab [J]: heat above the liquidus of the metal poured so far,
   /// and heat in through the metal level.
   double superheat = 0.0, level_heat = 0.0;
-  CurlTrace curl;           ///< empty where no case asks whether it has settled
-  double settled_at = 0.0;  ///< [s] at which the casting ended before its plan; 0: it did not
-  RunFailures failures;     ///< those so far that did not end the run
+  statistics::CurlTrace curl;  ///< empty where no case asks whether it has settled
+  double settled_at = 0.0;     ///< [s] at which the casting ended before its plan; 0: it did not
+  RunFailures failures;        ///< those so far that did not end the run
   std::vector<double> row_heights;  ///< of the built-in mesh [m]; empty for an imported one
   thermal::HeatField heat;
   /// The fields of heat and mechanics, and what the findings remember.

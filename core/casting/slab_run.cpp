@@ -131,12 +131,8 @@ bool SlabRun<Dim>::finished() const {
 template <int Dim>
 void SlabRun<Dim>::end_where_settled(const MonitorReadings& monitors) {
   if (state_.settled_at > 0.0 || schedule_.is_followed()) return;
-  const double curl = judged_curl(case_, monitors.displacement);
-  state_.curl.add(state_.time, curl);
-
-  const auto rate = state_.curl.rate();
-  if (!rate || *rate >= *case_.time.settled || std::abs(curl) < CurlTrace::least_curl ||
-      state_.cast_length < CurlTrace::least_cast ||
+  state_.curl.add(state_.time, judged_curl(case_, monitors.displacement));
+  if (!state_.curl.has_settled(*case_.time.settled, state_.cast_length) ||
       schedule_.changes_after(state_.time, state_.cast_length))
     return;
   state_.settled_at = state_.time;

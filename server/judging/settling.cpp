@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/statistics/curl_trace.hpp"
 #include "proto/figures/rounding.hpp"
 #include "proto/values/interpolation.hpp"
 
 namespace dccast::judging {
 namespace {
 
-constexpr double longest_window_s = 60.0, shortest_window_s = 1.0;
+constexpr double longest_window_s = statistics::CurlTrace::length, shortest_window_s = 1.0;
 constexpr double at_rest_m_per_s = 5e-6;  // without time.settled
 
 /// Mean rates of a curl in the last two windows of equal length.
@@ -36,38 +37,32 @@ bool shows_its_end(const JudgedRun& run) {
          run.description.time().cool_down_s() <= 0.0;
 }
 
-/// The chosen curl by step [m]; NaN where it has none.
-std::vector<double> judged_curl_m(const JudgedRun& run) {
-  std::vector<double> curl_m;
-  for (const v1::StepReport& step : run.steps) {
-    const auto* monitor = figures::judged_curl(step);
-    curl_m.push_back(monitor == nullptr ? std::nan("") : figures::curl_of(*monitor));
-  }
-  return curl_m;
-}
-
 }  // namespace
 
 bool has_settled(const JudgedRun& run) {
   const v1::TimeControl& time = run.description.time();
   if (!time.has_settled_m_per_s() || !shows_its_end(run)) return false;
-  return std::abs(last_rates(run, judged_curl_m(run)).last_m_per_s) < time.settled_m_per_s();
+
+  statistics::CurlTrace trace;
+  for (const v1::StepReport& step : run.steps) {
+    const auto* judged = figures::judged_curl(step);
+    trace.add(step.time_s(), judged == nullptr ? std::nan("") : figures::curl_of(*judged));
+  }
+  return trace.has_settled(time.settled_m_per_s(), run.steps.back().cast_length_m());
 }
 
 std::string settling_sentence(const JudgedRun& run, const std::vector<double>& curl_m) {
   const v1::TimeControl& time = run.description.time();
   if (!shows_its_end(run)) return {};
 
+  if (has_settled(run))
+    return fmt::format("The curl has settled: it moved by less than {:.2g} mm/s.",
+                       1e3 * time.settled_m_per_s());
+
   const LastRates rates = last_rates(run, curl_m);
-  const double limit_m_per_s =
-      time.has_settled_m_per_s() ? time.settled_m_per_s() : at_rest_m_per_s;
   const double mm_per_s = 1e3 * rates.last_m_per_s;
   if (!std::isfinite(mm_per_s)) return {};
-  if (std::abs(rates.last_m_per_s) < limit_m_per_s)
-    return time.has_settled_m_per_s()
-               ? fmt::format("The curl has settled: it moved by less than {:.2g} mm/s.",
-                             1e3 * limit_m_per_s)
-               : std::string();
+  if (!time.has_settled_m_per_s() && std::abs(rates.last_m_per_s) < at_rest_m_per_s) return {};
 
   // A curl that settles does so like exp(-time / decay). Later on it decays more slowly.
   const char* const moves = mm_per_s > 0.0 ? "rises" : "falls";

@@ -3,14 +3,15 @@
 
 #include <cmath>
 
-#include "core/casting/curl_trace.hpp"
 #include "core/results/result_reader.hpp"
+#include "core/statistics/curl_trace.hpp"
 #include "tests/unit/casting/small_casting.hpp"
 #include "tests/unit/casting/stopped_runs.hpp"
 
 namespace dccast::casting {
 namespace {
 
+using statistics::CurlTrace;
 using testing::expect_equal;
 using testing::Recorder;
 using testing::run_with_stops;

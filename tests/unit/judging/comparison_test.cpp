@@ -102,6 +102,15 @@ TEST(Comparison, ASettledCurlIsHeldToTheEndOfTheLongerRun) {
   }
 }
 
+/// It melted through before its curl began.
+TEST(Comparison, ACurlThatHasNotBegunIsNotHeld) {
+  std::vector<JudgedRun> runs = settled_castings();
+  runs[0] = run_of([](double) { return 0.0; });
+  runs[0].description = runs[1].description;
+  runs[0].steps.resize(121);
+  EXPECT_EQ(curl_differences(runs).at(0).course.places.back(), 120.0);
+}
+
 TEST(Comparison, ACurlThatMovesAtTheEndOfTheShorterRunIsNotHeld) {
   std::vector<JudgedRun> runs = settled_castings();
   runs[0].steps.resize(31);  // stopped while it rises

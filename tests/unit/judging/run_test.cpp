@@ -103,6 +103,7 @@ RunToJudge settling_rise(double end_s) {
     v1::StepReport& step = judged.run.steps.emplace_back();
     step.set_step(i);
     step.set_time_s(10.0 * i);
+    step.set_cast_length_m(0.01 * i);
     v1::MonitorValue& corner = *step.add_monitors();
     corner.set_name("corner");
     corner.set_curl_m(40e-3 * (1.0 - std::exp(-0.1 * i)));

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-namespace dccast::casting {
+namespace dccast::statistics {
 
 /// The curl that is judged, over the last minute: whether it has settled (time.settled).
 struct CurlTrace {
@@ -41,6 +41,13 @@ struct CurlTrace {
     const auto [least, greatest] = std::ranges::minmax(curl);
     return (greatest - least) / (time.back() - time.front());
   }
+
+  /// Whether the curl has settled. @param limit  of its rate [m/s] @param cast_length  [m]
+  bool has_settled(double limit, double cast_length) const {
+    const std::optional<double> moves = rate();
+    return moves && *moves < limit && std::abs(curl.back()) >= least_curl &&
+           cast_length >= least_cast;
+  }
 };
 
-}  // namespace dccast::casting
+}  // namespace dccast::statistics
