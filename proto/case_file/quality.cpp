@@ -110,7 +110,7 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
                                    .growth_cell = 8e-3,
                                    .merge_below = 0.1,
                                    .event = {{0, 0.25}, {2, 0.5}, {150, 1}, {300, 2}},
-                                   .error = {0.05, 0.03}};
+                                   .error = {0.05, 0.05}};
 
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
 }
