@@ -98,9 +98,10 @@ bool more_than_notes(const Findings& findings) {
 }
 
 std::string findings_part(const Findings& findings) {
-  static const std::string purpose =
-      "Screening and advice, not a safety system: the limits of your plant hold.</p>";
-  if (findings.empty()) return "<p class='note'>Findings: none (docs/findings.md). " + purpose;
+  const std::string purpose =
+      "Screening and advice, not a safety system: the limits of your plant hold.";
+  if (findings.empty())
+    return "<p class='note'>Findings: none (docs/findings.md). " + purpose + "</p>";
 
   std::vector<const v1::Finding*> ordered;
   for (const v1::Finding& finding : findings) ordered.push_back(&finding);
@@ -111,7 +112,7 @@ std::string findings_part(const Findings& findings) {
          "</h2><table>" + rows +
          "</table><p class='soft'>What each means, its limit and where that comes from: "
          "docs/findings.md. " +
-         purpose + "</section>";
+         purpose + "</p></section>";
 }
 
 std::string place_text(const google::protobuf::RepeatedField<double>& place_m) {

@@ -187,11 +187,10 @@ std::vector<double> curl_along(const Course& course, const JudgedRun& run,
   if (curl_m.empty()) return {};
 
   std::vector<double> values = along(course, run, curl_m);
-  if (has_settled(run)) {
-    const double end = track_of(run, course.by_length).places.back();
-    for (std::size_t i = 0; i < values.size(); ++i)
-      if (course.places[i] > end) values[i] = curl_m.back();
-  }
+  const double end = track_of(run, course.by_length).places.back();
+  const auto beyond = std::ranges::upper_bound(course.places, end) - course.places.begin();
+  if (beyond < std::ssize(values) && has_settled(run))
+    std::fill(values.begin() + beyond, values.end(), curl_m.back());
   return values;
 }
 

@@ -44,6 +44,9 @@ const Truth truths[] = {
     {"start-3d-aa5182", settled, corner, 55.0, 0.8},
     {"start-3d-aa5182", settled, narrow_face, 52.3, 0.8},
     {"start-3d-aa6063", 250.0, corner, 32.2, 0.5},
+    {"start-3d-aa6063", 250.0, narrow_face, 30.1, 0.4},
+    {"start-3d-aa6063", settled, corner, 41.4, 0.6},
+    {"start-3d-aa6063", settled, narrow_face, 38.1, 0.5},
 };
 
 using Reports = std::vector<results::StepReport>;
