@@ -126,6 +126,8 @@ const ListColumn& column_of(const std::string& name) {
 }  // namespace
 
 std::string judged_curl_text(const v1::Job& job) {
+  // A run that failed has a last step, but no curl as of a good one.
+  if (job.state() == v1::FAILED || job.has_validity_loss()) return "-";
   const v1::MonitorValue* const judged = figures::judged_curl(job.last_step());
   return judged == nullptr ? "-" : mm(judged->curl_m(), 2);
 }

@@ -11,6 +11,7 @@ namespace dccast::judging {
 struct JudgedRun : figures::RunHistory {
   std::string name;      ///< under which it is shown
   v1::Case description;  ///< with all defaults
+  bool failed = false;   ///< it ended before it had a result
 };
 
 }  // namespace dccast::judging

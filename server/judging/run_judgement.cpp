@@ -347,6 +347,16 @@ void add_curls(const RunToJudge& judged, const std::vector<MonitoredCurl>& curls
   chart.set_note(note_on_curls(judged, curls, by_length));
 }
 
+/// Why a run has no curl at its end; empty: it has one.
+std::string without_curl(const RunToJudge& judged) {
+  const auto beyond = first_beyond(judged);
+  if (!beyond && !judged.run.failed) return {};
+  const v1::StepReport& step = beyond ? judged.run.steps[*beyond] : judged.run.steps.back();
+  return fmt::format("The run has no curl: it {} {:.0f} s{}, after {} mm of casting.",
+                     beyond ? "is not valid from" : "failed at", step.time_s(), beyond ? " on" : "",
+                     figures::mm(step.cast_length_m(), 0));
+}
+
 constexpr const char* explanation =
     "The same casting with cells and time steps divided by the refinement; curl at the end. The "
     "order is that of the whole history. The limit is extrapolated from the last three runs, with "
@@ -413,7 +423,10 @@ v1::Judgement judge_run(const RunToJudge& judged) {
   v1::Judgement judgement;
   judgement.set_heading(run.name);
   const MonitoredCurl* const judged_curl = find_judged(run, curls);
-  if (judged_curl != nullptr && !is_beyond) {
+  const std::string no_curl = without_curl(judged);
+  if (!no_curl.empty()) {
+    judgement.add_sentences(no_curl);
+  } else if (judged_curl != nullptr) {
     judgement.add_sentences(curl_sentence(run, *judged_curl));
     if (std::abs(judged_curl->end_m) >= nothing_m)
       judgement.add_sentences(cause_sentence(run, *judged_curl));
@@ -421,7 +434,7 @@ v1::Judgement judge_run(const RunToJudge& judged) {
     if (!settling.empty()) judgement.add_sentences(settling);
   }
 
-  if (!curls.empty()) add_curl_table(curls, judgement);
+  if (!curls.empty() && no_curl.empty()) add_curl_table(curls, judgement);
   add_end(run, is_beyond, judgement);
   if (!curls.empty()) {
     for (const bool by_length : {false, true}) add_curls(judged, curls, by_length, judgement);

@@ -54,6 +54,7 @@ FoundRun find_job_run(Context& context, const Call& call, const std::string& id)
   run.summary.set_job(id);
   run.summary.set_title(job.title());
   run.summary.set_state(job.state());
+  run.judged.failed = job.state() == v1::FAILED;
   *run.summary.mutable_changes() = job.changes();
   *run.summary.mutable_findings() = job.findings();
   if (job.has_validity_loss()) *run.summary.mutable_validity_loss() = job.validity_loss();
@@ -96,6 +97,7 @@ FoundRun find_answer(Context& context, const std::string& key) {
       *run.summary.mutable_validity_loss() = message.validity_lost();
     } else if (message.has_ended()) {
       run.summary.set_state(message.ended().state());
+      run.judged.failed = message.ended().state() == v1::FAILED;
       if (message.ended().has_failure()) *run.summary.mutable_failure() = message.ended().failure();
     }
   }

@@ -550,6 +550,18 @@ class Pages(InBrowser):
         middle = lambda element: element.rect["y"] + element.rect["height"] / 2
         self.assertLess(abs(self.read(".verdict", middle) - self.read(".huge", middle)), 100)
 
+    def test_a_run_that_failed_shows_no_curl_as_of_a_good_one(self):
+        job = self.client.submit(fake_case("steps=20 fail_at=9"))
+        self.client.until_state(job.id, job_pb2.FAILED)
+        self.wait_for("1 failed")
+        self.assertEqual(self.text("tbody .curl"), "")
+        self.go("wall")
+        self.wait_for("failed", ".huge")
+        self.go(f"job/{job.id}")
+        self.find("figure")
+        self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, ".tile"), [])
+        self.assertEqual(self.complaints(), [])
+
     def test_the_link_of_a_job_opens_it_in_another_browser(self):
         job = self.finished_job("steps=20 for anna")
         self.go(f"job/{job}")

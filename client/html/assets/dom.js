@@ -36,18 +36,25 @@ const decimalsFor = error => {
   return Math.min(2, Math.max(0, 1 - Math.floor(Math.log10(rounded))));
 };
 
-/** "5.25 ± 0.21 mm", "35.5, -0 +4.9 mm"; without errors, in m, where none are known. */
-export const curlText = (curl, lower, upper) => {
+/** A curl and its error in mm: "5.25" and "± 0.21", "35.5" and "-0 +4.9"; given in m. No error: none is known. */
+export const curlParts = (curl, lower, upper) => {
   const digits = decimalsFor(Math.max(lower, upper)), shown = mm(curl, digits);
-  if (!Number.isFinite(upper)) return `${shown} mm`;
-  if (lower === upper) return `${shown} ± ${mm(upper, digits)} mm`;
+  if (!Number.isFinite(upper)) return {curl: shown, error: ''};
+  if (lower === upper) return {curl: shown, error: `± ${mm(upper, digits)}`};
   const side = error => mm(error, digits).replace(/^[0.]*$/, '0');
-  return `${shown}, -${side(lower)} +${side(upper)} mm`;
+  return {curl: shown, error: `-${side(lower)} +${side(upper)}`};
 };
 
-/** The curl of a MonitorValue, with its errors. */
-export const monitorText = monitor =>
-  curlText(monitor.curl_m ?? NaN, monitor.curl_lower_error_m, monitor.curl_upper_error_m);
+/** "5.25 ± 0.21 mm", "35.5, -0 +4.9 mm". */
+export const curlText = (...figures) => {
+  const {curl, error} = curlParts(...figures), comma = error.startsWith('-') ? ',' : '';
+  return `${curl}${comma}${error && ` ${error}`} mm`;
+};
+
+/** The curl of a MonitorValue with its errors, for curlText() and curlParts(). */
+export const curlOf = monitor =>
+  [monitor.curl_m ?? NaN, monitor.curl_lower_error_m, monitor.curl_upper_error_m];
+export const monitorText = monitor => curlText(...curlOf(monitor));
 
 export const stateText = state => (state || '').toLowerCase().replaceAll('_', ' ');
 export const shortId = id => id.slice(0, 8);

@@ -93,7 +93,9 @@ class Job(Run):
 
     def __repr__(self) -> str:
         shown = f"<dccast.Job {self.id[:8]} {self.state} {self.message.title!r}"
-        if self.message.HasField("last_step"):
+        # A run that failed has a last step, but no curl as of a good one.
+        has_curl = self.state != "FAILED" and not self.message.HasField("validity_loss")
+        if has_curl and self.message.HasField("last_step"):
             shown += f": {curls_text(self.message.last_step)}"
         return shown + ">"
 

@@ -167,7 +167,8 @@ class Run:
     def plot(self, monitor: str = "", axes: Any = None, label: str = "") -> Any:
         """Draws the curl with its band, and returns the matplotlib axes. See plot_curl."""
         from dccast.plots import plot_curl
-        return plot_curl({label or self.case.title: self.band(monitor)}, axes)
+        band = self.band(monitor)
+        return plot_curl({label or f"{self.case.title}, {band.monitor}": band}, axes)
 
 
 class Answer(Run):

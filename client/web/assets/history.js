@@ -15,6 +15,13 @@ const figures = ({monitors}, name) => monitors.find(m => m.name === name) || {na
 export const lastMonitors =
   steps => monitorsOf(steps).map(name => figures(steps.at(-1), name));
 
+/** Whether the curls of a job are an answer, or will be one: it has not failed and has stayed valid. */
+export const isSound = job => job.state !== 'FAILED' && !job.validity_loss;
+
+/** The monitor whose curl is judged; none before the first step, and of a run that is no answer. */
+export const judgedMonitor = job =>
+  isSound(job) ? (job.last_step?.monitors || []).find(m => m.judged) : undefined;
+
 /** The curls of a history with their bands, in mm. */
 export const curlLines = (steps, suffix = '') => monitorsOf(steps).map(name => {
   const x = steps.map(step => step.time_s);

@@ -4,7 +4,7 @@ import {cancelJobs} from './cancel.js';
 import {chart, wantedBand} from './chart.js';
 import {durationText, findingList, h, mm, monitorText, replace, shortId, stateText} from './dom.js';
 import {frameViewer} from './frame.js';
-import {addStep, curlLines, lastMonitors} from './history.js';
+import {addStep, curlLines, isSound, lastMonitors} from './history.js';
 
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 
@@ -131,7 +131,7 @@ export function jobPage(element, signal, id) {
           'Cancel');
       return button;
     };
-    const last = lastMonitors(steps).map(
+    const last = (isSound(job) ? lastMonitors(steps) : []).map(
       m => h('div', {class: 'tile'}, h('span', {}, m.name), h('strong', {}, monitorText(m))));
     replace(
       title, h('p', {class: 'soft'}, `Job ${shortId(job.id)} of ${job.owner || 'unknown'}`),

@@ -4,17 +4,17 @@ import {call, get, repeat} from './api.js';
 import {cancelJobs} from './cancel.js';
 import {spark} from './chart.js';
 import {ago, curlText, h, mm, replace, severityText, shortId, stateText, worst} from './dom.js';
+import {isSound, judgedMonitor} from './history.js';
 import {answerState, kindOf, nameOf} from './studies.js';
 
 const sketches = new Map();  // of jobs that have ended: they change no more
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 const most = 1000;
 
-/** The monitor whose curl is judged; none before the first step. */
-export const judgedMonitor = job => (job.last_step?.monitors || []).find(m => m.judged);
 const lastCurl = job => judgedMonitor(job)?.curl_m ?? NaN;
 
 async function sketch(job, cell) {
+  if (!isSound(job)) return replace(cell);
   const key = ended.has(job.state) ? job.id : `${job.id} ${job.last_step?.step}`;
   if (!sketches.has(key)) sketches.set(key, await get(`/sketch/${job.id}`));
   const {time_s: x, curl_m: y} = sketches.get(key);

@@ -1,10 +1,9 @@
 // One line for a screen on the wall: what runs now, large enough to be read across the hall.
 import {call, get, repeat} from './api.js';
 import {chart, wantedBand} from './chart.js';
-import {findingList, gravestFinding, h, monitorText, purpose, replace, stateText} from './dom.js';
+import {curlOf, curlParts, findingList, gravestFinding, h, purpose, replace, stateText} from './dom.js';
 import {followedWall} from './followed.js';
-import {curlLines} from './history.js';
-import {judgedMonitor} from './jobs.js';
+import {curlLines, judgedMonitor} from './history.js';
 
 /** The job to show: a running one, if possible one that follows a casting; else the newest. */
 async function findJob(label) {
@@ -14,14 +13,20 @@ async function findJob(label) {
   return (await call('ListJobs', {page_size: 1, ...filter})).jobs[0];
 }
 
+/** The curl that is judged in the largest letters, its error below it; of a run without one its state. */
+function curlFigure(job) {
+  const judged = judgedMonitor(job);
+  if (!judged) return h('p', {class: 'huge'}, stateText(job.state));
+  const {curl, error} = curlParts(...curlOf(judged));
+  return h('div', {}, h('p', {class: 'huge'}, curl, h('small', {}, ' mm')),
+    h('p', {class: 'beside'}, judged.name, error ? `, ${error} mm` : ''));
+}
+
 function drawRun(element, {job, steps, wanted}) {
-  const findings = (job.findings || []).filter(f => f.severity !== 'NOTE'), last = judgedMonitor(job);
+  const findings = (job.findings || []).filter(f => f.severity !== 'NOTE');
   replace(
     element, h('h1', {}, job.title || job.id),
-    h('div', {class: 'headline'},
-      h('p', {class: 'huge'},
-        last ? monitorText(last) : '–'),
-      gravestFinding(findings)),
+    h('div', {class: 'headline'}, curlFigure(job), gravestFinding(findings)),
     h('p', {}, h('span', {class: `state ${job.state.toLowerCase()}`}, stateText(job.state)),
       job.last_step?.time_s ? ` at ${job.last_step.time_s.toFixed(0)} s` : ''),
     steps.length

@@ -82,9 +82,19 @@ TEST_F(Validity, ShowAndListSayIt) {
   const Result shown = run({"show", "job"});
   EXPECT_THAT(shown.out, HasSubstr(std::string("validity      ") + sentence));
   EXPECT_THAT(shown.out, HasSubstr("t 5.00 s  beyond validity"));
-  EXPECT_THAT(run({"list"}).out, HasSubstr("succeeded, beyond validity"));
+  EXPECT_THAT(shown.out, Not(HasSubstr("curls at the end")));
+  const std::string listed = run({"list"}).out;
+  EXPECT_THAT(listed, HasSubstr("succeeded, beyond validity"));
+  EXPECT_THAT(listed, Not(HasSubstr("5.00"))) << "no curl as of a good run";
   EXPECT_EQ(ReadJson::parse(run({"list", "--json"}).out)[0]["validity_loss"]["kind"],
             "MOTION_TOO_LARGE");
+}
+
+TEST_F(Validity, ARunThatFailedIsListedWithoutACurl) {
+  service.job.clear_validity_loss();
+  EXPECT_THAT(run({"list"}).out, HasSubstr("5.00"));
+  service.job.set_state(v1::FAILED);
+  EXPECT_THAT(run({"list"}).out, Not(HasSubstr("5.00")));
 }
 
 TEST_F(Validity, WatchMarksEveryLineAfterIt) {

@@ -248,10 +248,23 @@ TEST(JudgeRun, FiguresBeyondValidityAreNoAnswer) {
   RunToJudge judged = even_rise();
   judged.valid_until_s = 200.0;
   const v1::Judgement judgement = judge_run(judged);
-  EXPECT_THAT(judgement.sentences(), IsEmpty());
-  EXPECT_THAT(judgement.parts(1).table().note(), HasSubstr("beyond validity"));
+  EXPECT_THAT(judgement.sentences(),
+              ElementsAre("The run has no curl: it is not valid from 200 s on, after 80 mm of "
+                          "casting."));
+  EXPECT_EQ(judgement.parts(0).table().key(), "end") << "no table of curls";
+  EXPECT_THAT(judgement.parts(0).table().note(), HasSubstr("beyond validity"));
   EXPECT_EQ(chart(judgement, "curl").beyond_x(), 200.0);
   EXPECT_EQ(chart(judgement, "curl_by_length").beyond_x(), 0.08);
+}
+
+TEST(JudgeRun, ARunThatFailedHasNoCurl) {
+  RunToJudge judged = even_rise();
+  judged.run.failed = true;
+  const v1::Judgement judgement = judge_run(judged);
+  EXPECT_THAT(judgement.sentences(),
+              ElementsAre("The run has no curl: it failed at 250 s, after 100 mm of casting."));
+  EXPECT_EQ(judgement.parts(0).table().key(), "end") << "no table of curls";
+  EXPECT_FALSE(chart(judgement, "curl").lines().empty()) << "its course is shown";
 }
 
 TEST(JudgeRun, HeatIsSummedFromTheStart) {

@@ -3,13 +3,19 @@ import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import test from 'node:test';
 
-import {curlText, fixed} from '../../../client/html/assets/dom.js';
+import {curlParts, curlText, fixed} from '../../../client/html/assets/dom.js';
 
 test('curls are rounded as in the examples of all renderers', () => {
   const {curls} = JSON.parse(readFileSync(new URL('../../support/figures.json', import.meta.url)));
   assert.ok(curls.length > 10);
   for (const {curl_m: curl, lower_m: lower, upper_m: upper, text} of curls)
     assert.equal(curlText(curl, lower, upper), text);
+});
+
+test('large letters show the error apart from the curl', () => {
+  assert.deepEqual(curlParts(52.97e-3, 2.1e-3, 4.2e-3), {curl: '53.0', error: '-2.1 +4.2'});
+  assert.deepEqual(curlParts(5.25e-3, 0.21e-3, 0.21e-3), {curl: '5.25', error: '± 0.21'});
+  assert.deepEqual(curlParts(2e-3, NaN, NaN), {curl: '2.00', error: ''});
 });
 
 test('zero has no sign', () => {

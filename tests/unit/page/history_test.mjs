@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import {addStep, curlLines, lastMonitors} from '../../../client/web/assets/history.js';
+import {addStep, curlLines, judgedMonitor, lastMonitors} from '../../../client/web/assets/history.js';
 
 const step = (number, ...monitors) => ({step: number, time_s: 0.5 * number, monitors});
 const corner = (curl, error) => ({
@@ -37,4 +37,13 @@ test('a curl has its band where the errors are known', () => {
 test('the last figures of every monitor', () => {
   const steps = [...historyOf(1), step(2, {name: 'centre', curl_m: 0})];
   assert.deepEqual(lastMonitors(steps), [{name: 'corner'}, {name: 'centre', curl_m: 0}]);
+});
+
+test('a run that failed or left validity has no curl as of a good one', () => {
+  const judged = {name: 'corner', curl_m: 2e-3, judged: true};
+  const job = {state: 'RUNNING', last_step: {monitors: [{name: 'centre'}, judged]}};
+  assert.equal(judgedMonitor(job), judged);
+  assert.equal(judgedMonitor({state: 'QUEUED'}), undefined);
+  assert.equal(judgedMonitor({...job, state: 'FAILED'}), undefined);
+  assert.equal(judgedMonitor({...job, state: 'SUCCEEDED', validity_loss: {}}), undefined);
 });
