@@ -76,10 +76,16 @@ std::string findings_mark(const v1::Job& job) {
 }
 
 std::string page_header(const v1::Job& job, const std::string& title) {
+  const std::string quality = job.quality().empty() ? "" : " · " + html_escaped(job.quality());
+  const bool is_draft = job.quality() == "draft";
   return fmt::format(
-      "<p class='kicker'>dccast report · job {0} · <span class='state {1}'>{1}</span>{2}</p>"
-      "<h1>{3}</h1>",
-      html_escaped(job.id().substr(0, 8)), state_text(job.state()), findings_mark(job), title);
+      "<p class='kicker'>dccast " DCCAST_VERSION
+      " report · job {0}{1} · {2} · <span class='state {3}'>{3}</span>{4}</p><h1>{5}</h1>{6}",
+      html_escaped(job.id().substr(0, 8)), quality, time_text(job.end_time()),
+      state_text(job.state()), findings_mark(job), title,
+      is_draft ? "<p class='draft'>This is a draft: for a first look. Compute it again at "
+                 "engineering before you decide.</p>"
+               : "");
 }
 
 /// What the server concludes: the answer, then its cause.

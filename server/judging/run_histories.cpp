@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
+
+#include <fmt/core.h>
 
 #include "proto/case_file/schedule.hpp"
 #include "server/judging/judgement.hpp"
@@ -63,6 +66,8 @@ struct HistoryChart {
   std::vector<History> histories;
   Wording note;
   Drawn drawn = Drawn::figures;
+  /// The least value that the case permits [m]; null: it has none for these figures.
+  double (v1::Plausibility::*least_m)() const = nullptr;
 };
 
 const HistoryChart shell_chart{
@@ -74,7 +79,9 @@ const HistoryChart shell_chart{
      {"of the side above it, thinnest", &Step::least_shell_m},
      {"over the bottom, thinnest", &Step::bottom_shell_m}},
     "Smallest shell thickness; above the water line from the end of the mould contact on. Until "
-    "the side leaves the mould: at the butt."};
+    "the side leaves the mould: at the butt.",
+    Drawn::figures,
+    &v1::Plausibility::minimum_shell_m};
 
 const HistoryChart sump_chart{
     "sump",
@@ -179,6 +186,15 @@ bool shows_nothing(const v1::Chart::Line& line) {
   return std::ranges::none_of(line.y(), [](double y) { return std::isfinite(y) && y != 0.0; });
 }
 
+/// Shades the figures that the case permits.
+void add_permitted(double least_m, v1::Chart& chart) {
+  if (least_m <= 0.0) return;
+  v1::Chart::Region& region = *chart.mutable_region();
+  region.set_low(least_m);
+  region.set_high(std::numeric_limits<double>::infinity());
+  region.set_name(fmt::format("{:.4g} mm or more", 1e3 * least_m));
+}
+
 /// Adds a chart without those of its lines that are zero throughout; none if all are.
 void add_history(const JudgedRun& run, const HistoryChart& history, v1::Judgement& judgement) {
   const std::vector<double> time_s = run.time_s();
@@ -196,6 +212,9 @@ void add_history(const JudgedRun& run, const HistoryChart& history, v1::Judgemen
     v1::Chart::Line& line = add_line(chart, name, time_s, values);
     if (history.drawn == Drawn::heat_since_start) sum_up(run.steps.front().time_step_s(), line);
   }
+
+  if (history.least_m != nullptr)
+    add_permitted((run.description.plausibility().*history.least_m)(), chart);
 
   auto& lines = *chart.mutable_lines();
   lines.erase(std::remove_if(lines.begin(), lines.end(), shows_nothing), lines.end());

@@ -4,6 +4,13 @@ import {canvasOfSvg, fileName, saveCsv, savePng, saveSvg} from './save.js';
 
 const height = 320, left = 52, right = 12, top = 22, bottom = 40;
 
+/**
+ * Units across a drawing: on a page that is narrower, as on a phone, those of the page, so that
+ * letters keep their size.
+ */
+export const drawingWidth = (wanted = 900) =>
+  Math.min(wanted, Math.max(300, (globalThis.innerWidth ?? wanted + 56) - 56));
+
 /** Round values that divide a range. */
 export function ticks(low, high, about = 6) {
   const raw = (high - low) / about, power = 10 ** Math.floor(Math.log10(raw));
@@ -41,14 +48,16 @@ const path = points => {
   return d;
 };
 
-/** Ranges of the axes, and where a value lies in the drawing. */
+/** Ranges of the axes, and where a value lies in the drawing. `above`: figures exceed the axis. */
 function placement(lines, wanted, width) {
   const [x0, x1] = range(lines.flatMap(line => line.x));
-  const [y0, y1] = range([
+  const [y0, highest] = range([
     0,
     ...lines.flatMap(line => [...line.y, ...(line.low || []), ...(line.low ? line.high : [])]),
     ...(wanted ? [wanted.low, wanted.high] : [])
   ]);
+  // A least value that is wanted can be told from zero, however large the figures are.
+  const most = wanted?.low > 0 ? 10 * wanted.low : Infinity, y1 = Math.min(highest, most);
   const across = width - left - right, up = height - top - bottom;
   const px = x => left + (x - x0) / (x1 - x0) * across;
   const py = y => {
@@ -56,7 +65,7 @@ function placement(lines, wanted, width) {
     return Math.max(top, Math.min(height - bottom, placed));  // an infinite end is that of the axis
   };
   const xAt = pixel => x0 + (pixel - left) / across * (x1 - x0);
-  return {x0, x1, y0, y1, px, py, xAt};
+  return {x0, x1, y0, y1, px, py, xAt, above: highest > y1};
 }
 
 /** The range that is wanted, with dashed edges where it ends. */
@@ -76,14 +85,20 @@ const beyondRegion = (from, end) => [
   h('text', {x: end - 4, y: height - bottom - 6, 'text-anchor': 'end'}, 'beyond validity')
 ];
 
+/** Says that lines at the upper edge lie above it. */
+const aboveNote = end =>
+  h('text', {class: 'above', x: end - 4, y: top - 8, 'text-anchor': 'end'}, 'more lies above');
+
 /** Grid, figures at the axes, and what the axes are. */
 function axes({x0, x1, y0, y1, px, py}, end, {xLabel, yLabel}) {
-  const across = ticks(x0, x1), up = ticks(y0, y1, 5);
+  const across = ticks(x0, x1, end < 500 ? 4 : 6), up = ticks(y0, y1, 5);
   const grid = v =>
     h('line', {class: v === 0 ? 'zero' : 'grid', x1: left, x2: end, y1: py(v), y2: py(v)});
   const atLeft = v => h('text', {x: left - 6, y: py(v) + 4, 'text-anchor': 'end'}, fixed(v, up.digits));
-  const below = v => h('text', {x: px(v), y: height - bottom + 16, 'text-anchor': 'middle'},
-    fixed(v, across.digits));
+  const below = v => {
+    const anchor = px(v) > end - 16 ? 'end' : 'middle';  // the last text is not cut
+    return h('text', {x: px(v), y: height - bottom + 16, 'text-anchor': anchor}, fixed(v, across.digits));
+  };
 
   return [
     up.values.flatMap(v => [grid(v), atLeft(v)]),
@@ -152,12 +167,14 @@ function followPointer(svg, cursor, legend, lines, {x0, x1, px, xAt}, width) {
  *   beyond: x from which on the model is not valid, width: of the drawing}
  */
 export function chart(lines, options) {
-  const {title, xLabel, yLabel, wanted = null, beyond = Infinity, unit = 'mm', width = 900} = options;
+  const {title, xLabel, yLabel, wanted = null, beyond = Infinity, unit = 'mm'} = options;
+  const width = drawingWidth(options.width);
   const place = placement(lines, wanted, width), end = width - right;
 
   const parts = [
     beyond < place.x1 ? beyondRegion(place.px(Math.max(beyond, place.x0)), end) : [],
     wanted ? wantedRegion(wanted, place.py, end) : [],
+    place.above ? aboveNote(end) : [],
     axes(place, end, {xLabel, yLabel}),
     lines.map((line, i) => band(line, i, place)),
     lines.map((line, i) => curve(line, i, place))

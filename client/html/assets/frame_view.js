@@ -1,5 +1,5 @@
 // How a frame is drawn: the eye, the shaders, the colour bar.
-import {ticks} from './chart.js';
+import {drawingWidth, ticks} from './chart.js';
 import {fixed, h} from './dom.js';
 
 /**
@@ -239,7 +239,7 @@ export function numberText(value, span) {
 
 /** The colours from low to high with round values below, as SVG. */
 export function colourBar(title, unit, [low, high]) {
-  const width = 900, left = 10, inner = width - 2 * left, span = high - low;
+  const width = drawingWidth(), left = 10, inner = width - 2 * left, span = high - low;
   const at = value => left + (value - low) / span * inner;
   const step = inner / colours.length;
   const label = unit ? `${title}, ${unit}` : title;
@@ -260,5 +260,5 @@ export function colourBar(title, unit, [low, high]) {
   return h(
     'svg', {class: 'colours', viewBox: `0 0 ${width} 72`, role: 'img', 'aria-label': text},
     h('text', {x: left, y: 18, class: 'name'}, label), colours.map(band),
-    ticks(low, high, 6).values.flatMap(tick));
+    ticks(low, high, width < 500 ? 4 : 6).values.flatMap(tick));
 }

@@ -159,6 +159,21 @@ TEST(ReportPage, BothChartsOfTheCurlHaveThePlantsBand) {
   EXPECT_EQ(count_of(page, "\"wanted\":{\"low\":35.0,\"high\":45.0"), 2);
 }
 
+TEST(ReportPage, ItsFaceHasQualityDateAndVersion) {
+  v1::Job job;
+  job.mutable_end_time()->set_seconds(1'700'000'000);
+  job.set_quality("engineering");
+  const std::string page = report_of_run(job, run_with(35, 45));
+  const std::string face = page.substr(page.find("<p class='kicker'>"), 400);
+  EXPECT_THAT(face, HasSubstr("engineering"));
+  EXPECT_THAT(face, HasSubstr("2023-11-1"));
+  EXPECT_THAT(face, HasSubstr("dccast 1."));
+  EXPECT_THAT(page, Not(HasSubstr("This is a draft")));
+
+  job.set_quality("draft");
+  EXPECT_THAT(report_of_run(job, run_with(35, 45)), HasSubstr("This is a draft: "));
+}
+
 TEST(ReportPage, TheFirstSheetIsTheOneToPinUp) {
   v1::QueryResultResponse result = run_with(35, 45);
   v1::Job job;

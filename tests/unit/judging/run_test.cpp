@@ -279,6 +279,16 @@ TEST(JudgeRun, HeatIsSummedFromTheStart) {
   EXPECT_THAT(chart_keys(judgement), Not(Contains("shell"))) << "all of it is zero";
 }
 
+TEST(JudgeRun, TheChartOfTheShellHasItsLimit) {
+  RunToJudge judged = even_rise();
+  for (v1::StepReport& step : judged.run.steps) step.set_least_shell_m(0.02);
+  EXPECT_FALSE(chart(judge_run(judged), "shell").has_region()) << "the case has no limit";
+  judged.run.description.mutable_plausibility()->set_minimum_shell_m(5e-3);
+  const v1::Chart shell = chart(judge_run(judged), "shell");
+  EXPECT_EQ(shell.region().low(), 5e-3);
+  EXPECT_EQ(shell.region().name(), "5 mm or more");
+}
+
 TEST(JudgeRun, SpeedAndWaterAreThoseOfTheRun) {
   RunToJudge judged = even_rise();
   v1::Schedule& recipe = *judged.run.description.mutable_schedule();

@@ -116,3 +116,20 @@ test('dots are drawn for the figures that are there, and no line', () => {
   assert.equal(drawn([dotted], 'dot')[0].children.filter(child => child?.tag === 'circle').length, 3);
   assert.equal(drawn([dotted], 'line').length, 0);
 });
+
+test('a small limit can be seen below large figures', () => {
+  const shell = {name: 'side', x: [0, 10, 20], y: [300, 4, 60]}, wanted = {low: 5, high: Infinity};
+  const [edge] = drawn([shell], 'edge', {wanted}), foot = 280;
+  assert.ok(foot - edge.attributes.y1 > 20, 'the limit is a tenth of the axis');
+  assert.equal(drawn([line], 'above', {wanted: {low: 3, high: 4}}).length, 0);
+  assert.equal(drawn([shell], 'above', {wanted}).length, 1, 'and says that figures lie above');
+});
+
+test('on a phone the drawing is as wide as the page, so that letters keep their size', () => {
+  const boxOf = () => chart([line], {title: 'Curl', xLabel: 'time, s', yLabel: 'mm'})
+    .all().find(element => element.tag === 'svg').attributes.viewBox;
+  assert.equal(boxOf(), '0 0 900 320');
+  globalThis.innerWidth = 360;
+  assert.equal(boxOf(), '0 0 304 320');
+  delete globalThis.innerWidth;
+});
