@@ -377,9 +377,36 @@ Json slab_json(const Request& request) {
   return json;
 }
 
+/// What the levers of the page what-if are in a case: first and last value in the unit of a plant.
+Json lever_values_json(const v1::Case& input) {
+  const v1::Schedule& recipe = input.schedule();
+  const v1::Cooling& cooling = input.cooling();
+  Json json = Json::object();
+  const auto add = [&](const char* key, const char* unit, std::vector<double> values) {
+    const v1::PlantUnit plant = figures::plant_unit(unit);
+    if (values.empty()) return;
+    for (double& value : values) value *= plant.factor();
+    json[key] = {{"values", {values.front(), values.back()}}, {"unit", plant.name()}};
+  };
+  const auto add_curve = [&](const char* key, const char* unit, const v1::Curve& curve) {
+    add(key, unit, {curve.value().begin(), curve.value().end()});
+  };
+
+  add_curve("schedule.casting_speed.scale", "m/s", recipe.casting_speed_m_per_s());
+  add_curve("schedule.water_flow.scale", "m2/s", recipe.water_flow_m2_per_s());
+  add_curve("schedule.casting_temperature.offset", "degC", recipe.casting_temperature_c());
+  add_curve("cooling.water.temperature.offset", "degC", cooling.water().temperature_c());
+  add_curve("cooling.bottom_block.temperature.offset", "degC",
+            cooling.bottom_block().temperature_c());
+  add("schedule.filling.scale", "s", {recipe.filling_s()});
+  add("schedule.hold.scale", "s", {recipe.hold_s()});
+  return json;
+}
+
 Json answer_json(const Answer& answer) {
   Json json{{"steps", json_list(answer.history.steps, step_json)},
             {"wanted", wanted_json(answer.description)},
+            {"levers", lever_values_json(answer.description)},
             {"state", v1::JobState_Name(answer.state)},
             {"failure", answer.failure ? to_json(*answer.failure) : Json()},
             {"job", answer.job},

@@ -715,6 +715,7 @@ class RealPages(InBrowser):
         for _ in range(20):
             slider.send_keys(Keys.ARROW_LEFT)
         self.wait_for("Changed: corner", seconds=60)
+        self.assertEqual(self.text("output[for=schedule-water_flow-scale]"), "-20 %, 72 to 144 l/min/m")
         # An error has two digits and its curl as many decimals, as in the terminal.
         self.assertRegex(self.text(".what-if strong"), r"corner \d\.\d\d ± 0\.\d\d mm")
 
@@ -810,10 +811,25 @@ class RealPages(InBrowser):
         self.assertGreater(whole, 20000)
         self.assertGreater(colours, 20)
         self.assertGreater(max(across, up), 0.85)
+        self.assertRegex(self.text(".ruler"), r"^\d+ mm$")
+        self.wait_for("Least ", ".card")
+        self.assertRegex(self.text("main"), r"Least \d+ °C at [-\d., ]+ mm, largest 6\d\d °C at ")
+
+        # A cut that is seen from where the eye is leaves the camera: the slab stays as large.
         self.find(".cuts option[value='0']").click()
         cut = self.pixels()
-        self.assertGreater(max(cut[2:]), 0.85)  # the cut fills the canvas
         self.assertNotEqual(cut[0], whole)
+        scale = self.text(".ruler"), self.find(".ruler").rect["width"]
+        self.find(".cuts option[value='-1']").click()
+        self.assertEqual(self.pixels()[0], whole)
+        self.assertEqual((self.text(".ruler"), self.find(".ruler").rect["width"]), scale)
+
+        # The gap to the block is seen from below at once.
+        self.find("select[aria-label=Field] option[value=gap_m]").click()
+        self.wait_for("Gap to the block, mm", "svg.colours")
+        shown = "return [...document.querySelectorAll('select')].map(s => s.value)"
+        self.assertIn("From below", self.browser.execute_script(shown))
+        self.find("select[aria-label=Field] option[value=temperature_c]").click()
 
         canvas.click()
         self.wait_for("°C, moved", ".probe")

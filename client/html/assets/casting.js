@@ -1,11 +1,15 @@
 // The start of a case: the section through the middle of the wide face, to scale, with metal, mould,
 // zones, water line and block with its bowl and holes, and the ramps of speed and water.
+import {drawingWidth} from './chart.js';
 import {h} from './dom.js';
 import {picture} from './drawn.js';
 
 // Sizes of the drawing; the metal level is at `level`.
 const width = 640, level = 40, lowest = 380;
 const axis = 20, face = 290, mould = 26, names = 334;  // symmetry plane, mould wall, labels
+
+/** Whether the page is narrower than the drawing: its letters are larger then, and take more room. */
+const isNarrow = () => drawingWidth(width) < width;
 
 const lengthText = metres => `${Number((1e3 * metres).toPrecision(4))} mm`;
 const rect = (kind, x, y, wide, high) => h('rect', {class: kind, x, y, width: wide, height: high});
@@ -73,7 +77,7 @@ function labels(start, zones, holes) {
   let free = 0;
   return wanted.map(([y, text]) => {
     const at = Math.max(y, free);
-    free = at + 17;
+    free = at + (isNarrow() ? 24 : 17);
     return [line('zero', face + mould + 2, y, names - 4, at), h('text', {x: names, y: at + 4}, text)];
   });
 }
@@ -89,7 +93,7 @@ function sectionDrawing(given) {
   return h(
     'svg', {
       class: 'casting',
-      viewBox: `0 0 ${width} ${end + 36}`,
+      viewBox: `0 0 ${isNarrow() ? width + 60 : width} ${end + 36}`,
       role: 'img',
       'aria-label': 'Section through the start of the casting'
     },
@@ -103,7 +107,7 @@ function sectionDrawing(given) {
     line('dashed zero', x, level - 30, x, end + 8), line('line-1', x, level, face, level),
     centred(middle, (level + block) / 2 + 4, 'metal'),
     centred(middle, (surface[0][1] + end) / 2 + 4, 'bottom block'),
-    centred(middle, end + 24, `${lengthText(start.half)} to the ${plane}`),
+    h('text', {x, y: end + 24}, `${lengthText(start.half)} to the ${plane}`),
     labels(start, zones, holes).flat());
 }
 

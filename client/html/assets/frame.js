@@ -6,10 +6,13 @@ import {
   cut, fieldsOf, fieldValues, locate, magnification, readFrame, shown, spreadFromBottom, temperature,
   valueAtPlace
 } from './frame_data.js';
-import {colourBar, colours, fit, numberText, Painter, viewOf, viewOfCut, views} from './frame_view.js';
+import {
+  colourBar, colours, fit, isBelow, numberText, Painter, rulerLength, seesCut, viewOf, viewOfCut, views
+} from './frame_view.js';
 import {canvasOfSvg, fileName, saveCsv, savePng} from './save.js';
 
 const mostKept = 40;  // frames in memory
+const ofBottom = new Set(['gap_m', 'contact_pressure_pa']);
 
 /** The frames of a source as they are asked for. */
 class Frames {
@@ -80,7 +83,7 @@ export async function frameViewer(box, signal, source, title) {
   signal.addEventListener('abort', () => painter.release());
   const aspect = () => canvas.width / canvas.height;
   const marker = h('span', {class: 'marker', hidden: true}),
-        stage = h('div', {class: 'stage'}, canvas, marker);
+        ruler = h('span', {class: 'ruler'}), stage = h('div', {class: 'stage'}, canvas, marker, ruler);
   const bar = h('div'), probe = h('p', {role: 'status', class: 'soft probe'}), picture = h('div');
   const hint = 'Drag to turn, wheel or + and - to zoom, click for values at a point.';
 
@@ -112,7 +115,11 @@ export async function frameViewer(box, signal, source, title) {
     asked = 0;
     paint(field(), range);
     placeMarker();
+    const across = eye.size * aspect(), length = rulerLength(across);
+    ruler.style.width = `${100 * length / across}%`;
+    ruler.textContent = lengthText(length);
   }
+  const lengthText = metres => `${Number((1e3 * metres).toPrecision(3))} mm`;
   const redraw = () => {
     if (!asked && frame) asked = requestAnimationFrame(draw);
   };
@@ -164,9 +171,8 @@ export async function frameViewer(box, signal, source, title) {
     if (first) begin();
     cutNow();
     replace(bar, colourBar(name, unit, range));
-    lines.hidden = chosen !== temperature;
-    lines.textContent = `White lines: solidus ${fixed(frame.solidus, 0)} and liquidus ${
-      fixed(frame.liquidus, 0)} °C.`;
+    lines.textContent = extremesText(unit) + (chosen !== temperature ? '' :
+      ` White lines: solidus ${fixed(frame.solidus, 0)} and liquidus ${fixed(frame.liquidus, 0)} °C.`);
     canvas.setAttribute(
       'aria-label',
       `${name} of the slab at ${fixed(frame.time, 1)} s, ${fixed(1e3 * frame.length, 0)} mm cast`);
@@ -178,6 +184,20 @@ export async function frameViewer(box, signal, source, title) {
     probe.textContent = fault.message;
   };
   const again = () => show(number).catch(failed);
+
+  /** "Least 21 °C at 660.0, 285.0, 0.0 mm, largest 680 °C at ...". */
+  function extremesText(unit) {
+    let least = -1, largest = -1;
+    values.forEach((v, n) => {
+      if (!Number.isFinite(v)) return;
+      if (least < 0 || v < values[least]) least = n;
+      if (largest < 0 || v > values[largest]) largest = n;
+    });
+    if (least < 0) return 'No value in this frame.';
+    const text = n => `${numberText(values[n], values[largest] - values[least])} ${unit} at ${
+      mmOf([...frame.place.subarray(3 * n, 3 * n + 3)])} mm`;
+    return `Least ${text(least)}, largest ${text(largest)}.`;
+  }
 
   // ---- At a point
 
@@ -394,7 +414,20 @@ export async function frameViewer(box, signal, source, title) {
     },
       text);
 
-  const choice = h('select', {'aria-label': 'Field', onchange: again});
+  const choice = h('select', {
+    'aria-label': 'Field',
+    onchange: () => {
+      lookAtBottom();
+      again();
+    }
+  });
+  /** Fields of the bottom are seen from below. */
+  function lookAtBottom() {
+    if (!ofBottom.has(choice.value) || !is3d() || isBelow(eye)) return;
+    look.input.value = 'From below';
+    Object.assign(eye, views['From below']);
+    fillCanvas();
+  }
   const listFields = () => {
     const before = choice.value;
     replace(choice, frames.fields.map(f => h('option', {value: f.name}, shown(f).title)));
@@ -432,8 +465,11 @@ export async function frameViewer(box, signal, source, title) {
     () => {
       axis = Number(across.input.value);
       deep.input.disabled = axis < 0;
-      Object.assign(eye, axis < 0 ? views[look.input.value] : viewOfCut(axis));
-      fillCanvas();
+      // The eye stays where it is, if it sees the cut from there.
+      if (axis >= 0 && !seesCut(eye, axis)) {
+        Object.assign(eye, viewOfCut(axis));
+        fillCanvas();
+      }
       cutMoved();
     });
   const look = select('View', Object.keys(views).map(name => [name, name]), () => {

@@ -10,6 +10,9 @@ function axesOf({yaw, pitch}) {
   const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
   return {right: [cy, sy, 0], up: [-sy * sp, cy * sp, cp], to: [sy * cp, -cy * cp, sp]};
 }
+/** Whether the eye looks at the cut across an axis: what lies beyond it, at higher places, is left out. */
+export const seesCut = (eye, axis) => axesOf(eye).to[axis] > 0.05;
+export const isBelow = eye => axesOf(eye).to[2] < -0.05;
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 /** Orthographic view, `size` metres high, as a matrix column by column. */
@@ -236,6 +239,9 @@ export function numberText(value, span) {
   if (value !== 0 && (span < 1e-3 || span >= 1e6)) return value.toExponential(1);
   return fixed(value, Math.max(0, Math.min(6, Math.ceil(1 - Math.log10(span || 1)))));
 }
+
+/** Length of a bar for scale, up to a third of what is seen. @param across  width of the canvas [m] */
+export const rulerLength = across => ticks(0, across / 3, 2).values.at(-1);
 
 /** The colours from low to high with round values below, as SVG. */
 export function colourBar(title, unit, [low, high]) {

@@ -5,55 +5,7 @@ import {chart, wantedBand} from './chart.js';
 import {findingList, fixed, h, monitorText, replace} from './dom.js';
 import {judgement} from './drawn.js';
 import {addStep, curlLines, lastMonitors} from './history.js';
-
-// A factor is in %, everything else in its unit; 0 is the case as it is.
-const levers = [
-  {
-    key: 'schedule.casting_speed.scale',
-    name: 'Casting speed',
-    unit: '%',
-    low: -30,
-    high: 30,
-    step: 1
-  },
-  {key: 'schedule.water_flow.scale', name: 'Water', unit: '%', low: -40, high: 40, step: 1},
-  {
-    key: 'schedule.casting_temperature.offset',
-    name: 'Metal temperature',
-    unit: 'K',
-    low: -15,
-    high: 30,
-    step: 1
-  },
-  {
-    key: 'cooling.water.temperature.offset',
-    name: 'Water temperature',
-    unit: 'K',
-    low: -10,
-    high: 15,
-    step: 1
-  },
-  {
-    key: 'cooling.bottom_block.temperature.offset',
-    name: 'Block temperature',
-    unit: 'K',
-    low: -40,
-    high: 100,
-    step: 5
-  },
-  {key: 'schedule.filling.scale', name: 'Filling time', unit: '%', low: -40, high: 60, step: 5},
-  {
-    key: 'schedule.hold.scale',
-    name: 'Hold before the start',
-    unit: '%',
-    low: -60,
-    high: 100,
-    step: 5
-  },
-];
-const changeText = (lever, value) =>
-  (lever.unit === '%' ? `${lever.key}=${fixed(1 + value / 100, 2)}`
-                      : `${lever.key}=${value} ${lever.unit}`);
+import {changeText, levers, leverText} from './levers.js';
 
 /** "PLACE: VALUE" lines as a table of a case file; null of none. */
 export function rampText(text) {
@@ -87,6 +39,7 @@ export function whatIfPage(element, signal, wanted) {
   });
   const more = h(
     'textarea', {id: 'more', rows: 3, placeholder: 'KEY=VALUE, one a line', onchange: () => ask()});
+  let reference = null;
   const sliders = levers.map(lever => {
     const id = lever.key.replaceAll('.', '-'), output = h('output', {for: id
                                                });
@@ -103,7 +56,7 @@ export function whatIfPage(element, signal, wanted) {
       }
     });
     const show = () => {
-      output.textContent = `${slider.value > 0 ? '+' : ''}${slider.value} ${lever.unit}`;
+      output.textContent = leverText(lever, Number(slider.value), reference?.levers[lever.key]);
     };
     show();
     return {
@@ -130,7 +83,7 @@ export function whatIfPage(element, signal, wanted) {
   const address = (path, list) => `/${path}/?case=${encodeURIComponent(base.value)}&${
       [`quality=${quality.value}`, ...list].map(c => `set=${encodeURIComponent(c)}`).join('&')}`;
 
-  let reference = null, timer, running = new AbortController();
+  let timer, running = new AbortController();
   signal.addEventListener('abort', () => running.abort());
 
   function draw(now, done) {
@@ -231,6 +184,7 @@ export function whatIfPage(element, signal, wanted) {
     reference = null;
     compute([], answer => {
       reference = answer;
+      for (const s of sliders) s.show();
       draw(answer, true);
       if (changes().length) ask();
     });
