@@ -23,6 +23,17 @@ bool is_lower_case_digit(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
 }
 
+constexpr std::size_t uuid_bytes = 16;
+
+/// The UUID of 32 hexadecimal digits, RFC 4122.
+std::string uuid_form(std::string text, char version) {
+  for (const std::size_t dash : {8, 13, 18, 23}) text.insert(dash, 1, '-');
+  text[14] = version;
+  // The digit with its two upper bits replaced by those of variant 1.
+  text[19] = "89ab"[(text[19] <= '9' ? text[19] - '0' : text[19] - 'a' + 10) & 3];
+  return text;
+}
+
 }  // namespace
 
 struct Sha256::Context {
@@ -94,12 +105,21 @@ std::string sha256_of_file(const std::filesystem::path& path, std::int64_t most)
 }
 
 std::string random_uuid() {
-  std::string text = random_hexadecimal(16);
-  for (const std::size_t dash : {8, 13, 18, 23}) text.insert(dash, 1, '-');
-  text[14] = '4';  // version 4, RFC 4122
-  // The digit with its two upper bits replaced by those of variant 1.
-  text[19] = "89ab"[(text[19] <= '9' ? text[19] - '0' : text[19] - 'a' + 10) & 3];
-  return text;
+  return uuid_form(random_hexadecimal(uuid_bytes), '4');
+}
+
+std::string uuid_of(std::string_view name) {
+  // Random once: names of other programs have another namespace.
+  constexpr std::array<unsigned char, uuid_bytes> name_space{0x5c, 0x1b, 0xe9, 0x0a, 0x7d, 0x42,
+                                                             0x4f, 0x06, 0x9a, 0x33, 0x60, 0xd8,
+                                                             0x2e, 0xb7, 0x91, 0xc4};
+  std::string bytes(name_space.begin(), name_space.end());
+  bytes += name;
+
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha1(), nullptr) != 1)
+    throw std::bad_alloc();
+  return uuid_form(hexadecimal({digest.data(), uuid_bytes}), '5');
 }
 
 bool is_uuid(std::string_view text) {

@@ -44,6 +44,9 @@ std::string sha256_of_file(const std::filesystem::path& path, std::int64_t most 
 /// may be repeated.
 std::string random_uuid();
 
+/// The UUID (version 5) of a name in the namespace of dccast: the same name gives the same one.
+std::string uuid_of(std::string_view name);
+
 /// Whether `text` is a UUID in lower case, as from random_uuid(). Used to refuse everything else
 /// before it becomes part of a path or of an SQL statement.
 bool is_uuid(std::string_view text);

@@ -65,6 +65,13 @@ void change_labels(const v1::UpdateJobRequest& request, v1::Job& job) {
   job.mutable_labels()->Assign(labels.begin(), labels.end());
 }
 
+/// What a request changes, for the audit log.
+std::string changes_text(const v1::UpdateJobRequest& request) {
+  if (request.has_pinned()) return request.pinned() ? "pinned" : "not pinned";
+  if (request.priority() == v1::PRIORITY_UNSPECIFIED) return "labels";
+  return "priority " + v1::Priority_Name(request.priority());
+}
+
 /// The study that a caller names. @throws Refusal  there is none, or the caller may not read it
 v1::Study readable_study(Context& context, const Call& call, const std::string& id) {
   check_study_id(id);
@@ -167,14 +174,34 @@ void check_following(Context& context, const Call& call, const v1::SubmitJobRequ
 /// Refuses a job that could never start. Permission is checked for each predecessor, so that the
 /// refusal reveals nothing of jobs that the caller may not read.
 void check_jobs_before(Context& context, const access::Caller& caller,
-                       const google::protobuf::RepeatedPtrField<std::string>& after) {
+                       const v1::SubmitJobRequest& request) {
   constexpr int most = 100;
-  if (after.size() > most) refuse("a job waits for at most 100 others");
-  for (const std::string& id : after) {
+  if (request.after_size() > most) refuse("a job waits for at most 100 others");
+  for (const std::string& id : request.after()) {
     const v1::Job job = readable_job(context, caller, id);
-    if (job.state() == v1::FAILED || job.state() == v1::CANCELLED)
-      refuse_state(job, "nothing can come after it");
+    if (jobs::is_terminal(job.state()) && !jobs::ends_as_awaited(job.state(), request.after_end()))
+      refuse(ErrorInfo::WRONG_STATE, "job {} is {}; nothing can come after its {}", job.id(),
+             v1::JobState_Name(job.state()),
+             request.after_end() == v1::AWAITED_FAILURE ? "failure" : "success");
   }
+}
+
+void check_begin(const v1::SubmitJobRequest& request) {
+  constexpr std::int64_t longest_s = 366 * 86400;
+  if (!request.has_begin_time()) return;
+  if (request.has_following())
+    refuse(Remedy{"leave out begin_time"}, "a job that follows a casting starts with it");
+  const std::int64_t latest = jobs::now().seconds() + longest_s;
+  if (request.begin_time().seconds() < 0 || request.begin_time().seconds() > latest)
+    refuse(Remedy{"give a time within a year"}, "begin_time is {} s after 1970",
+           request.begin_time().seconds());
+}
+
+void change_priority(v1::Priority priority, v1::Job& job) {
+  if (priority == v1::PRIORITY_UNSPECIFIED || priority == job.priority()) return;
+  if (job.state() != v1::QUEUED && job.state() != v1::PAUSED)
+    refuse_state(job, "its priority counts until it starts");
+  job.set_priority(priority);
 }
 
 /// Refuses a job in the study of another user: the owner of a study changes and deletes all its
@@ -355,7 +382,8 @@ SoundSubmission examine(Context& context, const Call& call, const v1::SubmitJobR
   check_time_limit(request.time_limit_s(), context.settings.per_case().maximum_time_s());
   check_mail(request.mail());
   check_case_file(request.case_file());
-  check_jobs_before(context, call.caller, request.after());
+  check_jobs_before(context, call.caller, request);
+  check_begin(request);
   if (request.has_following()) check_following(context, call, request);
 
   auto attachments = uploaded_files(context, call, request.attachments());
@@ -377,6 +405,8 @@ v1::Job submit(Context& context, const Call& call, const v1::SubmitJobRequest& r
   *job.mutable_labels() = request.labels();
   *job.mutable_changes() = request.changes();
   *job.mutable_after() = request.after();
+  job.set_after_end(request.after_end());
+  if (request.has_begin_time()) *job.mutable_begin_time() = request.begin_time();
   job.set_time_limit_s(request.time_limit_s());
   job.set_mail(request.mail());
 
@@ -452,12 +482,12 @@ Unary* SimulationService::UpdateJob(Wire* wire, const v1::UpdateJobRequest* requ
     const auto change = [&](v1::Job& found) {
       change_labels(*request, found);
       if (request->has_pinned()) found.set_pinned(request->pinned());
+      change_priority(request->priority(), found);
       check_labels(found.labels());
     };
 
     const jobs::Reply reply = context_.scheduler.mark(request->id(), change);
-    call.note->set_reason(request->has_pinned() ? (request->pinned() ? "pinned" : "not pinned")
-                                                : "labels");
+    call.note->set_reason(changes_text(*request));
     *job = done(reply, request->id());
   });
 }

@@ -50,6 +50,11 @@ bool is_terminal(v1::JobState state) {
   return state == v1::SUCCEEDED || state == v1::FAILED || state == v1::CANCELLED;
 }
 
+bool ends_as_awaited(v1::JobState state, v1::AwaitedEnd end) {
+  if (end == v1::AWAITED_ANY_END) return true;
+  return state == (end == v1::AWAITED_FAILURE ? v1::FAILED : v1::SUCCEEDED);
+}
+
 void add_failure(v1::Job& job, v1::Finding::Kind kind, const std::string& message) {
   v1::Finding& failure =
       job.has_failure() ? *job.mutable_failure()->add_further() : *job.mutable_failure();

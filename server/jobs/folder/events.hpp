@@ -47,6 +47,9 @@ google::protobuf::Timestamp timestamp(std::int64_t milliseconds);
 
 /// Whether a job in this state has ended for good.
 bool is_terminal(v1::JobState state);
+/// Whether the end of a job is one that others wait for.
+/// @param state  of the job that has ended; unspecified: it was deleted
+bool ends_as_awaited(v1::JobState state, v1::AwaitedEnd end);
 
 /// Adds a failure. The first one remains the cause; further ones are listed after it.
 void add_failure(v1::Job& job, v1::Finding::Kind kind, const std::string& message);

@@ -112,6 +112,7 @@ void write_marks(const std::filesystem::path& folder, const v1::Job& job) {
   v1::Job marks;
   *marks.mutable_labels() = job.labels();
   marks.set_pinned(job.pinned());
+  marks.set_priority(job.priority());
   storage::replace_file(folder / marks_file, framed_part(marks.SerializeAsString()));
 }
 
@@ -123,10 +124,12 @@ void read_marks(const std::filesystem::path& folder, v1::Job& job) {
   v1::Job marks;
   const auto part = first_part(*bytes);
   if (!part || !marks.ParseFromString(std::string(part->content)))
-    return log::warn("{} is damaged: the job keeps the labels of its submission", path.string());
+    return log::warn("{} is damaged: the job keeps labels and priority of its submission",
+                     path.string());
 
   *job.mutable_labels() = marks.labels();
   job.set_pinned(marks.pinned());
+  if (marks.priority() != v1::PRIORITY_UNSPECIFIED) job.set_priority(marks.priority());
 }
 
 std::int64_t bytes_kept(const std::filesystem::path& folder) {

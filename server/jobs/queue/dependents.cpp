@@ -5,23 +5,23 @@ namespace dccast::jobs {
 bool Dependents::add(const v1::Job& job) {
   if (job.after().empty()) return false;
 
-  before_[job.id()] = {job.after().begin(), job.after().end()};
+  waiting_[job.id()] = {job.id(), {job.after().begin(), job.after().end()}, job.after_end()};
   for (const std::string& before : job.after()) awaited_by_[before].insert(job.id());
   to_check_.insert(job.id());
   return true;
 }
 
 void Dependents::remove(const std::string& id) {
-  const auto found = before_.find(id);
-  if (found == before_.end()) return;
+  const auto found = waiting_.find(id);
+  if (found == waiting_.end()) return;
 
-  for (const std::string& before : found->second) {
+  for (const std::string& before : found->second.before) {
     const auto awaited = awaited_by_.find(before);
     if (awaited == awaited_by_.end()) continue;  // named twice
     awaited->second.erase(id);
     if (awaited->second.empty()) awaited_by_.erase(awaited);
   }
-  before_.erase(found);
+  waiting_.erase(found);
   to_check_.erase(id);
 }
 
@@ -35,11 +35,11 @@ std::optional<Dependents::Dependent> Dependents::take_next() {
 
   const std::string id = *to_check_.begin();
   to_check_.erase(to_check_.begin());
-  return Dependent{id, before_.at(id)};
+  return waiting_.at(id);
 }
 
 void Dependents::check_again(const std::string& id) {
-  if (before_.contains(id)) to_check_.insert(id);
+  if (waiting_.contains(id)) to_check_.insert(id);
 }
 
 }  // namespace dccast::jobs

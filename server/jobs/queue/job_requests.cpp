@@ -145,10 +145,11 @@ Reply JobRequests::mark(const std::string& id, const std::function<void(v1::Job&
 
   write_marks(state_.jobs_directory / id, job);
   state_.ledger.index(*record);
-  log::info("job {}: labels {}, {}", id, fmt::join(job.labels(), ", "),
-            job.pinned() ? "pinned" : "not pinned");
+  log::info("job {}: labels {}, {}, priority {}", id, fmt::join(job.labels(), ", "),
+            job.pinned() ? "pinned" : "not pinned", v1::Priority_Name(job.priority()));
 
   lock.lock();
+  state_.reorder(job);
   if (const auto attempt = state_.attempts.find(id)) {
     *attempt->record.job.mutable_labels() = job.labels();
     attempt->record.job.set_pinned(job.pinned());

@@ -1,5 +1,6 @@
 #include "server/jobs/queue/job_views.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/ranges.h>
 
 #include <utility>
@@ -9,6 +10,17 @@
 namespace dccast::jobs {
 
 using Clock = std::chrono::steady_clock;
+
+namespace {
+
+std::string describe_wait(const v1::Job& job) {
+  const char* end = job.after_end() == v1::AWAITED_FAILURE   ? " to fail"
+                    : job.after_end() == v1::AWAITED_ANY_END ? " to end"
+                                                             : "";
+  return fmt::format("waits for {}{}", fmt::join(job.after(), ", "), end);
+}
+
+}  // namespace
 
 v1::Job JobViews::view(JobRecord record) {
   // A recorded end counts, even if its attempt still exists.
@@ -27,7 +39,10 @@ v1::Job JobViews::view(JobRecord record) {
   if (state_.queue_hold.holds())
     job.set_held(state_.queue_hold.reason());
   else if (state_.dependents.contains(job.id()))
-    job.set_held(fmt::format("waits for {}", fmt::join(job.after(), ", ")));
+    job.set_held(describe_wait(job));
+  else if (state_.begins.contains(job.id()))
+    job.set_held(
+        fmt::format("waits until {:%Y-%m-%d %H:%M:%SZ}", fmt::gmtime(job.begin_time().seconds())));
   else if (!bound.empty())
     job.set_held(bound);
   else

@@ -22,6 +22,29 @@ constexpr std::chrono::milliseconds standstill{250};
 /// How often it is seen whether the owners of castings that are followed may still have them.
 constexpr std::chrono::seconds between_checks_of_owners{1};
 
+/// How often the clock is read while jobs wait for their time: it may be set meanwhile.
+constexpr std::chrono::seconds between_looks_at_clock{1};
+
+/// Whether a job has ended so, or still may, as others wait for it.
+enum class Awaited { reached, open, missed };
+Awaited judge(const std::optional<JobRecord>& record, v1::AwaitedEnd end) {
+  const v1::JobState state = record ? record->job.state() : v1::JOB_STATE_UNSPECIFIED;
+  if (record && !is_terminal(state)) return Awaited::open;
+  return ends_as_awaited(state, end) ? Awaited::reached : Awaited::missed;
+}
+
+/// "job X, which had to succeed first, has failed".
+std::string describe_miss(const std::string& before, const std::optional<JobRecord>& record,
+                          v1::AwaitedEnd end) {
+  const v1::JobState state = record ? record->job.state() : v1::JOB_STATE_UNSPECIFIED;
+  const char* how = state == v1::SUCCEEDED   ? "has succeeded"
+                    : state == v1::CANCELLED ? "was cancelled"
+                    : state == v1::FAILED    ? "has failed"
+                                             : "was deleted";
+  return fmt::format("job {}, which had to {} first, {}", before,
+                     end == v1::AWAITED_FAILURE ? "fail" : "succeed", how);
+}
+
 }  // namespace
 
 QueueLoop::~QueueLoop() {
@@ -73,6 +96,7 @@ void QueueLoop::run() {
     settle_ended_attempts();
     resume_after_hold();
     release_dependents();
+    release_begun();
     end_castings_of_refused_owners();
     while (start_next()) {
     }
@@ -89,6 +113,8 @@ void QueueLoop::run() {
       expected_wake_ = std::min(expected_wake_, owners_checked_ + between_checks_of_owners);
     if (state_.queue_hold.holds())
       expected_wake_ = std::min(expected_wake_, state_.queue_hold.next_check());
+    if (state_.begins.size() > 0)
+      expected_wake_ = std::min(expected_wake_, Clock::now() + between_looks_at_clock);
     state_.changed.wait_until(lock, expected_wake_);
   }
 }
@@ -238,22 +264,15 @@ void QueueLoop::release_dependents() {
   }
 }
 
-/// Queues a job if all jobs before it have succeeded. Cancels it if one of them never will.
+/// Queues a job if all jobs before it have ended as it awaits. Cancels it if one never will.
 void QueueLoop::release_dependent(const Dependents::Dependent& dependent) {
   std::string refusal;
   bool waits = false;
   for (const std::string& before : dependent.before) {
     const auto record = state_.ledger.find(before);
-    const v1::JobState state = record ? record->job.state() : v1::JOB_STATE_UNSPECIFIED;
-    if (state == v1::SUCCEEDED) continue;
-    if (record && !is_terminal(state)) {
-      waits = true;
-      continue;
-    }
-    const char* how = !record                  ? "was deleted"
-                      : state == v1::CANCELLED ? "was cancelled"
-                                               : "has failed";
-    refusal = fmt::format("job {}, which had to succeed first, {}", before, how);
+    const Awaited awaited = judge(record, dependent.end);
+    waits = waits || awaited == Awaited::open;
+    if (awaited == Awaited::missed) refusal = describe_miss(before, record, dependent.end);
   }
   if (waits && refusal.empty()) return;
 
@@ -274,7 +293,13 @@ void QueueLoop::release_dependent(const Dependents::Dependent& dependent) {
   const Lane lane = lane_in(state_.jobs_directory / dependent.id);
   lock.lock();
   state_.dependents.remove(dependent.id);
-  state_.queue.push(record->job, lane);
+  state_.enqueue_at_its_time(record->job, lane);
+}
+
+void QueueLoop::release_begun() {
+  const std::lock_guard lock(state_.mutex);
+  while (const auto begun = state_.begins.take_begun(milliseconds(now())))
+    state_.queue.push(begun->job, begun->lane);
 }
 
 /// A casting that is followed runs as long as it is fed or waits: it does not end by itself soon

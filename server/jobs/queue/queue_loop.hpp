@@ -64,6 +64,8 @@ private:
   void resume_after_hold();
   /// Looks at the jobs whose predecessors have changed.
   void release_dependents();
+  /// Queues the jobs whose time has come.
+  void release_begun();
   /// Queues a job if all jobs before it have succeeded; cancels it if one of them never will.
   void release_dependent(const Dependents::Dependent& dependent);
   /// Cancels the followed castings of owners whose jobs may not run any more.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/jobs/folder/events.hpp"
 #include "server/jobs/log.hpp"
 
 namespace dccast::jobs {
@@ -29,11 +30,26 @@ void QueueState::hold(const std::string& reason) {
 }
 
 void QueueState::enqueue(const v1::Job& job, Lane lane) {
-  if (!dependents.add(job)) queue.push(job, lane);
+  if (!dependents.add(job)) enqueue_at_its_time(job, lane);
+}
+
+void QueueState::enqueue_at_its_time(const v1::Job& job, Lane lane) {
+  if (!begins.add(job, lane, milliseconds(now()))) queue.push(job, lane);
+}
+
+void QueueState::reorder(const v1::Job& job) {
+  if (queue.position(job.id()) > 0) {
+    const Lane lane = queue.lane_of(job.id());
+    queue.erase(job.id());
+    queue.push(job, lane);
+  } else if (const auto waiting = begins.remove(job.id())) {
+    begins.add(job, waiting->lane, 0);
+  }
 }
 
 void QueueState::dequeue(const std::string& id) {
   queue.erase(id);
+  begins.remove(id);
   dependents.remove(id);
   dependents.note_change(id);
 }

@@ -13,6 +13,7 @@
 #include "server/jobs/executors/executor.hpp"
 #include "server/jobs/logs/event_logs.hpp"
 #include "server/jobs/queue/attempts.hpp"
+#include "server/jobs/queue/begins.hpp"
 #include "server/jobs/queue/dependents.hpp"
 #include "server/jobs/queue/job_queue.hpp"
 #include "server/jobs/queue/ledger.hpp"
@@ -49,8 +50,12 @@ struct QueueState {
 
   /// Holds the queue until the fault has passed.
   void hold(const std::string& reason);
-  /// Queues a job, or lets it wait until the jobs before it have succeeded.
+  /// Queues a job, or lets it wait until the jobs before it have ended, and for its time.
   void enqueue(const v1::Job& job, Lane lane);
+  /// The same of a job that waits for no other any more.
+  void enqueue_at_its_time(const v1::Job& job, Lane lane);
+  /// Gives a queued job the place of its present priority.
+  void reorder(const v1::Job& job);
   /// Removes a job from the queue and from those that wait; jobs that wait for it are checked
   /// again.
   void dequeue(const std::string& id);
@@ -59,8 +64,8 @@ struct QueueState {
   /// Why one more job of a lane may not start, besides a lack of places: a bound of its owner or of
   /// its lane, as a sentence with its value; empty: it may. Kept queries have none.
   std::string bound_reached(Lane lane, const std::string& owner) const;
-  /// Jobs that have not been started, with those that wait for others.
-  int waiting() const { return static_cast<int>(queue.size()) + dependents.size(); }
+  /// Jobs that have not been started, with those that wait for others or for their time.
+  int waiting() const { return static_cast<int>(queue.size()) + dependents.size() + begins.size(); }
 
   /// Fixed after construction.
   const SchedulerOptions options;
@@ -76,6 +81,7 @@ struct QueueState {
   Attempts attempts;
   JobQueue queue;
   Dependents dependents;
+  Begins begins;
   QueueHold queue_hold;
   std::set<std::string> held_jobs;  ///< see ExclusiveJob
   bool shutting_down = false;

@@ -79,7 +79,8 @@ public:
                const std::function<bool(const v1::Job& job)>& permits = {}) {
     return requests_.remove(id, why, permits);
   }
-  /// Changes labels, and whether the job is pinned. If `change` throws, the job stays unchanged.
+  /// Changes labels, priority, and whether the job is pinned. If `change` throws, the job stays
+  /// unchanged.
   Reply mark(const std::string& id, const std::function<void(v1::Job& job)>& change) {
     return requests_.mark(id, change);
   }

@@ -78,6 +78,67 @@ TEST_F(After, AChainIsCancelledToItsEnd) {
   daemon.scheduler.shut_down();
 }
 
+TEST_F(After, AJobStartsAfterAFailureAfterAnyEndOrNever) {
+  LongQueue daemon(folder_.path());
+  const auto awaiting = [&](const std::string& before, v1::AwaitedEnd end) {
+    NewJob job = new_job();
+    job.description.job.add_after(before);
+    job.description.job.set_after_end(end);
+    return daemon.scheduler.submit(job, {}).id();
+  };
+  const auto first = submit(daemon);
+  const auto on_failure = awaiting(first, v1::AWAITED_FAILURE);
+  const auto on_any_end = awaiting(first, v1::AWAITED_ANY_END);
+  const auto on_success = awaiting(first, v1::AWAITED_SUCCESS);
+  EXPECT_EQ(daemon.scheduler.find(on_failure)->held(), "waits for " + first + " to fail");
+  daemon.scheduler.cancel(first, "");
+  daemon.scheduler.start();
+
+  EXPECT_TRUE(becomes(daemon, on_any_end, v1::RUNNING));
+  EXPECT_TRUE(becomes(daemon, on_failure, v1::CANCELLED)) << "a cancelled job has not failed";
+  EXPECT_TRUE(becomes(daemon, on_success, v1::CANCELLED));
+  daemon.scheduler.shut_down();
+
+  EXPECT_TRUE(ends_as_awaited(v1::FAILED, v1::AWAITED_FAILURE));
+  EXPECT_FALSE(ends_as_awaited(v1::SUCCEEDED, v1::AWAITED_FAILURE));
+}
+
+TEST_F(After, AJobStartsNotBeforeItsTime) {
+  LongQueue daemon(folder_.path());
+  const auto at = [&](std::int64_t from_now_ms) {
+    NewJob job = new_job();
+    *job.description.job.mutable_begin_time() = timestamp(milliseconds(now()) + from_now_ms);
+    return daemon.scheduler.submit(job, {}).id();
+  };
+  const auto past = at(-1000), soon = at(1500), late = at(3'600'000), cancelled = at(3'600'000);
+  daemon.scheduler.start();
+  EXPECT_TRUE(becomes(daemon, past, v1::RUNNING));
+  EXPECT_EQ(daemon.scheduler.find(soon)->state(), v1::QUEUED);
+  EXPECT_TRUE(daemon.scheduler.find(soon)->held().starts_with("waits until 2"));
+  EXPECT_EQ(daemon.scheduler.queued(), 3);
+
+  EXPECT_TRUE(becomes(daemon, soon, v1::RUNNING));
+  EXPECT_GE(milliseconds(daemon.scheduler.find(soon)->start_time()),
+            milliseconds(daemon.scheduler.find(soon)->begin_time()));
+  daemon.scheduler.cancel(cancelled, "");
+  EXPECT_EQ(daemon.scheduler.queued(), 1);
+  EXPECT_EQ(daemon.scheduler.find(late)->state(), v1::QUEUED);
+  daemon.scheduler.shut_down();
+}
+
+TEST_F(After, APriorityThatIsChangedMovesAJobAndIsKept) {
+  const auto rush = [](v1::Job& job) { job.set_priority(v1::HIGH); };
+  LongQueue daemon(folder_.path());
+  const auto first = submit(daemon), second = submit(daemon);
+  EXPECT_EQ(daemon.scheduler.mark(second, rush).job.queue_position(), 1);
+  EXPECT_EQ(daemon.scheduler.find(first)->queue_position(), 2);
+
+  v1::Job stored;
+  stored.set_priority(v1::LOW);
+  read_marks(folder_.path() / second, stored);
+  EXPECT_EQ(stored.priority(), v1::HIGH);
+}
+
 TEST_F(After, JobsOfOneMillisecondKeepTheirOrder) {
   LongQueue daemon(folder_.path());
   std::vector<std::string> jobs;

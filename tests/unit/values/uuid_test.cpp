@@ -18,6 +18,13 @@ TEST(Uuid, IsAUuidOfVersion4AndNeverTheSame) {
   }
 }
 
+TEST(Uuid, OfANameIsOfVersion5AndAlwaysTheSame) {
+  EXPECT_TRUE(is_uuid(uuid_of("trial-7"))) << uuid_of("trial-7");
+  EXPECT_EQ(uuid_of("trial-7")[14], '5');
+  EXPECT_EQ(uuid_of("trial-7"), uuid_of("trial-7"));
+  EXPECT_NE(uuid_of("trial-7"), uuid_of("trial-8"));
+}
+
 TEST(Uuid, RefusesWhatIsNone) {
   for (const char* text :
        {"", "x", "0f2b9a4e-0000-4000-8000-00000000000", "../../../../etc/passwd",
