@@ -30,17 +30,29 @@ std::string change_for(const CLI::App& command, const std::string& option) {
   return paths.size() == 1 ? "--set " + paths.front() + "=" : "";
 }
 
-/// Suggestion for an unknown command, or for an unknown option of the given command.
-std::string nearest_text(const CLI::App& app, const std::vector<std::string>& arguments) {
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* const command : app.get_subcommands({}))
+    names.push_back(command->get_name());
+  return names;
+}
+
+/// Where the command stands, behind options of the program; the end if there is none.
+std::vector<std::string>::iterator find_command(const CLI::App& app,
+                                                std::vector<std::string>& arguments) {
+  for (auto word = arguments.begin(); word != arguments.end(); ++word) {
+    if (!word->starts_with('-')) return word;
+    const CLI::Option* const option = app.get_option_no_throw(*word);
+    const bool takes_value = option != nullptr && option->get_items_expected_max() > 0;
+    if (takes_value && word + 1 != arguments.end()) ++word;
+  }
+  return arguments.end();
+}
+
+/// Suggestion for an unknown option of the given command.
+std::string nearest_option(const CLI::App& app, const std::vector<std::string>& arguments) {
   const auto chosen = app.get_subcommands();
   for (const std::string& argument : arguments) {
-    if (chosen.empty() && !argument.starts_with('-')) {
-      std::vector<std::string> names;
-      for (const CLI::App* const command : app.get_subcommands({}))
-        names.push_back(command->get_name());
-      return case_file::nearest(argument, names);
-    }
-
     const std::string option = argument.substr(0, argument.find('='));
     if (chosen.empty() || !option.starts_with("--")) continue;
     if (chosen.front()->get_option_no_throw(option) != nullptr) continue;
@@ -118,8 +130,18 @@ void Command::flag(const std::string& names, bool& value, const std::string& hel
 
 void Command::choice(const std::string& names, int& value, const std::map<std::string, int>& values,
                      const std::string& help, const Rules& rules) const {
-  const auto one_of_them = CLI::CheckedTransformer(values, CLI::ignore_case).description("");
-  apply(rules, *app_->add_option(names, value, help)->transform(one_of_them));
+  const auto number_of = [values](std::string& text) -> std::string {
+    const auto found = values.find(CLI::detail::to_lower(text));
+    const bool is_number = std::ranges::any_of(
+        values, [&](const auto& entry) { return text == std::to_string(entry.second); });
+    if (found != values.end()) text = std::to_string(found->second);
+    if (found != values.end() || is_number) return {};  // a default is a number already
+
+    std::string permitted;
+    for (const auto& [name, number] : values) permitted += (permitted.empty() ? "" : ", ") + name;
+    return "'" + text + "' is none of " + permitted;
+  };
+  apply(rules, *app_->add_option(names, value, help)->transform(CLI::Validator(number_of, "")));
 }
 
 Command Command::command(const std::string& name, const std::string& description) const {
@@ -183,14 +205,32 @@ std::string CommandLine::set_default(const std::string& command, const std::stri
   }
 }
 
-ExitCode CommandLine::run(const std::vector<std::string>& arguments) {
+ExitCode CommandLine::run(const std::vector<std::string>& given) {
+  std::vector<std::string> arguments = given;
+  auto command = find_command(*app_, arguments);
+
+  // `dccast help submit` is `dccast submit --help`.
+  if (command != arguments.end() && *command == "help") {
+    arguments.erase(command);
+    arguments.emplace_back("--help");
+    command = find_command(*app_, arguments);
+  }
+
+  const auto names = command_names(*app_);
+  if (command != arguments.end() && std::ranges::find(names, *command) == names.end()) {
+    const std::string near = case_file::nearest(*command, names);
+    throw invalid("there is no command '" + *command + "'" +
+                  (near.empty() ? "" : "; did you mean '" + near + "'?") + "; `" +
+                  app_->get_name() + " --help` lists them");
+  }
+
   try {
     // CLI11 expects the arguments in reverse order.
     app_->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::ParseError& error) {
     app_->exit(error, std::cout, std::cerr);
     if (error.get_exit_code() == 0) return ExitCode::done;  // help or version
-    const std::string near = nearest_text(*app_, arguments);
+    const std::string near = nearest_option(*app_, arguments);
     if (!near.empty()) std::cerr << "did you mean '" << near << "'?\n";
     return ExitCode::invalid;
   }

@@ -139,7 +139,7 @@ public:
 
   /// Parses the arguments and runs the chosen action. Help goes to standard output; what is wrong
   /// with the arguments goes to standard error, with a suggestion, and gives ExitCode::invalid.
-  ExitCode run(const std::vector<std::string>& arguments);
+  ExitCode run(const std::vector<std::string>& given);
 
 private:
   std::unique_ptr<CLI::App> app_;

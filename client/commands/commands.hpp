@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -50,12 +51,15 @@ using Add = void(CommandLine&, Program&);
 Add add_new, add_validate, add_schema, add_alloys;
 Add add_submit, add_follow, add_forecast, add_line, add_replay, add_watch, add_query, add_compare;
 Add add_list, add_show, add_wait, add_cancel, add_pause, add_resume, add_delete;
-Add add_label, add_pin, add_unpin, add_usage, add_case, add_logs, add_top;
+Add add_label, add_priority, add_pin, add_unpin, add_usage, add_case, add_logs, add_top;
 Add add_curl, add_probe, add_contraction, add_fetch, add_report, add_dashboard;
 Add add_studies, add_convergence, add_sweep, add_predict, add_uncertainty, add_sensitivity;
 Add add_remedy;
 Add add_calibrate, add_design_mould, add_design_recipe;
 Add add_login, add_logout, add_whoami, add_doctor, add_info, add_completion;
+
+/// The names of priorities on the command line.
+const std::map<std::string, int>& priorities();
 
 /// Writes JSON to standard output, on one line.
 void print_line(const Json& json);

@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <functional>
 #include <iostream>
 #include <map>
@@ -100,11 +102,12 @@ std::vector<ListLine> lines_of(Connection& connection, const std::vector<v1::Job
   return lines;
 }
 
-/// Reasons for which jobs are held, without repetition.
+/// Reasons for which jobs are held, without repetition and without those that their states name.
 void print_holds(const std::vector<v1::Job>& jobs) {
   std::set<std::string> reasons;
   for (const v1::Job& job : jobs)
-    if (!job.held().empty()) reasons.insert(job.held());
+    if (!job.held().empty() && !waits_for_others(job) && !waits_for_its_time(job))
+      reasons.insert(job.held());
   for (const std::string& reason : reasons) std::cerr << "held: " << reason << '\n';
 }
 
@@ -118,7 +121,9 @@ ExitCode run(const ListOptions& options, Program& program) {
   else if (options.ids)
     for (const v1::Job& job : listing.jobs) std::cout << job.id() << '\n';
   else if (!listing.jobs.empty())
-    std::cout << job_table(lines_of(connection, listing.jobs, view), options.columns) << std::flush;
+    std::cout << job_table(lines_of(connection, listing.jobs, view), options.columns,
+                           terminal_of(STDOUT_FILENO))
+              << std::flush;
   if (listing.jobs.empty()) std::cerr << "no jobs\n";
   if (listing.more)
     std::cerr << "these are the newest " << options.limit << "; there are more: --limit\n";
@@ -168,12 +173,37 @@ ExitCode run(const WaitOptions& options, Program& program) {
                        options.json);
 }
 
-struct LabelOptions {
-  std::vector<std::string> labels, remove;
-};
+/// Options that say which jobs a command is about.
+void add_selection(const Command& command, JobSelection& selection) {
+  command.option("JOB", selection.jobs, job_help);
+  command.repeatable("--label", selection.labels,
+                     "In place of JOBs: your own jobs with this label; repeatable",
+                     {.comma_separated = true});
+}
+
+/// Acts on each job, also after one that refused, whose reason is printed.
+/// @return the exit code of the first refusal
+ExitCode for_each_job(const std::vector<std::string>& ids,
+                      const std::function<void(const std::string& id)>& act) {
+  if (ids.empty()) std::cerr << "no jobs\n";
+  ExitCode code = ExitCode::done;
+  for (const std::string& id : ids) try {
+      act(id);
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const CommandFailed& failure) {
+      if (ids.size() == 1) throw;
+      std::cerr << "dccast: " << failure.what() << '\n';
+      if (code == ExitCode::done) code = failure.code();
+    }
+  return code;
+}
+
+const std::vector<v1::JobState> unfinished{v1::QUEUED, v1::RUNNING, v1::PAUSED};
+const std::vector<v1::JobState> ended{v1::SUCCEEDED, v1::FAILED, v1::CANCELLED};
 
 struct DeleteOptions {
-  std::vector<std::string> ids;
+  JobSelection selection;
   bool cancel = false;
   bool json = false;
 };
@@ -196,22 +226,24 @@ void delete_job(Connection& connection, const std::string& id) {
 
 ExitCode run(const DeleteOptions& options, Program& program) {
   Connection connection = program.connect();
-  for (const std::string& id : resolve_jobs(connection, options.ids)) {
+  const auto states = options.cancel ? std::vector<v1::JobState>{} : ended;
+  const auto ids = selected_jobs(connection, options.selection, states);
+  return for_each_job(ids, [&](const std::string& id) {
     if (options.cancel) connection.call(&Stub::CancelJob, id);
     delete_job(connection, id);
     if (options.json)
       std::cout << Json{{"id", id}, {"deleted", true}}.dump() << std::endl;
     else
       std::cerr << "deleted " << id << '\n';
-  }
-  return ExitCode::done;
+  });
 }
 
-/// Help texts of a command on one job.
+/// What is special about a command on jobs, with its help texts.
 struct JobCommand {
   const char* name;
   const char* description;
   const char* example;
+  std::vector<v1::JobState> states{};            ///< of the jobs that --label selects; empty: all
   bool repeatable = true;                        ///< a repeated call has the same result
   v1::JobState aim = v1::JOB_STATE_UNSPECIFIED;  ///< that a running job reaches a little later
 };
@@ -240,32 +272,45 @@ std::string new_state(const v1::Job& job) {
   return job.id() + " " + state_text(job.state()) + "\n";
 }
 
-/// Adds a command that makes one call about one job and prints the job. The request holds the
-/// options: JOB, and those that the caller adds to the returned command.
-/// @param text      formats the job as text; --json prints all of it
+/// Adds a command that makes the same call about each of its jobs and prints them. The request
+/// holds the options that the caller adds to the returned command.
+/// @param text      formats a job as text; --json prints all of it
 /// @param complete  sets what an option cannot write into the request itself
+/// @param declare   adds positional arguments before JOB
 template <typename Request>
 Command add_job_command(CommandLine& line, Program& program, const JobCommand& about,
                         Method<Request, v1::Job> method, std::shared_ptr<Request> request,
                         std::string (*text)(const v1::Job&) = new_state,
-                        std::function<void(Request&)> complete = nullptr) {
+                        std::function<void(Request&)> complete = nullptr,
+                        const std::function<void(const Command&)>& declare = nullptr) {
   const Command command = line.command(about.name, about.description, about.example);
 
+  const auto selection = std::make_shared<JobSelection>();
   const auto json = std::make_shared<bool>(false);
-  command.option("JOB", *request->mutable_id(), job_help, required);
-  command.json(*json);
+  if (declare) declare(command);
+  add_selection(command, *selection);
+  command.json(*json, "Each job as JSON on a line");
 
   command.action([=, &program] {
     if (complete) complete(*request);
     Connection connection = program.connect();
-    request->set_id(resolve_job(connection, request->id()));
-    // A call that acts must not be sent twice when its answer is lost.
-    v1::Job job = about.repeatable ? connection.call(method, *request)
-                                   : connection.call_once(method, *request);
-    if (about.aim != v1::JOB_STATE_UNSPECIFIED)
-      job = reached(connection, std::move(job), about.aim);
-    std::cout << (*json ? to_json(job).dump() + "\n" : text(job));
-    return ExitCode::done;
+
+    // All are asked before the first one is waited for.
+    std::vector<v1::Job> jobs;
+    const auto ids = selected_jobs(connection, *selection, about.states);
+    const ExitCode code = for_each_job(ids, [&](const std::string& id) {
+      request->set_id(id);
+      // A call that acts must not be sent twice when its answer is lost.
+      jobs.push_back(about.repeatable ? connection.call(method, *request)
+                                      : connection.call_once(method, *request));
+    });
+
+    for (v1::Job& job : jobs) {
+      if (about.aim != v1::JOB_STATE_UNSPECIFIED)
+        job = reached(connection, std::move(job), about.aim);
+      std::cout << (*json ? to_json(job).dump() + "\n" : text(job)) << std::flush;
+    }
+    return code;
   });
   return command;
 }
@@ -305,6 +350,12 @@ void add_pin_command(CommandLine& line, Program& program, const JobCommand& abou
 }
 
 }  // namespace
+
+const std::map<std::string, int>& priorities() {
+  static const std::map<std::string, int> names{
+      {"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}};
+  return names;
+}
 
 ExitCode wait_for_jobs(Connection& connection, const std::vector<std::string>& ids,
                        const std::string& command, bool json) {
@@ -363,33 +414,54 @@ void add_delete(CommandLine& line, Program& program) {
   const auto [command, options] = declare<DeleteOptions>(
       line, program, run, "delete",
       "Delete ended jobs and their files; waits for a job that is being cancelled",
-      "dccast delete JOB\n  dccast delete --cancel JOB JOB");
-  command.option("JOB", options.ids, job_help, required);
+      "dccast delete JOB\n  dccast delete --cancel JOB JOB\n  dccast delete --label trial-7");
+  add_selection(command, options.selection);
   command.flag("--cancel", options.cancel, "Cancel jobs that have not ended first");
   command.json(options.json, "As JSON, one a line");
 }
 
 void add_label(CommandLine& line, Program& program) {
+  struct LabelOptions {
+    std::vector<std::string> add, remove;
+  };
   const auto options = std::make_shared<LabelOptions>();
   const Command command = add_job_command<v1::UpdateJobRequest>(
       line, program,
-      {"label", "Change the labels of one of your jobs: key=value replaces the label with that key",
-       "dccast label JOB line=3 checked\n  dccast label JOB --remove line"},
+      {"label", "Change labels of your jobs: key=value replaces the label with that key",
+       "dccast label JOB --add line=3 --add checked\n  dccast label --label trial-7 --remove line"},
       &Stub::UpdateJob, std::make_shared<v1::UpdateJobRequest>(), marks_of,
       // Lists of an option cannot be the repeated fields of a message.
       [options](v1::UpdateJobRequest& request) {
-        request.mutable_set_labels()->Assign(options->labels.begin(), options->labels.end());
+        request.mutable_set_labels()->Assign(options->add.begin(), options->add.end());
         request.mutable_remove_labels()->Assign(options->remove.begin(), options->remove.end());
       });
-  command.option("LABEL", options->labels, "Labels to be added");
+  command.repeatable("--add", options->add, "Labels to be added; repeatable",
+                     {.comma_separated = true, .placeholder = "LABEL"});
   command.repeatable("--remove", options->remove,
                      "Labels, or keys of labels, to be removed; repeatable",
-                     {.comma_separated = true});
+                     {.comma_separated = true, .placeholder = "LABEL"});
+}
+
+void add_priority(CommandLine& line, Program& program) {
+  const auto priority = std::make_shared<int>();
+  add_job_command<v1::UpdateJobRequest>(
+      line, program,
+      {"priority",
+       "Change the place of waiting jobs in the queue",
+       "dccast priority high JOB\n  dccast priority low --label trial-7",
+       {v1::QUEUED, v1::PAUSED}},
+      &Stub::UpdateJob, std::make_shared<v1::UpdateJobRequest>(), new_state,
+      [priority](v1::UpdateJobRequest& request) {
+        request.set_priority(static_cast<v1::Priority>(*priority));
+      },
+      [priority](const Command& command) {
+        command.choice("PRIORITY", *priority, priorities(), "low, normal or high", required);
+      });
 }
 
 void add_pin(CommandLine& line, Program& program) {
   add_pin_command(line, program,
-                  {"pin", "Keep a job when the server deletes old ones", "dccast pin JOB"}, true);
+                  {"pin", "Keep jobs when the server deletes old ones", "dccast pin JOB"}, true);
 }
 
 void add_unpin(CommandLine& line, Program& program) {
@@ -406,11 +478,12 @@ void add_show(CommandLine& line, Program& program) {
 
 void add_cancel(CommandLine& line, Program& program) {
   const auto request = std::make_shared<v1::CancelJobRequest>();
-  const Command command =
-      add_job_command(line, program,
-                      {"cancel", "Stop a job permanently; a job that has ended is not changed",
-                       "dccast cancel JOB --reason \"wrong alloy\"", true, v1::CANCELLED},
-                      &Stub::CancelJob, request);
+  const Command command = add_job_command(
+      line, program,
+      {"cancel", "Stop jobs permanently; a job that has ended is not changed",
+       "dccast cancel JOB --reason \"wrong alloy\"\n  dccast cancel --label trial-7", unfinished,
+       true, v1::CANCELLED},
+      &Stub::CancelJob, request);
   command.option(
       "--reason", *request->mutable_reason(), "Kept with the job",
       {.fault = [](const std::string& text) { return values::too_long("the reason", text); }});
@@ -418,14 +491,22 @@ void add_cancel(CommandLine& line, Program& program) {
 
 void add_pause(CommandLine& line, Program& program) {
   add_job_command(line, program,
-                  {"pause", "Stop a job at a checkpoint and keep it out of the queue",
-                   "dccast pause JOB", true, v1::PAUSED},
+                  {"pause",
+                   "Stop jobs at a checkpoint and keep them out of the queue",
+                   "dccast pause JOB\n  dccast pause --label trial-7",
+                   {v1::QUEUED, v1::RUNNING},
+                   true,
+                   v1::PAUSED},
                   &Stub::PauseJob, std::make_shared<v1::PauseJobRequest>());
 }
 
 void add_resume(CommandLine& line, Program& program) {
   add_job_command(line, program,
-                  {"resume", "Put a paused job back into the queue", "dccast resume JOB", false},
+                  {"resume",
+                   "Put paused jobs back into the queue",
+                   "dccast resume JOB\n  dccast resume --label trial-7",
+                   {v1::PAUSED},
+                   false},
                   &Stub::ResumeJob, std::make_shared<v1::ResumeJobRequest>());
 }
 

@@ -1,6 +1,7 @@
 // Values at points of the metal, over time or along a line, from the stored frames of a job.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <span>
@@ -146,6 +147,22 @@ std::string heading(const v1::FrameField& field, int number) {
   return fmt::format(">{} mm", field.name().substr(0, field.name().size() - 2));  // without "_m"
 }
 
+/// Refuses places where no frame has metal: they are a slip of the user rather than an answer.
+void require_metal(const Probe& probe) {
+  bool has_metal = false;
+  for_each_sample(probe, [&](const auto&, std::size_t, std::span<const double> values) {
+    has_metal = has_metal || std::ranges::any_of(values, [](double v) { return !std::isnan(v); });
+  });
+  if (has_metal) return;
+
+  const std::string end = probe.line ? " to " + place_text(probe.points.back()) : "";
+  throw CommandFailed(ExitCode::not_found,
+                      fmt::format("there is no metal at {}{} in any frame: it is outside of the "
+                                  "slab, or above what was cast; coordinates are from the middle "
+                                  "and from the block up, those of a quarter slab not negative",
+                                  place_text(probe.points.front()), end));
+}
+
 std::string table_text(const Probe& probe) {
   std::vector<std::string> headings;
   if (probe.line) {
@@ -214,6 +231,7 @@ ExitCode run(const ProbeOptions& options, Program& program) {
   Connection connection = program.connect();
   const std::string id = resolve_job(connection, options.id);
   const Probe probe = ask(connection, id, options);
+  require_metal(probe);
 
   if (options.json) {
     print_line({{"job", id}, {"samples", samples_json(probe)}});

@@ -71,8 +71,8 @@ const std::vector<Group>& groups() {
       {"Commands to ask at once", {add_query, add_compare}},
       {"Commands to run jobs",
        {add_submit, add_follow, add_forecast, add_line, add_replay, add_watch, add_wait, add_list,
-        add_show, add_top, add_cancel, add_pause, add_resume, add_label, add_pin, add_unpin,
-        add_delete}},
+        add_show, add_top, add_cancel, add_pause, add_resume, add_priority, add_label, add_pin,
+        add_unpin, add_delete}},
       {"Commands to read results",
        {add_curl, add_report, add_dashboard, add_probe, add_contraction, add_fetch, add_case,
         add_logs}},
@@ -176,7 +176,11 @@ int run_command_line(const std::vector<std::string>& arguments, Program& program
     const ExitCode code = line.run(arguments);
     std::cout.flush();
     return static_cast<int>(code);
-  } catch (const std::ios_base::failure&) {
+  } catch (const std::ios_base::failure& failure) {
+    if (!std::cout.bad()) {
+      std::cerr << "dccast: a file cannot be read: " << failure.what() << '\n';
+      return static_cast<int>(ExitCode::invalid);
+    }
     const std::string reason = reason_against_output();
     std::cout.exceptions(std::ios::goodbit);  // what std::cerr is given flushes it once more
     std::cerr << "dccast: standard output cannot be written" << reason << '\n';

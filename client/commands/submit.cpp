@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <filesystem>
 #include <iostream>
 
 #include "client/cli/common_options.hpp"
@@ -23,8 +25,9 @@ struct SubmitOptions {
   std::vector<std::string> after;
   std::vector<std::string> set;
   std::vector<std::string> labels;
+  int after_end = v1::AWAITED_SUCCESS;
   std::string request_id;
-  std::string time_limit, mail, notify;
+  std::string begin, time_limit, mail, notify;
   int priority = v1::NORMAL;
   bool watch = false;
   bool json = false;
@@ -73,17 +76,36 @@ std::optional<std::vector<CaseUnderCheck>> examined_cases(const SubmitOptions& o
   return cases;
 }
 
-/// @param number  of the case, from 1; jobs of several cases get the request id with their number
-v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const SubmitOptions& options,
-                                Connection& connection, std::size_t number) {
+/// The request id of one case: the same file submitted again gives the same job, whichever files
+/// are beside it.
+std::string request_id_of(const CaseUnderCheck& checked, const std::string& given) {
+  const std::string name = std::filesystem::path(checked.read.source.file()).filename();
+  return values::uuid_of(given + '\n' + name + '\n' + values::sha256(checked.text));
+}
+
+/// The request ids of all cases. A file that is named twice is meant twice, unless the user gave an
+/// id.
+std::vector<std::string> request_ids_of(const std::vector<CaseUnderCheck>& cases,
+                                        SubmitOptions& options) {
+  const bool given = !options.request_id.empty();
+  if (!given) options.request_id = values::random_uuid();
+
+  std::vector<std::string> ids;
+  for (const CaseUnderCheck& checked : cases) {
+    const std::string id = request_id_of(checked, options.request_id);
+    const bool is_new = std::ranges::find(ids, id) == ids.end();
+    ids.push_back(is_new || given ? id : values::random_uuid());
+  }
+  return ids;
+}
+
+v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const std::string& request_id,
+                                const SubmitOptions& options, Connection& connection) {
   v1::SubmitJobRequest request = submission_of(checked, connection);
-  // The same id and case give the same job, so one id serves a whole list of files only with a
-  // number.
-  if (options.request_id.empty())
-    request.set_request_id(values::random_uuid());
-  else
-    request.set_request_id(options.request_id +
-                           (options.files.size() > 1 ? "." + std::to_string(number) : ""));
+  request.set_request_id(request_id);
+  request.set_after_end(static_cast<v1::AwaitedEnd>(options.after_end));
+  if (!options.begin.empty())
+    request.mutable_begin_time()->set_seconds(seconds_to_come(options.begin));
   request.mutable_after()->Assign(options.after.begin(), options.after.end());
   request.set_priority(static_cast<v1::Priority>(options.priority));
   request.mutable_labels()->Assign(options.labels.begin(), options.labels.end());
@@ -93,12 +115,21 @@ v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const SubmitOptio
   return request;
 }
 
+grpc::Status submitted(Connection& connection, const v1::SubmitJobRequest& request,
+                       const std::string& given_id, v1::Job& job) try {
+  return submit_with_retries(connection, request, job);
+} catch (const Interrupted&) {
+  throw Interrupted(
+      "jobs may be in the queue already (dccast list). The same command with --request-id " +
+      given_id + " makes none of them twice");
+}
+
 /// @return empty if the server has found further faults, which have been printed
-std::optional<v1::Job> submit(CaseUnderCheck& checked, const SubmitOptions& options,
-                              Connection& connection, std::size_t number) {
-  const v1::SubmitJobRequest request = request_of(checked, options, connection, number);
+std::optional<v1::Job> submit(CaseUnderCheck& checked, const std::string& request_id,
+                              const SubmitOptions& options, Connection& connection) {
+  const v1::SubmitJobRequest request = request_of(checked, request_id, options, connection);
   v1::Job job;
-  const grpc::Status status = submit_with_retries(connection, request, job);
+  const grpc::Status status = submitted(connection, request, options.request_id, job);
   checked.faults = faults_of(status);
   if (!checked.faults.empty()) {
     refuse_submission(checked, options.json);
@@ -116,9 +147,10 @@ ExitCode run(const SubmitOptions& given, Program& program) {
   options.after = resolve_jobs(connection, options.after);
   auto cases = examined_cases(options, connection);
   if (!cases) return ExitCode::invalid;
+  const std::vector<std::string> request_ids = request_ids_of(*cases, options);
   std::vector<std::string> ids;
   for (std::size_t i = 0; i < cases->size(); ++i) {
-    const auto job = submit((*cases)[i], options, connection, i + 1);
+    const auto job = submit((*cases)[i], request_ids[i], options, connection);
     if (!job) return ExitCode::invalid;
     if (options.watch)
       return watch_job(connection, job->id(), 1, options.json, true, options.strict);
@@ -135,6 +167,8 @@ constexpr const char* submit_examples =
   dccast submit --label trial-7 --request-id trial-7 casts/*.toml
   dccast submit --from JOB --set mesh.rows=30
   dccast submit --after JOB next.toml
+  dccast submit --after JOB --after-end failure retry.toml
+  dccast submit --begin 22:00 casts/*.toml
   sed s/680/690/ my.toml | dccast submit -
 
 Of several files all are checked before the first is submitted; one id a line.)";
@@ -226,6 +260,15 @@ void add_submit(CommandLine& line, Program& program) {
   command.repeatable("--after", options.after,
                      "Start when these jobs have succeeded; cancelled if one does not; repeatable",
                      {.comma_separated = true, .placeholder = "JOB"});
+  command.choice("--after-end", options.after_end,
+                 {{"success", v1::AWAITED_SUCCESS},
+                  {"failure", v1::AWAITED_FAILURE},
+                  {"any", v1::AWAITED_ANY_END}},
+                 "How the jobs of --after must end: success (default), failure or any",
+                 {.placeholder = "END", .needs = "--after"});
+  command.option("--begin", options.begin,
+                 "Start not before this time: 22:00, \"3 h\", tomorrow, \"2026-11-20 08:15\"",
+                 {.placeholder = "TIME"});
 
   add_set_option(command, options.set);
   command.repeatable("--label", options.labels, "Label for finding the job; repeatable",
@@ -236,8 +279,7 @@ void add_submit(CommandLine& line, Program& program) {
                "With --watch: exit code 3 for a job with findings beyond notes too",
                {.needs = "--watch"});
 
-  command.choice("-p,--priority", options.priority,
-                 {{"low", v1::LOW}, {"normal", v1::NORMAL}, {"high", v1::HIGH}},
+  command.choice("-p,--priority", options.priority, priorities(),
                  "Place in the queue: low, normal (default) or high", {.placeholder = "PRIORITY"});
   command.option("--time-limit", options.time_limit,
                  "Wall time after which the job ends as failed, e.g. \"30 min\"",
@@ -254,8 +296,8 @@ void add_submit(CommandLine& line, Program& program) {
 
   command.option(
       "--request-id", options.request_id,
-      "Submitting again with the same id gives the same job, or jobs; by default a new one "
-      "is made",
+      "A file submitted again under this id, with name and content as before, gives the same job; "
+      "by default each gives a new one",
       {.fault = [](const std::string& text) { return values::too_long("the request id", text); }});
   command.json(options.json,
                "Print each job as a line of JSON, with --watch followed by a line for each event");

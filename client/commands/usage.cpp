@@ -1,4 +1,6 @@
 // Processor time and disk space of jobs, and the files kept besides their results.
+#include <algorithm>
+#include <chrono>
 #include <iostream>
 #include <map>
 
@@ -64,17 +66,73 @@ ExitCode run(const UsageOptions& options, Program& program) {
   return ExitCode::done;
 }
 
-/// Adds a command that prints a file of a job unchanged.
-void add_file_command(CommandLine& line, Program& program, const char* name,
-                      const char* description, const char* example, const char* file) {
-  const auto id = std::make_shared<std::string>();
-  const Command command = line.command(name, description, example);
-  command.option("JOB", *id, job_help, required);
-  command.action([id, file, &program] {
-    Connection connection = program.connect();
-    std::cout << read_file_of_job(connection, resolve_job(connection, *id), file) << std::flush;
-    return ExitCode::done;
-  });
+struct LogsOptions {
+  std::string id;
+  bool follow = false;
+};
+
+/// Prints what happened to a job besides its steps, with time and number of the attempt.
+class History {
+public:
+  void print(const v1::JobEvent& event) {
+    if (event.has_step()) return;
+    if (event.has_state_change()) attempt_ = std::max(attempt_, event.state_change().attempt());
+    const std::string attempt = attempt_ > 0 ? "attempt " + std::to_string(attempt_) : "-";
+    std::cout << time_text(event.time()) << "  " << attempt << "  " << event_line(event)
+              << std::endl;
+  }
+
+private:
+  int attempt_ = 0;
+};
+
+/// The events so far of a job that has not ended: those before the call, or all of a moment.
+void print_history_so_far(Connection& connection, const std::string& id) {
+  constexpr std::chrono::seconds longest{2};
+  const auto now = std::chrono::system_clock::now();
+  grpc::ClientContext context;
+  context.set_deadline(now + longest);
+  const Interruption::Call call(connection.interruption(), context);
+  v1::WatchJobRequest request;
+  request.set_id(id);
+  const auto reader = connection.stub().WatchJob(&context, request);
+
+  History history;
+  v1::JobEvent event;
+  while (reader->Read(&event)) {
+    if (event.time().seconds() > std::chrono::system_clock::to_time_t(now)) break;
+    history.print(event);
+  }
+  context.TryCancel();
+  const grpc::Status status = reader->Finish();
+  if (connection.interruption().came()) throw Interrupted("");
+  if (status.error_code() != grpc::DEADLINE_EXCEEDED && status.error_code() != grpc::CANCELLED)
+    check(status, connection.server());
+}
+
+/// What the workers wrote; empty before the first one.
+std::string worker_log(Connection& connection, const std::string& id) try {
+  return read_file_of_job(connection, id, "worker.log");
+} catch (const CommandFailed& failure) {
+  if (failure.code() != ExitCode::not_found) throw;
+  return {};
+}
+
+ExitCode run(const LogsOptions& options, Program& program) {
+  Connection connection = program.connect();
+  const std::string id = resolve_job(connection, options.id);
+  const v1::Job job = connection.call(&Stub::GetJob, id);
+
+  if (options.follow || job.has_end_time()) {
+    History history;
+    follow_job(
+        connection, id, 1, [&](const v1::JobEvent& event) { history.print(event); }, std::cerr);
+  } else {
+    print_history_so_far(connection, id);
+  }
+  if (const std::string log = worker_log(connection, id); !log.empty())
+    std::cout << "\nwritten by its workers:\n" << log << std::flush;
+  return ExitCode::done;
 }
 
 }  // namespace
@@ -91,13 +149,26 @@ void add_usage(CommandLine& line, Program& program) {
 }
 
 void add_case(CommandLine& line, Program& program) {
-  add_file_command(line, program, "case", "The case of a job as it was submitted, byte by byte",
-                   "dccast case JOB > my.toml", "case.toml");
+  const auto id = std::make_shared<std::string>();
+  const Command command = line.command(
+      "case", "The case of a job as it was submitted, byte by byte", "dccast case JOB > my.toml");
+  command.option("JOB", *id, job_help, required);
+  command.action([id, &program] {
+    Connection connection = program.connect();
+    std::cout << read_file_of_job(connection, resolve_job(connection, *id), "case.toml")
+              << std::flush;
+    return ExitCode::done;
+  });
 }
 
 void add_logs(CommandLine& line, Program& program) {
-  add_file_command(line, program, "logs", "What the worker of a job has written about itself",
-                   "dccast logs JOB", "worker.log");
+  const auto [command, options] = declare<LogsOptions>(
+      line, program, run, "logs",
+      "What happened to a job: attempts, deaths, pauses with their times, and what its workers "
+      "wrote",
+      "dccast logs JOB\n  dccast logs --follow last");
+  command.option("JOB", options.id, job_help, required);
+  command.flag("-f,--follow", options.follow, "Until the job has ended");
 }
 
 }  // namespace dccast::client

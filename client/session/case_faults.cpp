@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -66,7 +67,7 @@ bool cannot_be_judged(const std::vector<v1::Fault>& faults) {
 
 /// The case with its changes, if the file could be parsed.
 void apply(const std::vector<v1::CaseChange>& changes, CaseUnderCheck& checked) {
-  checked.changes = changes;
+  checked.changes.insert(checked.changes.end(), changes.begin(), changes.end());
   // Changes cannot be applied to a file that could not be parsed.
   if (!cannot_be_judged(checked.read.faults))
     case_file::apply_changes(checked.description, changes, checked.read);
@@ -79,6 +80,10 @@ CaseUnderCheck read_case(const std::string& file, const std::vector<v1::CaseChan
   if (file == "-")
     return read_case_text({std::istreambuf_iterator<char>(std::cin), {}}, "standard input",
                           changes);
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error))
+    throw invalid(file + " is a directory; give a case file in it");
+
   CaseUnderCheck checked;
   checked.read = case_file::read_file(file, checked.description);
   std::ifstream stream(file, std::ios::binary);
@@ -114,10 +119,14 @@ CaseUnderCheck read_case_elsewhere(const std::string& text, const std::string& n
 CaseUnderCheck read_case_of_job(Connection& connection, const std::string& id,
                                 const std::vector<v1::CaseChange>& changes) {
   const v1::Job job = connection.call(&Stub::GetJob, id);
-  std::vector<v1::CaseChange> all{job.changes().begin(), job.changes().end()};
-  all.insert(all.end(), changes.begin(), changes.end());
-  return read_case_text(read_file_of_job(connection, id, "case.toml"), "the case of job " + id,
-                        all);
+  CaseUnderCheck checked =
+      read_case_text(read_file_of_job(connection, id, "case.toml"), "the case of job " + id);
+
+  // One by one, since a change of the job may stand on an earlier one of the same key.
+  for (const v1::CaseChange& change : job.changes())
+    if (!std::ranges::count(changes, change.key(), &v1::CaseChange::key)) apply({change}, checked);
+  apply(changes, checked);
+  return checked;
 }
 
 v1::SubmitJobRequest submission_of(const CaseUnderCheck& checked, Connection& connection) {

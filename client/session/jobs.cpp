@@ -13,6 +13,7 @@
 #include <set>
 
 #include "dccast/v1/study.pb.h"
+#include "proto/values/times.hpp"
 
 namespace dccast::client {
 namespace {
@@ -194,36 +195,30 @@ std::vector<std::string> resolve_jobs(Connection& connection,
   return ids;
 }
 
+std::vector<std::string> selected_jobs(Connection& connection, const JobSelection& selection,
+                                       const std::vector<v1::JobState>& states) {
+  constexpr int most_jobs = 1'000'000;  // the most that a daemon keeps waiting
+  if (selection.jobs.empty() == selection.labels.empty())
+    throw invalid("give either JOBs or --label");
+  if (!selection.jobs.empty()) return resolve_jobs(connection, selection.jobs);
+
+  v1::ListJobsRequest request;
+  request.set_owner(user_name(connection));
+  request.mutable_labels()->Assign(selection.labels.begin(), selection.labels.end());
+  request.mutable_states()->Assign(states.begin(), states.end());
+  std::vector<std::string> ids;
+  for (const v1::Job& job : list_jobs(connection, request, most_jobs).jobs) ids.push_back(job.id());
+  return ids;
+}
+
 std::int64_t seconds_of_past(const std::string& text) {
-  const std::time_t now = std::time(nullptr);
-  std::tm day{};
-  ::localtime_r(&now, &day);
-  day.tm_hour = day.tm_min = day.tm_sec = 0;
-  // mktime() then finds out whether summer time held on that day.
-  day.tm_isdst = -1;
+  if (const auto time = values::past_time(text, std::time(nullptr))) return *time;
+  throw invalid(fmt::format("'{}' is no time: {}", text, values::past_times));
+}
 
-  if (text == "yesterday") --day.tm_mday;
-  if (text == "today" || text == "yesterday") return std::mktime(&day);
-
-  int year = 0, month = 0, of_month = 0, number = 0, end = 0;
-  char unit = 0;
-  if (std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &year, &month, &of_month, &end) == 3 &&
-      text.c_str()[end] == '\0') {
-    day.tm_year = year - 1900, day.tm_mon = month - 1, day.tm_mday = of_month;
-    return std::mktime(&day);
-  }
-
-  end = 0;
-  if (std::sscanf(text.c_str(), "%6d %c%n", &number, &unit, &end) == 2 && number >= 0 &&
-      text.c_str()[end] == '\0') {
-    constexpr std::int64_t hour = 3600;
-    if (unit == 'h') return now - number * hour;
-    if (unit == 'd') return now - number * 24 * hour;
-    if (unit == 'w') return now - number * 7 * 24 * hour;
-  }
-  throw invalid(
-      "'" + text +
-      "' is no time: today, yesterday, \"3 h\", \"2 d\", \"1 w\" or a day such as 2026-11-20");
+std::int64_t seconds_to_come(const std::string& text) {
+  if (const auto time = values::coming_time(text, std::time(nullptr))) return *time;
+  throw invalid(fmt::format("'{}' is no time: {}", text, values::coming_times));
 }
 
 std::size_t short_id_length(const std::vector<std::string>& ids) {
@@ -285,10 +280,7 @@ grpc::Status submit_with_retries(Connection& connection, const v1::SubmitJobRequ
   try {
     return connection.try_call(&Stub::SubmitJob, request, job);
   } catch (const Interrupted&) {
-    throw Interrupted(
-        "the job may be in the queue already (dccast list). Submitting the case with "
-        "--request-id " +
-        request.request_id() + " gives one job in any case");
+    throw Interrupted("the job may be in the queue already (dccast list)");
   }
 }
 

@@ -24,9 +24,20 @@ std::string user_name(Connection& connection);
 std::vector<std::string> resolve_jobs(Connection& connection,
                                       const std::vector<std::string>& texts);
 
-/// A time of the past as a user gives it: today, yesterday, "3 h", "2 d" or "1 w" ago, or a day
-/// such as 2026-11-20. Days begin at midnight of this machine. Throws CommandFailed.
+/// The jobs that a command is about: those that are named, or one's own with all of these labels.
+struct JobSelection {
+  std::vector<std::string> jobs;  ///< as resolve_job() takes them
+  std::vector<std::string> labels;
+};
+/// Their ids. Throws CommandFailed, also if both or neither are given.
+/// @param states  of the jobs that labels select; empty: all
+std::vector<std::string> selected_jobs(Connection& connection, const JobSelection& selection,
+                                       const std::vector<v1::JobState>& states);
+
+/// A time of the past, or one to come, as a user gives it (proto/values/times.hpp). Throws
+/// CommandFailed.
 std::int64_t seconds_of_past(const std::string& text);
+std::int64_t seconds_to_come(const std::string& text);
 
 /// Length of the shortest prefix, at least 8 characters, that distinguishes these ids.
 std::size_t short_id_length(const std::vector<std::string>& ids);

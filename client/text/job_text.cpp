@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <sstream>
 
 #include <fmt/core.h>
 
@@ -48,6 +49,12 @@ std::string residuals_text(const v1::Finding& failure) {
   return text;
 }
 
+/// Enough of an id to name a job in a line.
+std::string short_id(const std::string& id) {
+  constexpr std::size_t length = 8;
+  return id.substr(0, length);
+}
+
 /// When a column is printed; `if_any`: if some job has something in it.
 enum class Visibility { always, if_any, on_request };
 
@@ -68,6 +75,11 @@ std::string done_cell(Row job) {
 
 std::string left_cell(Row job) {
   return job.has_ends_in_s() ? duration_text(job.ends_in_s()) : "";
+}
+
+std::string priority_cell(Row job) {
+  const bool is_usual = job.priority() == v1::NORMAL || job.priority() == v1::PRIORITY_UNSPECIFIED;
+  return is_usual ? "" : lower_words(v1::Priority_Name(job.priority()));
 }
 
 std::string study_title(StudyRow study) {
@@ -91,6 +103,12 @@ const std::array list_columns{
                Visibility::always, [](StudyRow study) { return time_text(study.create_time()); }},
     ListColumn{"labels", "LABELS", [](Row job) { return joined(job.labels(), ","); },
                Visibility::if_any, [](StudyRow study) { return joined(study.labels(), ","); }},
+    ListColumn{"priority", "PRIORITY", priority_cell, Visibility::if_any},
+    ListColumn{"started", "STARTED", [](Row job) { return time_text(job.start_time()); },
+               Visibility::on_request},
+    ListColumn{"took", ">TOOK",
+               [](Row job) { return job.run_s() > 0.0 ? duration_text(job.run_s()) : "-"; },
+               Visibility::on_request},
     ListColumn{"changes", "CHANGES", [](Row job) { return changes_text(job.changes()); },
                Visibility::on_request},
     ListColumn{"owner", "OWNER", [](Row job) { return job.owner(); }, Visibility::on_request,
@@ -179,10 +197,22 @@ std::string failure_kind_text(v1::Finding::Kind kind) {
   }
 }
 
+bool waits_for_others(const v1::Job& job) {
+  return job.state() == v1::QUEUED && job.queue_position() == 0 && job.after_size() > 0;
+}
+
+bool waits_for_its_time(const v1::Job& job) {
+  return job.state() == v1::QUEUED && job.queue_position() == 0 &&
+         job.begin_time().seconds() > std::time(nullptr);
+}
+
 std::string full_state_text(const v1::Job& job) {
   std::string text = state_text(job.state());
   if (job.queue_position() > 0) text += " #" + std::to_string(job.queue_position());
-  if (!job.held().empty()) text += ", held";
+  const bool waits = waits_for_others(job) || waits_for_its_time(job);
+  if (waits_for_others(job)) text += ", after " + joined(job.after(), ", ", short_id);
+  if (waits_for_its_time(job)) text += ", from " + time_text(job.begin_time());
+  if (!waits && !job.held().empty()) text += ", held";
   if (job.has_validity_loss()) text += std::string(", ") + beyond_validity;
   return text;
 }
@@ -231,7 +261,11 @@ std::string job_sheet(const v1::Job& job) {
   if (job.pinned()) add("pinned", "kept when old jobs are deleted");
   if (job.time_limit_s() > 0.0) add("time limit", duration_text(job.time_limit_s()));
   add_any("mail", job.mail());
-  for (const std::string& before : job.after()) add("after", before);
+  const char* end = job.after_end() == v1::AWAITED_FAILURE   ? "failure of "
+                    : job.after_end() == v1::AWAITED_ANY_END ? "end of "
+                                                             : "";
+  for (const std::string& before : job.after()) add("after", end + before);
+  if (job.has_begin_time()) add("begins", time_text(job.begin_time()));
 
   for (const v1::CaseChange& change : job.changes())
     add("changed", change.key() + " = " + change.value());
@@ -261,7 +295,8 @@ std::vector<std::string> job_columns() {
   return names;
 }
 
-std::string job_table(const std::vector<ListLine>& lines, std::vector<std::string> names) {
+std::string job_table(const std::vector<ListLine>& lines, std::vector<std::string> names,
+                      const Terminal& terminal) {
   if (names.empty()) names = usual_columns(lines);
   std::vector<std::string> headings, ids;
   for (const std::string& name : names) headings.emplace_back(column_of(name).heading);
@@ -277,7 +312,13 @@ std::string job_table(const std::vector<ListLine>& lines, std::vector<std::strin
     }
     table.add(std::move(row));
   }
-  return table.text();
+  if (!terminal.interactive) return table.text();
+
+  // A line that is too long for the terminal would be two, and no table any more.
+  std::string text;
+  std::istringstream whole(table.text());
+  for (std::string line; std::getline(whole, line);) text += cut_to(line, terminal.columns) + "\n";
+  return text;
 }
 
 }  // namespace dccast::client

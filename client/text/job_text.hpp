@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "client/text/terminal.hpp"
 #include "dccast/v1/service.pb.h"
 #include "dccast/v1/study.pb.h"
 
@@ -27,7 +28,12 @@ std::string event_line(const v1::JobEvent& event);
 /// "solve failed", "motion too large", "worker hung", ...
 std::string failure_kind_text(v1::Finding::Kind kind);
 
-/// State with important details: "queued #3, held", "succeeded, beyond validity".
+/// Whether a queued job waits for the end of others, or for the time of its beginning.
+bool waits_for_others(const v1::Job& job);
+bool waits_for_its_time(const v1::Job& job);
+
+/// State with important details: "queued #3, held", "queued, after 0f2b9a4e", "succeeded, beyond
+/// validity".
 std::string full_state_text(const v1::Job& job);
 
 /// Why a job failed, in a few lines: kind, message, time, step and place, the last residuals, and
@@ -47,9 +53,10 @@ struct ListLine {
   bool below_study = false;  ///< a run, indented below the line of its study
 };
 
-/// A table of such lines; no text is truncated.
+/// A table of such lines. On a terminal no line is longer than that; else no text is truncated.
 /// @param columns  from job_columns(); empty: the usual ones, plus curl, findings and labels if one
 ///                 of the jobs has them
-std::string job_table(const std::vector<ListLine>& lines, std::vector<std::string> columns);
+std::string job_table(const std::vector<ListLine>& lines, std::vector<std::string> columns,
+                      const Terminal& terminal);
 
 }  // namespace dccast::client

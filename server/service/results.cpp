@@ -1,12 +1,16 @@
 // Calls that read what a run or a study has computed.
 #include <fcntl.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/storage/file.hpp"
 #include "proto/case_file/case_file.hpp"
@@ -120,9 +124,17 @@ void check_points(const v1::ProbeResultRequest& request) {
       refuse("a coordinate of a point is not a finite number of metres");
 }
 
+/// The fields of the frames of a job, for messages.
+std::string field_names(Context& context, const Call& call, const v1::Job& job) {
+  std::vector<std::string_view> names;
+  const v1::QueryResultResponse last = read_frame(context, call, job, {});
+  for (const v1::FrameField& field : last.frame().fields()) names.push_back(field.name());
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 /// Refuses a probe whose points or fields do not suit the job.
-void check_probed(const v1::Job& job, const v1::ProbeResultRequest& request,
-                  const v1::ProbeResultResponse& found) {
+void check_probed(Context& context, const Call& call, const v1::Job& job,
+                  const v1::ProbeResultRequest& request, const v1::ProbeResultResponse& found) {
   if (found.dimension() == 0) refuse_state(job, "it has no frame yet");
   for (const auto& point : request.points())
     if (point.coordinate_m_size() != found.dimension())
@@ -133,7 +145,7 @@ void check_probed(const v1::Job& job, const v1::ProbeResultRequest& request,
 
   for (const v1::FrameField& field : found.fields())
     if (field.unit().empty())
-      refuse(ErrorInfo::NOT_FOUND, Remedy{"QueryResult with a frame names them"},
+      refuse(ErrorInfo::NOT_FOUND, Remedy{"there are " + field_names(context, call, job)},
              "the frames have no field \"{}\"", field.name());
 
   if (found.ByteSizeLong() > answer_bytes)
@@ -293,7 +305,7 @@ SimulationService::Unary* SimulationService::ProbeResult(Wire* wire,
     *response =
         context_.intake.probe(context_.jobs_directory / job.id(), artifact_of(job, results_file),
                               *request, waiting_time(call, context_.settings.checks().timeout_s()));
-    check_probed(job, *request, *response);
+    check_probed(context_, call, job, *request, *response);
   });
 }
 

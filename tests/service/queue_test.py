@@ -145,9 +145,14 @@ class Cases(QueueTest):
 
     def test_logs(self):
         waiting = [self.client.submit(fake_case("steps=9 sleep_ms=50")).id for _ in range(3)]
-        self.assertIn("has not begun", self.dccast("logs", waiting[2], code=5))
-        self.client.until_state(waiting[0], SUCCEEDED)
-        self.dccast("logs", waiting[0])
+        self.assertIn("queued: submitted", self.dccast("logs", waiting[2]))
+        self.assertRegex(self.dccast("logs", "--follow", waiting[0]),
+                         r"(?s)\d\d:\d\d:\d\d  attempt 1  running: started\n.*succeeded: finished")
+        dies = self.client.submit(fake_case("steps=9 crash_once_at=3 sleep_ms=20")).id
+        log = self.dccast("logs", "--follow", dies)
+        self.assertRegex(log, r"attempt 1  queued: worker died with signal 6 .*restart 1 of")
+        self.assertIn("attempt 2  running: started again", log)
+        self.assertIn("written by its workers:\n", log)
 
     def test_several_files_under_one_request_id_are_submitted_once(self):
         files = [self.case_file(f"{name}.toml", f"steps=5 {name}") for name in "abc"]
@@ -155,6 +160,119 @@ class Cases(QueueTest):
         again = self.dccast("submit", "--request-id", "trial-7", *files).split()
         self.assertEqual(first, again)
         self.assertEqual(len(set(first)), 3)
+
+        # A file between the others is a new job, and so is one that was changed; none is doubled.
+        files.insert(1, self.case_file("aa.toml", "steps=5 new"))
+        more = self.dccast("submit", "--request-id", "trial-7", *files).split()
+        self.assertEqual([more[0], *more[2:]], first)
+        self.assertNotIn(more[1], first)
+        self.case_file("a.toml", "steps=6 changed")
+        self.assertNotIn(self.dccast("submit", "--request-id", "trial-7", files[0]).strip(), more)
+
+    def test_a_later_value_of_a_key_wins(self):
+        path = self.case_file("a.toml", "steps=5")
+        first = self.dccast("submit", "--set", "mesh.rows=20", "--set", "title=steps=6", path).strip()
+        second = self.dccast("submit", "--from", first, "--set", "mesh.rows=30").strip()
+        third = self.dccast("submit", "--from", second, "--set", "mesh.rows=40").strip()
+        changes = {change.key: change.value for change in self.client.job(third).changes}
+        self.assertEqual(changes, {"mesh.rows": "40", "title": "steps=6"})
+        self.assertIn("mesh.rows = 40",
+                      self.dccast("compare", second, "--set", "mesh.rows=40"))
+        self.dccast("submit", "--from", first, "--set", "mesh.rows=3", "--set", "mesh.rows=4", code=2)
+
+
+class Messages(QueueTest):
+    """What a slip of the user is answered with."""
+
+    def test_commands_and_choices(self):
+        self.assertIn("there is no command 'sumbit'; did you mean 'submit'?",
+                      self.dccast("sumbit", "my.toml", code=2))
+        self.assertEqual(self.dccast("help", "submit"), self.dccast("submit", "--help"))
+        self.assertIn("Commands to run jobs", self.dccast("help"))
+        path = self.case_file("a.toml", "steps=5")
+        self.assertIn("--priority: 'urgent' is none of high, low, normal",
+                      self.dccast("submit", "--priority", "urgent", path, code=2))
+        self.dccast("submit", "--priority", "HIGH", path)
+
+    def test_a_directory_is_no_case(self):
+        for command in (["validate"], ["query"], ["submit"], ["validate", "--local"]):
+            self.assertIn("is a directory", self.dccast(*command, self.folder, code=2))
+
+    def test_a_list_names_what_a_job_waits_for_and_fits_the_terminal(self):
+        first = self.client.submit(fake_case("steps=1000 wait_at=3 " + "long " * 30),
+                                   priority=job_pb2.HIGH).id
+        self.client.until_step(first, 3)
+        second = self.client.submit(fake_case("steps=5"), after=[first]).id
+        table = self.dccast("list")
+        self.assertRegex(table, rf"{second[:8]}  queued, after {first[:8]} ")
+        self.assertIn("PRIORITY", table)
+        self.assertGreater(max(map(len, table.splitlines())), 120)
+        self.assertRegex(self.dccast("list", "--columns", "job,started,took"), r"STARTED +TOOK\n")
+        shown = subprocess.run(
+            ["script", "-qec", f"{os.path.join(BIN, 'dccast')} --server {self.daemon.address} list",
+             "/dev/null"], capture_output=True, timeout=30, check=True, text=True,
+            env={**os.environ, "COLUMNS": "80"}).stdout
+        self.assertEqual(max(len(line.rstrip("\r")) for line in shown.splitlines()), 80)
+        self.client.cancel(first)
+
+
+class Many(QueueTest):
+    """Commands on many jobs, by their ids or by a label."""
+    settings = {"workers__count": 1}
+
+    def test_ids_and_labels_select_jobs(self):
+        running, *waiting = [self.client.submit(fake_case("steps=1000 wait_at=3"), labels=["night"]).id
+                             for _ in range(4)]
+        other = self.client.submit(fake_case("steps=5")).id
+        self.client.until_step(running, 3)
+        self.assertEqual(self.dccast("pause", "--label", "night").count("paused"), 4)
+        self.client.until_state(other, SUCCEEDED)
+        self.assertEqual(self.dccast("resume", *waiting[:2]).count("queued"), 2)
+        self.assertIn("not paused", self.dccast("resume", *waiting, code=6))
+        self.dccast("label", "--label", "night", "--add", "line=3", "--remove", "night")
+        self.assertEqual(len(self.dccast("list", "--ids", "--label", "line=3").split()), 4)
+        self.dccast("pin", "--label", "line=3")
+        self.assertTrue(all(self.client.job(job).pinned for job in (running, *waiting)))
+        self.assertEqual(self.dccast("cancel", "--label", "line=3").count("cancelled"), 4)
+        self.dccast("delete", "--label", "line=3")
+        self.assertEqual(self.dccast("list", "--ids", "--label", "line=3").split(), [])
+        self.assertEqual(self.dccast("cancel", "--label", "line=3"), "")
+        self.dccast("cancel", code=2)
+        self.dccast("cancel", other, "--label", "night", code=2)
+
+    def test_priority_of_waiting_jobs(self):
+        running = self.client.submit(fake_case("steps=1000 wait_at=3")).id
+        self.client.until_step(running, 3)
+        waiting = [self.client.submit(fake_case("steps=5")).id for _ in range(3)]
+        self.dccast("priority", "high", waiting[2])
+        self.assertEqual([self.client.job(job).queue_position for job in waiting], [2, 3, 1])
+        self.assertIn("priority      high", self.dccast("show", waiting[2]))
+        self.daemon.kill()
+        self.restart()
+        self.assertEqual(self.client.job(waiting[2]).priority, job_pb2.HIGH)
+        self.client.until_step(running, 3)
+        self.assertIn("until it starts", self.dccast("priority", "low", running, code=6))
+        self.dccast("priority", "urgent", waiting[0], code=2)
+        self.client.cancel(running)
+
+    def test_after_a_failure_or_any_end_and_at_a_time(self):
+        first = self.client.submit(fake_case("steps=20 fail_at=10")).id
+        path = self.case_file("a.toml", "steps=5")
+        jobs = [self.dccast("submit", "--after", first, "--after-end", end, path).strip()
+                for end in ("failure", "any")]
+        soon = self.dccast("submit", "--begin", "1 d", path).strip()
+        for job in jobs:
+            self.client.until_state(job, SUCCEEDED)
+        self.assertIn("waits until", self.client.job(soon).held)
+        self.assertIn("begins", self.dccast("show", soon))
+        self.assertRegex(self.dccast("list"), rf"{soon[:8]}  queued, from \d\d\d\d-")
+        self.daemon.kill()
+        self.restart()
+        self.assertEqual(self.state(soon), job_pb2.QUEUED)
+        self.assertIn("is FAILED; nothing can come after its success", self.dccast("submit", "--after", first, path, code=6))
+        self.dccast("submit", "--begin", "banana", path, code=2)
+        self.dccast("submit", "--begin", "2 d", "--after-end", "any", path, code=2)
+        self.dccast("cancel", soon)
 
 
 class Lists(QueueTest):
@@ -198,21 +316,21 @@ class Marks(QueueTest):
     def test_labels_change_in_any_state_and_are_found_again(self):
         job = self.client.submit(fake_case("steps=200 sleep_ms=10"), labels=["trial-7", "line=2"]).id
         self.client.until_step(job, 3)
-        self.dccast("label", job, "line=3", "checked")
+        self.dccast("label", job, "--add", "line=3", "--add", "checked")
         self.assertEqual(sorted(self.client.job(job).labels), ["checked", "line=3", "trial-7"])
         self.client.cancel(job)
         self.client.until_state(job, CANCELLED)
         self.dccast("label", job, "--remove", "line", "--remove", "trial-7")
         self.assertEqual(self.dccast("list", "--ids", "--label", "checked").split(), [job])
         self.assertEqual(self.dccast("list", "--ids", "--label", "line=3").split(), [])
-        self.dccast("label", job, "x" * 65, code=2)
-        self.dccast("label", job, *(f"label-{i}" for i in range(21)), code=2)
+        self.dccast("label", job, "--add", "x" * 65, code=2)
+        self.dccast("label", job, *(f"--add=label-{i}" for i in range(21)), code=2)
         self.assertEqual(list(self.client.job(job).labels), ["checked"])
 
     def test_labels_that_are_refused_leave_a_running_job_as_it_was(self):
         job = self.client.submit(fake_case("steps=500 sleep_ms=10"), labels=["trial-7"]).id
         self.client.until_step(job, 3)
-        self.dccast("label", job, *(f"label-{i}" for i in range(21)), code=2)
+        self.dccast("label", job, *(f"--add=label-{i}" for i in range(21)), code=2)
         self.assertEqual(list(self.client.job(job).labels), ["trial-7"])
         self.client.cancel(job)
 
@@ -220,7 +338,7 @@ class Marks(QueueTest):
         jobs = [self.client.submit(fake_case("steps=5"), labels=["before"]).id for _ in range(2)]
         for job in jobs:
             self.client.until_state(job, SUCCEEDED)
-        self.dccast("label", jobs[0], "after", "--remove", "before")
+        self.dccast("label", jobs[0], "--add", "after", "--remove", "before")
         self.assertIn("pinned", self.dccast("pin", jobs[0]))
 
         self.daemon.terminate()
@@ -239,7 +357,7 @@ class Marks(QueueTest):
     def test_a_waiting_job_keeps_them_through_a_restart(self):
         running = [self.client.submit(fake_case("steps=500 sleep_ms=10")).id for _ in range(2)]
         waiting = self.client.submit(fake_case("steps=5")).id
-        self.dccast("label", waiting, "soon")
+        self.dccast("label", waiting, "--add", "soon")
         self.daemon.terminate()
         self.restart()
         self.assertNotIn("made again", self.daemon.said())

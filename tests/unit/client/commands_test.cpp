@@ -138,9 +138,13 @@ TEST_F(Commands, SeveralFilesAreSubmittedOrNone) {
   EXPECT_EQ(none.out, "");
   EXPECT_FALSE(service.submitted.has_case_());
   EXPECT_EQ(run({"submit", "--watch", file, file}).code, 2);
-  // Each has a request id of its own: submitted again, the jobs are the same.
+  // Under one id the same file is the same job, whichever files are beside it.
+  EXPECT_EQ(run({"submit", "--request-id", "x", file}).code, 0);
+  const std::string once = service.submitted.request_id();
   EXPECT_EQ(run({"submit", "--request-id", "x", file, file}).code, 0);
-  EXPECT_EQ(service.submitted.request_id(), "x.2");
+  EXPECT_EQ(service.submitted.request_id(), once);
+  EXPECT_EQ(run({"submit", "--request-id", "y", file}).code, 0);
+  EXPECT_NE(service.submitted.request_id(), once);
 }
 
 TEST_F(Commands, ChangesGoWithTheCaseAndAreCheckedAsTheFileIs) {
