@@ -264,12 +264,12 @@ std::string sentence(const CurlDifference& difference,
                      const std::optional<std::vector<Cause>>& causes) {
   constexpr double shown_finely_m = 1e-3;  // an error below it is given in hundredths of a mm
   const Verdict verdict = difference.verdict();
-  if (verdict == Verdict::no_difference) return difference.monitor + ": no difference.";
-
+  const Course& course = difference.course;
   const std::optional<double>& error_m = difference.error_m;
   const int decimals = error_m && *error_m < shown_finely_m ? 2 : 1;
   std::string text =
-      fmt::format("{}: {:+.{}f}", difference.monitor, 1e3 * difference.end_m, decimals);
+      fmt::format("{} at {}: {:+.{}f}", difference.monitor, course.text(course.places.back()),
+                  1e3 * difference.end_m, decimals);
   if (error_m) text += fmt::format(" ± {:.{}f}", 1e3 * *error_m, decimals);
   text += fmt::format(" mm, {}.", words(verdict));
   if (verdict == Verdict::within_its_error || !causes) return text;

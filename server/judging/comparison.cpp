@@ -16,8 +16,8 @@
 namespace dccast::judging {
 namespace {
 
-/// A curl of round-off size: a monitor that stands on the block [m].
-constexpr double negligible_m = 1e-6;
+/// The least difference of a curl that matters to a plant [m].
+constexpr double matters_m = 1e-4;
 
 /// Steps of a run at ascending places; of several at one place, as during the hold, the last one.
 struct Track {
@@ -195,11 +195,9 @@ std::vector<double> curl_along(const Course& course, const JudgedRun& run,
 }
 
 Verdict CurlDifference::verdict() const {
-  if (std::abs(end_m) < negligible_m && std::abs(largest_m) < negligible_m)
-    return Verdict::no_difference;
+  if (std::abs(end_m) < matters_m) return Verdict::no_difference;
   if (!error_m) return Verdict::of_unknown_error;
-  return std::abs(end_m) > std::max(*error_m, negligible_m) ? Verdict::real
-                                                            : Verdict::within_its_error;
+  return std::abs(end_m) > *error_m ? Verdict::real : Verdict::within_its_error;
 }
 
 std::vector<KeyDifference> differing_keys(const std::vector<JudgedRun>& runs) {

@@ -51,7 +51,7 @@ enum class ErrorSource {
 };
 
 enum class Verdict {
-  no_difference,     ///< the two curls are the same
+  no_difference,     ///< less than matters to a plant, 0.1 mm
   of_unknown_error,  ///< nothing is known of the error of such a difference
   within_its_error,
   real,  ///< larger than its error
@@ -103,7 +103,7 @@ struct Cause {
 std::vector<Cause> find_causes(const JudgedRun& first, const JudgedRun& other,
                                const CurlDifference& difference);
 
-/// "corner: -11.8 ± 1.0 mm, real. Less heat through the wide face until 100 s (-22 %), ...". Causes
+/// "corner at 145 s: -11.8 ± 1.0 mm, real. Less heat through the wide face until 100 s (-22 %), ...". Causes
 /// are named for differences that are not within their error.
 /// @param causes  empty: they were not looked for
 std::string sentence(const CurlDifference& difference,

@@ -41,10 +41,41 @@ std::vector<Explained> explanations(const Runs& runs, const Differences& differe
   return explained;
 }
 
-void add_sentences(const std::vector<Explained>& explained, v1::Judgement& judgement) {
-  for (const auto& [difference, causes] : explained)
+/// What a reader knows before the differences: runs without a result, and runs of two qualities.
+void add_reservations(const Runs& runs, v1::Judgement& judgement) {
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (runs[i].failed)
+      judgement.add_sentences(
+          fmt::format("run {} failed at {:.0f} s and has no curl: it is compared up to there.",
+                      i + 1, runs[i].steps.back().time_s()));
+
+  // A case that gives mesh and steps itself has the same ones at every quality.
+  const v1::Case& first = runs[0].description;
+  if (std::ranges::any_of(runs, [&](const JudgedRun& run) {
+        return run.description.quality() != first.quality() &&
+               run.description.mesh().SerializeAsString() != first.mesh().SerializeAsString();
+      }))
     judgement.add_sentences(
-        fmt::format("run {}, {}", difference.run + 1, sentence(difference, causes)));
+        "The runs have different qualities: part of each difference is that of mesh and steps.");
+}
+
+/// Differences that matter; of a run without one that there is none.
+void add_sentences(const Runs& runs, const std::vector<Explained>& explained,
+                   v1::Judgement& judgement) {
+  for (std::size_t run = 1; run < runs.size(); ++run) {
+    const CurlDifference* last = nullptr;
+    bool differs = false;
+    for (const auto& [difference, causes] : explained) {
+      if (difference.run != run) continue;
+      last = &difference;
+      if (difference.verdict() == Verdict::no_difference) continue;
+      differs = true;
+      judgement.add_sentences(fmt::format("run {}, {}", run + 1, sentence(difference, causes)));
+    }
+    if (last != nullptr && !differs)
+      judgement.add_sentences(fmt::format("run {}: no difference of 0.1 mm or more at {}.", run + 1,
+                                          last->course.text(last->course.places.back())));
+  }
 }
 
 void add_keys(const Runs& runs, v1::Judgement& judgement) {
@@ -83,13 +114,18 @@ bool has_curl(const Runs& runs, const std::string& monitor) {
   });
 }
 
-void add_curls(const Runs& runs, const std::string& monitor, v1::Judgement& judgement) {
-  v1::Chart& chart = add_chart(judgement, "curl", "curl of " + monitor, {"time", "s", "curl", "m"},
-                               v1::JudgementPart::ANYWHERE);
+/// @param by_length  a difference of this monitor is taken at equal cast length
+void add_curls(const Runs& runs, const std::string& monitor, bool by_length,
+               v1::Judgement& judgement) {
+  v1::Chart& chart =
+      add_chart(judgement, "curl", "curl of " + monitor,
+                {by_length ? "cast length" : "time", by_length ? "m" : "s", "curl", "m"},
+                v1::JudgementPart::ANYWHERE);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const auto curl = runs[i].curl_m(monitor);
     if (curl.empty()) continue;
-    v1::Chart::Line& line = add_line(chart, numbered(runs, i), runs[i].time_s(), curl);
+    v1::Chart::Line& line = add_line(chart, numbered(runs, i),
+                                     by_length ? runs[i].cast_length_m() : runs[i].time_s(), curl);
     if (const auto error = case_file::monitor_error(runs[i].description, monitor))
       add_band(line, *error);
   }
@@ -103,7 +139,7 @@ void add_differences_chart(const Runs& runs, const Differences& differences,
   std::vector<const CurlDifference*> shown;
   for (const CurlDifference& row : differences)
     if (row.monitor == monitor && row.course.by_length == by_length &&
-        row.verdict() != Verdict::no_difference)
+        std::abs(row.largest_m) > shown_m)
       shown.push_back(&row);
   if (shown.empty()) return;
 
@@ -155,14 +191,18 @@ void add_differences_table(const Runs& runs, const Differences& differences,
       return curl_cell(curl_m,
                        error ? std::optional(case_file::curl_error(*error, curl_m)) : std::nullopt);
     };
+    // The three figures of a row add up as they are shown.
+    const auto shown = [](double curl_m) { return shown_m * std::round(curl_m / shown_m); };
+    const double end_m = shown(row.other_m) - shown(row.first_m);
     const v1::Cell monitor = text_cell(row.monitor);
     const v1::Cell end = number_cell(row.course.places.back(), row.course.unit());
     add_row(table, {monitor, number_cell(1), own_curl(runs.front(), row.first_m), end});
-    add_row(table, {monitor, number_cell(static_cast<double>(row.run + 1)),
-                    own_curl(runs[row.run], row.other_m), end, number_cell(row.end_m, row.error_m),
-                    number_cell(row.largest_m), number_cell(row.largest_at, row.course.unit()),
-                    code_cell(code_of(row.verdict())),
-                    code_cell(sources[static_cast<int>(row.error_source)])});
+    add_row(table,
+            {monitor, number_cell(static_cast<double>(row.run + 1)),
+             own_curl(runs[row.run], row.other_m), end, number_cell(end_m, row.error_m),
+             number_cell(row.largest_m == row.end_m ? end_m : row.largest_m),
+             number_cell(row.largest_at, row.course.unit()), code_cell(code_of(row.verdict())),
+             code_cell(sources[static_cast<int>(row.error_source)])});
   }
 }
 
@@ -191,10 +231,16 @@ v1::Judgement judge_comparison(const Runs& runs, const Runs& companions) {
 
   v1::Judgement judgement;
   judgement.set_heading(fmt::format("{} runs", runs.size()));
-  add_sentences(explained, judgement);
+  add_reservations(runs, judgement);
+  add_sentences(runs, explained, judgement);
   add_keys(runs, judgement);
   for (const std::string& monitor : monitors)
-    if (has_curl(runs, monitor)) add_curls(runs, monitor, judgement);
+    if (has_curl(runs, monitor)) {
+      const bool by_length = std::ranges::any_of(differences, [&](const CurlDifference& row) {
+        return row.monitor == monitor && row.course.by_length;
+      });
+      add_curls(runs, monitor, by_length, judgement);
+    }
   for (const std::string& monitor : monitors)
     for (const bool by_length : {false, true})
       add_differences_chart(runs, differences, monitor, by_length, judgement);

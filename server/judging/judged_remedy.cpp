@@ -239,7 +239,7 @@ std::string figure_text(double value, const std::string& unit, std::optional<dou
   return figures::fixed(shown, known > 0.0 ? figures::decimals_by_error(known, 1, 6) : 2);
 }
 
-/// "least shell 12 -> 19 mm, gone; corner -4.0 ± 0.9 mm; raises hot_tears".
+/// "least shell 12 -> 19 mm; corner -4.0 ± 0.9 mm; raises hot_tears".
 std::string effect_text(const Answer& answer, const Effect& effect) {
   std::string text;
   if (effect.value && answer.before) {
@@ -248,12 +248,12 @@ std::string effect_text(const Answer& answer, const Effect& effect) {
                        figure_text(*answer.before, unit, answer.error),
                        figure_text(*effect.value, unit, answer.error), plant_unit(unit).name());
   }
-  if (effect.is_gone) text += text.empty() ? "gone" : ", gone";
   if (effect.curl && effect.curl->verdict() == Verdict::real)
-    text += fmt::format("; {} {:+.1f} ± {:.1f} mm", effect.curl->monitor, 1e3 * effect.curl->end_m,
-                        1e3 * effect.curl->error_m.value_or(0.0));
-  if (!effect.warnings.empty()) text += "; raises " + joined(effect.warnings, ", ");
-  return text;
+    text += fmt::format("{}{} {:+.1f} ± {:.1f} mm", text.empty() ? "" : "; ", effect.curl->monitor,
+                        1e3 * effect.curl->end_m, 1e3 * effect.curl->error_m.value_or(0.0));
+  if (!effect.warnings.empty())
+    text += (text.empty() ? "raises " : "; raises ") + joined(effect.warnings, ", ");
+  return text.empty() ? text : ": " + text;
 }
 
 /// Of each lever the smallest step after which the finding has gone, else the one that helps most;
@@ -281,6 +281,28 @@ std::vector<const Effect*> best_effects(const Answer& answer) {
   return best;
 }
 
+/// Changes that help in no amount, whatever general advice says: the largest one tried of each
+/// lever and direction. Empty: each of them helps.
+std::string without_effect(const Answer& answer) {
+  std::vector<const Effect*> refuted;
+  for (const Effect& effect : answer.effects) {
+    const auto alike = [&](const Effect& other) {
+      return other.lever() == effect.lever() && (other.steps() > 0) == (effect.steps() > 0);
+    };
+    const bool is_largest = std::ranges::none_of(answer.effects, [&](const Effect& other) {
+      return alike(other) && std::abs(other.steps()) > std::abs(effect.steps());
+    });
+    const bool helps = std::ranges::any_of(answer.effects, [&](const Effect& other) {
+      return alike(other) && (other.is_better || other.is_gone);
+    });
+    if (is_largest && !helps) refuted.push_back(&effect);
+  }
+  std::string text;
+  for (const Effect* effect : refuted)
+    text += (text.empty() ? "" : ", ") + effect->draft->run.lever_step().words();
+  return text;
+}
+
 void add_sentences(const Answer& answer, v1::Judgement& judgement) {
   const std::string& code = answer.finding.code();
   if (!answer.is_in_draft) {
@@ -296,9 +318,11 @@ void add_sentences(const Answer& answer, v1::Judgement& judgement) {
   if (best.size() > most_shown) best.resize(most_shown);
   if (best.empty()) judgement.add_sentences(fmt::format("{}: no lever was found.", code));
   for (const Effect* effect : best)
-    judgement.add_sentences(fmt::format("{}: {}: {}.", code,
+    judgement.add_sentences(fmt::format("{} {}: {}{}.", code, effect->is_gone ? "goes" : "stays",
                                         effect->draft->run.lever_step().words(),
                                         effect_text(answer, *effect)));
+  if (const std::string refuted = without_effect(answer); !best.empty() && !refuted.empty())
+    judgement.add_sentences(fmt::format("{}: of no help: {}.", code, refuted));
 }
 
 std::string code_of(Verdict verdict) {

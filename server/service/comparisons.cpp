@@ -150,7 +150,15 @@ v1::Judgement judge_alone(Context& context, const Call& call, FoundRun run, bool
 v1::Judgement judge_together(Context& context, const Call& call, std::vector<FoundRun> found,
                              const v1::CompareRunsRequest& request) {
   std::vector<JudgedRun> runs;
-  for (FoundRun& run : found) runs.push_back(std::move(run.judged));
+  for (FoundRun& run : found) {
+    // Figures beyond validity are compared with nothing; the first step stays.
+    const auto& loss = run.summary.validity_loss();
+    auto& steps = run.judged.steps;
+    while (run.summary.has_validity_loss() && steps.size() > 1 &&
+           steps.back().time_s() >= loss.time_s())
+      steps.pop_back();
+    runs.push_back(std::move(run.judged));
+  }
 
   // Companions only give errors: they do not appear in the answer.
   std::vector<JudgedRun> companions;

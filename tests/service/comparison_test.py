@@ -50,7 +50,7 @@ class Comparisons(ServiceTest):
         rows = tables(comparison)["differences"].rows
         self.assertEqual([row.cells[1].value for row in rows], [1.0, 2.0])
         self.assertIn(rows[1].cells[7].code, ("real", "of_unknown_error", "no_difference"))
-        self.assertTrue(comparison.judgement.sentences[0].startswith("run 2, corner: "))
+        self.assertTrue(comparison.judgement.sentences[0].startswith("run 2"))
         self.assertEqual(self.client.steps(comparison.runs[0].job)[-1].monitors[0].displacement_m[1],
                          rows[0].cells[2].value)
 
@@ -59,7 +59,8 @@ class Comparisons(ServiceTest):
         comparison = self.compare({"answer": self.ask(columns=32)}, {"answer": failed})
         self.assertEqual(comparison.runs[1].state, job_pb2.FAILED)
         self.assertEqual(comparison.runs[1].failure.kind, job_pb2.Finding.SOLVE_FAILED)
-        self.assertEqual(len(comparison.judgement.sentences), 1)
+        self.assertIn("run 2 failed at", comparison.judgement.sentences[0])
+        self.assertEqual(len(comparison.judgement.sentences), 2)
 
     def test_an_answer_from_the_store_names_the_job_that_has_it(self):
         job = self.finished_job(columns=33)
@@ -111,7 +112,7 @@ class Comparisons(ServiceTest):
             [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "compare", path, path],
             capture_output=True, text=True, timeout=60, check=False)
         self.assertEqual(printed.returncode, 0, printed.stderr)
-        self.assertIn("run 2, corner: no difference.", printed.stdout)
+        self.assertIn("run 2: no difference of 0.1 mm or more", printed.stdout)
 
     def test_the_command_line_prints_the_same(self):
         jobs = [self.finished_job(columns=columns) for columns in (30, 40)]

@@ -138,7 +138,7 @@ class Pictures(Camera):
             self.take("dashboard-wall.png")
             self.go(f"job/{short}")
             self.press("Compute what helps", "main")
-            self.wait_for("shell_melted_through: hold", "#answer", 180)
+            self.wait_for("shell_melted_through goes: hold", "#answer", 180)
             until(lambda: "to come" not in self.text("#answer"), 180)
             self.take("dashboard-remedy.png", "main")
         with self.subTest("a study"):

@@ -22,9 +22,18 @@ export const isSound = job => job.state !== 'FAILED' && !job.validity_loss;
 export const judgedMonitor = job =>
   isSound(job) ? (job.last_step?.monitors || []).find(m => m.judged) : undefined;
 
-/** The curls of a history with their bands, in mm. */
-export const curlLines = (steps, suffix = '') => monitorsOf(steps).map(name => {
-  const x = steps.map(step => step.time_s);
+/** Whether two histories have not cast the same length at the time that both have reached. */
+export function lengthsDiffer(first, other) {
+  if (!first.length || !other.length) return false;
+  const until = Math.min(first.at(-1).time_s, other.at(-1).time_s);
+  const [mine, theirs] =
+    [first, other].map(steps => steps.findLast(step => step.time_s <= until)?.cast_length_m ?? 0);
+  return Math.abs(mine - theirs) > 0.01 * Math.max(mine, theirs);
+}
+
+/** The curls of a history with their bands, in mm, against time or against cast length in mm. */
+export const curlLines = (steps, suffix = '', byLength = false) => monitorsOf(steps).map(name => {
+  const x = steps.map(step => byLength ? 1e3 * step.cast_length_m : step.time_s);
   const known = steps.map(step => figures(step, name));
   const inMm = of => known.map(m => 1e3 * (of(m) ?? NaN));
   const line = {name: name + suffix, monitor: name, x, y: inMm(m => m.curl_m)};

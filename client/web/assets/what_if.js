@@ -4,7 +4,7 @@ import {call, events, get, getText, post} from './api.js';
 import {chart, wantedBand} from './chart.js';
 import {findingList, fixed, h, monitorText, replace} from './dom.js';
 import {judgement} from './drawn.js';
-import {addStep, curlLines, lastMonitors} from './history.js';
+import {addStep, curlLines, lastMonitors, lengthsDiffer} from './history.js';
 import {changeText, levers, leverText} from './levers.js';
 
 /** "PLACE: VALUE" lines as a table of a case file; null of none. */
@@ -88,11 +88,13 @@ export function whatIfPage(element, signal, wanted) {
 
   function draw(now, done) {
     const lines = [];
+    // As the server compares them.
+    const byLength = reference && now ? lengthsDiffer(reference.steps, now.steps) : false;
     if (reference)
-      lines.push(...curlLines(reference.steps, ' as it is')
+      lines.push(...curlLines(reference.steps, ' as it is', byLength)
                    .map((line, i) => ({...line, dashed: true, colour: i})));
     if (now && now !== reference)
-      lines.push(...curlLines(now.steps, ' changed')
+      lines.push(...curlLines(now.steps, ' changed', byLength)
                    .map((line, i) => ({...line, colour: i})));
     if (lines.length === 0)
       return replace(
@@ -101,14 +103,17 @@ export function whatIfPage(element, signal, wanted) {
              : null);
     replace(picture, chart(lines, {
               title: 'Curl; the bands are the error of mesh and time steps',
-              xLabel: 'time, s',
+              xLabel: byLength ? 'cast length, mm' : 'time, s',
               yLabel: 'mm',
               wanted: wantedBand((now || reference).wanted)
             }));
     if (!done) return;
     if (reference && now !== reference) compare(now);
-    const ends = answer =>
-      lastMonitors(answer.steps).map(m => `${m.name} ${monitorText(m)}`).join(', ');
+    const ends = ({steps}) => {
+      const {time_s: time, cast_length_m: length} = steps.at(-1);
+      return `${lastMonitors(steps).map(m => `${m.name} ${monitorText(m)}`).join(', ')}, at its end, ${
+        fixed(time, 0)} s and ${fixed(1e3 * length, 0)} mm cast`;
+    };
     replace(
       verdict, h('h2', {}, 'Answer'), reference ? h('p', {}, `As it is: ${ends(reference)}`) : null,
       now !== reference ? h('p', {}, h('strong', {}, `Changed: ${ends(now)}`)) : null,

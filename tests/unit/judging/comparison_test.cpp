@@ -13,6 +13,7 @@
 namespace dccast::judging {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -135,7 +136,42 @@ TEST(Comparison, IdenticalRunsHaveNoDifferenceAndNoCause) {
   ASSERT_THAT(rows, SizeIs(1));
   EXPECT_EQ(rows[0].verdict(), Verdict::no_difference);
   EXPECT_THAT(find_causes(run, run, rows[0]), IsEmpty());
-  EXPECT_EQ(sentence(rows[0], {}), "corner: no difference.");
+  EXPECT_THAT(judge_comparison({run, run}, {}).sentences(),
+              ElementsAre("run 2: no difference of 0.1 mm or more at 200 s."));
+}
+
+TEST(Comparison, ADifferenceBelowATenthOfAMillimetreDoesNotMatter) {
+  JudgedRun first = run_of(rise_to(0.0100)), other = run_of(rise_to(0.01009));
+  EXPECT_EQ(curl_differences({first, other}).at(0).verdict(), Verdict::no_difference);
+  other = run_of(rise_to(0.01011));
+  EXPECT_NE(curl_differences({first, other}).at(0).verdict(), Verdict::no_difference);
+}
+
+TEST(JudgedComparison, TwoQualitiesAndARunThatFailedAreSaidFirst) {
+  JudgedRun first = run_of(rise_to(0.01)), other = run_of(rise_to(0.02));
+  first.description = shipped_case("start-3d", v1::DRAFT);
+  other.description = shipped_case("start-3d", v1::ENGINEERING);
+  const v1::Judgement judgement = judge_comparison({first, other}, {});
+  EXPECT_THAT(judgement.sentences(0), HasSubstr("different qualities"));
+  EXPECT_THAT(judgement.sentences(1), HasSubstr("run 2, corner at 200 s: +10.0 mm"));
+
+  other.description = first.description;
+  other.failed = true;
+  EXPECT_THAT(judge_comparison({first, other}, {}).sentences(0),
+              HasSubstr("run 2 failed at 200 s and has no curl"));
+}
+
+TEST(JudgedComparison, ThreeFiguresOfARowAddUp) {
+  const JudgedRun first = run_of(rise_to(2.0330e-3 + 4e-7)),
+                  other = run_of(rise_to(4.5825e-3 + 1e-7));
+  const v1::Judgement judgement = judge_comparison({first, other}, {});
+  for (const v1::JudgementPart& part : judgement.parts()) {
+    if (part.table().key() != "differences") continue;
+    const auto shown = [](double m) { return std::round(1e6 * m); };
+    const auto& rows = part.table().rows();
+    EXPECT_EQ(shown(rows[1].cells(2).value()) - shown(rows[0].cells(2).value()),
+              shown(rows[1].cells(4).value()));
+  }
 }
 
 TEST(Comparison, ACauseIsNamedWithItsTimeAndSize) {
@@ -152,9 +188,10 @@ TEST(Comparison, ACauseIsNamedWithItsTimeAndSize) {
   EXPECT_EQ(causes[0].sentence, "less heat through the side until 100 s (-22 %)");
   EXPECT_EQ(causes[1].sentence, "contact with the block 12 s longer");
   EXPECT_LT(causes[0].onset, causes[1].onset);
-  EXPECT_EQ(sentence(rows[0], causes),
-            "corner: -6.0 mm, of unknown error. Less heat through the side until 100 s (-22 %), "
-            "contact with the block 12 s longer.");
+  EXPECT_EQ(
+      sentence(rows[0], causes),
+      "corner at 200 s: -6.0 mm, of unknown error. Less heat through the side until 100 s (-22 %), "
+      "contact with the block 12 s longer.");
 }
 
 TEST(Comparison, WhatDiffersAfterTheCurlIsNoCause) {
@@ -208,7 +245,7 @@ TEST(Comparison, TheErrorOfADifferenceComesFromMeasuredPairs) {
   ASSERT_EQ(row.error_source, ErrorSource::table);
   EXPECT_NEAR(*row.error_m, 0.05 * 0.0277 + 0.2 * 0.0117, 1e-9);
   EXPECT_EQ(row.verdict(), Verdict::real);
-  EXPECT_THAT(sentence(row, {}), HasSubstr("corner: -11.7 ± 3.7 mm, real."));
+  EXPECT_THAT(sentence(row, {}), HasSubstr("corner at 200 s: -11.7 ± 3.7 mm, real."));
 
   other.description = shipped_case("start-3d", v1::ENGINEERING);
   EXPECT_FALSE(curl_differences({first, other}).at(0).error_m.has_value())
@@ -243,7 +280,7 @@ TEST(Comparison, ADifferenceWithinItsErrorHasNoCause) {
   const auto row = curl_differences({first, other}).at(0);
   EXPECT_EQ(row.verdict(), Verdict::within_its_error);
   EXPECT_EQ(sentence(row, find_causes(first, other, row)),
-            "corner: -0.2 ± 1.4 mm, within its error.");
+            "corner at 200 s: -0.2 ± 1.4 mm, within its error.");
 }
 
 /// The charts of a judgement with this key.
@@ -285,7 +322,7 @@ TEST(JudgedComparison, TheTableHasNumbersWithTheirErrorsAndCodes) {
   EXPECT_NEAR(row.cells(4).upper_error(), 0.05 * 0.0277 + 0.2 * 0.0117, 1e-9);
   EXPECT_EQ(row.cells(7).code(), "real");
   EXPECT_EQ(row.cells(8).code(), "table");
-  EXPECT_THAT(judgement.sentences(0), HasSubstr("run 2, corner: -11.7 ± 3.7 mm, real."));
+  EXPECT_THAT(judgement.sentences(0), HasSubstr("run 2, corner at 200 s: -11.7 ± 3.7 mm, real."));
 }
 
 TEST(JudgedComparison, ACurlThatIsUnknownIsNotDrawn) {

@@ -107,8 +107,9 @@ TEST(Remedy, NamesTheSmallestStepAfterWhichTheFindingHasGone) {
   study.add("hold", 2, "hold 30 s longer", {.least_shell_m = 9e-3, .corner_m = 0.025});
   study.add("hold", -1, "hold 15 s shorter", {.least_shell_m = 2e-3, .corner_m = 0.045});
   EXPECT_THAT(study.judged().sentences(),
-              ElementsAre("thin_shell: hold 15 s longer: least shell 3.0 -> 6.0 mm, gone; corner "
-                          "-10.0 ± 4.0 mm."));
+              ElementsAre("thin_shell goes: hold 15 s longer: least shell 3.0 -> 6.0 mm; corner "
+                          "-10.0 ± 4.0 mm.",
+                          "thin_shell: of no help: hold 15 s shorter."));
 }
 
 TEST(Remedy, NamesNoLeverWhoseEffectIsWithinItsError) {
@@ -133,7 +134,7 @@ TEST(Remedy, OfALeverThatEndsNoFindingTheMostEffectiveStepIsNamed) {
   study.add("speed", -1, "cast 10 % slower", {.least_shell_m = 3.8e-3, .corner_m = 0.040});
   study.add("speed", -2, "cast 20 % slower", {.least_shell_m = 4.6e-3, .corner_m = 0.040});
   EXPECT_THAT(study.judged().sentences(),
-              ElementsAre("thin_shell: cast 20 % slower: least shell 3.0 -> 4.6 mm."));
+              ElementsAre("thin_shell stays: cast 20 % slower: least shell 3.0 -> 4.6 mm."));
 }
 
 /// Half the speed casts the same length in twice the time, with the same curl at that length.

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import {addStep, curlLines, judgedMonitor, lastMonitors} from '../../../client/web/assets/history.js';
+import {addStep, curlLines, judgedMonitor, lastMonitors, lengthsDiffer} from '../../../client/web/assets/history.js';
 
 const step = (number, ...monitors) => ({step: number, time_s: 0.5 * number, monitors});
 const corner = (curl, error) => ({
@@ -46,4 +46,12 @@ test('a run that failed or left validity has no curl as of a good one', () => {
   assert.equal(judgedMonitor({state: 'QUEUED'}), undefined);
   assert.equal(judgedMonitor({...job, state: 'FAILED'}), undefined);
   assert.equal(judgedMonitor({...job, state: 'SUCCEEDED', validity_loss: {}}), undefined);
+});
+
+test('histories of two speeds are drawn against the cast length', () => {
+  const run = speed => [1, 2, 3].map(n => ({...step(n, corner(1e-3)), cast_length_m: speed * n}));
+  assert.equal(lengthsDiffer(run(1e-3), run(1e-3)), false);
+  assert.equal(lengthsDiffer(run(1e-3), run(1e-3).slice(0, 1)), false, 'while it is computed');
+  assert.equal(lengthsDiffer(run(1e-3), run(0.7e-3)), true);
+  assert.deepEqual(curlLines(run(1e-3), '', true)[0].x, [1, 2, 3]);
 });
