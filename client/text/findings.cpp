@@ -38,26 +38,31 @@ void append(std::string& list, const std::string& text, const char* separator) {
   if (!text.empty()) list += (list.empty() ? "" : separator) + text;
 }
 
-/// The worst exceedance; empty if it equals the first one.
-std::string worst_text(const v1::Finding& finding) {
+/// Whether a finding became worse after it was raised.
+bool became_worse(const v1::Finding& finding) {
   const auto& worst = finding.worst();
-  if (!finding.has_worst() ||
-      (worst.time_s() == finding.time_s() && worst.value() == finding.value()))
-    return {};
-  std::string text = "worst " + figure_text(worst.value(), finding.unit()) + " at " +
-                     fixed(worst.time_s(), 2) + " s";
-  append(text, place_text(worst.place_m()), ", ");
-  return text;
+  return finding.has_worst() &&
+         (worst.time_s() != finding.time_s() || worst.value() != finding.value());
 }
 
-/// Value, limit, place, worst exceedance and key, where known.
+/// The message, of when the finding was raised, after the worst that came: what a reader needs
+/// first.
+std::string message_text(const v1::Finding& finding) {
+  if (!became_worse(finding)) return finding.message();
+  return fmt::format("At worst {}, at {} s. {}",
+                     figure_text(finding.worst().value(), finding.unit()),
+                     fixed(finding.worst().time_s(), 2), finding.message());
+}
+
+/// Value, limit, place, that of the worst value, and key, where known.
 std::string particulars(const v1::Finding& finding) {
   std::string text;
   if (finding.has_value()) text = figure_text(finding.value(), finding.unit());
   if (finding.has_limit())
     append(text, "limit " + figure_text(finding.limit(), finding.unit()), ", ");
   append(text, place_text(finding.place_m()), "; ");
-  append(text, worst_text(finding), "; ");
+  if (became_worse(finding) && !finding.worst().place_m().empty())
+    append(text, "worst at " + place_text(finding.worst().place_m()), "; ");
   append(text, finding.key(), "; ");
   return text;
 }
@@ -70,7 +75,7 @@ std::string html_row(const v1::Finding& finding) {
   return fmt::format(
       "<tr class='{0}'><th scope='row'>{0}</th><td>{1} <b>{2}</b><small>{3}; {4}</small></td>"
       "<td>{5}</td></tr>",
-      severity_text(finding.severity()), html_escaped(finding.message()),
+      severity_text(finding.severity()), html_escaped(message_text(finding)),
       html_escaped(finding.remedy()), html_escaped(finding.code()),
       html_escaped(particulars(finding)), when(finding));
 }
@@ -80,7 +85,7 @@ std::string html_row(const v1::Finding& finding) {
 std::string finding_line(const v1::Finding& finding) {
   const std::string time = when(finding), more = particulars(finding);
   return severity_text(finding.severity()) + ": " + finding.code() +
-         (time.empty() ? "" : " at " + time) + ": " + finding.message() +
+         (time.empty() ? "" : " at " + time) + ": " + message_text(finding) +
          (finding.remedy().empty() ? "" : " " + finding.remedy()) +
          (more.empty() ? "" : " [" + more + "]");
 }

@@ -103,8 +103,8 @@ struct Cause {
 std::vector<Cause> find_causes(const JudgedRun& first, const JudgedRun& other,
                                const CurlDifference& difference);
 
-/// "corner at 145 s: -11.8 ± 1.0 mm, real. Less heat through the wide face until 100 s (-22 %), ...". Causes
-/// are named for differences that are not within their error.
+/// "corner at 145 s: -11.8 ± 1.0 mm, real. Less heat through the wide face until 100 s (-22 %),
+/// ...". Causes are named for differences that are not within their error.
 /// @param causes  empty: they were not looked for
 std::string sentence(const CurlDifference& difference,
                      const std::optional<std::vector<Cause>>& causes);

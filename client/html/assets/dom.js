@@ -103,6 +103,15 @@ export function sheet(heads, rows) {
 export const byGravity =
   findings => [...findings].sort((a, b) => (rank[b.severity] || 0) - (rank[a.severity] || 0));
 
+/** The message of a finding, after the worst that came once it was raised, as in findings.cpp. */
+export function findingText({message, code, worst, unit, ...raised}) {
+  const {time_s: time = 0, value = 0} = worst || raised, text = message || code;
+  if (time === (raised.time_s ?? 0) && value === (raised.value ?? 0)) return text;
+  const isLength = unit === 'm', shown = Number((isLength ? 1e3 * value : value).toPrecision(3));
+  const words = unit && unit !== '1' ? `${shown} ${isLength ? 'mm' : unit}` : `${shown}`;
+  return `At worst ${words}, at ${fixed(time, 2)} s. ${text}`;
+}
+
 /** The gravest finding, with its remedy where it names one, in one line. */
 export function gravestFinding(findings) {
   const [gravest, ...others] = byGravity(findings);
@@ -110,7 +119,7 @@ export function gravestFinding(findings) {
   const severity = severityText[worst([gravest])], remedy = gravest.remedy;
   return h(
     'p', {class: 'verdict'}, h('span', {class: `tag ${severity}`}, severity),
-    ` ${gravest.message || gravest.code}`, remedy ? h('strong', {}, ` ${remedy}`) : null,
+    ` ${findingText(gravest)}`, remedy ? h('strong', {}, ` ${remedy}`) : null,
     others.length ? h('small', {}, ` and ${others.length} more`) : null);
 }
 
@@ -124,7 +133,7 @@ export function findingList(findings) {
   return h('ul', {class: 'findings'}, byGravity(findings).map(finding => {
     const grave = (finding.severity || '').toLowerCase();
     return h(
-      'li', {}, h('span', {class: `tag ${grave}`}, grave), ' ', finding.message || finding.code,
+      'li', {}, h('span', {class: `tag ${grave}`}, grave), ' ', findingText(finding),
       finding.remedy ? h('strong', {}, ` ${finding.remedy}`) : null);
   }));
 }

@@ -51,7 +51,7 @@ TEST(FindingLine, SaysAllThatIsKnownAndNothingElse) {
   EXPECT_EQ(finding_line(remark()), "note: remark: Well.");
 }
 
-TEST(FindingLine, NamesTheWorstExceedanceWhereItIsNotTheFirst) {
+TEST(FindingLine, BeginsWithTheWorstExceedanceWhereItIsNotTheFirst) {
   v1::Finding finding = thin_shell();
   finding.mutable_worst()->set_time_s(15.0);
   finding.mutable_worst()->set_value(0.0012);
@@ -60,8 +60,12 @@ TEST(FindingLine, NamesTheWorstExceedanceWhereItIsNotTheFirst) {
   finding.mutable_worst()->set_value(0.0004);
   finding.mutable_worst()->add_place_m(0.27);
   finding.mutable_worst()->add_place_m(0.045);
-  EXPECT_THAT(finding_line(finding),
-              HasSubstr("; worst 0.4 mm at 21.50 s, x 270.0 mm, y 45.0 mm; plausibility."));
+  EXPECT_EQ(finding_line(finding),
+            "danger: bleed_out_at_exit at 15.00 s: At worst 0.4 mm, at 21.50 s. The shell is thin "
+            "<here>. [1.2 mm, limit 5 mm; x 280.0 mm, y 45.0 mm; worst at x 270.0 mm, y 45.0 mm; "
+            "plausibility.minimum_shell]");
+  EXPECT_THAT(findings_part(list_of({finding})),
+              HasSubstr("<td>At worst 0.4 mm, at 21.50 s. The shell is thin &lt;here&gt;."));
 }
 
 TEST(FindingsCount, NamesTheGravestFirst) {

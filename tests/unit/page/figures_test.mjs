@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import test from 'node:test';
 
-import {curlParts, curlText, fixed} from '../../../client/html/assets/dom.js';
+import {curlParts, curlText, findingText, fixed} from '../../../client/html/assets/dom.js';
 
 test('curls are rounded as in the examples of all renderers', () => {
   const {curls} = JSON.parse(readFileSync(new URL('../../support/figures.json', import.meta.url)));
@@ -21,4 +21,13 @@ test('large letters show the error apart from the curl', () => {
 test('zero has no sign', () => {
   assert.equal(fixed(-0.04, 1), '0.0');
   assert.equal(fixed(-0.06, 1), '-0.1');
+});
+
+test('a finding that became worse begins with the worst', () => {
+  const raised = {message: 'The shell is thin.', time_s: 15, value: 0.0044, unit: 'm'};
+  assert.equal(findingText(raised), 'The shell is thin.');
+  assert.equal(findingText({...raised, worst: {time_s: 15, value: 0.0044}}), 'The shell is thin.');
+  assert.equal(findingText({...raised, worst: {time_s: 190}}),
+    'At worst 0 mm, at 190.00 s. The shell is thin.', 'zero is not written');
+  assert.equal(findingText({code: 'sump_too_deep'}), 'sump_too_deep');
 });
