@@ -55,6 +55,10 @@ std::string asked(const std::string& question, const std::string& usual) {
   return answer.empty() ? usual : answer;
 }
 
+bool on_terminal() {
+  return ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1;
+}
+
 /// Repeats a question until the answer fits the earlier ones. @param answer  part of the recipe to
 /// which the question belongs
 void ask_for(std::string& answer, const SlabRecipe& recipe, const std::string& question,
@@ -67,15 +71,23 @@ void ask_for(std::string& answer, const SlabRecipe& recipe, const std::string& q
   }
 }
 
-/// Asks for everything that the options could give. Only a wrong answer is asked for again.
-void ask(NewOptions& options) {
+/// A script is told what it gets instead.
+void ask_for_alloy(SlabRecipe& recipe) {
   std::string alloys;
   for (const std::string& name : case_file::alloy_names()) alloys += " " + name;
+  if (on_terminal())
+    ask_for(recipe.alloy, recipe, "Alloy, a card file or one of" + alloys, "aa5182");
+  else
+    std::cerr << "no --alloy is given: that of the paper; there are" << alloys << '\n';
+}
+
+/// Asks for everything that the options could give. Only a wrong answer is asked for again.
+void ask(NewOptions& options) {
   std::cerr << "A case for the start of a slab. Shipped cases: dccast new --list\n";
 
   SlabRecipe& recipe = options.recipe;
   ask_for(recipe.slab, recipe, "Slab, width x thickness", "1320x570mm");
-  ask_for(recipe.alloy, recipe, "Alloy, one of" + alloys, "aa5182");
+  ask_for_alloy(recipe);
   ask_for(recipe.speed, recipe, "Casting speed, start..steady", "40..60mm/min");
   ask_for(recipe.water, recipe, "Water, in all (m3/h) or per metre of perimeter (l/min/m)",
           "90..180l/min/m");
@@ -90,10 +102,6 @@ std::string slab_text(const SlabRecipe& recipe) {
   if (!faults.empty()) throw invalid(faults);
   std::cerr << made.summary << '\n';
   return made.text;
-}
-
-bool on_terminal() {
-  return ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1;
 }
 
 void list_names(bool json) {
@@ -119,6 +127,7 @@ ExitCode run(const NewOptions& given, Program&) {
     return ExitCode::done;
   }
   if (undecided) ask(options);
+  if (!recipe.slab.empty() && recipe.alloy.empty()) ask_for_alloy(options.recipe);
 
   const std::string text = recipe.slab.empty() ? text_of(options.name) : slab_text(recipe);
   const bool to_screen = options.output.empty() || options.output == "-";
@@ -344,8 +353,9 @@ void add_new(CommandLine& line, Program& program) {
       "my.toml\n  dccast new        # asks for the same");
 
   command.option("NAME", options.name, "Name of a shipped case");
-  command.option("--slab", options.recipe.slab, "Width x thickness of a slab, e.g. 1320x570mm");
-  command.option("--alloy", options.recipe.alloy, "Of the slab: name of a card (dccast alloys)");
+  command.option("--slab", options.recipe.slab, "Sides of a slab, e.g. 1320x570mm");
+  command.option("--alloy", options.recipe.alloy,
+                 "Of the slab: name of a card (dccast alloys), or a file with your own");
   command.option("--speed", options.recipe.speed,
                  "Of the slab: casting speed, start..steady, e.g. 45..55mm/min");
   command.option(

@@ -1,6 +1,7 @@
 #include "proto/case_file/slab_recipe.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -80,10 +81,8 @@ void read_size(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& f
   if (!size || text.find('x') == std::string::npos)
     faults.push_back("--slab \"" + recipe.slab +
                      "\": width x thickness with a unit is expected, e.g. 1320x570mm");
-  else if (size->last > size->first)
-    faults.push_back("--slab \"" + recipe.slab + "\": the width comes first, then the thickness");
-  else
-    slab.size = *size;
+  else  // a plant names either side first
+    slab.size = {std::max(size->first, size->last), std::min(size->first, size->last)};
 }
 
 void read_water(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& faults) {
@@ -100,16 +99,25 @@ void read_water(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& 
                      "90..180l/min/m");
 }
 
-Slab read_recipe(const SlabRecipe& recipe, std::vector<std::string>& faults) {
-  Slab slab;
+/// Cards have names in lower case; a card of one's own is a file, "my-alloy.toml".
+void read_alloy(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& faults) {
   slab.alloy = recipe.alloy;
-  read_size(recipe, slab, faults);
+  if (recipe.alloy.ends_with(".toml")) return;
+  std::ranges::transform(slab.alloy, slab.alloy.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+
   const auto alloys = alloy_names();
-  if (!recipe.alloy.empty() && std::ranges::find(alloys, recipe.alloy) == alloys.end()) {
-    const std::string near = nearest(recipe.alloy, alloys);
+  if (!slab.alloy.empty() && std::ranges::find(alloys, slab.alloy) == alloys.end()) {
+    const std::string near = nearest(slab.alloy, alloys);
     faults.push_back("--alloy " + recipe.alloy + ": no such card; " +
                      (near.empty() ? "see `dccast alloys`" : "did you mean " + near + "?"));
   }
+}
+
+Slab read_recipe(const SlabRecipe& recipe, std::vector<std::string>& faults) {
+  Slab slab;
+  read_size(recipe, slab, faults);
+  read_alloy(recipe, slab, faults);
   if (!recipe.speed.empty() && !(slab.speed = range_of(recipe.speed, "..", "m/s")))
     faults.push_back("--speed \"" + recipe.speed + "\": a speed is expected, e.g. 45..55mm/min");
   read_water(recipe, slab, faults);

@@ -8,8 +8,8 @@ namespace dccast::case_file {
 /// The start of a slab as a plant names it. Of a range "a..b" the first value holds until the ramp
 /// begins, the second one when it has ended.
 struct SlabRecipe {
-  std::string slab;   ///< width x thickness, "1320x570mm"
-  std::string alloy;  ///< name of a card; empty: that of start-3d
+  std::string slab;   ///< both sides, in either order, "1320x570mm"
+  std::string alloy;  ///< name of a card, in any case, or a file with one; empty: that of start-3d
   std::string speed;  ///< "45..55mm/min"; empty: that of the shipped case
   std::string water;  ///< "25..45m3/h" in all, or "90..180l/min/m" of perimeter; empty: likewise
 };

@@ -290,7 +290,7 @@ class Output(Commands):
         os.close(main_end)
         self.assertIn("width x thickness with a unit is expected", screen)
         self.assertIn("a speed is expected", screen)
-        self.assertEqual([screen.count(word) for word in ("Slab, width", "Alloy, one", "Casting speed, ")],
+        self.assertEqual([screen.count(word) for word in ("Slab, width", "Alloy, a card", "Casting speed, ")],
                          [2, 1, 2])
         with open(os.path.join(self.folder, "asked.toml"), encoding="utf-8") as file:
             self.assertIn('card = "aa3104" # [G]', file.read())
