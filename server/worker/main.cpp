@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <fmt/chrono.h>
 #include <fmt/core.h>
 #include <google/protobuf/io/zero_copy_stream_impl.h>
 #include <google/protobuf/util/delimited_message_util.h>
@@ -158,6 +159,8 @@ void run_in_folder(v1::SolveCase& order, std::optional<jobs::StartRank> rank) {
 int run_whole_job(v1::SolveCase& order, std::optional<jobs::StartRank> rank = {}) {
   JobRun::prepare_signals();
   redirect_messages(std::filesystem::path(order.directory()) / "worker.log");
+  std::cerr << fmt::format("{:%Y-%m-%d %H:%M:%SZ} attempt {}\n", fmt::gmtime(::time(nullptr)),
+                           order.attempt());
   try {
     run_in_folder(order, rank);
     return 0;

@@ -136,6 +136,12 @@ class OneJob(SlurmTest):
         self.assertEqual(cluster.jobs(), [])
         cluster.resume_node()
 
+    def test_scancel_by_an_administrator_cancels_the_job(self):
+        job_id, _ = self.running_job()
+        cluster.run("scancel", f"--name=dccast-{job_id}.1")
+        self.client.until_state(job_id, CANCELLED, seconds=60)
+        self.assertIn("cancelled in Slurm", self.client.job(job_id).cause)
+
     def test_a_refused_submission_holds_the_queue_with_slurms_reason(self):
         self.daemon.terminate()
         self.daemon.settings["slurm__options"] = "--partition=nowhere"

@@ -25,6 +25,7 @@ struct WorkerExit {
   std::string how;            ///< "exit code 1", "signal 9 (Killed)"
   std::optional<int> code{};  ///< nothing after a signal, or if it is not known
   bool of_machine = false;    ///< its machine was lost or withdrawn: no fault of the job
+  bool cancelled = false;     ///< someone cancelled it beside dccast, as an administrator of Slurm
 };
 
 /// State of a worker that an earlier daemon started.
@@ -70,6 +71,8 @@ public:
   virtual Adoption adopt(const WorkerLaunch& launch, bool wanted) = 0;
   /// Announces the last adopt(): other workers in the folders of jobs may be killed from now on.
   virtual void end_adoption() {}
+  /// Why no worker can be started for now, with the remedy; empty: it can.
+  virtual std::string lacks() const { return {}; }
   /// Leaves running workers to the next daemon. No callback follows.
   virtual void let_workers_run() {}
 };

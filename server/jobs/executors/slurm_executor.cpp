@@ -18,6 +18,10 @@ namespace {
 /// Interval at which a signal is repeated: it may be lost when slurmctld restarts.
 constexpr std::chrono::seconds between_signals{10};
 
+/// Starts in a row that Slurm may lose before the queue is held, and for how long it is held.
+constexpr int most_losses = 3;
+constexpr std::chrono::minutes hold_after_losses{10};
+
 /// Polling interval while no job is supervised.
 constexpr std::chrono::seconds idle_interval{60};
 
@@ -41,6 +45,7 @@ WorkerExit describe(const SlurmJob& job) {
     return {.how = "OUT_OF_MEMORY in Slurm", .code = exit_out_of_memory};
 
   WorkerExit exit{.how = fmt::format("{} in Slurm", job.state)};
+  exit.cancelled = job.state == "CANCELLED";
   if (WIFEXITED(job.exit_status) && job.state == "FAILED") exit.code = WEXITSTATUS(job.exit_status);
   if (job.exit_status != 0) exit.how += fmt::format(", {}", describe_exit(job.exit_status));
   return exit;
@@ -211,6 +216,7 @@ void SlurmExecutor::report_waiting(Start& start, const std::string& why) {
 std::optional<SlurmExecutor::End> SlurmExecutor::follow(Start& start, const SlurmJobs* jobs) {
   const FolderSigns signs = signs_in(start.launch.folder);
   if (std::exchange(start.signs, signs) != signs) start.last_sign = Clock::now();
+  if (has_begun(start.launch.folder, start.launch.attempt)) losses_ = 0;
 
   // A request of a client is a file in the folder, which a worker that has not begun does not see.
   if (read_request(start.launch.folder)) start.stop = true;
@@ -303,7 +309,8 @@ std::optional<SlurmExecutor::End> SlurmExecutor::follow_ended(Start& start, cons
     return End{{.how = "exit code 0, but its event log shows no end of the run", .code = 0}};
   }
 
-  const WorkerExit exit = describe(job);
+  WorkerExit exit = describe(job);
+  exit.cancelled = exit.cancelled && !start.stop && !start.kill;
   if (!start.of_machine && !shows_lost_machine(job.state) && exit.code != exit_begun_before)
     return End{exit};
 
@@ -319,7 +326,19 @@ std::optional<SlurmExecutor::End> SlurmExecutor::follow_absent(Start& start) {
 
   log::warn("job {}: Slurm has lost attempt {}, and nothing writes into its folder; ending it",
             start.launch.job_id, start.launch.attempt);
-  return End{{.how = "Slurm has lost it", .of_machine = true}};
+  if (has_begun(start.launch.folder, start.launch.attempt) || ++losses_ < most_losses)
+    return End{{.how = "Slurm has lost it", .of_machine = true}};
+  lost_at_ = Clock::now().time_since_epoch().count();
+  return End{{.how = lacks()}, true};
+}
+
+std::string SlurmExecutor::lacks() const {
+  const Clock::time_point lost_at{Clock::duration(lost_at_)};
+  if (losses_ < most_losses || Clock::now() > lost_at + hold_after_losses) return {};
+  return fmt::format(
+      "Slurm took {} jobs in a row and does not show them, and no worker of them has begun; look "
+      "at slurm.options in the settings of dccastd, and whether squeue shows jobs of this user",
+      losses_.load());
 }
 
 }  // namespace dccast::jobs

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -44,6 +45,7 @@ public:
     post([this] { adopts_ = false; });
   }
   void let_workers_run() override;
+  std::string lacks() const override;
 
 private:
   using Clock = std::chrono::steady_clock;
@@ -115,6 +117,10 @@ private:
   bool adopts_ = true;  ///< starts in Slurm may still be adopted
   Clock::time_point last_poll_{};
   std::string fault_;  ///< why Slurm gives no answer; empty: it answers
+
+  // Read by any thread.
+  std::atomic<int> losses_ = 0;  ///< starts in a row that Slurm lost before their workers began
+  std::atomic<Clock::rep> lost_at_ = 0;
   std::thread thread_;
 };
 

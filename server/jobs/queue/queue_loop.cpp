@@ -45,6 +45,9 @@ std::string describe_miss(const std::string& before, const std::optional<JobReco
                      end == v1::AWAITED_FAILURE ? "fail" : "succeed", how);
 }
 
+/// How often the free space is looked at, also while no job waits: clients and monitors are told.
+constexpr std::chrono::seconds between_looks_at_disk{5};
+
 }  // namespace
 
 QueueLoop::~QueueLoop() {
@@ -94,6 +97,7 @@ void QueueLoop::run() {
 
     lock.unlock();  // these write to disk
     settle_ended_attempts();
+    hold_if_disk_is_full();
     resume_after_hold();
     release_dependents();
     release_begun();
@@ -111,8 +115,9 @@ void QueueLoop::run() {
     expected_wake_ = state_.attempts.next_deadline();
     if (owner_refusal_ && state_.attempts.count_in(Lane::followed) > 0)
       expected_wake_ = std::min(expected_wake_, owners_checked_ + between_checks_of_owners);
-    if (state_.queue_hold.holds())
-      expected_wake_ = std::min(expected_wake_, state_.queue_hold.next_check());
+    expected_wake_ =
+        std::min(expected_wake_, state_.queue_hold.holds() ? state_.queue_hold.next_check()
+                                                           : disk_checked_ + between_looks_at_disk);
     if (state_.begins.size() > 0)
       expected_wake_ = std::min(expected_wake_, Clock::now() + between_looks_at_clock);
     state_.changed.wait_until(lock, expected_wake_);
@@ -216,6 +221,21 @@ void QueueLoop::forget_attempt(const Attempt& attempt, const JobRecord& record,
     if (!lack.empty()) state_.hold(lack);
 }
 
+void QueueLoop::hold_if_disk_is_full() {
+  {
+    const std::lock_guard lock(state_.mutex);
+    if (state_.queue_hold.holds() || Clock::now() < disk_checked_ + between_looks_at_disk) return;
+  }
+
+  disk_checked_ = Clock::now();
+  try {
+    require_free_space(state_.jobs_directory, state_.options.minimum_free_bytes);
+  } catch (const std::exception& error) {
+    const std::lock_guard lock(state_.mutex);
+    state_.hold(error.what());
+  }
+}
+
 void QueueLoop::resume_after_hold() {
   {
     const std::lock_guard lock(state_.mutex);
@@ -228,7 +248,7 @@ void QueueLoop::resume_after_hold() {
     probe_directory(state_.jobs_directory);
     state_.store.probe();
     state_.ledger.retry();
-    passed = true;
+    passed = state_.executor.lacks().empty();
   } catch (const std::exception&) {
     // The reason for the hold is known already.
   }

@@ -60,6 +60,8 @@ private:
   void settle_attempt(const std::shared_ptr<Attempt>& attempt);
   /// Outcome of an attempt, from its log and its exit.
   Settlement decide(const Attempt& attempt, JobRecord& record, AttemptFacts facts) const;
+  /// Holds the queue if too little space is free, also one without jobs.
+  void hold_if_disk_is_full();
   /// Lifts a hold whose reason has gone.
   void resume_after_hold();
   /// Looks at the jobs whose predecessors have changed.
@@ -89,6 +91,7 @@ private:
   Clock::time_point expected_wake_;          ///< of the thread
   OwnerRefusal owner_refusal_;
   Clock::time_point owners_checked_{};
+  Clock::time_point disk_checked_{};
   std::thread thread_;
 };
 

@@ -103,13 +103,17 @@ Settlement settle_over_time(JobRecord& record, const AttemptFacts& facts) {
   return {v1::FAILED, message};
 }
 
-/// Describes the deaths of a worker. @param repeated_step  the step after which it died twice
-std::string describe_losses(const JobRecord& record, std::optional<std::int64_t> repeated_step) {
-  std::string message = record.losses.first_cause();
+/// Describes the deaths of a worker: the first and the last one.
+/// @param last       "worker died with signal 11 after step 7"
+/// @param same_step  the one before it was in the same step
+std::string describe_losses(const JobRecord& record, const std::string& last, bool same_step) {
   const int times = record.losses.times();
-  if (times > 1) message += fmt::format("; in all it died {} times", times);
-  if (repeated_step) message += fmt::format(", twice in the step after {}", *repeated_step);
-  return message;
+  if (times == 1) return last;
+  // Twice in one step points to the case rather than to the machine.
+  const std::string end = same_step
+                              ? fmt::format("twice in the step after {}", record.losses.last_step())
+                              : fmt::format("at last: {}", last);
+  return fmt::format("{}; in all it died {} times, {}", record.losses.first_cause(), times, end);
 }
 
 }  // namespace
@@ -146,6 +150,7 @@ Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptF
   if (is_over_time(record, facts)) return settle_over_time(record, facts);
   if (record.requested_action != RequestedAction::none || facts.shutting_down)
     return settle_stopped(record, "dccastd is shutting down; its worker was killed");
+  if (exit.cancelled) return {v1::CANCELLED, "cancelled in Slurm, not by dccast"};
   if (exit.of_machine)
     return settle_stopped(record, fmt::format("{}; goes on from its last checkpoint", exit.how));
   if (exit.code == exit_out_of_memory) {
@@ -165,10 +170,7 @@ Settlement settle_lost(JobRecord& record, const WorkerExit& exit, const AttemptF
     return {v1::QUEUED,
             fmt::format("{}; restart {} of {}", loss, losses.times(), facts.worker_restarts)};
 
-  // Twice in one step points to the case rather than to the machine.
-  std::optional<std::int64_t> repeated_step;
-  if (same_step) repeated_step = facts.reached_step;
-  const std::string message = describe_losses(record, repeated_step);
+  const std::string message = describe_losses(record, loss, same_step);
   add_failure(record.job, facts.hung.empty() ? v1::Finding::WORKER_LOST : v1::Finding::WORKER_HUNG,
               message);
   record.job.mutable_failure()->set_time_s(facts.reached_time);

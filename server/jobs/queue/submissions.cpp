@@ -101,6 +101,7 @@ v1::Job Submissions::current(const v1::Job& job) {
 }
 
 void Submissions::require_room(std::int64_t bytes) {
+  require_free_space(state_.jobs_directory, state_.options.minimum_free_bytes);
   std::string held;
   {
     const std::lock_guard lock(state_.mutex);
@@ -108,7 +109,6 @@ void Submissions::require_room(std::int64_t bytes) {
   }
   if (!held.empty())
     throw StorageHeld(fmt::format("the queue is held and takes no job now: {}", held));
-  require_free_space(state_.jobs_directory, state_.options.minimum_free_bytes);
 
   const std::int64_t waiting = state_.store.unfinished_bytes();
   if (waiting + bytes > state_.options.maximum_waiting_bytes)

@@ -390,6 +390,13 @@ TEST_F(SchedulerFaults, NoJobIsTakenWhereTooLittleIsFree) {
   Scheduler scheduler(options, store, logs, executor);
   EXPECT_THROW(scheduler.submit(new_job(), {}), std::system_error);
   EXPECT_TRUE(store.ids().empty());
+
+  // Monitors and clients are told before someone submits a job.
+  scheduler.recover();
+  scheduler.start();
+  EXPECT_TRUE(eventually([&] { return !scheduler.held().empty(); }));
+  EXPECT_NE(scheduler.held().find("limits.minimum_free"), std::string::npos);
+  scheduler.shut_down();
 }
 
 // A pause was acknowledged, the store had not taken it when the daemon died.

@@ -118,6 +118,25 @@ TEST(Settlement, ALossNamesTheFirstDeathAndTheStep) {
             "after 7");
 }
 
+TEST(Settlement, TheLastDeathNamesItsOwnStep) {
+  JobRecord record = running();
+  settle_lost(record, {"signal 11"}, {.worker_restarts = 2, .reached_step = 7});
+  settle_lost(record, {"signal 11"}, {.worker_restarts = 2, .reached_step = 7});
+  const auto last =
+      settle_lost(record, {"exit code 1", 1}, {.worker_restarts = 2, .reached_step = 9});
+  EXPECT_EQ(last.cause,
+            "worker died with signal 11 after step 7; in all it died 3 times, at last: worker died "
+            "with exit code 1 after step 9");
+}
+
+TEST(Settlement, AJobThatIsCancelledInSlurmIsCancelled) {
+  JobRecord record = running();
+  const auto end =
+      settle_lost(record, {.how = "CANCELLED in Slurm", .cancelled = true}, {.worker_restarts = 2});
+  EXPECT_EQ(end.state, v1::CANCELLED);
+  EXPECT_EQ(end.cause, "cancelled in Slurm, not by dccast");
+}
+
 TEST(Settlement, AJobThatWasStoppedForItsTimeFailsUnlessItWasCancelledOrHasSucceeded) {
   const AttemptFacts facts{.shutting_down = true, .over_time = "it has run for 60 s"};
   RunEnd end;

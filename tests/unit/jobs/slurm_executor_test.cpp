@@ -88,7 +88,8 @@ protected:
          .ended =
              [this](auto&&, int number, const WorkerExit& exit) {
                report(std::to_string(number) + " ended: " + exit.how +
-                      (exit.of_machine ? ", of the machine" : ""));
+                      (exit.of_machine ? ", of the machine" : "") +
+                      (exit.cancelled ? ", cancelled" : ""));
              },
          .waits =
              [this](auto&&, int, const std::string& why) {
@@ -180,6 +181,28 @@ TEST_F(SlurmExecutorTest, AJobThatSlurmHasLostIsLeftAloneWhileItsFolderShowsLife
     EXPECT_EQ(reported(20ms), "");
   }
   EXPECT_EQ(reported(), "1 ended: Slurm has lost it, of the machine");
+}
+
+TEST_F(SlurmExecutorTest, AfterThreeLossesWithoutASignOfLifeItSaysWhatIsWrong) {
+  for (int attempt = 1; attempt <= 3; ++attempt) {
+    {
+      const std::lock_guard lock(mutex_);
+      reported_.clear();
+    }
+    EXPECT_TRUE(!executor_ || executor_->lacks().empty());
+    begin(attempt);
+    const std::string loss = reported();
+    EXPECT_THAT(loss, HasSubstr(attempt < 3 ? "Slurm has lost it"
+                                            : "not started: Slurm took 3 jobs in a row"));
+  }
+  EXPECT_THAT(executor_->lacks(), HasSubstr("slurm.options"));
+}
+
+TEST_F(SlurmExecutorTest, AJobThatAnAdministratorCancelsIsCancelled) {
+  begin();
+  ASSERT_TRUE(is_asked("sbatch"));
+  shows_start("CANCELLED");
+  EXPECT_EQ(reported(), "1 ended: CANCELLED in Slurm, cancelled");
 }
 
 TEST_F(SlurmExecutorTest, AControllerThatGivesNoAnswerEndsNothing) {
