@@ -24,6 +24,7 @@ struct Program {
   std::filesystem::path servers{};        ///< logins of the user; empty: none
   std::shared_ptr<Interruption> interruption = std::make_shared<Interruption>();
   mutable std::shared_ptr<SshTunnel> tunnel{};  ///< of a server that is meant by ssh://
+  mutable bool warned = false;                  ///< of a token that ends soon
   /// To the server that is meant: one of a login, else of this machine. Throws CommandFailed.
   Endpoint endpoint() const;
   /// Connects to the server that options, environment, settings and logins choose. Throws

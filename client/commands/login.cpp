@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <iostream>
 
 #include "client/commands/commands.hpp"
@@ -12,6 +13,7 @@ struct LoginOptions {
   std::vector<std::string> words;
   std::string name;
   bool first = false;
+  bool renew = false;
 };
 
 /// The line from the arguments or standard input. A separate address replaces that of the line.
@@ -28,7 +30,30 @@ EnrolmentLine line_of(const std::vector<std::string>& words) {
   return line;
 }
 
+/// The new token is on the disk before the old one is revoked.
+ExitCode renew(Program& program) {
+  StoredServers servers(program.servers);
+  const StoredServer* found = servers.find(program.server);
+  if (found == nullptr || found->endpoint.token.empty())
+    throw CommandFailed(ExitCode::not_found,
+                        "there is no login with a token" +
+                            (program.server.empty() ? "" : " for " + program.server));
+
+  const StoredServer old = *found;
+  StoredServer server = old;
+  renew_token(server, program.interruption);
+  servers.store(server, servers.all().front().name == server.name);
+
+  Connection connection(old.endpoint, program.interruption);
+  v1::RevokeTokenResponse response;
+  connection.try_once(&Stub::RevokeToken, v1::RevokeTokenRequest(), response);
+  std::cerr << "the token for " << server.name << " is good until "
+            << utc_text(std::atoll(server.expires.c_str())) << '\n';
+  return ExitCode::done;
+}
+
 ExitCode run(const LoginOptions& options, Program& program) {
+  if (options.renew) return renew(program);
   const EnrolmentLine line = line_of(options.words);
   StoredServers servers(program.servers);
   const std::string name =
@@ -121,11 +146,13 @@ void add_login(CommandLine& line, Program& program) {
   const auto [command, options] = declare<LoginOptions>(
       line, program, run, "login", "Log in to a server with the line of `dccastd user add`",
       "dccast login                      asks for the line\n"
+      "  dccast login --renew              a new token in place of one that ends soon\n"
       "  dccast login --name north < line.txt");
   command.option("LINE", options.words,
                  "The line, optionally after another address; read from standard input if absent",
                  {.count = {{0, 2}}});
   command.option("--name", options.name, "Name for --server; else that of the host");
+  command.flag("--renew", options.renew, "Exchange the token for a new one with its full life");
   command.flag("--default", options.first, "Make this the default server");
 }
 

@@ -2,8 +2,10 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <iostream>
+#include <utility>
 
 #include "client/commands/commands.hpp"
 #include "client/html/pages.hpp"
@@ -120,7 +122,13 @@ Endpoint Program::endpoint() const {
     return {.address = tunnel->address()};
   }
   const StoredServers stored(servers);
-  if (const StoredServer* named = stored.find(server)) return named->endpoint;
+  if (const StoredServer* named = stored.find(server)) {
+    if (named->ends_soon() && !std::exchange(warned, true))
+      std::cerr << "dccast: your token for " << named->name << " ends on "
+                << utc_text(std::atoll(named->expires.c_str()))
+                << "; renew it: dccast login --renew\n";
+    return named->endpoint;
+  }
   return endpoint_of(server.empty() ? values::local_server() : server);
 }
 

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <sstream>
 
 #include <toml++/toml.h>
@@ -23,12 +25,13 @@ namespace fs = std::filesystem;
 constexpr const char* sha256_begins = "sha256:";
 
 /// The keys of a server in the file, in their order, with the members that they set.
-std::array<std::pair<const char*, std::string*>, 7> texts_of(StoredServer& server) {
+std::array<std::pair<const char*, std::string*>, 8> texts_of(StoredServer& server) {
   Endpoint& to = server.endpoint;
   return {{{"name", &server.name},
            {"address", &to.address},
            {"user", &server.user},
            {"token", &to.token},
+           {"expires", &server.expires},
            {"certificate", &to.certificate},
            {"key", &to.key},
            {"ca", &to.ca}}};
@@ -47,11 +50,22 @@ toml::table table_of(StoredServer server) {
   return table;
 }
 
+void take_token(const v1::EnrolResponse& response, StoredServer& server) {
+  server.endpoint.token = response.token();
+  server.user = response.user().name();
+  server.expires = std::to_string(response.user().expire_time().seconds());
+}
+
 [[noreturn]] void fail(const fs::path& file, const std::string& fault) {
   throw invalid(file.string() + ": " + fault);
 }
 
 }  // namespace
+
+bool StoredServer::ends_soon() const {
+  constexpr std::int64_t warned_before_s = 14 * 86400;
+  return !expires.empty() && std::atoll(expires.c_str()) - std::time(nullptr) < warned_before_s;
+}
 
 StoredServers::StoredServers(fs::path file) : file_(std::move(file)) {
   std::error_code error;
@@ -137,6 +151,16 @@ EnrolmentLine read_enrolment_line(const std::string& line) {
           words.substr(second + 1)};
 }
 
+void renew_token(StoredServer& server, std::shared_ptr<Interruption> interruption) {
+  Connection connection(server.endpoint, interruption);
+  v1::EnrolRequest request;
+  request.set_secret(server.endpoint.token);
+  request.set_machine(host_name());
+  v1::EnrolResponse response;
+  check(connection.try_once(&Stub::Enrol, request, response), connection.server());
+  take_token(response, server);
+}
+
 StoredServer log_in(const EnrolmentLine& line, const std::string& name,
                     std::shared_ptr<Interruption> interruption) {
   StoredServer server{name, {.address = line.address}, ""};
@@ -158,8 +182,7 @@ StoredServer log_in(const EnrolmentLine& line, const std::string& name,
   }
 
   check(status, line.address);
-  server.endpoint.token = response.token();
-  server.user = response.user().name();
+  take_token(response, server);
   return server;
 }
 

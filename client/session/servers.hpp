@@ -17,6 +17,9 @@ struct StoredServer {
   Endpoint endpoint;
   /// Name that the server gave at login.
   std::string user;
+  std::string expires{};  ///< end of the token [s since 1970]; empty: not known
+  /// Whether the token ends within fourteen days.
+  bool ends_soon() const;
 };
 
 /// The servers of a user in servers.toml beside the settings: mode 0600, as their tokens are in it.
@@ -59,6 +62,10 @@ EnrolmentLine read_enrolment_line(const std::string& text);
 /// anything is sent, and buys a token. Throws CommandFailed.
 StoredServer log_in(const EnrolmentLine& line, const std::string& name,
                     std::shared_ptr<Interruption> interruption);
+
+/// Exchanges the token of a server for a new one with its full life. The old one is good until it
+/// is revoked. Throws CommandFailed.
+void renew_token(StoredServer& server, std::shared_ptr<Interruption> interruption);
 
 /// "2026-11-20 14:03Z".
 std::string utc_text(std::int64_t unix_s);

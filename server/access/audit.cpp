@@ -75,8 +75,14 @@ void read_lines(const storage::File& file, const Take& take) {
 
 }  // namespace
 
-AuditLog::AuditLog(const std::filesystem::path& directory)
-    : file_(log_path(directory), O_WRONLY | O_APPEND | O_CREAT, storage::owner_only) {}
+AuditLog::AuditLog(const std::filesystem::path& directory) : path_(log_path(directory)) {
+  open();
+}
+
+/// Opened for each event, so that the log can be renamed at any time, as logrotate does.
+storage::File AuditLog::open() const {
+  return {path_, O_WRONLY | O_APPEND | O_CREAT, storage::owner_only};
+}
 
 void AuditLog::append(v1::AuditEvent event) {
   event.set_time(time_now());
@@ -88,8 +94,9 @@ void AuditLog::append(v1::AuditEvent event) {
   if (!written.ok()) line = "{\"reason\":\"an event that is no JSON\"}";
   line += '\n';
 
-  if (::write(file_.descriptor(), line.data(), line.size()) != static_cast<ssize_t>(line.size()))
-    throw storage::StorageError(errno, file_.path().string(), "cannot be written");
+  const storage::File file = open();
+  if (::write(file.descriptor(), line.data(), line.size()) != static_cast<ssize_t>(line.size()))
+    throw storage::StorageError(errno, path_.string(), "cannot be written");
 }
 
 std::size_t print_audit(const std::filesystem::path& directory, const AuditFilter& filter,

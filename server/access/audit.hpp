@@ -21,7 +21,9 @@ public:
   void append(v1::AuditEvent event);
 
 private:
-  const storage::File file_;
+  storage::File open() const;
+
+  const std::filesystem::path path_;
 };
 
 /// Selects events; empty texts: all.

@@ -200,6 +200,40 @@ Identity issue(const Identity& issuer, const std::string& name, int days, const 
 
 }  // namespace
 
+std::string signature_fault(const std::string& pem, const std::string& ca_pem) {
+  using Store = values::Owned<X509_STORE, X509_STORE_free>;
+  using StoreContext = values::Owned<X509_STORE_CTX, X509_STORE_CTX_free>;
+  const X509Pointer ca = parse(ca_pem, "the CA");
+
+  // The server's certificate, then those between it and the CA.
+  const Bio reader = open_reader(pem);
+  std::vector<X509Pointer> certificates;
+  for (;;) {
+    X509Pointer next(PEM_read_bio_X509(reader.get(), nullptr, nullptr, nullptr));
+    if (!next) break;
+    certificates.push_back(std::move(next));
+  }
+  ERR_clear_error();
+  if (certificates.empty()) return "it holds no certificate";
+
+  STACK_OF(X509)* const between = sk_X509_new_null();
+  for (const X509Pointer& certificate : certificates) sk_X509_push(between, certificate.get());
+  const Store store(X509_STORE_new());
+  X509_STORE_add_cert(store.get(), ca.get());
+  const StoreContext context(X509_STORE_CTX_new());
+  X509_STORE_CTX_init(context.get(), store.get(), certificates.front().get(), between);
+  const bool trusted = X509_verify_cert(context.get()) == 1;
+  const int error = X509_STORE_CTX_get_error(context.get());
+  sk_X509_free(between);
+  return trusted ? "" : X509_verify_cert_error_string(error);
+}
+
+bool is_for(const std::string& pem, const std::string& host) {
+  const X509Pointer certificate = parse(pem, "the certificate");
+  return X509_check_host(certificate.get(), host.c_str(), host.size(), 0, nullptr) == 1 ||
+         X509_check_ip_asc(certificate.get(), host.c_str(), 0) == 1;
+}
+
 Certificate read_certificate(const std::string& pem, const std::string& where) {
   const X509Pointer parsed = parse(pem, where);
 

@@ -19,6 +19,11 @@ struct Certificate {
 /// The first certificate of a PEM text. @throws Refused  there is none
 Certificate read_certificate(const std::string& pem, const std::string& where);
 
+/// Why a client that trusts this CA does not trust the certificates of a PEM text; empty: it does.
+std::string signature_fault(const std::string& pem, const std::string& ca_pem);
+/// Whether the certificate is for this host name or address.
+bool is_for(const std::string& pem, const std::string& host);
+
 /// The daemon's own CA and the certificates it issues, in the folder pki of the data directory;
 /// only its owner can read them. Keys are EC P-256. All calls throw storage::StorageError or
 /// Refused.

@@ -257,6 +257,18 @@ std::string UserStore::rotate(const std::string& name, std::int64_t now, std::in
   return secret;
 }
 
+std::string UserStore::add_line(const std::string& name, const std::string& token, std::int64_t now,
+                                std::int64_t expires) {
+  std::string secret;
+  change([&](v1::Users& users) {
+    v1::User& user = require_user(users, name);
+    secret = add_credential(user, Kind::enrolment, now, expires);
+    user.mutable_credential()->rbegin()->set_machine(
+        values::shortened(values::escaped(token), longest_machine));
+  });
+  return secret;
+}
+
 void UserStore::remove(const std::string& name) {
   change([&](v1::Users& users) {
     require_user(users, name);
@@ -281,14 +293,15 @@ bool UserStore::revoke(const std::string& name, const std::string& credential) {
 
 Caller UserStore::enrol(const std::string& secret, const std::string& machine, std::int64_t now,
                         std::int64_t token_expires, std::string& token) {
-  const auto parts = parse_secret(secret, enrolment_prefix);
+  const bool renews = secret.starts_with(token_prefix);
+  const auto parts = parse_secret(secret, renews ? token_prefix : enrolment_prefix);
   if (!parts)
     return refused(not_proven("this one-time secret is not one of dccastd user add", ask_for_line));
 
   Found found;
   const auto judged = [&](v1::Users& users) {
-    found = find_credential(users, *parts, Kind::enrolment);
-    return judge(found, now, "one-time secret", ask_for_line);
+    found = find_credential(users, *parts, renews ? Kind::token : Kind::enrolment);
+    return judge(found, now, renews ? "token" : "one-time secret", ask_for_line);
   };
 
   // A wrong secret must not cause a write.
@@ -304,11 +317,13 @@ Caller UserStore::enrol(const std::string& secret, const std::string& machine, s
     if (!caller.proven()) return;
 
     v1::User& user = *found.user;
-    erase_credential(user, parts->id);
+    const std::string name = found.credential->machine();  // which the line gives
+    if (!renews) erase_credential(user, parts->id);
     token = add_credential(user, Kind::token, now, token_expires);
 
     v1::Credential& added = *user.mutable_credential()->rbegin();
-    added.set_machine(values::shortened(values::escaped(machine), longest_machine));
+    added.set_machine(name.empty() ? values::shortened(values::escaped(machine), longest_machine)
+                                   : name);
     caller = proven(user, added);
   });
   return caller;

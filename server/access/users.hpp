@@ -50,13 +50,19 @@ public:
   /// Revokes all credentials of a user, and makes a new one-time secret. @throws Refused  no such
   /// user
   std::string rotate(const std::string& name, std::int64_t now, std::int64_t expires);
+  /// Makes a one-time secret for a further token; revokes nothing. @param token  name of the token;
+  /// empty: that of the machine where it is fetched @throws Refused  no such user
+  std::string add_line(const std::string& name, const std::string& token, std::int64_t now,
+                       std::int64_t expires);
   void remove(const std::string& name);
   void set_disabled(const std::string& name, bool disabled);
   void set_role(const std::string& name, v1::Role role);
   /// Revokes a token or one-time secret. @return whether it existed
   bool revoke(const std::string& name, const std::string& credential);
 
-  /// Exchanges a one-time secret for a token. @param machine  free text, stored with the token
+  /// Exchanges a one-time secret for a token, or a token for another one of the same name, beside
+  /// which it stays good until its client revokes it. @param machine  free text, stored with the
+  /// token
   /// @param token  set if the secret is valid
   Caller enrol(const std::string& secret, const std::string& machine, std::int64_t now,
                std::int64_t token_expires, std::string& token);

@@ -1,6 +1,7 @@
 #include "server/daemon/daemon.hpp"
 
 #include <fmt/chrono.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -9,11 +10,15 @@
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <iostream>
+#include <optional>
 #include <ostream>
 
 #include "core/storage/file.hpp"
 #include "core/storage/storage_error.hpp"
 #include "proto/values/address.hpp"
+#include "proto/values/printable.hpp"
+#include "proto/values/times.hpp"
 #include "server/access/certificates.hpp"
 #include "server/access/machine_names.hpp"
 #include "server/access/users.hpp"
@@ -39,6 +44,17 @@ fs::path data_directory(const v1::DaemonConfig& config) {
   const state::StateFolder folder(config.data_directory());
   state::make_state_folder(folder);
   return folder.path();
+}
+
+/// Of a command that reads: it makes no folder, and says which one it reads.
+fs::path existing_data_directory(const v1::DaemonConfig& config) {
+  const fs::path directory = fs::absolute(config.data_directory());
+  if (!fs::is_directory(directory))
+    throw Refused(
+        fmt::format("there is no data directory {}; name the settings of dccastd (--config)",
+                    directory.string()));
+  std::cerr << "data directory " << directory.string() << '\n';
+  return directory;
 }
 
 /// The user who runs this command; behind sudo the one who called it.
@@ -119,8 +135,8 @@ void print_line(const AdministrationCommand& command, const v1::DaemonConfig& co
                      login_line(login_address(config), prepare_tls(config), secret));
 }
 
-void list_users(access::UserStore& users, std::ostream& out) {
-  const v1::Users all = users.users();
+void list_users(const fs::path& directory, std::ostream& out) {
+  const v1::Users all = access::UserStore(directory).users();
   if (all.user_size() == 0) out << "no users; dccastd user add NAME --role submitter\n";
 
   for (const v1::User& user : all.user()) {
@@ -136,14 +152,12 @@ void list_users(access::UserStore& users, std::ostream& out) {
 }
 
 void run_user(const AdministrationCommand& command, const v1::DaemonConfig& config,
-              std::ostream& out) {
-  const fs::path directory = data_directory(config);
+              const fs::path& directory, std::ostream& out) {
   access::UserStore users(directory);
   const std::string verb = command.verb.substr(5);
   const std::string& name = command.name;
-  if (verb == "list") return list_users(users, out);
 
-  const bool gives_line = verb == "add" || verb == "rotate";
+  const bool gives_line = verb == "add" || verb == "line" || verb == "rotate";
   const std::int64_t now = std::time(nullptr);
   const std::int64_t ends = now + std::llround(config.access().enrolment_lifetime_s());
   std::string change = fmt::format("{} {}", verb, name);
@@ -151,9 +165,15 @@ void run_user(const AdministrationCommand& command, const v1::DaemonConfig& conf
     login_address(config);  // may be refused, before anything is changed
     const std::string secret = verb == "add"
                                    ? users.add(name, access::parse_role(command.role), now, ends)
-                                   : users.rotate(name, now, ends);
+                               : verb == "line" ? users.add_line(name, command.token, now, ends)
+                                                : users.rotate(name, now, ends);
     if (verb == "add") change += fmt::format(" as {}", command.role);
     print_line(command, config, secret, out);
+  } else if (verb == "revoke") {
+    if (!users.revoke(name, command.token))
+      throw Refused(fmt::format("user {} has no token {}; dccastd user list shows those there are",
+                                name, values::shown(command.token)));
+    change += " " + command.token;
   } else if (verb == "remove") {
     users.remove(name);
   } else if (verb == "role") {
@@ -181,18 +201,43 @@ void show(const std::string& subject, const fs::path& file, std::ostream& out) {
   out << '\n';
 }
 
+/// The TLS files of the settings; empty if these name none.
+std::optional<TlsFiles> configured_tls(const v1::DaemonConfig& config) {
+  if (config.tls().certificate().empty()) return std::nullopt;
+  if (config.tls().key().empty() || config.tls().ca().empty())
+    throw Refused("tls.certificate is set: set tls.key and tls.ca, too");
+
+  TlsFiles files{config.tls().certificate(), config.tls().key(), config.tls().ca(),
+                 config.tls().client_ca()};
+  for (const std::string& file : {files.certificate, files.ca}) read(file);
+  return files;
+}
+
+void show_pki(const v1::DaemonConfig& config, const fs::path& directory, std::ostream& out) {
+  const access::Pki pki(directory);
+  auto files = configured_tls(config);
+  if (!files && !pki.exists())
+    throw Refused(
+        fmt::format("there is no CA in {} yet; dccastd creates it when it first serves "
+                    "over TLS, or dccastd pki init",
+                    directory.string()));
+  if (!files) files = TlsFiles{pki.server(), pki.server_key(), pki.ca(), "", true};
+  show("CA", files->ca, out);
+  show("server", files->certificate, out);
+  for (const std::string& fault : tls_faults(config, *files)) out << fault << '\n';
+}
+
 void run_pki(const AdministrationCommand& command, const v1::DaemonConfig& config,
-             std::ostream& out) {
-  const fs::path directory = data_directory(config);
+             const fs::path& directory, std::ostream& out) {
   const access::Pki pki(directory);
   const std::string verb = command.verb.substr(4);
-  if (verb != "show" && !config.tls().certificate().empty())
+  if (!config.tls().certificate().empty())
     throw Refused(
         fmt::format("the settings name a certificate of their own: {}; its issuer renews it, and "
                     "dccastd takes it up within seconds",
                     config.tls().certificate()));
   if (verb == "init") pki.init();
-  if (verb != "init" && verb != "show" && !pki.exists())
+  if (verb != "init" && !pki.exists())
     throw Refused("there is no CA yet; create it with dccastd pki init");
 
   if (verb == "init" || verb == "renew") {
@@ -210,27 +255,41 @@ void run_pki(const AdministrationCommand& command, const v1::DaemonConfig& confi
         (fs::path(command.directory) / command.name).string(), pki.ca().string());
   }
 
-  if (verb != "show") record(command, directory, fmt::format("{} {}", verb, command.name));
-  if (verb == "issue") return;
+  record(command, directory, fmt::format("{} {}", verb, command.name));
+  if (verb != "issue") show_pki(config, directory, out);
+}
 
-  const TlsFiles files = prepare_tls(config);
-  show("CA", files.ca, out);
-  show("server", files.certificate, out);
+/// A time as `dccast list --since` takes it, as the log writes times.
+std::string log_time(const std::string& since) {
+  if (since.empty()) return {};
+  const auto time = values::past_time(since, std::time(nullptr));
+  if (!time)
+    throw Refused(fmt::format("--since {}: no time; permitted: {}", values::shown(since),
+                              values::past_times));
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(*time));
+}
+
+/// @return false: the command changes something
+bool run_reader(const AdministrationCommand& command, const v1::DaemonConfig& config,
+                std::ostream& out) {
+  if (command.verb == "user list") {
+    list_users(existing_data_directory(config), out);
+  } else if (command.verb == "pki show") {
+    show_pki(config, existing_data_directory(config), out);
+  } else if (command.verb == "audit") {
+    access::AuditFilter filter = command.filter;
+    filter.since = log_time(filter.since);
+    access::print_audit(existing_data_directory(config), filter, out);
+  } else {
+    return false;
+  }
+  return true;
 }
 
 }  // namespace
 
 TlsFiles prepare_tls(const v1::DaemonConfig& config) {
-  if (!config.tls().certificate().empty()) {
-    if (config.tls().key().empty() || config.tls().ca().empty())
-      throw Refused("tls.certificate is set: set tls.key and tls.ca, too");
-
-    TlsFiles files{config.tls().certificate(), config.tls().key(), config.tls().ca(),
-                   config.tls().client_ca()};
-
-    for (const std::string& file : {files.certificate, files.ca}) read(file);
-    return files;
-  }
+  if (const auto files = configured_tls(config)) return *files;
 
   const access::Pki pki(data_directory(config));
   if (!pki.exists()) pki.init();
@@ -241,12 +300,39 @@ TlsFiles prepare_tls(const v1::DaemonConfig& config) {
   return {pki.server(), pki.server_key(), pki.ca(), config.tls().client_ca(), true};
 }
 
+std::vector<std::string> tls_faults(const v1::DaemonConfig& config, const TlsFiles& files) {
+  const auto content = [](const std::string& file) {
+    return storage::read_file(file, storage::Links::follow);
+  };
+  std::vector<std::string> faults;
+  if (const std::string fault =
+          access::signature_fault(content(files.certificate), content(files.ca));
+      !fault.empty())
+    faults.push_back(
+        fmt::format("{} is not signed by the CA {} ({}): no client can log in; set "
+                    "tls.ca to the certificate of its issuer",
+                    files.certificate, files.ca, fault));
+
+  const std::string host = values::host_and_port(config.listen().public_address().empty()
+                                                     ? config.listen().tls()
+                                                     : config.listen().public_address())
+                               .host;
+  if (!is_any_address(host) && !access::is_for(content(files.certificate), host))
+    faults.push_back(
+        fmt::format("{} is not for {}, by which clients call, but for {}; {}", files.certificate,
+                    host, fmt::join(read(files.certificate).names, ", "),
+                    files.own ? "dccastd pki renew --name " + host
+                              : "get one for this name, or set listen.public_address"));
+  return faults;
+}
+
 void administrate(const AdministrationCommand& command, const v1::DaemonConfig& config,
                   std::ostream& out) {
+  if (run_reader(command, config, out)) return;
+
   const fs::path directory = data_directory(config);
-  if (command.verb.starts_with("user ")) run_user(command, config, out);
-  if (command.verb.starts_with("pki ")) run_pki(command, config, out);
-  if (command.verb == "audit") access::print_audit(directory, command.filter, out);
+  if (command.verb.starts_with("user ")) run_user(command, config, directory, out);
+  if (command.verb.starts_with("pki ")) run_pki(command, config, directory, out);
   give_to_owner(directory);
 }
 

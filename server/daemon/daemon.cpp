@@ -200,6 +200,7 @@ public:
   explicit TlsListener(const v1::DaemonConfig& config) : config_(config) {
     if (config.listen().tls().empty()) return;
     files_ = prepare_tls(config);
+    for (const std::string& fault : tls_faults(config, files_)) log::warn("{}", fault);
     listener_.emplace(config.listen().tls());
     if (files_.own)
       renewer_ = std::jthread([this](const std::stop_token& stop) { run_renewer(stop); });
@@ -392,6 +393,19 @@ std::shared_ptr<void> serve_metrics_if_set(const v1::DaemonConfig& config, JobSi
                         .shows_owners = config.access().read() != v1::OWN});
 }
 
+/// Warns of tokens that end within fourteen days.
+void warn_of_tokens(access::UserStore& users) {
+  constexpr std::int64_t before_s = 14 * 86400;
+  const std::int64_t now = jobs::now().seconds();
+  const v1::Users all = users.users();
+  for (const v1::User& user : all.user())
+    for (const v1::Credential& token : user.credential())
+      if (!token.enrolment() && token.expires_unix() > now && token.expires_unix() < now + before_s)
+        log::warn(
+            "the token {} of {} on {} ends in {} days; its user renews it: dccast login --renew",
+            token.id(), user.name(), token.machine(), (token.expires_unix() - now) / 86400);
+}
+
 void log_start(const v1::DaemonConfig& config, const std::string& local, const std::string& tls,
                const service::Context& context, const fs::path& data) {
   if (!config.listen().port_file().empty())
@@ -471,6 +485,30 @@ sigset_t awaited_signals() {
   return awaited;
 }
 
+std::vector<std::string> faults_beside_settings(const v1::DaemonConfig& config) {
+  std::vector<std::string> faults;
+  const auto check = [&faults](const auto& act) {
+    try {
+      act();
+    } catch (const std::exception& error) {
+      faults.emplace_back(error.what());
+    }
+  };
+
+  check([&] { worker_program(config); });
+  check([&] {
+    if (!config.alloy_directory().empty() && !fs::is_directory(config.alloy_directory()))
+      throw std::runtime_error("alloy_directory = " + config.alloy_directory() +
+                               ": there is no such directory");
+  });
+  check([&] {
+    if (config.tls().certificate().empty()) return;
+    for (const std::string& fault : tls_faults(config, prepare_tls(config)))
+      faults.push_back(fault);
+  });
+  return faults;
+}
+
 int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
   ServiceManager manager;
   service::log_grpc_as_debug();
@@ -496,6 +534,7 @@ int serve(const v1::DaemonConfig& given, const WorkerPolicy& workers) {
                                   *jobs.store, jobs.scheduler);
   const auto metrics = serve_metrics_if_set(config, jobs, context, tls);
 
+  warn_of_tokens(access.users);
   log_start(config, local.address(), tls.address(), context, jobs.directory.path());
   serve_until_signal(server, context, jobs, workers, manager);
   return 0;

@@ -4,6 +4,7 @@
 
 #include <iosfwd>
 #include <string>
+#include <vector>
 
 #include "dccast/v1/config.pb.h"
 #include "server/daemon/settings.hpp"
@@ -31,5 +32,13 @@ struct TlsFiles {
 /// Creates CA and certificate if the settings name none and none exist, and renews an own
 /// certificate that ends within a month. @throws access::Refused, storage::StorageError
 TlsFiles prepare_tls(const v1::DaemonConfig& config);
+
+/// What will keep clients from logging in: a certificate of another CA, or for another name; each a
+/// sentence with the remedy. @throws access::Refused, storage::StorageError
+std::vector<std::string> tls_faults(const v1::DaemonConfig& config, const TlsFiles& files);
+
+/// What keeps dccastd from serving with these settings besides what read_config() refuses; each a
+/// sentence with the remedy. Creates nothing.
+std::vector<std::string> faults_beside_settings(const v1::DaemonConfig& config);
 
 }  // namespace dccast::daemon

@@ -9,6 +9,7 @@
 
 #include <cerrno>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <system_error>
 
@@ -52,6 +53,19 @@ void become_owner_of(const std::string& data_directory) {
                             fmt::format("cannot become the owner of {}", data_directory));
 }
 
+/// The faults of settings that can be read. @return exit code
+int print_config_faults(const dccast::daemon::CommandLine& line,
+                        const dccast::v1::DaemonConfig& config) {
+  const auto faults = dccast::daemon::faults_beside_settings(config);
+  for (const std::string& fault : faults) std::cerr << fault << '\n';
+  if (!faults.empty()) return exit_invalid;
+
+  std::cout << (line.config_file.empty() ? "settings" : line.config_file)
+            << ": no faults; data directory "
+            << std::filesystem::absolute(config.data_directory()).string() << '\n';
+  return 0;
+}
+
 int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig& config) {
   using dccast::daemon::Command;
   const dccast::state::StateFolder folder(config.data_directory());
@@ -63,6 +77,8 @@ int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig&
     case Command::administrate:
       dccast::daemon::administrate(line.administration, config, std::cout);
       break;
+    case Command::check_config:
+      return print_config_faults(line, config);
     case Command::check:
       damages = dccast::state::check(
           folder, {.repair = line.repair, .deep = line.deep, .adopt = line.adopt}, std::cout);

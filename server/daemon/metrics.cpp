@@ -15,6 +15,7 @@
 #include "proto/values/address.hpp"
 #include "proto/values/printable.hpp"
 #include "server/access/certificates.hpp"
+#include "server/access/users.hpp"
 #include "server/jobs/folder/events.hpp"
 #include "server/jobs/folder/quarantine.hpp"
 #include "server/jobs/log.hpp"
@@ -227,6 +228,25 @@ void add_disk(Exposition& to, const MetricSources& from) {
            "When the certificate of listen.tls ends, since 1970.", certificate.ends_unix);
 }
 
+/// A user whose last token has ended is none who waits for a warning.
+void add_tokens(Exposition& to, service::Gate& gate, bool shows_owners) {
+  const std::int64_t now = jobs::now().seconds();
+  std::map<std::string, std::int64_t> ends;
+  const v1::Users all = gate.authority().users().users();
+  for (const v1::User& user : all.user())
+    for (const v1::Credential& token : user.credential()) {
+      if (token.enrolment() || token.expires_unix() <= now || user.disabled()) continue;
+      const auto [end, is_new] =
+          ends.emplace(shows_owners ? user.name() : "", token.expires_unix());
+      if (!is_new) end->second = std::min(end->second, token.expires_unix());
+    }
+
+  to.begin("dccast_token_expires_timestamp_seconds", "gauge",
+           "When the next token of a user ends, since 1970.");
+  for (const auto& [user, end] : ends)
+    to.sample(end, user.empty() ? Labels{} : Labels{{"user", user}});
+}
+
 std::string metrics_text(const MetricSources& sources) {
   Exposition to;
   to.begin("dccast_build_info", "gauge", "1, with the version of the daemon.");
@@ -237,6 +257,7 @@ std::string metrics_text(const MetricSources& sources) {
   add_calls(to, sources.context.gate);
   add_processes(to);
   add_disk(to, sources);
+  add_tokens(to, sources.context.gate, sources.shows_owners);
   return std::move(to).text();
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <iostream>
+#include <sstream>
 #include <string_view>
 
 #include "proto/case_file/case_file.hpp"
@@ -20,7 +21,8 @@ namespace {
 
 void add_settings(CLI::App& app, CommandLine& line) {
   app.add_option("--config", line.config_file,
-                 "Settings, TOML; every key has a default, see deploy/config/dccastd.toml");
+                 "Settings, TOML; every key has a default, see deploy/config/dccastd.toml. Without "
+                 "this, /usr/bin/dccastd takes /etc/dccast/dccastd.toml");
   app.add_option("--set", line.overrides,
                  "One setting over the file's, e.g. --set workers.count=2; may be repeated")
       ->type_name("KEY=VALUE")
@@ -76,7 +78,12 @@ void add_user_commands(CLI::App& app, CommandLine& line) {
   named("add", "Add a user, and print the line to hand over")
       .add_option("--role", asked.role, "viewer, submitter or admin")
       ->capture_default_str();
-  named("rotate", "Revoke a user's credentials, and print a new line");
+  named("line", "Print a line for one more token; revokes nothing")
+      .add_option("--for", asked.token, "Name of the token, e.g. night-script; else the machine's");
+  named("revoke", "Revoke one token")
+      .add_option("TOKEN", asked.token, "Its id, see user list")
+      ->required();
+  named("rotate", "Revoke all of a user's credentials, and print a new line");
   named("remove", "Remove a user; their jobs stay");
   named("disable", "Answer no call of a user");
   named("enable", "Undo disable");
@@ -115,7 +122,8 @@ void add_audit_command(CLI::App& app, CommandLine& line) {
   audit.add_option("--user", asked.filter.user, "Only of this user");
   audit.add_option("--job", asked.filter.job, "Only of this job; the beginning of an id is enough");
   audit.add_option("--call", asked.filter.call, "Only this call, e.g. SubmitJob");
-  audit.add_option("--since", asked.filter.since, "From this time on, e.g. 2026-11-23T08");
+  audit.add_option("--since", asked.filter.since,
+                   "From this time on: today, \"3 h\", 2026-11-23T08, as dccast list takes it");
 }
 
 void add_commands(CLI::App& app, CommandLine& line) {
@@ -132,6 +140,10 @@ void add_commands(CLI::App& app, CommandLine& line) {
   check.add_option("--adopt", line.adopt, "Take a job back out of quarantine; may be repeated")
       ->type_name("ID")
       ->allow_extra_args(false);
+
+  add_command(app, line, "check-config",
+              "Print all faults of the settings; exit code 2 if there is one",
+              Command::check_config);
 
   add_command(app, line, "backup", "Copy the data directory; its dccastd may keep running",
               Command::backup)
@@ -190,6 +202,17 @@ void check_listen(const std::string& listen, std::string& faults) {
       listen);
 }
 
+/// squeue and scancel look at the cluster of this machine: jobs of another one would count as lost.
+void check_slurm_options(const std::string& options, std::string& faults) {
+  std::istringstream words(options);
+  for (std::string word; words >> word;)
+    if (word.starts_with("--cluster") || word.starts_with("-M"))
+      faults += fmt::format(
+          "slurm.options: {}: permitted: options of sbatch but --clusters, since dccastd looks for "
+          "its jobs in one cluster; run a dccastd on a machine of that cluster\n",
+          word);
+}
+
 /// gRPC and the system take a port modulo 65536.
 void check_host_and_port(const std::string& key, const std::string& listen, std::string& faults) {
   const auto colon = listen.rfind(':');
@@ -206,6 +229,12 @@ void check_host_and_port(const std::string& key, const std::string& listen, std:
 }
 
 }  // namespace
+
+std::string usual_settings(const std::filesystem::path& program) {
+  const std::filesystem::path of_package = "/etc/dccast/dccastd.toml";
+  return program == "/usr/bin/dccastd" && std::filesystem::exists(of_package) ? of_package.string()
+                                                                              : "";
+}
 
 CommandLine read_command_line(int argc, char** argv) {
   CommandLine line;
@@ -234,6 +263,8 @@ CommandLine read_command_line(int argc, char** argv) {
     line.exit_code = app.exit(error, std::cout, std::cerr) == 0 ? 0 : 2;
   }
 
+  if (line.config_file.empty())
+    line.config_file = usual_settings(std::filesystem::read_symlink("/proc/self/exe"));
   return line;
 }
 
@@ -252,6 +283,7 @@ v1::DaemonConfig read_config(const std::string& file, const std::vector<std::str
         "log.level = " + config.log().level() + ": permitted: trace, debug, info, warn, error\n";
 
   check_listen(config.listen().socket(), faults);
+  check_slurm_options(config.slurm().options(), faults);
   if (!config.listen().metrics().empty())
     check_host_and_port("listen.metrics", config.listen().metrics(), faults);
   if (const std::string& hook = config.job_end_hook();

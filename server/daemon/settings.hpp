@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,8 +18,9 @@ struct WorkerPolicy {
 
 /// What `dccastd user`, `pki` and `audit` are asked for.
 struct AdministrationCommand {
-  std::string verb;  ///< "user add", "pki show", "audit"
-  std::string name;  ///< of a user
+  std::string verb;   ///< "user add", "pki show", "audit"
+  std::string name;   ///< of a user
+  std::string token;  ///< of user line: its name; of user revoke: its id
   std::string role = "submitter";
   std::string directory;  ///< of pki issue
   std::vector<std::string>
@@ -27,7 +29,7 @@ struct AdministrationCommand {
   access::AuditFilter filter;  ///< of audit
 };
 
-enum class Command { serve, check, backup, restore, administrate };
+enum class Command { serve, check, check_config, backup, restore, administrate };
 
 struct CommandLine {
   Command command = Command::serve;
@@ -35,12 +37,16 @@ struct CommandLine {
   bool deep = false;                   ///< of check
   std::vector<std::string> adopt;      ///< of check: ids
   std::string directory;               ///< of backup and restore
-  std::string config_file;             ///< empty: all defaults
+  std::string config_file;             ///< empty: all defaults; see usual_settings()
   std::vector<std::string> overrides;  ///< "key=value"
   WorkerPolicy workers;                ///< of serve
   AdministrationCommand administration;
   int exit_code = -1;  ///< 0 or more: leave with it, everything is printed
 };
+
+/// Settings that a program takes where none are named: those of the package, if it is from there;
+/// else empty. @param program  its path
+std::string usual_settings(const std::filesystem::path& program);
 
 /// Reads the command line; prints help, version or what is wrong with it.
 CommandLine read_command_line(int argc, char** argv);

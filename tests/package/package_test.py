@@ -54,6 +54,9 @@ class Packages(unittest.TestCase):
         for path in ("usr/bin/dccast", "usr/bin/dccastd", "usr/bin/dccast-worker", "etc/dccast/dccastd.toml",
                      "usr/lib/systemd/system/dccastd.service", "usr/lib/sysusers.d/dccastd.conf",
                      "usr/lib/tmpfiles.d/dccastd.conf", "usr/share/bash-completion/completions/dccast",
+                     "etc/logrotate.d/dccastd", "usr/share/doc/dccastd/monitoring/alerts.yml",
+                     "usr/share/doc/dccastd/monitoring/dashboard.json",
+                     "usr/share/doc/dccastd/pages/operations.md", "usr/share/doc/dccast/pages/README.md",
                      "usr/lib/python3/dist-packages/dccast/__init__.py",
                      "usr/lib/python3/dist-packages/dccast/v1/service_pb2.py"):
             self.assertTrue((self.root / path).is_file(), path)

@@ -14,6 +14,7 @@ import unittest
 import grpc
 
 from dccast.v1 import access_pb2, job_pb2, service_pb2, service_pb2_grpc, study_pb2
+from certificates import TestCa
 from support import BIN, Daemon, ServiceTest, connected, fake_case as fake, setting_options, until
 
 NOBODY = 65534
@@ -88,7 +89,8 @@ class AccessTest(ServiceTest):
         return stub.SubmitJob(service_pb2.SubmitJobRequest(case=fake(words)), timeout=20)
 
     def audit(self, *filters):
-        return [json.loads(line) for line in self.admin("audit", *filters).splitlines()]
+        return [json.loads(line) for line in self.admin("audit", *filters).splitlines()
+                if line.startswith("{")]
 
 
 class StudiesOfOthers(AccessTest):
@@ -300,6 +302,104 @@ class Owners(AccessTest):
         self.assertEqual(done.returncode, 5, done.stderr)
         self.assertIn("of root", done.stderr)
         self.local().DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
+
+
+class Commands(AccessTest):
+    """What an IT department types before and beside the daemon."""
+
+    def test_what_reads_creates_nothing_and_names_the_folder(self):
+        data = os.path.join(self.folder, "absent")
+        for words in (["user", "list"], ["pki", "show"], ["audit"], ["check"]):
+            done = subprocess.run([os.path.join(BIN, "dccastd"), *words, "--set",
+                                   f"data_directory={data}"],
+                                  capture_output=True, text=True, timeout=30, check=False)
+            self.assertNotEqual(done.returncode, 0, words)
+            self.assertIn(data, done.stderr, words)
+            self.assertFalse(os.path.exists(data), words)
+        self.start()
+        self.assertIn("data directory " + self.daemon.settings["data_directory"],
+                      self.admin("user", "list"))
+
+    def test_audit_since_takes_the_times_of_list(self):
+        self.start()
+        self.token_of("anna")
+        for since in ("today", "3 h", "2020-01-01", "2020-01-01T08"):
+            self.assertGreater(len(self.audit("--since", since)), 0, since)
+        self.assertEqual(self.audit("--since", "2099-01-01"), [])
+        self.assertIn("no time", self.admin("audit", "--since", "banana", code=2))
+
+    def test_the_audit_log_can_be_moved_while_dccastd_runs(self):
+        self.start()
+        self.token_of("anna")
+        log = os.path.join(self.daemon.settings["data_directory"], "audit.log")
+        os.rename(log, log + ".1")
+        self.remote(self.token_of("bert"))
+        self.assertEqual([event["call"] for event in self.audit()], ["dccastd user add", "Enrol"])
+
+    def test_check_config_prints_all_faults(self):
+        self.start()
+        self.assertIn("no faults", self.admin("check-config"))
+        settings = os.path.join(self.folder, "wrong.toml")
+        with open(settings, "w", encoding="utf-8") as file:
+            file.write('worker.count = 4\njob_end_hook = "/nowhere"\n[listen]\ntls = "casthouse"\n'
+                       '[slurm]\noptions = "--clusters=big"\n[workers]\ncount = -3\n')
+        done = subprocess.run([os.path.join(BIN, "dccastd"), "check-config", "--config", settings],
+                              capture_output=True, text=True, timeout=30, check=False)
+        self.assertEqual(done.returncode, 2)
+        for word in ("worker", "job_end_hook", "listen.tls", "--clusters", "workers.count"):
+            self.assertIn(word, done.stderr)
+        done = subprocess.run([os.path.join(BIN, "dccastd"), "check-config", "--set",
+                               "workers.program=/nowhere", "--set", "alloy_directory=/nowhere/else"],
+                              capture_output=True, text=True, timeout=30, check=False)
+        self.assertEqual((done.returncode, done.stderr.count("nowhere")), (2, 2), done.stderr)
+
+    def test_a_token_that_ends_soon_is_said_and_renewed(self):
+        self.start(access__token_lifetime="10 days", listen__metrics="127.0.0.1:0")
+        home = os.path.join(self.folder, "home")
+
+        def dccast(*words, given=""):
+            return subprocess.run([os.path.join(BIN, "dccast"), *words], input=given, text=True,
+                                  capture_output=True, timeout=30, check=True,
+                                  env={"XDG_CONFIG_HOME": home, "PATH": os.environ["PATH"]}).stderr
+
+        line = re.search(r"dccast login (\S+)", self.admin("user", "add", "anna"))[1]
+        dccast("login", self.daemon.tls_address, line, "--name", "north")
+        self.assertIn("your token for north ends on", dccast("--server", "north", "whoami"))
+        before = re.findall(r"token (\w+) on", self.admin("user", "list"))
+        self.assertIn("is good until", dccast("login", "--renew", "--server", "north"))
+        after = re.findall(r"token (\w+) on", self.admin("user", "list"))
+        self.assertEqual((len(before), len(after)), (1, 1))
+        self.assertNotEqual(before, after)
+        dccast("--server", "north", "whoami")
+        self.daemon.terminate()
+        self.start(listen__metrics="127.0.0.1:0")
+        self.assertRegex(self.daemon.said(), rf"the token {after[0]} of anna on .* ends in (9|10) days")
+
+    def test_a_line_for_a_further_token_revokes_nothing(self):
+        self.start()
+        first = self.token_of("anna")
+        secret = self.secret_of(self.admin("user", "line", "anna", "--for", "night script"))
+        second = self.remote().Enrol(service_pb2.EnrolRequest(secret=secret, machine="desk"),
+                                     timeout=10).token
+        for token in (first, second):
+            self.remote(token).WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        token, = re.findall(r"token (\w+) on night script", self.admin("user", "list"))
+        self.admin("user", "revoke", "anna", token)
+        self.remote(first).WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        self.refusal(grpc.StatusCode.UNAUTHENTICATED, self.remote(second).WhoAmI,
+                     service_pb2.WhoAmIRequest())
+
+
+class WrongCertificates(AccessTest):
+    def test_one_of_another_ca_or_name_is_said_at_the_start(self):
+        folders = [tempfile.mkdtemp(dir=self.folder) for _ in range(2)]
+        own, other = TestCa(folders[0]), TestCa(folders[1])
+        certificate = own.issue(name="DNS:casthouse")
+        self.start(tls__certificate=certificate, tls__key=own.key, tls__ca=other.certificate)
+        said = self.daemon.said()
+        self.assertIn(f"{certificate} is not signed by the CA {other.certificate}", said)
+        self.assertIn("is not for 127.0.0.2, by which clients call, but for casthouse", said)
+        self.assertIn("not signed", self.admin("check-config", code=2))
 
 
 class Certificates(AccessTest):

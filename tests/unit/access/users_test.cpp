@@ -45,12 +45,34 @@ TEST_F(Users, ASecretBuysOneTokenOnce) {
   EXPECT_EQ(proof.role, v1::SUBMITTER);
 }
 
-TEST_F(Users, AnEnrolmentSecretIsNoTokenAndATokenBuysNone) {
+TEST_F(Users, AnEnrolmentSecretIsNoToken) {
   const std::string secret = store.add("anna", v1::SUBMITTER, now, now + day);
   EXPECT_FALSE(store.prove(secret, now).proven());
-  std::string token, second;
-  ASSERT_TRUE(store.enrol(secret, "", now, now + day, token).proven());
-  EXPECT_FALSE(store.enrol(token, "", now, now + day, second).proven());
+}
+
+TEST_F(Users, ATokenBuysTheNextOneUntilItsEnd) {
+  const std::string first = token_of("anna");
+  std::string second, third;
+  ASSERT_TRUE(store.enrol(first, "laptop", now + day, now + 91 * day, second).proven());
+  EXPECT_TRUE(store.prove(first, now + day).proven()) << "until its client has stored the new one";
+  EXPECT_TRUE(store.prove(second, now + 90 * day).proven());
+  EXPECT_EQ(store.find("anna")->credential(1).machine(), "desk") << "it keeps its name";
+  EXPECT_FALSE(store.enrol(first, "", now + 90 * day, now + 180 * day, third).proven());
+  EXPECT_TRUE(third.empty());
+}
+
+TEST_F(Users, AFurtherLineRevokesNothingAndNamesItsToken) {
+  const std::string first = token_of("anna");
+  const std::string secret = store.add_line("anna", "night script", now, now + day);
+  std::string second;
+  ASSERT_TRUE(store.enrol(secret, "desk", now, now + 90 * day, second).proven());
+  EXPECT_TRUE(store.prove(first, now).proven());
+  EXPECT_TRUE(store.prove(second, now).proven());
+  const v1::User anna = store.find("anna").value();
+  ASSERT_EQ(anna.credential_size(), 2);
+  EXPECT_EQ(anna.credential(0).machine(), "desk");
+  EXPECT_EQ(anna.credential(1).machine(), "night script");
+  EXPECT_THROW(store.add_line("carl", "", now, now + day), Refused);
 }
 
 TEST_F(Users, SecretsExpire) {
