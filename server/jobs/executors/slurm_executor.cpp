@@ -45,7 +45,6 @@ WorkerExit describe(const SlurmJob& job) {
     return {.how = "OUT_OF_MEMORY in Slurm", .code = exit_out_of_memory};
 
   WorkerExit exit{.how = fmt::format("{} in Slurm", job.state)};
-  exit.cancelled = job.state == "CANCELLED";
   if (WIFEXITED(job.exit_status) && job.state == "FAILED") exit.code = WEXITSTATUS(job.exit_status);
   if (job.exit_status != 0) exit.how += fmt::format(", {}", describe_exit(job.exit_status));
   return exit;
@@ -299,7 +298,13 @@ std::optional<SlurmExecutor::End> SlurmExecutor::follow_listed(Start& start, con
 }
 
 std::optional<SlurmExecutor::End> SlurmExecutor::follow_ended(Start& start, const SlurmJob& job) {
-  if (shows_end(start)) return End{left_in_order};
+  const bool cancelled =
+      job.state == "CANCELLED" && !start.stop && !start.kill && !start.of_machine;
+  if (shows_end(start)) {
+    WorkerExit exit = left_in_order;
+    exit.cancelled = cancelled;
+    return End{exit};
+  }
   const auto now = Clock::now();
   if (!start.ended) start.ended = now;
 
@@ -310,7 +315,7 @@ std::optional<SlurmExecutor::End> SlurmExecutor::follow_ended(Start& start, cons
   }
 
   WorkerExit exit = describe(job);
-  exit.cancelled = exit.cancelled && !start.stop && !start.kill;
+  exit.cancelled = cancelled;
   if (!start.of_machine && !shows_lost_machine(job.state) && exit.code != exit_begun_before)
     return End{exit};
 

@@ -167,6 +167,9 @@ Settlement settle(JobRecord& record, EventLog& log, const std::filesystem::path&
     if (end->outcome() == v1::RunEnd::OTHER_VERSION_FOUND) set_checkpoint_aside(folder);
     if (has_storage_failure(*end)) facts.damage = find_damage(folder);
     if (end->outcome() == v1::RunEnd::SUCCEEDED) record.solver = end->solver();
+    // scancel lets a worker stop at a checkpoint first.
+    const bool was_stopped = end->outcome() == v1::RunEnd::STOPPED;
+    if (was_stopped && exit && exit->cancelled) return settle_lost(record, *exit, facts);
     return settle_run_end(record, *end, facts);
   }
 
