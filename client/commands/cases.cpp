@@ -78,7 +78,7 @@ void ask_for_alloy(SlabRecipe& recipe) {
   if (on_terminal())
     ask_for(recipe.alloy, recipe, "Alloy, a card file or one of" + alloys, "aa5182");
   else
-    std::cerr << "no --alloy is given: that of the paper; there are" << alloys << '\n';
+    std::cerr << "no --alloy is given: that of the shipped case; there are" << alloys << '\n';
 }
 
 /// Asks for everything that the options could give. Only a wrong answer is asked for again.
@@ -113,12 +113,13 @@ void list_names(bool json) {
 
 ExitCode run(const NewOptions& given, Program&) {
   NewOptions options = given;
-  const bool undecided = options.name.empty() && options.recipe.slab.empty();
+  const std::string size = options.recipe.slab + options.recipe.billet;  // of which one is empty
+  const bool undecided = options.name.empty() && size.empty();
   const SlabRecipe& recipe = options.recipe;
 
-  if (recipe.slab.empty() && !(recipe.alloy + recipe.speed + recipe.water).empty())
-    throw invalid("--alloy, --speed and --water belong to --slab");
-  if (!options.name.empty() && !recipe.slab.empty())
+  if (size.empty() && !(recipe.alloy + recipe.speed + recipe.water).empty())
+    throw invalid("--alloy, --speed and --water belong to --slab or --billet");
+  if (!options.name.empty() && !size.empty())
     throw invalid("give the name of a shipped case or --slab, not both");
 
   // A script is not asked; it gets the names that it could have given.
@@ -127,13 +128,13 @@ ExitCode run(const NewOptions& given, Program&) {
     return ExitCode::done;
   }
   if (undecided) ask(options);
-  if (!recipe.slab.empty() && recipe.alloy.empty()) ask_for_alloy(options.recipe);
+  if (!size.empty() && recipe.alloy.empty()) ask_for_alloy(options.recipe);
 
-  const std::string text = recipe.slab.empty() ? text_of(options.name) : slab_text(recipe);
+  const std::string text = options.name.empty() ? slab_text(recipe) : text_of(options.name);
   const bool to_screen = options.output.empty() || options.output == "-";
   require_free(options.output, options.force);
   if (options.json) {
-    print_line({{"name", options.name + recipe.slab}, {"text", text}});
+    print_line({{"name", options.name + size}, {"text", text}});
   } else if (to_screen) {
     std::cout << text;
   } else {
@@ -354,6 +355,9 @@ void add_new(CommandLine& line, Program& program) {
 
   command.option("NAME", options.name, "Name of a shipped case");
   command.option("--slab", options.recipe.slab, "Sides of a slab, e.g. 1320x570mm");
+  command.option("--billet", options.recipe.billet,
+                 "In place of --slab: diameter of a round billet, e.g. 203mm",
+                 {.excludes = {"--slab"}});
   command.option("--alloy", options.recipe.alloy,
                  "Of the slab: name of a card (dccast alloys), or a file with your own");
   command.option("--speed", options.recipe.speed,

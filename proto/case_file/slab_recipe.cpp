@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <numbers>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -18,6 +19,7 @@ namespace dccast::case_file {
 namespace {
 
 constexpr const char* standard = "start-3d";
+constexpr const char* of_billets = "start-billet";
 
 /// A number without trailing zeros, "0.285".
 std::string short_number(double value, int digits = 4) {
@@ -59,20 +61,36 @@ std::optional<FigureRange> range_of(const std::string& text, const std::string& 
 
 /// A recipe in SI units.
 struct Slab {
-  FigureRange size;  ///< width and thickness [m]
+  FigureRange size;    ///< width and thickness; of a billet the diameter twice [m]
+  bool round = false;  ///< a billet
   std::string alloy;
   std::optional<FigureRange> speed;  ///< [m/s]
   std::optional<FigureRange> flow;   ///< per metre of perimeter [m2/s]
   std::optional<FigureRange> total;  ///< of the whole perimeter, where it was given so [m3/s]
 
-  double perimeter() const { return 2.0 * (size.first + size.last); }
-  /// "1320 x 570", in mm
+  double perimeter() const {
+    return round ? std::numbers::pi * size.first : 2.0 * (size.first + size.last);
+  }
+  /// "slab 1320 x 570 mm", "billet 203 mm"
   std::string name() const {
-    return short_number(1e3 * size.first) + " x " + short_number(1e3 * size.last);
+    const std::string width = short_number(1e3 * size.first) + " mm";
+    if (round) return "billet " + width;
+    return fmt::format("slab {} x {} mm", short_number(1e3 * size.first),
+                       short_number(1e3 * size.last));
   }
 };
 
+void read_diameter(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& faults) {
+  slab.round = true;
+  const auto diameter = parse_quantity(recipe.billet, "m").value;
+  if (diameter && *diameter > 0.0)
+    slab.size = {*diameter, *diameter};
+  else
+    faults.push_back("--billet \"" + recipe.billet + "\": a diameter is expected, e.g. 203mm");
+}
+
 void read_size(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& faults) {
+  if (!recipe.billet.empty()) return read_diameter(recipe, slab, faults);
   constexpr std::string_view times = "×";
   std::string text = recipe.slab;
   if (const auto sign = text.find(times); sign != std::string::npos)
@@ -186,8 +204,10 @@ std::string ramp_of(std::string table, const FigureRange& range, double factor,
   return fmt::format("[[{}, {}], [{}, {}]]", place(0), first, place(table.rfind('[')), last);
 }
 
-const shipped::ShippedText& nearest_case(const std::string& alloy) {
+const shipped::ShippedText& nearest_case(const Slab& slab) {
   const auto& cases = shipped::case_templates();
+  if (slab.round) return *shipped::find(cases, of_billets);
+  const std::string& alloy = slab.alloy;
   const auto* own = shipped::find(cases, std::string(standard) + "-" + alloy);
   return own != nullptr ? *own : *shipped::find(cases, standard);
 }
@@ -195,6 +215,13 @@ const shipped::ShippedText& nearest_case(const std::string& alloy) {
 void set_size(const Slab& slab, CaseText& text) {
   const std::string width = text.value("half_width"), thickness = text.value("half_thickness");
   const auto metres = [](double value) { return "\"" + short_number(value) + " m\""; };
+  if (slab.round) {
+    const double radius = slab.size.first / 2.0;
+    text.replace("x", width, metres(radius));
+    text.replace("x", "\"0.05 m\"", metres(radius / 2.0));  // the monitor "half radius"
+    return text.replace("half_width", "", metres(radius), "[G] radius");
+  }
+
   const std::string half_width = metres(slab.size.first / 2.0);
   const std::string half_thickness = metres(slab.size.last / 2.0);
   for (const char* key : {"x", "y"}) {
@@ -206,19 +233,20 @@ void set_size(const Slab& slab, CaseText& text) {
 }
 
 std::string head_of(const SlabRecipe& recipe, const Slab& slab, const std::string& base) {
-  std::string command = "dccast new --slab " + recipe.slab;
+  std::string command =
+      slab.round ? "dccast new --billet " + recipe.billet : "dccast new --slab " + recipe.slab;
   for (const auto& [option, value] : {std::pair(" --alloy ", recipe.alloy),
                                       {" --speed ", recipe.speed},
                                       {" --water ", recipe.water}})
     if (!value.empty()) command += option + value;
   return fmt::format(
-      "# Start of casting of a slab {} mm, a quarter of it. Written by\n#   {}\n#\n"
+      "# Start of casting of a {}, a {} of it. Written by\n#   {}\n#\n"
       "# Marks: [G] given there. Everything else is that of {}.toml: [P] printed in the paper, [C] "
       "computed, [L] public\n# literature, [A] assumption. What differs most between plants: hold, "
       "filling, casting_temperature, block_above_water, the water\n"
       "# line (cooling.water.from) with the zones above it, and the bottom block. Every key, its "
       "unit, range and default: `dccast schema`.",
-      slab.name(), command, base);
+      slab.name(), slab.round ? "half section" : "quarter", command, base);
 }
 
 }  // namespace
@@ -229,19 +257,20 @@ NewCase new_case(const SlabRecipe& recipe) {
   if (!made.faults.empty()) return made;
 
   // The shipped case whose alloy is nearest is the text that the recipe changes.
-  const shipped::ShippedText& base = nearest_case(slab.alloy);
+  const shipped::ShippedText& base = nearest_case(slab);
   CaseText text(base.text);
   const std::string alloy = slab.alloy.empty() ? text.value("card") : "\"" + slab.alloy + "\"";
   const std::string slab_of_card =
-      fmt::format("slab {} mm of {}", slab.name(), alloy.substr(1, alloy.size() - 2));
+      fmt::format("{} of {}", slab.name(), alloy.substr(1, alloy.size() - 2));
 
   text.replace_head(head_of(recipe, slab, base.name));
   text.replace("title", "", "\"Start of a " + slab_of_card + "\"");
 
   if (!slab.alloy.empty())
-    text.replace(
-        "card", "", alloy,
-        base.name == standard ? "[G]; temperatures of the metal are those of " + base.name : "[G]");
+    text.replace("card", "", alloy,
+                 base.name == standard || slab.round
+                     ? "[G]; temperatures of the metal are those of " + base.name
+                     : "[G]");
   set_size(slab, text);
 
   const auto set_ramp = [&](const char* key, const FigureRange& range, double factor,

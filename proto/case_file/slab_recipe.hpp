@@ -5,13 +5,14 @@
 
 namespace dccast::case_file {
 
-/// The start of a slab as a plant names it. Of a range "a..b" the first value holds until the ramp
-/// begins, the second one when it has ended.
+/// The start of a slab, or of a round billet, as a plant names it. Of a range "a..b" the first
+/// value holds until the ramp begins, the second one when it has ended.
 struct SlabRecipe {
   std::string slab;   ///< both sides, in either order, "1320x570mm"
   std::string alloy;  ///< name of a card, in any case, or a file with one; empty: that of start-3d
   std::string speed;  ///< "45..55mm/min"; empty: that of the shipped case
   std::string water;  ///< "25..45m3/h" in all, or "90..180l/min/m" of perimeter; empty: likewise
+  std::string billet{};  ///< in place of `slab`: diameter, "203mm"
 };
 
 /// A case file made of the shipped case that is nearest.
@@ -23,7 +24,8 @@ struct NewCase {
 };
 
 /// Everything that the recipe does not give is that of the shipped case of the alloy, or of
-/// start-3d where the alloy has none. Comments in the text name the origin of each figure.
+/// start-3d where the alloy has none; of a billet, that of start-billet. Comments in the text name
+/// the origin of each figure.
 NewCase new_case(const SlabRecipe& recipe);
 
 }  // namespace dccast::case_file

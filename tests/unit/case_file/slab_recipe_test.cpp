@@ -82,6 +82,19 @@ TEST(NewCase, SidesInEitherOrderAndAlloysInAnyCase) {
   EXPECT_EQ(c.alloy().card(), "aa5182");
 }
 
+TEST(NewCase, ABilletIsRound) {
+  SlabRecipe one{.slab = "", .alloy = "AA6063", .speed = "80..120mm/min", .water = "5m3/h"};
+  one.billet = "203mm";
+  const v1::Case c = made(one);
+  EXPECT_DOUBLE_EQ(c.section().half_width_m(), 0.1015);
+  EXPECT_EQ(c.section().kind(), v1::Section::AXISYMMETRIC);
+  EXPECT_NEAR(c.schedule().casting_speed_m_per_s().value(1), 120 * mm_per_min, 1e-9);
+  EXPECT_NEAR(c.schedule().water_flow_m2_per_s().value(0) * 3.14159265 * 0.203, 5 * per_hour, 1e-7);
+  EXPECT_THAT(new_case(one).summary, HasSubstr("billet 203 mm of aa6063, perimeter 0.6377 m"));
+  one.billet = "round";
+  EXPECT_THAT(new_case(one).faults, SizeIs(1));
+}
+
 TEST(NewCase, ACardOfOnesOwnIsAFile) {
   SlabRecipe one = recipe();
   one.alloy = "My-Alloy.toml";
