@@ -8,7 +8,7 @@ find_package(CLI11 CONFIG REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(tomlplusplus CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
-find_package(HDF5 1.10 REQUIRED COMPONENTS C)
+find_package(HDF5 1.10 REQUIRED COMPONENTS C HL)
 find_package(Eigen3 3.4 CONFIG REQUIRED NO_MODULE)
 find_package(Boost 1.74 REQUIRED)  # Asio, which needs headers alone
 find_package(OpenSSL REQUIRED COMPONENTS Crypto SSL)

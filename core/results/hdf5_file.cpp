@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <hdf5_hl.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
@@ -180,7 +182,8 @@ void File::write_array(const std::string& object, const Shape& shape, hid_t file
   if (count_values(shape) > 0)
     checked(H5Dwrite(dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), object,
             "cannot be written");
-  if (unit != nullptr) put_attribute(dataset, object, "unit", unit);
+  for (const char* const name : {"unit", "units"})
+    if (unit != nullptr) put_attribute(dataset, object, name, unit);
   put_attribute(dataset, object, "meaning", meaning);
 }
 
@@ -189,6 +192,13 @@ void File::write(const std::string& object, const Shape& shape, const std::vecto
                  const char* unit, const char* meaning) {
   const auto [in_file, in_memory] = number_types(Number{});
   write_array(object, shape, in_file, in_memory, values.data(), unit, meaning);
+}
+
+void File::attach_scale(const std::string& scale, const std::string& object, unsigned dimension) {
+  const Handle places = open_object(scale), values = open_object(object);
+  if (H5DSis_scale(places.get()) == 0)
+    checked(H5DSset_scale(places.get(), nullptr), scale, "cannot become a scale");
+  checked(H5DSattach_scale(values.get(), places.get(), dimension), object, "cannot get a scale");
 }
 
 template void File::write(const std::string&, const Shape&, const std::vector<double>&, const char*,

@@ -62,7 +62,7 @@ public:
   /// @param shape          row-major; large arrays are chunked, compressed and get a checksum
   /// @tparam Number        double, std::int32_t or std::int64_t
   /// @param values         [`unit`] flat with the last index fastest
-  /// @param unit, meaning  stored as the attributes `unit` and `meaning`
+  /// @param unit, meaning  stored as the attributes `unit`, `units` (as CF names it) and `meaning`
   template <class Number>
   void write(const std::string& object, const Shape& shape, const std::vector<Number>& values,
              const char* unit, const char* meaning);
@@ -83,6 +83,10 @@ public:
   void write_attribute(const std::string& object, const char* name, double value);
   void write_attribute(const std::string& object, const char* name, std::int64_t value);
   void write_attribute(const std::string& object, const char* name, const std::string& value);
+
+  /// Makes a dataset the scale of a dimension of another one, as HDF5 and netCDF know it: its
+  /// values belong to the places along that dimension.
+  void attach_scale(const std::string& scale, const std::string& object, unsigned dimension);
 
   /// Whether an object exists at a path; shape of a dataset. @throws storage::StorageError of
   /// shape_of(): it is none

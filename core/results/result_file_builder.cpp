@@ -126,6 +126,20 @@ void write_monitors(File& file, const std::vector<StepReport>& steps, std::size_
              "(step, monitor)");
 }
 
+/// Ties what was computed in each step to its time, and what belongs to a monitor to its name.
+void attach_scales(File& file, int dimension) {
+  const std::string time = history_dataset("time_s"), name = "/monitors/name";
+  for (const HistoryField& field : history_fields())
+    if (history_dataset(field.name_in(dimension)) != time)
+      file.attach_scale(time, history_dataset(field.name_in(dimension)), 0);
+
+  file.attach_scale(name, "/monitors/position_m", 0);
+  for (const char* const of_steps : {"/monitors/displacement_m", "/monitors/temperature_c"}) {
+    file.attach_scale(time, of_steps, 0);
+    file.attach_scale(name, of_steps, 1);
+  }
+}
+
 void write_validity_loss(File& file, const ValidityLoss& loss) {
   const char* group = "/validity_loss";
   file.create_group(group);
@@ -183,6 +197,7 @@ void ResultFileBuilder::finish(const RunSummary& summary, const MeasuredLevers& 
     write(file_, field, history, dimension_);
   }
   write_monitors(file_, history, monitors_, dimension_);
+  attach_scales(file_, dimension_);
 
   // The outcome, and what led to it.
   file_.write_attribute("/", "outcome", summary.outcome);

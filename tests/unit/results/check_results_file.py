@@ -53,6 +53,7 @@ def check_array(findings, dataset, kind, unit):
     where = dataset.name
     findings.require(dataset.dtype == np.dtype(NUMPY_TYPE[kind]), f"{where}: type {dataset.dtype}")
     findings.require(dataset.attrs.get("unit") == unit, f"{where}: unit {dataset.attrs.get('unit')}")
+    findings.require(dataset.attrs.get("units") == unit, f"{where}: units {dataset.attrs.get('units')}")
     findings.require(bool(dataset.attrs.get("meaning")), f"{where}: no meaning")
     if dataset.size >= COMPRESSED_FROM:
         findings.require(dataset.compression == "gzip" and dataset.shuffle and dataset.fletcher32,
@@ -70,6 +71,11 @@ def check_root(findings, file):
     findings.require(isinstance(file["case"].asstr()[()], str), "/case is not a text")
 
 
+def check_scale(findings, dataset, dimension, name):
+    scales = [scale.name for scale in dataset.dims[dimension].values()]
+    findings.require(scales == [name], f"{dataset.name}: scales of dimension {dimension}: {scales}")
+
+
 def check_history(findings, file, fields):
     steps = file["history/step"].shape[0]
     in_plane = file.attrs["section"] != "quarter_slab"
@@ -82,6 +88,8 @@ def check_history(findings, file, fields):
             dataset = file["history"][name]
             findings.require(dataset.shape == (steps,), f"{dataset.name}: shape {dataset.shape}")
             check_array(findings, dataset, kind, unit if in_plane else unit.removesuffix("/m"))
+            if name != "time_s":
+                check_scale(findings, dataset, 0, "/history/time_s")
     findings.require((file["history/step"][()] == np.arange(1, steps + 1)).all(),
                      "/history/step has holes")
     findings.require((np.diff(file["history/time_s"][()]) > 0).all(), "/history/time_s goes back")
@@ -93,6 +101,9 @@ def check_history(findings, file, fields):
         dataset = file["monitors"][name]
         findings.require(dataset.shape == shape, f"{dataset.name}: shape {dataset.shape}")
         check_array(findings, dataset, "f8", unit)
+        if name != "position_m":
+            check_scale(findings, dataset, 0, "/history/time_s")
+        check_scale(findings, dataset, 0 if name == "position_m" else 1, "/monitors/name")
 
 
 def frame_shapes(group):
