@@ -46,7 +46,7 @@ def plot_chart(chart: judgement_pb2.Chart, axes: Any = None) -> Any:
     >>> runs = [service.query("start-2d-thickness", quality="draft", time__end="20 s",
     ...                       schedule__casting_speed=f"{speed} mm/min") for speed in (40, 80)]
     >>> dccast.plot_chart(service.compare(*runs).charts[0]).get_xlabel()
-    'time [s]'
+    'cast length [mm]'
     """
     axes = _axes() if axes is None else axes
     (x_scale, x_unit), (y_scale, y_unit) = (_drawn_unit(axis.unit) for axis in (chart.x, chart.y))
