@@ -196,7 +196,7 @@ results::StepReport SlabRun<Dim>::advance() {
       state_.solver_seconds += processor_seconds() - start;
       state_.process_seconds += seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process_start;
 
-      MonitorReadings monitors = read_monitors();
+      MonitorReadings monitors = read_monitors(displacement());
       if (case_.time.settled) end_where_settled(monitors);
       const StepFigures figures = measure(tried, monitors);
       judge(figures);

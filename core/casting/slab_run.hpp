@@ -125,7 +125,11 @@ private:
   /// Takes over that the casting ended before its plan.
   void end_casting(double time);
   /// Interpolates displacement and temperature at the monitors.
-  MonitorReadings read_monitors() const;
+  /// @param u  (node of the heat's mesh, coordinate) [m]
+  MonitorReadings read_monitors(std::span<const double> u) const;
+  /// Lifts the slab that has cooled down off its block. Empty where that is not possible, @see
+  /// SlabMechanics::off_block()
+  std::optional<OffBlock> lift_off_block();
   /// Figures of the accepted step. @param monitors  at its end
   StepFigures measure(const Attempt& accepted, const MonitorReadings& monitors);
   /// Raises the findings of a step and checks the limits of validity.

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/casting/case/judged_monitor.hpp"
 #include "core/casting/slab_run.hpp"
 #include "core/fem/point_location.hpp"
 
@@ -70,6 +71,10 @@ void report_figures(const StepFigures& figures, results::StepReport& r) {
   r.steam_share = figures.steam_share;
   r.residual_axial_depth = figures.residual.axial_depth.value_or(0.0);
   r.residual_hoop_depth = figures.residual.hoop_depth.value_or(0.0);
+  if (figures.off_block) {
+    r.off_block_curl = figures.off_block->curl;
+    r.saw_off = figures.off_block->saw_off;
+  }
   r.residual_tension = figures.residual.tension;
   r.elastic_energy = figures.residual.elastic_energy;
 
@@ -138,9 +143,8 @@ const mechanics::SlabState<Dim>& SlabRun<Dim>::reported_slab(
 }
 
 template <int Dim>
-MonitorReadings SlabRun<Dim>::read_monitors() const {
+MonitorReadings SlabRun<Dim>::read_monitors(std::span<const double> u) const {
   using Values = std::array<double, std::size_t(Dim) + 1>;  // displacement, then temperature
-  const std::vector<double> u = displacement();
   const auto at_point = [&](const Monitor& point) {
     Values values;
     values.fill(std::nan(""));
@@ -207,7 +211,38 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
                            .growing = mesh().elements() - growing_elements(mesh()),
                            .face_length = face_length_,
                            .monitor_displacement = monitors.displacement};
-  return meter_.measure(view, state_.findings.history);
+  StepFigures figures = meter_.measure(view, state_.findings.history);
+  if (figures.last && figures.mechanical && case_.time.cool_down > 0.0)
+    figures.off_block = lift_off_block();
+  return figures;
+}
+
+template <int Dim>
+std::optional<OffBlock> SlabRun<Dim>::lift_off_block() {
+  const std::vector<double> in_elements = element_temperature();
+  const std::vector<double> at_nodes = mesh_.transfer().at_mechanics_nodes(state_.heat.temperature);
+  mechanics::SlabStepInput input;
+  input.element_temperature = in_elements;
+  input.node_temperature = at_nodes;
+  input.metal_level = metal_level();
+  input.element_temperature_n = in_elements;
+
+  std::vector<double> u = mechanics_.off_block(state_.slab, input);
+  if (u.empty()) return std::nullopt;
+  u = mesh_.transfer().at_heat_nodes(std::move(u), Dim);
+
+  // The slab rests on the lowest place of its butt.
+  double lowest = INFINITY, before = INFINITY, highest = -INFINITY;
+  for (const int n : block_.nodes) {
+    const double height = mesh().point(n)[Dim - 1], rise = u[std::size_t(n) * Dim + Dim - 1];
+    lowest = std::min(lowest, height + rise);
+    before = std::min(before, height);
+    highest = std::max(highest, rise);
+  }
+  const double sunk = lowest - before;
+  for (std::size_t i = Dim - 1; i < u.size(); i += Dim) u[i] -= sunk;
+
+  return OffBlock{judged_curl(case_, read_monitors(u).displacement), highest - sunk};
 }
 
 /// Number of elements in the row that stretches with the metal level; zero if the level no longer
@@ -320,12 +355,12 @@ results::Frame SlabRun<Dim>::take_frame() {
   return frame;
 }
 
-template MonitorReadings SlabRun<2>::read_monitors() const;
+template MonitorReadings SlabRun<2>::read_monitors(std::span<const double>) const;
 template StepFigures SlabRun<2>::measure(const Attempt&, const MonitorReadings&);
 template results::StepReport SlabRun<2>::report(const Attempt&, int, const StepFigures&,
                                                 MonitorReadings) const;
 template results::Frame SlabRun<2>::take_frame();
-template MonitorReadings SlabRun<3>::read_monitors() const;
+template MonitorReadings SlabRun<3>::read_monitors(std::span<const double>) const;
 template StepFigures SlabRun<3>::measure(const Attempt&, const MonitorReadings&);
 template results::StepReport SlabRun<3>::report(const Attempt&, int, const StepFigures&,
                                                 MonitorReadings) const;

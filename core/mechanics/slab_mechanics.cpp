@@ -404,6 +404,33 @@ StepUnknowns<Dim> SlabMechanics<Dim>::begin(State& state, const SlabStepInput& i
 }
 
 template <int Dim>
+std::vector<double> SlabMechanics<Dim>::off_block(State state, const SlabStepInput& input) {
+  StepUnknowns<Dim> unknowns = begin(state, input);
+  const bool is_cold = std::ranges::all_of(state.solid, [](char solid) { return solid != 0; });
+  if (!is_cold || !supports_.stands_upright()) return {};
+
+  // Nothing acts and nothing touches the slab but its planes of symmetry.
+  std::ranges::fill(problem_.external_force, 0.0);
+  std::ranges::fill(problem_.fixed, 0);
+  std::ranges::fill(problem_.target, 0.0);
+  problem_.spring.clear();
+  unknowns.contact.clear();
+  const std::vector<char> nothing_stands(of_body_.size(), 0);
+  supports_.place_on_block(problem_, true, nothing_stands);
+
+  // One node at rest takes the vertical motion.
+  const std::size_t at_rest = std::size_t(bottom_nodes().front() * Dim + up<Dim>);
+  problem_.fixed[at_rest] = 1;
+  problem_.target[at_rest] = displacement_[at_rest];
+
+  problem_.dt = 0.0;
+  Options options = options_;
+  options.algorithm = Algorithm::newton;
+  if (!solve_step(problem_, options, work_, unknowns).converged) return {};
+  return supports_.by_coordinate(std::move(unknowns.displacement));
+}
+
+template <int Dim>
 void SlabMechanics<Dim>::set_supports(State& state, const SlabStepInput& input,
                                       StepUnknowns<Dim>& unknowns) {
   std::fill(problem_.fixed.begin(), problem_.fixed.end(), 0);

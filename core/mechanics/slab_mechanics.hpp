@@ -132,6 +132,12 @@ public:
   /// Solves one step. If it converges, the state is that at its end, otherwise unspecified.
   StepOutcome step(State& state, const SlabStepInput& input);
 
+  /// Displacements of a cold slab that has been lifted off its block (node, Dim) [m]: without
+  /// weight, block and mould, at the temperatures of `input`, without creep. They are known up to a
+  /// vertical motion. Empty where melt is left, where symmetry leaves the slab other rigid motions,
+  /// or where no equilibrium was found. @pre the state belongs to the present mesh
+  std::vector<double> off_block(State state, const SlabStepInput& input);
+
   /// Checks of the last converged step.
   const SlabChecks& checks() const { return checks_; }
   const std::vector<int>& bottom_nodes() const { return supports_.bottom_nodes(); }

@@ -101,8 +101,15 @@ void SlabSupports<Dim>::find_directions(const Mesh& mesh, const MechanicsForms<D
     n(up) = 0.0;
     return n.norm() > no_direction ? std::optional(n.normalized()) : std::nullopt;
   };
+  std::optional<typename Normals::Vector> first_plane;
+  stands_upright_ = false;
   mesh::for_each_facet(mesh, mesh::PatchKind::symmetry, [&](const auto& facet, const auto& patch) {
     const auto normal = horizontal(patch.normal);
+    if (normal) {
+      if (!first_plane) first_plane = normal;
+      // A section needs one plane, a solid two that meet.
+      if (Dim == 2 || std::abs(normal->dot(*first_plane)) < along_axis) stands_upright_ = true;
+    }
     for (int k = 0; normal && k < facet.nodes; ++k) {
       node_normals[facet.node[std::size_t(k)]].symmetry.push_back(*normal);
     }

@@ -35,6 +35,9 @@ public:
   /// The same without the radius of an axisymmetric section [m^(Dim-1)].
   const std::vector<double>& bottom_measure() const { return bottom_measure_; }
 
+  /// Whether the planes of symmetry leave the slab no rigid motion but the vertical one.
+  bool stands_upright() const { return stands_upright_; }
+
   /// (bottom node) vertical part of the direction in which the block pushes [1]; 1 on a flat block.
   const std::vector<double>& upward() const { return upward_; }
 
@@ -117,6 +120,7 @@ private:
   std::vector<double> initial_gap_;     ///< (bottom node) [m]
   std::vector<SideNode> side_nodes_;
   std::vector<int> symmetry_unknowns_;
+  bool stands_upright_ = false;  ///< @see stands_upright()
   std::vector<NodalFrame<Dim>> frames_;
 };
 

@@ -134,6 +134,11 @@ const std::array fields{
                  &R::residual_tension},
     HistoryField{"elastic_energy_j_per_m3", "J/m3",
                  "stored elastic energy then, mean over the metal", &R::elastic_energy},
+    HistoryField{"off_block_curl_m", "m",
+                 "of a slab that has cooled down and lies off the block: the curl of output.curl",
+                 &R::off_block_curl},
+    HistoryField{"saw_off_m", "m", "how far the butt then rises above the plane that it rests on",
+                 &R::saw_off},
     HistoryField{"gap_water_share", "1",
                  "heat taken by water that has run under the butt, relative to all that heating "
                  "and evaporating it would take",

@@ -137,6 +137,8 @@ struct StepReport {
   // Of a slab that has cooled down, at the end of the run (docs/residual-stress.md), else 0.
   double residual_axial_depth = 0.0;  ///< [m] below the face, where the axial stress changes sign
   double residual_hoop_depth = 0.0;   ///< [m] the same of the stress along the face
+  double off_block_curl = 0.0;        ///< [m] of a cold slab off the block; 0 before
+  double saw_off = 0.0;               ///< [m] rise of its butt above the plane that it rests on
   double residual_tension = 0.0;      ///< [Pa] greatest principal stress of an element
   double elastic_energy = 0.0;        ///< [J/m3] mean over the metal
   double gap_water_share = 0.0;   ///< [1] heat taken by water under the butt, of the most it could

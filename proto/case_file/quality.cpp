@@ -268,8 +268,9 @@ bool has_quality_mesh(const v1::Case& complete) {
 }
 
 /// Whether the bands were measured for such a casting: a section through the thickness of a slab,
-/// or the start of a quarter slab, on a flat block without holes.
+/// or the start of a quarter slab, on a flat block without holes; not for what has cooled down.
 bool is_measured_casting(const v1::Case& c) {
+  if (c.time().cool_down_s() > 0.0) return false;
   const v1::BottomBlock& block = c.cooling().bottom_block();
   if (block.has_bowl() || block.drain_hole_size() > 0) return false;
 

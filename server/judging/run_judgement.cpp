@@ -177,6 +177,16 @@ std::string curl_sentence(const JudgedRun& run, const MonitoredCurl& curl) {
   return text;
 }
 
+/// What is left of a curl once the slab has cooled down and lies off its block. Empty: not known.
+std::string off_block_sentence(const v1::StepReport& last) {
+  if (last.saw_off_m() <= 0.0) return {};
+  return fmt::format(
+      "Cold and off the block, without its weight, that curl is {} mm above the plane that the "
+      "butt "
+      "rests on; the butt rises from it by up to {} mm, which are to be sawn off.",
+      figures::mm(last.off_block_curl_m(), 1), figures::mm(last.saw_off_m(), 1));
+}
+
 /// The last step at which a curl is below this share of its final value.
 std::size_t last_below(const MonitoredCurl& curl, double share) {
   std::size_t last = 0;
@@ -432,6 +442,8 @@ v1::Judgement judge_run(const RunToJudge& judged) {
       judgement.add_sentences(cause_sentence(run, *judged_curl));
     const std::string settling = settling_sentence(run, judged_curl->curl_m);
     if (!settling.empty()) judgement.add_sentences(settling);
+    const std::string off_block = off_block_sentence(run.steps.back());
+    if (!off_block.empty()) judgement.add_sentences(off_block);
   }
 
   if (!curls.empty() && no_curl.empty()) add_curl_table(curls, judgement);

@@ -16,6 +16,12 @@
 
 namespace dccast::casting {
 
+/// A cold slab off the block, without weight, above the plane that its butt rests on.
+struct OffBlock {
+  double curl = 0.0;     ///< [m] of output.curl, or the largest; not a number: none has metal
+  double saw_off = 0.0;  ///< [m] rise of the butt where it is greatest
+};
+
 /// The mechanics of a step on its own mesh: rotations and strains of an element go with its mean
 /// temperature.
 template <int Dim>
@@ -99,7 +105,9 @@ struct StepFigures {
   PlacedFigure rotation;       ///< [rad] largest of an element since it solidified
   PlacedFigure slip;           ///< [m] of the butt beyond its thermal contraction
   double greatest_curl = 0.0;  ///< [m] of output.curl, or largest of all monitors
-  ResidualStress residual;     ///< of a slab that has cooled down, in the last step
+  /// Of a slab that has cooled down, in the last step.
+  std::optional<OffBlock> off_block;
+  ResidualStress residual;  ///< of a slab that has cooled down, in the last step
 };
 
 /// Data of earlier steps from which figures of a step are measured.

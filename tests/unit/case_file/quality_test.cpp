@@ -304,6 +304,15 @@ TEST(DiscretisationError, OfAQuarterSlabIsUnknownBeyondItsStartAndOnAnotherMesh)
     EXPECT_FALSE(relative_discretisation_error(complete(c)));
 }
 
+/// The bands were measured at the end of castings, on hot slabs.
+TEST(DiscretisationError, IsUnknownOfASlabThatCoolsDown) {
+  for (const auto make : {&casting, &quarter_slab}) {
+    v1::Case cold = make(v1::ENGINEERING);
+    cold.mutable_time()->set_cool_down_s(3600.0);
+    EXPECT_FALSE(relative_discretisation_error(complete(cold)));
+  }
+}
+
 /// The bands were measured on flat blocks.
 TEST(DiscretisationError, IsUnknownOfABlockWithABowlOrHoles) {
   for (const auto make : {&casting, &quarter_slab}) {

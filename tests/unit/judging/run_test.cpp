@@ -145,6 +145,14 @@ TEST(JudgeRun, OfASlabThatHasCooledDownNothingIsToCome) {
   judged.run.description.mutable_time()->set_end_s(1000.0);  // it settled before
   judged.run.description.mutable_time()->set_cool_down_s(50.0);
   EXPECT_THAT(judge_run(judged).sentences(), Not(Contains(HasSubstr("to come"))));
+  EXPECT_THAT(judge_run(judged).sentences(), Not(Contains(HasSubstr("off the block"))));
+
+  judged.run.steps.back().set_off_block_curl_m(41.2e-3);
+  judged.run.steps.back().set_saw_off_m(44.4e-3);
+  EXPECT_THAT(judge_run(judged).sentences(),
+              Contains("Cold and off the block, without its weight, that curl is 41.2 mm above the "
+                       "plane that the butt rests on; the butt rises from it by up to 44.4 mm, "
+                       "which are to be sawn off."));
 }
 
 TEST(JudgeRun, SaysHowTheCurlLiesInThePlantsBand) {
