@@ -135,7 +135,8 @@ int table(int number, const TableOptions& options, bool as_json) {
     return usage;
   }
   std::cout << (as_json ? to_json(*made).dump(2) + "\n" : to_markdown(*made));
-  return success;
+  for (const std::string& failure : made->missed) std::fprintf(stderr, "%s\n", failure.c_str());
+  return made->missed.empty() ? success : missed;
 }
 
 int elements_under_refinement(const TableOptions& options, bool as_json) {

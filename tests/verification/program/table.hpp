@@ -16,6 +16,7 @@ struct Table {
   std::vector<std::string> columns;
   std::vector<std::vector<Cell>> rows;
   std::vector<std::string> remarks;
+  std::vector<std::string> missed;  ///< what must not happen and did: the program then fails
 };
 
 std::string text_of(const Cell& cell);
