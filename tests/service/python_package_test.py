@@ -446,7 +446,8 @@ class Steering(PackageTest):
         job.label("pit=3", "trial").label("pit=4", remove=["trial"]).pin()
         self.assertEqual((list(job.message.labels), job.message.pinned), (["pit=4"], True))
         self.assertFalse(job.pin(False).message.pinned)
-        self.assertEqual(job.logs, self.command("logs", job.id))
+        self.assertTrue(
+            self.command("logs", job.id).endswith("\nwritten by its workers:\n" + job.logs))
 
     def test_nothing_is_overwritten_unasked(self):
         job = self.ended()

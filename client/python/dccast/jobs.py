@@ -203,7 +203,7 @@ class Job(Run):
 
     @property
     def logs(self) -> str:
-        """What its worker has written about itself."""
+        """What its workers have written; the times of its attempts: watch()."""
         with tempfile.TemporaryDirectory() as folder:
             return self.fetch(folder, "worker.log").read_text("utf-8", "replace")
 
