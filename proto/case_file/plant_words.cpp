@@ -12,6 +12,7 @@
 #include <fmt/core.h>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schedule.hpp"
 
 namespace dccast::case_file {
@@ -165,6 +166,17 @@ std::string plant_number(double value) {
   if (!std::isfinite(value)) return "-";
   if (std::abs(value) >= 1e4 && std::abs(value) < 1e15) return with_digits(std::round(value), 15);
   return with_digits(value == 0.0 ? 0.0 : value, 4);
+}
+
+std::string flow_per_metre_hint(const v1::Section& section, const std::string& flow) {
+  const auto m3_per_s = parse_quantity(flow, "m3/s").value;
+  if (!m3_per_s) return {};
+  const Perimeter perimeter = perimeter_of(section);
+  const double whole_m = perimeter.wide_m + perimeter.narrow_m;
+  if (!(whole_m > 0.0))
+    return flow + " is the flow of all faces; divide it by their perimeter, e.g. \"180 l/min/m\"";
+  return flow + " is the flow of all faces; over the perimeter of " + plant_number(whole_m) +
+         " m it is \"" + plant_number(litres_per_min_per_m * *m3_per_s / whole_m) + " l/min/m\"";
 }
 
 std::string plant_mm(double metres) {

@@ -18,6 +18,10 @@ std::string plant_number(double value);
 /// A length [m] so, in millimetres: "570 mm".
 std::string plant_mm(double metres);
 
+/// A flow in all, "45 m3/h", per metre of perimeter, for a fault: "45 m3/h is the flow of all
+/// faces; over the perimeter of 3.78 m it is \"198.4 l/min/m\"". Empty: the text is no such flow.
+std::string flow_per_metre_hint(const v1::Section& section, const std::string& flow);
+
 /// A table in words: "40 mm/min to 60 s, then to 60 mm/min at 200 s".
 /// @param factor  [`unit` per stored unit]
 std::string curve_in_words(const v1::Curve& curve, double factor, const std::string& unit);

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/text_checks.hpp"
 #include "proto/case_file/toml_walker.hpp"
@@ -129,6 +130,19 @@ void sort_by_position(ReadOutcome& outcome) {
                    });
 }
 
+/// Tells those who give the water of all faces what it is per metre of their perimeter.
+void explain_flows_in_all(const Message& message, ReadOutcome& outcome) {
+  const auto* const read = dynamic_cast<const v1::Case*>(&message);
+  if (read == nullptr) return;
+  for (v1::Fault& fault : outcome.faults) {
+    if (fault.field().find("water_flow") == std::string::npos) continue;
+    std::string flow = fault.value();
+    std::erase(flow, '"');
+    const std::string hint = flow_per_metre_hint(read->section(), flow);
+    if (!hint.empty()) fault.set_remedy(hint);
+  }
+}
+
 /// Reads a text. @param folder  of attachments; null: they are listed, not read
 ReadOutcome read(std::string_view text, const std::string& name, Message& message,
                  const std::filesystem::path* folder) {
@@ -153,6 +167,7 @@ ReadOutcome read(std::string_view text, const std::string& name, Message& messag
     outcome.faults.push_back(make_fault("", "", "the file contains no key", "",
                                         "see `dccast new --list` for cases to begin with"));
   read_table(walk, table, message, "");
+  explain_flows_in_all(message, outcome);
   sort_by_position(outcome);
   return outcome;
 }

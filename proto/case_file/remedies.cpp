@@ -47,6 +47,7 @@ const std::vector<Row>& rows() {
       {"no_superheat", false, {{&metal, more}}},
       {"coherency_in_liquid", false, {}},
       {"water_never_meets", false, {}},
+      {"water_beyond_plants", false, {}},
       {"zone_never_meets", false, {}},
       {"table_never_reached", false, {}},
       {"energy_not_conserved", false, {}},

@@ -64,11 +64,14 @@ struct Pair {
   const Course& course;
   std::vector<double> first;
   std::vector<double> other;
+  double from = -std::numeric_limits<double>::infinity();  ///< place [s] or [m] of the first
+                                                           ///< difference that counts
 
   std::size_t size() const { return first.size(); }
 
-  /// Other less first; 0 where one of them is not known.
+  /// Other less first; 0 where one of them is not known, and where they do not compare.
   double difference(std::size_t i) const {
+    if (course.places[i] < from) return 0.0;
     const double d = other[i] - first[i];
     return std::isfinite(d) ? d : 0.0;
   }
@@ -129,6 +132,16 @@ std::vector<double> values_along(const Course& course, const Figure& figure, con
     values.push_back(value < limit ? value : unknown);
   }
   return along(course, run, values);
+}
+
+/// Before the block starts, castings that were held for different times are of different age: one
+/// has hardly been filled where the other one has a shell. [s]
+double comparable_from(const Course& course, const JudgedRun& first, const JudgedRun& other) {
+  constexpr double same_hold_s = 1.0;
+  const double difference_s =
+      other.description.schedule().hold_s() - first.description.schedule().hold_s();
+  const bool same_age = course.by_length || std::abs(difference_s) < same_hold_s;
+  return same_age ? -std::numeric_limits<double>::infinity() : 0.0;
 }
 
 /// First place from which on the difference has reached a share of its value at the end.
@@ -222,7 +235,8 @@ std::optional<Cause> cause_by(const Figure& figure, const JudgedRun& first, cons
   const char* const unit = slab ? figure.slab_unit : figure.section_unit;
   if (name == nullptr) return std::nullopt;
 
-  const Pair pair{course, values_along(course, figure, first), values_along(course, figure, other)};
+  const Pair pair{course, values_along(course, figure, first), values_along(course, figure, other),
+                  comparable_from(course, first, other)};
   const double most = pair.largest_difference(parting.end);
   if (most <= 0.0) return std::nullopt;
 

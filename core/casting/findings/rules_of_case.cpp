@@ -126,6 +126,33 @@ Found water_never_meets(const Case& c, const Course& course) {
   return std::nullopt;
 }
 
+/// Plants give a face 60 to 300 l/min/m (docs/water.md); a flow of all faces together is larger by
+/// their perimeter [m2/s] [A].
+constexpr double greatest_usual_flow = 400.0 / 60e3;
+
+Found water_beyond_plants(const Case& c, const Course& course) {
+  if (!c.thermal.file.empty() || !c.cooling.water.enabled) return std::nullopt;
+  const double factor = std::ranges::max(values_in(c.schedule.water_flow_factor, course));
+  double greatest = 0.0;
+  std::string key;
+  for (const auto& [name, flow] : {std::pair("schedule.water_flow", &c.schedule.water_flow),
+                                   {"schedule.narrow_water_flow", &c.schedule.narrow_water_flow}}) {
+    if (flow->empty()) continue;
+    const double most = factor * std::ranges::max(values_in(*flow, course));
+    if (most > greatest) greatest = most, key = name;
+  }
+  if (greatest <= greatest_usual_flow) return std::nullopt;
+
+  constexpr double litres_per_min_per_m = 60e3;
+  return make_measured_finding(
+      fmt::format(
+          "The water reaches {:.4g} l/min per metre of perimeter, and plants give a face "
+          "some 60 to 300: the law of its film was made for such flows. It may be the flow of "
+          "all faces together.",
+          litres_per_min_per_m * greatest),
+      greatest, greatest_usual_flow, "m2/s", key);
+}
+
 /// Whether a zone lies under running water, which takes precedence over zones.
 bool is_under_water(const thermal::CoolingSpec& cooling, const thermal::SideZone& zone,
                     const Course& course) {
@@ -204,6 +231,7 @@ constexpr std::array rules{
     CaseRule{"no_superheat", warning, poured_with_little_superheat},
     CaseRule{"coherency_in_liquid", warning, coherency_in_liquid},
     CaseRule{"water_never_meets", warning, water_never_meets},
+    CaseRule{"water_beyond_plants", warning, water_beyond_plants},
     CaseRule{"zone_never_meets", warning, zone_never_meets},
     CaseRule{"table_never_reached", warning, table_never_reached},
 };

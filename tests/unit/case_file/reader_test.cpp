@@ -110,6 +110,28 @@ TEST(Reader, CollectsEveryFaultWithItsPlace) {
     EXPECT_THAT(all, HasSubstr(expected));
 }
 
+TEST(Reader, WaterOfAllFacesIsToldPerMetreOfPerimeter) {
+  const auto faults_of = [](const std::string& section) {
+    const ReadOutcome outcome = read_lines(
+        "[schedule]\nwater_flow = \"45 m3/h\"\nnarrow_water_flow = [[\"0 s\", \"750 l/min\"]]\n"
+        "[section]\n" +
+        section);
+    std::string all;
+    for (const v1::Fault& fault : outcome.faults) all += describe(fault, outcome.source) + "\n";
+    return all;
+  };
+  const std::string slab =
+      faults_of("kind = \"quarter_slab\"\nhalf_width = \"660 mm\"\nhalf_thickness = \"285 mm\"\n");
+  EXPECT_THAT(slab, HasSubstr("unit 'm3/h' is of another kind than m2/s"));
+  EXPECT_THAT(slab,
+              HasSubstr("45 m3/h is the flow of all faces; over the perimeter of 3.78 m it is "
+                        "\"198.4 l/min/m\""));
+  EXPECT_THAT(slab, HasSubstr("750 l/min is the flow of all faces; over the perimeter of 3.78 m it "
+                              "is \"198.4 l/min/m\""));
+  EXPECT_THAT(faults_of("half_width = \"280 mm\"\n"),
+              HasSubstr("45 m3/h is the flow of all faces; divide it by their perimeter"));
+}
+
 TEST(Reader, AKeyOfTheSettingsInTheWrongPlaceIsToldItsTable) {
   const std::string text =
       "stall_timeout = \"1 s\"\n"

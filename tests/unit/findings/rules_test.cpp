@@ -97,6 +97,18 @@ const CaseRow of_case_rows[] = {
      [](Case& c) {
        c.schedule.water_flow = {Abscissa::time, {19.0, 30.0}, {0.0, 1e-3}};
      }},
+    {"WaterOfAllFaces", "water_beyond_plants",
+     [](Case& c) { c.schedule.water_flow = Curve(401.0 / 60e3); },
+     [](Case& c) { c.schedule.water_flow = Curve(399.0 / 60e3); }},
+    {"WaterOfAllFacesByItsFactor", "water_beyond_plants",
+     [](Case& c) {
+       c.schedule.water_flow = Curve(201.0 / 60e3);
+       c.schedule.water_flow_factor = Curve(2.0);
+     },
+     [](Case& c) {
+       c.schedule.water_flow = Curve(199.0 / 60e3);
+       c.schedule.water_flow_factor = Curve(2.0);
+     }},
     {"ZoneTooLow", "zone_never_meets",
      [](Case& c) {
        c.cooling.water.enabled = false;

@@ -221,6 +221,40 @@ TEST(Comparison, ALevelIsGivenWhereItDiffersMost) {
   EXPECT_EQ(causes[0].sentence, "shell at the water line 20 -> 25 mm at 50 s");
 }
 
+/// 40 s before the block starts one casting has been held for 20 s and the other has just been
+/// filled.
+TEST(Comparison, CastingsOfDifferentAgeDoNotCompareBeforeTheBlockStarts) {
+  const auto held = [](double hold_s) {
+    JudgedRun run = run_of(
+        [](double) { return 0.0; },
+        [=](double time_s, v1::StepReport& step) {
+          step.set_time_s(time_s - 60.0);
+          // The shell over the block grows from the first metal on, and is held back to 12 mm
+          // later.
+          const double age_s = time_s - 60.0 + hold_s;
+          step.set_bottom_shell_m(std::clamp(5e-4 * age_s, 0.0, time_s < 60.0 ? 1.0 : 12e-3));
+        });
+    run.description.mutable_schedule()->set_hold_s(hold_s);
+    for (v1::StepReport& step : run.steps)
+      step.mutable_monitors(0)->set_curl_m((hold_s > 50.0 ? 0.01 : 0.02) *
+                                           std::clamp(step.time_s() / 100.0, 0.0, 1.0));
+    return run;
+  };
+  const auto says = [&](const JudgedRun& first, const JudgedRun& other) {
+    std::string all;
+    for (const Cause& cause : find_causes(first, other, curl_differences({first, other}).at(0)))
+      all += cause.sentence + "\n";
+    return all;
+  };
+  const JudgedRun longer = held(60.0);
+  JudgedRun shorter = held(40.0);
+  EXPECT_THAT(says(longer, shorter), Not(HasSubstr("-")));
+
+  // Of one age, the difference counts.
+  shorter.description.mutable_schedule()->set_hold_s(60.0);
+  EXPECT_THAT(says(longer, shorter), HasSubstr("shell over the block"));
+}
+
 /// The butt is solid through when it leaves the mould: there is no shell that could be thicker.
 TEST(Comparison, AButtThatIsSolidThroughHasNoShell) {
   constexpr double half = 0.28;
