@@ -2,6 +2,7 @@
 """The Python package on the real solver: its examples, and what a script relies on."""
 import asyncio
 import contextlib
+import datetime
 import doctest
 import importlib
 import io
@@ -440,6 +441,17 @@ class Steering(PackageTest):
         with self.assertRaises(dccast.DccastError) as caught:
             overdue.wait()
         self.assertEqual(caught.exception.code, "TIME_LIMIT")
+
+        rescue = self.service.submit(CASE, QUICK, after=[overdue], after_end="failure", title="rescue")
+        self.assertEqual(rescue.wait().state, "SUCCEEDED")
+
+    def test_a_job_waits_for_its_time_and_changes_its_place(self):
+        tonight = datetime.datetime.now() + datetime.timedelta(hours=1)
+        job = self.service.submit(CASE, QUICK, begin=tonight, priority="low")
+        self.assertEqual(job.prioritize("high").message.priority, dccast.v1.job_pb2.HIGH)
+        self.assertEqual(job.refresh().state, "QUEUED")
+        self.assertAlmostEqual(job.message.begin_time.seconds, tonight.timestamp(), delta=1.0)
+        job.cancel()
 
     def test_labels_pin_and_logs(self):
         job = self.ended()

@@ -176,6 +176,11 @@ class Job(Run):
         return self._became(self._transport.call("UpdateJob", service_pb2.UpdateJobRequest(
             id=self.id, set_labels=labels, remove_labels=remove)))
 
+    def prioritize(self, priority: str) -> Job:
+        """Gives it another priority, "low", "normal" or "high", as long as it has not started."""
+        return self._became(self._transport.call("UpdateJob", service_pb2.UpdateJobRequest(
+            id=self.id, priority=errors.number_of(job_pb2.Priority, priority))))
+
     def pin(self, pinned: bool = True) -> Job:
         """Keeps it for good, or no longer."""
         return self._became(self._transport.call(

@@ -1,6 +1,7 @@
 """The face of a server: cases in, jobs, answers and studies out."""
 from __future__ import annotations
 
+import datetime
 import itertools
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -87,13 +88,16 @@ class Service:
 
     def submit(self, case: Source, changes: Changes | None = None, *, priority: str = "normal",
                labels: Sequence[str] = (), request_id: str = "", study: str = "",
-               after: Sequence[Job | str] = (), time_limit_s: float = 0.0, mail: str = "",
+               after: Sequence[Job | str] = (), after_end: str = "success",
+               begin: datetime.datetime | None = None, time_limit_s: float = 0.0, mail: str = "",
                **keys: Value) -> Job:
         """Queues a case. When this returns the job survives a crash of the server.
 
         @param request_id  the same id and case give the same job; without one every call makes a job
         @param study  a UUID of your choice for jobs that belong together
-        @param after  jobs that must succeed first; if one does not, this one is cancelled
+        @param after  jobs that must end first; once one cannot end as it must, this one is cancelled
+        @param after_end  how they must end: "success", "failure" or "any_end"
+        @param begin  not started earlier; without a zone it is the time of this machine
         @param time_limit_s  wall time after which it fails; 0: the limit of the server
         @param mail  address that is told when it has ended
         @raises DccastError  the faults of the case, a full queue
@@ -101,10 +105,14 @@ class Service:
         >>> dccast.connect().submit("start-2d-thickness", {"time.end": "20 s"}, quality="draft").wait()
         <dccast.Job ... SUCCEEDED 'Start stage, thickness section, 0 to 145 s': corner ... mm, ... at 20 s>
         """
-        return self._submit(self.read(case, changes, **keys), service_pb2.SubmitJobRequest(
+        request = service_pb2.SubmitJobRequest(
             request_id=request_id, priority=errors.number_of(job_pb2.Priority, priority), labels=labels,
             study=study, after=[job if isinstance(job, str) else job.id for job in after],
-            time_limit_s=time_limit_s, mail=mail))
+            after_end=errors.number_of(job_pb2.AwaitedEnd, f"awaited_{after_end}"),
+            time_limit_s=time_limit_s, mail=mail)
+        if begin is not None:
+            request.begin_time.FromDatetime(begin.astimezone(datetime.timezone.utc))
+        return self._submit(self.read(case, changes, **keys), request)
 
     def prepare(self, case: Source, changes: Changes | None = None, *, labels: Sequence[str] = (),
                 **keys: Value) -> Preparation:
