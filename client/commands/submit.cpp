@@ -117,7 +117,7 @@ v1::SubmitJobRequest request_of(const CaseUnderCheck& checked, const std::string
 
 grpc::Status submitted(Connection& connection, const v1::SubmitJobRequest& request,
                        const std::string& given_id, v1::Job& job) try {
-  return submit_with_retries(connection, request, job);
+  return connection.try_call(&Stub::SubmitJob, request, job);
 } catch (const Interrupted&) {
   throw Interrupted(
       "jobs may be in the queue already (dccast list). The same command with --request-id " +

@@ -128,8 +128,8 @@ private:
   /// @param u  (node of the heat's mesh, coordinate) [m]
   MonitorReadings read_monitors(std::span<const double> u) const;
   /// Lifts the slab that has cooled down off its block. Empty where that is not possible, @see
-  /// SlabMechanics::off_block()
-  std::optional<OffBlock> lift_off_block();
+  /// SlabMechanics::off_block() @param in_elements  element_temperature() [°C]
+  std::optional<OffBlock> lift_off_block(std::span<const double> in_elements);
   /// Figures of the accepted step. @param monitors  at its end
   StepFigures measure(const Attempt& accepted, const MonitorReadings& monitors);
   /// Raises the findings of a step and checks the limits of validity.

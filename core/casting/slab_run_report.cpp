@@ -213,13 +213,12 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
                            .monitor_displacement = monitors.displacement};
   StepFigures figures = meter_.measure(view, state_.findings.history);
   if (figures.last && figures.mechanical && case_.time.cool_down > 0.0)
-    figures.off_block = lift_off_block();
+    figures.off_block = lift_off_block(in_mechanics);
   return figures;
 }
 
 template <int Dim>
-std::optional<OffBlock> SlabRun<Dim>::lift_off_block() {
-  const std::vector<double> in_elements = element_temperature();
+std::optional<OffBlock> SlabRun<Dim>::lift_off_block(std::span<const double> in_elements) {
   const std::vector<double> at_nodes = mesh_.transfer().at_mechanics_nodes(state_.heat.temperature);
   mechanics::SlabStepInput input;
   input.element_temperature = in_elements;

@@ -126,9 +126,11 @@ Found water_never_meets(const Case& c, const Course& course) {
   return std::nullopt;
 }
 
+constexpr double litres_per_min_per_m = 60e3;  ///< [(l/(min m))/(m2/s)]
+
 /// Plants give a face 60 to 300 l/min/m (docs/water.md); a flow of all faces together is larger by
 /// their perimeter [m2/s] [A].
-constexpr double greatest_usual_flow = 400.0 / 60e3;
+constexpr double greatest_usual_flow = 400.0 / litres_per_min_per_m;
 
 Found water_beyond_plants(const Case& c, const Course& course) {
   if (!c.thermal.file.empty() || !c.cooling.water.enabled) return std::nullopt;
@@ -143,7 +145,6 @@ Found water_beyond_plants(const Case& c, const Course& course) {
   }
   if (greatest <= greatest_usual_flow) return std::nullopt;
 
-  constexpr double litres_per_min_per_m = 60e3;
   return make_measured_finding(
       fmt::format(
           "The water reaches {:.4g} l/min per metre of perimeter, and plants give a face "
