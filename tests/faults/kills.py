@@ -189,9 +189,10 @@ class KillDuringUploads(Fault):
 def submitting_client(scene):
     """The real client with a request_id of its own; whether it was heard, nobody knows."""
     expected = scene.next_request(coarse(), None)
-    expected.file = os.path.join(scene.folder, "case.toml")
-    with open(expected.file, "w", encoding="utf-8") as file:
+    path = os.path.join(scene.folder, "case.toml")
+    with open(path, "w", encoding="utf-8") as file:
         file.write(shipped(*COARSE))
+    expected.come_from(path)
     scene.unsure.append(expected)
     return subprocess.Popen([*TIED, *scene.submit_command(expected), "--watch"],
                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

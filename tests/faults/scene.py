@@ -1,5 +1,6 @@
 """A daemon with a folder of its own, and the book of what it has acknowledged."""
 import contextlib
+import hashlib
 import json
 import os
 import random
@@ -9,6 +10,7 @@ import signal
 import subprocess
 import tempfile
 import time
+import uuid
 
 import grpc
 
@@ -18,6 +20,9 @@ from support import BIN, TERMINAL, Client, Daemon, start_ticks, until
 
 # Whatever the harness starts dies with it, also when the harness is killed.
 TIED = ("setpriv", "--pdeathsig", "KILL")
+
+# Of the request ids that the command line client derives, proto/values/digests.cpp.
+CLIENT_IDS = uuid.UUID("5c1be90a-7d42-4f06-9a33-60d82eb791c4")
 
 
 def preloading(library, **variables):
@@ -138,7 +143,7 @@ class Scene:
     def submit_command(self, expected):
         """The command line client with this submission."""
         return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "submit",
-                "--request-id", expected.request_id, expected.file]
+                "--request-id", expected.given, expected.file]
 
     def send_by_client_program(self, expected):
         ended = subprocess.run([*self.submit_command(expected), "--json"], capture_output=True,
@@ -194,9 +199,19 @@ class Expected:
     def __init__(self, case, state, request_id):
         self.case = case
         self.state = state
-        self.request_id = request_id
-        self.file = None     # of a submission by the command line client
-        self.refusal = None  # the error instead of an answer
+        self.given = request_id       # to the command line client
+        self.request_id = request_id  # what the job has
+        self.file = None              # of a submission by the command line client
+        self.refusal = None           # the error instead of an answer
+
+    def come_from(self, file):
+        """Lets the command line client submit this file. It derives the request id from the id
+        given, the file's name and its text, so that each of many files has its own."""
+        with open(file, "rb") as text:
+            digest = hashlib.sha256(text.read()).hexdigest()
+        self.file = file
+        self.request_id = str(uuid.uuid5(
+            CLIENT_IDS, "\n".join((self.given, os.path.basename(file), digest))))
 
 
 def open_files(process):

@@ -45,7 +45,7 @@ class Sandbox(ServiceTest):
             pass
         self.client.until_state(job.id, job_pb2.SUCCEEDED)
         with open(os.path.join(folder, "worker.log"), encoding="utf-8") as file:
-            said = file.readline()
+            said = file.read()
         self.assertIn("no network, no other processes (seccomp)", said)
         self.assertIn(self.landlock(), said)
         self.assertIn(folder if "beneath" in said else "reads and writes where", said)
