@@ -63,11 +63,10 @@ ExitCode run(const DashboardOptions& options, Program& program) {
     if (::access(file.c_str(), R_OK) != 0)
       throw invalid(file + ": cannot be read; give a case file");
   WebServer server(listening_of(options, program));
+  const Connection connection(program.endpoint());
   add_dashboard(
       server,
-      [&program](std::shared_ptr<Interruption> gone) {
-        return Connection(program.endpoint(), std::move(gone));
-      },
+      [&connection](std::shared_ptr<Interruption> gone) { return connection.another(gone); },
       options.cases);
   const std::string address = server.address();
   std::cout << address << std::endl;

@@ -33,10 +33,7 @@ std::shared_ptr<grpc::ChannelCredentials> credentials_of(const Endpoint& endpoin
   return grpc::CompositeChannelCredentials(tls, grpc::AccessTokenCredentials(endpoint.token));
 }
 
-}  // namespace
-
-Connection::Connection(Endpoint endpoint, std::shared_ptr<Interruption> interruption)
-    : endpoint_(std::move(endpoint)), interruption_(std::move(interruption)) {
+std::shared_ptr<grpc::Channel> channel_to(const Endpoint& endpoint) {
   grpc::ChannelArguments arguments;
   // Histories and frames of long runs exceed gRPC's default of 4 MiB.
   arguments.SetMaxReceiveMessageSize(-1);
@@ -47,9 +44,20 @@ Connection::Connection(Endpoint endpoint, std::shared_ptr<Interruption> interrup
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
-  stub_ = v1::SimulationService::NewStub(
-      grpc::CreateCustomChannel(endpoint_.address, credentials_of(endpoint_), arguments));
+  return grpc::CreateCustomChannel(endpoint.address, credentials_of(endpoint), arguments);
 }
+
+}  // namespace
+
+Connection::Connection(Endpoint endpoint, std::shared_ptr<Interruption> interruption)
+    : Connection(endpoint, channel_to(endpoint), std::move(interruption)) {}
+
+Connection::Connection(Endpoint endpoint, std::shared_ptr<grpc::Channel> channel,
+                       std::shared_ptr<Interruption> interruption)
+    : endpoint_(std::move(endpoint)),
+      channel_(std::move(channel)),
+      stub_(v1::SimulationService::NewStub(channel_)),
+      interruption_(std::move(interruption)) {}
 
 grpc::Status Connection::with_retries(const std::function<grpc::Status()>& attempt) {
   auto pause = policy_.first_pause;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
 
 #include <atomic>
@@ -100,12 +101,14 @@ public:
   /// Does not connect yet. Throws CommandFailed for a certificate that cannot be used.
   explicit Connection(Endpoint endpoint, std::shared_ptr<Interruption> interruption =
                                              std::make_shared<Interruption>());
-  /// To the same server, by the same login, for another thread or after an interruption.
+  /// The same connection, for another thread or after an interruption.
   Connection another(std::shared_ptr<Interruption> interruption) const {
-    return Connection(endpoint_, std::move(interruption));
+    return Connection(endpoint_, channel_, std::move(interruption));
   }
 
   Stub& stub() { return *stub_; }
+  /// What calls of the service by their names go over.
+  const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
   const std::string& server() const { return endpoint_.address; }
   /// Must be observed by any code that waits for this server, during or between calls.
   Interruption& interruption() { return *interruption_; }
@@ -171,12 +174,15 @@ public:
   void set_policy(const CallPolicy& policy) { policy_ = policy; }
 
 private:
+  Connection(Endpoint endpoint, std::shared_ptr<grpc::Channel> channel,
+             std::shared_ptr<Interruption> interruption);
   /// Writes to standard error that a call is repeated, and why.
   void announce_retry(const grpc::Status& status, int attempts_made) const;
 
   /// Deadline of one attempt at a unary call.
   static constexpr std::chrono::seconds deadline{60};
   Endpoint endpoint_;
+  std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<Stub> stub_;
   std::shared_ptr<Interruption> interruption_;
   CallPolicy policy_;

@@ -1,7 +1,7 @@
 #include "client/web/dashboard.hpp"
 
 #include <fmt/format.h>
-#include <google/protobuf/util/json_util.h>
+#include <google/protobuf/descriptor.h>
 
 #include <algorithm>
 #include <chrono>
@@ -19,10 +19,12 @@
 #include "client/html/pages.hpp"
 #include "client/model/answer.hpp"
 #include "client/model/json.hpp"
+#include "client/session/byte_call.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/plan_requests.hpp"
 #include "client/session/queries.hpp"
+#include "client/web/connect_entry.hpp"
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/plant_words.hpp"
@@ -34,25 +36,6 @@
 
 namespace dccast::client {
 namespace {
-
-// ---- Calls of the service: the body is the request in JSON, the reply the response.
-
-using Call = std::function<std::string(Connection&, const std::string& body)>;
-
-template <class Request>
-Request request_of(const std::string& body) {
-  Request request;
-  const auto status = google::protobuf::util::JsonStringToMessage(body, &request);
-  if (!status.ok()) throw CommandFailed(ExitCode::invalid, std::string(status.message()));
-  return request;
-}
-
-template <class Request, class Response>
-Call unary(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*)) {
-  return [method](Connection& connection, const std::string& body) {
-    return to_json(connection.call_once(method, request_of<Request>(body))).dump();
-  };
-}
 
 /// A judgement as pages show it: its sentences, and its parts as HTML.
 Json shown_json(const v1::Judgement& judgement) {
@@ -67,51 +50,26 @@ Json shown_json(const v1::Judgement& judgement) {
       {"parts", parts}};
 }
 
-/// A call whose response has a judgement.
-template <class Request, class Response>
-Call judged(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*)) {
-  return [method](Connection& connection, const std::string& body) {
-    Response response = connection.call_once(method, request_of<Request>(body));
-    const Json shown = shown_json(response.judgement());
-    response.clear_judgement();
-    Json json = to_json(response);
-    json["judgement"] = shown;
-    return json.dump();
-  };
-}
+/// The call of the service that a request names, whose response has a judgement: pages get it with
+/// its parts as HTML.
+Reply drawn_call(Connection& connection, const Request& request) {
+  const auto* const method = find_method(request.name);
+  const auto* const field =
+      method == nullptr ? nullptr : method->output_type()->FindFieldByName("judgement");
+  if (field == nullptr)
+    throw CommandFailed(ExitCode::not_found, request.name + " gives no judgement");
 
-/// Like the above, for calls that are often refused because of the state of a job or study, such as
-/// too few runs: the page shows the reason instead of the answer, {"refused": reason}.
-Call unless_refused(Call call) {
-  return [call = std::move(call)](Connection& connection, const std::string& body) {
-    try {
-      return call(connection, body);
-    } catch (const CommandFailed& failure) {
-      if (failure.code() != ExitCode::wrong_state) throw;
-      return Json{{"refused", failure.what()}}.dump();
-    }
-  };
-}
+  Reply error;
+  const auto response = call_json(connection, request, error);
+  if (!response) return error;
+  const auto& reflection = *response->GetReflection();
+  const Json shown =
+      shown_json(dynamic_cast<const v1::Judgement&>(reflection.GetMessage(*response, field)));
+  reflection.ClearField(response.get(), field);
 
-/// Calls allowed from the dashboard; all others are rejected.
-const std::map<std::string, Call>& calls() {
-  static const std::map<std::string, Call> all{
-      {"GetServerInfo", unary(&Stub::GetServerInfo)},
-      {"ListJobs", unary(&Stub::ListJobs)},
-      {"GetJob", unary(&Stub::GetJob)},
-      {"CancelJob", unary(&Stub::CancelJob)},
-      {"PauseJob", unary(&Stub::PauseJob)},
-      {"ResumeJob", unary(&Stub::ResumeJob)},
-      {"ListStudies", unary(&Stub::ListStudies)},
-      {"GetStudy", unary(&Stub::GetStudy)},
-      {"EvaluateStudy", unary(&Stub::EvaluateStudy)},
-      // Refusals of these are answers that the page shows in their place.
-      {"PredictStudy", unless_refused(unary(&Stub::PredictStudy))},
-      {"CompareRuns", unless_refused(judged(&Stub::CompareRuns))},
-      {"ForecastJob", unless_refused(unary(&Stub::ForecastJob))},
-      {"JudgeStudy", unless_refused(judged(&Stub::JudgeStudy))},
-  };
-  return all;
+  Json json = to_json(*response);
+  json["judgement"] = shown;
+  return {json.dump()};
 }
 
 // ---- Results evaluated by the client.
@@ -536,17 +494,6 @@ void add_results(WebServer& server, const Connect& connect) {
     return Reply{
         Json{{"address", connection.server()}, {"role", v1::Role_Name(who.role())}}.dump()};
   });
-
-  // Events of a job as they come.
-  server.events("/watch", [=](const Request& request) {
-    return [=](const auto& gone, const Send& send) {
-      Connection connection = connect(gone);
-      std::ostringstream unseen;  // a browser takes the connection up again by itself
-      follow_job(
-          connection, request.name, 1,
-          [&](const v1::JobEvent& event) { send(to_json(event).dump()); }, unseen);
-    };
-  });
 }
 
 void add_what_if(WebServer& server, const Connect& connect, const std::vector<std::string>& cases) {
@@ -578,15 +525,8 @@ void add_what_if(WebServer& server, const Connect& connect, const std::vector<st
 void add_dashboard(WebServer& server, const Connect& connect,
                    const std::vector<std::string>& cases) {
   add_pages(server);
-  server.post("/call", [=](const Request& request) {
-    // A page of another site that got hold of a session could still make no other call.
-    const auto call = calls().find(request.name);
-    if (call == calls().end())
-      throw CommandFailed(ExitCode::not_found, "pages do not call " + request.name);
-    return connected(connect, [call](Connection& connection, const Request& asked) {
-      return Reply{call->second(connection, asked.body)};
-    })(request);
-  });
+  server.post("/dccast.v1.SimulationService", connected(connect, connect_reply));
+  server.post("/drawn", connected(connect, drawn_call));
   server.post("/another", [&server](const Request&) {
     return Reply{Json{{"address", server.address()}}.dump()};
   });

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <condition_variable>
-#include <deque>
-#include <mutex>
-#include <thread>
+#include <future>
+#include <map>
 
 #include "client/model/json.hpp"
 #include "client/session/socket.hpp"
@@ -17,8 +15,8 @@
 namespace dccast::client {
 namespace {
 
-/// Largest body: pages send calls of the service and changes of a case.
-constexpr http::Limits limits{.body_bytes = 1 << 20};
+/// Bodies hold calls of the service, which take messages of 2 MiB.
+constexpr http::Limits limits{.body_bytes = 2'200'000, .connections = 1024, .handlers = 32};
 
 std::string fault(const std::string& text) {
   return Json{{"error", text}}.dump();
@@ -87,76 +85,32 @@ http::Reply answer_of(const WebServer::Handler& handler, const Request& request)
   return {.body = std::move(reply.body),
           .type = std::move(reply.type),
           .status = reply.status,
-          .headers = {{policy, reply.stands_alone ? alone_policy : own_policy}}};
+          .headers = {{policy, reply.stands_alone ? alone_policy : own_policy}},
+          .stream = std::move(reply.stream)};
 }
 
-/// Server-sent events of a source that runs in its own thread, on their way to the browser. The
-/// thread ends with this object.
-class EventStream {
-public:
-  explicit EventStream(Source source)
-      : thread_([this, source = std::move(source)] { run(source); }) {}
-  ~EventStream() {
-    change([this] { left_ = true; });
-    gone_->come();
-    thread_.join();
-  }
-  EventStream(const EventStream&) = delete;
+/// Sends server-sent events of a source until it ends or the browser leaves.
+void send_events(const Source& source, const std::shared_ptr<http::Stream>& stream) {
+  const auto gone = std::make_shared<Interruption>();
+  stream->when_left([gone] { gone->come(); });
+  const auto put = [&](std::string text) {
+    std::promise<bool> sent;
+    stream->write(std::move(text), [&](bool was_sent) { sent.set_value(was_sent); });
+    if (!sent.get_future().get()) throw Interrupted("");
+  };
 
-  /// Next bytes to write: all waiting events, or a comment after a pause. @return empty at the end
-  std::string take() {
-    // Interval of the comments, by which a lost browser and a stopping server are noticed.
-    constexpr std::chrono::milliseconds pulse{500};
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, pulse, [&] { return ended_ || !waiting_.empty(); });
-    std::string text;
-    for (const std::string& event : waiting_) text += event;
-    waiting_.clear();
-    if (text.empty() && !ended_) text = ": still here\n\n";
-    changed_.notify_all();
-    return text;
-  }
-
-private:
-  /// Waits while too many events are queued for the browser. Throws Interrupted when the browser
-  /// has gone.
-  void put(std::string text) {
-    constexpr std::size_t most_waiting = 1000;  // events that a slow browser has not taken
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return left_ || waiting_.size() < most_waiting; });
-    if (left_) throw Interrupted("");
-    waiting_.push_back(std::move(text));
-    changed_.notify_all();
-  }
-
-  template <class Change>
-  void change(const Change& what) {
-    const std::lock_guard lock(mutex_);
-    what();
-    changed_.notify_all();
-  }
-
-  void run(const Source& source) {
+  try {
     try {
-      try {
-        source(gone_, [&](const std::string& json) { put("data: " + json + "\n\n"); });
-      } catch (const Interrupted&) {
-        throw;
-      } catch (const std::exception& error) {
-        put("event: fault\ndata: " + fault(error.what()) + "\n\n");
-      }
+      source(gone, [&](const std::string& json) { put("data: " + json + "\n\n"); });
     } catch (const Interrupted&) {
+      throw;
+    } catch (const std::exception& error) {
+      put("event: fault\ndata: " + fault(error.what()) + "\n\n");
     }
-    change([this] { ended_ = true; });
+  } catch (const Interrupted&) {
   }
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<std::string> waiting_;
-  bool ended_ = false, left_ = false;
-  std::shared_ptr<Interruption> gone_ = std::make_shared<Interruption>();
-  std::thread thread_;  // last: it uses the others
-};
+  stream->end();
+}
 
 }  // namespace
 
@@ -226,9 +180,9 @@ private:
               .headers = {{policy, own_policy}}};
 
     const auto key = request.query.find("key");
-    const auto decision = entrance_.decide({.host = request.host,
-                                            .origin = request.origin,
-                                            .cookies = request.cookies,
+    const auto decision = entrance_.decide({.host = request.header("host"),
+                                            .origin = request.header("origin"),
+                                            .cookies = request.header("cookie"),
                                             .key = key == request.query.end() ? "" : key->second,
                                             .changes = request.method != "GET",
                                             .is_first_page = request.path == "/"});
@@ -253,9 +207,7 @@ private:
 
     if (found == answers_.end())
       return {.body = "There is no such page.\n", .status = 404, .headers = {{policy, own_policy}}};
-    return found->second({.name = http::decoded(request.path.substr(name_at)),
-                          .query = request.query,
-                          .body = request.body});
+    return found->second(Request{{request}, http::decoded(request.path.substr(name_at))});
   }
 
   std::unique_ptr<http::Server> server_;
@@ -287,10 +239,10 @@ void WebServer::post(const std::string& path, Handler handler) {
 
 void WebServer::events(const std::string& path, SourceOf source) {
   parts_->add("GET", path + "/", [source = std::move(source)](const Request& request) {
-    const auto stream = std::make_shared<EventStream>(source(request));
-    return http::Reply{.type = "text/event-stream",
-                       .headers = {{policy, own_policy}},
-                       .next_part = [stream] { return stream->take(); }};
+    return http::Reply{
+        .type = "text/event-stream",
+        .headers = {{policy, own_policy}},
+        .stream = [source = source(request)](const auto& stream) { send_events(source, stream); }};
   });
 }
 

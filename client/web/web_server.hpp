@@ -1,12 +1,12 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "client/session/connection.hpp"
+#include "proto/http/message.hpp"
 
 namespace dccast::client {
 
@@ -16,11 +16,8 @@ using Send = std::function<void(const std::string& json)>;
 using Source = std::function<void(std::shared_ptr<Interruption> gone, const Send& send)>;
 
 /// What a browser asks for.
-struct Request {
+struct Request : http::Request {
   std::string name;  ///< last part of the path, decoded
-  std::multimap<std::string, std::string> query;
-  /// Content of the request, at most as long as the server permits.
-  std::string body;
 
   /// The first value of a query key; empty if there is none.
   std::string value(const std::string& key) const;
@@ -36,6 +33,8 @@ struct Reply {
   /// A page that stands by itself, with its style and script inside, such as a report: it is shown
   /// without access to anything else.
   bool stands_alone = false;
+  /// Set: the reply is a stream instead of `body`, see http::Reply.
+  std::function<void(std::shared_ptr<http::Stream>)> stream{};
 };
 
 /// Where browsers find a server.

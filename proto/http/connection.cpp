@@ -2,15 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <boost/asio/post.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/http.hpp>
+#include <boost/asio/write.hpp>
 #include <cstdint>
-#include <optional>
-#include <string_view>
+#include <mutex>
 
-#include "proto/http/peer_stream.hpp"
 #include "proto/http/target.hpp"
 
 namespace dccast::http {
@@ -22,24 +18,28 @@ using asio::ip::tcp;
 using beast::error_code;
 using WireRequest = beast::http::request<beast::http::string_body>;
 
-/// Buffer for the request that is arriving; its body is moved out of it.
+/// Most bytes of a request that wait to be read; its body is moved out of them.
 constexpr std::size_t buffer_bytes = 64 * 1024;
 /// A peer whose request is refused may still be sending: it reads the reply only if the rest is
 /// received for a while.
 constexpr std::chrono::milliseconds linger{1000};
+/// Slowest peer whose long body is waited for.
+constexpr std::size_t least_bytes_per_s = 64 * 1024;
 
 Request translated(WireRequest& from) {
-  using beast::http::field;
-  const auto header = [&](field name) { return std::string(from[name]); };
   Target target = parse_target({from.target().data(), from.target().size()});
+  Request request{.method = from.method() == beast::http::verb::post ? "POST" : "GET",
+                  .path = std::move(target.path),
+                  .query = std::move(target.query),
+                  .headers = {},
+                  .body = std::move(from.body())};
 
-  return {.method = from.method() == beast::http::verb::post ? "POST" : "GET",
-          .path = std::move(target.path),
-          .query = std::move(target.query),
-          .host = header(field::host),
-          .origin = header(field::origin),
-          .cookies = header(field::cookie),
-          .body = std::move(from.body())};
+  for (const auto& field : from) {
+    std::string name(field.name_string());
+    for (char& letter : name) letter = beast::detail::ascii_tolower(letter);
+    request.headers.emplace(std::move(name), std::string(field.value()));
+  }
+  return request;
 }
 
 bool is_known_method(beast::http::verb method) {
@@ -47,7 +47,7 @@ bool is_known_method(beast::http::verb method) {
   return method == verb::get || method == verb::head || method == verb::post;
 }
 
-Reply answer(const Service& service, WireRequest& request) {
+Reply answer_to(const Service& service, WireRequest& request) {
   if (!is_known_method(request.method()))
     return {.body = "Only GET, HEAD and POST are answered.\n", .status = 405};
   if (request.count(beast::http::field::host) != 1 ||
@@ -80,131 +80,269 @@ std::optional<Reply> refusal(const error_code& why, const Limits& limits) {
   return Reply{.body = "This is no request of HTTP/1.1.\n", .status = 400};
 }
 
-template <class Body>
-beast::http::response<Body> header_of(const Reply& reply, bool keep_alive) {
-  using beast::http::field;
-  beast::http::response<Body> header;
-  header.result(static_cast<unsigned>(reply.status));
-  header.set(field::content_type, reply.type);
-  for (const auto& [name, value] : reply.headers) header.set(name, value);
-  header.keep_alive(keep_alive);
-  return header;
-}
-
 }  // namespace
 
-class Connection::Session {
+/// The stream of a connection, as its source sees it: any thread may use it, also when the
+/// connection has gone.
+class ConnectionStream : public Stream, public std::enable_shared_from_this<ConnectionStream> {
 public:
-  Session(Connection& connection, PeerStream& stream)
-      : connection_(connection), service_(connection.service_), stream_(stream) {}
+  explicit ConnectionStream(std::shared_ptr<Connection> connection)
+      : connection_(std::move(connection)) {}
 
-  void serve() {
-    beast::flat_buffer buffer(buffer_bytes);
-    stream_.expires_after(service_.limits.time);
-    if (stream_.handshake()) return;
+  void write(std::string part, std::function<void(bool)> done) override {
+    const bool is_open = pass([&](auto connection) {
+      auto send = [connection, part = std::move(part), done]() mutable {
+        connection->part_ = std::move(part);
+        connection->send_part(std::move(done));
+      };
+      asio::post(connection->service_.context, std::move(send));
+    });
+    if (!is_open) done(false);
+  }
 
-    while (serve_request(buffer) && !connection_.leaving_) {
+  void end() override {
+    pass([](auto connection) {
+      asio::post(connection->service_.context, [connection] { connection->end_stream(); });
+    });
+  }
+
+  void when_left(std::function<void()> left) override {
+    {
+      const std::lock_guard lock(mutex_);
+      if (connection_) {
+        left_ = std::move(left);
+        return;
+      }
     }
-    stream_.expires_after(linger);
-    stream_.shut_down();
+    left();
+  }
+
+  /// The connection ends.
+  void leave() {
+    std::shared_ptr<Connection> connection;
+    std::function<void()> left;
+    {
+      const std::lock_guard lock(mutex_);
+      connection.swap(connection_);
+      left.swap(left_);
+    }
+    if (left) left();
   }
 
 private:
-  /// @return whether the connection can take another request
-  bool serve_request(beast::flat_buffer& buffer) {
-    beast::http::request_parser<beast::http::string_body> parser;
-    parser.header_limit(static_cast<std::uint32_t>(service_.limits.header_bytes));
-    parser.body_limit(service_.limits.body_bytes);
-
-    stream_.expires_after(service_.limits.time);
-    error_code error;
-    beast::http::read(stream_, buffer, parser, error);
-    if (error) {
-      if (const auto reply = refusal(error, service_.limits)) refuse(*reply);
-      return false;
-    }
-
-    connection_.waits_for_peer_ = false;
-    Reply reply = answer(service_, parser.get());
-    const bool is_head = parser.get().method() == beast::http::verb::head;
-    if (reply.next_part) return send_stream(reply, is_head);
-
-    connection_.waits_for_peer_ = true;
-    return send(std::move(reply), parser.keep_alive() && !connection_.leaving_, is_head);
+  /// The lock holds while something is passed on: a server that stops waits for it.
+  template <class Pass>
+  bool pass(const Pass& what) {
+    const std::lock_guard lock(mutex_);
+    if (connection_) what(connection_);
+    return connection_ != nullptr;
   }
 
-  bool send(Reply reply, bool keep_alive, bool header_only) {
-    auto message = header_of<beast::http::string_body>(reply, keep_alive);
-    message.body() = std::move(reply.body);
-    message.prepare_payload();
-
-    beast::http::response_serializer<beast::http::string_body> serializer(message);
-    serializer.split(header_only);
-    while (!(header_only ? serializer.is_header_done() : serializer.is_done())) {
-      // A long reply may take long, as long as the peer keeps reading.
-      stream_.expires_after(service_.limits.time);
-      error_code error;
-      beast::http::write_some(stream_, serializer, error);
-      if (error) return false;
-    }
-    return keep_alive;
-  }
-
-  /// A stream ends with its connection, so that its parts need no frames.
-  bool send_stream(const Reply& reply, bool header_only) {
-    auto message = header_of<beast::http::empty_body>(reply, false);
-    beast::http::response_serializer<beast::http::empty_body> serializer(message);
-    stream_.expires_after(service_.limits.time);
-    error_code error;
-    beast::http::write_header(stream_, serializer, error);
-    if (error) return false;
-
-    while (!header_only && !service_.stopping) {
-      const std::string part = reply.next_part();
-      if (part.empty() || !send_part(part)) break;
-    }
-    return false;
-  }
-
-  bool send_part(std::string_view part) {
-    while (!part.empty()) {
-      stream_.expires_after(service_.limits.time);
-      error_code error;
-      part.remove_prefix(stream_.write_some(asio::buffer(part), error));
-      if (error) return false;
-    }
-    return true;
-  }
-
-  void refuse(const Reply& reply) {
-    send(reply, false, false);
-    stream_.expires_after(linger);
-    stream_.drain();
-  }
-
-  Connection& connection_;
-  const Service& service_;
-  PeerStream& stream_;
+  std::mutex mutex_;
+  std::shared_ptr<Connection> connection_;  // empty: it has ended
+  std::function<void()> left_;
 };
 
-void Connection::begin(tcp::socket socket, std::function<void()> ended) {
-  thread_ = std::jthread([this, socket = std::move(socket), ended = std::move(ended)]() mutable {
-    try {
-      PeerStream stream(context_, std::move(socket), service_.tls);
-      open_ = &stream;
-      Session(*this, stream).serve();
-    } catch (const std::exception&) {
-      // Memory or a descriptor is missing: this connection ends.
-    }
-    open_ = nullptr;
-    ended();
+// ---- Begin and end
+
+Connection::Connection(Service& service, tcp::socket socket, std::string address)
+    : service_(service),
+      peer_(std::move(socket), service.tls),
+      address_(std::move(address)),
+      place_(service.open.insert(service.open.end(), this)),
+      buffer_(buffer_bytes) {}
+
+Connection::~Connection() {
+  release_body();
+  service_.open.erase(place_);
+  service_.when_room();
+}
+
+void Connection::begin() {
+  wait_at_most(service_.limits.time);
+  if (!peer_.has_tls()) return read_header();
+  peer_.async_handshake([self = shared_from_this()](const error_code& error) {
+    if (!error && !self->closed_) self->read_header();
   });
 }
 
 void Connection::close() {
-  asio::post(context_, [this] {
-    if (open_ != nullptr) open_->close();
+  if (closed_) return;
+  closed_ = true;
+  deadline_ = Clock::time_point::max();
+  error_code ignored;
+  peer_.socket().close(ignored);
+  if (stream_) std::exchange(stream_, nullptr)->leave();
+}
+
+void Connection::release_body() {
+  service_.bodies_bytes -= std::exchange(body_bytes_, 0);
+}
+
+// ---- Request
+
+void Connection::read_header() {
+  if (closed_) return;
+  if (leaving_) return shut_down();
+  request_.emplace();
+  request_->header_limit(static_cast<std::uint32_t>(service_.limits.header_bytes));
+  request_->body_limit(service_.limits.body_bytes);
+
+  wait_at_most(service_.limits.time);
+  beast::http::async_read_header(peer_, buffer_, *request_,
+                                 [self = shared_from_this()](const error_code& error, std::size_t) {
+                                   if (self->closed_) return;
+                                   if (!error) return self->read_body();
+                                   if (auto reply = refusal(error, self->service_.limits))
+                                     self->refuse(std::move(*reply));
+                                   else
+                                     self->close();
+                                 });
+}
+
+void Connection::read_body() {
+  const auto announced = request_->content_length();
+  const std::size_t bytes = request_->is_done() ? 0
+                            : announced         ? *announced
+                                                : service_.limits.body_bytes;
+  if (bytes > service_.limits.all_bodies_bytes - service_.bodies_bytes)
+    return refuse({.body = "Too many requests arrive at once; try again.\n", .status = 503});
+  body_bytes_ = bytes;
+  service_.bodies_bytes += bytes;
+
+  wait_at_most(service_.limits.time + std::chrono::seconds(bytes / least_bytes_per_s));
+  beast::http::async_read(peer_, buffer_, *request_,
+                          [self = shared_from_this()](const error_code& error, std::size_t) {
+                            if (self->closed_) return;
+                            if (!error) return self->answer();
+                            if (auto reply = refusal(error, self->service_.limits))
+                              self->refuse(std::move(*reply));
+                            else
+                              self->close();
+                          });
+}
+
+void Connection::answer() {
+  deadline_ = Clock::time_point::max();
+  waits_for_peer_ = false;
+
+  asio::post(service_.workers, [self = shared_from_this()]() mutable {
+    Reply reply = answer_to(self->service_, self->request_->get());
+    auto& context = self->service_.context;
+    asio::post(context, [self = std::move(self), reply = std::move(reply)]() mutable {
+      self->release_body();
+      if (self->closed_) return;
+      if (reply.stream) return self->begin_stream(std::move(reply));
+      self->send(std::move(reply), self->request_->keep_alive() && !self->leaving_);
+    });
   });
+}
+
+// ---- Reply
+
+void Connection::send(Reply reply, bool keep_alive) {
+  using beast::http::field;
+  waits_for_peer_ = true;
+  response_ = {};
+  response_.result(static_cast<unsigned>(reply.status));
+  response_.set(field::content_type, reply.type);
+  for (const auto& [name, value] : reply.headers) response_.set(name, value);
+  response_.keep_alive(keep_alive);
+  response_.body() = std::move(reply.body);
+  if (!reply.stream) response_.prepare_payload();
+
+  rest_.emplace(response_);
+  rest_->split(reply.stream || request_->get().method() == beast::http::verb::head);
+  send_rest();
+}
+
+/// A long reply may take long, as long as the peer keeps reading.
+void Connection::send_rest() {
+  wait_at_most(service_.limits.time);
+  beast::http::async_write_some(
+      peer_, *rest_, [self = shared_from_this()](const error_code& error, std::size_t) {
+        if (self->closed_) return;
+        if (error) return self->close();
+        const bool is_sent =
+            self->rest_->split() ? self->rest_->is_header_done() : self->rest_->is_done();
+        if (!is_sent) return self->send_rest();
+
+        if (self->stream_) return self->notice_end_of_peer();
+        if (self->response_.keep_alive()) return self->read_header();
+        self->request_ ? self->shut_down() : self->drain();
+      });
+}
+
+void Connection::refuse(Reply reply) {
+  // A request that was not read to its end: what follows it is not looked at.
+  send(std::move(reply), false);
+  request_.reset();
+}
+
+/// Ends the sending, and receives what the peer still sends. Below TLS: it is not looked at.
+void Connection::drain() {
+  error_code ignored;
+  peer_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+  wait_at_most(linger);
+
+  const auto received = [this](const auto& again) -> void {
+    buffer_.clear();
+    peer_.socket().async_read_some(
+        buffer_.prepare(buffer_bytes / 4),
+        [self = shared_from_this(), again](const error_code& error, std::size_t) {
+          if (self->closed_) return;
+          error ? self->close() : again(again);
+        });
+  };
+  received(received);
+}
+
+void Connection::shut_down() {
+  if (!peer_.has_tls()) return close();
+  wait_at_most(linger);
+  peer_.async_shutdown([self = shared_from_this()](const error_code&) { self->close(); });
+}
+
+// ---- Stream
+
+/// A stream ends with its connection, so that its parts need no frames.
+void Connection::begin_stream(Reply reply) {
+  if (request_->get().method() == beast::http::verb::head) {
+    reply.stream = nullptr;
+    return send(std::move(reply), false);
+  }
+
+  stream_ = std::make_shared<ConnectionStream>(shared_from_this());
+  auto source = reply.stream;
+  send(std::move(reply), false);
+  waits_for_peer_ = false;
+  asio::post(service_.workers, [source = std::move(source), stream = stream_] { source(stream); });
+}
+
+/// The header is sent: the parts follow, meanwhile nothing comes from the peer but its end.
+void Connection::notice_end_of_peer() {
+  deadline_ = Clock::time_point::max();
+  buffer_.clear();
+  peer_.async_read_some(buffer_.prepare(1), [self = shared_from_this()](
+                                                const error_code&, std::size_t) { self->close(); });
+}
+
+void Connection::send_part(std::function<void(bool)> done) {
+  if (closed_) return done(false);
+  wait_at_most(service_.limits.time);
+  asio::async_write(
+      peer_, asio::buffer(part_),
+      [self = shared_from_this(), done = std::move(done)](const error_code& error, std::size_t) {
+        if (error) self->close();
+        self->deadline_ = Clock::time_point::max();
+        done(!error);
+      });
+}
+
+void Connection::end_stream() {
+  if (closed_) return;
+  std::exchange(stream_, nullptr)->leave();
+  shut_down();
 }
 
 }  // namespace dccast::http

@@ -1,61 +1,104 @@
 #pragma once
 
 // Only for the sources of this room: Asio and Beast take seconds to compile.
-#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+#include <chrono>
 #include <functional>
-#include <thread>
+#include <list>
+#include <memory>
+#include <optional>
+#include <string>
 
+#include "proto/http/peer_stream.hpp"
 #include "proto/http/server.hpp"
 
 namespace dccast::http {
 
-class PeerStream;
+class Connection;
+class ConnectionStream;
 
-/// What all connections of a server share.
+/// What all connections of a server share. All of it but the limits belongs to the thread that
+/// runs `context`.
 struct Service {
-  /// Bounds on requests, names by which this server is called, and what answers.
-  Limits limits;
+  explicit Service(const Limits& within) : limits(within), workers(within.handlers) {}
+
+  const Limits limits;
   IsOwnHost is_own_host;
   Handler handler;
   boost::asio::ssl::context* tls = nullptr;  ///< null: HTTP
-  std::atomic<bool> stopping = false;
+  std::list<Connection*> open{};             ///< oldest first
+  std::size_t bodies_bytes = 0;              ///< of requests that are read or answered
+  std::function<void()> when_room = [] {};   ///< called after a connection has ended
+
+  boost::asio::io_context context{1};
+  boost::asio::thread_pool workers;  ///< the threads of the handlers
 };
 
-/// One connection and the thread that serves it. The thread waits for the peer in `context` alone,
-/// so that every wait has an end and can be ended from another thread.
-class Connection {
+/// One connection. Its methods are called by the thread that runs the context of the service, which
+/// never waits for a peer; it lives as long as something of it is under way.
+class Connection : public std::enable_shared_from_this<Connection> {
 public:
+  using Clock = std::chrono::steady_clock;
+
   /// @param service  outlives the connection
-  explicit Connection(const Service& service) : service_(service) {}
+  Connection(Service& service, boost::asio::ip::tcp::socket socket, std::string address);
+  ~Connection();
   Connection(const Connection&) = delete;
 
-  /// The accepted socket must belong to it.
-  boost::asio::io_context& context() { return context_; }
-
-  /// Begins to serve the peer. @param ended  called by the thread at its end
-  void begin(boost::asio::ip::tcp::socket socket, std::function<void()> ended);
-  /// Ends the wait for the peer, now or when it begins. From any thread.
+  /// Begins to serve the peer until it leaves or exceeds a bound.
+  void begin();
+  /// Ends everything at once.
   void close();
-
-  /// Ends the connection once the request at work is answered. From any thread.
+  /// Ends the connection once the request at work is answered.
   void leave() { leaving_ = true; }
 
+  /// Until when the peer must have done what is waited for.
+  Clock::time_point deadline() const { return deadline_; }
+  const std::string& address() const { return address_; }  ///< of the peer, without port
+  bool is_ending() const { return leaving_ || closed_; }
   /// Nothing is being computed for the peer: it has not sent its request, or not taken its reply.
   bool waits_for_peer() const { return waits_for_peer_; }
 
 private:
-  /// Serves requests of one client until it leaves or exceeds a bound.
-  class Session;
+  friend class ConnectionStream;
+  using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
-  const Service& service_;
-  boost::asio::io_context context_{1};
-  PeerStream* open_ = nullptr;  // used by the thread alone
-  std::atomic<bool> waits_for_peer_ = true;
-  std::atomic<bool> leaving_ = false;
-  std::jthread thread_;  // last: it uses the others
+  void read_header();
+  void read_body();
+  void answer();
+  void send(Reply reply, bool keep_alive);
+  void send_rest();
+  void refuse(Reply reply);
+  void drain();
+  void shut_down();
+
+  void begin_stream(Reply reply);
+  void notice_end_of_peer();
+  void send_part(std::function<void(bool)> done);
+  void end_stream();
+
+  void wait_at_most(Clock::duration time) { deadline_ = Clock::now() + time; }
+  void release_body();
+
+  Service& service_;
+  PeerStream peer_;
+  const std::string address_;
+  std::list<Connection*>::iterator place_;  // in the list of the service
+  Clock::time_point deadline_ = Clock::time_point::max();
+  bool waits_for_peer_ = true, leaving_ = false, closed_ = false;
+
+  boost::beast::flat_buffer buffer_;
+  std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> request_;
+  std::size_t body_bytes_ = 0;  // of the request, as counted by the service
+  Response response_;
+  std::optional<boost::beast::http::response_serializer<boost::beast::http::string_body>> rest_;
+  std::shared_ptr<ConnectionStream> stream_;
+  std::string part_;  // of the stream, which is being sent
 };
 
 }  // namespace dccast::http

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,8 +14,28 @@ struct Request {
   std::string method;  ///< "GET" (also for HEAD, whose reply is sent without its body) or "POST"
   std::string path;    ///< as sent, without the query: "/job/7"
   std::multimap<std::string, std::string> query;  ///< decoded
-  std::string host, origin, cookies;              ///< headers; empty: not sent
+  std::map<std::string, std::string> headers;     ///< by name in small letters
   std::string body{};
+
+  /// Value of a header; empty: not sent. @param name  in small letters
+  std::string header(const std::string& name) const {
+    const auto found = headers.find(name);
+    return found == headers.end() ? std::string() : found->second;
+  }
+};
+
+/// The body of a reply that goes on, written by its source from any thread. It holds no thread
+/// while nothing is written.
+class Stream {
+public:
+  virtual ~Stream() = default;
+  /// Sends the next part, which is not empty. One at a time: another may follow once `done` was
+  /// called, with false if the peer has left.
+  virtual void write(std::string part, std::function<void(bool sent)> done) = 0;
+  /// Nothing follows.
+  virtual void end() = 0;
+  /// @param left  called once, when the peer has left or the server stops; at once if it has
+  virtual void when_left(std::function<void()> left) = 0;
 };
 
 struct Reply {
@@ -22,12 +43,11 @@ struct Reply {
   std::string type = "text/plain; charset=utf-8";
   int status = 200;
   std::vector<std::pair<std::string, std::string>> headers{};  ///< further ones
-  /// Set: the reply is a stream, of parts instead of `body`. Called again and again until a part is
-  /// empty; each call must return within a second, so that a server that stops is noticed.
-  std::function<std::string()> next_part{};
+  /// Set: the reply is a stream instead of `body`. Called once, in a thread of the handlers.
+  std::function<void(std::shared_ptr<Stream>)> stream{};
 };
 
-/// Answers a request in a thread of its connection. An exception is answered with status 500.
+/// Answers a request in a thread of the server. An exception is answered with status 500.
 using Handler = std::function<Reply(const Request&)>;
 
 }  // namespace dccast::http

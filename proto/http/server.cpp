@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
-#include <condition_variable>
-#include <list>
-#include <mutex>
+#include <boost/asio/steady_timer.hpp>
+#include <future>
 #include <optional>
 #include <thread>
 
@@ -65,9 +65,11 @@ tcp::acceptor listening_acceptor(asio::io_context& context, const Server::Listen
 class Server::Parts {
 public:
   Parts(const Listening& listening, const Limits& limits)
-      : tls_(tls_context(listening)), acceptor_(listening_acceptor(context_, listening)) {
-    service_.limits = limits;
+      : service_(limits),
+        tls_(tls_context(listening)),
+        acceptor_(listening_acceptor(service_.context, listening)) {
     service_.tls = tls_ ? &*tls_ : nullptr;
+    service_.when_room = [this] { serve_waiting(); };
   }
   ~Parts() { stop(); }
 
@@ -81,95 +83,117 @@ public:
     service_.is_own_host = std::move(is_own_host);
     service_.handler = std::move(handler);
     accept();
-    thread_ = std::jthread([this] { context_.run(); });
+    close_overdue();
+    thread_ = std::jthread([this] { service_.context.run(); });
   }
 
   void stop() {
-    service_.stopping = true;
-    asio::post(context_, [this] {
+    if (!thread_.joinable()) return;
+    const auto guard = std::make_unique<asio::executor_work_guard<asio::io_context::executor_type>>(
+        service_.context.get_executor());
+    std::promise<void> closed;
+    asio::post(service_.context, [&] {
       error_code ignored;
+      stopping_ = true;
       acceptor_.close(ignored);
+      waiting_.reset();
+      pulse_.cancel();
+      for (Connection* connection : service_.open) connection->close();
+      closed.set_value();
     });
-    if (thread_.joinable()) thread_.join();
+    closed.get_future().wait();
 
-    std::unique_lock lock(mutex_);
-    for (Slot& slot : slots_) slot.connection->close();
-    changed_.wait(lock, [&] { return open_count() == 0; });
-    slots_.clear();
+    // Handlers at work end first: what they answer is no longer sent.
+    service_.workers.join();
+    guard->reset();
+    thread_.join();
   }
 
 private:
-  struct Slot {
-    std::unique_ptr<Connection> connection;
-    bool has_ended = false;
-    bool is_being_closed = false;
-  };
-
   void accept() {
-    if (!next_) next_ = std::make_unique<Connection>(service_);
-    acceptor_.async_accept(next_->context(), [this](const error_code& error, tcp::socket socket) {
-      if (service_.stopping) return;
-      if (error) {
-        // Most likely no descriptors are left; some may be released soon.
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      } else {
-        take(std::move(socket));
+    acceptor_.async_accept([this](const error_code& error, tcp::socket socket) {
+      if (stopping_) return;
+      if (!error) {
+        keep_to_this_process(socket);
+        waiting_.emplace(std::move(socket));
+        waits_until_ = Connection::Clock::now() + longest_wait_for_room;
+        return serve_waiting();
       }
+      // Most likely no descriptors are left; some may be released soon.
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
       accept();
     });
   }
 
-  /// Serves the peer if there is room for it.
-  void take(tcp::socket socket) {
-    keep_to_this_process(socket);
-    std::unique_lock lock(mutex_);
-    slots_.remove_if([](const Slot& slot) { return slot.has_ended; });
-    if (!make_room(lock)) return;
+  /// Serves the peer that waits, if any, once there is room for it; then the next one.
+  void serve_waiting() {
+    if (!waiting_ || stopping_) return;
+    error_code error;
+    const std::string address = waiting_->remote_endpoint(error).address().to_string();
+    if (!error) {
+      const std::size_t of_address = std::ranges::count_if(
+          service_.open, [&](const Connection* each) { return each->address() == address; });
+      if (of_address >= service_.limits.connections_of_address) return make_room(&address);
+      if (service_.open.size() >= service_.limits.connections) return make_room(nullptr);
 
-    Slot& slot = slots_.emplace_back(Slot{.connection = std::move(next_)});
-    slot.connection->begin(std::move(socket), [this, &slot] {
-      const std::lock_guard ended(mutex_);
-      slot.has_ended = true;
-      changed_.notify_all();
-    });
+      auto socket = std::move(*waiting_);
+      waiting_.reset();
+      std::make_shared<Connection>(service_, std::move(socket), address)->begin();
+    }
+    waiting_.reset();
+    accept();
   }
 
   /// Peers that are silent, or ask without end, must not shut others out: the oldest connection
   /// that waits for its peer is closed, else the oldest of all ends with the answer that it is at.
-  /// @return whether there is room
-  bool make_room(std::unique_lock<std::mutex>& lock) {
-    constexpr std::chrono::seconds longest{1};
-    const auto has_room = [&] { return open_count() < service_.limits.connections; };
-    if (has_room()) return true;
+  /// @param address  among those of this address; null: among all
+  void make_room(const std::string* address) {
+    const auto is_eligible = [&](const Connection* each) {
+      return address == nullptr || each->address() == *address;
+    };
+    // One at a time: its end calls for the peer that waits.
+    if (std::ranges::any_of(service_.open, [&](const Connection* each) {
+          return is_eligible(each) && each->is_ending();
+        }))
+      return;
 
-    const auto is_open = [](const Slot& slot) { return !slot.has_ended && !slot.is_being_closed; };
-    const auto waiting = std::ranges::find_if(slots_, [&](const Slot& slot) {
-      return is_open(slot) && slot.connection->waits_for_peer();
+    const auto silent = std::ranges::find_if(service_.open, [&](const Connection* each) {
+      return is_eligible(each) && each->waits_for_peer();
     });
-    if (waiting != slots_.end()) {
-      waiting->is_being_closed = true;
-      waiting->connection->close();
-    } else if (const auto asking = std::ranges::find_if(slots_, is_open); asking != slots_.end()) {
-      asking->is_being_closed = true;
-      asking->connection->leave();
-    }
-    return changed_.wait_for(lock, longest, has_room);
+    if (silent != service_.open.end()) return (*silent)->close();
+    const auto asking = std::ranges::find_if(service_.open, is_eligible);
+    if (asking != service_.open.end()) (*asking)->leave();
   }
 
-  std::size_t open_count() const {
-    return static_cast<std::size_t>(
-        std::ranges::count_if(slots_, [](const Slot& slot) { return !slot.has_ended; }));
+  /// Ends what has waited too long, several times a second.
+  void close_overdue() {
+    constexpr std::chrono::milliseconds interval{100};
+    pulse_.expires_after(interval);
+    pulse_.async_wait([this](const error_code& error) {
+      if (error || stopping_) return;
+      const auto now = Connection::Clock::now();
+      for (Connection* connection : service_.open)
+        if (connection->deadline() < now) connection->close();
+
+      if (waiting_ && waits_until_ < now) {
+        waiting_.reset();
+        accept();
+      }
+      close_overdue();
+    });
   }
+
+  /// For a peer that came when all connections were taken.
+  static constexpr std::chrono::seconds longest_wait_for_room{1};
 
   Service service_;
   std::optional<asio::ssl::context> tls_;
-  std::unique_ptr<Connection> next_;  // of the peer that is waited for; outlives the sockets below
-  asio::io_context context_{1};
   tcp::acceptor acceptor_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::list<Slot> slots_;  // oldest first
-  std::jthread thread_;    // last: it uses the others
+  asio::steady_timer pulse_{service_.context};
+  std::optional<tcp::socket> waiting_;  // accepted, without a connection so far
+  Connection::Clock::time_point waits_until_;
+  bool stopping_ = false;
+  std::jthread thread_;  // last: it uses the others
 };
 
 Server::Server(const Listening& listening, const Limits& limits)

@@ -10,12 +10,17 @@ function setReachable(now, text) {
   for (const listener of listeners) listener(now, text);
 }
 
+/** A refusal of the service or of the dashboard. @return an Error, with the code of the service */
+const failure = ({code, message, error, details}) =>
+  Object.assign(new Error(message ?? error), {code, details});
+
 async function ask(path, options) {
   let response;
   try {
     response = await fetch(path, options);
   } catch (error) {
-    setReachable(false, 'The dashboard has ended; start dccast dashboard again.');
+    if (!options?.signal?.aborted)
+      setReachable(false, 'The dashboard has ended; start dccast dashboard again.');
     throw error;
   }
   if (response.ok) {
@@ -23,26 +28,85 @@ async function ask(path, options) {
     return response;
   }
   const text = await response.text();
-  let fault = text;
+  let fault = new Error(text);
   try {
-    fault = JSON.parse(text).error;
+    fault = failure(JSON.parse(text));
   } catch { /* plain text */
   }
-  setReachable(response.status !== 502 && response.status !== 403, fault);
-  throw new Error(fault);
+  const isCut = fault.code ? fault.code === 'unavailable' : [502, 403].includes(response.status);
+  setReachable(!isCut, fault.message);
+  throw fault;
 }
+
+// Where JSON of protobuf differs from what a page counts with.
+const wholeNumbers = new Set(['step', 'last_step', 'sequence', 'number', 'nodes', 'elements']);
+const numbers = new Set(['NaN', 'Infinity', '-Infinity']);
+const isNumber = (key, value) =>
+  typeof value === 'string' && (numbers.has(value) || wholeNumbers.has(key));
+const parse =
+  text => JSON.parse(text, (key, value) => isNumber(key, value) ? Number(value) : value);
 
 export const get = async path => (await ask(path)).json();
 export const getText = async path => (await ask(path)).text();
 export const getBytes = async path => (await ask(path)).arrayBuffer();
 export const post = async path => (await ask(path, {method: 'POST'})).json();
 export const postText = async (path, body) => (await ask(path, {method: 'POST', body})).json();
+
+const posted = (type, body, options) =>
+  ({method: 'POST', headers: {'Content-Type': type}, body, ...options});
+const method = name => `/dccast.v1.SimulationService/${name}`;
+
 /** A call of the service by its name, as in service.proto. */
 export async function call(name, request = {}, options = {}) {
-  const init = {method: 'POST', body: JSON.stringify(request), ...options};
-  const reply = await (await ask(`/call/${name}`, init)).json();
-  if (reply.refused) throw new Error(reply.refused);
-  return reply;
+  const init = posted('application/json', JSON.stringify(request), options);
+  return parse(await (await ask(method(name), init)).text());
+}
+/** The same, with the parts of the judgement in its response as HTML. */
+export const callDrawn = (name, request) => postText(`/drawn/${name}`, JSON.stringify(request));
+
+/**
+ * A call whose response is a stream: `take` gets each message until the stream ends or `signal`
+ * aborts. Rejects at a fault.
+ */
+export async function stream(name, request, signal, take) {
+  const prefix = 5;  // flags and length before each message
+  const body = new TextEncoder().encode('\0'.repeat(prefix) + JSON.stringify(request));
+  new DataView(body.buffer).setUint32(1, body.length - prefix);
+  const init = posted('application/connect+json', body, {signal});
+  const reader = (await ask(method(name), init)).body.getReader();
+
+  for (let rest = new Uint8Array(); ;) {
+    const {done, value} = await reader.read();
+    if (done) throw new Error('The connection was lost.');
+    rest = new Uint8Array([...rest, ...value]);
+    while (rest.length >= prefix) {
+      const end = prefix + new DataView(rest.buffer, rest.byteOffset).getUint32(1);
+      if (rest.length < end) break;
+      const message = parse(new TextDecoder().decode(rest.subarray(prefix, end)));
+      const isLast = rest[0] & 2;
+      rest = rest.subarray(end);
+      if (!isLast) take(message);
+      else if (message.error) throw failure(message.error);
+      else return;
+    }
+  }
+}
+
+/** The events of a job as they come, each once: a stream that breaks is taken up again. */
+export async function followJob(id, signal, take) {
+  for (let next = 1; !signal.aborted;) {
+    try {
+      await stream('WatchJob', {id, from_sequence: next}, signal, event => {
+        next = event.sequence + 1;
+        take(event);
+      });
+      return;
+    } catch (fault) {
+      if (signal.aborted) return;
+      if (fault.code && fault.code !== 'unavailable') throw fault;
+      await new Promise(resolve => { setTimeout(resolve, 1000); });
+    }
+  }
 }
 
 /**

@@ -1,5 +1,5 @@
 // Jobs compared as dccast compare does: what differs, whether it is real, and what differed before it.
-import {call} from './api.js';
+import {callDrawn} from './api.js';
 import {findingList, h, replace, shortId} from './dom.js';
 import {judgement} from './drawn.js';
 
@@ -9,7 +9,7 @@ const runItem = run => h('li', {},
 
 export async function comparePage(element, signal, ...ids) {
   try {
-    const {runs, judgement: found} = await call('CompareRuns', {runs: ids.map(id => ({job: id}))});
+    const {runs, judgement: found} = await callDrawn('CompareRuns', {runs: ids.map(id => ({job: id}))});
     if (signal.aborted) return;
     const query = ids.map(id => `job=${encodeURIComponent(id)}`).join('&');
     const page = {class: 'button', href: `/compare/?${query}`, target: '_blank', rel: 'noopener'};

@@ -1,5 +1,5 @@
 // One job: its answer, its curl as it grows, its findings, its slab, its report.
-import {call, events, get, getBytes, post, repeat} from './api.js';
+import {call, followJob, get, getBytes, post, repeat} from './api.js';
 import {cancelJobs} from './cancel.js';
 import {chart, wantedBand} from './chart.js';
 import {durationText, findingList, h, mm, monitorText, replace, shortId, stateText} from './dom.js';
@@ -210,7 +210,7 @@ export function jobPage(element, signal, id) {
       shown.job.ends_in_s = (await call('GetJob', {id})).ends_in_s;
       redraw();
     });
-    events(`/watch/${id}`, signal, (event, close) => {
+    followJob(id, signal, event => {
       if (event.step) addStep(solved, event.step);
       if (event.step && event.step.step > (shown.job.last_step?.step || 0)) {
         addStep(shown.steps, event.step);
@@ -221,10 +221,9 @@ export function jobPage(element, signal, id) {
           [...(shown.job.findings || []).filter(f => f.code !== event.finding.code), event.finding];
         redraw();
       } else if (event.resumed || event.state_change) {
-        if (event.state_change?.terminal) close();
         if (event.resumed || event.state_change.state !== shown.job.state) load();
       }
-    }, text => replace(details, h('p', {class: 'bad', role: 'alert'}, text)));
+    }).catch(fault => replace(details, h('p', {class: 'bad', role: 'alert'}, fault.message)));
   }
 
   // The slab with the frames that are stored so far, until the run has ended.

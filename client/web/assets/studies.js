@@ -1,5 +1,5 @@
 // Studies, and of a sweep the response surface: a slider for each key.
-import {call, repeat} from './api.js';
+import {call, callDrawn, repeat} from './api.js';
 import {chart} from './chart.js';
 import {ago, curlText, h, replace, sheet, shortId, stateText} from './dom.js';
 import {judgement} from './drawn.js';
@@ -127,7 +127,7 @@ export async function studyPage(element, signal, id) {
     const now = `${study.state} ${study.succeeded} ${study.failed} ${study.cancelled}`;
     if (now === judged) return;
     judged = now;
-    const found = (await call('JudgeStudy', {id})).judgement;
+    const found = (await callDrawn('JudgeStudy', {id})).judgement;
     if (signal.aborted) return;
 
     // The table of runs below has links to their jobs.

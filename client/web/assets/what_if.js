@@ -1,6 +1,6 @@
 // What-if: a case with a plant's levers changed, computed at once as a draft, beside the case as it
 // is.
-import {call, events, get, getText, post} from './api.js';
+import {callDrawn, events, get, getText, post} from './api.js';
 import {chart, wantedBand} from './chart.js';
 import {findingList, fixed, h, monitorText, replace} from './dom.js';
 import {judgement} from './drawn.js';
@@ -132,7 +132,7 @@ export function whatIfPage(element, signal, wanted) {
     replace(difference);
     try {
       const found =
-        await call('CompareRuns', {runs: [named(reference, 'as it is'), named(now, 'changed')]});
+        await callDrawn('CompareRuns', {runs: [named(reference, 'as it is'), named(now, 'changed')]});
       if (mine === compared)
         replace(
           difference, h('h2', {}, 'Difference of run 2, changed, from run 1, as it is'),

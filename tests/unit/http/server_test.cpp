@@ -10,6 +10,7 @@
 #include <atomic>
 #include <chrono>
 #include <list>
+#include <mutex>
 #include <thread>
 
 #include "tests/support/eventually.hpp"
@@ -202,18 +203,27 @@ TEST_F(HttpServer, PeersThatAskWithoutEndMakeRoomForOthers) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(status_of(Peer(port()).ask("/")), "HTTP/1.1 200 OK") << i;
 }
 
+/// A source that writes parts one after the other, without a thread of its own.
+void write_parts(const std::shared_ptr<Stream>& stream, int most, std::atomic<int>& parts) {
+  if (most == 0) return stream->end();
+  stream->write("part\n", [stream, most, &parts](bool sent) {
+    ++parts;
+    if (sent) write_parts(stream, most - 1, parts);
+  });
+}
+
 TEST_F(HttpServer, StreamsEndWithTheirSourceOrTheServer) {
-  std::atomic<int> parts = 0;
+  std::atomic<int> parts = 0, left = 0;
   handler_ = [&](const Request& request) {
     const int most = request.path == "/three" ? 3 : 1 << 30;
-    return Reply{.type = "text/event-stream", .next_part = [&parts, most, sent = 0]() mutable {
-                   std::this_thread::sleep_for(milliseconds(1));  // the pace of a source
-                   ++parts;
-                   return sent++ < most ? std::string("part\n") : std::string();
+    return Reply{.type = "text/event-stream", .stream = [&, most](const auto& stream) {
+                   stream->when_left([&] { ++left; });
+                   write_parts(stream, most, parts);
                  }};
   };
   start();
   EXPECT_TRUE(Peer(port()).ask("/three").ends_with("\r\n\r\npart\npart\npart\n"));
+  EXPECT_EQ(left, 1);
 
   Peer endless(port());
   endless.send("GET / HTTP/1.1\r\nHost: own\r\n\r\n");
@@ -222,6 +232,71 @@ TEST_F(HttpServer, StreamsEndWithTheirSourceOrTheServer) {
   const int parts_then = parts;
   EXPECT_EQ(endless.receive().find("(no end"), std::string::npos);
   EXPECT_EQ(parts, parts_then);
+  EXPECT_EQ(left, 2);
+}
+
+TEST_F(HttpServer, SilentStreamsHoldNoThreadAndNoticeThatTheirPeerHasLeft) {
+  std::mutex mutex;
+  std::list<std::shared_ptr<Stream>> streams;
+  std::atomic<int> left = 0;
+  handler_ = [&](const Request& request) {
+    if (request.path == "/") return Reply{.body = "answer"};
+    return Reply{.stream = [&](const auto& stream) {
+      const std::lock_guard lock(mutex);
+      stream->when_left([&] { ++left; });
+      streams.push_back(stream);
+    }};
+  };
+  constexpr int peers = 300;
+  start({.connections = peers + 1,
+         .connections_of_address = peers + 1,
+         .handlers = 2,
+         .time = milliseconds(300)});
+
+  std::list<Peer> open;
+  for (int i = 0; i < peers; ++i)
+    open.emplace_back(port()).send("GET /stream HTTP/1.1\r\nHost: own\r\n\r\n");
+  const auto count = [&] {
+    const std::lock_guard lock(mutex);
+    return streams.size();
+  };
+  EXPECT_TRUE(eventually([&] { return count() == peers; }));
+  std::this_thread::sleep_for(milliseconds(600));  // a silent source is no silent peer
+  EXPECT_EQ(left, 0);
+  EXPECT_EQ(status_of(Peer(port()).ask("/")), "HTTP/1.1 200 OK");
+
+  open.clear();
+  EXPECT_TRUE(eventually([&] { return left == peers; }));
+  bool sent = true;
+  streams.front()->write("too late", [&](bool was_sent) { sent = was_sent; });
+  EXPECT_FALSE(sent);
+}
+
+TEST_F(HttpServer, AnAddressHasItsShareOfTheConnections) {
+  start({.connections = 100, .connections_of_address = 3, .time = std::chrono::minutes(5)});
+  std::list<Peer> silent;
+  for (int i = 0; i < 10; ++i) {
+    silent.emplace_back(port());
+    EXPECT_EQ(status_of(Peer(port()).ask("/")), "HTTP/1.1 200 OK") << i;
+  }
+  EXPECT_EQ(silent.front().receive(), "");  // it made room
+}
+
+TEST_F(HttpServer, AllBodiesTogetherHaveALimit) {
+  start({.body_bytes = 1000, .all_bodies_bytes = 1500, .time = std::chrono::minutes(5)});
+  const std::string begin =
+      "POST / HTTP/1.1\r\nHost: own\r\nContent-Length: 1000\r\n"
+      "Connection: close\r\n\r\n";
+  Peer first(port());
+  first.send(begin);
+  std::string reply;
+  EXPECT_TRUE(eventually([&] {  // the first one may still be on its way
+    Peer second(port());
+    second.send(begin + std::string(1000, 'x'));
+    return (reply = status_of(second.receive())) == "HTTP/1.1 503 Service Unavailable";
+  })) << reply;
+  first.send(std::string(1000, 'x'));
+  EXPECT_NE(first.receive("xxx").find("200 OK"), std::string::npos);
 }
 
 TEST_F(HttpServer, AFaultOfAHandlerIsAnAnswer) {
