@@ -31,6 +31,7 @@ struct NewOptions {
   std::string output;
   bool force = false;
   bool list = false;
+  bool check = false;
   bool json = false;
 };
 
@@ -111,7 +112,7 @@ void list_names(bool json) {
       std::cout << name << '\n';
 }
 
-ExitCode run(const NewOptions& given, Program&) {
+ExitCode run(const NewOptions& given, Program& program) {
   NewOptions options = given;
   const std::string size = options.recipe.slab + options.recipe.billet;  // of which one is empty
   const bool undecided = options.name.empty() && size.empty();
@@ -132,6 +133,9 @@ ExitCode run(const NewOptions& given, Program&) {
 
   const std::string text = options.name.empty() ? slab_text(recipe) : text_of(options.name);
   const bool to_screen = options.output.empty() || options.output == "-";
+  if (options.check && to_screen)
+    throw invalid("--check computes the case that it wrote: give --out FILE");
+
   require_free(options.output, options.force);
   if (options.json) {
     print_line({{"name", options.name + size}, {"text", text}});
@@ -140,7 +144,7 @@ ExitCode run(const NewOptions& given, Program&) {
   } else {
     write_file(options.output, text);
   }
-  return ExitCode::done;
+  return options.check ? check_by_draft(options.output, program) : ExitCode::done;
 }
 
 struct ValidateOptions {
@@ -351,7 +355,8 @@ void add_new(CommandLine& line, Program& program) {
       "Write a case file to begin with: a shipped case, or the start of a slab of your own",
       "dccast new start-2d-thickness > my.toml\n"
       "  dccast new --slab 1320x570mm --alloy aa5182 --speed 45..55mm/min --water 25..45m3/h --out "
-      "my.toml\n  dccast new        # asks for the same");
+      "my.toml\n  dccast new --slab 1860x510mm --alloy aa1050 --out my.toml --check\n"
+      "  dccast new        # asks for the same");
 
   command.option("NAME", options.name, "Name of a shipped case");
   command.option("--slab", options.recipe.slab, "Sides of a slab, e.g. 1320x570mm");
@@ -367,6 +372,8 @@ void add_new(CommandLine& line, Program& program) {
       "Of the slab: water in all, e.g. 25..45m3/h, or per metre of perimeter, e.g. 90..180l/min/m");
   command.option("-o,--output,--out", options.output, "File to write instead of standard output");
   add_force_flag(command, options.force);
+  command.flag("--check", options.check,
+               "Compute the case at draft, and print its curl and what a plant would find");
   command.flag("--list", options.list, "List the names");
   command.json(options.json);
 }

@@ -45,6 +45,9 @@ std::pair<Command, Options&> declare(CommandLine& line, Program& program,
   return {command, *options};
 }
 
+/// Computes a case file at draft, as `query` does, and prints its curl and findings.
+ExitCode check_by_draft(const std::string& file, Program& program);
+
 /// Declares one command: its options and its action.
 using Add = void(CommandLine&, Program&);
 /// Each adds one command with its options: cases; runs; jobs and what is known of them; results;

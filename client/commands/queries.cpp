@@ -272,6 +272,10 @@ void print_judgement(Connection& connection, const v1::ComparedRun& run, std::os
   std::cerr << "dccast: " << failure.what() << '\n';
 }
 
+ExitCode check_by_draft(const std::string& file, Program& program) {
+  return run(QueryOptions{.file = file, .set = {"quality=draft"}}, program);
+}
+
 void add_query(CommandLine& line, Program& program) {
   const auto [command, options] =
       declare<QueryOptions>(line, program, run, "query",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <sstream>
@@ -63,13 +64,16 @@ std::optional<FigureRange> range_of(const std::string& text, const std::string& 
 struct Slab {
   FigureRange size;    ///< width and thickness; of a billet the diameter twice [m]
   bool round = false;  ///< a billet
-  std::string alloy;
-  std::optional<FigureRange> speed;  ///< [m/s]
-  std::optional<FigureRange> flow;   ///< per metre of perimeter [m2/s]
-  std::optional<FigureRange> total;  ///< of the whole perimeter, where it was given so [m3/s]
+  std::string alloy{};
+  std::optional<FigureRange> speed{};  ///< [m/s]
+  std::optional<FigureRange> flow{};   ///< per metre of perimeter [m2/s]
+  std::optional<FigureRange> total{};  ///< of the whole perimeter, where it was given so [m3/s]
 
   double perimeter() const {
     return round ? std::numbers::pi * size.first : 2.0 * (size.first + size.last);
+  }
+  double area() const {
+    return round ? std::numbers::pi * size.first * size.first / 4.0 : size.first * size.last;
   }
   /// "slab 1320 x 570 mm", "billet 203 mm"
   std::string name() const {
@@ -80,13 +84,32 @@ struct Slab {
   }
 };
 
+/// Lengths for which the rules of a start are meant [m].
+struct Domain {
+  const char* name;
+  double least, most;
+};
+constexpr Domain widths{"width", 0.4, 2.6}, thicknesses{"thickness", 0.2, 0.75},
+    diameters{"diameter", 0.15, 0.5};
+
+void check_domain(const std::string& given, double length, const Domain& domain,
+                  std::vector<std::string>& faults) {
+  if (length >= domain.least && length <= domain.most) return;
+  faults.push_back(fmt::format(
+      "{}: a {} of {} mm; the rules of `dccast new` hold from {} to {} mm (docs/quarter-slab.md). "
+      "For another size change a case that it wrote",
+      given, domain.name, short_number(1e3 * length), short_number(1e3 * domain.least),
+      short_number(1e3 * domain.most)));
+}
+
 void read_diameter(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& faults) {
   slab.round = true;
   const auto diameter = parse_quantity(recipe.billet, "m").value;
-  if (diameter && *diameter > 0.0)
-    slab.size = {*diameter, *diameter};
-  else
-    faults.push_back("--billet \"" + recipe.billet + "\": a diameter is expected, e.g. 203mm");
+  const std::string given = "--billet \"" + recipe.billet + "\"";
+  if (!diameter || *diameter <= 0.0)
+    return faults.push_back(given + ": a diameter is expected, e.g. 203mm");
+  slab.size = {*diameter, *diameter};
+  check_domain(given, *diameter, diameters, faults);
 }
 
 void read_size(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& faults) {
@@ -96,11 +119,14 @@ void read_size(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& f
   if (const auto sign = text.find(times); sign != std::string::npos)
     text.replace(sign, times.size(), "x");
   const auto size = range_of(text, "x", "m");
+  const std::string given = "--slab \"" + recipe.slab + "\"";
   if (!size || text.find('x') == std::string::npos)
-    faults.push_back("--slab \"" + recipe.slab +
-                     "\": width x thickness with a unit is expected, e.g. 1320x570mm");
-  else  // a plant names either side first
-    slab.size = {std::max(size->first, size->last), std::min(size->first, size->last)};
+    return faults.push_back(given + ": width x thickness with a unit is expected, e.g. 1320x570mm");
+
+  // A plant names either side first.
+  slab.size = {std::max(size->first, size->last), std::min(size->first, size->last)};
+  check_domain(given, slab.size.first, widths, faults);
+  check_domain(given, slab.size.last, thicknesses, faults);
 }
 
 void read_water(const SlabRecipe& recipe, Slab& slab, std::vector<std::string>& faults) {
@@ -187,21 +213,39 @@ private:
   std::vector<std::string> lines_;
 };
 
-/// A table of a shipped case with other values: the first until the ramp begins, the last from its
-/// end.
-std::string ramp_of(std::string table, const FigureRange& range, double factor,
-                    const std::string& unit) {
+/// A table that is constant, then rises or falls evenly, then is constant again.
+struct Ramp {
+  double begin = 0.0, end = 0.0;  ///< [s]
+  FigureRange value;
+};
+
+/// A table of a shipped case, [["60 s", "45 mm/min"], ["200 s", "60 mm/min"]]; of a single value a
+/// ramp of no length.
+Ramp ramp_in(const std::string& table, const std::string& unit) {
+  std::vector<std::string> quoted;
+  for (auto at = table.find('"'); at != std::string::npos; at = table.find('"', at + 1)) {
+    const auto end = table.find('"', at + 1);
+    quoted.push_back(table.substr(at + 1, end - at - 1));
+    at = end;
+  }
+  const auto number = [&](std::size_t i, const std::string& in) {
+    return parse_quantity(quoted.at(i), in).value.value();
+  };
+  if (quoted.size() < 4) return {.value = {number(0, unit), number(0, unit)}};
+  return {number(0, "s"),
+          number(quoted.size() - 2, "s"),
+          {number(1, unit), number(quoted.size() - 1, unit)}};
+}
+
+/// @param factor  from SI to the unit
+std::string table_of(const Ramp& ramp, double factor, const std::string& unit) {
   constexpr int digits = 6;  // the sum over the perimeter is the one given
   const auto quoted = [&](double value) {
     return fmt::format("\"{} {}\"", short_number(factor * value, digits), unit);
   };
-  const std::string first = quoted(range.first), last = quoted(range.last);
-  if (first == last || !table.starts_with("[[")) return last;
-  const auto place = [&table](std::size_t from) {
-    const auto at = table.find('"', from);
-    return table.substr(at, table.find('"', at + 1) + 1 - at);
-  };
-  return fmt::format("[[{}, {}], [{}, {}]]", place(0), first, place(table.rfind('[')), last);
+  const std::string first = quoted(ramp.value.first), last = quoted(ramp.value.last);
+  if (first == last || ramp.end <= ramp.begin) return last;
+  return fmt::format("[[\"{:.0f} s\", {}], [\"{:.0f} s\", {}]]", ramp.begin, first, ramp.end, last);
 }
 
 const shipped::ShippedText& nearest_case(const Slab& slab) {
@@ -230,6 +274,66 @@ void set_size(const Slab& slab, CaseText& text) {
   }
   text.replace("half_width", "", half_width, "[G] half the length of the wide face");
   text.replace("half_thickness", "", half_thickness, "[G]");
+}
+
+bool differ(double a, double b) {
+  constexpr double rounding = 1e-9;
+  return std::abs(a - b) > rounding * std::max(std::abs(a), std::abs(b));
+}
+
+/// To a multiple of a step, as a plant sets it.
+double rounded(double value, double step) {
+  return step * std::round(value / step);
+}
+
+/// Size of the slab of a shipped case.
+Slab slab_in(const CaseText& text, bool round) {
+  const auto twice = [&](const char* key) {
+    return 2.0 *
+           parse_quantity(text.value(key).substr(1, text.value(key).size() - 2), "m").value.value();
+  };
+  const double width = twice("half_width");
+  return {.size = {width, round ? width : twice("half_thickness")}, .round = round};
+}
+
+/// Speed of a slab. The sump is as deep as speed times thickness squared: at a speed that falls
+/// with the thickness it keeps its proportion to it. A thinner slab is cast no faster: the shell
+/// over its block takes the same time, and AA5182 bleeds out there at 58 instead of 50 mm/min. A
+/// ramp begins and ends at the cast lengths of the shipped case, since these decide how much of the
+/// butt sees which water.
+Ramp speed_of(const Slab& slab, const Slab& base, const Ramp& shipped) {
+  const auto [first, last] = shipped.value;
+  const double factor = std::min(base.size.last / slab.size.last, 1.0);
+
+  Ramp ramp;
+  constexpr double step = 0.5 / mm_per_min;
+  ramp.value =
+      slab.speed.value_or(FigureRange{rounded(factor * first, step), rounded(factor * last, step)});
+  const double before = shipped.begin * first;
+  const double length = (shipped.end - shipped.begin) * (first + last) / 2.0;
+  ramp.begin = before / ramp.value.first;
+  ramp.end = ramp.begin + 2.0 * length / (ramp.value.first + ramp.value.last);
+  return ramp;
+}
+
+/// Water of a slab, on the ramp of its speed. In the end it carries the heat that the metal brings,
+/// speed times area; the first water is that of the shipped case, since it decides how the butt is
+/// wetted.
+Ramp water_of(const Slab& slab, const Slab& base, const Ramp& shipped, const Ramp& speed,
+              const Ramp& shipped_speed) {
+  constexpr FigureRange usual{150e-3 / 60.0, 250e-3 / 60.0};  // [m2/s], docs/alloys.md
+  Ramp ramp = shipped;
+  ramp.begin = speed.begin, ramp.end = speed.end;
+  if (slab.flow) {
+    ramp.value = *slab.flow;
+  } else if (shipped.end > shipped.begin) {
+    const double heat = speed.value.last * slab.area() / slab.perimeter();
+    const double heat_of_shipped = shipped_speed.value.last * base.area() / base.perimeter();
+    const double flow = shipped.value.last * heat / heat_of_shipped;
+    ramp.value.last =
+        rounded(std::clamp(flow, usual.first, usual.last), 1.0 / litres_per_min_per_m);
+  }
+  return ramp;
 }
 
 std::string head_of(const SlabRecipe& recipe, const Slab& slab, const std::string& base) {
@@ -271,26 +375,35 @@ NewCase new_case(const SlabRecipe& recipe) {
                  base.name == standard || slab.round
                      ? "[G]; temperatures of the metal are those of " + base.name
                      : "[G]");
+  const Slab shipped_slab = slab_in(text, slab.round);
   set_size(slab, text);
 
-  const auto set_ramp = [&](const char* key, const FigureRange& range, double factor,
-                            const char* unit, const std::string& comment) {
-    text.replace(key, "", ramp_of(text.value(key), range, factor, unit),
-                 "[G]" + comment + "; when the ramp begins and ends: " + base.name);
-  };
-  if (slab.speed) set_ramp("casting_speed", *slab.speed, mm_per_min, "mm/min", "");
+  const std::string speed_table = text.value("casting_speed"),
+                    water_table = text.value("water_flow");
+  const Ramp shipped_speed = ramp_in(speed_table, "m/s"),
+             shipped_water = ramp_in(water_table, "m2/s");
+  const Ramp speed = speed_of(slab, shipped_slab, shipped_speed);
+  const Ramp water = water_of(slab, shipped_slab, shipped_water, speed, shipped_speed);
+  const std::string by_rule = "[A] by the size, docs/quarter-slab.md",
+                    lengths = "; the ramp has the cast lengths of " + base.name;
+
+  if (slab.speed || differ(speed.value.last, shipped_speed.value.last))
+    text.replace("casting_speed", "", table_of(speed, mm_per_min, "mm/min"),
+                 (slab.speed ? "[G]" : by_rule) + lengths);
 
   const std::string perimeter = short_number(slab.perimeter()) + " m";
-  made.summary = slab_of_card + ", perimeter " + perimeter;
-  if (slab.flow) {
-    const FigureRange whole{slab.flow->first * slab.perimeter(),
-                            slab.flow->last * slab.perimeter()};
-    const std::string total = whole.text(m3_per_hour) + " m3/h";
-    set_ramp("water_flow", *slab.flow, litres_per_min_per_m, "l/min/m",
-             " " + total + " over a perimeter of " + perimeter);
-    made.summary +=
-        fmt::format("; water {} = {} l/min/m", total, slab.flow->text(litres_per_min_per_m));
-  }
+  made.summary =
+      slab_of_card + ", perimeter " + perimeter + "; " + speed.value.text(mm_per_min) + " mm/min";
+  const FigureRange whole{water.value.first * slab.perimeter(),
+                          water.value.last * slab.perimeter()};
+  const std::string total = whole.text(m3_per_hour) + " m3/h";
+  made.summary +=
+      fmt::format("; water {} = {} l/min/m", total, water.value.text(litres_per_min_per_m));
+  if (slab.flow || differ(water.value.last, shipped_water.value.last) ||
+      differ(water.end, shipped_water.end))
+    text.replace("water_flow", "", table_of(water, litres_per_min_per_m, "l/min/m"),
+                 (slab.flow ? "[G] " : by_rule + ": ") + total + " over a perimeter of " +
+                     perimeter + lengths);
 
   made.text = text.text();
   return made;

@@ -263,8 +263,8 @@ class Output(Commands):
 
         said = self.dccast("validate", "--local", path, "--drawing",
                            os.path.join(self.folder, "slab.html"))
-        words = ("slab 1320 x 570 mm of aa5182, speed 45 -> 55 mm/min from 60 s to 200 s (over "
-                 "116.7 mm), water 110.2 -> 198.4 l/min/m = 25 -> 45 m3/h")
+        words = ("slab 1320 x 570 mm of aa5182, speed 45 -> 55 mm/min from 51 s to 174 s (over "
+                 "102.5 mm), water 110.2 -> 198.4 l/min/m = 25 -> 45 m3/h")
         self.assertEqual(said.stdout.splitlines()[0], words)
         self.assertEqual(json.loads(self.dccast("validate", "--local", "--json", path).stdout)["casting"],
                          words)
@@ -275,6 +275,17 @@ class Output(Commands):
                                                     code=2).stderr)
         self.assertIn("not both", self.dccast("new", "start-3d", "--slab", "1320x570mm", code=2).stderr)
         self.assertIn("belong to --slab", self.dccast("new", "--speed", "45mm/min", code=2).stderr)
+
+    def test_a_new_case_is_checked_by_a_draft(self):
+        path = os.path.join(self.folder, "slab.toml")
+        recipe = ("new", "--slab", "1860x510mm", "--alloy", "aa1050", "--check")
+        self.assertIn("give --out FILE", self.dccast(*recipe, code=2).stderr)
+
+        checked = self.dccast(*recipe, "--out", path)
+        self.assertIn("curls at the end", checked.stdout)
+        self.assertIn("changed: quality = draft", checked.stdout + checked.stderr)
+        with open(path, encoding="utf-8") as file:
+            self.assertIn('quality = "engineering"', file.read())
 
     def test_new_asks_on_a_terminal(self):
         # Only what is at fault is asked for again.

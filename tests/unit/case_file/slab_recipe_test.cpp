@@ -137,6 +137,55 @@ TEST(NewCase, OfNothingButItsSizeIsTheShippedCase) {
   EXPECT_EQ(c.DebugString(), shipped.DebugString());
 }
 
+/// Speed times thickness is that of the shipped slab, and so are the cast lengths of the ramp.
+TEST(NewCase, SpeedFollowsTheThickness) {
+  SlabRecipe one{.slab = "1320x760mm", .alloy = "aa3104", .speed = "", .water = ""};
+  EXPECT_THAT(new_case(one).faults, SizeIs(1)) << "thicker than the rules hold for";
+  one.slab = "1320x712.5mm";
+  const v1::Curve speed = made(one).schedule().casting_speed_m_per_s();
+  EXPECT_NEAR(speed.value(0), 0.8 * 45 * mm_per_min, 1e-9);
+  EXPECT_NEAR(speed.value(1), 0.8 * 60 * mm_per_min, 1e-9);
+  EXPECT_DOUBLE_EQ(speed.at(0), 75.0);   // 45 mm
+  EXPECT_DOUBLE_EQ(speed.at(1), 250.0);  // and 122.5 mm more
+}
+
+TEST(NewCase, AThinSlabIsCastNoFaster) {
+  const SlabRecipe thin{.slab = "1320x400mm", .alloy = "aa5182", .speed = "", .water = ""};
+  const v1::Curve speed = made(thin).schedule().casting_speed_m_per_s();
+  EXPECT_NEAR(speed.value(0), 38 * mm_per_min, 1e-9);
+  EXPECT_NEAR(speed.value(1), 50 * mm_per_min, 1e-9);
+  EXPECT_DOUBLE_EQ(speed.at(1), 200.0);
+}
+
+TEST(NewCase, ARampHasTheCastLengthsOfTheShippedOne) {
+  SlabRecipe one{.slab = "1320x570mm", .alloy = "aa3104", .speed = "30..80mm/min", .water = ""};
+  const auto schedule = made(one).schedule();
+  EXPECT_DOUBLE_EQ(schedule.casting_speed_m_per_s().at(0), 90.0);
+  EXPECT_DOUBLE_EQ(schedule.casting_speed_m_per_s().at(1), 224.0);  // 122.5 mm at 55 mm/min
+  EXPECT_DOUBLE_EQ(schedule.water_flow_m2_per_s().at(1), 224.0);
+}
+
+/// The last water carries speed times area per perimeter: 57 mm/min over 1.32 / 5.6 m against 60
+/// over 0.7524 / 3.78.
+TEST(NewCase, WaterFollowsTheHeat) {
+  const SlabRecipe wide{.slab = "2200x600mm", .alloy = "aa3104", .speed = "", .water = ""};
+  const v1::Curve flow = made(wide).schedule().water_flow_m2_per_s();
+  EXPECT_NEAR(flow.value(0), 1.5e-3, 1e-9);
+  EXPECT_NEAR(flow.value(1), 203e-3 / 60, 1e-9) << 180 * 0.95 * (1.32 / 5.6) / (0.7524 / 3.78);
+  EXPECT_THAT(new_case(wide).summary, HasSubstr("43 -> 57 mm/min"));
+}
+
+TEST(NewCase, SizesBeyondTheRulesAreRefused) {
+  for (const char* size : {"2700x600mm", "390x300mm", "1000x190mm", "1320x800mm"}) {
+    const NewCase made = new_case({.slab = size, .alloy = "", .speed = "", .water = ""});
+    ASSERT_THAT(made.faults, SizeIs(1)) << size;
+    EXPECT_THAT(made.faults[0], HasSubstr("mm; the rules of `dccast new` hold from")) << size;
+  }
+  SlabRecipe billet;
+  billet.billet = "600mm";
+  EXPECT_THAT(new_case(billet).faults, SizeIs(1));
+}
+
 TEST(NewCase, SaysOfEveryFigureWhereItComesFrom) {
   const std::string text = new_case(recipe()).text;
   EXPECT_THAT(text, HasSubstr("dccast new --slab 1320x570mm --alloy aa5182 --speed 45..55mm/min "
