@@ -8,6 +8,7 @@
 #include "client/html/html_parts.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/table.hpp"
+#include "proto/case_file/remedies.hpp"
 
 namespace dccast::client {
 namespace {
@@ -71,6 +72,12 @@ std::string when(const v1::Finding& finding) {
   return finding.has_time_s() ? fixed(finding.time_s(), 2) + " s" : "";
 }
 
+/// What helps, where it is sure, or what computes it.
+std::string remedy_of(const v1::Finding& finding) {
+  if (!finding.remedy().empty()) return " " + finding.remedy();
+  return case_file::advice_against(finding).empty() ? "" : " dccast remedy computes what helps.";
+}
+
 std::string html_row(const v1::Finding& finding) {
   return fmt::format(
       "<tr class='{0}'><th scope='row'>{0}</th><td>{1} <b>{2}</b><small>{3}; {4}</small></td>"
@@ -85,8 +92,7 @@ std::string html_row(const v1::Finding& finding) {
 std::string finding_line(const v1::Finding& finding) {
   const std::string time = when(finding), more = particulars(finding);
   return severity_text(finding.severity()) + ": " + finding.code() +
-         (time.empty() ? "" : " at " + time) + ": " + message_text(finding) +
-         (finding.remedy().empty() ? "" : " " + finding.remedy()) +
+         (time.empty() ? "" : " at " + time) + ": " + message_text(finding) + remedy_of(finding) +
          (more.empty() ? "" : " [" + more + "]");
 }
 

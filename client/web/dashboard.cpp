@@ -28,6 +28,7 @@
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/plant_words.hpp"
+#include "proto/case_file/remedies.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/case_file/slab_recipe.hpp"
 #include "proto/figures/plant_units.hpp"
@@ -136,6 +137,7 @@ Json job_json(Connection& connection, const std::string& id) {
   const v1::Job job = job_of(connection, id);
   const v1::QueryResultResponse result = query_result(connection, job.id());
   return {{"job", to_json(job)},
+          {"has_levers", !case_file::advice_against(job.findings()).empty()},
           {"steps", json_list(result.steps(), step_json)},
           {"wanted", wanted_json(result.case_())},
           {"levers", levers_json(job.casting())},

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <optional>
 
@@ -84,11 +83,6 @@ bool is_at_lower_limit(const v1::Finding& finding) {
   return finding.has_limit() && finding.value() < finding.limit();
 }
 
-std::string capitalised(std::string text) {
-  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  return text;
-}
-
 bool is_factor(const PlantLever& lever) {
   return std::string_view(lever.key).ends_with(".scale");
 }
@@ -136,14 +130,10 @@ bool has_advice_row(std::string_view code) {
 }
 
 std::string remedy_text(const v1::Finding& finding) {
-  const std::vector<Advice> advice = advice_against(finding);
-  std::string text;
-  for (std::size_t i = 0; i < advice.size(); ++i) {
-    const auto& [lever, direction] = advice[i];
-    if (i > 0) text += i + 1 == advice.size() ? " or " : ", ";
-    text += fmt::format("{} {}", lever->verb, direction == less ? lever->less : lever->more);
-  }
-  return text.empty() ? text : capitalised(text) + ".";
+  // This finding is one of the metal temperature itself. Every other one has several causes, and
+  // drafts of the casting at hand may refute any lever against it.
+  if (finding.code() == "no_superheat") return "Pour hotter.";
+  return {};
 }
 
 std::vector<Advice> advice_against(

@@ -37,7 +37,7 @@ std::vector<Advice> advice_against(const v1::Finding& finding);
 /// Whether the table of levers has this code of a finding, with levers or without.
 bool has_advice_row(std::string_view code);
 
-/// "Hold longer, cast slower or pour colder."; empty where no lever helps.
+/// What is sure to help against a finding, "Pour hotter."; empty where it has to be computed.
 std::string remedy_text(const v1::Finding& finding);
 
 /// The levers that influence some findings, each once; the direction is that of the first finding.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "proto/figures/rounding.hpp"
 #include "proto/figures/run_history.hpp"
 #include "server/judging/study_parts.hpp"
 
@@ -249,8 +250,10 @@ std::string effect_text(const Answer& answer, const Effect& effect) {
                        figure_text(*effect.value, unit, answer.error), plant_unit(unit).name());
   }
   if (effect.curl && effect.curl->verdict() == Verdict::real)
-    text += fmt::format("{}{} {:+.1f} ± {:.1f} mm", text.empty() ? "" : "; ", effect.curl->monitor,
-                        1e3 * effect.curl->end_m, 1e3 * effect.curl->error_m.value_or(0.0));
+    text += fmt::format("{0}{1} {2:+.{4}f} ± {3:.{4}f} mm", text.empty() ? "" : "; ",
+                        effect.curl->monitor, 1e3 * effect.curl->end_m,
+                        1e3 * effect.curl->error_m.value_or(0.0),
+                        figures::mm_decimals(effect.curl->error_m));
   if (!effect.warnings.empty())
     text += (text.empty() ? "raises " : "; raises ") + joined(effect.warnings, ", ");
   return text.empty() ? text : ": " + text;
@@ -349,9 +352,13 @@ void add_table_of(const Answer& answer, v1::Judgement& judgement) {
   *table.add_columns() =
       number_column("figure", "worst", answer.figure == nullptr ? "" : unit_of(*answer.figure),
                     shown > 0.0 ? std::pow(10.0, std::floor(std::log10(shown))) : 1e-5);
+  // Two digits of the smallest error, as in the sentences.
+  double finest = 1e-4;
+  for (const Effect& effect : answer.effects)
+    if (effect.curl && figures::mm_decimals(effect.curl->error_m) > 1) finest = 1e-5;
   *table.add_columns() = text_column("verdict", "difference");
   *table.add_columns() = text_column("finding", "finding");
-  *table.add_columns() = number_column("curl_difference", "curl", "m", 1e-4);
+  *table.add_columns() = number_column("curl_difference", "curl", "m", finest);
   table.mutable_columns()->rbegin()->set_is_signed(true);
   table.mutable_columns()->rbegin()->set_has_error(true);
   *table.add_columns() = text_column("raised", "raised");

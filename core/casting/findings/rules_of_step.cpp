@@ -106,7 +106,7 @@ Found steam_lifts_butt(const Case& c, const StepFigures& f) {
   return Exceeded{PlacedFigure{f.steam_share}, limit,
                   fmt::format("Steam under the butt presses up with {:.3g} times the weight of the "
                               "metal, more than {:.3g}: the slab bumps on the block, and the shell "
-                              "may tear. Less water, a later gap or drain holes help.",
+                              "may tear.",
                               f.steam_share, limit)};
 }
 

@@ -45,9 +45,10 @@ Findings list_of(std::initializer_list<v1::Finding> findings) {
 }
 
 TEST(FindingLine, SaysAllThatIsKnownAndNothingElse) {
-  EXPECT_EQ(finding_line(thin_shell()),
-            "danger: bleed_out_at_exit at 15.00 s: The shell is thin <here>. [1.2 mm, limit 5 mm; "
-            "x 280.0 mm, y 45.0 mm; plausibility.minimum_shell]");
+  EXPECT_EQ(
+      finding_line(thin_shell()),
+      "danger: bleed_out_at_exit at 15.00 s: The shell is thin <here>. dccast remedy computes "
+      "what helps. [1.2 mm, limit 5 mm; x 280.0 mm, y 45.0 mm; plausibility.minimum_shell]");
   EXPECT_EQ(finding_line(remark()), "note: remark: Well.");
 }
 
@@ -62,7 +63,8 @@ TEST(FindingLine, BeginsWithTheWorstExceedanceWhereItIsNotTheFirst) {
   finding.mutable_worst()->add_place_m(0.045);
   EXPECT_EQ(finding_line(finding),
             "danger: bleed_out_at_exit at 15.00 s: At worst 0.4 mm, at 21.50 s. The shell is thin "
-            "<here>. [1.2 mm, limit 5 mm; x 280.0 mm, y 45.0 mm; worst at x 270.0 mm, y 45.0 mm; "
+            "<here>. dccast remedy computes what helps. [1.2 mm, limit 5 mm; x 280.0 mm, y 45.0 "
+            "mm; worst at x 270.0 mm, y 45.0 mm; "
             "plausibility.minimum_shell]");
   EXPECT_THAT(findings_part(list_of({finding})),
               HasSubstr("<td>At worst 0.4 mm, at 21.50 s. The shell is thin &lt;here&gt;."));

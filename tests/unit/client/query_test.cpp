@@ -56,10 +56,11 @@ TEST_F(Query, FindingsComeFirst) {
   v1::Finding& finding = *service.result.add_findings();
   finding.set_severity(v1::Finding::WARNING);
   finding.set_code("no_superheat");
-  finding.set_message("the metal is poured at its liquidus");
+  finding.set_message("The metal is poured at its liquidus.");
+  finding.set_remedy("Pour hotter.");
   EXPECT_THAT(run({"query", file}).out,
-              testing::StartsWith(
-                  "warning: no_superheat: the metal is poured at its liquidus\ncurls at the end"));
+              testing::StartsWith("warning: no_superheat: The metal is poured at its liquidus. "
+                                  "Pour hotter.\ncurls at the end"));
 }
 
 TEST_F(Query, JsonHasTheHistory) {

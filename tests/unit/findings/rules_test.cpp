@@ -247,6 +247,8 @@ TEST_P(OfStep, IsRaisedBeyondItsLimitAndJustNotAtIt) {
   EXPECT_EQ(raised->time, 12.5);
   EXPECT_EQ(raised->severity, row.severity);
   expect_complete(*raised);
+  // Which lever helps is computed (dccast remedy), not claimed.
+  EXPECT_EQ(raised->message.find(" help"), std::string::npos) << raised->message;
 
   ASSERT_TRUE(raised->worst);
   EXPECT_EQ(raised->worst->time, 12.5);

@@ -21,10 +21,10 @@ TEST(FindingToProto, EveryCodeHasItsRowOfLevers) {
     EXPECT_TRUE(case_file::has_advice_row(rule.code)) << rule.code;
 }
 
-TEST(FindingToProto, NamesWhatAPlantCanChange) {
+TEST(FindingToProto, HasItsRemedy) {
   results::Finding finding;
-  finding.code = "thin_shell";
-  EXPECT_EQ(to_proto(finding).remedy(), "Cast slower or pour colder.");
+  finding.code = "no_superheat";
+  EXPECT_EQ(to_proto(finding).remedy(), "Pour hotter.");
 }
 
 TEST(StepToProto, NamesTheMonitors) {
