@@ -50,7 +50,6 @@ bar.TitleColor = bar.LabelColor = [0, 0, 0]
 
 view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [2, 1.6, 0.7], [0.3, 0.15, 0.1], [0, 0, 1]
 simple.ResetCamera(view)
-simple.GetActiveCamera().Dolly(1.3)
 simple.Render(view)
 simple.SaveScreenshot(picture, view)
 print(picture)

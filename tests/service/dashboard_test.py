@@ -632,6 +632,19 @@ class Pages(InBrowser):
             self.assertGreater(sum(map(int, ink[4:-1].split(","))),
                                sum(map(int, paper[4:-1].split(","))))
 
+    def test_drawings_are_made_anew_when_a_phone_is_turned(self):
+        widths = lambda: self.browser.execute_script(
+            "return [...document.querySelectorAll('main figure > svg, svg.casting')]"
+            ".map(svg => svg.viewBox.baseVal.width)")
+        self.on_phone()
+        for page, upright, across in ((f"job/{self.finished_job('steps=20')}", 334, 788), ("new", 700, 640)):
+            self.go(page)
+            until(lambda: upright in widths(), 20)
+            self.on_phone(844)
+            until(lambda: across in widths() and upright not in widths(), 5)
+            self.on_phone()
+            until(lambda: upright in widths() and across not in widths(), 5)
+        self.assertEqual(self.complaints(), [])
 
     def test_on_a_phone_nothing_is_hidden_sideways(self):
         study = str(uuid.uuid4())
@@ -809,6 +822,18 @@ class RealPages(InBrowser):
         self.assertEqual(self.pixels()[0], whole)
         self.assertEqual((self.text(".ruler"), self.find(".ruler").rect["width"]), scale)
 
+        # What is colder than a value, closed by the surface on which the field has it.
+        self.find(".cuts option[value='3']").click()
+        self.wait_for(" °C", ".cuts output")
+        half = self.pixels()[0]
+        self.assertLess(half, whole)
+        slider = self.find(".cuts input[type=range]")
+        for _ in range(20):
+            slider.send_keys(Keys.ARROW_LEFT)
+        self.assertLess(self.pixels()[0], half)
+        self.find(".cuts option[value='-1']").click()
+        self.assertEqual(self.pixels()[0], whole)
+
         # The gap to the block is seen from below at once.
         self.find("select[aria-label=Field] option[value=gap_m]").click()
         self.wait_for("Gap to the block, mm", "svg.colours")
@@ -825,8 +850,32 @@ class RealPages(InBrowser):
         self.wait_for(" 0.0 s: ", ".probe")  # the value follows time
         time_slider.send_keys(Keys.ARROW_RIGHT)
         self.wait_for(" 10.0 s: ", ".probe")
+
+        # From the first frame to the last.
+        self.browser.execute_script("""
+            window.seen = []; const shown = document.querySelector('.levers.row output');
+            new MutationObserver(() => seen.push(shown.textContent)).observe(shown, {childList: true});""")
+        self.press("Play")
+        self.wait_up_to(10).until(
+            lambda _: self.browser.execute_script("return seen") == [f"{t}.0 s" for t in range(-60, 20, 10)])
+        self.press("Play")  # it has ended
+        self.press("Stop")
         canvas.send_keys(Keys.ARROW_LEFT)
         self.assertNotEqual(self.pixels()[0], cut[0])
+        self.assertEqual(self.complaints(), [])
+
+    def test_slabs_that_are_compared_stand_side_by_side_and_turn_together(self):
+        jobs = [self.submit_case("start-3d.toml", "quality=draft", "time.end=10 s", f"time.step={step} s")
+                for step in (2, 5)]
+        for job in jobs:
+            self.client.until_state(job, job_pb2.SUCCEEDED, seconds=60)
+        self.go("compare/" + "/".join(jobs))
+        self.wait_up_to(60).until(lambda _: len(self.browser.find_elements(By.CSS_SELECTOR, ".ruler")) == 2)
+        scales = lambda: [ruler.rect["width"] for ruler in self.browser.find_elements(By.CSS_SELECTOR, ".ruler")]
+        until(lambda: len(set(scales())) == 1 and scales()[0] > 1, 20)
+        before = scales()[0]
+        self.find("canvas").send_keys("+")
+        until(lambda: len(set(scales())) == 1 and scales()[0] != before, 5)
         self.assertEqual(self.complaints(), [])
 
     def test_fields_curves_and_files_of_the_slab(self):

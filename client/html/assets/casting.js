@@ -1,15 +1,12 @@
 // The start of a case: the section through the middle of the wide face, to scale, with metal, mould,
 // zones, water line and block with its bowl and holes, and the ramps of speed and water.
-import {drawingWidth} from './chart.js';
+import {fitted} from './chart.js';
 import {h} from './dom.js';
 import {picture} from './drawn.js';
 
 // Sizes of the drawing; the metal level is at `level`.
 const width = 640, level = 40, lowest = 380;
 const axis = 20, face = 290, mould = 26, names = 334;  // symmetry plane, mould wall, labels
-
-/** Whether the page is narrower than the drawing: its letters are larger then, and take more room. */
-const isNarrow = () => drawingWidth(width) < width;
 
 const lengthText = metres => `${Number((1e3 * metres).toPrecision(4))} mm`;
 const rect = (kind, x, y, wide, high) => h('rect', {class: kind, x, y, width: wide, height: high});
@@ -59,8 +56,8 @@ function holesOf(start, holes) {
 
 const corners = points => points.map(point => point.map(v => v.toFixed(1)).join()).join(' ');
 
-/** Names beside the mould, from top to bottom without overlap. */
-function labels(start, zones, holes) {
+/** Names beside the mould, from top to bottom without overlap. @param apart  least distance of two */
+function labels(start, zones, holes, apart) {
   const {bowl} = start, widths = [...new Set(holes.map(hole => lengthText(hole.diameter_m)))];
   const wanted = [
     [level, 'metal level'],
@@ -77,12 +74,13 @@ function labels(start, zones, holes) {
   let free = 0;
   return wanted.map(([y, text]) => {
     const at = Math.max(y, free);
-    free = at + (isNarrow() ? 24 : 17);
+    free = at + apart;
     return [line('zero', face + mould + 2, y, names - 4, at), h('text', {x: names, y: at + 4}, text)];
   });
 }
 
-function sectionDrawing(given) {
+/** @param isNarrow  the page is narrower than the drawing: its letters are larger, and take more room */
+function sectionDrawing(given, isNarrow) {
   const start = startOf(given), {x, y} = start, zones = given.cooling.zone || [];
   const holes = given.cooling.bottom_block.drain_hole || [], surface = blockSurface(start);
   const blockTop = surface.map(([px, py]) => [Math.min(px, face - 3), py]);  // a gap to the mould
@@ -93,7 +91,7 @@ function sectionDrawing(given) {
   return h(
     'svg', {
       class: 'casting',
-      viewBox: `0 0 ${isNarrow() ? width + 60 : width} ${end + 36}`,
+      viewBox: `0 0 ${isNarrow ? width + 60 : width} ${end + 36}`,
       role: 'img',
       'aria-label': 'Section through the start of the casting'
     },
@@ -108,12 +106,12 @@ function sectionDrawing(given) {
     centred(middle, (level + block) / 2 + 4, 'metal'),
     centred(middle, (surface[0][1] + end) / 2 + 4, 'bottom block'),
     h('text', {x, y: end + 24}, `${lengthText(start.half)} to the ${plane}`),
-    labels(start, zones, holes).flat());
+    labels(start, zones, holes, isNarrow ? 24 : 17).flat());
 }
 
 /** @param case  a complete case (case.proto) @param charts  its speed and water, for picture() */
 export function castingDrawing({case: given, charts}) {
   return h(
-    'div', {class: 'pair'}, sectionDrawing(given),
+    'div', {class: 'pair'}, fitted(across => sectionDrawing(given, across < width), width),
     h('div', {}, charts.map(chart => picture(chart, width))));
 }

@@ -8,8 +8,22 @@ const height = 320, left = 52, right = 12, top = 22, bottom = 40;
  * Units across a drawing: on a page that is narrower, as on a phone, those of the page, so that
  * letters keep their size.
  */
-export const drawingWidth = (wanted = 900) =>
+const drawingWidth = (wanted = 900) =>
   Math.min(wanted, Math.max(300, (globalThis.innerWidth ?? wanted + 56) - 56));
+
+/**
+ * What is drawn, made anew when drawings get another width, as when a phone is turned.
+ * @param draw  (width) of the drawing; gives one element
+ */
+export function fitted(draw, wanted) {
+  const width = drawingWidth(wanted), drawn = draw(width);
+  new ResizeObserver((_, observer) => {
+    if (drawingWidth(wanted) === width || !drawn.isConnected) return;
+    observer.disconnect();
+    requestAnimationFrame(() => drawn.replaceWith(fitted(draw, wanted)));
+  }).observe(drawn);
+  return drawn;
+}
 
 /** Round values that divide a range. */
 export function ticks(low, high, about = 6) {
@@ -166,9 +180,10 @@ function followPointer(svg, cursor, legend, lines, {x0, x1, px, xAt}, width) {
  *   wanted: {low, high, name} as y, infinite where it has no end,
  *   beyond: x from which on the model is not valid, width: of the drawing}
  */
-export function chart(lines, options) {
+export const chart = (lines, options) => fitted(width => figure(lines, options, width), options.width);
+
+function figure(lines, options, width) {
   const {title, xLabel, yLabel, wanted = null, beyond = Infinity, unit = 'mm'} = options;
-  const width = drawingWidth(options.width);
   const place = placement(lines, wanted, width), end = width - right;
 
   const parts = [

@@ -3,7 +3,7 @@
 import {chart, ticks} from './chart.js';
 import {fixed, h, replace} from './dom.js';
 import {
-  cut, fieldsOf, fieldValues, locate, magnification, readFrame, shown, spreadFromBottom, temperature,
+  byValue, cut, fieldsOf, fieldValues, locate, magnification, readFrame, shown, spreadFromBottom, temperature,
   valueAtPlace
 } from './frame_data.js';
 import {
@@ -71,9 +71,10 @@ function rangeOf(values) {
  * @param source  where its frames are: look() gives {times, fields, reason: why there are none,
  *   beyond: time from which on the model is not valid}, frame(number) and field(number, name) bytes
  * @param title  of the run, for pictures
+ * @param beside  {}, the same for slabs that stand side by side: they are turned together
  * @return {is3d, refresh, copy}: refresh() looks for further frames, copy() draws another view
  */
-export async function frameViewer(box, signal, source, title) {
+export async function frameViewer(box, signal, source, title, beside = {}) {
   const frames = new Frames(source);
   await frames.look();
   if (frames.times.length === 0) throw new Error(frames.reason || 'No frame is stored.');
@@ -87,7 +88,7 @@ export async function frameViewer(box, signal, source, title) {
   const bar = h('div'), probe = h('p', {role: 'status', class: 'soft probe'}), picture = h('div');
   const hint = 'Drag to turn, wheel or + and - to zoom, click for values at a point.';
 
-  const eye = {...views['From the corner'], size: 1, centre: [0, 0, 0]};
+  const eye = beside.eye ??= {...views['From the corner'], size: 1, centre: [0, 0, 0]};
   let frame = null, number = frames.times.length, values = null, range = [0, 1], scale = 1,
       axis = -1, depth = 0.5, asked = 0;
   let point = null, end = null, drawnTimes = 0;
@@ -95,21 +96,25 @@ export async function frameViewer(box, signal, source, title) {
   // ---- Drawing
 
   const is3d = () => frame.dimension === 3;
+  const isPlane = () => axis >= 0 && axis !== byValue;
+  /** Where the cut is [m]; by value what is cut away is above it, in shares of the range of the colours. */
   const plane = () => {
+    if (axis === byValue) return depth;
     const {low, high} = boundsOf(frame);
     return low[axis] + depth * (high[axis] - low[axis]);
   };
   /** @param shownField, between  what the painter has, and the range of its colours */
   function paint(shownField, between) {
     const keep = [0, 0, 0, 1];
-    if (axis >= 0) {
+    if (isPlane()) {
       keep[axis] = 1;
       keep[3] = plane() + 1e-6;
     }
+    const most = axis === byValue ? plane() : Infinity;
     const scaled = v => (v - between[0]) / (between[1] - between[0]);
     const fronts =
       shownField === temperature ? [scaled(frame.solidus), scaled(frame.liquidus)] : [-5, -5];
-    painter.draw({eye, scale, keep, fronts, contours: ticks(...between).values.map(scaled)});
+    painter.draw({eye, scale, keep, most, fronts, contours: ticks(...between).values.map(scaled)});
   }
   function draw() {
     asked = 0;
@@ -123,14 +128,17 @@ export async function frameViewer(box, signal, source, title) {
   const redraw = () => {
     if (!asked && frame) asked = requestAnimationFrame(draw);
   };
+  (beside.redraws ??= []).push(redraw);
+  const redrawAll = () => beside.redraws.forEach(one => one());
   const cutNow = () => painter.setCap(
     axis < 0 || !is3d() ? new Float32Array() : cut(frame, painter.scaled, axis, plane()));
 
   /** The slab, or the cut through it, fills the canvas. */
   function fillCanvas() {
     const {low, high} = boundsOf(frame);
-    if (axis >= 0) low[axis] = high[axis] = plane();
+    if (isPlane()) low[axis] = high[axis] = plane();
     fit(eye, low, high, canvas);
+    redrawAll();
   }
 
   function onScreen(place, moved) {
@@ -169,7 +177,7 @@ export async function frameViewer(box, signal, source, title) {
 
     painter.setFrame(frame, spreadFromBottom(frame, values), range);
     if (first) begin();
-    cutNow();
+    cutMoved();
     replace(bar, colourBar(name, unit, range));
     lines.textContent = extremesText(unit) + (chosen !== temperature ? '' :
       ` White lines: solidus ${fixed(frame.solidus, 0)} and liquidus ${fixed(frame.liquidus, 0)} °C.`);
@@ -177,7 +185,6 @@ export async function frameViewer(box, signal, source, title) {
       'aria-label',
       `${name} of the slab at ${fixed(frame.time, 1)} s, ${fixed(1e3 * frame.length, 0)} mm cast`);
     showPoint();
-    redraw();
   }
   let held = '';
   const failed = fault => {
@@ -240,7 +247,8 @@ export async function frameViewer(box, signal, source, title) {
     const limit = axis >= 0 ? plane() + 1e-6 : Infinity;
     for (const n of frame.triangle) {
       const place = frame.place.subarray(3 * n, 3 * n + 3);
-      if (axis < 0 || place[axis] <= limit) look(place, frame.moved.subarray(3 * n, 3 * n + 3));
+      const along = axis === byValue ? painter.scaled[n] : place[axis];
+      if (axis < 0 || along <= limit) look(place, frame.moved.subarray(3 * n, 3 * n + 3));
     }
     if (axis >= 0) {
       const cap = cut(frame, painter.scaled, axis, plane());
@@ -383,11 +391,11 @@ export async function frameViewer(box, signal, source, title) {
     if (!frame || !is3d()) return;
     eye.yaw += yaw;
     eye.pitch = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, eye.pitch + pitch));
-    redraw();
+    redrawAll();
   }
   function zoom(factor) {
     eye.size *= factor;
-    redraw();
+    redrawAll();
   }
 
   // ---- Controls
@@ -436,7 +444,24 @@ export async function frameViewer(box, signal, source, title) {
   const hold = h('input', {type: 'checkbox', onchange: again});
   const time = slider(
     'Time', {min: 1, max: frames.times.length, step: 1, value: frames.times.length},
-    n => show(n).catch(failed));
+    n => {
+      playing = false;
+      show(n).catch(failed);
+    });
+  let playing = false;
+  const player = button('Play', play);
+  /** Shows one frame after another, from the first if the last is shown; pressed again, it stops. */
+  async function play() {
+    playing = !playing;
+    if (!playing) return;
+    player.textContent = 'Stop';
+    for (let n = number % frames.times.length + 1; playing && !signal.aborted; n++) {
+      time.input.value = n;
+      await Promise.all([show(n), new Promise(shown => { setTimeout(shown, 150); })]);
+      if (n >= frames.times.length) playing = false;
+    }
+    player.textContent = 'Play';
+  }
   const bent = slider('Deformation', {min: 0, max: 20, step: 1, value: 1}, value => {
     bend(value);
     redraw();
@@ -451,8 +476,12 @@ export async function frameViewer(box, signal, source, title) {
       depth = value;
       cutMoved();
     });
+  const levelText = () => {
+    const [low, high] = range;
+    return `${numberText(low + depth * (high - low), high - low)} ${shown(field()).unit}`;
+  };
   function cutMoved() {
-    deep.output.textContent = axis < 0 ? '' : `${fixed(1e3 * plane(), 0)} mm`;
+    deep.output.textContent = axis < 0 ? '' : isPlane() ? `${fixed(1e3 * plane(), 0)} mm` : levelText();
     cutNow();
     redraw();
   }
@@ -460,13 +489,13 @@ export async function frameViewer(box, signal, source, title) {
     'Cut',
     [
       ['-1', 'whole'], ['0', 'across the width'], ['1', 'across the thickness'],
-      ['2', 'at a height']
+      ['2', 'at a height'], [`${byValue}`, 'where it is below a value']
     ],
     () => {
       axis = Number(across.input.value);
       deep.input.disabled = axis < 0;
       // The eye stays where it is, if it sees the cut from there.
-      if (axis >= 0 && !seesCut(eye, axis)) {
+      if (isPlane() && !seesCut(eye, axis)) {
         Object.assign(eye, viewOfCut(axis));
         fillCanvas();
       }
@@ -475,7 +504,6 @@ export async function frameViewer(box, signal, source, title) {
   const look = select('View', Object.keys(views).map(name => [name, name]), () => {
     Object.assign(eye, views[look.input.value]);
     fillCanvas();
-    redraw();
   });
 
   const pointBox =
@@ -497,7 +525,7 @@ export async function frameViewer(box, signal, source, title) {
 
   replace(
     box, h('h2', {}, 'Slab'),
-    h('div', {class: 'bar'}, choice, h('label', {}, hold, ' Hold the colours'),
+    h('div', {class: 'bar'}, choice, h('label', {}, hold, ' Hold the colours'), player,
       button('Picture (PNG)', savePicture), button('Data (CSV)', saveData)),
     stage, bar, lines, h('div', {class: 'levers row'}, time.label, bent.label, solidOnly), probe,
     h('div', {class: 'bar'}, h('label', {}, 'Point ', pointBox), button('Over time', overTime),

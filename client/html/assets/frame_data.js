@@ -149,14 +149,18 @@ const simplices = {
   3: {4: [[0, 1, 2, 3]], 8: hexahedron},
 };
 
+/** In place of an axis: the surface on which a field has a value. */
+export const byValue = 3;
+
 /**
- * What a plane shows of the inside: triangles with place, displacement and value.
- * @param axis  0 to 2 @param at  its place [m]
+ * What a plane, or a surface of one value, shows of the inside: triangles with place, displacement and value.
+ * @param axis  0 to 2, or byValue @param at  its place [m], or the value
  */
 export function cut(frame, values, axis, at) {
   const {place, moved, element, perElement} = frame, out = [];
+  const along = axis === byValue ? n => values[n] : n => place[3 * n + axis];
   const add = (a, b) => {
-    const s = (at - place[3 * a + axis]) / (place[3 * b + axis] - place[3 * a + axis]);
+    const s = (at - along(a)) / (along(b) - along(a));
     for (const field of [place, moved])
       for (let c = 0; c < 3; c++)
         out.push(field[3 * a + c] + s * (field[3 * b + c] - field[3 * a + c]));
@@ -165,7 +169,7 @@ export function cut(frame, values, axis, at) {
 
   const tetrahedron = (...corners) => {
     const below = [], above = [];
-    for (const n of corners) (place[3 * n + axis] < at ? below : above).push(n);
+    for (const n of corners) (along(n) < at ? below : above).push(n);
     if (below.length === 0 || above.length === 0) return;
     if (below.length === 2) {
       const [p, q] = below, [r, s] = above;
@@ -185,7 +189,7 @@ export function cut(frame, values, axis, at) {
   for (let e = 0; e < element.length; e += perElement) {
     let below = 0;
     for (let k = e; k < e + perElement; k++)
-      if (place[3 * element[k] + axis] < at) below++;
+      if (along(element[k]) < at) below++;
     if (below === 0 || below === perElement) continue;
     for (const part of parts) tetrahedron(...part.map(k => element[e + k]));
   }

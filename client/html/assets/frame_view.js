@@ -1,5 +1,5 @@
 // How a frame is drawn: the eye, the shaders, the colour bar.
-import {drawingWidth, ticks} from './chart.js';
+import {fitted, ticks} from './chart.js';
 import {fixed, h} from './dom.js';
 
 /**
@@ -74,10 +74,10 @@ export const viewOfCut =
 
 const vertex =
   `attribute vec3 place, moved; attribute float value;
-uniform mat4 view; uniform float scale; uniform vec4 keep;
+uniform mat4 view; uniform float scale, most; uniform vec4 keep;
 varying float t; varying vec3 p; varying float side;
 void main() {
-  p = place + scale * moved; t = value; side = keep.w - dot(keep.xyz, place);
+  p = place + scale * moved; t = value; side = min(keep.w - dot(keep.xyz, place), most - t);
   gl_Position = view * vec4(p, 1.0);
 }`;
 // Bands of colour, grey without a value; light from the normal of the face, so that the form is
@@ -91,7 +91,7 @@ void main() {
   vec3 c = texture2D(bands, vec2(clamp(t, 0., .9999), .5)).rgb;
   float w = fwidth(t);
   float from_line = abs(fract((t - contour.x) / contour.y + .5) - .5) * contour.y;
-  if (from_line < .5 * w) c = mix(c, vec3(1.), .45);
+  if (from_line < .5 * w && t > .002) c = mix(c, vec3(1.), .45);
   if (abs(t - front.x) < w || abs(t - front.y) < w) c = vec3(1.);
   if (t < -10.) c = vec3(.72);
   float light = flat_ > .5 ? 1. : .8 + .2 * abs(normalize(cross(dFdx(p), dFdy(p))).z);
@@ -174,11 +174,11 @@ export class Painter {
   }
 
   /**
-   * @param keep  [a, b, c, d]: the half space ax + by + cz <= d is shown @param fronts  values of
-   *   white lines, scaled
+   * @param keep  [a, b, c, d]: the half space ax + by + cz <= d is shown @param most  the largest value
+   *   that is shown, scaled @param fronts  values of white lines, scaled
    * @param contours  evenly spaced values of thin lines, two or more, scaled
    */
-  draw({eye, scale, keep, fronts, contours}) {
+  draw({eye, scale, keep, most = Infinity, fronts, contours}) {
     const {gl, program, canvas, frame, buffers} = this;
     const uniform = name => gl.getUniformLocation(program, name);
     const attribute = (name, buffer, size, stride = 0, offset = 0) => {
@@ -198,6 +198,7 @@ export class Painter {
     gl.uniform2f(uniform('front'), ...fronts);
     gl.uniform2f(uniform('contour'), contours[0], contours[1] - contours[0]);
     gl.uniform4fv(uniform('keep'), keep);
+    gl.uniform1f(uniform('most'), Math.min(most + 1e-3, 1e9));
 
     // The skin, then its edges in front of it.
     gl.uniform1f(uniform('flat_'), frame.dimension === 3 ? 0 : 1);
@@ -221,7 +222,7 @@ export class Painter {
 
     if (this.capCount === 0) return;
     gl.uniform4f(uniform('line'), 0, 0, 0, 0);
-    gl.uniform1f(uniform('flat_'), 1);
+    gl.uniform1f(uniform('flat_'), most < Infinity ? 0 : 1);  // a surface shows its form
     attribute('place', buffers.cap, 3, 28, 0);
     attribute('moved', buffers.cap, 3, 28, 12);
     attribute('value', buffers.cap, 1, 28, 24);
@@ -244,8 +245,10 @@ export function numberText(value, span) {
 export const rulerLength = across => ticks(0, across / 3, 2).values.at(-1);
 
 /** The colours from low to high with round values below, as SVG. */
-export function colourBar(title, unit, [low, high]) {
-  const width = drawingWidth(), left = 10, inner = width - 2 * left, span = high - low;
+export const colourBar = (title, unit, range) => fitted(width => drawnBar(title, unit, range, width));
+
+function drawnBar(title, unit, [low, high], width) {
+  const left = 10, inner = width - 2 * left, span = high - low;
   const at = value => left + (value - low) / span * inner;
   const step = inner / colours.length;
   const label = unit ? `${title}, ${unit}` : title;

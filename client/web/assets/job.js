@@ -9,7 +9,7 @@ import {addStep, curlLines, isSound, lastMonitors} from './history.js';
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 
 /** The stored frames of a job, for the viewer. */
-const framesOf = job => ({
+export const framesOf = job => ({
   look: () => get(`/frames/${job}`),
   frame: number => getBytes(`/frame/${job}?number=${number}`),
   field: (number, name) =>
@@ -60,8 +60,8 @@ function linkButton(job) {
 }
 
 /** Drafts of what helps against the findings, on a page of their own. */
-function remedyButton(job) {
-  if (!ended.has(job.state) || !(job.findings || []).some(finding => finding.remedy)) return null;
+function remedyButton({job, has_levers: hasLevers}) {
+  if (!ended.has(job.state) || !hasLevers) return null;
   const fault = h('span', {role: 'alert', class: 'bad'});
   const button =
     h('button', {
@@ -199,7 +199,7 @@ export function jobPage(element, signal, id) {
       drawSolved();
       replace(
         findings, h('h2', {}, 'Findings'), findingList(shown.job.findings || []),
-        remedyButton(shown.job));
+        remedyButton(shown));
     });
   }
 

@@ -30,6 +30,10 @@ globalThis.document = {
   createElementNS: (_, tag) => new Element(tag)
 };
 
+globalThis.ResizeObserver = class {
+  observe() {}
+};
+
 /** What a chart draws with a class. */
 function drawn(lines, name, options = {}) {
   const figure = chart(lines, {title: 'Curl', xLabel: 'time, s', yLabel: 'curl, mm', ...options});

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import {
-  cut, fieldsOf, fieldValues, locate, magnification, readFrame, shown, spreadFromBottom, temperature,
+  byValue, cut, fieldsOf, fieldValues, locate, magnification, readFrame, shown, spreadFromBottom, temperature,
   valueAtPlace
 } from '../../../client/html/assets/frame_data.js';
 
@@ -158,6 +158,15 @@ for (const tetrahedra of [false, true]) {
         assertNear(value, field(x, y, z), 10 * single);
         assertNear(up, 0.01 * z, single, 'displacement');
       }
+    }
+  });
+
+  test(`on a surface through ${kind} a field has one value`, () => {
+    const frame = cube(tetrahedra), corners = cut(frame, valuesOn(frame), byValue, 6.2);
+    assert.ok(corners.length > 0);
+    for (let c = 0; c < corners.length; c += 7) {
+      assertNear(field(...corners.subarray(c, c + 3)), 6.2, 10 * single);
+      assertNear(corners[c + 6], 6.2, 10 * single);
     }
   });
 
