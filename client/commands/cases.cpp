@@ -1,11 +1,16 @@
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
 #include "client/html/pages.hpp"
+#include "client/model/alloy_table.hpp"
 #include "client/model/answer.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/text/findings.hpp"
@@ -300,6 +305,7 @@ ExitCode run(const SchemaOptions& options, Program&) {
 
 struct AlloysOptions {
   std::string name;
+  std::string table;
   bool local = false;
   bool json = false;
 };
@@ -324,12 +330,24 @@ std::vector<v1::Alloy> alloys_of(const AlloysOptions& options, Program& program)
   return shipped_alloys();
 }
 
+void add_table(const std::string& file, v1::Alloy& card) {
+  std::ifstream stream(file);
+  if (!stream) throw CommandFailed(ExitCode::invalid, file + ": cannot be read");
+  const auto faults = read_alloy_table(stream, file, card);
+  if (!faults.empty())
+    throw CommandFailed(ExitCode::invalid, fmt::format("{}", fmt::join(faults, "\n")));
+  card.set_provenance("indicative, with data of " +
+                      std::filesystem::path(file).filename().string());
+}
+
 ExitCode print_one(const std::vector<v1::Alloy>& alloys, const AlloysOptions& options) {
   const auto alloy = std::ranges::find(alloys, options.name, &v1::Alloy::card);
   if (alloy == alloys.end())
     throw CommandFailed(ExitCode::not_found,
                         "no alloy card named '" + options.name + "'; see `dccast alloys`");
-  std::cout << (options.json ? to_json(*alloy).dump() + "\n" : case_file::to_toml(*alloy));
+  v1::Alloy card = *alloy;
+  if (!options.table.empty()) add_table(options.table, card);
+  std::cout << (options.json ? to_json(card).dump() + "\n" : case_file::to_toml(card));
   return ExitCode::done;
 }
 
@@ -409,8 +427,11 @@ void add_schema(CommandLine& line, Program& program) {
 void add_alloys(CommandLine& line, Program& program) {
   const auto [command, options] = declare<AlloysOptions>(
       line, program, run, "alloys", "List the alloy cards, or print one as TOML",
-      "dccast alloys\n  dccast alloys aa5182 > my-alloy.toml");
+      "dccast alloys\n  dccast alloys aa5182 --table measured.csv > my-alloy.toml");
   command.option("CARD", options.name, "Print this card");
+  command.option("--table", options.table,
+                 "Of that card: put in what this CSV has over temperature (docs/alloys.md)",
+                 {.placeholder = "FILE"});
   command.flag("--local", options.local, "Do not ask the server: shipped cards only");
   command.json(options.json);
 }

@@ -58,9 +58,17 @@ std::vector<std::string> cells_of(const std::string& line, char separator, std::
 }
 
 std::optional<Heading> heading_of(const std::string& cell) {
-  const auto open = cell.find_last_of("[(");
-  if (open == std::string::npos || !(cell.ends_with(']') || cell.ends_with(')')))
-    return std::nullopt;
+  if (!cell.ends_with(']') && !cell.ends_with(')')) return std::nullopt;
+
+  // The bracket that the last one closes: a unit may have some of its own, "(W/(m K))".
+  const std::string pair = cell.back() == ')' ? "()" : "[]";
+  std::size_t open = cell.size() - 1;
+  for (int depth = 1; depth > 0 && open > 0;) {
+    --open;
+    if (cell[open] == pair[1]) ++depth;
+    if (cell[open] == pair[0]) --depth;
+  }
+  if (cell[open] != pair[0]) return std::nullopt;
   return Heading{trimmed(cell.substr(0, open)),
                  trimmed(cell.substr(open + 1, cell.size() - open - 2))};
 }

@@ -68,6 +68,11 @@ ut_system* unit_system() {
     // The database has the byte only by its name.
     const Unit byte(ut_parse(read, "byte", UT_UTF8));
     ut_map_symbol_to_unit("B", UT_UTF8, byte.get());
+
+    // Water of American plants; the database has the geopotential metre of that name.
+    const Unit gallons(ut_parse(read, "US_liquid_gallon/min", UT_UTF8));
+    ut_unmap_symbol_to_unit(read, "gpm", UT_UTF8);
+    ut_map_symbol_to_unit("gpm", UT_UTF8, gallons.get());
     return read;
   }();
   return system;

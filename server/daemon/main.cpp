@@ -84,7 +84,7 @@ int run(const dccast::daemon::CommandLine& line, const dccast::v1::DaemonConfig&
           folder, {.repair = line.repair, .deep = line.deep, .adopt = line.adopt}, std::cout);
       break;
     case Command::backup:
-      dccast::state::back_up(folder, line.directory, std::cout);
+      dccast::state::back_up(folder, line.directory, line.earlier, std::cout);
       break;
     case Command::restore:
       damages = dccast::state::restore(folder, line.directory, std::cout);

@@ -274,8 +274,14 @@ public:
   explicit MetricsPage(MetricSources sources) : sources_(std::move(sources)) {}
 
   http::Reply reply_to(const http::Request& request) {
+    if (request.path == "/alive") return {.body = "ok\n"};
+    if (request.path == "/ready") {
+      const std::string held = sources_.context.scheduler.held();
+      return held.empty() ? http::Reply{.body = "ok\n"}
+                          : http::Reply{.body = held + "\n", .status = 503};
+    }
     if (request.path != "/metrics" || request.method != "GET")
-      return {.body = "Metrics are at /metrics.\n", .status = 404};
+      return {.body = "Metrics are at /metrics, health at /alive and /ready.\n", .status = 404};
     const std::lock_guard lock(mutex_);
     try {
       return {.body = metrics_text(sources_), .type = "text/plain; version=0.0.4; charset=utf-8"};

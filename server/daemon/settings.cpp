@@ -145,10 +145,14 @@ void add_commands(CLI::App& app, CommandLine& line) {
               "Print all faults of the settings; exit code 2 if there is one",
               Command::check_config);
 
-  add_command(app, line, "backup", "Copy the data directory; its dccastd may keep running",
-              Command::backup)
-      .add_option("--to", line.directory, "A new or empty directory")
-      ->required();
+  CLI::App& backup =
+      add_command(app, line, "backup", "Copy the data directory; its dccastd may keep running",
+                  Command::backup);
+  backup.add_option("--to", line.directory, "A new or empty directory")->required();
+  backup
+      .add_option("--earlier", line.earlier,
+                  "A backup on the same file system: what it has already is linked, not kept twice")
+      ->type_name("DIR");
   add_command(app, line, "restore", "Restore the data directory from a backup, and check it",
               Command::restore)
       .add_option("--from", line.directory, "What dccastd backup wrote")

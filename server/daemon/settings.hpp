@@ -37,6 +37,7 @@ struct CommandLine {
   bool deep = false;                   ///< of check
   std::vector<std::string> adopt;      ///< of check: ids
   std::string directory;               ///< of backup and restore
+  std::string earlier;                 ///< of backup: one before it; may be empty
   std::string config_file;             ///< empty: all defaults; see usual_settings()
   std::vector<std::string> overrides;  ///< "key=value"
   WorkerPolicy workers;                ///< of serve

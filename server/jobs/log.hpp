@@ -9,7 +9,7 @@ namespace dccast::log {
 
 enum class Format {
   text,
-  json,     ///< an object with time, level and message
+  json,     ///< an object with time, level, message, and job or study of "job {}: ..."
   journal,  ///< the level as systemd's journal takes it ("<6>"), which adds the time
 };
 /// Before threads write.

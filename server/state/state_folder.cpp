@@ -168,6 +168,25 @@ Manifest read_manifest(const fs::path& backup) {
   return manifest;
 }
 
+/// Replaces files by hard links to those of an earlier backup that have the same content.
+/// @return their number
+std::size_t link_to_earlier(const fs::path& backup, const Manifest& files, const fs::path& earlier,
+                            const Manifest& earlier_files) {
+  std::size_t linked = 0;
+  for (const auto& [file, sha256] : files) {
+    const auto same = earlier_files.find(file);
+    if (same == earlier_files.end() || same->second != sha256) continue;
+    if (values::sha256_of_file(earlier / file) != sha256) continue;  // damaged since
+
+    fs::path link = backup / file;
+    link += ".link";
+    fs::create_hard_link(earlier / file, link);
+    fs::rename(link, backup / file);
+    ++linked;
+  }
+  return linked;
+}
+
 /// Copies one file and compares the copy with the manifest.
 void copy_verified(const fs::path& file, const std::string& sha256, const fs::path& from,
                    const fs::path& to) {
@@ -227,12 +246,14 @@ void make_state_folder(const StateFolder& folder) {
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
 }
 
-void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
+void back_up(const StateFolder& folder, const fs::path& to, const fs::path& earlier,
+             std::ostream& out) {
   if (storage::kind_of_entry(folder.store()).empty())
     throw std::runtime_error(fmt::format("there is no job store in {}", folder.path().string()));
   require_whole_store(folder);
   if (fs::exists(to) && !fs::is_empty(to))
     throw std::runtime_error(fmt::format("{} is not empty; give a new directory", to.string()));
+  const Manifest earlier_files = earlier.empty() ? Manifest() : read_manifest(earlier);
 
   require_data_format(folder);
   const StateFolder target(to);
@@ -247,15 +268,20 @@ void back_up(const StateFolder& folder, const fs::path& to, std::ostream& out) {
   copy_access(folder, target);
   if (fs::exists(folder.quarantine())) copy_all(folder.quarantine(), target.quarantine());
 
+  const Manifest files = make_manifest(to);
+  const std::size_t linked = link_to_earlier(to, files, earlier, earlier_files);
+
   // The manifest declares the backup complete, so everything else must be on the disk before it.
   sync_file_system(to);
   std::string manifest;
-  for (const auto& [file, sha256] : make_manifest(to))
-    manifest += fmt::format("{}  {}\n", sha256, file);
+  for (const auto& [file, sha256] : files) manifest += fmt::format("{}  {}\n", sha256, file);
   storage::replace_file(to / manifest_file, manifest);
   sync_file_system(to);
 
-  out << count << " jobs copied to " << to.string() << std::endl;
+  out << count << " jobs copied to " << to.string();
+  if (!earlier.empty())
+    out << ", " << linked << " of its files linked to those of " << earlier.string();
+  out << std::endl;
 }
 
 int restore(const StateFolder& folder, const fs::path& from, std::ostream& out) {

@@ -61,8 +61,12 @@ void make_state_folder(const StateFolder& folder);
 /// finds the same after a crash, and `check` updates rows from the event logs. Within a folder the
 /// checkpoint is copied before the journal and the event log on which it depends, and results are
 /// copied last, because the terminal event is written after they have their final names.
-/// @throws std::runtime_error  `to` is not empty, the store is damaged, or a file cannot be copied
-void back_up(const StateFolder& folder, const std::filesystem::path& to, std::ostream& out);
+/// @param earlier  a backup on the same file system, or empty: files that it has with the same
+///                 content become hard links to them
+/// @throws std::runtime_error  `to` is not empty, the store is damaged, a file cannot be copied, or
+///                             `earlier` is no complete backup
+void back_up(const StateFolder& folder, const std::filesystem::path& to,
+             const std::filesystem::path& earlier, std::ostream& out);
 
 /// Restores a state folder from a backup and checks it. @return damages that remain, as check()
 /// @throws std::runtime_error  the folder is not empty, or the backup is not complete or damaged

@@ -211,6 +211,7 @@ class Promtool(MetricsTest):
 
 
 class Health(ServiceTest):
+    settings = {"listen__metrics": "127.0.0.1:0"}
     NAMES = ("", "alive", "ready", "dccast.v1.SimulationService")
     SERVING, NOT_SERVING = 1, 2
 
@@ -221,17 +222,28 @@ class Health(ServiceTest):
                    for name in self.NAMES]
         return [answer[1] if answer else 0 for answer in answers]
 
+    def code(self, name):
+        """Of what a load balancer or `curl -f` asks."""
+        address = re.findall(r"metrics on (http://\S+)/metrics", self.daemon.said())[-1]
+        try:
+            with urllib.request.urlopen(f"{address}/{name}", timeout=10) as answer:
+                return answer.status
+        except urllib.error.HTTPError as refused:
+            return refused.code
+
     def limit_file_size(self, size):
         resource.prlimit(self.daemon.process.pid, resource.RLIMIT_FSIZE,
                          (size, resource.RLIM_INFINITY))
 
     def test_alive_and_ready_are_apart_while_the_queue_is_held(self):
         until(lambda: self.statuses() == [self.SERVING] * 4, 5)
+        self.assertEqual((self.code("ready"), self.code("alive")), (200, 200))
         jobs = [self.client.submit(fake_case("steps=150 sleep_ms=10")).id for _ in range(4)]
         self.client.until_step(jobs[0], 10)
         self.limit_file_size(1)
         held = [self.SERVING, self.SERVING, self.NOT_SERVING, self.NOT_SERVING]
         until(lambda: self.statuses() == held, 20)
+        self.assertEqual((self.code("ready"), self.code("alive")), (503, 200))
         self.limit_file_size(resource.RLIM_INFINITY)
         until(lambda: self.statuses() == [self.SERVING] * 4, 20)
         for job in jobs:
@@ -260,7 +272,11 @@ class JsonLogs(Logs):
         events = [json.loads(line) for line in self.lines_after_hostile_texts()]
         self.assertGreater(len(events), 4)
         for event in events:
-            self.assertEqual(set(event), {"time", "level", "message"})
+            self.assertLessEqual({"time", "level", "message"}, set(event))
+        # What belongs to a job can be selected by its id.
+        job = next(event["job"] for event in events if "QUEUED: submitted" in event["message"])
+        self.assertTrue([event for event in events if event.get("job") == job
+                         and "RUNNING -> SUCCEEDED" in event["message"]])
         self.assertTrue([event for event in events if '"quoted" \\' in event["message"]])
 
 

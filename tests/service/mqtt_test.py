@@ -197,22 +197,31 @@ class Alarms(MqttTest):
                 slip = 15 if t >= 25 else 0
                 curl = 1e3 * numpy.interp(t, curve.time_s, numpy.nan_to_num(curve.curl_m)) + slip
                 file.write(f"{t}, {curl}\n")
-        with self.broker.client() as listener:
+        with self.broker.client() as listener, self.broker.client() as display:
             listener.subscribe("pit3/alarms")
+            display.subscribe("pit3/forecasts")
             _, err = self.ended(self.dccast(
                 "follow", self.case_file(), "--set", "quality=draft", "--readings", path, "--ensemble",
                 ensemble, "--noise", "0.5 mm", "--broker", self.login(), "--alarms",
-                f"mqtt://127.0.0.1:{self.broker.port}/pit3/alarms", "--notify",
+                f"mqtt://127.0.0.1:{self.broker.port}/pit3/alarms", "--forecasts",
+                f"mqtt://127.0.0.1:{self.broker.port}/pit3/forecasts", "--notify",
                 f'echo "$DCCAST_JOB: $DCCAST_ALARM" >> {told}'))
             heard = {}
             while "warning" not in heard:  # a finding may come before it
                 heard = json.loads(listener.receive())
+            shown = json.loads(display.receive())
 
         job_id = self.newest_job()
         self.assertRegex(err, r"warning at 2\d s, corner: .*; likeliest: .*gauge")
         self.assertRegex(err, r"forecast at \d+ s: corner .* mm at the end \(")
         self.assertEqual(heard["job"], job_id)
         self.assertEqual(heard["warning"]["monitor"], "corner")
+        self.assertEqual(shown["job"], job_id)
+        corner = shown["corner"]
+        for when in ("soon", "end"):
+            self.assertLess(corner[f"{when}_lower_mm"], corner[f"{when}_mm"])
+            self.assertLess(corner[f"{when}_mm"], corner[f"{when}_upper_mm"])
+        self.assertLessEqual(corner["soon_s"], corner["end_s"])
         with open(told, encoding="utf-8") as file:
             lines = file.read().splitlines()
         self.assertIn(f"{job_id}: {heard['alarm']}", lines)

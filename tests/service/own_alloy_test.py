@@ -50,6 +50,28 @@ class OwnAlloy(CardTest):
         for job in self.service.jobs():
             self.assertEqual(job.case.alloy.card, "mine.toml")
 
+    def test_a_table_of_data_becomes_a_card(self):
+        table = pathlib.Path(self.folder) / "jmatpro.csv"
+        table.write_text("Temperature (C), Liquid (%), Density (g/cm3), Thermal conductivity (W/(m K)), Poisson's ratio\n"
+                         "700, 100, 2.34, 95,\n660, 100, 2.36, 92,\n640, 60, 2.45, 120, 0.4\n"
+                         "560, 0, 2.55, 180, 0.37\n20, 0, 2.68, 160, 0.33\n")
+        self.card.write_text(self.dccast("alloys", "paper", "--table", str(table)))
+        self.dccast("validate", self.case)
+        alloy = self.service.submit(self.case).cancel().case.alloy
+        self.assertEqual((alloy.solidus_c, alloy.liquidus_c), (560, 660))
+        self.assertEqual(list(alloy.liquid_fraction.value), [0, 0.6, 1])
+        self.assertEqual(list(alloy.density_kg_per_m3.at), [20, 560, 640, 660, 700])
+        self.assertAlmostEqual(alloy.density_kg_per_m3.value[0], 2680)
+        self.assertEqual(list(alloy.conductivity_w_per_m_k.value), [160, 180, 120, 92, 95])
+        self.assertEqual(len(alloy.poisson_ratio.value), 3)
+
+        for text, fault in (("Time [s], density [kg/m3]\n", ":1: \"Time [s]\" is no temperature"),
+                            ("T (C), densty (kg/m3)\n20, 2700\n", "unknown key"),
+                            ("T (C), density (W)\n20, 2700\n", "is of another kind than kg/m3"),
+                            ("T (C), density (kg/m3)\n20, 2,7\n", ":2:")):
+            table.write_text(text)
+            self.assertIn(fault, self.dccast("alloys", "paper", "--table", str(table), code=2))
+
     def test_faults_of_the_card_are_named_with_their_line(self):
         self.card.write_text(CARD + "no_such_key = 3\n")
         said = self.dccast("validate", self.case, code=2)

@@ -5,6 +5,7 @@ import contextlib
 import datetime
 import doctest
 import importlib
+import inspect
 import io
 import json
 import math
@@ -486,6 +487,16 @@ class Steering(PackageTest):
                 dccast.connect(f"unix:{self.folder}/mute", timeout_s=0.5).info()
         self.assertEqual(caught.exception.code, "DEADLINE_EXCEEDED")
 
+    def test_a_wait_shows_how_far_it_is(self):
+        shown = io.StringIO()
+        with contextlib.redirect_stderr(shown):
+            self.service.submit(CASE, QUICK).wait(progress=True)
+            self.service.sweep(CASE, {"schedule.hold": ["60 s", "70 s"]}, QUICK).wait(progress=True)
+        bars = shown.getvalue()
+        self.assertRegex(bars, r"\r\[#+\.+\] corner .* mm at \d+")
+        self.assertRegex(bars, r"\r\[#{30}\] SUCCEEDED +\n")
+        self.assertRegex(bars, r"\r\[#{30}\] of 2 runs +\n$")
+
     def test_a_list_has_all_pages_and_an_unknown_state_is_an_error(self):
         ids = {self.service.submit(CASE, QUICK, title=str(number)).cancel().id for number in range(5)}
         # Each page of the server has two.
@@ -653,6 +664,17 @@ class Packaging(unittest.TestCase):
                                 os.devnull], cwd=os.path.dirname(PACKAGE), capture_output=True,
                                text=True, check=False)
         self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+
+    def test_everything_public_has_a_text(self):
+        silent = []
+        for name in MODULES:
+            module = importlib.import_module("dccast" + name)
+            for kind in (k for k in vars(module).values() if inspect.isclass(k)):
+                if kind.__module__ == module.__name__ and not kind.__name__.startswith("_"):
+                    silent += [f"{kind.__name__}.{member}" for member in list(vars(kind))
+                               if not member.startswith("_") and member not in kind.__annotations__
+                               and not inspect.getdoc(getattr(kind, member))]
+        self.assertEqual(silent, [])
 
     def test_a_wheel_has_the_package_with_its_types(self):
         script = "import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])"

@@ -493,6 +493,26 @@ class Backup(StateTest):
             self.assertEqual([step.step for step in self.client.steps(job_id)],
                              list(range(1, 41)))
 
+    def test_a_backup_after_another_takes_room_for_what_is_new_alone(self):
+        jobs = []
+        backups = [os.path.join(self.folder, name) for name in ("monday", "tuesday")]
+        for backup, words in zip(backups, ([], ["--earlier", backups[0]])):
+            jobs.append(self.client.submit(fake_case("steps=3")).id)
+            self.client.until_state(jobs[-1], SUCCEEDED)
+            code, said = self.command("backup", "--to", backup, *words)
+            self.assertEqual(code, 0, said)
+        self.assertRegex(said, r"2 jobs copied to \S+tuesday, \d+ of its files linked to those of \S+monday")
+        linked = [os.stat(os.path.join(backups[1], "jobs", job, "results.h5")).st_nlink for job in jobs]
+        self.assertEqual(linked, [2, 1])
+
+        # Each is whole without the other.
+        shutil.rmtree(backups[0])
+        code, said = self.command("restore", "--from", backups[1], data=os.path.join(self.folder, "restored"))
+        self.assertEqual(code, 0, said)
+        code, said = self.command("backup", "--to", os.path.join(self.folder, "next"), "--earlier", backups[0])
+        self.assertEqual(code, 4)
+        self.assertIn("not a backup, or an incomplete one", said)
+
     def test_a_damaged_or_unfinished_backup_is_refused(self):
         job = self.client.submit(fake_case("steps=3"))
         self.client.until_state(job.id, SUCCEEDED)

@@ -29,10 +29,12 @@ class Frame:
 
     @property
     def time_s(self) -> float:
+        """Of the case: zero is when the bottom block starts to move."""
         return float(self.message.time_s)
 
     @property
     def cast_length_m(self) -> float:
+        """How far the bottom block has moved."""
         return float(self.message.cast_length_m)
 
     @property

@@ -18,6 +18,7 @@ from dccast.download import download
 from dccast.frames import Frames
 from dccast.judgements import Judgement
 from dccast.runs import Run, Table, curls_text
+from dccast.text import show_progress
 from dccast.transport import Deadline, Transport
 from dccast.v1 import case_pb2, follow_pb2, job_pb2, judgement_pb2, service_pb2
 
@@ -101,6 +102,7 @@ class Job(Run):
 
     @property
     def id(self) -> str:
+        """A UUID."""
         return str(self.message.id)
 
     @property
@@ -110,6 +112,7 @@ class Job(Run):
 
     @property
     def ended(self) -> bool:
+        """Whether it has succeeded, failed or was cancelled."""
         return self.state in ("SUCCEEDED", "FAILED", "CANCELLED")
 
     @property
@@ -136,14 +139,18 @@ class Job(Run):
         """
         return Watch(self._transport, self, from_sequence, timeout_s)
 
-    def wait(self, check: bool = True, timeout_s: float | None = None) -> Job:
+    def wait(self, check: bool = True, timeout_s: float | None = None, progress: bool = False) -> Job:
         """Waits until it has ended, or raises as `watch`.
 
+        @param progress  draw a bar with the curl so far on standard error
         @param check  raise DccastError for a job that did not succeed; its `code` is the cause, e.g.
                       "SHELL_MELTED_THROUGH" or "CANCELLED"
         """
-        for _ in self.watch(timeout_s=timeout_s):
-            pass
+        for event in self.watch(timeout_s=timeout_s):
+            if progress and event.kind == "step":
+                show_progress(event.body.time_s / self.case.time.end_s, curls_text(event.body))
+        if progress:
+            show_progress(1.0, self.state, last=True)
         if check and self.state != "SUCCEEDED":
             failure = self.message.failure
             code = errors.name_of(job_pb2.Finding.Kind, failure.kind) if failure.kind else self.state

@@ -49,6 +49,7 @@ class Service:
 
     @property
     def server(self) -> str:
+        """Its address."""
         return self._transport.server
 
     def info(self) -> service_pb2.GetServerInfoResponse:

@@ -14,7 +14,7 @@ from dccast.cases import Case, Changes, changes_of
 from dccast.download import download
 from dccast.judgements import Judgement
 from dccast.runs import Band, Table, band_of
-from dccast.text import millimetres
+from dccast.text import millimetres, show_progress
 from dccast.transport import Deadline, Transport
 from dccast.v1 import job_pb2, judgement_pb2, study_pb2
 
@@ -50,6 +50,7 @@ class Study:
 
     @property
     def id(self) -> str:
+        """A UUID."""
         return str(self.message.id)
 
     @property
@@ -75,14 +76,17 @@ class Study:
         for message in self._transport.resumed(opened, is_last):
             yield self._became(message)
 
-    def wait(self, check: bool = True, timeout_s: float | None = None) -> Study:
+    def wait(self, check: bool = True, timeout_s: float | None = None, progress: bool = False) -> Study:
         """Waits until all runs have ended.
 
+        @param progress  draw a bar on standard error
         @param check  raise DccastError unless every run has succeeded
         @raises DccastError  of code DEADLINE_EXCEEDED when the time is over; the study goes on
         """
-        for _ in self.watch(timeout_s):
-            pass
+        for study in self.watch(timeout_s):
+            if progress:
+                show_progress(study.message.progress, f"of {study.message.runs} runs",
+                              last=study.state != "RUNNING")
         if check and self.state != "SUCCEEDED":
             raise errors.DccastError(self.state, f"study {self.id} is {self.state}: "
                                      f"{self.message.failed} of {self.message.runs} runs failed",

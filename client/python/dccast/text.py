@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+import sys
 
 
 def millimetres(metres: float, lower_m: float = math.nan, upper_m: float = math.nan) -> str:
@@ -40,3 +41,14 @@ def _fixed(value: float, decimals: int) -> str:
 def span(first: float, last: float, unit: str) -> str:
     """"0 to 145 s"."""
     return f"{first:.4g} to {last:.4g} {unit}"
+
+
+def show_progress(share: float, words: str, last: bool = False) -> None:
+    """Draws a bar on standard error, over the one before.
+
+    @param last  leave it there
+    """
+    width = 30
+    done = round(width * min(max(share, 0.0), 1.0))
+    line = f"[{'#' * done}{'.' * (width - done)}] {words}"
+    print(f"\r{line[:100]:100}", end="\n" if last else "", file=sys.stderr, flush=True)

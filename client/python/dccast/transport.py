@@ -43,6 +43,7 @@ class Endpoint:
 
     @property
     def is_local(self) -> bool:
+        """Whether it is a socket of this machine."""
         return self.address.startswith("unix:")
 
 

@@ -15,6 +15,8 @@ TEST(Quantity, ConvertsTheUnitsOfAPlant) {
   EXPECT_NEAR(*parse_quantity("5 µm", "m").value, 5e-6, 1e-18);
   EXPECT_NEAR(*parse_quantity("500 W/(m² K)", "W/(m2 K)").value, 500, 1e-9);
   EXPECT_NEAR(*parse_quantity("64 MB", "bytes").value, 64e6, 1e-3);
+  EXPECT_NEAR(*parse_quantity("150 gpm", "m3/s").value, 9.4635e-3, 1e-7);
+  EXPECT_NEAR(*parse_quantity("10 gpm/ft", "l/min/m").value, 124.19, 0.01);
 }
 
 TEST(Quantity, TemperaturesKeepTheirOffset) {
