@@ -2,14 +2,11 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
+#include <google/protobuf/util/json_util.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cstdlib>
-#include <deque>
 #include <filesystem>
 #include <map>
-#include <mutex>
 #include <sstream>
 #include <utility>
 
@@ -17,7 +14,6 @@
 #include "client/html/html_parts.hpp"
 #include "client/html/judgement_parts.hpp"
 #include "client/html/pages.hpp"
-#include "client/model/answer.hpp"
 #include "client/model/json.hpp"
 #include "client/session/byte_call.hpp"
 #include "client/session/case_faults.hpp"
@@ -25,15 +21,11 @@
 #include "client/session/plan_requests.hpp"
 #include "client/session/queries.hpp"
 #include "client/web/connect_entry.hpp"
-#include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
-#include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/remedies.hpp"
 #include "proto/case_file/shipped.hpp"
-#include "proto/case_file/slab_recipe.hpp"
 #include "proto/figures/plant_units.hpp"
 #include "proto/figures/rounding.hpp"
-#include "proto/values/digests.hpp"
 
 namespace dccast::client {
 namespace {
@@ -222,119 +214,25 @@ Reply comparison(Connection& connection, const std::vector<std::string>& ids) {
           .stands_alone = true};
 }
 
-// ---- What-if: a changed case, computed at once.
+// ---- Cases, which pages hold as text
 
-/// Cases available for a what-if: files named when the dashboard was started, cases uploaded by a
-/// page, and the shipped ones. Pages get names without folders.
-class BaseCases {
-public:
-  explicit BaseCases(const std::vector<std::string>& files) {
-    for (const std::string& file : files) {
-      const std::filesystem::path path = file;
-      std::string name = path.filename();
-      for (int n = 2; files_.contains(name); ++n)
-        name = fmt::format("{} ({})", path.filename().string(), n);
-      files_[name] = file;
-    }
+/// The cases that pages begin with: files named when the dashboard was started, whose further files
+/// the server then has, and names of shipped ones. A page can read no others.
+Json cases_json(Connection& connection, const std::vector<std::string>& files) {
+  Json given = Json::array();
+  std::map<std::string, int> times;
+  for (const std::string& file : files) {
+    const CaseUnderCheck checked = read_case(file);
+    const v1::SubmitJobRequest named = submission_of(checked, connection);
+
+    // Pages get names without folders.
+    std::string name = std::filesystem::path(file).filename();
+    if (const int n = ++times[name]; n > 1) name = fmt::format("{} ({})", name, n);
+    given.push_back({{"name", name},
+                     {"text", checked.text},
+                     {"attachments", json_list(named.attachments(), to_json)}});
   }
-
-  Json names() const {
-    Json names = Json::array();
-    for (const auto& [name, path] : files_) names.push_back(name);
-    {
-      const std::lock_guard lock(mutex_);
-      for (const auto& [name, text] : given_) names.push_back(name);
-    }
-    for (const auto& name : shipped::names_of(shipped::case_templates())) names.push_back(name);
-    return names;
-  }
-
-  /// Keeps an uploaded case until many others have been uploaded. @return the name by which it is
-  /// found
-  std::string keep(const std::string& name, const std::string& text) {
-    constexpr std::size_t most_given = 20;
-    const std::lock_guard lock(mutex_);
-    const std::string own = "page: " + name;
-    std::erase_if(given_, [&](const auto& given) { return given.first == own; });
-    given_.emplace_front(own, text);
-    if (given_.size() > most_given) given_.pop_back();
-    return own;
-  }
-
-  /// Throws CommandFailed for an unknown case, or for faults in it or in the changes.
-  CaseUnderCheck read(const Request& request) const {
-    const auto changes = changes_of(request.values("set"));
-    CaseUnderCheck checked = read(request.value("case"), changes);
-    require(checked);
-    return checked;
-  }
-
-  static void require(const CaseUnderCheck& checked) {
-    if (checked.faults.empty()) return;
-    std::ostringstream text;
-    print_faults(checked, text);
-    throw CommandFailed(ExitCode::invalid, text.str());
-  }
-
-private:
-  CaseUnderCheck read(const std::string& name, const std::vector<v1::CaseChange>& changes) const {
-    // Only files named when the dashboard was started: a page can read no others.
-    if (const auto file = files_.find(name); file != files_.end())
-      return read_case(file->second, changes);
-    {
-      const std::lock_guard lock(mutex_);
-      for (const auto& [given, text] : given_)
-        if (given == name) return read_case_elsewhere(text, name, changes);
-    }
-    if (const auto* shipped = shipped::find(shipped::case_templates(), name))
-      return read_case_text(shipped->text, name, changes);
-    throw CommandFailed(ExitCode::not_found, "there is no case " + name);
-  }
-
-  std::map<std::string, std::string> files_;  ///< path by name
-  mutable std::mutex mutex_;
-  std::deque<std::pair<std::string, std::string>> given_;  ///< name and text, the newest first
-};
-
-/// Evaluates a case text: summary, faults, and the case with its defaults. It is not kept.
-Json case_json(const CaseUnderCheck& checked) {
-  std::ostringstream faults;
-  if (!checked.faults.empty()) print_faults(checked, faults);
-  Json json{{"faults", faults.str()}, {"summary", ""}, {"drawing", Json()}};
-  if (!checked.faults.empty()) return json;
-
-  v1::Case complete = checked.description;
-  case_file::apply_defaults(complete);
-  json["summary"] = case_file::casting_summary(complete);
-  json["drawing"] = casting_drawing(complete);
-  return json;
-}
-
-/// An uploaded case. It is kept if neither client nor server finds a fault.
-Json uploaded(Connection& connection, BaseCases& bases, const Request& request) {
-  constexpr std::size_t longest_name = 100;
-  const std::string name = request.name.substr(0, longest_name);
-  CaseUnderCheck checked = read_case_elsewhere(request.body, name);
-  check_with_server(checked, connection);
-
-  Json json = case_json(checked);
-  json["name"] = checked.faults.empty() ? bases.keep(name, request.body) : "";
-  return json;
-}
-
-/// The case of a slab from a few figures, as `dccast new --slab` makes it.
-Json slab_json(const Request& request) {
-  const case_file::NewCase made = case_file::new_case({.slab = request.value("slab"),
-                                                       .alloy = request.value("alloy"),
-                                                       .speed = request.value("speed"),
-                                                       .water = request.value("water")});
-  Json json{{"text", made.text}, {"summary", made.summary}, {"drawing", Json()}, {"faults", ""}};
-  std::string faults;
-  for (const std::string& fault : made.faults) faults += fault + "\n";
-  json["faults"] = faults;
-  if (made.faults.empty())
-    json["drawing"] = case_json(read_case_elsewhere(made.text, "slab"))["drawing"];
-  return json;
+  return {{"given", given}, {"shipped", shipped::names_of(shipped::case_templates())}};
 }
 
 /// What the levers of the page what-if are in a case: first and last value in the unit of a plant.
@@ -363,61 +261,18 @@ Json lever_values_json(const v1::Case& input) {
   return json;
 }
 
-Json answer_json(const Answer& answer) {
-  Json json{{"steps", json_list(answer.history.steps, step_json)},
-            {"wanted", wanted_json(answer.description)},
-            {"levers", lever_values_json(answer.description)},
-            {"state", v1::JobState_Name(answer.state)},
-            {"failure", answer.failure ? to_json(*answer.failure) : Json()},
-            {"job", answer.job},
-            {"key", answer.key},
-            {"solver_s", answer.solver_s}};
-  Json& findings = json["findings"] = Json::array();
-  for (const v1::Finding& finding : answer.findings) findings.push_back(to_json(finding));
-  return json;
-}
+/// A case as a page shows it, from its JSON: drawing, levers, and the file.
+Reply shown_case(const Request& request) {
+  v1::Case input;
+  const auto status = google::protobuf::util::JsonStringToMessage(request.body, &input);
+  if (!status.ok()) throw CommandFailed(ExitCode::invalid, std::string(status.message()));
 
-/// Sends the new steps some ten times a second, then the complete answer.
-void ask(Connection& connection, CaseUnderCheck checked, const Send& send) {
-  constexpr std::chrono::milliseconds pause{100};
-  auto last = std::chrono::steady_clock::now();
-  Json steps = Json::array();
-
-  const auto answer =
-      ask_query(connection, checked, {}, [&](const v1::QueryButtCurlResponse& response) {
-        if (response.has_waiting())
-          send(Json{{"waiting", response.waiting().reason()},
-                    {"expected_s", response.waiting().expected_s()}}
-                   .dump());
-        if (!response.has_step()) return;
-        steps.push_back(step_json(response.step()));
-        if (const auto now = std::chrono::steady_clock::now(); now - last > pause) {
-          last = now;
-          send(Json{{"progress", response.step().progress()}, {"steps", std::move(steps)}}.dump());
-          // The page has these steps: the next message carries the new ones alone.
-          steps = Json::array();
-        }
-      });
-
-  BaseCases::require(checked);
-  if (answer) send(Json{{"answer", answer_json(*answer)}}.dump());
-}
-
-/// Submits the case as a job.
-v1::Job kept(Connection& connection, CaseUnderCheck checked) {
-  v1::SubmitJobRequest request = submission_of(checked, connection);
-  request.set_request_id(values::random_uuid());
-  v1::Job job;
-  const grpc::Status status = submit_with_retries(connection, request, job);
-  checked.faults = faults_of(status);
-  BaseCases::require(checked);
-  check(status, connection.server());
-  return job;
-}
-
-/// The changed case as a file.
-Reply case_text(const CaseUnderCheck& checked) {
-  return {.body = case_file::to_toml(checked.description), .type = "text/plain; charset=utf-8"};
+  v1::Case complete = input;
+  case_file::apply_defaults(complete);
+  return {Json{{"drawing", casting_drawing(complete)},
+               {"levers", lever_values_json(complete)},
+               {"text", case_file::to_toml(input)}}
+              .dump()};
 }
 
 std::string type_of(const std::string& name) {
@@ -498,28 +353,11 @@ void add_results(WebServer& server, const Connect& connect) {
   });
 }
 
-void add_what_if(WebServer& server, const Connect& connect, const std::vector<std::string>& cases) {
-  // Shared by the handlers, which outlive this call.
-  const auto bases = std::make_shared<BaseCases>(cases);
-  server.post("/upload", connected(connect, [=](Connection& connection, const Request& request) {
-                return Reply{uploaded(connection, *bases, request).dump()};
-              }));
-
-  server.get("/slab", [](const Request& request) { return Reply{slab_json(request).dump()}; });
-  server.get("/alloys",
-             [](const Request&) { return Reply{Json(case_file::alloy_names()).dump()}; });
-  server.get("/bases", [=](const Request&) { return Reply{bases->names().dump()}; });
-  server.get("/case", [=](const Request& request) { return case_text(bases->read(request)); });
-
-  server.events("/ask", [=](const Request& request) {
-    return [=](const auto& gone, const Send& send) {
-      Connection connection = connect(gone);
-      ask(connection, bases->read(request), send);
-    };
-  });
-  server.post("/keep", connected(connect, [=](Connection& connection, const Request& request) {
-                return Reply{Json{{"job", kept(connection, bases->read(request)).id()}}.dump()};
-              }));
+void add_cases(WebServer& server, const Connect& connect, const std::vector<std::string>& cases) {
+  server.get("/cases", connected(connect, [=](Connection& connection, const Request&) {
+               return Reply{cases_json(connection, cases).dump()};
+             }));
+  server.post("/case", shown_case);
 }
 
 }  // namespace
@@ -534,7 +372,7 @@ void add_dashboard(WebServer& server, const Connect& connect,
   });
   add_results(server, connect);
   add_frames(server, connect);
-  add_what_if(server, connect, cases);
+  add_cases(server, connect, cases);
 }
 
 }  // namespace dccast::client

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <future>
 #include <map>
 
 #include "client/model/json.hpp"
@@ -87,29 +86,6 @@ http::Reply answer_of(const WebServer::Handler& handler, const Request& request)
           .status = reply.status,
           .headers = {{policy, reply.stands_alone ? alone_policy : own_policy}},
           .stream = std::move(reply.stream)};
-}
-
-/// Sends server-sent events of a source until it ends or the browser leaves.
-void send_events(const Source& source, const std::shared_ptr<http::Stream>& stream) {
-  const auto gone = std::make_shared<Interruption>();
-  stream->when_left([gone] { gone->come(); });
-  const auto put = [&](std::string text) {
-    std::promise<bool> sent;
-    stream->write(std::move(text), [&](bool was_sent) { sent.set_value(was_sent); });
-    if (!sent.get_future().get()) throw Interrupted("");
-  };
-
-  try {
-    try {
-      source(gone, [&](const std::string& json) { put("data: " + json + "\n\n"); });
-    } catch (const Interrupted&) {
-      throw;
-    } catch (const std::exception& error) {
-      put("event: fault\ndata: " + fault(error.what()) + "\n\n");
-    }
-  } catch (const Interrupted&) {
-  }
-  stream->end();
 }
 
 }  // namespace
@@ -234,15 +210,6 @@ void WebServer::get(const std::string& path, Handler handler) {
 void WebServer::post(const std::string& path, Handler handler) {
   parts_->add("POST", path + "/", [handler = std::move(handler)](const Request& request) {
     return answer_of(handler, request);
-  });
-}
-
-void WebServer::events(const std::string& path, SourceOf source) {
-  parts_->add("GET", path + "/", [source = std::move(source)](const Request& request) {
-    return http::Reply{
-        .type = "text/event-stream",
-        .headers = {{policy, own_policy}},
-        .stream = [source = source(request)](const auto& stream) { send_events(source, stream); }};
   });
 }
 

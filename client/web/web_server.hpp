@@ -10,11 +10,6 @@
 
 namespace dccast::client {
 
-/// Writes one event to the browser.
-using Send = std::function<void(const std::string& json)>;
-/// Sends events until it returns. It shall end soon after `gone` comes: the browser has left.
-using Source = std::function<void(std::shared_ptr<Interruption> gone, const Send& send)>;
-
 /// What a browser asks for.
 struct Request : http::Request {
   std::string name;  ///< last part of the path, decoded
@@ -62,11 +57,6 @@ public:
   /// Registers what answers a path. Handlers run in threads of the server, several at a time.
   void get(const std::string& path, Handler handler);
   void post(const std::string& path, Handler handler);
-  /// Answers with server-sent events.
-  using SourceOf = std::function<Source(const Request&)>;
-  /// A stream of events for a path, sent until the browser leaves.
-  void events(const std::string& path, SourceOf source);
-
   /// An address that opens the dashboard once.
   std::string address();
   /// Called each time such an address has let a browser in.

@@ -100,7 +100,7 @@ class Entrance(WithoutBrowser):
     """What is refused, and what is answered."""
 
     def test_only_the_holder_of_the_key_gets_in_and_the_key_works_once(self):
-        for path in ("/", "/app.js", "/bases/", "/?key=" + 64 * "0"):
+        for path in ("/", "/app.js", "/cases/", "/?key=" + 64 * "0"):
             response, body = self.ask(path, cookie=None)
             self.assertEqual(response.status, 403, path)
             self.assertNotIn(b"<script", body)
@@ -117,7 +117,7 @@ class Entrance(WithoutBrowser):
         for origin in ({}, {"Origin": "http://evil.example"}, {"Origin": "null"},
                        {"Origin": "http://127.0.0.1:1"}):
             self.assertEqual(self.ask(SERVICE + "ListJobs", "POST", "{}", **origin)[0].status, 403, origin)
-        self.assertEqual(self.ask("/bases/", Origin="http://evil.example")[0].status, 403)
+        self.assertEqual(self.ask("/cases/", Origin="http://evil.example")[0].status, 403)
         head = self.ask("/")[0]
         self.assertIn("default-src 'none'", head.getheader("Content-Security-Policy"))
         self.assertNotIn("unsafe", head.getheader("Content-Security-Policy"))
@@ -132,7 +132,7 @@ class Entrance(WithoutBrowser):
         self.assertEqual([at for at in listening if at.endswith(":" + port)], ["0100007F:" + port])
 
     def test_paths_lead_to_no_other_files(self):
-        for path in ("/case/?case=/etc/passwd", "/ask/?case=../x", "/ask/..%2Fx"):
+        for path in ("/cases/../../etc/passwd", "/cases/?case=/etc/passwd", "/job/..%2F..%2Fetc%2Fpasswd"):
             self.assertNotIn(b"root:", self.ask(path)[1])
         for name in ("GetJob", "Nonsense"):  # without a judgement that could be drawn
             self.assertEqual(self.ask(f"/drawn/{name}", "POST", "{}", **self.own())[0].status, 404)
@@ -281,9 +281,9 @@ class Others(ClientTest):
             plain = {**cookie, "Origin": f"http://localhost:{url.port}"}
             self.assertEqual(ask("POST", SERVICE + "ListJobs", "{}", **plain)[0].status, 403)
             self.assertEqual(json.loads(ask("GET", "/server/", **cookie)[1])["role"], "VIEWER")
-            response, text = ask("POST", "/keep/?case=start-2d-thickness", "", **own)
-            self.assertEqual(response.status, 404, text)
-            self.assertIn("viewer", json.loads(text)["error"])
+            response, text = ask("POST", SERVICE + "SubmitJob", "{}", **own)
+            self.assertEqual(response.status, 403, text)
+            self.assertIn("viewer", json.loads(text)["message"])
         finally:
             process.send_signal(signal.SIGINT)
             self.assertIn(process.wait(timeout=10), (0, 130))
@@ -294,24 +294,18 @@ class RealRuns(WithoutBrowser):
     """What comes from a real solver."""
     worker = "dccast-worker"
 
-    def events(self, path):
-        body = self.ask(path)[1].decode()
-        return [json.loads(line[6:]) for line in body.splitlines() if line.startswith("data: ")]
+    def test_a_case_and_frames(self):
+        changes = [{"key": "quality", "value": "draft"}, {"key": "time.end", "value": "20 s"}]
+        read = self.call("ReadCase", shipped="start-2d-thickness", changes=changes)
+        self.assertEqual(read["faults"], [])
+        shown = json.loads(self.ask("/case/", "POST", json.dumps(read["case"]), **self.own())[1])
+        self.assertIn('end = "20 s"', shown["text"])
+        self.assertEqual(shown["levers"]["schedule.water_flow.scale"]["unit"], "l/min/m")
+        self.assertTrue(shown["drawing"])
+        self.assertEqual(self.ask("/case/", "POST", '{"no_such": 1}', **self.own())[0].status, 400)
 
-    def test_what_if_and_frames(self):
-        case = "?case=start-2d-thickness&" + "&".join(
-            "set=" + urllib.parse.quote(change) for change in ("quality=draft", "time.end=20 s"))
-        answer = self.events(f"/ask/{case}")[-1]["answer"]
-        self.assertEqual(answer["state"], "SUCCEEDED")
-        self.assertGreater(answer["steps"][-1]["monitors"][0]["curl_upper_error_m"], 0)
-
-        fault = self.events(f"/ask/{case}&set=schedule.casting_sped%3D1")[-1]
-        self.assertIn("casting_sped", fault["error"])
-
-        text = self.ask(f"/case/{case}")[1].decode()
-        self.assertIn('end = "20 s"', text)
-
-        job = json.loads(self.ask(f"/keep/{case}", "POST", "", **self.own())[1])["job"]
+        job = self.call("SubmitJob", request_id=str(uuid.uuid4()), case=read["case"],
+                        changes=changes)["id"]
         self.client.until_state(job, job_pb2.SUCCEEDED)
         times = json.loads(self.ask(f"/frames/{job}")[1])["times"]
         self.assertGreater(len(times), 1)
@@ -407,8 +401,8 @@ class InBrowser(Dashboard):
 
     def complaints(self):
         """Errors of the pages. The browser reports refusals, too, that a page shows as its answer."""
-        answers = re.compile(r"/(ForecastJob|PredictStudy|CompareRuns|JudgeStudy) - Failed to load "
-                             r"resource: the server responded with a status of 400 ")
+        answers = re.compile(r"/(ForecastJob|PredictStudy|CompareRuns|JudgeStudy|ReadCase) - Failed to "
+                             r"load resource: the server responded with a status of 400 ")
         return [entry["message"] for entry in self.browser.get_log("browser")
                 if entry["level"] == "SEVERE" and not answers.search(entry["message"])]
 

@@ -43,11 +43,14 @@ const wholeNumbers = new Set(['step', 'last_step', 'sequence', 'number', 'nodes'
 const numbers = new Set(['NaN', 'Infinity', '-Infinity']);
 const isNumber = (key, value) =>
   typeof value === 'string' && (numbers.has(value) || wholeNumbers.has(key));
+/** A request as protobuf reads it, with its NaN. */
+export const written = request => JSON.stringify(
+  request,
+  (key, value) => typeof value === 'number' && !Number.isFinite(value) ? String(value) : value);
 const parse =
   text => JSON.parse(text, (key, value) => isNumber(key, value) ? Number(value) : value);
 
 export const get = async path => (await ask(path)).json();
-export const getText = async path => (await ask(path)).text();
 export const getBytes = async path => (await ask(path)).arrayBuffer();
 export const post = async path => (await ask(path, {method: 'POST'})).json();
 export const postText = async (path, body) => (await ask(path, {method: 'POST', body})).json();
@@ -58,11 +61,11 @@ const method = name => `/dccast.v1.SimulationService/${name}`;
 
 /** A call of the service by its name, as in service.proto. */
 export async function call(name, request = {}, options = {}) {
-  const init = posted('application/json', JSON.stringify(request), options);
+  const init = posted('application/json', written(request), options);
   return parse(await (await ask(method(name), init)).text());
 }
 /** The same, with the parts of the judgement in its response as HTML. */
-export const callDrawn = (name, request) => postText(`/drawn/${name}`, JSON.stringify(request));
+export const callDrawn = (name, request) => postText(`/drawn/${name}`, written(request));
 
 /**
  * A call whose response is a stream: `take` gets each message until the stream ends or `signal`
@@ -70,7 +73,7 @@ export const callDrawn = (name, request) => postText(`/drawn/${name}`, JSON.stri
  */
 export async function stream(name, request, signal, take) {
   const prefix = 5;  // flags and length before each message
-  const body = new TextEncoder().encode('\0'.repeat(prefix) + JSON.stringify(request));
+  const body = new TextEncoder().encode('\0'.repeat(prefix) + written(request));
   new DataView(body.buffer).setUint32(1, body.length - prefix);
   const init = posted('application/connect+json', body, {signal});
   const reader = (await ask(method(name), init)).body.getReader();
@@ -78,7 +81,10 @@ export async function stream(name, request, signal, take) {
   for (let rest = new Uint8Array(); ;) {
     const {done, value} = await reader.read();
     if (done) throw new Error('The connection was lost.');
-    rest = new Uint8Array([...rest, ...value]);
+    const all = new Uint8Array(rest.length + value.length);
+    all.set(rest);
+    all.set(value, rest.length);
+    rest = all;
     while (rest.length >= prefix) {
       const end = prefix + new DataView(rest.buffer, rest.byteOffset).getUint32(1);
       if (rest.length < end) break;
@@ -107,22 +113,6 @@ export async function followJob(id, signal, take) {
       await new Promise(resolve => { setTimeout(resolve, 1000); });
     }
   }
-}
-
-/**
- * Calls `take` with every event until `signal` aborts. Ends by itself at a fault, which goes to
- * `fail`.
- */
-export function events(path, signal, take, fail = () => {}) {
-  const source = new EventSource(path);
-  const close = () => source.close();
-  signal.addEventListener('abort', close);
-  source.onmessage = event => take(JSON.parse(event.data), close);
-  source.addEventListener('fault', event => {
-    close();
-    fail(JSON.parse(event.data).error);
-  });
-  return close;
 }
 
 /**

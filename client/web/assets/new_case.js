@@ -1,7 +1,8 @@
 // A new case: a file that is uploaded, or the start of a slab by a few figures, as dccast new
 // --slab has it.
-import {get, post, postText} from './api.js';
+import {call} from './api.js';
 import {castingDrawing} from './casting.js';
+import {checkCase, keepCase, readSlab, readText, shownCase, submitCase} from './cases.js';
 import {h, replace} from './dom.js';
 import {fileName, saveBlob} from './save.js';
 
@@ -31,39 +32,33 @@ export function newCasePage(element, signal) {
         h('div', {class: 'bar'}, acts(said)), said));
   }
 
-  /**
-   * Gives a text to the dashboard, which has the server check it. @return its name there; '' with
-   * faults, which are shown
-   */
-  async function give(name, text) {
-    const answer = await postText(`/upload/${encodeURIComponent(name)}`, text);
-    if (answer.faults) complain(answer.faults);
-    return answer;
-  }
-  /** Buttons that go on with a case. @param kept  gives its name here, '' with faults */
-  const goOn = kept => said => {
+  /** Shows a case that was read, with buttons that go on with it. @param more  further ones */
+  async function present(name, made, more = []) {
+    const {drawing} = await shownCase(made);
     const follow = act => async () => {
       try {
-        const name = await kept();
-        if (name) await act(name);
-      } catch (fault) { replace(said, h('span', {class: 'bad'}, fault.message)); }
+        await checkCase(made);
+        await act();
+      } catch (fault) { complain(fault.message); }
     };
-    return [
-      button('What-if with it', follow(name => {
-               location.hash = `#/what-if/${encodeURIComponent(name)}`;
-             })),
-      button('Queue as a job', follow(async name => {
-               const {job} = await post(`/keep/?case=${encodeURIComponent(name)}`);
-               replace(said, 'Queued as ', h('a', {href: `#/job/${job}`}, job));
-             }))
-    ];
-  };
+    show({summary: made.summary, drawing}, said => [
+      button('What-if with it', follow(() => {
+        location.hash = `#/what-if/${encodeURIComponent(keepCase(name, made.text))}`;
+      })),
+      button('Queue as a job', follow(async () => {
+        const {id} = await submitCase(made);
+        replace(said, 'Queued as ', h('a', {href: `#/job/${id}`}, id));
+      })),
+      ...more
+    ]);
+  }
 
   async function upload(file) {
     if (!file) return;
     try {
-      const answer = await give(file.name, await file.text());
-      if (!signal.aborted && answer.name) show(answer, goOn(() => answer.name));
+      const text = await file.text(), made = await readText(text);
+      await checkCase(made);
+      if (!signal.aborted) await present(file.name, made);
     } catch (fault) { complain(fault.message); }
   }
 
@@ -76,24 +71,17 @@ export function newCasePage(element, signal) {
         {type: 'text', id: `new-${field.key}`, value: field.usual, onchange: () => draft()}));
   let asked = 0;
   async function draft() {
-    const mine = ++asked,
-          given = new URLSearchParams(fields.map((field, i) => [field.key, boxes[i].value]));
-    given.set('alloy', alloy.value);
-    const made = await get(`/slab/?${given}`);
-    if (mine !== asked || signal.aborted) return;
-    if (made.faults) return complain(made.faults);
-
-    const name = `slab-${boxes[0].value}.toml`;
-    const kept = async () => (await give(name, made.text)).name;
-    show(
-      made,
-      said =>
-        [...goOn(kept)(said),
-         button(
-           'Save the file',
-           () => saveBlob(
-             `${fileName(name.replace('.toml', ''))}.toml`,
-             new Blob([made.text], {type: 'text/plain'})))]);
+    const mine = ++asked, [size, speed, water] = boxes.map(box => box.value);
+    try {
+      const made = await readSlab({size, speed, water, alloy: alloy.value});
+      if (mine !== asked || signal.aborted) return;
+      const name = `slab-${size}.toml`;
+      const save = () => saveBlob(
+        `${fileName(name.replace('.toml', ''))}.toml`, new Blob([made.text], {type: 'text/plain'}));
+      await present(name, made, [button('Save the file', save)]);
+    } catch (fault) {
+      if (mine === asked) complain(fault.message);
+    }
   }
 
   const file = h('input', {
@@ -123,7 +111,7 @@ export function newCasePage(element, signal) {
           },
           fields[2].name, boxes[2]),
         h('div', {class: 'bar'},
-          button('Draw it', () => draft().catch(fault => complain(fault.message))))),
+          button('Draw it', draft))),
       h('div', {class: 'card'}, h('h2', {}, 'A case file of your own'),
         h('label',
           {for: 'new-file'
@@ -133,9 +121,9 @@ export function newCasePage(element, signal) {
           'The server checks it. A case that names further files, such as a mesh, is sent with ',
           'dccast submit.'))),
     found);
-  get('/alloys/')
-    .then(names => {
-      replace(alloy, names.map(name => h('option', {selected: name === 'aa5182'}, name)));
+  call('ListAlloys')
+    .then(({alloys}) => {
+      replace(alloy, alloys.map(({card}) => h('option', {selected: card === 'aa5182'}, card)));
       return draft();
     })
     .catch(fault => complain(fault.message));

@@ -1,6 +1,7 @@
 // What-if: a case with a plant's levers changed, computed at once as a draft, beside the case as it
 // is.
-import {callDrawn, events, get, getText, post} from './api.js';
+import {callDrawn} from './api.js';
+import {caseNames, computeCase, readCase, shownCase, submitCase} from './cases.js';
 import {chart, wantedBand} from './chart.js';
 import {findingList, fixed, h, monitorText, replace} from './dom.js';
 import {judgement} from './drawn.js';
@@ -80,8 +81,7 @@ export function whatIfPage(element, signal, wanted) {
     }
     return [...list, ...more.value.split('\n').map(l => l.trim()).filter(l => l)];
   };
-  const address = (path, list) => `/${path}/?case=${encodeURIComponent(base.value)}&${
-      [`quality=${quality.value}`, ...list].map(c => `set=${encodeURIComponent(c)}`).join('&')}`;
+  const read = list => readCase(base.value, [`quality=${quality.value}`, ...list]);
 
   let timer, running = new AbortController();
   signal.addEventListener('abort', () => running.abort());
@@ -142,32 +142,33 @@ export function whatIfPage(element, signal, wanted) {
     }
   }
 
-  function compute(list, done) {
+  async function compute(list, done) {
     running.abort();
     running = new AbortController();
-    const begin = performance.now(), steps = [];
+    const {signal: mine} = running, begin = performance.now();
+    const look = ({waiting, steps, progress}) => {
+      if (mine.aborted) return;
+      if (steps) draw({steps}, false);
+      status.textContent = waiting
+        ? `${waiting.reason[0].toUpperCase()}${waiting.reason.slice(1)}, about ${
+            fixed(Math.max(1, waiting.expected_s), 0)} s`
+        : `Computing… ${fixed(100 * progress, 0)} %`;
+    };
+
     status.textContent = 'Computing…';
-    events(
-      address('ask', list), running.signal,
-      (event, close) => {
-        if (event.waiting)
-          status.textContent = `${event.waiting[0].toUpperCase()}${event.waiting.slice(1)}, about ${
-            fixed(Math.max(1, event.expected_s), 0)} s`;
-        if (event.steps) {
-          event.steps.forEach(step => addStep(steps, step));
-          draw({steps}, false);
-          status.textContent = `Computing… ${fixed(100 * event.progress, 0)} %`;
-        }
-        if (event.answer) {
-          close();
-          status.textContent = `Computed in ${fixed((performance.now() - begin) / 1000, 1)} s`;
-          done(event.answer);
-        }
-      },
-      text => {
-        status.textContent = '';
-        replace(verdict, h('p', {class: 'bad', role: 'alert'}, h('span', {class: 'lines'}, text)));
-      });
+    try {
+      const changed = await read(list);
+      const [answer, {levers: values}] =
+        await Promise.all([computeCase(changed, mine, look), shownCase(changed)]);
+      if (mine.aborted) return;
+      status.textContent = `Computed in ${fixed((performance.now() - begin) / 1000, 1)} s`;
+      done({...answer, levers: values});
+    } catch (fault) {
+      if (mine.aborted) return;
+      status.textContent = '';
+      replace(verdict,
+        h('p', {class: 'bad', role: 'alert'}, h('span', {class: 'lines'}, fault.message)));
+    }
   }
 
   function ask() {
@@ -197,13 +198,13 @@ export function whatIfPage(element, signal, wanted) {
 
   async function keep() {
     try {
-      const {job} = await post(address('keep', changes()));
-      replace(kept, 'Queued as ', h('a', {href: `#/job/${job}`}, job));
+      const {id} = await submitCase(await read(changes()));
+      replace(kept, 'Queued as ', h('a', {href: `#/job/${id}`}, id));
     } catch (fault) { replace(kept, h('span', {class: 'bad'}, fault.message)); }
   }
   async function save() {
     try {
-      const text = await getText(address('case', changes()));
+      const {text} = await shownCase(await read(changes()));
       const link = h('a', {
         href: URL.createObjectURL(new Blob([text], {type: 'text/plain'})),
         download: 'what-if.toml'
@@ -253,7 +254,7 @@ export function whatIfPage(element, signal, wanted) {
             },
             'Keys of a case, as with --set', more))),
       h('div', {}, status, picture, verdict)));
-  get('/bases/')
+  caseNames()
     .then(names => {
       replace(
         base,
