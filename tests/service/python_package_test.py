@@ -491,9 +491,10 @@ class Steering(PackageTest):
         shown = io.StringIO()
         with contextlib.redirect_stderr(shown):
             self.service.submit(CASE, QUICK).wait(progress=True)
-            self.service.sweep(CASE, {"schedule.hold": ["60 s", "70 s"]}, QUICK).wait(progress=True)
+            self.service.sweep(CASE, {"schedule.hold": ["60 s", "70 s"]}, quality="draft",
+                               time__end="20 s").wait(progress=True)
         bars = shown.getvalue()
-        self.assertRegex(bars, r"\r\[#+\.+\] corner .* mm at \d+")
+        self.assertRegex(bars, r"\r\[#+\.+\] \d+ s, corner \d\.\d\d ± ")
         self.assertRegex(bars, r"\r\[#{30}\] SUCCEEDED +\n")
         self.assertRegex(bars, r"\r\[#{30}\] of 2 runs +\n$")
 

@@ -17,7 +17,7 @@ from dccast.castings import Forecast, append_readings
 from dccast.download import download
 from dccast.frames import Frames
 from dccast.judgements import Judgement
-from dccast.runs import Run, Table, curls_text
+from dccast.runs import Run, Table, curls_of, curls_text
 from dccast.text import show_progress
 from dccast.transport import Deadline, Transport
 from dccast.v1 import case_pb2, follow_pb2, job_pb2, judgement_pb2, service_pb2
@@ -148,7 +148,8 @@ class Job(Run):
         """
         for event in self.watch(timeout_s=timeout_s):
             if progress and event.kind == "step":
-                show_progress(event.body.time_s / self.case.time.end_s, curls_text(event.body))
+                step = event.body
+                show_progress(step.time_s / self.case.time.end_s, f"{step.time_s:.4g} s, {curls_of(step)}")
         if progress:
             show_progress(1.0, self.state, last=True)
         if check and self.state != "SUCCEEDED":

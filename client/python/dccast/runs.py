@@ -47,11 +47,16 @@ def _figure(monitor: Any, name: str) -> float:
     return float(getattr(monitor, name)) if monitor.HasField(name) else np.nan
 
 
-def curls_text(step: job_pb2.StepReport) -> str:
-    """The curls of a step: "corner 5.25 ± 0.21 mm at 145 s"."""
+def curls_of(step: job_pb2.StepReport) -> str:
+    """The curls of a step: "corner 5.25 ± 0.21 mm, mid 1.20 ± 0.05 mm"."""
     shown = [f"{monitor.name} " + millimetres(*(_figure(monitor, name) for name in CURL))
              for monitor in step.monitors if monitor.HasField("curl_m")]
-    return f"{', '.join(shown) or 'no curl'} at {step.time_s:.4g} s"
+    return ", ".join(shown) or "no curl"
+
+
+def curls_text(step: job_pb2.StepReport) -> str:
+    """The curls of a step with its time: "corner 5.25 ± 0.21 mm at 145 s"."""
+    return f"{curls_of(step)} at {step.time_s:.4g} s"
 
 
 def band_of(curve: Any) -> Band:
