@@ -38,10 +38,10 @@ class Camera(InBrowser):
         return os.path.abspath(os.path.join(MADE, name))
 
     def keep(self, name):
-        """Reduces a picture to 128 colours, which takes a quarter of the bytes. It shows something: many
+        """Reduces a picture to 256 colours, which takes a third of the bytes. It shows something: many
         colours, and no single one fills it."""
         with PIL.Image.open(self.made(name)) as taken:
-            reduced = taken.convert("RGB").quantize(128, dither=PIL.Image.Dither.NONE)
+            reduced = taken.convert("RGB").quantize(256, dither=PIL.Image.Dither.NONE)
         reduced.save(self.made(name), optimize=True)
         counts = np.array(reduced.histogram())
         self.assertGreater(np.count_nonzero(counts), 20, name)
