@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <fstream>
 #include <utility>
 
 #include "core/storage/storage_error.hpp"
@@ -58,6 +59,18 @@ void try_command(const Command& command) {
   } catch (const SlurmError& error) {
     log::warn("Slurm: {}", error.what());
   }
+}
+
+/// Notes that dccastd itself cancels an attempt in Slurm. A dccastd that is started anew would take
+/// its end for that of an administrator, and the job for cancelled.
+void note_withdrawal(const WorkerLaunch& launch) {
+  std::ofstream(launch.folder / withdrawn_file) << launch.attempt;
+}
+
+bool was_withdrawn(const WorkerLaunch& launch) {
+  std::ifstream file(launch.folder / withdrawn_file);
+  std::int64_t attempt = 0;
+  return file >> attempt && attempt == launch.attempt;
 }
 
 }  // namespace
@@ -289,6 +302,7 @@ std::optional<SlurmExecutor::End> SlurmExecutor::follow_listed(Start& start, con
 
   start.of_machine |= held && !runs;
   if (start.kill || start.of_machine || (start.stop && !runs)) {
+    note_withdrawal(start.launch);
     try_command([&] { slurm_cancel(job.name); });
   } else if (start.stop && Clock::now() - start.last_signal > between_signals) {
     start.last_signal = Clock::now();
@@ -298,8 +312,7 @@ std::optional<SlurmExecutor::End> SlurmExecutor::follow_listed(Start& start, con
 }
 
 std::optional<SlurmExecutor::End> SlurmExecutor::follow_ended(Start& start, const SlurmJob& job) {
-  const bool cancelled =
-      job.state == "CANCELLED" && !start.stop && !start.kill && !start.of_machine;
+  const bool cancelled = job.state == "CANCELLED" && !start.stop && !was_withdrawn(start.launch);
   if (shows_end(start)) {
     WorkerExit exit = left_in_order;
     exit.cancelled = cancelled;

@@ -70,9 +70,10 @@ inline std::filesystem::path daemon_file(const std::filesystem::path& jobs_direc
 }
 
 // Names of files in the folder of a running job.
-inline constexpr const char* claim_file = "worker.lock";   ///< worker_claim.hpp
-inline constexpr const char* order_file = "worker.order";  ///< the same
-inline constexpr const char* rank_file = "worker.rank";    ///< the same
+inline constexpr const char* withdrawn_file = "slurm.withdrawn";  ///< slurm_executor.cpp
+inline constexpr const char* claim_file = "worker.lock";          ///< worker_claim.hpp
+inline constexpr const char* order_file = "worker.order";         ///< the same
+inline constexpr const char* rank_file = "worker.rank";           ///< the same
 inline constexpr const char* request_file = "request";
 inline constexpr const char* checkpoint_file = "checkpoint.bin";  ///< core/results/CHECKPOINT.md
 
@@ -85,7 +86,8 @@ inline constexpr std::array run_files{checkpoint_file,
                                       claim_file,
                                       order_file,
                                       rank_file,
-                                      request_file};
+                                      request_file,
+                                      withdrawn_file};
 
 /// Leaves a request in the folder of a running job, for its worker and for later daemons. The file
 /// is synced to disk. @throws storage::StorageError  nothing has changed
