@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "client/model/csv_line.hpp"
+#include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/quantity.hpp"
 
@@ -71,22 +72,6 @@ std::string toml_of(const std::vector<Column>& columns) {
   return text;
 }
 
-void replace(v1::Alloy& card, const v1::Alloy& data) {
-  const auto& of = *data.GetReflection();
-  std::vector<const google::protobuf::FieldDescriptor*> fields;
-  of.ListFields(data, &fields);
-  for (const auto* const field : fields) of.ClearField(&card, field);
-  if (data.has_density_kg_per_m3()) {
-    card.clear_solid_density_kg_per_m3();
-    card.clear_liquid_density_kg_per_m3();
-  }
-  if (data.has_conductivity_w_per_m_k()) {
-    card.clear_solid_conductivity_w_per_m_k();
-    card.clear_liquid_conductivity_w_per_m_k();
-  }
-  card.MergeFrom(data);
-}
-
 }  // namespace
 
 std::vector<std::string> read_alloy_table(std::istream& stream, const std::string& name,
@@ -142,7 +127,7 @@ std::vector<std::string> read_alloy_table(std::istream& stream, const std::strin
   for (const v1::Fault& each : outcome.faults)
     if (std::ranges::find(outcome.missing_keys, each.field()) == outcome.missing_keys.end())
       faults.push_back(fmt::format("{}: {}", name, case_file::describe(each, {})));
-  if (faults.empty()) replace(card, data);
+  if (faults.empty()) case_file::replace_data(data, card);
   return faults;
 }
 

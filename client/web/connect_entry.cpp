@@ -205,16 +205,26 @@ Reply connect_error(const grpc::Status& status, const std::string& server) {
   return {.body = error_text(status, server), .status = code_of(status).http_status};
 }
 
+/// Calls a unary method. @param response  receives its answer in binary
+/// @return the error; empty: there is none
+std::optional<Reply> call_unary(Connection& connection, const Request& request, bool is_json,
+                                const pb::MethodDescriptor& method, std::string& response) {
+  std::string bytes;
+  const grpc::Status read = read_request(method, is_json, request.body, bytes);
+  if (!read.ok()) return connect_error(read, "");
+
+  const grpc::Status status = call_bytes(connection.channel(), method, std::move(bytes),
+                                         *deadline_of(request, false), response);
+  if (!status.ok()) return connect_error(status, connection.server());
+  return std::nullopt;
+}
+
 Reply unary_reply(Connection& connection, const Request& request, const Form& form,
                   const pb::MethodDescriptor& method) {
-  std::string bytes, response;
-  grpc::Status status = check_headers(request, form);
-  if (status.ok()) status = read_request(method, form.is_json, request.body, bytes);
+  const grpc::Status status = check_headers(request, form);
   if (!status.ok()) return connect_error(status, "");
-
-  status = call_bytes(connection.channel(), method, std::move(bytes), *deadline_of(request, false),
-                      response);
-  if (!status.ok()) return connect_error(status, connection.server());
+  std::string response;
+  if (auto error = call_unary(connection, request, form.is_json, method, response)) return *error;
 
   if (form.is_json) response = json_of(method.output_type()->full_name(), response);
   return {.body = std::move(response), .type = form.type};
@@ -277,13 +287,9 @@ Reply connect_reply(Connection& connection, const Request& request) {
 std::unique_ptr<pb::Message> call_json(Connection& connection, const Request& request,
                                        Reply& error) {
   const auto& method = *find_method(request.name);
-  std::string bytes, answered;
-  grpc::Status status = read_request(method, true, request.body, bytes);
-  if (status.ok())
-    status = call_bytes(connection.channel(), method, std::move(bytes),
-                        *deadline_of(request, false), answered);
-  if (!status.ok()) {
-    error = connect_error(status, bytes.empty() ? "" : connection.server());
+  std::string answered;
+  if (auto failed = call_unary(connection, request, true, method, answered)) {
+    error = std::move(*failed);
     return nullptr;
   }
 

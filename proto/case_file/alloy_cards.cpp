@@ -94,35 +94,39 @@ std::vector<std::string> alloy_names(const std::filesystem::path& directory) {
   return {names.begin(), names.end()};
 }
 
+void replace_data(const v1::Alloy& data, v1::Alloy& card) {
+  // Two keys for the same property exclude each other: the one given replaces that of the card.
+  if (data.has_coherency_c()) card.clear_coherency_solid_fraction();
+  if (data.has_coherency_solid_fraction()) card.clear_coherency_c();
+  if (data.has_density_kg_per_m3()) {
+    card.clear_solid_density_kg_per_m3();
+    card.clear_liquid_density_kg_per_m3();
+  }
+  if (data.has_conductivity_w_per_m_k()) {
+    card.clear_solid_conductivity_w_per_m_k();
+    card.clear_liquid_conductivity_w_per_m_k();
+  }
+  if (data.has_melt_conductivity_factor()) card.clear_melt_stirring();
+  if (data.has_melt_stirring()) card.clear_melt_conductivity_factor();
+
+  clear_curves_given_in(data, card);
+  if (data.has_cold_strength())
+    clear_curves_given_in(data.cold_strength(), *card.mutable_cold_strength());
+
+  card.MergeFrom(data);
+}
+
 void complete_alloy(const v1::Alloy& card, v1::Alloy& overrides) {
   v1::Alloy complete = card;
   if (overrides.has_norton_hoff() && !card.has_norton_hoff()) complete.clear_reference_creep();
   if (overrides.has_reference_creep() && !card.has_reference_creep()) complete.clear_norton_hoff();
-
-  // Two keys for the same property exclude each other: that of the case replaces that of the card.
-  if (overrides.has_coherency_c()) complete.clear_coherency_solid_fraction();
-  if (overrides.has_coherency_solid_fraction()) complete.clear_coherency_c();
-  if (overrides.has_density_kg_per_m3()) {
-    complete.clear_solid_density_kg_per_m3();
-    complete.clear_liquid_density_kg_per_m3();
-  }
-  if (overrides.has_conductivity_w_per_m_k()) {
-    complete.clear_solid_conductivity_w_per_m_k();
-    complete.clear_liquid_conductivity_w_per_m_k();
-  }
-  if (overrides.has_melt_conductivity_factor()) complete.clear_melt_stirring();
-  if (overrides.has_melt_stirring()) complete.clear_melt_conductivity_factor();
 
   // The range of the card does not hold for a value of the case.
   complete.clear_uncertainty();
   for (const v1::KeyRange& line : card.uncertainty())
     if (!has_value_at(overrides, line.key())) *complete.add_uncertainty() = line;
 
-  clear_curves_given_in(overrides, complete);
-  if (overrides.has_cold_strength())
-    clear_curves_given_in(overrides.cold_strength(), *complete.mutable_cold_strength());
-
-  complete.MergeFrom(overrides);
+  replace_data(overrides, complete);
   apply_defaults(complete);
   overrides = std::move(complete);
 }

@@ -31,6 +31,10 @@ AlloyCard own_card(const std::string& name, std::string_view text);
 /// Names of all cards, shipped ones and those of `directory`, sorted.
 std::vector<std::string> alloy_names(const std::filesystem::path& directory = {});
 
+/// Puts data into a card. Curves are replaced as a whole; the rivals of a key that the data have,
+/// as the pair of densities beside one density, go.
+void replace_data(const v1::Alloy& data, v1::Alloy& card);
+
 /// Completes the alloy of a case: keys given in `overrides` are kept, missing ones are taken from
 /// the card, and keys that both lack get their default. Curves are replaced as a whole. The two
 /// creep laws exclude each other: if the case gives the other law, that of the card is dropped; if

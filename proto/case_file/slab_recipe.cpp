@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "proto/case_file/alloy_cards.hpp"
+#include "proto/case_file/case_file.hpp"
 #include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/shipped.hpp"
@@ -219,22 +220,11 @@ struct Ramp {
   FigureRange value;
 };
 
-/// A table of a shipped case, [["60 s", "45 mm/min"], ["200 s", "60 mm/min"]]; of a single value a
-/// ramp of no length.
-Ramp ramp_in(const std::string& table, const std::string& unit) {
-  std::vector<std::string> quoted;
-  for (auto at = table.find('"'); at != std::string::npos; at = table.find('"', at + 1)) {
-    const auto end = table.find('"', at + 1);
-    quoted.push_back(table.substr(at + 1, end - at - 1));
-    at = end;
-  }
-  const auto number = [&](std::size_t i, const std::string& in) {
-    return parse_quantity(quoted.at(i), in).value.value();
-  };
-  if (quoted.size() < 4) return {.value = {number(0, unit), number(0, unit)}};
-  return {number(0, "s"),
-          number(quoted.size() - 2, "s"),
-          {number(1, unit), number(quoted.size() - 1, unit)}};
+/// A table of a shipped case; of a single value a ramp of no length.
+Ramp ramp_in(const v1::Curve& table) {
+  const FigureRange value{table.value(0), *table.value().rbegin()};
+  if (table.at_size() < 2) return {.value = value};
+  return {table.at(0), *table.at().rbegin(), value};
 }
 
 /// @param factor  from SI to the unit
@@ -286,14 +276,17 @@ double rounded(double value, double step) {
   return step * std::round(value / step);
 }
 
+v1::Case read_shipped(const shipped::ShippedText& shipped) {
+  v1::Case description;
+  read_text(shipped.text, shipped.name, description);
+  return description;
+}
+
 /// Size of the slab of a shipped case.
-Slab slab_in(const CaseText& text, bool round) {
-  const auto twice = [&](const char* key) {
-    return 2.0 *
-           parse_quantity(text.value(key).substr(1, text.value(key).size() - 2), "m").value.value();
-  };
-  const double width = twice("half_width");
-  return {.size = {width, round ? width : twice("half_thickness")}, .round = round};
+Slab slab_in(const v1::Section& section, bool round) {
+  const double width = 2.0 * section.half_width_m();
+  return {.size = {width, round ? width : 2.0 * section.half_thickness_m().value(0)},
+          .round = round};
 }
 
 /// Speed of a slab. The sump is as deep as speed times thickness squared: at a speed that falls
@@ -375,13 +368,12 @@ NewCase new_case(const SlabRecipe& recipe) {
                  base.name == standard || slab.round
                      ? "[G]; temperatures of the metal are those of " + base.name
                      : "[G]");
-  const Slab shipped_slab = slab_in(text, slab.round);
   set_size(slab, text);
 
-  const std::string speed_table = text.value("casting_speed"),
-                    water_table = text.value("water_flow");
-  const Ramp shipped_speed = ramp_in(speed_table, "m/s"),
-             shipped_water = ramp_in(water_table, "m2/s");
+  const v1::Case description = read_shipped(base);
+  const Slab shipped_slab = slab_in(description.section(), slab.round);
+  const Ramp shipped_speed = ramp_in(description.schedule().casting_speed_m_per_s()),
+             shipped_water = ramp_in(description.schedule().water_flow_m2_per_s());
   const Ramp speed = speed_of(slab, shipped_slab, shipped_speed);
   const Ramp water = water_of(slab, shipped_slab, shipped_water, speed, shipped_speed);
   const std::string by_rule = "[A] by the size, docs/quarter-slab.md",

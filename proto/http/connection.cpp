@@ -191,12 +191,7 @@ void Connection::read_header() {
   wait_at_most(service_.limits.time);
   beast::http::async_read_header(peer_, buffer_, *request_,
                                  [self = shared_from_this()](const error_code& error, std::size_t) {
-                                   if (self->closed_) return;
-                                   if (!error) return self->read_body();
-                                   if (auto reply = refusal(error, self->service_.limits))
-                                     self->refuse(std::move(*reply));
-                                   else
-                                     self->close();
+                                   self->go_on(error, &Connection::read_body);
                                  });
 }
 
@@ -213,13 +208,18 @@ void Connection::read_body() {
   wait_at_most(service_.limits.time + std::chrono::seconds(bytes / least_bytes_per_s));
   beast::http::async_read(peer_, buffer_, *request_,
                           [self = shared_from_this()](const error_code& error, std::size_t) {
-                            if (self->closed_) return;
-                            if (!error) return self->answer();
-                            if (auto reply = refusal(error, self->service_.limits))
-                              self->refuse(std::move(*reply));
-                            else
-                              self->close();
+                            self->go_on(error, &Connection::answer);
                           });
+}
+
+void Connection::go_on(const boost::system::error_code& error, void (Connection::*next)()) {
+  if (closed_) return;
+  if (!error) return (this->*next)();
+
+  if (auto reply = refusal(error, service_.limits))
+    refuse(std::move(*reply));
+  else
+    close();
 }
 
 void Connection::answer() {

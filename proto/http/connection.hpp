@@ -70,6 +70,8 @@ private:
 
   void read_header();
   void read_body();
+  /// What was read of the request is followed by the next step, or refused, or the peer has gone.
+  void go_on(const boost::system::error_code& error, void (Connection::*next)());
   void answer();
   void send(Reply reply, bool keep_alive);
   void send_rest();
