@@ -60,6 +60,7 @@ public:
   /// Until when the peer must have done what is waited for.
   Clock::time_point deadline() const { return deadline_; }
   const std::string& address() const { return address_; }  ///< of the peer, without port
+  Clock::time_point begun() const { return begun_; }
   bool is_ending() const { return leaving_ || closed_; }
   /// Nothing is being computed for the peer: it has not sent its request, or not taken its reply.
   bool waits_for_peer() const { return waits_for_peer_; }
@@ -90,6 +91,7 @@ private:
   Service& service_;
   PeerStream peer_;
   const std::string address_;
+  const Clock::time_point begun_ = Clock::now();
   std::list<Connection*>::iterator place_;  // in the list of the service
   Clock::time_point deadline_ = Clock::time_point::max();
   bool waits_for_peer_ = true, leaving_ = false, closed_ = false;

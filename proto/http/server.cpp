@@ -8,7 +8,9 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <future>
+#include <map>
 #include <optional>
+#include <string_view>
 #include <thread>
 
 #include "proto/http/connection.hpp"
@@ -83,7 +85,7 @@ public:
     service_.is_own_host = std::move(is_own_host);
     service_.handler = std::move(handler);
     accept();
-    close_overdue();
+    keep_bounds();
     thread_ = std::jthread([this] { service_.context.run(); });
   }
 
@@ -128,45 +130,64 @@ private:
   /// Serves the peer that waits, if any, once there is room for it; then the next one.
   void serve_waiting() {
     if (!waiting_ || stopping_) return;
+    if (service_.open.size() >= service_.limits.connections) return make_room();
+
     error_code error;
     const std::string address = waiting_->remote_endpoint(error).address().to_string();
-    if (!error) {
-      const std::size_t of_address = std::ranges::count_if(
-          service_.open, [&](const Connection* each) { return each->address() == address; });
-      if (of_address >= service_.limits.connections_of_address) return make_room(&address);
-      if (service_.open.size() >= service_.limits.connections) return make_room(nullptr);
-
-      auto socket = std::move(*waiting_);
-      waiting_.reset();
-      std::make_shared<Connection>(service_, std::move(socket), address)->begin();
-    }
+    auto socket = std::move(*waiting_);
     waiting_.reset();
+    if (!error) std::make_shared<Connection>(service_, std::move(socket), address)->begin();
     accept();
   }
 
-  /// Peers that are silent, or ask without end, must not shut others out: the oldest connection
-  /// that waits for its peer is closed, else the oldest of all ends with the answer that it is at.
-  /// @param address  among those of this address; null: among all
-  void make_room(const std::string* address) {
-    const auto is_eligible = [&](const Connection* each) {
-      return address == nullptr || each->address() == *address;
-    };
+  /// Peers that are silent, or ask without end, must not shut others out: of the address that has
+  /// most connections, the oldest one that waits for its peer is closed, else the oldest one ends
+  /// with the answer that it is at.
+  void make_room() {
     // One at a time: its end calls for the peer that waits.
-    if (std::ranges::any_of(service_.open, [&](const Connection* each) {
-          return is_eligible(each) && each->is_ending();
-        }))
-      return;
+    if (std::ranges::any_of(service_.open, &Connection::is_ending)) return;
 
+    const auto taken = connections_by_address();
+    const std::string_view greedy =
+        std::ranges::max_element(taken, {}, [](const auto& each) { return each.second; })->first;
+    const auto of_greedy = [&](const Connection* each) { return each->address() == greedy; };
     const auto silent = std::ranges::find_if(service_.open, [&](const Connection* each) {
-      return is_eligible(each) && each->waits_for_peer();
+      return of_greedy(each) && each->waits_for_peer();
     });
     if (silent != service_.open.end()) return (*silent)->close();
-    const auto asking = std::ranges::find_if(service_.open, is_eligible);
-    if (asking != service_.open.end()) (*asking)->leave();
+    (*std::ranges::find_if(service_.open, of_greedy))->leave();
   }
 
-  /// Ends what has waited too long, several times a second.
-  void close_overdue() {
+  /// What an address has beyond its share ends in the same order. A connection that has just begun
+  /// stays: its request is still on the way, and peers of the same address may ask without end.
+  void keep_to_shares() {
+    auto taken = connections_by_address();
+    const auto begun_before = Connection::Clock::now() - time_to_ask;
+    const auto is_too_much = [&](const Connection* each) {
+      return !each->is_ending() && taken[each->address()] > service_.limits.connections_of_address;
+    };
+
+    for (Connection* each : service_.open) {
+      if (!each->waits_for_peer() || each->begun() > begun_before || !is_too_much(each)) continue;
+      --taken[each->address()];
+      each->close();
+    }
+    for (Connection* each : service_.open) {
+      if (each->waits_for_peer() || !is_too_much(each)) continue;
+      --taken[each->address()];
+      each->leave();
+    }
+  }
+
+  std::map<std::string_view, std::size_t> connections_by_address() const {
+    std::map<std::string_view, std::size_t> taken;
+    for (const Connection* each : service_.open)
+      if (!each->is_ending()) ++taken[each->address()];
+    return taken;
+  }
+
+  /// Ends what has waited too long or is too much, several times a second.
+  void keep_bounds() {
     constexpr std::chrono::milliseconds interval{100};
     pulse_.expires_after(interval);
     pulse_.async_wait([this](const error_code& error) {
@@ -174,15 +195,18 @@ private:
       const auto now = Connection::Clock::now();
       for (Connection* connection : service_.open)
         if (connection->deadline() < now) connection->close();
+      keep_to_shares();
 
       if (waiting_ && waits_until_ < now) {
         waiting_.reset();
         accept();
       }
-      close_overdue();
+      keep_bounds();
     });
   }
 
+  /// For the first request of a peer whose address has its share already.
+  static constexpr std::chrono::milliseconds time_to_ask{500};
   /// For a peer that came when all connections were taken.
   static constexpr std::chrono::seconds longest_wait_for_room{1};
 

@@ -27,10 +27,10 @@ struct Limits {
   std::size_t header_bytes = 8192;  ///< request line and all headers
   std::size_t body_bytes = 0;       ///< of a request; those of long bodies come at 64 KiB/s or more
   std::size_t all_bodies_bytes = 64 << 20;  ///< of all requests that are read or answered
-  std::size_t connections = 32;
-  std::size_t connections_of_address = 32;
-  std::size_t handlers = 4;              ///< requests that are answered at once; others wait
-  std::chrono::milliseconds time{5000};  ///< for a handshake, a header, a part of a reply
+  std::size_t connections = 256;
+  std::size_t connections_of_address = 32;  ///< streams may be more
+  std::size_t handlers = 4;                 ///< requests that are answered at once; others wait
+  std::chrono::milliseconds time{5000};     ///< for a handshake, a header, a part of a reply
 };
 
 /// Whether a value of the header Host is a name of this server: another site may point a name of
@@ -39,8 +39,8 @@ using IsOwnHost = std::function<bool(const std::string& host)>;
 
 /// A small server of HTTP/1.1, or HTTPS, within limits that hold for peers that were never let in.
 /// One thread serves all connections, a few others run the handlers. When all connections, or those
-/// of an address, are taken, the one that has waited longest for its peer makes room for a new one,
-/// else the oldest one after its answer.
+/// of an address, are taken, the oldest one that waits for its peer makes room, else the oldest one
+/// after its answer.
 class Server {
 public:
   /// Where the server listens.

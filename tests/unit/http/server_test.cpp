@@ -282,6 +282,16 @@ TEST_F(HttpServer, AnAddressHasItsShareOfTheConnections) {
   EXPECT_EQ(silent.front().receive(), "");  // it made room
 }
 
+/// Others of its address, behind one router, may come without end.
+TEST_F(HttpServer, APeerHasTimeToAskWhenItsAddressHasItsShare) {
+  start({.connections = 100, .connections_of_address = 3, .time = std::chrono::minutes(5)});
+  Peer honest(port());
+  std::list<Peer> silent;
+  for (int i = 0; i < 20; ++i) silent.emplace_back(port());
+  EXPECT_EQ(status_of(Peer(port()).ask("/")), "HTTP/1.1 200 OK");  // the others are accepted
+  EXPECT_EQ(status_of(honest.ask("/")), "HTTP/1.1 200 OK");
+}
+
 TEST_F(HttpServer, AllBodiesTogetherHaveALimit) {
   start({.body_bytes = 1000, .all_bodies_bytes = 1500, .time = std::chrono::minutes(5)});
   const std::string begin =
