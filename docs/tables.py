@@ -19,7 +19,7 @@ Figures:
     MONITOR against COLUMN  the curl, and how far it is from the first number of that column, in percent
     least FIELD             smallest value of a field of StepReport while the block moves; of a length in mm
     sum of FIELD            over all steps
-    findings                codes of the findings beyond notes
+    findings                codes of the findings beyond notes, without those that are open
 
 `.0` behind a figure sets its decimals, else 1 of a length, none of the others. The Python package is that of
 build/release/python, or of $DCCAST_PYTHON.
@@ -82,7 +82,8 @@ def figure(words, run, first, against):
         return f"{value:,.{decimals[0] if decimals else usual}f}"
 
     if words == ["findings"]:
-        return ", ".join(f.code for f in run.findings if f.severity > f.NOTE) or "none"
+        return ", ".join(f.code for f in run.findings
+                         if f.severity > f.NOTE and f.certainty != f.OPEN) or "none"
     if words[:2] == ["change", "of"]:
         return "" if run is first else percent(curl_mm(run, words[2]), curl_mm(first, words[2]))
     if words[:2] == ["sum", "of"]:

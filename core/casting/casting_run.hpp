@@ -97,6 +97,8 @@ public:
 
   /// Findings of the run so far: each code once, in the order in which they were raised.
   virtual const std::vector<results::Finding>& findings() const = 0;
+  /// Of each limit that has applied and is one of a figure.
+  virtual const std::vector<results::Margin>& margins() const = 0;
 
   /// The complete state of the run, as stored in a checkpoint.
   virtual results::Sections state_sections() const = 0;

@@ -65,6 +65,7 @@ results::RunSummary summary_of(const CastingRun& run) {
     summary = {name_of(run.failures().front().kind), in_words(run.failures())};
   summary.validity_lost = run.validity_lost();
   summary.findings = run.findings();
+  summary.margins = run.margins();
   return summary;
 }
 
@@ -248,9 +249,15 @@ private:
     return {RunEnd::stopped, {}};
   }
 
-  /// Reports the findings that the observer has not received yet.
+  /// Reports the findings that the observer has not received yet, or not as sure as they are.
   void report_new_findings() {
     const std::vector<results::Finding>& found = run_->findings();
+    for (std::size_t i = 0; i < reported_.size(); ++i) {
+      if (found[i].certainty == reported_[i].certainty) continue;
+      reported_[i] = found[i];
+      observer_.on_finding(found[i]);
+    }
+
     while (reported_.size() < found.size()) {
       reported_.push_back(found[reported_.size()]);
       observer_.on_finding(reported_.back());

@@ -69,6 +69,7 @@ public:
   const RunFailures& failures() const override { return state_.failures; }
   const std::optional<ValidityLoss>& validity_lost() const override { return state_.findings.lost; }
   const std::vector<results::Finding>& findings() const override { return state_.findings.raised; }
+  const std::vector<results::Margin>& margins() const override { return state_.findings.margins; }
   results::Sections state_sections() const override { return to_sections(state_); }
   [[nodiscard]] std::string restore(const results::Sections& state) override;
 

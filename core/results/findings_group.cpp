@@ -48,6 +48,10 @@ constexpr std::array reals{
               &Finding::time},
     RealField{"/findings/value", "1", "in the unit of the finding", &Finding::value},
     RealField{"/findings/limit", "1", "in the unit of the finding", &Finding::limit},
+    RealField{"/findings/lower_error", "1",
+              "how far mesh and steps may have put the true figure below the worst one",
+              &Finding::lower_error},
+    RealField{"/findings/upper_error", "1", "the same above it", &Finding::upper_error},
 };
 
 /// Collects one text of each finding. @param select  returns it
@@ -102,6 +106,16 @@ void read_worst(const File& file, std::vector<Finding>& findings) {
     if (std::isfinite(value[i])) findings[i].worst = Exceedance{time[i], value[i], place[i]};
 }
 
+std::string certainty_text(const Finding& finding) {
+  return finding.certainty ? name_of(*finding.certainty) : "";
+}
+
+std::optional<Certainty> parse_certainty(const std::string& name) {
+  for (const Certainty each : {Certainty::open, Certainty::likely, Certainty::sure})
+    if (name == name_of(each)) return each;
+  return std::nullopt;
+}
+
 Severity parse_severity(const File& file, const std::string& name) {
   const auto found = std::ranges::find(severities, name, [](Severity s) { return name_of(s); });
   if (found == severities.end())
@@ -123,6 +137,8 @@ void write_findings(File& file, const std::vector<Finding>& findings) {
   file.write_texts("/findings/severity",
                    collect_texts(findings, [](const Finding& f) { return name_of(f.severity); }),
                    "note, warning or danger");
+  file.write_texts("/findings/certainty", collect_texts(findings, certainty_text),
+                   "open, likely or sure; empty: no error was measured");
 
   // A number that a finding does not have is NaN in the file.
   for (const RealField& field : reals) {
@@ -150,6 +166,10 @@ std::vector<Finding> read_findings(const File& file) {
     for (std::size_t i = 0; i < findings.size(); ++i) findings[i].*field.member = values[i];
   }
 
+  const auto certainty = file.read_texts("/findings/certainty", findings.size());
+  for (std::size_t i = 0; i < findings.size(); ++i)
+    findings[i].certainty = parse_certainty(certainty[i]);
+
   // NaN marks a number that the finding does not have.
   for (const RealField& field : reals) {
     const auto values = file.read_reals(field.dataset, findings.size());
@@ -161,6 +181,31 @@ std::vector<Finding> read_findings(const File& file) {
   for (std::size_t i = 0; i < findings.size(); ++i) findings[i].place = place[i];
   read_worst(file, findings);
   return findings;
+}
+
+void write_margins(File& file, const std::vector<Margin>& margins) {
+  if (margins.empty()) return;
+  std::vector<std::string> code, key, unit;
+  std::vector<double> value, limit, time;
+  std::vector<std::vector<double>> place;
+  for (const Margin& margin : margins) {
+    code.push_back(margin.code);
+    key.push_back(margin.key);
+    unit.push_back(margin.unit);
+    value.push_back(margin.worst.value);
+    limit.push_back(margin.limit);
+    time.push_back(margin.worst.time);
+    place.push_back(margin.worst.place);
+  }
+
+  file.create_group("/margins");
+  file.write_texts("/margins/code", code, "of the finding whose limit it is");
+  file.write_texts("/margins/key", key, "key of the case that sets the limit");
+  file.write_texts("/margins/unit", unit, "of value and limit");
+  file.write("/margins/value", value, "1", "nearest to the limit or farthest beyond it");
+  file.write("/margins/limit", limit, "1", "at that time");
+  file.write("/margins/time_s", time, "s", "of the value");
+  write_places(file, "/margins/place_m", place, "as that of a finding");
 }
 
 }  // namespace dccast::results

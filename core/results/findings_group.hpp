@@ -16,4 +16,7 @@ void write_findings(hdf5::File& file, const std::vector<Finding>& findings);
 /// @throws storage::StorageError  also if a severity is unknown or a column has the wrong length
 std::vector<Finding> read_findings(const hdf5::File& file);
 
+/// Writes the group /margins of SCHEMA.md, if there are margins. @throws storage::StorageError
+void write_margins(hdf5::File& file, const std::vector<Margin>& margins);
+
 }  // namespace dccast::results

@@ -113,6 +113,7 @@ struct RunSummary {
   std::string message;  ///< if it did not succeed: the cause and the failures that followed
   std::optional<ValidityLoss> validity_lost = std::nullopt;  ///< absent: valid to the end
   std::vector<Finding> findings{};  ///< each code once, in the order in which they were raised
+  std::vector<Margin> margins{};    ///< to the limits of findings, found or not
 };
 
 /// Coordinates of points one after the other [m].

@@ -204,6 +204,7 @@ void ResultFileBuilder::finish(const RunSummary& summary, const MeasuredLevers& 
   file_.write_attribute("/", "message", summary.message);
   if (summary.validity_lost) write_validity_loss(file_, *summary.validity_lost);
   write_findings(file_, summary.findings);
+  write_margins(file_, summary.margins);
   write_levers(file_, levers);
   file_.write_attribute("/frames", "count", static_cast<std::int64_t>(frames_.size()));
   file_.close();

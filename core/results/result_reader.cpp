@@ -113,8 +113,11 @@ RunHeader ResultReader::header() const {
 }
 
 RunSummary ResultReader::summary() const {
-  return {file_->text_attribute("/", "outcome"), file_->text_attribute("/", "message"),
-          read_validity_loss(*file_), read_findings(*file_)};
+  return {file_->text_attribute("/", "outcome"),
+          file_->text_attribute("/", "message"),
+          read_validity_loss(*file_),
+          read_findings(*file_),
+          {}};
 }
 
 MeasuredLevers ResultReader::levers() const {

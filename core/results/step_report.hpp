@@ -12,7 +12,11 @@ namespace dccast::results {
 /// Note: worth knowing. Warning: a plant would object. Danger: a plant could not cast it.
 enum class Severity { note, warning, danger };
 
-/// A figure beyond its limit.
+/// Whether a figure is beyond its limit, as far as mesh and time steps tell. Open: the computed one
+/// is not, the true one may be. Likely: the computed one is, the true one may not be. Sure: both.
+enum class Certainty { open, likely, sure };
+
+/// A figure beyond its limit, or as near to it as its error.
 struct Exceedance {
   double time = 0.0;          ///< [s] end of the step
   double value = 0.0;         ///< [unit of the finding]
@@ -34,13 +38,32 @@ struct Finding {
   std::string key;  ///< key of the case that sets the limit or causes the finding; empty: none does
   /// The figure farthest beyond the limit so far; absent if the finding has no time or no value.
   std::optional<Exceedance> worst = std::nullopt;
+  /// Of the worst figure; absent: the error of such a figure was not measured.
+  std::optional<Certainty> certainty = std::nullopt;
+  /// [`unit`] how far mesh and steps may have put the true figure below and above the worst one
+  std::optional<double> lower_error = std::nullopt, upper_error = std::nullopt;
   bool operator==(const Finding&) const = default;
+};
+
+/// What came nearest to the limit of a finding, or farthest beyond it, whether or not it was found.
+struct Margin {
+  std::string code, key;  ///< of the finding
+  std::string unit;       ///< of value and limit
+  double limit = 0.0;     ///< at that time
+  Exceedance worst;       ///< with a finite value
+  bool operator==(const Margin&) const = default;
 };
 
 /// "note", "warning" or "danger".
 inline const char* name_of(Severity severity) {
   constexpr const char* names[] = {"note", "warning", "danger"};
   return names[static_cast<int>(severity)];
+}
+
+/// "open", "likely" or "sure".
+inline const char* name_of(Certainty certainty) {
+  constexpr const char* names[] = {"open", "likely", "sure"};
+  return names[static_cast<int>(certainty)];
 }
 
 /// The time from which the results of a run are no longer valid (docs/validity.md).

@@ -3,6 +3,7 @@
 #include <google/protobuf/util/message_differencer.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -114,6 +115,24 @@ const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
 
   return quality == v1::DRAFT ? draft : quality == v1::FINE ? fine : engineering;
 }
+
+/// The error of a figure that findings judge: that of the shipped starts against their truths,
+/// rounded outwards (docs/error-bars.md).
+struct MeasuredFigure {
+  const char* figure;  ///< as in core/casting/findings/rules_of_step.cpp
+  bool is_relative;
+  Band draft, finer;  ///< engineering and fine
+};
+constexpr std::array measured_figures{
+    MeasuredFigure{"shell over the block", true, {0.30, 0.10}, {0.07, 0.08}},
+    MeasuredFigure{"shell at the mould exit", true, {0.05, 0.02}, {0.04, 0.02}},
+    MeasuredFigure{"surface at the mould exit", false, {1.0, 5.0}, {1.0, 6.0}},
+    MeasuredFigure{"shell above the water", true, {0.50, 0.05}, {0.42, 0.05}},
+    MeasuredFigure{"depth at which the side freezes", true, {0.04, 0.09}, {0.07, 0.06}},
+    MeasuredFigure{"share of the sump", true, {0.015, 0.025}, {0.015, 0.025}},
+    MeasuredFigure{"rotation", true, {0.01, 0.06}, {0.015, 0.025}},
+    MeasuredFigure{"lift of the butt", true, {0.04, 0.08}, {0.05, 0.05}},
+};
 
 const Discretisation& choose_discretisation(const v1::Case& c) {
   return c.section().kind() == v1::Section::QUARTER_SLAB ? quarter_slab_discretisation(c.quality())
@@ -312,6 +331,24 @@ std::optional<v1::RelativeError> relative_discretisation_error(const v1::Case& c
   error.set_lower(band.below);
   error.set_upper(band.above);
   return error;
+}
+
+std::vector<FigureBand> figure_bands(const v1::Case& complete) {
+  if (complete.section().kind() != v1::Section::QUARTER_SLAB || !is_measured_casting(complete) ||
+      !has_quality_mesh(complete))
+    return {};
+
+  std::vector<FigureBand> bands;
+  for (const MeasuredFigure& row : measured_figures) {
+    const Band& band = complete.quality() == v1::DRAFT ? row.draft : row.finer;
+    bands.push_back({row.figure, band.below, band.above, row.is_relative});
+  }
+  if (const std::string& monitor = complete.output().curl();
+      !monitor.empty() && is_measured_at(complete, monitor)) {
+    const Band& band = choose_discretisation(complete).error;
+    bands.push_back({"curl", band.below, band.above, true});
+  }
+  return bands;
 }
 
 bool is_measured_at(const v1::Case& c, const std::string& name) {

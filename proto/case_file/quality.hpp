@@ -4,6 +4,7 @@
 #include <iterator>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/job.pb.h"
@@ -30,6 +31,18 @@ bool quality_matters(const v1::Case& description);
 /// half thickness 0.2 to 0.4 m), at the monitors of is_measured_at().
 /// @param complete  case with all its defaults
 std::optional<v1::RelativeError> relative_discretisation_error(const v1::Case& complete);
+
+/// How far mesh and time steps may have put a true figure that findings judge below and above the
+/// computed one: docs/error-bars.md.
+struct FigureBand {
+  const char* figure;               ///< name, as in core/casting/findings/rules_of_step.cpp
+  double below = 0.0, above = 0.0;  ///< in SI units or degC, or relative to the figure [1]
+  bool is_relative = false;
+};
+
+/// The bands of the figures; none where none were measured: they exist for the quarter slabs of
+/// relative_discretisation_error(). @param complete  case with all its defaults
+std::vector<FigureBand> figure_bands(const v1::Case& complete);
 
 /// Whether the bands were measured at a monitor: in a section at any, in a quarter slab along the
 /// narrow edge of the butt, from its middle to the corner; and at a mean of such monitors.

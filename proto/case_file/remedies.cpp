@@ -70,6 +70,8 @@ const std::vector<Row>& rows() {
       {"slip_too_large", false, flatter_butt},
       {"centre_lifts", false, {}},
       {"lift_too_large", false, flatter_butt},
+      {"may_hang_up", false, {}},
+      {"hangs_up", false, {}},
       {"hot_tears", false, {{&speed, less}, {&metal, less}}},
       {"curl_outside_band",
        true,

@@ -441,6 +441,8 @@ casting::Case to_core(const v1::Case& complete, const std::filesystem::path& att
   // The result file keeps the larger side of the band.
   if (const auto error = case_file::relative_discretisation_error(complete))
     to.relative_curl_error = std::max(error->lower(), error->upper());
+  for (const case_file::FigureBand& band : case_file::figure_bands(complete))
+    to.figure_errors[band.figure] = {band.below, band.above, band.is_relative};
 
   google::protobuf::util::JsonPrintOptions options;
   options.preserve_proto_field_names = true;

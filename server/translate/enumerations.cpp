@@ -250,4 +250,16 @@ v1::Finding::Severity to_proto(results::Severity from) {
   return v1::Finding::SEVERITY_UNSPECIFIED;
 }
 
+v1::Finding::Certainty to_proto(results::Certainty from) {
+  switch (from) {
+    case results::Certainty::open:
+      return v1::Finding::OPEN;
+    case results::Certainty::likely:
+      return v1::Finding::LIKELY;
+    case results::Certainty::sure:
+      return v1::Finding::SURE;
+  }
+  return v1::Finding::CERTAINTY_UNSPECIFIED;
+}
+
 }  // namespace dccast::translate

@@ -40,5 +40,6 @@ bool is_steel(v1::BottomBlock::Material from);
 v1::RunEnd::Outcome to_proto(casting::RunEnd from);
 v1::Finding::Kind to_proto(casting::FailureKind from);
 v1::Finding::Severity to_proto(results::Severity from);
+v1::Finding::Certainty to_proto(results::Certainty from);
 
 }  // namespace dccast::translate

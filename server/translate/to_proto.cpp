@@ -301,6 +301,9 @@ v1::Finding to_proto(const results::Finding& finding) {
   to.mutable_worst()->set_time_s(finding.worst->time);
   to.mutable_worst()->set_value(finding.worst->value);
   fill(finding.worst->place, to.mutable_worst()->mutable_place_m());
+  if (finding.certainty) to.set_certainty(to_proto(*finding.certainty));
+  if (finding.lower_error) to.set_lower_error(*finding.lower_error);
+  if (finding.upper_error) to.set_upper_error(*finding.upper_error);
   return to;
 }
 

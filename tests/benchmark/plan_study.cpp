@@ -4,8 +4,8 @@
 //   dccast-plan-study CASE QUALITY [KEY=NUMBER ...]
 //
 // One line: nodes of the heat's mesh, steps, iterations, processor seconds, wall seconds by task,
-// what was found, with value and limit; then one for each monitor, in mm. Keys are in m and s,
-// `settled` in mm/s.
+// what was found, with value and limit; then one for each margin, and one for each monitor, in mm.
+// Keys are in m and s, `settled` in mm/s.
 
 #include <array>
 #include <cstdio>
@@ -111,6 +111,9 @@ int main(int count, char** values) {
     std::printf(" %s at %.0f s: %.4g of %.4g %s", f.code.c_str(), f.time.value_or(0.0),
                 f.value.value_or(0.0), f.limit.value_or(0.0), f.unit.c_str());
   std::printf("\n");
+  for (const casting::Margin& m : run.margins())
+    std::printf("%26s | %s %.5g of %.4g %s at %.0f s\n", m.code.c_str(), m.key.c_str(),
+                m.worst.value, m.limit, m.unit.c_str(), m.worst.time);
 
   for (std::size_t monitor = 0; monitor < curls.size(); ++monitor) {
     std::printf("%26s |", c.monitors[monitor].name.c_str());

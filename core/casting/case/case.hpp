@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -133,6 +134,12 @@ struct Plausibility {
   std::optional<double> greatest_curl;  ///< [m] upper end of the plant's range; absent: none
 };
 
+/// How far mesh and time steps may have put a true figure below and above the computed one.
+struct FigureError {
+  double below = 0.0, above = 0.0;  ///< in the unit of the figure, or relative to it [1]
+  bool is_relative = false;
+};
+
 /// Table `limits`: ceilings on the size of a run.
 struct Limits {
   std::int64_t maximum_nodes = 0;
@@ -167,6 +174,9 @@ struct Case {
   /// it [1]; kept in the result file. Core does not know it: it comes with the case. Absent: not
   /// known.
   std::optional<double> relative_curl_error = std::nullopt;
+  /// Such errors of the figures that findings judge, by the names that the rules give them
+  /// (core/casting/findings/rules_of_step.cpp); they come with the case too.
+  std::map<std::string, FigureError> figure_errors{};
 };
 
 }  // namespace dccast::casting

@@ -206,6 +206,12 @@ void StepMeter<Dim>::measure_mechanics(const StepView<Dim>& view, StepFigures& f
   f.weight = checks.weight / view.face_length;
   if (checks.weight > 0.0) f.steam_share = view.heat.steam_force / checks.weight;
   f.bottom_reaction = checks.bottom_reaction / view.face_length;
+
+  // Faces lean on the wall and leave it node by node; what hangs up a slab lasts.
+  constexpr double memory = 10.0;  // [s]
+  history.wall_force += (checks.wall_reaction / view.face_length - history.wall_force) *
+                        -std::expm1(-view.time_step / memory);
+  if (f.weight > 0.0) f.wall_share = history.wall_force / f.weight;
   f.complementarity_error = checks.complementarity_error;
 
   // Largest motions of the solid, compared with the limits of small strains.

@@ -72,6 +72,7 @@ struct StepFigures {
   double weight = 0.0;                ///< [N/m], in 3D [N]
   double steam_share = 0.0;           ///< [1] force of the steam under the butt, of the weight
   double bottom_reaction = 0.0;       ///< [N/m] upwards, in 3D [N]
+  double wall_share = 0.0;  ///< [1] force of the mould's wall on the shell, of the weight; a mean
   double complementarity_error = 0.0;   ///< [1] relative to 1 mm and the weight
   double metal_depth = 0.0;             ///< [m] from the bottom to the metal level
   double sump_depth = 0.0;              ///< [m]
@@ -115,6 +116,7 @@ struct FigureHistory {
   bool shell_stood = false;            ///< a closed shell has existed, so that it can melt through
   std::vector<double> when_liquid;     ///< [rad] or [1], see largest_rotation(); of the mechanics
   double thickest_bottom_shell = 0.0;  ///< [m] since the block started to move
+  double wall_force = 0.0;             ///< [unit of StepFigures::weight] mean of some seconds
   std::vector<MushPassage> passages;   ///< (element), see HotTears
   // Figures of all elements, which change slowly: measured every few seconds.
   TearIndices tears;

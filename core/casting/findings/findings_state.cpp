@@ -45,6 +45,8 @@ std::optional<Exceedance> read_worst(const Finding& finding, const Sections::Rea
   return Exceedance{values[0], values[1], {values.begin() + 2, values.end()}};
 }
 
+constexpr std::int64_t unknown = -1;  // certainty
+
 void write_finding(const Finding& finding, const std::string& prefix, Sections& s) {
   s.set(prefix + "code", finding.code);
   s.set_integer(prefix + "severity", static_cast<std::int64_t>(finding.severity));
@@ -56,6 +58,10 @@ void write_finding(const Finding& finding, const std::string& prefix, Sections& 
   s.set(prefix + "unit", finding.unit);
   s.set(prefix + "key", finding.key);
   s.set(prefix + "worst", as_reals(finding.worst));
+  s.set_integer(prefix + "certainty",
+                finding.certainty ? static_cast<std::int64_t>(*finding.certainty) : unknown);
+  s.set(prefix + "lower_error", as_reals(finding.lower_error));
+  s.set(prefix + "upper_error", as_reals(finding.upper_error));
 }
 
 Finding read_finding(const Sections& s, const std::string& prefix) {
@@ -73,7 +79,34 @@ Finding read_finding(const Sections& s, const std::string& prefix) {
                   s.text(prefix + "key")};
 
   finding.worst = read_worst(finding, s.reals(prefix + "worst"));
+  const std::int64_t certainty = s.integer(prefix + "certainty");
+  if (certainty < unknown || certainty > 2)
+    throw std::out_of_range("unknown certainty of a finding");
+  if (certainty != unknown) finding.certainty = static_cast<results::Certainty>(certainty);
+  finding.lower_error = read_optional(s, prefix + "lower_error");
+  finding.upper_error = read_optional(s, prefix + "upper_error");
   return finding;
+}
+
+/// Value and limit with time and coordinates of the value.
+void write_margin(const Margin& margin, const std::string& prefix, Sections& s) {
+  s.set(prefix + "code", margin.code);
+  s.set(prefix + "key", margin.key);
+  s.set(prefix + "unit", margin.unit);
+  s.set_real(prefix + "limit", margin.limit);
+  s.set(prefix + "worst", as_reals(margin.worst));
+}
+
+Margin read_margin(const Sections& s, const std::string& prefix) {
+  const Sections::Reals& worst = s.reals(prefix + "worst");
+  if (worst.size() < 2) throw std::out_of_range("a margin has no time or no value");
+  return {s.text(prefix + "code"), s.text(prefix + "key"), s.text(prefix + "unit"),
+          s.real(prefix + "limit"),
+          Exceedance{worst[0], worst[1], {worst.begin() + 2, worst.end()}}};
+}
+
+std::string margin_prefix(std::size_t number) {
+  return fmt::format("margin.{}/", number);
 }
 
 std::string finding_prefix(std::size_t number) {
@@ -146,6 +179,7 @@ void write_findings(const FindingsState& state, Sections& s) {
   s.set_integer("figures/shell_stood", state.history.shell_stood ? 1 : 0);
   s.set("figures/when_liquid", state.history.when_liquid);
   s.set_real("figures/thickest_bottom_shell_m", state.history.thickest_bottom_shell);
+  s.set_real("figures/wall_force", state.history.wall_force);
   s.set("figures/passages", as_reals(state.history.passages));
   s.set("figures/tears", as_reals(state.history.tears));
   s.set_real("figures/pore_volume", state.history.pore_volume);
@@ -154,6 +188,9 @@ void write_findings(const FindingsState& state, Sections& s) {
   s.set_integer("findings", static_cast<std::int64_t>(state.raised.size()));
   for (std::size_t i = 0; i < state.raised.size(); ++i)
     write_finding(state.raised[i], finding_prefix(i), s);
+  s.set_integer("margins", static_cast<std::int64_t>(state.margins.size()));
+  for (std::size_t i = 0; i < state.margins.size(); ++i)
+    write_margin(state.margins[i], margin_prefix(i), s);
 }
 
 FindingsState read_findings(const Sections& s) {
@@ -161,6 +198,7 @@ FindingsState read_findings(const Sections& s) {
   state.history.shell_stood = s.integer("figures/shell_stood") != 0;
   state.history.when_liquid = s.reals("figures/when_liquid");
   state.history.thickest_bottom_shell = s.real("figures/thickest_bottom_shell_m");
+  state.history.wall_force = s.real("figures/wall_force");
   state.history.passages = read_passages(s.reals("figures/passages"));
   state.history.tears = read_tears(s.reals("figures/tears"));
   state.history.pore_volume = s.real("figures/pore_volume");
@@ -169,6 +207,9 @@ FindingsState read_findings(const Sections& s) {
   const auto count = static_cast<std::size_t>(s.integer("findings"));
   for (std::size_t i = 0; i < count; ++i)
     state.raised.push_back(read_finding(s, finding_prefix(i)));
+  const auto margins = static_cast<std::size_t>(s.integer("margins"));
+  for (std::size_t i = 0; i < margins; ++i)
+    state.margins.push_back(read_margin(s, margin_prefix(i)));
   return state;
 }
 

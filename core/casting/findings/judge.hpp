@@ -13,6 +13,7 @@
 namespace dccast::casting {
 
 using results::Finding;
+using results::Margin;
 using results::Severity;
 using results::ValidityLoss;
 
@@ -20,6 +21,7 @@ using results::ValidityLoss;
 struct FindingsState {
   std::vector<Finding> raised;       ///< each code once, in the order in which they were raised
   std::optional<ValidityLoss> lost;  ///< the first loss of validity
+  std::vector<Margin> margins;       ///< of each rule that has applied and compares with a limit
   FigureHistory history;
 };
 
@@ -28,7 +30,7 @@ struct FindingsState {
 std::vector<Finding> findings_of_case(const Case& casting_case);
 
 /// Judges a step by every rule: raises findings, updates the worst exceedance of those raised
-/// before, and records the first loss of validity.
+/// before and the margins, and records the first loss of validity.
 /// @return  the failures that follow from findings raised in this step
 RunFailures judge(const Case& casting_case, const StepFigures& step, FindingsState& state);
 

@@ -18,20 +18,21 @@ namespace dccast::casting {
 using results::Finding;
 using results::Severity;
 
-/// A limit that is exceeded.
-struct Exceeded {
+/// A figure beside its limit.
+struct Judged {
   PlacedFigure figure;  ///< [unit of the rule]
   double limit = 0.0;   ///< [unit of the rule]
-  std::string meaning;  ///< one sentence: what it means in practice
+  std::string meaning;  ///< one sentence: what it means in practice if it is beyond the limit
   /// Message of the failure or of the loss of validity; only of rules with a consequence.
   std::string account{};
+  bool is_beyond = false;  ///< whatever the figure: the rule has found out
 };
 
 /// Whether a figure must not be above its limit, or not below it.
 enum class Limit { upper, lower };
 
 /// A rule that judges the figures of a step. A code may have several rows that share its meaning
-/// and differ in their key: the first one that is exceeded raises it.
+/// and differ in their key: the first one whose figure is beyond the limit raises it.
 struct StepRule {
   /// Name of the finding in results and on the command line.
   const char* code;
@@ -43,7 +44,9 @@ struct StepRule {
   const char* key;   ///< key of the case that sets the limit; empty for a bound of the program
   const char* unit;  ///< of figure and limit
   Limit limit;
-  std::optional<Exceeded> (*judge)(const Case&, const StepFigures&);
+  const char* figure;  ///< by which the case has its error; empty: it has none
+  /// Empty where the rule does not apply.
+  std::optional<Judged> (*judge)(const Case&, const StepFigures&);
 };
 
 /// A rule that follows from the tables of a case alone.

@@ -262,6 +262,52 @@ TEST(DiscretisationError, OfADraftOfAQuarterSlabReachesFartherUp) {
   EXPECT_GT(draft->upper(), draft->lower());
 }
 
+/// The bands hold the truths of AA3104 and AA5182 (docs/error-bars.md): least shell over the block
+/// above a gap, and above the water [m].
+TEST(FigureBands, HoldTheTruthsOfTwoStarts) {
+  struct Row {
+    v1::Quality quality;
+    const char* figure;
+    double computed, truth;
+  };
+  for (const Row& row : {Row{v1::DRAFT, "shell over the block", 17.744e-3, 17.271e-3},
+                         Row{v1::DRAFT, "shell over the block", 8.0407e-3, 5.9091e-3},
+                         Row{v1::ENGINEERING, "shell over the block", 16.362e-3, 17.271e-3},
+                         Row{v1::ENGINEERING, "shell over the block", 6.1e-3, 5.9091e-3},
+                         Row{v1::DRAFT, "shell above the water", 5.2337e-3, 2.8146e-3},
+                         Row{v1::ENGINEERING, "shell above the water", 4.5704e-3, 2.8146e-3}}) {
+    const auto bands = figure_bands(complete(quarter_slab(row.quality)));
+    const auto band = std::ranges::find(bands, std::string(row.figure), &FigureBand::figure);
+    ASSERT_NE(band, bands.end()) << row.figure;
+    ASSERT_TRUE(band->is_relative);
+    EXPECT_GE(row.truth, row.computed * (1.0 - band->below)) << row.figure;
+    EXPECT_LE(row.truth, row.computed * (1.0 + band->above)) << row.figure;
+  }
+}
+
+TEST(FigureBands, AreUnknownWhereTheBandOfTheCurlIs) {
+  v1::Case layers = quarter_slab(v1::DRAFT);
+  layers.mutable_mesh()->set_layers(4);
+  EXPECT_TRUE(figure_bands(complete(layers)).empty());
+}
+
+/// The curl that findings judge has its band only at a monitor where it was measured.
+TEST(FigureBands, HaveTheCurlOfTheChosenMonitor) {
+  v1::Case c = quarter_slab(v1::ENGINEERING);
+  const auto has_curl = [&] {
+    return std::ranges::count(figure_bands(complete(c)), std::string("curl"), &FigureBand::figure);
+  };
+  c.mutable_output()->clear_curl();
+  EXPECT_EQ(has_curl(), 0);
+  v1::Monitor& monitor = *c.add_monitor();
+  monitor.set_name("edge");
+  monitor.set_x_m(c.section().half_width_m());
+  monitor.set_y_m(0.0);
+  monitor.set_z_m(0.0);
+  c.mutable_output()->set_curl("edge");
+  EXPECT_EQ(has_curl(), 1);
+}
+
 /// They were measured at the corner and at the middle of the narrow face.
 TEST(DiscretisationError, OfAQuarterSlabIsKnownAlongTheNarrowEdgeAndForMeansOfIt) {
   v1::Case c = quarter_slab(v1::DRAFT);

@@ -261,8 +261,8 @@ TEST_P(OfStep, IsRaisedBeyondItsLimitAndJustNotAtIt) {
 
 const StepRow of_step_rows[] = {
     {"SurfaceAboveTheSolidus", "bleed_out_at_exit", Severity::danger,
-     [](StepFigures& f) { f.exit_surface.value = 620.0; },
-     [](StepFigures& f) { f.exit_surface.value = 619.9; }},
+     [](StepFigures& f) { f.exit_surface.value = 620.1; },
+     [](StepFigures& f) { f.exit_surface.value = 620.0; }},
     {"ThinShellAtTheExit", "bleed_out_at_exit", Severity::danger,
      [](StepFigures& f) { f.exit_shell.value = 4.9e-3; },
      [](StepFigures& f) { f.exit_shell.value = 5e-3; }},
@@ -273,8 +273,8 @@ const StepRow of_step_rows[] = {
        f.left_mould = false;
      }},
     {"RemeltingInTheGap", "remelting_in_gap", Severity::warning,
-     [](StepFigures& f) { f.gap_surface.value = 620.0; },
-     [](StepFigures& f) { f.gap_surface.value = 619.9; }},
+     [](StepFigures& f) { f.gap_surface.value = 620.1; },
+     [](StepFigures& f) { f.gap_surface.value = 620.0; }},
     {"GapOfAShellThatIsNotSolidYet", "remelting_in_gap", Severity::warning,
      [](StepFigures& f) { f.gap_surface.value = 625.0; },
      [](StepFigures& f) { f.gap_surface.value = f.gap_entry = 625.0; }},
@@ -520,6 +520,75 @@ TEST(OfStep, RotationThatElementsFollowIsAWarningBeyondFifteenDegrees) {
   EXPECT_EQ(find(state.raised, "rotation_too_large")->severity, Severity::warning);
 }
 
+/// The case says how far mesh and steps may have put the shell over the block off.
+TEST(OfStep, AFigureWithinItsErrorOfTheLimitIsOpen) {
+  Case c = with_band();
+  c.figure_errors["shell over the block"] = {.below = 0.6e-3, .above = 0.4e-3};
+  StepFigures f = sound_step();
+  f.gap_under_shell = 1e-3;
+  FindingsState state;
+  const auto after = [&](double shell) {
+    f.bottom_shell.value = shell;
+    judge(c, f, state);
+    return find(state.raised, "bleed_out_at_bottom");
+  };
+
+  EXPECT_EQ(after(5.7e-3), nullptr);
+  const Finding* finding = after(5.5e-3);
+  ASSERT_NE(finding, nullptr);
+  EXPECT_EQ(finding->severity, Severity::danger);
+  EXPECT_EQ(finding->certainty, results::Certainty::open);
+  EXPECT_EQ(finding->message,
+            "Cannot be told: the shell over the block is 5.5 mm, mesh and steps leave 4.9 mm to "
+            "5.9 mm, the limit is 5 mm.");
+
+  EXPECT_EQ(after(4.8e-3)->certainty, results::Certainty::likely);
+  EXPECT_THAT(find(state.raised, "bleed_out_at_bottom")->message,
+              ::testing::EndsWith("Likely, not sure: mesh and steps leave 4.2 mm to 5.2 mm."));
+  EXPECT_EQ(after(4.5e-3)->certainty, results::Certainty::sure);
+  EXPECT_EQ(after(5.2e-3)->certainty, results::Certainty::sure);
+  finding = find(state.raised, "bleed_out_at_bottom");
+  EXPECT_EQ(finding->worst->value, 4.5e-3);
+  EXPECT_NEAR(*finding->lower_error, 0.6e-3, 1e-12);
+  EXPECT_NEAR(*finding->upper_error, 0.4e-3, 1e-12);
+}
+
+/// What is sure does not hide behind an open figure of the same code.
+TEST(OfStep, ASurerFigureReplacesAnOpenOne) {
+  Case c = with_band();
+  c.figure_errors["surface at the mould exit"] = {.below = 5.0, .above = 5.0};
+  StepFigures f = sound_step();
+  FindingsState state;
+  f.exit_surface.value = 617.0;
+  judge(c, f, state);
+  EXPECT_EQ(find(state.raised, "bleed_out_at_exit")->certainty, results::Certainty::open);
+
+  c.figure_errors["shell at the mould exit"] = {.below = 0.1, .above = 0.1, .is_relative = true};
+  f.exit_shell.value = 2e-3;
+  judge(c, f, state);
+  const Finding* finding = find(state.raised, "bleed_out_at_exit");
+  EXPECT_EQ(finding->certainty, results::Certainty::sure);
+  EXPECT_EQ(finding->key, "plausibility.minimum_shell");
+  EXPECT_NEAR(*finding->upper_error, 0.2e-3, 1e-12);
+}
+
+/// The margin to a limit is known also where nothing is found.
+TEST(OfStep, MarginsAreThoseNearestToTheLimits) {
+  const Case c = with_band();
+  StepFigures f = sound_step();
+  f.gap_under_shell = 1e-3;
+  FindingsState state;
+  for (const double shell : {20e-3, 16e-3, 18e-3}) {
+    f.bottom_shell.value = shell;
+    judge(c, f, state);
+  }
+  const auto margin = std::ranges::find(state.margins, "bleed_out_at_bottom", &Margin::code);
+  ASSERT_NE(margin, state.margins.end());
+  EXPECT_EQ(margin->worst.value, 16e-3);
+  EXPECT_EQ(margin->limit, 5e-3);
+  EXPECT_TRUE(state.raised.empty());
+}
+
 /// A figure that is not a number violates its check, and is left out of the finding.
 TEST(OfStep, AFigureThatIsNoNumberFailsItsCheck) {
   StepFigures f = sound_step();
@@ -563,7 +632,11 @@ TEST(FindingsState, ComesBackFromACheckpoint) {
                    0.02,
                    "m",
                    "a.key",
-                   results::Exceedance{13.0, 0.04, {0.2, 0.0}}}};
+                   results::Exceedance{13.0, 0.04, {0.2, 0.0}},
+                   results::Certainty::likely,
+                   0.01,
+                   0.03}};
+  state.margins = {{"slip_too_large", "a.key", "m", 0.02, {13.0, 0.04, {0.2, 0.0}}}};
 
   results::Sections sections;
   write_findings(state, sections);
@@ -572,6 +645,7 @@ TEST(FindingsState, ComesBackFromACheckpoint) {
 
   const FindingsState back = read_findings(*decoded);
   EXPECT_EQ(back.raised, state.raised);
+  EXPECT_EQ(back.margins, state.margins);
   EXPECT_EQ(back.lost, state.lost);
   EXPECT_EQ(back.history.shell_stood, true);
   EXPECT_EQ(back.history.when_liquid, state.history.when_liquid);

@@ -65,7 +65,10 @@ TEST(ResultFile, ReturnsFindingsWithWhatIsAbsent) {
        2.0,
        "m",
        "",
-       Exceedance{3.0, 0.5, {0.1, 0.2, 0.4}}}};
+       Exceedance{3.0, 0.5, {0.1, 0.2, 0.4}},
+       Certainty::open,
+       0.25,
+       0.75}};
 
   writer.publish(summary);
   EXPECT_EQ(ResultReader(folder / "r.h5").summary().findings, summary.findings);

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "core/casting/findings/rules.hpp"
 #include "proto/case_file/case_file.hpp"
+#include "tests/unit/case_file/shipped_case.hpp"
 
 namespace dccast::translate {
 namespace {
@@ -289,6 +292,21 @@ TEST(CaseToCore, DefaultsOfTheSchemaFillWhatCoreNeeds) {
   EXPECT_FALSE(to.plausibility.maximum_mush_strain);
   EXPECT_FALSE(to.plausibility.reference_tear_rate);
   EXPECT_FALSE(to.plausibility.reference_tear_pressure);
+}
+
+/// A name that no rule has would be a band that nothing uses.
+TEST(CaseToCore, EveryBandOfAFigureBelongsToARule) {
+  v1::Case complete = case_file::shipped_case("start-3d-aa3104");
+  case_file::apply_defaults(complete);
+  const casting::Case start = to_core(complete, "");
+  EXPECT_GE(start.figure_errors.size(), 9u);
+  for (const auto& [figure, error] : start.figure_errors) {
+    EXPECT_TRUE(std::ranges::any_of(casting::step_rules(), [&](const casting::StepRule& rule) {
+      return rule.figure == figure;
+    })) << figure;
+    EXPECT_GE(error.below, 0.0);
+    EXPECT_GT(error.above, 0.0);
+  }
 }
 
 TEST(CaseToCore, TheWindowOfHotTearsEndsAtCoalescenceUnlessItIsGiven) {

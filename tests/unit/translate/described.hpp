@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -66,6 +67,11 @@ private:
   void add_all_of(const std::vector<Value>& values) {
     add(values.size());
     for (const Value& value : values) add(value);
+  }
+  template <class Value>
+  void add_all_of(const std::map<std::string, Value>& values) {
+    add(values.size());
+    for (const auto& [name, value] : values) add(name).add(value);
   }
   template <class... Values>
   void add_all_of(const std::variant<Values...>& value) {

@@ -135,6 +135,7 @@ std::string of_core(const v1::Case& complete) {
   casting::Case to = to_core(complete, {});
   to.source_json.clear();
   to.relative_curl_error.reset();
+  to.figure_errors.clear();
   return testing::Description().add(to).text();
 }
 

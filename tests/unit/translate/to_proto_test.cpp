@@ -159,7 +159,10 @@ TEST(FindingToProto, KeepsEveryFieldAndWhatIsAbsent) {
                                             0.005,
                                             "1",
                                             "plausibility.x",
-                                            results::Exceedance{15.0, 0.03, {0.3, 0.2}}});
+                                            results::Exceedance{15.0, 0.03, {0.3, 0.2}},
+                                            results::Certainty::likely,
+                                            0.01,
+                                            0.04});
   EXPECT_EQ(to.code(), "hot_tears");
   EXPECT_EQ(to.severity(), v1::Finding::DANGER);
   EXPECT_EQ(to.message(), "Tears.");
@@ -174,9 +177,14 @@ TEST(FindingToProto, KeepsEveryFieldAndWhatIsAbsent) {
   EXPECT_EQ(to.worst().value(), 0.03);
   ASSERT_EQ(to.worst().place_m_size(), 2);
   EXPECT_EQ(to.worst().place_m(1), 0.2);
+  EXPECT_EQ(to.certainty(), v1::Finding::LIKELY);
+  EXPECT_EQ(to.lower_error(), 0.01);
+  EXPECT_EQ(to.upper_error(), 0.04);
 
   const auto bare = to_proto(results::Finding{});
-  EXPECT_FALSE(bare.has_time_s() || bare.has_value() || bare.has_limit() || bare.has_worst());
+  EXPECT_FALSE(bare.has_time_s() || bare.has_value() || bare.has_limit() || bare.has_worst() ||
+               bare.has_upper_error());
+  EXPECT_EQ(bare.certainty(), v1::Finding::CERTAINTY_UNSPECIFIED);
 }
 
 TEST(FailureToProto, KeepsTheCauseAndListsWhatFollowed) {
