@@ -21,9 +21,11 @@
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/plant_words.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/case_file/slab_recipe.hpp"
 #include "proto/case_file/text_checks.hpp"
+#include "proto/figures/rounding.hpp"
 
 namespace dccast::client {
 namespace {
@@ -181,6 +183,18 @@ v1::Case complete_case(const CaseUnderCheck& checked) {
   return complete;
 }
 
+/// Whether the curls of the run will have an error bar.
+std::string band_text(const v1::Case& complete) {
+  const auto error = case_file::relative_discretisation_error(complete);
+  if (!error)
+    return "its curls will have no error bar: none was measured for such a casting or mesh "
+           "(docs/error-bars.md)";
+  constexpr double in_percent = 100.0;
+  return "its curls will have an error bar of " +
+         figures::errors_text(in_percent * error->lower(), in_percent * error->upper(), 0) +
+         " % for mesh and steps (docs/error-bars.md)";
+}
+
 void print_verdict(const CaseUnderCheck& checked, bool local) {
   const bool may_end_early = checked.description.time().has_settled_m_per_s();
   if (!checked.faults.empty())
@@ -214,6 +228,9 @@ ExitCode run(const ValidateOptions& options, Program& program) {
   if (options.json) {
     Json json = faults_json(checked);
     if (checked.read.ok()) json["casting"] = case_file::casting_summary(complete_case(checked));
+    if (checked.faults.empty() && checked.read.ok())
+      json["has_error_bar"] =
+          case_file::relative_discretisation_error(complete_case(checked)).has_value();
     print_line(json);
   } else {
     if (checked.read.ok()) std::cout << case_file::casting_summary(complete_case(checked)) << '\n';
@@ -221,6 +238,8 @@ ExitCode run(const ValidateOptions& options, Program& program) {
     for (const v1::Finding& finding : checked.findings) std::cout << finding_line(finding) << '\n';
     if (options.ranges) print_ranges(checked);
     print_verdict(checked, options.local);
+    if (checked.faults.empty() && checked.read.ok())
+      std::cout << band_text(complete_case(checked)) << '\n';
   }
 
   if (!options.drawing.empty() && checked.read.ok())

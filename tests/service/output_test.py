@@ -353,6 +353,13 @@ class Output(Commands):
                            "--set", 'mesh.growth_cell="5 mm"', "--set", 'time.step="1 s"').stdout
         self.assertIn("quality: changes nothing", text)
 
+    def test_whether_curls_will_have_an_error_bar_is_said_before_the_run(self):
+        start = self.dccast("validate", "--local", os.path.join(CASES, "start-3d.toml")).stdout
+        self.assertIn("an error bar of ± 5 % for mesh and steps", start)
+        wide = self.dccast("validate", "--local", os.path.join(CASES, "start-3d.toml"), "--set",
+                           'section.half_width="1.1 m"').stdout
+        self.assertIn("no error bar: none was measured for such a casting or mesh", wide)
+
     def test_the_sample_settings_have_every_key(self):
         keys = json.loads(self.dccast("schema", "--daemon", "--json", "").stdout)
         shown, table = set(), ""
