@@ -68,12 +68,23 @@ bool erase_credential(v1::User& user, const std::string& id) {
                   [&](const v1::Credential& credential) { return credential.id() == id; });
 }
 
+/// Sessions of browsers, which dccast-web names so, are many and easily made again.
+void erase_oldest_session(v1::User& user) {
+  constexpr const char* of_web = "web";
+  for (const v1::Credential& credential : user.credential())  // oldest first
+    if (credential.machine() == of_web) {
+      erase_credential(user, std::string(credential.id()));
+      return;
+    }
+}
+
 enum class Kind { token, enrolment };
 
 /// Adds a credential. @return the secret, which is not stored
 std::string add_credential(v1::User& user, Kind kind, std::int64_t now, std::int64_t expires) {
   erase_if(*user.mutable_credential(),
            [&](const v1::Credential& credential) { return has_expired(credential, now); });
+  if (user.credential_size() >= largest_number_of_credentials) erase_oldest_session(user);
   if (user.credential_size() >= largest_number_of_credentials)
     throw Refused(fmt::format("user {} has {} tokens; dccastd user rotate revokes them",
                               user.name(), largest_number_of_credentials));

@@ -130,9 +130,15 @@ void print_line(const AdministrationCommand& command, const v1::DaemonConfig& co
   const std::int64_t days = seconds / day_s;
   const std::string lifetime =
       days > 0 ? fmt::format("{} days", days) : fmt::format("{} s", seconds);
-  out << fmt::format("Hand this line to {}; it is good once, for {}:\n\n    dccast login {}\n\n",
-                     command.name, lifetime,
-                     login_line(login_address(config), prepare_tls(config), secret));
+  const std::string& web = config.access().web_address();
+  const bool is_for_programs = web.empty() || !config.listen().tls().empty();
+  out << fmt::format("Hand this {} to {}; it is good once, for {}:\n\n",
+                     is_for_programs ? "line" : "link", command.name, lifetime);
+  if (is_for_programs)
+    out << fmt::format("    dccast login {}\n\n",
+                       login_line(login_address(config), prepare_tls(config), secret));
+  if (is_for_programs && !web.empty()) out << "or, for a browser, this link in its place:\n\n";
+  if (!web.empty()) out << fmt::format("    {}/sign-in.html#{}\n\n", web, secret);
 }
 
 void list_users(const fs::path& directory, std::ostream& out) {
@@ -162,7 +168,8 @@ void run_user(const AdministrationCommand& command, const v1::DaemonConfig& conf
   const std::int64_t ends = now + std::llround(config.access().enrolment_lifetime_s());
   std::string change = fmt::format("{} {}", verb, name);
   if (gives_line) {
-    login_address(config);  // may be refused, before anything is changed
+    // May be refused, before anything is changed.
+    if (config.access().web_address().empty()) login_address(config);
     const std::string secret = verb == "add"
                                    ? users.add(name, access::parse_role(command.role), now, ends)
                                : verb == "line" ? users.add_line(name, command.token, now, ends)

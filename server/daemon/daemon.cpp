@@ -343,6 +343,18 @@ struct AccessSide {
   service::Gate gate;
 };
 
+/// @throws std::runtime_error  there is no such user
+std::optional<unsigned> web_user_id(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  const auto id = service::user_id(name);
+  if (!id)
+    throw std::runtime_error(fmt::format(
+        "access.web_user = \"{}\" is no user of this machine; permitted: the system user of "
+        "dccast-web, or \"\" for none",
+        name));
+  return id;
+}
+
 AccessSide::AccessSide(const v1::DaemonConfig& config, JobSide& jobs)
     : users(jobs.directory.path()),
       audit(jobs.directory.path()),
@@ -356,7 +368,8 @@ AccessSide::AccessSide(const v1::DaemonConfig& config, JobSide& jobs)
            {.job = [&jobs](const std::string& id) { return owner(jobs.scheduler.find(id)); },
             .study =
                 [&jobs](const std::string& id) { return owner(jobs.studies.requests().find(id)); },
-            .line = [&jobs](const std::string& id) { return jobs.lines.owner(id); }}) {}
+            .line = [&jobs](const std::string& id) { return jobs.lines.owner(id); }},
+           web_user_id(config.access().web_user())) {}
 
 /// Objects that the calls of the service use.
 service::Context make_context(const v1::DaemonConfig& config, JobSide& jobs, service::Gate& gate) {

@@ -166,7 +166,8 @@ bool Acceptor::make_room(const Peer& peer) {
                  return is_of_same_origin(connection->peer());
                })) >= bounds_.per_peer;
   };
-  if (!is_root(peer) && has_its_share() && !end_a_silent_one(is_of_same_origin)) return false;
+  const bool has_no_bound = is_root(peer) || (peer.user_id && peer.user_id == bounds_.web_user_id);
+  if (!has_no_bound && has_its_share() && !end_a_silent_one(is_of_same_origin)) return false;
 
   const bool is_other_local_user = peer.user_id && !is_root(peer);
   const std::size_t kept = std::min(kept_for_root, bounds_.connections / 10);

@@ -17,6 +17,8 @@ struct Bounds {
   /// Of all machines together.
   std::size_t connections = 1;
   std::size_t per_peer = SIZE_MAX;  ///< connections of one other machine, or one local user
+  /// Local user whose connections serve many users, and have no such bound; empty: none.
+  std::optional<unsigned> web_user_id{};
 };
 
 /// Relay between clients and gRPC 1.51, which exposes nothing of a connection but its calls, and

@@ -35,10 +35,18 @@ std::string token_in(const Metadata& metadata) {
 
 /// What the client presents with a call: its connection and its token.
 /// @throws std::runtime_error  the connection has ended
-Credentials credentials_in(const Metadata& metadata, const relay::PeerTable& peers) {
-  const auto peer = peers.find(header_in(metadata, relay::connection_header));
+Credentials credentials_in(const Metadata& metadata, Gate& gate) {
+  const auto peer = gate.peers().find(header_in(metadata, relay::connection_header));
   if (!peer) throw std::runtime_error("this call names no connection that is open");
-  return {.peer = peer, .token = token_in(metadata)};
+
+  constexpr std::size_t longest_address = 100;
+  const bool is_web = gate.is_web(*peer);
+  const std::string stated =
+      is_web ? header_in(metadata, client_address_header).substr(0, longest_address) : "";
+  return {.peer = peer,
+          .token = token_in(metadata),
+          .is_web = is_web,
+          .address = stated.empty() ? peer->address : stated};
 }
 
 /// Refuses calls without proof of identity once their headers have arrived, before the body is
@@ -58,19 +66,21 @@ public:
     const access::CallRule& rule = access::rule_of(*method->input_type());
     if (rule.access.role() == v1::ANYONE) return grpc::Status::OK;
 
-    const Credentials credentials = credentials_in(metadata, gate_.peers());
-    if (!credentials.peer->over_tls)
+    const Credentials credentials = credentials_in(metadata, gate_);
+    if (credentials.of_local_user())
       return grpc::Status::OK;  // admit() looks local users up: it may wait
 
     const access::Caller caller = gate_.identify(credentials);
     if (caller.proven()) {
-      gate_.peers().set_user(header_in(metadata, relay::connection_header), caller.name);
+      // The connections of dccast-web serve many users.
+      if (!credentials.is_web)
+        gate_.peers().set_user(header_in(metadata, relay::connection_header), caller.name);
       return grpc::Status::OK;
     }
 
     // The audit log records refusals that reach no handler, too.
-    const grpc::Status status = gate_.permit(caller, rule, credentials.peer->address);
-    gate_.record({}, caller, rule, credentials.peer->address, status);
+    const grpc::Status status = gate_.permit(caller, rule, credentials.address);
+    gate_.record({}, caller, rule, credentials.address, status);
     return status;
   } catch (const std::exception& error) {
     return make_status({.reason = ErrorInfo::BUSY, .cause = error.what()});
@@ -108,8 +118,8 @@ CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
       id_(id_of(request, *rule_)),
       deadline_(context.deadline()) {
   try {
-    credentials_ = credentials_in(context.client_metadata(), gate.peers());
-    if (credentials_.peer->over_tls) judge();
+    credentials_ = credentials_in(context.client_metadata(), gate);
+    if (!credentials_.of_local_user()) judge();
   } catch (const std::exception& error) {
     refusal_ = make_status({.reason = ErrorInfo::BUSY, .cause = error.what()});
   }
@@ -117,7 +127,7 @@ CallOrigin::CallOrigin(const grpc::CallbackServerContext& context, Gate& gate,
 
 void CallOrigin::judge() {
   caller_ = gate_->identify(credentials_);
-  refusal_ = gate_->permit(*caller_, *rule_, credentials_.peer->address);
+  refusal_ = gate_->permit(*caller_, *rule_, credentials_.address);
   if (!refusal_.ok()) record_refusal(refusal_);
 }
 
@@ -152,7 +162,7 @@ void CallOrigin::record(const Call& call, const grpc::Status& status) const {
   if (rule_->touches_job()) event.set_job(id_);
   if (rule_->touches_study()) event.set_study(id_);
   if (rule_->touches_line()) event.set_line(id_);
-  gate_->record(std::move(event), call.caller, *rule_, credentials_.peer->address, status);
+  gate_->record(std::move(event), call.caller, *rule_, credentials_.address, status);
 }
 
 void CallOrigin::record_refusal(const grpc::Status& status) const {

@@ -30,10 +30,11 @@ std::string host_of(const std::string& peer) {
 }  // namespace
 
 Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits,
-           Owners owners)
+           Owners owners, std::optional<unsigned> web_user_id)
     : authority_(authority),
       audit_(audit),
       owners_(std::move(owners)),
+      web_user_id_(web_user_id),
       rate_(limits.calls_per_s),
       unproven_rate_(limits.calls_per_s / 10.0),
       recorded_refusals_(recorded_refusals_per_s),
@@ -42,15 +43,18 @@ Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& 
 
 access::Caller Gate::identify(const Credentials& credentials) {
   const relay::Peer& peer = *credentials.peer;
-  if (!peer.over_tls) return identify_local_user(peer, credentials.token);
+  if (credentials.of_local_user()) return identify_local_user(peer, credentials.token);
   if (!credentials.token.empty()) return authority_.by_token(credentials.token, std::time(nullptr));
   if (!peer.certificate_name.empty())
     return authority_.by_certificate(peer.certificate_name, peer.certificate_ends_unix,
                                      std::time(nullptr));
-  return {.by = access::ProvenBy::token,
-          .refusal = access::not_proven(
-              "this call has no token",
-              "log in first: dccast login, with the line of `dccastd user add`")};
+  return {
+      .by = access::ProvenBy::token,
+      .refusal = access::not_proven(
+          "this call has no token",
+          credentials.is_web ? "sign in on the pages of dccast-web with a line of `dccastd user "
+                               "line`, or send a token as Authorization: Bearer TOKEN"
+                             : "log in first: dccast login, with the line of `dccastd user add`")};
 }
 
 /// The socket proves the user. A token beside it must be of the same one: a call does not run as

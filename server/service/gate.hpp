@@ -44,10 +44,22 @@ public:
 struct Credentials {
   std::shared_ptr<const relay::Peer> peer;  ///< other end of its connection
   std::string token{};
+  /// The other end is dccast-web, which calls for the users of its tokens.
+  bool is_web = false;
+  std::string
+      address{};  ///< of the client: that of the connection, or the one that dccast-web states
+
+  /// Whether the connection itself proves a user of this machine.
+  bool of_local_user() const { return !peer->over_tls && !is_web; }
 };
+
+/// Header in which dccast-web states the address of its client. It is believed from it alone.
+inline constexpr const char* client_address_header = "dccast-client-address";
 
 /// Name of a user of this machine, or the user id as text if the user has no name.
 std::string user_name(unsigned id);
+/// The user of this machine with a name; empty if there is none.
+std::optional<unsigned> user_id(const std::string& name);
 
 /// Cache of user_name(), which may ask a directory service: once for each user. Safe to use from
 /// several threads.
@@ -80,8 +92,15 @@ public:
 
   /// @param authority  users and roles
   /// @param audit  log of refusals and changes; both outlive this object
-  Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits, Owners owners);
+  /// @param web_user_id  user of dccast-web on this machine; empty: there is none
+  Gate(access::Authority& authority, access::AuditLog& audit, const Limits& limits, Owners owners,
+       std::optional<unsigned> web_user_id = {});
 
+  /// Whether a connection is that of dccast-web.
+  bool is_web(const relay::Peer& peer) const {
+    return !peer.over_tls && peer.user_id && peer.user_id == web_user_id_;
+  }
+  std::optional<unsigned> web_user_id() const { return web_user_id_; }
   /// Determines the caller; may block to look up the name of a local user.
   access::Caller identify(const Credentials& credentials);
   /// Checks role and call rate.
@@ -132,6 +151,7 @@ private:
   LocalUsers local_users_;
   relay::PeerTable peers_;
   const Owners owners_;
+  const std::optional<unsigned> web_user_id_;
   access::CallRate rate_, unproven_rate_, recorded_refusals_;
   access::OpenCount streams_;
   std::mutex figures_mutex_;

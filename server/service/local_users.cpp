@@ -14,6 +14,14 @@ std::string user_name(unsigned id) {
   return error == 0 && found != nullptr ? entry.pw_name : std::to_string(id);
 }
 
+std::optional<unsigned> user_id(const std::string& name) {
+  passwd entry;
+  passwd* found = nullptr;
+  std::vector<char> texts(16384);
+  const int error = ::getpwnam_r(name.c_str(), &entry, texts.data(), texts.size(), &found);
+  return error == 0 && found != nullptr ? std::optional<unsigned>(entry.pw_uid) : std::nullopt;
+}
+
 std::string LocalUsers::name_of(unsigned id) {
   const std::lock_guard lock(mutex_);
   const auto [found, is_new] = names_.try_emplace(id);

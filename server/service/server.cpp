@@ -147,7 +147,8 @@ PublicServer::PublicServer(Context& context, const relay::Listener& local,
   const v1::DaemonConfig::Limits& limits = context.settings.limits();
   const relay::Bounds bounds{
       .connections = static_cast<std::size_t>(limits.maximum_connections()),
-      .per_peer = static_cast<std::size_t>(limits.maximum_connections_per_peer())};
+      .per_peer = static_cast<std::size_t>(limits.maximum_connections_per_peer()),
+      .web_user_id = context.gate.web_user_id()};
   relay_.emplace(context.gate.peers(), std::move(serve), memory_bounds);
   relay_->add(local, bounds, std::nullopt);
   if (tls) relay_->add(tls->listener, bounds, tls->files);

@@ -6,6 +6,7 @@ import re
 import socket
 import stat
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -530,6 +531,61 @@ class LocalSocket(AccessTest):
         self.local().WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
         self.assertEqual(self.daemon.terminate(), 0)
         self.assertFalse(os.path.exists(os.path.join(self.folder, "socket")))
+
+
+CALLS_OF_WEB = """
+import sys, grpc
+from dccast.v1 import service_pb2, service_pb2_grpc
+channel = grpc.insecure_channel(sys.argv[1], [("grpc.enable_http_proxy", 0)])
+stub = service_pb2_grpc.SimulationServiceStub(channel)
+from_desk = ("dccast-client-address", "ipv4:192.0.2.7:4000")
+with_token = (from_desk, ("authorization", "Bearer " + sys.argv[2]))
+try:
+    stub.WhoAmI(service_pb2.WhoAmIRequest(), metadata=[from_desk], timeout=10)
+except grpc.RpcError as error:
+    print(error.code().name, error.details())
+who = stub.WhoAmI(service_pb2.WhoAmIRequest(), metadata=with_token, timeout=10)
+print(who.name, who.proof)
+case = service_pb2.ReadCaseRequest(shipped="start-2d-thickness")
+case = stub.ReadCase(case, metadata=with_token, timeout=10).case
+case.title = "steps=3"
+job = stub.SubmitJob(service_pb2.SubmitJobRequest(case=case), metadata=with_token, timeout=20)
+print(job.owner, job.id)
+enrolled = stub.Enrol(service_pb2.EnrolRequest(secret=sys.argv[3]), metadata=[from_desk], timeout=10)
+print(enrolled.user.name)
+"""
+
+
+class Web(AccessTest):
+    """access.web_user calls over the socket for the users whose tokens it carries."""
+
+    @unittest.skipUnless(os.geteuid() == 0, "takes another user's id")
+    def test_it_has_no_rights_of_its_own(self):
+        os.chmod(self.folder, 0o755)
+        self.start(access__web_user="nobody")
+        secret = self.secret_of(self.admin("user", "add", "bert", "--role", "viewer"))
+        done = subprocess.run(
+            [sys.executable, "-c", CALLS_OF_WEB, self.daemon.address, self.token_of("anna"), secret],
+            capture_output=True, text=True, timeout=60, check=False, user=NOBODY, group=NOBODY,
+            env={"PYTHONPATH": os.environ["PYTHONPATH"]})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        without, with_token, submitted, enrolled = done.stdout.splitlines()
+        self.assertRegex(without, "^UNAUTHENTICATED this call has no token.*sign in on the pages of dccast-web")
+        self.assertEqual((with_token, enrolled), ("anna token", "bert"))
+        owner, job = submitted.split()
+        self.assertEqual(owner, "anna")
+        self.assertEqual(self.audit("--job", job)[0]["from"], "ipv4:192.0.2.7:4000")
+
+    def test_others_cannot_state_an_address(self):
+        self.start(access__web_user="nobody")
+        stated = [("dccast-client-address", "ipv4:192.0.2.7:4000")]
+        job = self.local().SubmitJob(service_pb2.SubmitJobRequest(case=fake("steps=3")),
+                                     metadata=stated, timeout=20)
+        self.assertEqual(self.audit("--job", job.id)[0]["from"], "unix:")
+
+    def test_an_unknown_user_is_refused(self):
+        with self.assertRaisesRegex(RuntimeError, "access.web_user = \"no-such-user\" is no user"):
+            self.start(access__web_user="no-such-user")
 
 
 class Silence(AccessTest):

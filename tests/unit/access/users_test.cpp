@@ -75,6 +75,23 @@ TEST_F(Users, AFurtherLineRevokesNothingAndNamesItsToken) {
   EXPECT_THROW(store.add_line("carl", "", now, now + day), Refused);
 }
 
+TEST_F(Users, TheOldestSessionOfABrowserGivesWayAtTheLimit) {
+  const std::string desk = token_of("anna");
+  const auto signed_in = [&] {
+    std::string token;
+    store.enrol(store.add_line("anna", "", now, now + day), "web", now, now + 90 * day, token);
+    return token;
+  };
+  const std::string oldest = signed_in(), second = signed_in();
+  for (int i = 3; i < 100; ++i) signed_in();
+  EXPECT_TRUE(store.prove(oldest, now).proven());
+
+  EXPECT_TRUE(store.prove(signed_in(), now).proven());
+  EXPECT_FALSE(store.prove(oldest, now).proven());
+  EXPECT_TRUE(store.prove(second, now).proven());
+  EXPECT_TRUE(store.prove(desk, now).proven());
+}
+
 TEST_F(Users, SecretsExpire) {
   const std::string secret = store.add("anna", v1::SUBMITTER, now, now + day);
   std::string token;

@@ -52,7 +52,7 @@ ROWS = [
      ["per_user.maximum_followed", "limits.maximum_followed"],
      ["per_user.maximum_followed", "limits.maximum_followed", "per_user.maximum_running"]),
     ("connections of the metrics port or the dashboard", "proto/http/server.hpp",
-     ["connections = 32", "connections_of_address = 32"], ["32"]),
+     ["connections = 256", "connections_of_address = 32"], ["256", "32"]),
     ("connections of the metrics port or the dashboard", "client/web/web_server.cpp", ["connections = 1024"],
      ["1,024"]),
     ("connections of the metrics port or the dashboard", "proto/http/server.cpp", ["longest_wait_for_room{1}"],
