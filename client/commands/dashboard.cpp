@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -5,6 +6,8 @@
 #include <optional>
 
 #include "client/commands/commands.hpp"
+#include "client/model/json.hpp"
+#include "client/session/socket.hpp"
 #include "client/web/dashboard.hpp"
 #include "client/web/redirect_file.hpp"
 #include "proto/values/address.hpp"
@@ -49,6 +52,11 @@ Listening listening_of(const DashboardOptions& options, Program& program) {
           .key = options.key};
 }
 
+/// The name by which others reach an address of this machine.
+std::string name_of(const std::string& host) {
+  return host == "0.0.0.0" || host == "::" ? host_name() : host;
+}
+
 /// Opens a file in the user's browser, which outlives this program.
 void open_in_browser(const std::string& path) {
   const pid_t child = ::fork();
@@ -62,13 +70,23 @@ ExitCode run(const DashboardOptions& options, Program& program) {
   for (const std::string& file : options.cases)
     if (::access(file.c_str(), R_OK) != 0)
       throw invalid(file + ": cannot be read; give a case file");
-  WebServer server(listening_of(options, program));
+  const Listening listening = listening_of(options, program);
+  WebServer server(listening);
+  KeyEntrance entrance(name_of(listening.host), server.port(), server.certificate());
+  if (!entrance.knows_itself())
+    throw invalid(
+        fmt::format("--certificate {}: is not for {}; give --listen a name that stands "
+                    "in it",
+                    listening.certificate, name_of(listening.host)));
+
   const Connection connection(program.endpoint());
   add_dashboard(
-      server,
-      [&connection](std::shared_ptr<Interruption> gone) { return connection.another(gone); },
+      server, [&](const Request&) { return connection.another(std::make_shared<Interruption>()); },
       options.cases);
-  const std::string address = server.address();
+  server.post("/another", [&](const Request&) {
+    return Reply{Json{{"address", entrance.address()}}.dump()};
+  });
+  const std::string address = entrance.address();
   std::cout << address << std::endl;
   std::cerr << "This address opens the dashboard once"
             << (options.listen.empty() ? ", on this machine" : "") << ". Ctrl-C ends it.\n";
@@ -77,10 +95,10 @@ ExitCode run(const DashboardOptions& options, Program& program) {
   if (options.open) {
     redirect.emplace(address);
     // The address works once, and lies in a file no longer than that.
-    server.when_entered([&redirect] { redirect->remove(); });
+    entrance.when_entered([&redirect] { redirect->remove(); });
     open_in_browser(redirect->path());
   }
-  server.serve(*program.interruption);
+  server.serve(entrance, *program.interruption);
   return ExitCode::done;
 }
 

@@ -8,6 +8,7 @@
 #include <grpcpp/security/credentials.h>
 
 #include <iostream>
+#include <map>
 #include <thread>
 
 namespace dccast::client {
@@ -24,7 +25,28 @@ std::string address_of(const std::string& server) {
 
 namespace {
 
+/// Headers of each call that dccast-web makes for a browser.
+class ForBrowser final : public grpc::MetadataCredentialsPlugin {
+public:
+  explicit ForBrowser(const Endpoint& endpoint) : endpoint_(endpoint) {}
+
+  bool IsBlocking() const override { return false; }
+  grpc::Status GetMetadata(grpc::string_ref, grpc::string_ref, const grpc::AuthContext&,
+                           std::multimap<grpc::string, grpc::string>* headers) override {
+    headers->emplace("dccast-client-address", endpoint_.browser);
+    if (!endpoint_.token.empty()) headers->emplace("authorization", "Bearer " + endpoint_.token);
+    return grpc::Status::OK;
+  }
+
+private:
+  const Endpoint endpoint_;
+};
+
 std::shared_ptr<grpc::ChannelCredentials> credentials_of(const Endpoint& endpoint) {
+  if (!endpoint.browser.empty())
+    return grpc::CompositeChannelCredentials(
+        grpc::experimental::LocalCredentials(UDS),
+        grpc::MetadataCredentialsFromPlugin(std::make_unique<ForBrowser>(endpoint)));
   if (endpoint.ca.empty()) return grpc::InsecureChannelCredentials();
   auto tls = grpc::SslCredentials({.pem_root_certs = endpoint.ca,
                                    .pem_private_key = endpoint.key,
@@ -44,6 +66,8 @@ std::shared_ptr<grpc::Channel> channel_to(const Endpoint& endpoint) {
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
+  // Channels of one process would share a connection, and the calls that may be open over it.
+  if (!endpoint.browser.empty()) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(endpoint.address, credentials_of(endpoint), arguments);
 }
 

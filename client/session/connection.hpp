@@ -90,6 +90,9 @@ struct Endpoint {
   std::string ca{};                  ///< trusted alone; empty: there is no TLS
   std::string token{};               ///< of `dccast login`; not PEM
   std::string certificate{}, key{};  ///< of this client; empty: none
+  /// Set by dccast-web: the browser that a call of this machine is made for, as gRPC writes
+  /// addresses. The daemon then asks for the token of its user.
+  std::string browser{};
   /// Whether the users of this machine call there, known by their socket.
   bool is_local() const { return ca.empty() && address.starts_with("unix:"); }
 };
@@ -110,6 +113,8 @@ public:
   /// What calls of the service by their names go over.
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
   const std::string& server() const { return endpoint_.address; }
+  /// Whether it is one of dccast-web.
+  bool is_for_browser() const { return !endpoint_.browser.empty(); }
   /// Must be observed by any code that waits for this server, during or between calls.
   Interruption& interruption() { return *interruption_; }
 

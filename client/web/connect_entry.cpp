@@ -253,12 +253,13 @@ Reply stream_reply(Connection& connection, const Request& request, const Form& f
 
   const auto write = [channel = connection.channel(), server = connection.server(), &method,
                       requests = std::move(requests), deadline = *deadline_of(request, true),
-                      is_json = form.is_json](const std::shared_ptr<http::Stream>& stream) {
+                      is_json = form.is_json,
+                      place = request.place](const std::shared_ptr<http::Stream>& stream) {
     const auto received = [stream, &method, is_json](std::string response, auto next) {
       if (is_json) response = json_of(method.output_type()->full_name(), response);
       stream->write(enveloped(0, response), std::move(next));
     };
-    const auto ended = [stream, server](const grpc::Status& end) {
+    const auto ended = [stream, server, place](const grpc::Status& end) {
       stream->write(end_of_stream(end, server), [stream](bool) { stream->end(); });
     };
     stream->when_left(begin_call(channel, {.method = method,

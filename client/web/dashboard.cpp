@@ -290,11 +290,11 @@ void add_pages(WebServer& server) {
     server.file("/" + asset.name, type_of(asset.name), asset.text);
 }
 
-/// A handler with its own connection for each request; the connection ends with the request.
+/// A handler that calls the daemon for whom a request is.
 template <class Handler>
 WebServer::Handler connected(const Connect& connect, Handler handler) {
   return [=](const Request& request) {
-    Connection connection = connect(std::make_shared<Interruption>());
+    Connection connection = connect(request);
     connection.set_policy({.attempts = 2});
     return handler(connection, request);
   };
@@ -348,8 +348,11 @@ void add_results(WebServer& server, const Connect& connect) {
               }));
   get("/server", [](Connection& connection, const Request&) {
     const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
-    return Reply{
-        Json{{"address", connection.server()}, {"role", v1::Role_Name(who.role())}}.dump()};
+    return Reply{Json{{"address", connection.server()},
+                      {"user", who.name()},
+                      {"shared", connection.is_for_browser()},
+                      {"role", v1::Role_Name(who.role())}}
+                     .dump()};
   });
 }
 
@@ -367,9 +370,6 @@ void add_dashboard(WebServer& server, const Connect& connect,
   add_pages(server);
   server.post("/dccast.v1.SimulationService", connected(connect, connect_reply));
   server.post("/drawn", connected(connect, drawn_call));
-  server.post("/another", [&server](const Request&) {
-    return Reply{Json{{"address", server.address()}}.dump()};
-  });
   add_results(server, connect);
   add_frames(server, connect);
   add_cases(server, connect, cases);

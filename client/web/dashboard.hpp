@@ -19,8 +19,8 @@ struct Asset {
 /// All files of the dashboard.
 const std::vector<Asset>& assets();
 
-/// Connects to the server of the jobs. What waits for it ends when the interruption comes.
-using Connect = std::function<Connection(std::shared_ptr<Interruption>)>;
+/// Connects to the server of the jobs, for whom a request is.
+using Connect = std::function<Connection(const Request&)>;
 
 /// Gives a web server the dashboard: its pages, the calls of the service that they make, and what
 /// the client makes of results (curls with their error, reports, comparisons, frames, what-if).

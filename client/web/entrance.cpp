@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "client/web/session_cookie.hpp"
 #include "proto/values/address.hpp"
 #include "proto/values/digests.hpp"
 
@@ -12,6 +13,15 @@ namespace dccast::client {
 namespace {
 
 constexpr std::size_t most_keys = 16;  // that are waiting to be used
+
+/// A browser sends a strict cookie only from a page of this origin, not with the redirection that
+/// sets it if another page, such as a file, led there. This page therefore forwards to the first
+/// page; its script keeps the fragment, which names the page to show.
+constexpr const char* threshold_path = "/entered";
+constexpr const char* threshold_page =
+    "<!DOCTYPE html>\n<meta charset=\"utf-8\">\n<title>dccast</title>\n"
+    "<script src=\"/entered.js\"></script>\n"
+    "<noscript><meta http-equiv=\"refresh\" content=\"0; url=/\"></noscript>\n";
 
 /// 256 random bits.
 std::string secret() {
@@ -23,48 +33,46 @@ bool equal(const std::string& a, const std::string& b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
-/// The value of a cookie; empty if there is none.
-std::string cookie_of(const std::string& cookies, const std::string& name) {
-  const std::string all = "; " + cookies, begin = "; " + name + "=";
-  const auto at = all.find(begin);
-  if (at == std::string::npos) return {};
-  const auto from = at + begin.size();
-  return all.substr(from, all.find(';', from) - from);
+http::Reply forbidden(const std::string& why) {
+  return {.body = why + "\n", .status = 403};
 }
 
 }  // namespace
 
-Entrance::Entrance(std::string host, int port, const X509* certificate)
+bool is_name_of(const X509* certificate, const std::string& host) {
+  const std::string name = values::host_and_port(host).host;
+  auto* readable = const_cast<X509*>(certificate);
+  return X509_check_host(readable, name.data(), name.size(), 0, nullptr) == 1 ||
+         X509_check_ip_asc(readable, name.c_str(), 0) == 1;
+}
+
+KeyEntrance::KeyEntrance(std::string host, int port, const X509* certificate)
     : host_(std::move(host)),
       port_(":" + std::to_string(port)),
       certificate_(certificate),
       session_(secret()) {}
 
-std::string Entrance::origin() const {
-  return (certificate_ == nullptr ? "http://" : "https://") + host_ + port_;
+std::string KeyEntrance::origin_of(const std::string& host) const {
+  return (certificate_ == nullptr ? "http://" : "https://") + host;
 }
 
 /// Cookies do not distinguish ports.
-std::string Entrance::cookie_name() const {
+std::string KeyEntrance::cookie_name() const {
   return "dccast_" + port_.substr(1);
 }
 
-std::string Entrance::address() {
+std::string KeyEntrance::address() {
   const std::lock_guard lock(mutex_);
   if (keys_.size() >= most_keys) keys_.erase(keys_.begin());
-  return origin() + "/?key=" + *keys_.insert(secret()).first;
+  return origin_of(host_ + port_) + "/?key=" + *keys_.insert(secret()).first;
 }
 
-bool Entrance::is_own_name(const std::string& host) const {
-  if (certificate_ == nullptr)
-    return host == host_ + port_ || host == "localhost" + port_ || host == "[::1]" + port_;
-  const std::string name = values::host_and_port(host).host;
-  auto* certificate = const_cast<X509*>(certificate_);
-  return X509_check_host(certificate, name.data(), name.size(), 0, nullptr) == 1 ||
-         X509_check_ip_asc(certificate, name.c_str(), 0) == 1;
+bool KeyEntrance::is_own_name(const std::string& host) const {
+  if (certificate_ != nullptr) return is_name_of(certificate_, host);
+  return host == host_ + port_ || host == "localhost" + port_ || host == "[::1]" + port_;
 }
 
-bool Entrance::take_key(const std::string& key) {
+bool KeyEntrance::take_key(const std::string& key) {
   const std::lock_guard lock(mutex_);
   const auto found =
       std::ranges::find_if(keys_, [&](const std::string& known) { return equal(known, key); });
@@ -73,17 +81,26 @@ bool Entrance::take_key(const std::string& key) {
   return true;
 }
 
-Entrance::Decision Entrance::decide(const Visit& visit) {
-  const std::string own_pages = (certificate_ == nullptr ? "http://" : "https://") + visit.host;
-  if (visit.origin.empty() ? visit.changes : visit.origin != own_pages)
-    return {.refusal = "Only pages of this dashboard may ask this."};
-  if (equal(cookie_of(visit.cookies, cookie_name()), session_)) return {.admitted = true};
-  if (visit.is_first_page && take_key(visit.key))
-    return {.cookie = cookie_name() + "=" + session_ + "; HttpOnly; SameSite=Strict; Path=/" +
-                      (certificate_ == nullptr ? "" : "; Secure")};
-  return {.refusal =
-              "The key in the address is missing or was used before. Start `dccast dashboard` "
-              "again, or press \"Another screen\" in the one that is open."};
+std::optional<http::Reply> KeyEntrance::judge(Request& request) {
+  if (request.path == threshold_path)
+    return http::Reply{.body = threshold_page, .type = "text/html; charset=utf-8"};
+
+  const std::string origin = request.header("origin");
+  if (origin.empty() ? request.method != "GET" : origin != origin_of(request.header("host")))
+    return forbidden("Only pages of this dashboard may ask this.");
+  if (equal(cookie_in(request.header("cookie"), cookie_name()), session_)) return std::nullopt;
+
+  if (request.path == "/" && take_key(request.value("key"))) {
+    when_entered_();
+    const std::string cookie = cookie_name() + "=" + session_ +
+                               "; HttpOnly; SameSite=Strict; Path=/" +
+                               (certificate_ == nullptr ? "" : "; Secure");
+    return http::Reply{.status = 302,
+                       .headers = {{"Set-Cookie", cookie}, {"Location", threshold_path}}};
+  }
+  return forbidden(
+      "The key in the address is missing or was used before. Start `dccast dashboard` "
+      "again, or press \"Another screen\" in the one that is open.");
 }
 
 }  // namespace dccast::client

@@ -2,49 +2,51 @@
 
 #include <openssl/ossl_typ.h>
 
+#include <functional>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 
+#include "client/web/request.hpp"
+
 namespace dccast::client {
 
-/// Authenticates browsers: a key that works once is exchanged for the session's cookie. Whatever
-/// changes something must come from a page of this origin.
+/// Decides which requests a web server answers.
 class Entrance {
+public:
+  virtual ~Entrance() = default;
+  /// Whether a value of the header Host names this server.
+  virtual bool is_own_name(const std::string& host) const = 0;
+  /// Judges a request, and notes in it whose it is.
+  /// @return the reply to one that is not let in
+  virtual std::optional<http::Reply> judge(Request& request) = 0;
+};
+
+/// Lets in the browsers of one user: a key that works once is exchanged for the session's cookie.
+/// Whatever changes something must come from a page of this origin.
+class KeyEntrance : public Entrance {
 public:
   /// @param host         as addresses name this server
   /// @param certificate  of this server, whose names are its own; null: HTTP on the loopback
   ///                     address, with loopback's names
-  Entrance(std::string host, int port, const X509* certificate);
+  KeyEntrance(std::string host, int port, const X509* certificate);
 
   /// Whether its certificate, if any, is for its host.
   bool knows_itself() const { return is_own_name(host_ + port_); }
-  /// Whether a value of the header Host names this server.
-  bool is_own_name(const std::string& host) const;
+  bool is_own_name(const std::string& host) const override;
+  std::optional<http::Reply> judge(Request& request) override;
+
   /// An address that opens the dashboard once.
   std::string address();
-
-  /// What a request brings; empty where it has none of it.
-  struct Visit {
-    /// Values of the headers Host, Origin and Cookie, and of the key in the address.
-    std::string host, origin, cookies, key;
-    bool changes = false;  ///< its method is other than GET
-    bool is_first_page = false;
-  };
-  /// Whether a request is let in, and what its reply must carry.
-  struct Decision {
-    bool admitted = false;
-    std::string refusal{};  ///< why not; empty with `cookie`
-    std::string cookie{};   ///< for Set-Cookie: the key was good
-  };
-  /// Judges a request. A key is used up by its first visit.
-  Decision decide(const Visit& visit);
+  /// Called each time such an address has let a browser in.
+  void when_entered(std::function<void()> call) { when_entered_ = std::move(call); }
 
 private:
   /// Whether the key is good; it is not afterwards.
   bool take_key(const std::string& key);
-  /// Origin of the pages, as browsers send it.
-  std::string origin() const;
+  /// Origin of pages at a host, as browsers send it.
+  std::string origin_of(const std::string& host) const;
   /// Name of the session's cookie, which contains the port.
   std::string cookie_name() const;
 
@@ -53,9 +55,13 @@ private:
   const X509* const certificate_;
   /// Value of the session's cookie: random, never stored.
   const std::string session_;
+  std::function<void()> when_entered_ = [] {};
   std::mutex mutex_;
   /// Keys that have not been used.
   std::set<std::string> keys_;
 };
+
+/// Whether a name with or without port, as in the header Host, stands in a certificate.
+bool is_name_of(const X509* certificate, const std::string& host);
 
 }  // namespace dccast::client

@@ -26,13 +26,14 @@ constexpr std::chrono::milliseconds linger{1000};
 /// Slowest peer whose long body is waited for.
 constexpr std::size_t least_bytes_per_s = 64 * 1024;
 
-Request translated(WireRequest& from) {
+Request translated(WireRequest& from, const std::string& address) {
   Target target = parse_target({from.target().data(), from.target().size()});
   Request request{.method = from.method() == beast::http::verb::post ? "POST" : "GET",
                   .path = std::move(target.path),
                   .query = std::move(target.query),
                   .headers = {},
-                  .body = std::move(from.body())};
+                  .body = std::move(from.body()),
+                  .address = address};
 
   for (const auto& field : from) {
     std::string name(field.name_string());
@@ -47,7 +48,7 @@ bool is_known_method(beast::http::verb method) {
   return method == verb::get || method == verb::head || method == verb::post;
 }
 
-Reply answer_to(const Service& service, WireRequest& request) {
+Reply answer_to(const Service& service, WireRequest& request, const std::string& address) {
   if (!is_known_method(request.method()))
     return {.body = "Only GET, HEAD and POST are answered.\n", .status = 405};
   if (request.count(beast::http::field::host) != 1 ||
@@ -55,7 +56,7 @@ Reply answer_to(const Service& service, WireRequest& request) {
     return {.body = "The Host of this request is no name of this server.\n", .status = 403};
 
   try {
-    return service.handler(translated(request));
+    return service.handler(translated(request, address));
   } catch (const std::exception& error) {
     return {.body = std::string(error.what()) + "\n", .status = 500};
   }
@@ -227,7 +228,7 @@ void Connection::answer() {
   waits_for_peer_ = false;
 
   asio::post(service_.workers, [self = shared_from_this()]() mutable {
-    Reply reply = answer_to(self->service_, self->request_->get());
+    Reply reply = answer_to(self->service_, self->request_->get(), self->address_);
     auto& context = self->service_.context;
     asio::post(context, [self = std::move(self), reply = std::move(reply)]() mutable {
       self->release_body();

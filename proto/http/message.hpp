@@ -16,6 +16,7 @@ struct Request {
   std::multimap<std::string, std::string> query;  ///< decoded
   std::map<std::string, std::string> headers;     ///< by name in small letters
   std::string body{};
+  std::string address{};  ///< of the peer, without port
 
   /// Value of a header; empty: not sent. @param name  in small letters
   std::string header(const std::string& name) const {

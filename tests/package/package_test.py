@@ -15,8 +15,9 @@ WORST_EXPOSURE = 2.0  # of 10, as systemd-analyze counts
 
 class Unit(unittest.TestCase):
     def test_exposure(self):
-        text = run("systemd-analyze", "security", "--offline=true", f"--threshold={WORST_EXPOSURE * 10:.0f}", UNIT)
-        self.assertLessEqual(float(re.search(r"exposure level for \S+: ([\d.]+)", text)[1]), WORST_EXPOSURE)
+        for unit in (UNIT, UNIT.with_name("dccast-web.service")):
+            text = run("systemd-analyze", "security", "--offline=true", f"--threshold={WORST_EXPOSURE * 10:.0f}", unit)
+            self.assertLessEqual(float(re.search(r"exposure level for \S+: ([\d.]+)", text)[1]), WORST_EXPOSURE)
 
     def test_longer_to_stop_than_workers_have(self):
         settings = (ROOT / "deploy/config/dccastd.toml").read_text(encoding="utf-8")
@@ -52,6 +53,7 @@ class Packages(unittest.TestCase):
 
     def test_files(self):
         for path in ("usr/bin/dccast", "usr/bin/dccastd", "usr/bin/dccast-worker", "etc/dccast/dccastd.toml",
+                     "usr/bin/dccast-web", "usr/lib/systemd/system/dccast-web.service", "etc/default/dccast-web",
                      "usr/lib/systemd/system/dccastd.service", "usr/lib/sysusers.d/dccastd.conf",
                      "usr/lib/tmpfiles.d/dccastd.conf", "usr/share/bash-completion/completions/dccast",
                      "etc/logrotate.d/dccastd", "usr/share/doc/dccastd/monitoring/alerts.yml",
@@ -72,7 +74,8 @@ class Packages(unittest.TestCase):
             page = gzip.decompress((man / f"man1/dccast-{command}.1.gz").read_bytes()).decode()
             for option in re.findall(r"^  (?:-\w,)?(--[a-z-]+)", run(BUILD / "bin/dccast", command, "--help"), re.M):
                 self.assertIn(option.replace("-", r"\-"), page)
-        for page in ("man1/dccast.1.gz", "man8/dccastd.8.gz", "man8/dccastd-user-add.8.gz"):
+        for page in ("man1/dccast.1.gz", "man8/dccastd.8.gz", "man8/dccastd-user-add.8.gz",
+                     "man8/dccast-web.8.gz", "man8/dccast-web-serve.8.gz"):
             self.assertTrue((man / page).is_file(), page)
 
     def test_pages_are_sound(self):

@@ -10,6 +10,14 @@ function setReachable(now, text) {
   for (const listener of listeners) listener(now, text);
 }
 
+/** Whether the server of this page serves several users, who sign in and out. */
+export let shared = false;
+export const setShared = now => { shared = now; };
+export function showSignIn() {
+  sessionStorage.setItem('page', location.hash);
+  location.assign('/sign-in.html');
+}
+
 /** A refusal of the service or of the dashboard. @return an Error, with the code of the service */
 const failure = ({code, message, error, details}) =>
   Object.assign(new Error(message ?? error), {code, details});
@@ -27,6 +35,7 @@ async function ask(path, options) {
     setReachable(true, '');
     return response;
   }
+  if (response.status === 401 && (shared || path === '/server/')) showSignIn();
   const text = await response.text();
   let fault = new Error(text);
   try {
@@ -52,12 +61,15 @@ const parse =
 
 export const get = async path => (await ask(path)).json();
 export const getBytes = async path => (await ask(path)).arrayBuffer();
-export const post = async path => (await ask(path, {method: 'POST'})).json();
-export const postText = async (path, body) => (await ask(path, {method: 'POST', body})).json();
 
 const posted = (type, body, options) =>
   ({method: 'POST', headers: {'Content-Type': type}, body, ...options});
 const method = name => `/dccast.v1.SimulationService/${name}`;
+
+export const postText =
+  async (path, body) => (await ask(path, posted('application/json', body))).json();
+export const post = path => postText(path, '{}');
+export const postJson = (path, body) => postText(path, JSON.stringify(body));
 
 /** A call of the service by its name, as in service.proto. */
 export async function call(name, request = {}, options = {}) {

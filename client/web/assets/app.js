@@ -1,6 +1,6 @@
 // Pages by the part of the address behind '#'. A page gets its element and a signal that aborts
 // when it is left.
-import {get, onReachable, post} from './api.js';
+import {get, onReachable, post, setShared, showSignIn} from './api.js';
 import {comparePage} from './compare.js';
 import {h, replace} from './dom.js';
 import {jobPage} from './job.js';
@@ -44,7 +44,10 @@ onReachable((reachable, text) => {
 let address = '';
 get('/server/')
   .then(server => {
-    address = server.address;
+    setShared(server.shared);
+    address = server.shared ? server.user : server.address;
+    document.getElementById('another').hidden = server.shared;
+    document.getElementById('sign-out').hidden = !server.shared;
     status.textContent = address;
     document.body.classList.toggle(
       'viewer', server.role === 'VIEWER');  // hides what the server would refuse
@@ -55,6 +58,10 @@ document.getElementById('another').addEventListener('click', async () => {
   await navigator.clipboard?.writeText(link).catch(() => {});
   prompt(
     'This address opens the dashboard once, in another browser. It is on the clipboard.', link);
+});
+document.getElementById('sign-out').addEventListener('click', async () => {
+  await post('/session/out');
+  showSignIn();
 });
 addEventListener('hashchange', () => {
   show();

@@ -1,5 +1,5 @@
 // One job: its answer, its curl as it grows, its findings, its slab, its report.
-import {call, followJob, get, getBytes, post, repeat} from './api.js';
+import {call, followJob, get, getBytes, post, repeat, shared} from './api.js';
 import {cancelJobs} from './cancel.js';
 import {chart, wantedBand} from './chart.js';
 import {durationText, findingList, h, mm, monitorText, replace, shortId, stateText} from './dom.js';
@@ -37,12 +37,12 @@ function linkButton(job) {
     'button', {
       type: 'button',
       onclick: async () => {
-        const {address} = await post('/another/');
+        const {address} = shared ? {} : await post('/another/');
         const dialog = h(
           'dialog',
           {class: 'link', 'aria-label': 'Link to this job', onclose: () => dialog.remove()},
-          h('h2', {}, 'Link to this job'), box('For browsers that have this dashboard open', here),
-          box('For one more browser; it works once', address + hash),
+          h('h2', {}, 'Link to this job'), box(shared ? 'For users of this server' : 'For browsers that have this dashboard open', here),
+          shared ? null : box('For one more browser; it works once', address + hash),
           h('p', {class: 'soft'},
             `In another dashboard of the same server: add ${hash} to its address.`),
           location.hostname === '127.0.0.1'

@@ -1,0 +1,24 @@
+// The secret of a link stands behind '#', which no browser sends: it is used up by the click alone,
+// not by a program that opens links of mails.
+import {postJson} from './api.js';
+
+const line = document.getElementById('line'), fault = document.getElementById('fault');
+if (location.hash.length > 1) {
+  line.value = location.hash.slice(1);
+  history.replaceState(null, '', location.pathname);
+  document.querySelector('button').focus();
+} else {
+  line.focus();
+}
+document.getElementById('sign-in').addEventListener('submit', async event => {
+  event.preventDefault();
+  fault.textContent = '';
+  try {
+    await postJson('/session/in', {secret: line.value});
+    const page = sessionStorage.getItem('page') ?? '';
+    sessionStorage.removeItem('page');
+    location.replace(`/${page}`);
+  } catch (why) {
+    fault.textContent = why.message;
+  }
+});

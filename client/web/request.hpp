@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "proto/http/message.hpp"
+
+namespace dccast::client {
+
+/// What a browser or program asks for.
+struct Request : http::Request {
+  std::string name{};   ///< last part of the path, decoded
+  std::string token{};  ///< of its user, for the daemon; empty where the socket proves the user
+  std::string set_cookie{};       ///< for the reply; empty: none
+  std::shared_ptr<void> place{};  ///< among the requests of its user; held until it is answered
+
+  /// The first value of a query key; empty if there is none.
+  std::string value(const std::string& key) const;
+  /// All values of a query key, in their order.
+  std::vector<std::string> values(const std::string& key) const;
+};
+
+/// Answer to a request.
+struct Reply {
+  std::string body;
+  std::string type = "application/json";
+  int status = 200;
+  /// A page that stands by itself, with its style and script inside, such as a report: it is shown
+  /// without access to anything else.
+  bool stands_alone = false;
+  std::string set_cookie{};  ///< empty: none
+  /// Set: the reply is a stream instead of `body`, see http::Reply.
+  std::function<void(std::shared_ptr<http::Stream>)> stream{};
+};
+
+}  // namespace dccast::client

@@ -1,0 +1,352 @@
+#!/usr/bin/python3
+"""dccast-web: users sign in with a line, and ask with the rights of their token and no others."""
+import getpass
+import http.client
+import json
+import os
+import re
+import signal
+import ssl
+import struct
+import subprocess
+import unittest
+import uuid
+
+from google.protobuf import json_format
+from selenium import webdriver
+from selenium.common.exceptions import StaleElementReferenceException
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import WebDriverWait
+
+from access_test import AccessTest
+from certificates import TestCa
+from dccast.v1 import service_pb2
+from support import BIN, WAIT_FACTOR, fake_case, main, until
+
+SERVICE = "/dccast.v1.SimulationService/"
+JSON = {"Content-Type": "application/json"}
+
+
+class Browser:
+    """What a page of the server sends, with the cookie that it was given."""
+
+    def __init__(self, web, cookie=""):
+        self.web, self.cookie = web, cookie
+
+    def ask(self, method, path, body=None, **headers):
+        headers = {name.replace("_", "-"): value for name, value in headers.items()}
+        if self.cookie:
+            headers.setdefault("Cookie", self.cookie)
+        if method == "POST":
+            headers = {"Origin": self.web.origin, **JSON, **headers}
+        connection = self.web.connection()
+        connection.request(method, path, body, headers)
+        response = connection.getresponse()
+        text = response.read()
+        connection.close()
+        return response, text
+
+    def post(self, path, body, **headers):
+        response, text = self.ask("POST", path, json.dumps(body), **headers)
+        return response.status, json.loads(text or "{}")
+
+    def call(self, method, body=None, **headers):
+        return self.post(SERVICE + method, body or {}, **headers)
+
+    def sign_in(self, line):
+        response, text = self.ask("POST", "/session/in", json.dumps({"secret": line}))
+        if response.status == 200:
+            self.set_cookie = response.getheader("Set-Cookie")
+            self.cookie = self.set_cookie.split(";")[0]
+        return response.status, json.loads(text)
+
+    def stream(self, method, body):
+        """The connection and the response of a stream."""
+        text = json.dumps(body).encode()
+        connection = self.web.connection()
+        connection.request("POST", SERVICE + method, struct.pack(">BI", 0, len(text)) + text,
+                           {"Origin": self.web.origin, "Cookie": self.cookie,
+                            "Content-Type": "application/connect+json"})
+        response = connection.getresponse()
+        assert response.status == 200, response.status
+        return connection, response
+
+
+def message(response):
+    """The next message of a stream: flags and content."""
+    flags, size = struct.unpack(">BI", response.read(5))
+    return flags, json.loads(response.read(size))
+
+
+class Web:
+    """The program, with a certificate of a CA of the tests or behind a proxy."""
+
+    def __init__(self, folder, daemon, *options, port=None):
+        self.words = [os.path.join(BIN, "dccast-web"), "serve", "--socket", daemon.address, "--state",
+                      os.path.join(folder, "web"), *options]
+        self.is_behind = "--behind" in options
+        self.ca = os.path.join(folder, "ca.pem")
+        self.port = port
+        self.start()
+
+    def start(self):
+        self.process = subprocess.Popen(
+            [*self.words, "--listen", f"127.0.0.1:{self.port or 0}"], stderr=subprocess.PIPE,
+            text=True)
+        line = self.process.stderr.readline()
+        found = re.search(r"port (\d+)$", line)
+        assert found, line
+        self.port = int(found[1])
+        self.origin = "https://dccast.test" if self.is_behind else f"https://127.0.0.1:{self.port}"
+
+    def stop(self):
+        self.process.send_signal(signal.SIGTERM)
+        code = self.process.wait(timeout=10)
+        self.process.stderr.close()
+        return code
+
+    def connection(self):
+        if self.is_behind:
+            return http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+        return http.client.HTTPSConnection("127.0.0.1", self.port, timeout=60,
+                                           context=ssl.create_default_context(cafile=self.ca))
+
+
+class WebTest(AccessTest):
+    def setUp(self):
+        super().setUp()
+        # The user of this test is the one of dccast-web, too.
+        self.start(access__web_user=getpass.getuser(), access__web_address="https://dccast.test")
+        ca = TestCa(self.folder)
+        self.options = ["--certificate", ca.issue("web.pem"), "--key", ca.key]
+        self.web = Web(self.folder, self.daemon, *self.options)
+        self.browser = Browser(self.web)
+
+    def tearDown(self):
+        self.web.stop()
+        super().tearDown()
+
+    def line_for(self, name, role="submitter"):
+        return re.search(r"\S+/sign-in.html#\S+",
+                         self.admin("user", "add", name, "--role", role))[0]
+
+    def signed_in(self, name, role="submitter"):
+        browser = Browser(self.web)
+        self.assertEqual(browser.sign_in(self.line_for(name, role)), (200, {"user": name}))
+        return browser
+
+    def submit(self, browser, words="steps=3", **headers):
+        body = {"case": json.loads(json_format.MessageToJson(fake_case(words))),
+                "request_id": str(uuid.uuid4())}
+        return browser.call("SubmitJob", body, **headers)
+
+
+class Signing(WebTest):
+    def test_a_link_signs_in_once(self):
+        link = self.line_for("anna")
+        self.assertEqual(self.browser.call("WhoAmI")[0], 401)
+        self.assertEqual(self.browser.sign_in(link), (200, {"user": "anna"}))
+        cookie = self.browser.set_cookie
+        self.assertTrue(cookie.startswith("__Host-dccast="))
+        for attribute in ("Path=/", "Secure", "HttpOnly", "SameSite=Strict"):
+            self.assertIn("; " + attribute, cookie)
+        self.assertNotIn("dccast-token", cookie)
+
+        status, who = self.browser.call("WhoAmI")
+        self.assertEqual((status, who["name"], who["proof"]), (200, "anna", "token"))
+        server = json.loads(self.browser.ask("GET", "/server/")[1])
+        self.assertEqual((server["user"], server["shared"]), ("anna", True))
+        self.assertIn(" on web, until", self.admin("user", "list"))
+
+        status, answer = Browser(self.web).sign_in(link)
+        self.assertEqual(status, 401)
+        self.assertIn("one-time secret", answer["error"])
+        self.assertIn("no line or link", Browser(self.web).sign_in("nonsense")[1]["error"])
+
+    def test_files_are_for_everybody(self):
+        for path in ("/", "/app.js", "/sign-in.html", "/sign_in.js"):
+            self.assertEqual(self.browser.ask("GET", path)[0].status, 200, path)
+        for path in ("/server/", "/cases/", "/job/last", "/report/last"):
+            self.assertEqual(self.browser.ask("GET", path)[0].status, 401, path)
+
+    def test_restart_keeps_sessions_and_sign_out_ends_them(self):
+        anna = self.signed_in("anna")
+        copied = Browser(self.web, anna.cookie)
+        self.assertEqual(self.web.stop(), 0)
+        self.web.start()
+        self.assertEqual(anna.call("WhoAmI")[1]["name"], "anna")
+
+        response, _ = anna.ask("POST", "/session/out", "{}")
+        self.assertEqual(response.status, 200)
+        self.assertIn("Max-Age=0", response.getheader("Set-Cookie"))
+        status, error = copied.call("WhoAmI")
+        self.assertEqual((status, error["code"]), (401, "unauthenticated"))
+        self.assertNotIn(" on web, until", self.admin("user", "list"))
+
+    def test_exchanged_keys(self):
+        anna = self.signed_in("anna")
+        exchange = [os.path.join(BIN, "dccast-web"), "exchange-key", "--state",
+                    os.path.join(self.folder, "web")]
+        for status in (200, 401):
+            subprocess.run(exchange, check=True, timeout=30)
+            self.web.stop()
+            self.web.start()
+            self.assertEqual(anna.call("WhoAmI")[0], status)
+
+    def test_attempts_are_limited(self):
+        statuses = [self.browser.sign_in("dccast-enrol-x")[0] for _ in range(12)]
+        self.assertEqual(statuses[0], 401)
+        # A minute may begin between them: two parts of at most ten.
+        self.assertTrue(429 in statuses or
+                        429 in [self.browser.sign_in("dccast-enrol-x")[0] for _ in range(12)])
+
+
+class Rights(WebTest):
+    def test_a_job_by_json_and_its_stream(self):
+        anna, bert = self.signed_in("anna"), self.signed_in("bert")
+        status, job = self.submit(anna)
+        self.assertEqual((status, job["owner"]), (200, "anna"))
+        connection, response = anna.stream("WatchJob", {"id": job["id"], "from_sequence": 1})
+        flags, last = 0, {}
+        while flags != 2:
+            event, (flags, last) = last, message(response)
+        connection.close()
+        self.assertEqual(last, {})
+        self.assertIn("terminal", json.dumps(event))
+
+        status, error = bert.call("CancelJob", {"id": job["id"]})
+        self.assertEqual((status, error["code"]), (403, "permission_denied"))
+        entry = self.audit("--job", job["id"])[0]
+        self.assertEqual((entry["user"], entry["from"]), ("anna", "ipv4:127.0.0.1:0"))
+
+    def test_bearer_wins_over_the_cookie(self):
+        anna = self.signed_in("anna")
+        bearer = "Bearer " + self.token_of("bert")
+        self.assertEqual(anna.call("WhoAmI", Authorization=bearer)[1]["name"], "bert")
+        # A program sends no Origin.
+        program = Browser(self.web)
+        status, who = program.call("WhoAmI", Authorization=bearer, Origin="")
+        self.assertEqual((status, who["name"]), (200, "bert"))
+        self.assertEqual(program.call("WhoAmI", Authorization="Bearer nonsense")[0], 401)
+        self.assertEqual(anna.call("WhoAmI", Authorization="Bearer dccast-token-0-0")[0], 401)
+
+    def test_cookies_that_do_not_count(self):
+        anna = self.signed_in("anna")
+        name, value = anna.cookie.split("=")
+        forged = value[:40] + ("0" if value[40] != "0" else "1") + value[41:]
+        for cookie in (f"{name}={forged}", f"{name}=", f"{name}=zz", f"dccast={value}"):
+            self.assertEqual(Browser(self.web, cookie).call("WhoAmI")[0], 401, cookie)
+        self.assertEqual(anna.call("WhoAmI", Origin="https://evil.test")[0], 401)
+        self.assertEqual(anna.call("WhoAmI", Content_Type="text/plain")[0], 401)
+        foreign = anna.ask("GET", "/server/", Origin="https://evil.test")[0]
+        self.assertEqual(foreign.status, 401)
+        self.assertIsNone(foreign.getheader("Access-Control-Allow-Origin"))
+        self.assertEqual(anna.call("WhoAmI")[0], 200)
+
+    def test_a_token_in_an_address_is_refused(self):
+        token = self.token_of("bert")
+        for query in ("token=" + token, "key=" + token, "access_token=x"):
+            response, text = self.browser.ask("GET", f"/server/?{query}")
+            self.assertEqual(response.status, 400)
+            self.assertIn("Authorization", json.loads(text)["message"])
+
+    def test_disabled_users_lose_their_streams(self):
+        anna = self.signed_in("anna")
+        _, job = self.submit(anna, "steps=1000000 sleep_ms=50")
+        connection, response = anna.stream("WatchJob", {"id": job["id"], "from_sequence": 1})
+        message(response)
+        self.admin("user", "disable", "anna")
+        flags, last = 0, {}
+        while flags != 2:
+            flags, last = message(response)
+        connection.close()
+        self.assertEqual(last["error"]["code"], "unauthenticated")
+        self.assertEqual(anna.call("WhoAmI")[0], 401)
+
+    def test_requests_of_a_session_beyond_the_limit_are_refused_by_name(self):
+        anna, bert = self.signed_in("anna"), self.signed_in("bert")
+        _, job = self.submit(anna, "steps=1000000 sleep_ms=50")
+        streams = [anna.stream("WatchJob", {"id": job["id"], "from_sequence": 1})
+                   for _ in range(32)]
+        status, error = anna.call("WhoAmI")
+        self.assertEqual((status, error["code"]), (429, "resource_exhausted"))
+        self.assertIn("32 requests", error["message"])
+        self.assertEqual(bert.call("WhoAmI")[0], 200)
+        for connection, response in streams:
+            response.close()
+            connection.close()
+        until(lambda: anna.call("WhoAmI")[0] == 200, 20)
+
+
+class Page(WebTest):
+    """Signing in and out in a real Chromium."""
+
+    def setUp(self):
+        super().setUp()
+        options = webdriver.ChromeOptions()
+        for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage",
+                     "--ignore-certificate-errors", f"--user-data-dir={self.folder}/chromium"):
+            options.add_argument(word)
+        self.chromium = webdriver.Chrome(options=options)
+
+    def tearDown(self):
+        self.chromium.quit()
+        super().tearDown()
+
+    def find(self, selector, text=""):
+        """The element that is shown, once it has this text."""
+        def found(driver):
+            return next((element for element in driver.find_elements(By.CSS_SELECTOR, selector)
+                         if element.is_displayed() and text in element.text), None)
+        return WebDriverWait(self.chromium, 20 * WAIT_FACTOR,
+                             ignored_exceptions=[StaleElementReferenceException]).until(found)
+
+    def test_a_link_leads_to_the_page_that_was_asked_for(self):
+        self.chromium.get(self.web.origin + "/#/studies")
+        self.find("#sign-in button")
+        fragment = self.line_for("anna").split("#")[1]
+        self.chromium.get(f"{self.web.origin}/sign-in.html?again#{fragment}")
+        self.find("#sign-in button", "Sign in").click()
+        self.find("#server", "anna")
+        self.assertTrue(self.chromium.current_url.endswith("/#/studies"))
+        self.assertFalse(self.chromium.find_element(By.ID, "another").is_displayed())
+
+        self.find("#sign-out").click()
+        self.find("#sign-in button")
+        self.assertEqual(self.chromium.get_cookies(), [])
+        self.find("#line").send_keys(f"host:7118/sha256:00/{fragment}")
+        self.find("#sign-in button").click()
+        self.find("#fault", "used before")
+
+
+class BehindProxy(WebTest):
+    def setUp(self):
+        super().setUp()
+        self.web.stop()
+        self.web = Web(self.folder, self.daemon, "--behind", "https://dccast.test")
+
+    def test_the_proxy_states_the_address(self):
+        anna = self.signed_in("anna")
+        _, job = self.submit(anna, X_Forwarded_For="198.51.100.1, 2001:db8::7")
+        self.assertEqual(self.audit("--job", job["id"])[0]["from"], "ipv6:%5B2001:db8::7%5D:0")
+        self.assertEqual(anna.call("WhoAmI", Origin="https://127.0.0.1")[0], 401)
+
+
+class Options(unittest.TestCase):
+    def refusal(self, *words):
+        done = subprocess.run([os.path.join(BIN, "dccast-web"), "serve", *words], text=True,
+                              capture_output=True, timeout=30, check=False)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        return done.stderr
+
+    def test_others_are_served_by_https_alone(self):
+        self.assertIn("--certificate and --key", self.refusal("--listen", ":0"))
+        self.assertIn("127.0.0.1:PORT",
+                      self.refusal("--listen", "0.0.0.0:0", "--behind", "https://dccast.test"))
+        self.assertIn("https://NAME",
+                      self.refusal("--listen", "127.0.0.1:0", "--behind", "http://dccast.test"))
+        self.assertIn("a port", self.refusal("--listen", "127.0.0.1", "--behind", "https://x"))
+
+
+if __name__ == "__main__":
+    main()
