@@ -3,16 +3,12 @@
 #include <openssl/crypto.h>
 #include <openssl/x509v3.h>
 
-#include <algorithm>
-
 #include "client/web/session_cookie.hpp"
 #include "proto/values/address.hpp"
 #include "proto/values/digests.hpp"
 
 namespace dccast::client {
 namespace {
-
-constexpr std::size_t most_keys = 16;  // that are waiting to be used
 
 /// A browser sends a strict cookie only from a page of this origin, not with the redirection that
 /// sets it if another page, such as a file, led there. This page therefore forwards to the first
@@ -46,39 +42,20 @@ bool is_name_of(const X509* certificate, const std::string& host) {
          X509_check_ip_asc(readable, name.c_str(), 0) == 1;
 }
 
-KeyEntrance::KeyEntrance(std::string host, int port, const X509* certificate)
-    : host_(std::move(host)),
-      port_(":" + std::to_string(port)),
-      certificate_(certificate),
-      session_(secret()) {}
-
-std::string KeyEntrance::origin_of(const std::string& host) const {
-  return (certificate_ == nullptr ? "http://" : "https://") + host;
-}
+KeyEntrance::KeyEntrance(int port)
+    : port_(":" + std::to_string(port)), session_(secret()), key_(secret()) {}
 
 /// Cookies do not distinguish ports.
 std::string KeyEntrance::cookie_name() const {
   return "dccast_" + port_.substr(1);
 }
 
-std::string KeyEntrance::address() {
-  const std::lock_guard lock(mutex_);
-  if (keys_.size() >= most_keys) keys_.erase(keys_.begin());
-  return origin_of(host_ + port_) + "/?key=" + *keys_.insert(secret()).first;
-}
-
 bool KeyEntrance::is_own_name(const std::string& host) const {
-  if (certificate_ != nullptr) return is_name_of(certificate_, host);
-  return host == host_ + port_ || host == "localhost" + port_ || host == "[::1]" + port_;
+  return host == "127.0.0.1" + port_ || host == "localhost" + port_ || host == "[::1]" + port_;
 }
 
 bool KeyEntrance::take_key(const std::string& key) {
-  const std::lock_guard lock(mutex_);
-  const auto found =
-      std::ranges::find_if(keys_, [&](const std::string& known) { return equal(known, key); });
-  if (found == keys_.end()) return false;
-  keys_.erase(found);
-  return true;
+  return equal(key, key_) && !is_used_.exchange(true);
 }
 
 std::optional<http::Reply> KeyEntrance::judge(Request& request) {
@@ -86,21 +63,19 @@ std::optional<http::Reply> KeyEntrance::judge(Request& request) {
     return http::Reply{.body = threshold_page, .type = "text/html; charset=utf-8"};
 
   const std::string origin = request.header("origin");
-  if (origin.empty() ? request.method != "GET" : origin != origin_of(request.header("host")))
+  if (origin.empty() ? request.method != "GET" : origin != "http://" + request.header("host"))
     return forbidden("Only pages of this dashboard may ask this.");
   if (equal(cookie_in(request.header("cookie"), cookie_name()), session_)) return std::nullopt;
 
   if (request.path == "/" && take_key(request.value("key"))) {
     when_entered_();
-    const std::string cookie = cookie_name() + "=" + session_ +
-                               "; HttpOnly; SameSite=Strict; Path=/" +
-                               (certificate_ == nullptr ? "" : "; Secure");
+    const std::string cookie =
+        cookie_name() + "=" + session_ + "; HttpOnly; SameSite=Strict; Path=/";
     return http::Reply{.status = 302,
                        .headers = {{"Set-Cookie", cookie}, {"Location", threshold_path}}};
   }
   return forbidden(
-      "The key in the address is missing or was used before. Start `dccast dashboard` "
-      "again, or press \"Another screen\" in the one that is open.");
+      "The key in the address is missing or was used before. Start `dccast dashboard` again.");
 }
 
 }  // namespace dccast::client

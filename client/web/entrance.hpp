@@ -2,11 +2,11 @@
 
 #include <openssl/ossl_typ.h>
 
+#include <atomic>
 #include <functional>
-#include <mutex>
 #include <optional>
-#include <set>
 #include <string>
+#include <utility>
 
 #include "client/web/request.hpp"
 
@@ -23,42 +23,32 @@ public:
   virtual std::optional<http::Reply> judge(Request& request) = 0;
 };
 
-/// Lets in the browsers of one user: a key that works once is exchanged for the session's cookie.
-/// Whatever changes something must come from a page of this origin.
+/// Lets in the browser of one user of this machine: a key that works once is exchanged for the
+/// session's cookie. Whatever changes something must come from a page of this origin.
 class KeyEntrance : public Entrance {
 public:
-  /// @param host         as addresses name this server
-  /// @param certificate  of this server, whose names are its own; null: HTTP on the loopback
-  ///                     address, with loopback's names
-  KeyEntrance(std::string host, int port, const X509* certificate);
+  /// @param port  of the server, on the loopback address
+  explicit KeyEntrance(int port);
 
-  /// Whether its certificate, if any, is for its host.
-  bool knows_itself() const { return is_own_name(host_ + port_); }
   bool is_own_name(const std::string& host) const override;
   std::optional<http::Reply> judge(Request& request) override;
 
   /// An address that opens the dashboard once.
-  std::string address();
-  /// Called each time such an address has let a browser in.
+  std::string address() const { return "http://127.0.0.1" + port_ + "/?key=" + key_; }
+  /// Called once that address has let a browser in.
   void when_entered(std::function<void()> call) { when_entered_ = std::move(call); }
 
 private:
   /// Whether the key is good; it is not afterwards.
   bool take_key(const std::string& key);
-  /// Origin of pages at a host, as browsers send it.
-  std::string origin_of(const std::string& host) const;
   /// Name of the session's cookie, which contains the port.
   std::string cookie_name() const;
 
-  const std::string host_;
   const std::string port_;  // ":7300"
-  const X509* const certificate_;
-  /// Value of the session's cookie: random, never stored.
-  const std::string session_;
+  /// Value of the session's cookie, and the key: random, never stored.
+  const std::string session_, key_;
+  std::atomic<bool> is_used_ = false;
   std::function<void()> when_entered_ = [] {};
-  std::mutex mutex_;
-  /// Keys that have not been used.
-  std::set<std::string> keys_;
 };
 
 /// Whether a name with or without port, as in the header Host, stands in a certificate.

@@ -75,7 +75,7 @@ class Pictures(Camera):
         job = self.dccast("submit", "--set", "quality=engineering", os.path.join(CASES, "start-3d.toml"))
         self.dccast("wait", job)
         self.dccast("report", job, "-o", "report.html")
-        again = self.another()
+        again = f"http://127.0.0.1:{self.url.port}/"
         self.show("report.html")
         self.find("body.complete", 60)
         self.browser.save_screenshot(self.made("report.png"))

@@ -46,19 +46,12 @@ get('/server/')
   .then(server => {
     setShared(server.shared);
     address = server.shared ? server.user : server.address;
-    document.getElementById('another').hidden = server.shared;
     document.getElementById('sign-out').hidden = !server.shared;
     status.textContent = address;
     document.body.classList.toggle(
       'viewer', server.role === 'VIEWER');  // hides what the server would refuse
   })
   .catch(() => {});
-document.getElementById('another').addEventListener('click', async () => {
-  const {address: link} = await post('/another/');
-  await navigator.clipboard?.writeText(link).catch(() => {});
-  prompt(
-    'This address opens the dashboard once, in another browser. It is on the clipboard.', link);
-});
 document.getElementById('sign-out').addEventListener('click', async () => {
   await post('/session/out');
   showSignIn();

@@ -36,19 +36,13 @@ function linkButton(job) {
   return h(
     'button', {
       type: 'button',
-      onclick: async () => {
-        const {address} = shared ? {} : await post('/another/');
+      onclick: () => {
         const dialog = h(
           'dialog',
           {class: 'link', 'aria-label': 'Link to this job', onclose: () => dialog.remove()},
-          h('h2', {}, 'Link to this job'), box(shared ? 'For users of this server' : 'For browsers that have this dashboard open', here),
-          shared ? null : box('For one more browser; it works once', address + hash),
-          h('p', {class: 'soft'},
-            `In another dashboard of the same server: add ${hash} to its address.`),
-          location.hostname === '127.0.0.1'
-            ? h('p', {class: 'soft'},
-                'This dashboard serves this machine alone; dccast dashboard --listen serves others.')
-            : null,
+          h('h2', {}, 'Link to this job'),
+          box(shared ? 'For users of this server' : 'For this browser', here),
+          h('p', {class: 'soft'}, `In a dashboard of your own: add ${hash} to its address.`),
           copied,
           h('div', {class: 'bar'},
             h('button', {type: 'button', onclick: () => dialog.close()}, 'Close')));
