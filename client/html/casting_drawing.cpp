@@ -69,6 +69,11 @@ v1::Chart water_chart(const CastingSchedule& schedule) {
     lines.push_back({"narrow face", flow(Face::narrow)});
     by_length = by_length && schedule.water_flow(Face::narrow).changes_by_length();
   }
+  if (schedule.has_second_water()) {
+    lines.push_back(
+        {"second water", [&](const Instant& at) { return schedule.second_flow_m2_per_s(at); }});
+    by_length = by_length && schedule.second_water_flow().changes_by_length();
+  }
   return planned_chart(schedule, "water", "m2/s", by_length, lines);
 }
 

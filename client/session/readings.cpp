@@ -17,7 +17,8 @@ constexpr std::chrono::milliseconds first_pause{200};
 int count_values(const v1::Reading& reading) {
   return int(reading.has_casting_speed_m_per_s()) + int(reading.has_casting_temperature_c()) +
          int(reading.has_water_flow_m2_per_s()) + int(reading.has_narrow_water_flow_m2_per_s()) +
-         reading.curls_size();
+         int(reading.has_second_water_flow_m2_per_s()) + int(reading.has_water_temperature_c()) +
+         int(reading.has_metal_level_m()) + reading.curls_size();
 }
 
 /// Whether the same readings may be taken later. What the server has refused itself it refuses

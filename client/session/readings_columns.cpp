@@ -39,6 +39,9 @@ const std::vector<Kind>& kinds() {
       {Measured::casting_temperature, "metal", {"metal", "casting temperature"}, "degC", "degC"},
       {Measured::water_flow, "water", {"water"}, "m2/s", "l/min/m"},
       {Measured::narrow_water_flow, "narrow_water", {"narrow water"}, "m2/s", "l/min/m"},
+      {Measured::second_water_flow, "second_water", {"second water"}, "m2/s", "l/min/m"},
+      {Measured::water_temperature, "water_temperature", {"water temperature"}, "degC", "degC"},
+      {Measured::metal_level, "metal_level", {"metal level"}, "m", "mm"},
       {Measured::curl, "curl", {}, "m", "mm"}};
   return all;
 }
@@ -55,7 +58,8 @@ std::string reading_unit(const Column& column) {
 }
 
 bool is_flow(Measured measured) {
-  return measured == Measured::water_flow || measured == Measured::narrow_water_flow;
+  return measured == Measured::water_flow || measured == Measured::narrow_water_flow ||
+         measured == Measured::second_water_flow;
 }
 
 /// Reads a file of columns, and collects its faults.

@@ -14,6 +14,9 @@ enum class Measured {
   casting_temperature,
   water_flow,
   narrow_water_flow,
+  second_water_flow,
+  water_temperature,
+  metal_level,
   curl
 };
 

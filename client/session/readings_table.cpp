@@ -69,6 +69,12 @@ void set_value(const Column& column, double value, v1::Reading& reading) {
       return reading.set_water_flow_m2_per_s(value);
     case Measured::narrow_water_flow:
       return reading.set_narrow_water_flow_m2_per_s(value);
+    case Measured::second_water_flow:
+      return reading.set_second_water_flow_m2_per_s(value);
+    case Measured::water_temperature:
+      return reading.set_water_temperature_c(value);
+    case Measured::metal_level:
+      return reading.set_metal_level_m(value);
     case Measured::curl: {
       v1::MeasuredCurl& measured = *reading.add_curls();
       measured.set_monitor(column.monitor);

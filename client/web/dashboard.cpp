@@ -104,7 +104,10 @@ Json levers_json(const v1::CastingNow& casting) {
       {"Speed", "casting_speed_m_per_s", "m/s", 1},
       {"Water", "water_flow_m2_per_s", "m2/s", 0},
       {"Narrow water", "narrow_water_flow_m2_per_s", "m2/s", 0},
+      {"Second water", "second_water_flow_m2_per_s", "m2/s", 0},
       {"Metal", "casting_temperature_c", "degC", 0},
+      {"Water temperature", "water_temperature_c", "degC", 0},
+      {"Metal level", "metal_level_m", "m", 0},
   };
 
   static constexpr const char* unknown = "–";

@@ -33,7 +33,8 @@ public:
   /// The mesh of rows; null for an imported one.
   const mesh::SlabMesh<Dim>* in_rows() const { return slab_ ? &*slab_ : nullptr; }
   double initial_level() const { return initial_level_; }  ///< [m] when the mould is filled
-  /// Metal level [m] at a time [s] and cast length [m].
+  double level() const { return slab_ ? slab_->level() : initial_level_; }  ///< [m] of the metal
+  /// Metal level [m] that a time [s] and cast length [m] ask for; metal that stands higher stays.
   double level_at(const CastingSchedule& schedule, double time, double length) const;
 
 private:
@@ -82,7 +83,8 @@ template <int Dim>
 double RunMesh<Dim>::level_at(const CastingSchedule& schedule, double time, double length) const {
   // The mould is filled up to its first level at once, then evenly; what is cast comes on top.
   if (!grows()) return initial_level_;
-  return std::max(first_level_, initial_level_ * schedule.filled_share(time)) + length;
+  return std::max(first_level_, initial_level_ * schedule.filled_share(time)) + length +
+         schedule.metal_level(std::min(time, schedule.end_of_casting()), length);
 }
 
 }  // namespace dccast::casting

@@ -208,8 +208,10 @@ private:
     const auto end = std::ranges::lower_bound(used.time, run_->time());
     const auto count =
         std::min(used.time.size(), static_cast<std::size_t>(end - used.time.begin()) + 1);
-    for (std::vector<double>* column : {&used.time, &used.casting_speed, &used.casting_temperature,
-                                        &used.water_flow, &used.narrow_water_flow})
+    for (std::vector<double>* column :
+         {&used.time, &used.casting_speed, &used.casting_temperature, &used.water_flow,
+          &used.narrow_water_flow, &used.second_water_flow, &used.water_temperature,
+          &used.metal_level})
       column->resize(count);
     return used;
   }
@@ -224,6 +226,9 @@ private:
     levers_.casting_temperature.push_back(value_of(Lever::casting_temperature));
     levers_.water_flow.push_back(value_of(Lever::water_flow));
     levers_.narrow_water_flow.push_back(value_of(Lever::narrow_water_flow));
+    levers_.second_water_flow.push_back(value_of(Lever::second_water_flow));
+    levers_.water_temperature.push_back(value_of(Lever::water_temperature));
+    levers_.metal_level.push_back(value_of(Lever::metal_level));
   }
 
   /// Stores and reports a step. @return the outcome if the observer ends the run here

@@ -157,7 +157,7 @@ bool SlabRun<Dim>::has_cooled_down() const {
 
 template <int Dim>
 double SlabRun<Dim>::metal_level() const {
-  return mesh_.level_at(schedule_, state_.time, state_.cast_length);
+  return mesh_.level();
 }
 
 template <int Dim>
@@ -349,10 +349,15 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   thermal::HeatStepInput input;
   input.time = state_.time;
   input.time_step = tried.time_step;
-  input.metal_level = mould_level();
+  input.metal_level = metal_level();
+  input.mould_level = mould_level();
   input.casting_temperature = schedule_.casting_temperature(state_.time, state_.cast_length);
   input.water_flow = schedule_.water_flow(state_.time, state_.cast_length);
   input.narrow_water_flow = schedule_.narrow_water_flow(state_.time, state_.cast_length);
+  input.second_water_flow = schedule_.second_water_flow(state_.time, state_.cast_length);
+  for (const thermal::Face face : {thermal::Face::wide, thermal::Face::narrow})
+    input.water_temperature[std::size_t(face)] =
+        schedule_.water_temperature(face, state_.time, state_.cast_length);
   input.bottom_gap = gap;
 
   const std::vector<double> rise = side_rise(u);
@@ -376,6 +381,7 @@ bool SlabRun<Dim>::step_mechanics(Attempt& tried, std::span<const double> temper
   input.node_temperature = at_nodes;
   input.time_step = tried.time_step;
   input.metal_level = metal_level();
+  input.mould_level = mould_level();
   input.element_temperature_n = temperature_n;
 
   const mechanics::StepOutcome outcome = mechanics_.step(state_.slab, input);

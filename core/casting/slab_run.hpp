@@ -119,7 +119,8 @@ private:
   std::vector<double> side_rise(std::span<const double> u) const;    ///< (node) [m]
   std::vector<double> side_inward(std::span<const double> u) const;  ///< (node, face) [m]
 
-  /// [m] The level from which mould and water lines are counted, also while the mould is filled.
+  /// [m] The level from which mould and water lines are counted, also while the mould is filled:
+  /// where the metal stands unless schedule.metal_level moves it.
   double mould_level() const;
   /// Ends the casting once the curl that is judged has settled. @param monitors  of this step
   void end_where_settled(const MonitorReadings& monitors);

@@ -45,7 +45,7 @@ struct Options {
   bool confinement = false;
   Confinement confinement_by = Confinement::exact;
   double confinement_stiffness = 0.0;  ///< [Pa/m] of the springs
-  double mould_length = 0.0;           ///< [m] below the metal level
+  double mould_length = 0.0;           ///< [m] below the level on which it hangs
   /// Unilateral contact with the bottom block; without it the bottom is held.
   bool contact = false;
   double tolerance = 0.0;  ///< [1] residual relative to the acting forces

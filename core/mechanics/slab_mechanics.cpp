@@ -456,8 +456,8 @@ void SlabMechanics<Dim>::set_supports(State& state, const SlabStepInput& input,
     }
   }
   supports_.hold_sides(problem_, options_, of_body_, input.node_temperature, properties_.release(),
-                       input.metal_level - options_.mould_length, displacement_, state.leaning,
-                       unknowns.contact);
+                       input.mould_level.value_or(input.metal_level) - options_.mould_length,
+                       displacement_, state.leaning, unknowns.contact);
   if (!unknowns.contact_multiplier.empty())
     unknowns.contact_multiplier.resize(problem_.contact.size(), 0.0);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,6 +48,7 @@ struct SlabStepInput {
   /// (element) mean at the start of the step, on the mesh of its end [°C]. Empty: elements that
   /// solidify do so at the start of the step.
   std::span<const double> element_temperature_n{};
+  std::optional<double> mould_level = {};  ///< [m] on which the mould hangs; absent: metal_level
 };
 
 /// Checks reported for every step. They evaluate the step problem itself at the computed

@@ -1,6 +1,7 @@
 #include "core/results/levers_group.hpp"
 
 #include <array>
+#include <limits>
 
 #include "core/results/hdf5_file.hpp"
 
@@ -24,6 +25,11 @@ constexpr std::array columns{
            &MeasuredLevers::water_flow},
     Column{"/levers/narrow_water_flow_m2_per_s", "m2 s-1", "of the narrow face",
            &MeasuredLevers::narrow_water_flow},
+    Column{"/levers/second_water_flow_m2_per_s", "m2 s-1", "of the second row of jets",
+           &MeasuredLevers::second_water_flow},
+    Column{"/levers/water_temperature_c", "degC", "of the water on the faces",
+           &MeasuredLevers::water_temperature},
+    Column{"/levers/metal_level_m", "m", "above that of the start", &MeasuredLevers::metal_level},
 };
 
 }  // namespace
@@ -43,8 +49,12 @@ MeasuredLevers read_levers(const hdf5::File& file) {
   if (!file.has("/levers")) return levers;
 
   levers.time = file.read_reals("/levers/time_s");
+  // A run of an earlier version measured fewer levers.
   for (const Column& column : columns)
-    levers.*column.member = file.read_reals(column.dataset, levers.time.size());
+    levers.*column.member =
+        file.has(column.dataset)
+            ? file.read_reals(column.dataset, levers.time.size())
+            : std::vector(levers.time.size(), std::numeric_limits<double>::quiet_NaN());
   return levers;
 }
 

@@ -15,6 +15,9 @@ struct MeasuredLevers {
   std::vector<double> casting_temperature;  ///< [°C]
   std::vector<double> water_flow;           ///< [m2/s]
   std::vector<double> narrow_water_flow;    ///< [m2/s]
+  std::vector<double> second_water_flow;    ///< [m2/s]
+  std::vector<double> water_temperature;    ///< [°C]
+  std::vector<double> metal_level;          ///< [m] above that of the start
 };
 
 /// Writes the group /levers of SCHEMA.md, if anything was measured. @throws storage::StorageError

@@ -74,6 +74,12 @@ struct Water {
   Curve coefficient;          ///< [W/(m2 K)]; not empty: replaces the law of Weckman and Niessen
 };
 
+/// A second row of jets below the first, on every face (SurfaceCooling::lay_column()).
+struct SecondWater {
+  double from = 0.0;   ///< [m] below the metal level, under the first water
+  double start = 0.0;  ///< [s]
+};
+
 /// The block as a body: heat flows through its thickness under each point of the bottom.
 struct BlockBody {
   double thickness = 0.0;            ///< [m]
@@ -130,6 +136,7 @@ struct CoolingSpec {
   std::vector<SideZone> zones;
   Water water;
   std::optional<Water> narrow_water;  ///< on the narrow face; absent: as on the wide face
+  std::optional<SecondWater> second_water{};
   BottomBlock bottom_block;
   double dry_coefficient = 0.0;      ///< [W/(m2 K)]
   double ambient_temperature = 0.0;  ///< [°C]

@@ -254,7 +254,7 @@ private:
   Levels depth_of(const Facet& facet, const SideInstant& instant) const {
     Levels depth{};
     for (std::size_t i = 0; i < std::size_t(facet.nodes); ++i) {
-      depth[i] = instant.metal_level - mesh_.point(facet.node[i])[dim - 1];
+      depth[i] = instant.mould_level - mesh_.point(facet.node[i])[dim - 1];
       if (!instant.rise.empty()) depth[i] -= instant.rise[std::size_t(facet.node[i])];
     }
     return depth;

@@ -38,10 +38,12 @@ inline constexpr int law_dry = -2;
 
 /// Data that determine the cooling law of each place at one time.
 struct SideInstant {
-  double metal_level = 0.0;              ///< [m]
+  double mould_level = 0.0;              ///< [m] from which distances are counted
+  double above = 0.0;                    ///< [m] by which the metal stands higher
   std::array<bool, faces> water_runs{};  ///< by face
   /// (node) [m] vertical displacement of the side; empty: zero.
   std::span<const double> rise;
+  bool second_water_runs = false;
 };
 
 /// The cooling law of a place.
@@ -61,8 +63,13 @@ public:
   LawAt at(double distance, Face face) const;
 
 private:
+  /// The uppermost zone follows a level that rises: it ends where the metal does.
+  double upper_edge(const SideZone& zone) const { return zone.from > 0.0 ? zone.from : -above_; }
+
   const CoolingSpec& cooling_;
   std::array<bool, faces> water_runs_;
+  bool second_water_runs_;
+  double above_;               ///< [m]
   std::vector<double> edges_;  ///< [m]
 };
 

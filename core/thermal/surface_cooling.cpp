@@ -1,6 +1,7 @@
 #include "core/thermal/surface_cooling.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -38,6 +39,10 @@ double water_flow_of(Face face, const HeatStepInput& input) {
                               : input.water_flow;
 }
 
+double mould_level_of(const HeatStepInput& input) {
+  return input.mould_level.value_or(input.metal_level);
+}
+
 SurfaceState surface_of(const ThermalState& state) {
   return {state.temperature, state.liquid_fraction};
 }
@@ -49,11 +54,20 @@ std::size_t face_index(const SideShare& share) {
 }  // namespace
 
 SideLaws::SideLaws(const CoolingSpec& cooling, const SideInstant& instant)
-    : cooling_(cooling), water_runs_(instant.water_runs) {
+    : cooling_(cooling),
+      water_runs_(instant.water_runs),
+      second_water_runs_(instant.second_water_runs),
+      above_(instant.above) {
   add_water(cooling.water, edges_);
+  if (const auto& second = cooling.second_water; second && second_water_runs_) {
+    edges_.push_back(second->from);
+    edges_.push_back(second->from + cooling.water.wetting.jet_length);
+    if (cooling.narrow_water)
+      edges_.push_back(second->from + cooling.narrow_water->wetting.jet_length);
+  }
   if (cooling.narrow_water) add_water(*cooling.narrow_water, edges_);
   for (const SideZone& zone : cooling.zones) {
-    edges_.push_back(zone.from);
+    edges_.push_back(upper_edge(zone));
     edges_.push_back(zone.to);
     add_kinks(zone.liquid_coefficient, edges_);
     add_kinks(zone.solid_coefficient, edges_);
@@ -66,6 +80,11 @@ LawAt SideLaws::at(double distance, Face face) const {
   // Water covers the zones of the mould.
   const Water& water = cooling_.water_of(face);
   const bool below = distance >= water.from;
+  if (second_water_runs_ && distance >= cooling_.second_water->from) {
+    const double wiped_at = water.wiped_at.value_or(HUGE_VAL);
+    if (wiped_at <= cooling_.second_water->from || distance < wiped_at)
+      return {law_water, against_distance(water.coefficient)};
+  }
   if (water_runs_[std::size_t(face)] && below) {
     if (water.wiped_at && distance >= *water.wiped_at) return {law_dry, false};
     return {law_water, against_distance(water.coefficient)};
@@ -73,7 +92,8 @@ LawAt SideLaws::at(double distance, Face face) const {
 
   for (std::size_t i = 0; i < cooling_.zones.size(); ++i) {
     const SideZone& zone = cooling_.zones[i];
-    if (distance < zone.from || distance >= zone.to || zone.face.value_or(face) != face) continue;
+    if (distance < upper_edge(zone) || distance >= zone.to || zone.face.value_or(face) != face)
+      continue;
     return {static_cast<int>(i),
             against_distance(zone.liquid_coefficient) || against_distance(zone.solid_coefficient)};
   }
@@ -96,11 +116,14 @@ void SurfaceCooling::resize(std::size_t nodes) {
 void SurfaceCooling::begin_step(const HeatForms& forms,
                                 const material::ThermalProperties& properties,
                                 const HeatField& field, const HeatStepInput& input) {
+  const double mould = mould_level_of(input);
   const double height =
       forms.divide_side(cooling_,
-                        {input.metal_level,
+                        {mould,
+                         std::max(0.0, input.metal_level - mould),
                          {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
-                         input.rise},
+                         input.rise,
+                         second_water_runs(input)},
                         side_);
 
   lay_water(forms, properties, field, input, height);
@@ -111,6 +134,11 @@ bool SurfaceCooling::water_runs(Face face, const HeatStepInput& input) const {
   // Evaluated at the middle of the step, where the rounding of summed time steps does not matter.
   const double middle = input.time - 0.5 * input.time_step;
   return is_open(cooling_.water_of(face), middle) && water_flow_of(face, input) > 0.0;
+}
+
+double SurfaceCooling::water_temperature(Face face, const HeatStepInput& input) const {
+  const auto& given = input.water_temperature[std::size_t(face)];
+  return given ? *given : cooling_.water_of(face).temperature(input.time);
 }
 
 /// Sorts the side shares by face and column, from the metal level down.
@@ -176,6 +204,68 @@ void SurfaceCooling::supply_edge(const HeatForms& forms, int column, const Film&
     edge_supply_.push_back({i, film, width / static_cast<double>(below.size())});
 }
 
+bool SurfaceCooling::second_water_runs(const HeatStepInput& input) const {
+  return cooling_.second_water && input.second_water_flow > 0.0;
+}
+
+double SurfaceCooling::gap_share() const {
+  const auto& gap = cooling_.bottom_block.gap_water;
+  return gap ? gap->inflow_share : 0.0;
+}
+
+SurfaceCooling::Stretch SurfaceCooling::lay_stretch(std::span<const std::size_t> shares,
+                                                    const Water& water, const Film& supply,
+                                                    double width,
+                                                    const material::ThermalProperties& properties,
+                                                    const HeatField& field,
+                                                    const HeatStepInput& input) {
+  Stretch stretch;
+  stretch.end.film = supply;
+  for (const std::size_t i : shares) {
+    const double wetted = field.wetted.empty() ? 0.0 : field.wetted[face_index(side_[i])];
+    stretch.pieces.push_back({side_[i].weight,
+                              {input.time, side_[i].distance},
+                              properties.temperature(field.enthalpy[std::size_t(side_[i].node)]),
+                              wetted});
+    stretch.area += side_[i].weight;
+  }
+  if (shares.empty()) return stretch;
+
+  // With fixed boiling properties the film does not change on its way.
+  if (!water.boiling_follows_flow) {
+    stretch.places.assign(shares.size(),
+                          {.film = supply, .critical_heat_flux = water.critical_heat_flux});
+    return stretch;
+  }
+  FaceWater& total = water_[std::size_t(side_[shares.front()].face)];
+  stretch.end = march_film(water, supply, width, input.time_step, stretch.pieces, stretch.places);
+  total.boiled_away = total.boiled_away || stretch.end.boiled_away;
+  total.thrown_off = total.thrown_off || stretch.end.thrown_off;
+  return stretch;
+}
+
+void SurfaceCooling::share_out(double width, Stretch& above, Stretch& below) const {
+  if (above.places.empty() || below.places.empty()) return;
+  const double left = film_capacity(above.end.film, width);
+  const double left_below = (1.0 - gap_share()) * film_capacity(below.end.film, width);
+  const double for_above = std::min(left, left_below) * above.area / (above.area + below.area);
+  reserve_heat(left - for_above, above.pieces, above.places);
+  reserve_heat(for_above, below.pieces, below.places);
+}
+
+void SurfaceCooling::keep(std::span<const std::size_t> shares, const Stretch& stretch) {
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    if (k >= stretch.places.size()) {
+      side_[shares[k]].law = law_dry;
+      continue;
+    }
+    FaceWater& total = water_[std::size_t(side_[shares[k]].face)];
+    side_water_[shares[k]] = stretch.places[k];
+    total.area += stretch.pieces[k].area;
+    total.wetted += stretch.pieces[k].area * stretch.places[k].wetted;
+  }
+}
+
 /// Runs water down the shares of one column. @param shares  one or more
 /// @param width  [m]; axisymmetric [m2/rad / m]
 FilmEnd SurfaceCooling::lay_column(std::span<const std::size_t> shares, double width,
@@ -183,52 +273,47 @@ FilmEnd SurfaceCooling::lay_column(std::span<const std::size_t> shares, double w
                                    const HeatField& field, const HeatStepInput& input) {
   const Face face = side_[shares.front()].face;
   const Water& water = cooling_.water_of(face);
-  const Film supply{water.temperature(input.time), water_flow_of(face, input)};
-
+  const Film first{water_temperature(face, input), water_flow_of(face, input)};
   FaceWater& total = water_[std::size_t(face)];
 
-  std::vector<WetPiece> pieces;
-  for (const std::size_t i : shares) {
-    const double wetted = field.wetted.empty() ? 0.0 : field.wetted[face_index(side_[i])];
-    pieces.push_back({side_[i].weight,
-                      {input.time, side_[i].distance},
-                      properties.temperature(field.enthalpy[std::size_t(side_[i].node)]),
-                      wetted});
-  }
+  std::size_t count = shares.size();  // of the shares above the second water
+  if (second_water_runs(input))
+    count = std::size_t(std::ranges::partition_point(shares,
+                                                     [&](std::size_t i) {
+                                                       return side_[i].distance <
+                                                              cooling_.second_water->from;
+                                                     }) -
+                        shares.begin());
 
-  total.capacity += film_capacity(supply, width);
+  Stretch last = lay_stretch(shares.first(count), water, first, width, properties, field, input);
+  if (count > 0) total.capacity += film_capacity(first, width);
 
-  // With fixed boiling properties the film does not change on its way.
-  FilmEnd end{.film = supply};
-  if (!water.boiling_follows_flow) {
-    film_.assign(pieces.size(), {.film = supply, .critical_heat_flux = water.critical_heat_flux});
+  if (count < shares.size()) {
+    // The films add where they meet, and the jets break a vapour film anew. What a wiper, steam or
+    // boiling has taken away does not arrive.
+    const double from = cooling_.second_water->from;
+    const bool arrives = count > 0 && !last.end.boiled_away && !last.end.thrown_off &&
+                         water.wiped_at.value_or(from + 1.0) > from;
+    Film film{first.temperature, input.second_water_flow};
+    total.capacity += film_capacity(film, width);
+    if (arrives) film = joined(last.end.film, film);
+
+    Water second = water;
+    second.from = from;
+    Stretch below =
+        lay_stretch(shares.subspan(count), second, film, width, properties, field, input);
+    if (arrives && water.boiling_follows_flow) share_out(width, last, below);
+    keep(shares.first(count), last);
+    last = std::move(below);
   } else {
-    end = march_film(water, supply, width, input.time_step, pieces, film_);
-    total.boiled_away = total.boiled_away || end.boiled_away;
-    total.thrown_off = total.thrown_off || end.thrown_off;
-    reserve_for_gap(end, width, pieces);
+    count = 0;
   }
 
-  // Shares that the stream does not reach stay dry.
-  for (std::size_t k = 0; k < shares.size(); ++k) {
-    if (k >= film_.size()) {
-      side_[shares[k]].law = law_dry;
-      continue;
-    }
-    side_water_[shares[k]] = film_[k];
-    total.area += pieces[k].area;
-    total.wetted += pieces[k].area * film_[k].wetted;
-  }
-  return end;
-}
-
-/// What water that runs on into the gap could take is no longer the face's.
-void SurfaceCooling::reserve_for_gap(const FilmEnd& end, double width,
-                                     std::span<const WetPiece> pieces) {
-  const auto& gap = cooling_.bottom_block.gap_water;
-  if (!gap || film_.empty()) return;
-
-  reserve_heat(gap->inflow_share * film_capacity(end.film, width), pieces, film_);
+  // What water that runs on into the gap could take is no longer the face's.
+  if (cooling_.bottom_block.gap_water && water.boiling_follows_flow && !last.places.empty())
+    reserve_heat(gap_share() * film_capacity(last.end.film, width), last.pieces, last.places);
+  keep(shares.subspan(count), last);
+  return last.end;
 }
 
 /// Whether water has met the butt on some face: it can then run into the gap, and stays there while
@@ -237,9 +322,10 @@ bool SurfaceCooling::water_at_butt(const HeatStepInput& input) const {
   for (const Face face : {Face::wide, Face::narrow}) {
     const Water& water = cooling_.water_of(face);
     if (water.enabled && input.time > water.start && water_flow_of(face, input) > 0.0 &&
-        input.metal_level > water.from)
+        mould_level_of(input) > water.from)
       return true;
   }
+  if (second_water_runs(input) && mould_level_of(input) > cooling_.second_water->from) return true;
   return false;
 }
 
@@ -257,7 +343,7 @@ void SurfaceCooling::lay_bottom(const HeatForms& forms,
 
   const bool wet = block.wet_coefficient && water_at_butt(input);
   const double start = block.temperature(input.time);
-  const double water = wet || block_ ? cooling_.water.temperature(input.time) : start;
+  const double water = wet || block_ ? water_temperature(Face::wide, input) : start;
 
   if (block_) block_->begin_step(input.time_step);
 

@@ -55,6 +55,11 @@ struct HeatStepInput {
   /// (node, face) [m] displacement of the side away from the mould, for zones with a gap; empty:
   /// contact.
   std::span<const double> inward = {};
+  /// [m] from which zones and water lines are counted; absent: the metal level.
+  std::optional<double> mould_level = {};
+  /// (face) [°C]; absent: by the table of the face against time.
+  std::array<std::optional<double>, faces> water_temperature = {};
+  double second_water_flow = 0.0;  ///< [m2/s] on every face; 0: it does not run
 };
 
 /// Heat flow out through side, bottom and level in one step. The cooling law of each place is fixed
@@ -92,12 +97,29 @@ public:
 private:
   /// Whether the valve of a face is open in the middle of the step.
   bool water_runs(Face face, const HeatStepInput& input) const;
+  double water_temperature(Face face, const HeatStepInput& input) const;  ///< [°C]
   /// Orders the shares of the side by face and column, from above, as the water runs.
   void find_columns(const HeatForms& forms);
   /// Lets the water run down every column of every face. @param side_height  [m] of the undeformed
   /// side
   void lay_water(const HeatForms& forms, const material::ThermalProperties& properties,
                  const HeatField& field, const HeatStepInput& input, double side_height);
+  /// A part of a column over which one film runs.
+  struct Stretch {
+    std::vector<WetPiece> pieces;
+    std::vector<WaterPlace> places;  ///< (piece) up to where the film ends
+    FilmEnd end;
+    double area = 0.0;  ///< [m2]; 2D [m], axisymmetric [m2/rad] of the pieces
+  };
+  bool second_water_runs(const HeatStepInput& input) const;
+  /// Runs a film down shares of a column. @param width  [m]; axisymmetric [m2/rad / m]
+  Stretch lay_stretch(std::span<const std::size_t> shares, const Water& water, const Film& supply,
+                      double width, const material::ThermalProperties& properties,
+                      const HeatField& field, const HeatStepInput& input);
+  /// Divides what the first film has left where the second one joins it among both stretches.
+  void share_out(double width, Stretch& above, Stretch& below) const;
+  /// Takes over the water of a stretch; shares that it does not reach stay dry.
+  void keep(std::span<const std::size_t> shares, const Stretch& stretch);
   /// Runs water down the shares of one column. @param width  [m]; axisymmetric [m2/rad / m]
   FilmEnd lay_column(std::span<const std::size_t> shares, double width,
                      const material::ThermalProperties& properties, const HeatField& field,
@@ -114,7 +136,7 @@ private:
   double open_share(double gap) const;
   /// Whether water has met the butt on some face, so that it can run into the gap.
   bool water_at_butt(const HeatStepInput& input) const;
-  void reserve_for_gap(const FilmEnd& end, double width, std::span<const WetPiece> pieces);
+  double gap_share() const;  ///< [1] of the water at the edge that runs into the gap
   BottomFlux flux_at_bottom(std::size_t place, const SurfaceState& surface) const;
   SurfaceFlux flux_into_gap(std::size_t place, const SurfaceState& surface) const;
   /// Flux of a share by its law [W/m2] and its derivative by the temperature.
@@ -142,7 +164,6 @@ private:
   std::vector<SideShare> side_;
   std::vector<std::size_t> column_order_;  ///< side shares by face and column, from above
   std::vector<WaterPlace> side_water_;     ///< (side share) if it has water
-  std::vector<WaterPlace> film_;           ///< of one column
   std::vector<BottomPlace> bottom_;        ///< (bottom node)
   std::vector<EdgeSupply> edge_supply_;    ///< water that comes down to the edge of the butt
   GapStreams gap_streams_;

@@ -59,6 +59,11 @@ double film_capacity(const Film& film, double width) {
   return heat_to_vapour(water_density * film.flow * width, film.temperature);
 }
 
+Film joined(const Film& first, const Film& second) {
+  const double flow = first.flow + second.flow;
+  return {(first.temperature * first.flow + second.temperature * second.flow) / flow, flow};
+}
+
 void reserve_heat(double heat, std::span<const WetPiece> pieces, std::span<WaterPlace> place) {
   double area = 0.0;
   for (std::size_t i = 0; i < place.size(); ++i) area += pieces[i].area;

@@ -103,7 +103,10 @@ private:
 
   void check_tables(const Message& message, const FieldDescriptor& field, const std::string& path) {
     const Reflection& reflection = *message.GetReflection();
-    if (!field.is_repeated()) return check_message(reflection.GetMessage(message, &field), path);
+    if (!field.is_repeated()) {
+      if (key_of(field).only_if_given() && !reflection.HasField(message, &field)) return;
+      return check_message(reflection.GetMessage(message, &field), path);
+    }
     const int count = reflection.FieldSize(message, &field);
     if (!add(count_fault(field, static_cast<std::size_t>(count), path))) return;
     for (int i = 0; i < count; ++i)

@@ -24,6 +24,8 @@ constexpr PlantLever hold_time{"schedule.hold.scale", "hold", "shorter", "longer
 constexpr PlantLever speed{"schedule.casting_speed.scale", "cast", "slower", "faster", 0.1};
 constexpr PlantLever water{"schedule.water_flow.scale", "use", "less water", "more water", 0.15};
 constexpr PlantLever metal{"schedule.casting_temperature.offset", "pour", "colder", "hotter", 10.0};
+constexpr PlantLever water_temperature{"cooling.water.temperature.offset", "use", "colder water",
+                                       "warmer water", 5.0};
 constexpr PlantLever block{"section.block_above_water.offset", "place the block", "lower", "higher",
                            0.005};
 
@@ -38,9 +40,13 @@ const std::vector<Row>& rows() {
   static const std::vector<Advice> thicker_shell{{&speed, less}, {&metal, less}};
   static const std::vector<Advice> thicker_bottom{
       {&hold_time, more}, {&speed, less}, {&metal, less}, {&water, less}};
-  static const std::vector<Advice> flatter_butt{
-      {&hold_time, more}, {&speed, less}, {&water, less}, {&block, more}};
-  static const std::vector<Advice> wetter_face{{&water, more}, {&speed, less}, {&metal, less}};
+  static const std::vector<Advice> flatter_butt{{&hold_time, more},
+                                                {&speed, less},
+                                                {&water, less},
+                                                {&water_temperature, more},
+                                                {&block, more}};
+  static const std::vector<Advice> wetter_face{
+      {&water, more}, {&water_temperature, less}, {&speed, less}, {&metal, less}};
 
   static const std::vector<Row> table{
       {"no_superheat", false, {{&metal, more}}},
@@ -89,18 +95,22 @@ bool is_factor(const PlantLever& lever) {
   return std::string_view(lever.key).ends_with(".scale");
 }
 
+bool is_temperature(const PlantLever& lever) {
+  return &lever == &metal || &lever == &water_temperature;
+}
+
 /// "15 s", "10 %", "10 K", "5 mm": how far a lever is moved.
 std::string amount_text(const PlantLever& lever, int steps, const v1::Case& complete) {
   const double distance = std::abs(steps) * lever.step;
   if (&lever == &hold_time) return fmt::format("{:.3g} s", distance * complete.schedule().hold_s());
   if (is_factor(lever)) return fmt::format("{:.0f} %", 100.0 * distance);
-  if (&lever == &metal) return fmt::format("{:.0f} K", distance);
+  if (is_temperature(lever)) return fmt::format("{:.0f} K", distance);
   return fmt::format("{:.0f} mm", 1e3 * distance);
 }
 
 std::string value_text(const PlantLever& lever, int steps) {
   if (is_factor(lever)) return number_text(1.0 + steps * lever.step);
-  if (&lever == &metal) return number_text(steps * lever.step) + " K";
+  if (is_temperature(lever)) return number_text(steps * lever.step) + " K";
   return number_text(1e3 * steps * lever.step) + " mm";
 }
 

@@ -92,6 +92,18 @@ PlannedQuantity CastingSchedule::water_flow(Face face) const {
           schedule_.water_flow_factor(), schedule_.water_flow_shift_s()};
 }
 
+PlannedQuantity CastingSchedule::second_water_flow() const {
+  return {schedule_.second_water_flow_m2_per_s()};
+}
+
+PlannedQuantity CastingSchedule::water_temperature(Face face) const {
+  return {water(face).temperature_c()};
+}
+
+PlannedQuantity CastingSchedule::metal_level() const {
+  return {schedule_.metal_level_m()};
+}
+
 bool CastingSchedule::has_narrow_water() const {
   return case_.section().kind() == v1::Section::QUARTER_SLAB &&
          (schedule_.has_narrow_water_flow_m2_per_s() || case_.cooling().has_narrow_water());
@@ -107,12 +119,19 @@ double CastingSchedule::speed_m_per_s(const Instant& instant) const {
   return instant.time_s > same_time_s ? casting_speed().at(instant) : 0.0;
 }
 
+bool CastingSchedule::runs(double start_s, const Instant& instant) const {
+  return instant.time_s > start_s + same_time_s && instant.time_s <= end_s() + same_time_s;
+}
+
 double CastingSchedule::flow_m2_per_s(Face face, const Instant& instant) const {
-  // A step that ends when the water starts is still dry.
   const v1::Water& of_face = water(face);
-  const bool runs = of_face.enabled() && instant.time_s > of_face.start_s() + same_time_s &&
-                    instant.time_s <= end_s() + same_time_s;
-  return runs ? water_flow(face).at(instant) : 0.0;
+  return of_face.enabled() && runs(of_face.start_s(), instant) ? water_flow(face).at(instant) : 0.0;
+}
+
+double CastingSchedule::second_flow_m2_per_s(const Instant& instant) const {
+  return has_second_water() && runs(case_.cooling().second_water().start_s(), instant)
+             ? second_water_flow().at(instant)
+             : 0.0;
 }
 
 bool CastingSchedule::valve_is_open(Face face, double time_s) const {
@@ -195,7 +214,8 @@ std::vector<double> CastingSchedule::valve_changes(Face face) const {
 std::vector<Instant> CastingSchedule::instants() const {
   Bends bends;
   for (const PlannedQuantity& quantity :
-       {casting_speed(), water_flow(Face::wide), water_flow(Face::narrow)})
+       {casting_speed(), water_flow(Face::wide), water_flow(Face::narrow), second_water_flow(),
+        water_temperature(Face::wide), water_temperature(Face::narrow), metal_level()})
     bends.add(quantity);
   std::vector<double> times = bends.time_s;
   for (const double length_m : bends.length_m) times.push_back(time_of_cast_length_s(length_m));
@@ -205,6 +225,7 @@ std::vector<Instant> CastingSchedule::instants() const {
     const std::vector<double> changes = valve_changes(face);
     jumps.insert(jumps.end(), changes.begin(), changes.end());
   }
+  if (has_second_water()) jumps.push_back(case_.cooling().second_water().start_s());
   for (const double jump_s : jumps)
     times.insert(times.end(), {jump_s - beside_jump_s, jump_s, jump_s + beside_jump_s});
 

@@ -50,12 +50,17 @@ public:
   /// Share of the initial depth that has been poured [1].
   double filled_share(double time_s) const;
 
-  /// What is planned, whether or not the block moves and water runs [m/s, °C, m2/s].
+  /// What is planned, whether or not the block moves and water runs [m/s, °C, m2/s, °C].
   PlannedQuantity casting_speed() const;
   PlannedQuantity casting_temperature() const;
   PlannedQuantity water_flow(Face face) const;
+  PlannedQuantity second_water_flow() const;
+  PlannedQuantity water_temperature(Face face) const;
+  /// How far the metal level stands above that of the start [m]: 0 until the block starts.
+  PlannedQuantity metal_level() const;
   /// Whether the narrow face of a quarter slab has a flow or a water line of its own.
   bool has_narrow_water() const;
+  bool has_second_water() const { return case_.cooling().has_second_water(); }
   /// The water of a face, which that of the wide face is where the narrow one has none of its own.
   const v1::Water& water(Face face) const;
 
@@ -64,6 +69,7 @@ public:
   /// Flow of a face [m2/s], zero up to the start of the water and after the end of the casting; for
   /// pulsed water the flow while the valve is open.
   double flow_m2_per_s(Face face, const Instant& instant) const;
+  double second_flow_m2_per_s(const Instant& instant) const;  ///< of cooling.second_water
   /// Whether the valve of a face is open; each pulse begins with its open part.
   bool valve_is_open(Face face, double time_s) const;
 
@@ -86,6 +92,8 @@ private:
     void sort();
   };
 
+  /// Whether water that starts at a time [s] runs. A step that ends when it starts is still dry.
+  bool runs(double start_s, const Instant& instant) const;
   double length_after(const Instant& now, double step_s, double bend_m) const;
   /// Goes on to a time or a cast length, whichever comes first, as if the casting had no end.
   Instant advance(Instant now, double time_s, double length_m) const;

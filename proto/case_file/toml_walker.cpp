@@ -219,7 +219,7 @@ void add_missing(Walk& walk, const Descriptor& descriptor, const toml::table& ta
     if (key_of(*field).required() && !replaced) {
       walk.outcome.missing_keys.push_back(join_path(path, key));
       walk.outcome.faults.push_back(missing_fault(*field, join_path(path, key)));
-    } else if (is_table(*field) && !field->is_repeated()) {
+    } else if (is_table(*field) && !field->is_repeated() && !key_of(*field).only_if_given()) {
       add_missing(walk, *field->message_type(), empty, join_path(path, key));
     }
   }

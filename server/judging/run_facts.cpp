@@ -69,6 +69,13 @@ void add_water_facts(const v1::Case& input, v1::Table& table) {
 
   add(plan.has_narrow_water() ? "Water, wide face" : "Water", Face::wide);
   if (plan.has_narrow_water()) add("Water, narrow face", Face::narrow);
+  if (!plan.has_second_water()) return;
+  const v1::SecondWater& second = input.cooling().second_water();
+  add_fact(table, "Second water",
+           curve_in_words(input.schedule().second_water_flow_m2_per_s(),
+                          case_file::litres_per_min_per_m, "l/min/m"),
+           fmt::format("from {} s on, {} below the metal level", plant_number(second.start_s()),
+                       plant_mm(second.from_m())));
 }
 
 std::string scientific(double value) {
@@ -119,6 +126,9 @@ void add_recipe(const v1::Case& input, const std::string& heading, v1::Judgement
            curve_in_words(recipe.casting_speed_m_per_s(), case_file::mm_per_min, "mm/min"),
            changes_in_words(recipe.casting_speed_factor(), recipe.casting_speed_shift_s()));
   add_fact(table, "Casting temperature", celsius(recipe.casting_temperature_c()));
+  if (recipe.has_metal_level_m())
+    add_fact(table, "Metal level", curve_in_words(recipe.metal_level_m(), 1e3, "mm"),
+             "above that of the start");
   add_water_facts(input, table);
   add_fact(table, "Bottom block", celsius(input.cooling().bottom_block().temperature_c()));
 }

@@ -259,6 +259,9 @@ void add_water(const JudgedRun& run, v1::Judgement& judgement) {
 
   add(plan.has_narrow_water() ? "wide face" : "water", Face::wide);
   if (plan.has_narrow_water()) add("narrow face", Face::narrow);
+  if (plan.has_second_water())
+    add_planned(run, "second water", chart,
+                [&](const Instant& instant) { return plan.second_flow_m2_per_s(instant); });
   chart.set_note("Litres a minute on a metre of the slab's perimeter, as this run had it.");
 }
 

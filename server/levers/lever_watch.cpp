@@ -14,7 +14,6 @@ namespace {
 
 constexpr double longest_off_s = 5.0;  // without an alarm
 constexpr double far_share = 0.2;      // of the plan
-constexpr double far_k = 20.0;         // plants permit themselves 10 K
 constexpr double zero_share = 1e-3;    // of the plan; below it a sensor shows its noise
 /// A shell that thins, or a film that dries out, follows its lever within a minute.
 constexpr double acts_for_s = 60.0;
@@ -25,18 +24,26 @@ struct WatchedLever {
   double factor;      ///< from its unit to that of plants
   const char* unit;   ///< of plants
   const char* at_zero;
+  /// [its unit] beside the plan that is far; 0: `far_share`. Plants permit themselves 10 K of the
+  /// metal, 5 K of the water and 5 mm of the level [A].
+  double far_by = 0.0;
 };
 
 constexpr double per_minute = 6e4;  // of m/s and m2/s in mm/min and l/min/m
-constexpr std::array<WatchedLever, 4> watched{
+constexpr std::array<WatchedLever, 7> watched{
     {{"casting speed", "casting_speed_m_per_s", per_minute, "mm/min", "the block stands"},
      {"water", "water_flow_m2_per_s", per_minute, "l/min/m", "the water is off"},
      {"narrow water", "narrow_water_flow_m2_per_s", per_minute, "l/min/m",
       "the water of the narrow face is off"},
-     {"metal", "casting_temperature_c", 1.0, "degC", ""}}};
+     {"second water", "second_water_flow_m2_per_s", per_minute, "l/min/m",
+      "the second water is off"},
+     {"metal", "casting_temperature_c", 1.0, "degC", "", 20.0},
+     {"water temperature", "water_temperature_c", 1.0, "degC", "", 10.0},
+     {"metal level", "metal_level_m", 1e3, "mm", "", 0.01}}};
 
-bool is_metal(std::size_t lever) {
-  return lever == watched.size() - 1;
+/// Whether it is a speed or a flow, which is judged by its share of the plan.
+bool is_rate(std::size_t lever) {
+  return watched[lever].far_by == 0.0;
 }
 bool is_speed(std::size_t lever) {
   return lever == 0;
@@ -54,7 +61,7 @@ std::string shown(std::size_t lever, double value) {
 
 /// Flows of pulsed water are those of a moment.
 bool is_pulsed(std::size_t lever, const v1::Case& plan) {
-  if (is_metal(lever) || is_speed(lever)) return false;
+  if (!is_rate(lever) || is_speed(lever)) return false;
   return plan.cooling().water().pulse_period_s() > 0.0 ||
          plan.cooling().narrow_water().pulse_period_s() > 0.0;
 }
@@ -66,11 +73,14 @@ LeverWatch::LeverWatch(v1::Case plan) : plan_(std::move(plan)), planned_(plan_),
 std::optional<LeverWatch::Beside> LeverWatch::beside(std::size_t lever, const v1::Reading& reading,
                                                      const v1::Reading& planned) const {
   const auto measured = value_of(lever, reading), plan = value_of(lever, planned);
-  if (!measured || !plan || *plan <= 0.0 || is_pulsed(lever, plan_)) return std::nullopt;
+  const bool by_share = is_rate(lever);
+  if (!measured || !plan || (by_share && *plan <= 0.0) || is_pulsed(lever, plan_))
+    return std::nullopt;
 
   Beside now{.measured = *measured, .planned = *plan};
-  now.is_zero = !is_metal(lever) && *measured <= zero_share * *plan;
-  const double off = *measured - *plan, far = is_metal(lever) ? far_k : far_share * *plan;
+  now.is_zero = by_share && *measured <= zero_share * *plan;
+  const double off = *measured - *plan;
+  const double far = by_share ? far_share * *plan : watched[lever].far_by;
   if (std::abs(off) >= far) now.side = off > 0.0 ? 1 : -1;
   return now;
 }

@@ -16,8 +16,9 @@ namespace dccast::levers {
 /// Watches the levers of a casting beside its plan, reading by reading.
 ///
 /// A lever is off where it has been to one side of its plan for 5 s: a speed or a flow by a fifth,
-/// the metal by 20 K. Water at zero is off in two readings. A coarse counter of the length, which
-/// makes the speed jump, is to both sides. The first 10 s do not count: the block gathers speed.
+/// the metal by 20 K, the water by 10 K, the level by 10 mm. Water at zero is off in two readings.
+/// A coarse counter of the length, which makes the speed jump, is to both sides. The first 10 s do
+/// not count: the block gathers speed.
 class LeverWatch {
 public:
   /// @param plan  complete
@@ -56,7 +57,7 @@ private:
     int zeros = 0;  ///< readings in a row
     std::optional<std::size_t> alarm;
   };
-  static constexpr std::size_t count = 4;
+  static constexpr std::size_t count = 7;
 
   std::optional<Beside> beside(std::size_t lever, const v1::Reading& reading,
                                const v1::Reading& planned) const;

@@ -26,6 +26,7 @@ private:
   case_file::CastingSchedule plan_;
   case_file::Instant now_;
   double speed_m_per_s_ = 0.0;  ///< measured last, or planned
+  v1::Reading seen_;            ///< levers that the plant measures
 };
 
 }  // namespace dccast::levers

@@ -14,6 +14,7 @@ namespace dccast::levers {
 namespace {
 
 constexpr const char* temperature_lever = "casting_temperature_c";
+constexpr const char* water_temperature_lever = "water_temperature_c";
 
 /// Above plan and liquidus; the superheat of castings is 20 to 60 K [K].
 constexpr double most_superheat = 150.0;
@@ -50,8 +51,12 @@ const std::array<WrongTemperature, 7>& wrong_temperatures() {
   return all;
 }
 
+bool is_temperature(const std::string& lever) {
+  return lever.ends_with("temperature_c");
+}
+
 const char* unit_of(const std::string& lever) {
-  if (lever == temperature_lever) return "degC";
+  if (is_temperature(lever)) return "degC";
   return lever == "casting_speed_m_per_s" ? "m/s" : "m2/s";
 }
 
@@ -93,8 +98,14 @@ SoundLevers::SoundLevers(const v1::Case& plan) {
   add("water_flow_m2_per_s", schedule.water_flow(case_file::Face::wide));
   if (schedule.has_narrow_water())
     add("narrow_water_flow_m2_per_s", schedule.water_flow(case_file::Face::narrow));
+  add("second_water_flow_m2_per_s", schedule.second_water_flow());
   add(temperature_lever, schedule.casting_temperature());
+  add(water_temperature_lever, schedule.water_temperature(case_file::Face::wide));
 
+  if (const auto water = ranges_.find(water_temperature_lever); water != ranges_.end()) {
+    water->second.highest = 100.0;
+    water->second.reason = "from freezing to boiling";
+  }
   if (const auto metal = ranges_.find(temperature_lever); metal != ranges_.end()) {
     const v1::Alloy& alloy = plan.alloy();
     Range& range = metal->second;
@@ -122,7 +133,7 @@ std::string SoundLevers::explanation(const std::string& lever, double value) con
     return fmt::format("; if {}, it is {:.4g} {}", mistake, truth, unit_of(lever));
   };
 
-  if (lever == temperature_lever) {
+  if (is_temperature(lever)) {
     for (const WrongTemperature& wrong : wrong_temperatures()) {
       const double truth = wrong.truth(value);
       if (truth >= std::max(range.least_planned - near_plan_k, range.lowest) &&

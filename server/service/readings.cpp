@@ -39,6 +39,13 @@ bool is_rate(const google::protobuf::FieldDescriptor& key) {
   return unit == "m/s" || unit == "m2/s";
 }
 
+/// The key of a case that a lever of a reading moves; null: the field is no lever.
+const google::protobuf::FieldDescriptor* key_of_lever(const std::string& lever) {
+  if (lever == "water_temperature_c")
+    return v1::Water::descriptor()->FindFieldByName("temperature_c");
+  return v1::Schedule::descriptor()->FindFieldByName(lever);
+}
+
 void add_left_out(const v1::Reading& reading, const std::string& name, double value,
                   const std::string& reason, v1::AppendReadingsResponse& response) {
   v1::LeftOutValue& left_out = *response.add_left_out();
@@ -48,13 +55,13 @@ void add_left_out(const v1::Reading& reading, const std::string& name, double va
   left_out.set_reason(reason);
 }
 
-/// Takes out levers beyond the range of the key of a case with the same name, and what no lever of
+/// Takes out levers beyond the range of the key of the case that they move, and what no lever of
 /// this casting can be.
 void clean_levers(const levers::SoundLevers& sound, v1::Reading& reading,
                   v1::AppendReadingsResponse& response) {
   const auto& reflection = *v1::Reading::GetReflection();
   for (const auto* const field : case_file::fields_of(*v1::Reading::descriptor())) {
-    const auto* const key = v1::Schedule::descriptor()->FindFieldByName(field->name());
+    const auto* const key = key_of_lever(field->name());
     const auto value = key ? case_file::number_of(reading, *field) : std::nullopt;
     if (!value) continue;
     if (is_rate(*key) && *value < 0.0 && *value >= -drift_of_zero) {
@@ -68,6 +75,7 @@ void clean_levers(const levers::SoundLevers& sound, v1::Reading& reading,
 
     reflection.ClearField(&reading, field);
     std::string name = case_file::toml_key(*key);
+    if (name == "temperature") name = "water temperature";
     std::ranges::replace(name, '_', ' ');
     add_left_out(reading, field->name(), *value,
                  fmt::format("the {} is {:g} {}; permitted: {}{}", name, *value,

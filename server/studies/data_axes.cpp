@@ -133,7 +133,8 @@ std::vector<v1::Fault> lay_out_sweep(const intake::CaseIntake& intake,
 /// Data of a recipe: all with a range but those that the recipe itself sets.
 void add_data(const std::vector<UncertainKey>& data, v1::RecipePlan& plan) {
   const std::set<std::string> of_recipe{"schedule.casting_speed", "schedule.water_flow",
-                                        "schedule.hold", "schedule.filling", "time.end"};
+                                        "schedule.metal_level",   "schedule.hold",
+                                        "schedule.filling",       "time.end"};
   for (const UncertainKey& key : data) {
     if (of_recipe.contains(key.key.substr(0, key.key.find('[')))) continue;
     v1::RecipePlan::Datum& datum = *plan.add_data();

@@ -276,7 +276,9 @@ casting::Schedule schedule(const v1::Schedule& from) {
           .casting_speed_factor = factor(from.casting_speed_factor()),
           .water_flow_factor = factor(from.water_flow_factor()),
           .casting_speed_shift = from.casting_speed_shift_s(),
-          .water_flow_shift = from.water_flow_shift_s()};
+          .water_flow_shift = from.water_flow_shift_s(),
+          .second_water_flow = to_core(from.second_water_flow_m2_per_s()),
+          .metal_level = to_core(from.metal_level_m())};
 }
 
 /// @param first_metal  [s] time at which metal first stands on the block
@@ -285,6 +287,8 @@ thermal::CoolingSpec cooling(const v1::Cooling& from, double first_metal) {
   for (const v1::SideZone& each : from.zone()) to.zones.push_back(zone(each));
   to.water = water(from.water());
   if (from.has_narrow_water()) to.narrow_water = water(from.narrow_water());
+  if (from.has_second_water())
+    to.second_water = {from.second_water().from_m(), from.second_water().start_s()};
 
   const v1::BottomBlock& block = from.bottom_block();
   to.bottom_block = {.contact_coefficient = to_core(block.contact_coefficient_w_per_m2_k()),

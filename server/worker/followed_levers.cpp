@@ -22,6 +22,11 @@ casting::LeverReading to_core(const v1::Reading& reading) {
   set(casting::Lever::water_flow, reading.has_water_flow_m2_per_s(), reading.water_flow_m2_per_s());
   set(casting::Lever::narrow_water_flow, reading.has_narrow_water_flow_m2_per_s(),
       reading.narrow_water_flow_m2_per_s());
+  set(casting::Lever::second_water_flow, reading.has_second_water_flow_m2_per_s(),
+      reading.second_water_flow_m2_per_s());
+  set(casting::Lever::water_temperature, reading.has_water_temperature_c(),
+      reading.water_temperature_c());
+  set(casting::Lever::metal_level, reading.has_metal_level_m(), reading.metal_level_m());
   return levers;
 }
 

@@ -18,8 +18,8 @@ MOST_READINGS = 1000  # of a call, follow.proto
 CURL = "_curl_m"  # behind the monitor of a gauge, as in Run.curl
 
 #: Figures of one time by name: "time_s", "casting_speed_m_per_s", "casting_temperature_c",
-#: "water_flow_m2_per_s", "narrow_water_flow_m2_per_s", and MONITOR_curl_m of each gauge. What is absent or NaN
-#: was not measured.
+#: "water_flow_m2_per_s", "narrow_water_flow_m2_per_s", "second_water_flow_m2_per_s", "water_temperature_c",
+#: "metal_level_m", and MONITOR_curl_m of each gauge. What is absent or NaN was not measured.
 Reading = Union[Mapping[str, float], follow_pb2.Reading]
 
 

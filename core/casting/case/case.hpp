@@ -33,6 +33,8 @@ struct Schedule {
   Curve water_flow_factor = Curve(1.0);     ///< [1] applied to all water flows
   double casting_speed_shift = 0.0;         ///< [s] delay of the casting-speed table against time
   double water_flow_shift = 0.0;            ///< [s] delay of the water-flow tables against time
+  Curve second_water_flow;                  ///< [m2/s] of cooling.second_water, on every face
+  Curve metal_level;  ///< [m] above that of the start, against time or cast length; empty: 0
 };
 
 /// Table `thermal`: the heat solver, or temperatures from a file.

@@ -74,6 +74,7 @@ CastingSchedule::CastingSchedule(const Case& c)
     events_.insert(events_.end(), changes.begin(), changes.end());
   }
 
+  if (cooling_.second_water) events_.push_back(cooling_.second_water->start);
   if (c.mechanics.enabled) events_.push_back(c.mechanics.start);
   if (schedule_.filling > 0.0) events_.push_back(begin_ + schedule_.filling);
   if (!step_.constant()) events_.insert(events_.end(), step_.at().begin(), step_.at().end());
@@ -100,11 +101,14 @@ bool CastingSchedule::changes_after(double time, double length) const {
     const double last_pulse = water.pulse_period > 0.0 ? water.pulse_end : 0.0;
     if (std::max(water.start, last_pulse) > time || ahead(water.temperature)) return true;
   }
+  if (cooling_.second_water &&
+      (cooling_.second_water->start > time || ahead(schedule_.second_water_flow)))
+    return true;
   return ahead(schedule_.casting_speed, schedule_.casting_speed_shift) ||
          ahead(schedule_.casting_speed_factor) || ahead(schedule_.casting_temperature) ||
          ahead(schedule_.water_flow, schedule_.water_flow_shift) ||
          ahead(schedule_.narrow_water_flow, schedule_.water_flow_shift) ||
-         ahead(schedule_.water_flow_factor);
+         ahead(schedule_.water_flow_factor) || ahead(schedule_.metal_level);
 }
 
 bool CastingSchedule::cools_down(double time) const {
@@ -193,6 +197,26 @@ double CastingSchedule::planned_flow(const Curve& table, const thermal::Water& w
             : 0.0;
 }
 
+double CastingSchedule::second_water_flow(double time, double length) const {
+  if (!cooling_.second_water) return 0.0;
+  if (const auto measured = measured_.at(Lever::second_water_flow, time)) return *measured;
+  const bool on =
+      time > cooling_.second_water->start + same_time && time <= end_of_casting_ + same_time;
+  return on ? value(schedule_.second_water_flow, time, length) : 0.0;
+}
+
+double CastingSchedule::water_temperature(thermal::Face face, double time, double length) const {
+  const auto measured = measured_.at(Lever::water_temperature, time);
+  return measured ? *measured : value(cooling_.water_of(face).temperature, time, length);
+}
+
+double CastingSchedule::metal_level(double time, double length) const {
+  if (time <= same_time) return 0.0;
+  const auto measured = measured_.at(Lever::metal_level, time);
+  if (measured) return *measured;
+  return schedule_.metal_level.empty() ? 0.0 : value(schedule_.metal_level, time, length);
+}
+
 double CastingSchedule::next_frame(double time) const {
   const double passed = std::floor((time - begin_ + same_time) / frame_interval_);
   const double next = begin_ + (passed + 1.0) * frame_interval_;
@@ -266,7 +290,8 @@ Course course_of(const Case& c) {
   const CastingSchedule schedule(c);
   Course course{schedule.begin(), schedule.end(),
                 schedule.cast_length_over(0.0, 0.0, schedule.end(), 1000), c.section.initial_depth};
-  if (c.section.growth) course.depth += course.cast_length;
+  if (c.section.growth)
+    course.depth += course.cast_length + schedule.metal_level(c.time.end, course.cast_length);
   return course;
 }
 

@@ -42,7 +42,7 @@ public:
 
   /// Ends the casting at a time before its planned end; the cool-down follows.
   void end_casting(double time);
-  /// Whether speed, metal, water, valves or pulses change later by the plan.
+  /// Whether speed, metal, level, water, valves or pulses change later by the plan.
   bool changes_after(double time, double length) const;
   /// Whether a casting is under way, of which levers are measured.
   bool is_followed() const { return !measured_.empty(); }
@@ -62,6 +62,10 @@ public:
   /// [m2/s], zero before the water starts; for pulsed water the flow while the valve is open.
   double water_flow(double time, double length) const;
   double narrow_water_flow(double time, double length) const;  ///< [m2/s] on the narrow face
+  double second_water_flow(double time, double length) const;  ///< [m2/s], zero before its start
+  double water_temperature(thermal::Face face, double time, double length) const;  ///< [°C]
+  /// How far the metal level stands above that of the start [m]; zero until the block starts.
+  double metal_level(double time, double length) const;
 
   /// First time after `time` at which the fields are stored [s].
   double next_frame(double time) const;

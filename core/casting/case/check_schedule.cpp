@@ -65,6 +65,86 @@ void check_pulses(CaseFindings& found, const std::string& key, const thermal::Wa
                   "give the time until which the water is pulsed");
 }
 
+/// Checks that the second water lies below the first, and that both of its parts are there.
+void check_second_water(CaseFindings& found) {
+  const auto& second = found.casting.cooling.second_water;
+  const bool has_flow = !found.casting.schedule.second_water_flow.empty();
+  if (!second && has_flow)
+    return found.fault("schedule.second_water_flow", "given", "has no place where it meets a face",
+                       "with cooling.second_water.from", "give the place");
+  if (second && !has_flow && found.sound({"schedule.second_water_flow"}))
+    return found.fault("cooling.second_water", "given", "has no flow",
+                       "with schedule.second_water_flow", "give the flow");
+  if (!second || !found.sound({"cooling.second_water.from"})) return;
+
+  for (const auto& [key, face] : {std::pair("cooling.water.from", thermal::Face::wide),
+                                  {"cooling.narrow_water.from", thermal::Face::narrow}}) {
+    const double line = found.casting.cooling.water_of(face).from;
+    if (second->from <= line && found.sound({key}))
+      return found.fault("cooling.second_water.from", with_unit(second->from, "m"),
+                         "does not lie below the first water",
+                         "more than " + std::string(key) + " = " + with_unit(line, "m"),
+                         "move it down");
+  }
+}
+
+/// Checks the plan of the metal level: the block has to sink before the level can.
+void check_metal_level(CaseFindings& found) {
+  const std::string key = "schedule.metal_level";
+  const Case& c = found.casting;
+  const Curve& level = c.schedule.metal_level;
+  if (level.empty()) return;
+  if (!c.section.growth) {
+    if (found.sound({"mesh.growth"}))
+      found.fault(key, "given", "moves the level of a slab that does not grow",
+                  "no metal_level with mesh.growth = false", "leave it out");
+    return;
+  }
+  if (!found.sound({key, "cooling.water.from"})) return;
+
+  if (level(0.0) != 0.0)
+    return found.fault(key, with_unit(level(0.0), "m"), "is not 0 when the block starts",
+                       "0 m there: section.initial_depth is the depth of the metal then",
+                       "begin the table with 0, or change section.initial_depth");
+  if (const double least = std::ranges::min(level.value()); least <= -c.cooling.water.from)
+    return found.fault(key, with_unit(least, "m"), "lies at or below the water line",
+                       "above minus cooling.water.from = " + with_unit(c.cooling.water.from, "m"),
+                       "keep the metal in the mould");
+
+  const CastingSchedule plan(c);
+  const bool by_length = level.abscissa() == Abscissa::cast_length;
+  const auto refuse = [&](double at, double fall, double most) {
+    const char* const rate = by_length ? "m per m of cast length" : "m/s";
+    found.fault(key, "falls by " + with_unit(fall, rate),
+                "is faster than the block sinks, at " + with_unit(at, by_length ? "m" : "s"),
+                "at most " + with_unit(most, rate),
+                by_length ? "let it fall over more cast length"
+                          : "let it fall over more time, or cast faster");
+  };
+
+  constexpr double round_off = 1e-9;  // [1]
+  constexpr int pieces = 100;         // of a table's section, in which the speed may change
+  const std::vector<double>&at = level.at(), &height = level.value();
+  for (std::size_t i = 1; i < at.size(); ++i) {
+    const double fall = (height[i - 1] - height[i]) / (at[i] - at[i - 1]);
+    if (fall <= 0.0) continue;
+    if (by_length) {
+      if (fall > 1.0 + round_off) return refuse(at[i - 1], fall, 1.0);
+      continue;
+    }
+
+    // Nothing is held to the plan before the start, nor after the end.
+    const double from = std::max(at[i - 1], 0.0), to = std::min(at[i], c.time.end);
+    double length = plan.cast_length_over(0.0, 0.0, from, 1000);
+    for (int k = 0; k <= pieces && from < to; ++k) {
+      const double time = from + (to - from) * k / pieces;
+      const double speed = plan.planned_speed(time, length);
+      if (fall > speed * (1.0 + round_off)) return refuse(time, fall, speed);
+      length = plan.cast_length(length, time, (to - from) / pieces);
+    }
+  }
+}
+
 /// Cooling keys that require a slab with two faces; check_quarter_slab checks the rest.
 void check_faces(CaseFindings& found) {
   const Case& c = found.casting;
@@ -96,6 +176,7 @@ void check_levers(CaseFindings& found) {
   check_shift(found, "schedule.casting_speed", s.casting_speed, s.casting_speed_shift);
   check_shift(found, "schedule.water_flow", s.water_flow, s.water_flow_shift);
 
+  check_second_water(found);
   check_pulses(found, "cooling.water", found.casting.cooling.water);
   if (found.casting.cooling.narrow_water)
     check_pulses(found, "cooling.narrow_water", *found.casting.cooling.narrow_water);
@@ -119,8 +200,12 @@ void check_tables(CaseFindings& found) {
         Table{"schedule.narrow_water_flow", c.schedule.narrow_water_flow, ""},
         Table{"schedule.casting_speed_factor", c.schedule.casting_speed_factor, ""},
         Table{"schedule.water_flow_factor", c.schedule.water_flow_factor, ""},
+        Table{"schedule.second_water_flow", c.schedule.second_water_flow, ""},
+        Table{"schedule.metal_level", c.schedule.metal_level, ""},
+        Table{"cooling.water.temperature", c.cooling.water.temperature, ""},
         Table{"section.half_thickness", c.section.half_thickness, "m"},
-        Table{"time.step", c.time.step, "s"}, Table{"alloy.density", c.alloy.density, "degC"},
+        Table{"time.step", c.time.step, "s"},
+        Table{"alloy.density", c.alloy.density, "degC"},
         Table{"alloy.specific_heat", c.alloy.specific_heat, "degC"},
         Table{"alloy.conductivity", c.alloy.conductivity, "degC"},
         Table{"alloy.liquid_fraction", c.alloy.liquid_fraction, "degC"},
@@ -209,6 +294,7 @@ void check_course(CaseFindings& found) {
   constexpr std::int64_t enough = 1000;  // pieces of a leap
   if (!found.sound(course_keys)) return;
   const Case& c = found.casting;
+  check_metal_level(found);
 
   const CastingSchedule schedule(c);
   double time = schedule.begin(), last = time, length = 0.0;
@@ -228,7 +314,8 @@ void check_course(CaseFindings& found) {
                        "at most limits.maximum_steps = " + std::to_string(c.limits.maximum_steps),
                        "lengthen the steps or shorten the simulation");
 
-  found.final_level = c.section.initial_depth + (c.section.growth ? length : 0.0);
+  found.final_level = c.section.initial_depth;
+  if (c.section.growth) *found.final_level += length + schedule.metal_level(c.time.end, length);
   found.estimate.steps = steps;
 }
 

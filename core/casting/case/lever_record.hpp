@@ -1,19 +1,29 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 namespace dccast::casting {
 
 /// What a plant moves while it casts.
-enum class Lever { casting_speed, casting_temperature, water_flow, narrow_water_flow };
+enum class Lever {
+  casting_speed,
+  casting_temperature,
+  water_flow,
+  narrow_water_flow,
+  second_water_flow,
+  water_temperature,
+  metal_level
+};
+inline constexpr std::size_t levers = 7;
 
 /// All levers that a plant measures at one time.
 struct LeverReading {
   double time = 0.0;  ///< [s] of the case
-  /// (lever) [m/s], [°C], [m2/s], [m2/s]; empty where it was not measured
-  std::array<std::optional<double>, 4> value;
+  /// (lever) [m/s], [°C], three times [m2/s], [°C], [m]; empty where it was not measured
+  std::array<std::optional<double>, levers> value;
 
   std::optional<double>& of(Lever lever) { return value[static_cast<std::size_t>(lever)]; }
   const std::optional<double>& of(Lever lever) const {
@@ -53,8 +63,8 @@ public:
   std::vector<LeverStretch> stretches(Lever lever, double from, double to) const;
 
 private:
-  std::vector<LeverReading> rows_;    ///< by time; values as they were measured or kept
-  std::array<double, 4> measured_{};  ///< (lever) [s] time of its last own value
+  std::vector<LeverReading> rows_;         ///< by time; values as they were measured or kept
+  std::array<double, levers> measured_{};  ///< (lever) [s] time of its last own value
 };
 
 }  // namespace dccast::casting

@@ -180,6 +180,47 @@ const Mistake mistakes[] = {
        c.cooling.water.pulse_period = 0.2;
        c.cooling.water.pulse_end = 15.0;
      }},
+    {"SecondWaterAboveTheFirst", "cooling.second_water.from",
+     [](Case& c) {
+       c.cooling.second_water = {.from = 0.065};
+       c.schedule.second_water_flow = Curve(1e-3);
+     }},
+    {"SecondWaterWithoutFlow", "cooling.second_water",
+     [](Case& c) { c.cooling.second_water = {.from = 0.1}; }},
+    {"SecondFlowWithoutPlace", "schedule.second_water_flow",
+     [](Case& c) { c.schedule.second_water_flow = Curve(1e-3); }},
+    {"LevelThatFallsFasterThanTheBlock", "schedule.metal_level",
+     [](Case& c) {
+       c.schedule.metal_level = {Abscissa::time, {5.0, 15.0}, {0.0, -0.011}};
+     }},
+    {"LevelThatFallsFasterThanASlowBlock", "schedule.metal_level",
+     [](Case& c) {
+       c.schedule.casting_speed = {Abscissa::time, {0.0, 10.0, 20.0}, {2e-3, 1e-4, 2e-3}};
+       c.schedule.metal_level = {Abscissa::time, {0.0, 20.0}, {0.0, -0.01}};
+     }},
+    {"LevelThatFallsFasterThanTheCastLength", "schedule.metal_level",
+     [](Case& c) {
+       c.schedule.metal_level = {Abscissa::cast_length, {0.0, 9e-3}, {0.0, -0.01}};
+     }},
+    {"LevelThatIsNotThatOfTheStart", "schedule.metal_level",
+     [](Case& c) { c.schedule.metal_level = Curve(0.01); }},
+    {"LevelBelowTheWater", "schedule.metal_level",
+     [](Case& c) {
+       c.schedule.metal_level = {Abscissa::cast_length, {0.0, 1.0}, {0.0, -0.1}};
+     }},
+    {"LevelOutOfOrder", "schedule.metal_level",
+     [](Case& c) {
+       c.schedule.metal_level = {Abscissa::time, {5.0, 4.0}, {0.0, 0.0}};
+     }},
+    {"LevelOfASlabThatDoesNotGrow", "schedule.metal_level",
+     [](Case& c) {
+       c.section.growth = false;
+       c.schedule.metal_level = Curve(0.0);
+     }},
+    {"WaterTemperatureOutOfOrder", "cooling.water.temperature",
+     [](Case& c) {
+       c.cooling.water.temperature = {Abscissa::cast_length, {0.1, 0.1}, {20.0, 30.0}};
+     }},
     {"FactorBeyondTheRange", "schedule.casting_speed_factor",
      [](Case& c) { c.schedule.casting_speed_factor = Curve(100.5); }},
     {"FlowFactorBeyondTheRange", "schedule.water_flow_factor",

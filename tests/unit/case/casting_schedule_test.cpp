@@ -227,5 +227,41 @@ TEST(CastingSchedule, TemperatureFollowsTimeOrLength) {
   EXPECT_DOUBLE_EQ(CastingSchedule(c).casting_temperature(5.0, 0.05), 690.0);
 }
 
+TEST(CastingSchedule, MeasuredWaterTemperatureAndLevelReplaceThePlan) {
+  Case c = small_casting();
+  c.cooling.water.temperature = {Abscissa::cast_length, {0.0, 0.1}, {20.0, 40.0}};
+  c.schedule.metal_level = {Abscissa::cast_length, {0.0, 0.1}, {0.0, 0.01}};
+  CastingSchedule schedule(c);
+  using thermal::Face;
+  EXPECT_DOUBLE_EQ(schedule.water_temperature(Face::narrow, 5.0, 0.05), 30.0);
+  EXPECT_DOUBLE_EQ(schedule.metal_level(5.0, 0.05), 5e-3);
+  EXPECT_EQ(schedule.metal_level(0.0, 0.05), 0.0) << "the block stands";
+  EXPECT_TRUE(schedule.changes_after(5.0, 0.05));
+  EXPECT_FALSE(schedule.changes_after(5.0, 0.11));
+
+  LeverReading reading{.time = 5.0, .value = {}};
+  reading.of(Lever::water_temperature) = 12.0;
+  reading.of(Lever::metal_level) = -2e-3;
+  schedule.append(reading);
+  EXPECT_EQ(schedule.water_temperature(Face::wide, 5.0, 0.05), 12.0);
+  EXPECT_EQ(schedule.water_temperature(Face::narrow, 5.0, 0.05), 12.0);
+  EXPECT_EQ(schedule.metal_level(5.0, 0.05), -2e-3);
+}
+
+/// What a level may do: fall as fast as the block sinks, rise at once, and do what it likes after
+/// the end.
+TEST(CastingSchedule, TheLevelMayFallAsFastAsTheBlockSinks) {
+  Case c = small_casting();
+  c.monitors.resize(2);  // a lower level ends below the third
+  for (const Curve& level :
+       {Curve{Abscissa::cast_length, {0.0, 0.01}, {0.0, -0.01}},
+        Curve{Abscissa::time, {2.0, 12.0}, {0.0, -0.01}},
+        Curve{Abscissa::time, {0.0, 1e-3, 20.0, 20.1}, {0.0, 0.02, 0.02, -0.02}}}) {
+    c.schedule.metal_level = level;
+    const CheckedCase checked = check(c);
+    EXPECT_TRUE(checked.faults.empty()) << testing::all(checked.faults);
+  }
+}
+
 }  // namespace
 }  // namespace dccast::casting

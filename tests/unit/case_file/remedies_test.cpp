@@ -73,7 +73,7 @@ TEST(Remedies, CastTheSameLength) {
             << draft.step.words();
         ++drafts;
       }
-  EXPECT_EQ(drafts, 24);
+  EXPECT_EQ(drafts, 27);
 }
 
 TEST(Remedies, LeaveOutLeversThatACaseDoesNotHaveAndStepsThatItCannotTake) {

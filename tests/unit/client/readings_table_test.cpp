@@ -41,6 +41,14 @@ TEST(ReadingsTable, ConvertsTheUnitsOfAPlant) {
   EXPECT_NEAR(reading.casting_temperature_c(), 680.0, 1e-9);
 }
 
+TEST(ReadingsTable, ReadsWaterTemperatureAndLevel) {
+  ReadingsTable table;
+  table.take("time [s]; water temperature [K]; metal level [mm]");
+  const v1::Reading reading = reading_of(table, "1; 298.15; -3");
+  EXPECT_NEAR(reading.water_temperature_c(), 25.0, 1e-9);
+  EXPECT_DOUBLE_EQ(reading.metal_level_m(), -3e-3);
+}
+
 TEST(ReadingsTable, ReadsTheCurlOfEachGauge) {
   ReadingsTable table;
   table.take("time [s], curl corner [mm], curl middle of the wide face [cm]");

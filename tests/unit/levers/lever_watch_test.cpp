@@ -103,6 +103,28 @@ TEST(LeverWatch, ALeverOffByAFifthForFiveSecondsIsAnAlarm) {
               ElementsAre(HasSubstr("the block stands: 0.0 mm/min")));
 }
 
+/// What is no speed and no flow is judged by its distance from the plan.
+TEST(LeverWatch, WaterTemperatureAndLevelAreWatchedByTheirDistance) {
+  v1::Case described = plan();
+  described.mutable_cooling()->mutable_water()->mutable_temperature_c()->add_value(25.0);
+  const auto first_alarm = [&](const Change& change) {
+    LeverWatch watch(described);
+    for (const v1::Reading& reading : readings(40.0, change)) watch.follow(reading);
+    const auto alarms = watch.under_way();
+    return alarms.empty() ? "" : alarms[0].monitor() + ": " + alarms[0].text();
+  };
+  EXPECT_EQ(first_alarm([](double, v1::Reading& reading) {
+              reading.set_water_temperature_c(34.0);
+              reading.set_metal_level_m(-9e-3);
+            }),
+            "");
+  EXPECT_EQ(
+      first_alarm([](double, v1::Reading& reading) { reading.set_water_temperature_c(36.0); }),
+      "water temperature: 36 degC, the plan has 25 degC");
+  EXPECT_EQ(first_alarm([](double, v1::Reading& reading) { reading.set_metal_level_m(-0.012); }),
+            "metal level: -12 mm, the plan has 0 mm");
+}
+
 TEST(LeverWatch, NamesTheUnitThatExplainsALever) {
   const Change tenth = [](double t, v1::Reading& reading) {
     if (t > 0.0) reading.set_casting_speed_m_per_s(1e-4);

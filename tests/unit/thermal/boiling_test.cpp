@@ -227,5 +227,130 @@ TEST_F(StartUp, WettingIsPartOfTheState) {
   EXPECT_EQ(field.wetted, resumed.wetted);
 }
 
+/// The zones and the water hang on the mould; the uppermost zone ends where the metal does.
+TEST(SideLaws, OnlyTheUppermostZoneFollowsTheMetal) {
+  CoolingSpec cooling = testing::casting_cooling();
+  const SideLaws level(cooling, {.mould_level = 0.1, .water_runs = {true, true}, .rise = {}});
+  const SideLaws higher(
+      cooling, {.mould_level = 0.1, .above = 0.02, .water_runs = {true, true}, .rise = {}});
+  EXPECT_EQ(level.at(-0.01, Face::wide).number, law_dry);
+  EXPECT_EQ(higher.at(-0.01, Face::wide).number, 0);
+  for (const double distance : {0.0, 0.029, 0.031, 0.064, 0.066})
+    EXPECT_EQ(higher.at(distance, Face::wide).number, level.at(distance, Face::wide).number);
+
+  cooling.zones[0].from = 5e-3;
+  EXPECT_EQ(SideLaws(cooling, {.above = 0.02, .rise = {}}).at(-0.01, Face::wide).number, law_dry);
+}
+
+/// Its temperature may be given for a step, as a casting measures it.
+TEST_F(StartUp, WaterOfAStepIsAsWarmAsItIsSaid) {
+  const auto side_at = [&](std::optional<double> given, double of_table) {
+    CoolingSpec cooling = testing::casting_cooling();
+    cooling.water.temperature = Curve(of_table);
+    HeatSolver solver(material::ThermalProperties(testing::casting_alloy()), cooling,
+                      make_heat_forms(slab_.mesh(), mesh::SectionKind::plane_strain));
+    HeatField field = solver.uniform_field(400.0);
+    HeatStepInput input{.time = 0.25, .time_step = 0.25, .metal_level = 0.1, .water_flow = 2e-3};
+    input.water_temperature[0] = given;
+    return solver.step(field, input).balance.side;
+  };
+  EXPECT_EQ(side_at(40.0, 25.0), side_at({}, 40.0));
+  EXPECT_LT(side_at(40.0, 25.0), side_at({}, 25.0));
+}
+
+/// A second row of jets 15 mm below the first, on hot metal.
+class SecondJets : public StartUp {
+protected:
+  struct Step {
+    double side = 0.0;
+    FaceWater water;
+    HeatField field;
+  };
+
+  Step step(double first, double second, double hot = 400.0, double dt = 0.25, Water water = {}) {
+    CoolingSpec cooling = testing::casting_cooling();
+    cooling.water = water.enabled ? water : start_up_water();
+    cooling.second_water = {.from = 0.08};
+    HeatSolver solver(material::ThermalProperties(testing::casting_alloy()), cooling,
+                      make_heat_forms(slab_.mesh(), mesh::SectionKind::plane_strain));
+    Step made{.field = solver.uniform_field(hot)};
+    for (int k = 1; k <= 4; ++k) {
+      HeatStepInput input{.time = k * dt, .time_step = dt, .metal_level = 0.1, .water_flow = first};
+      input.second_water_flow = second;
+      const HeatStepOutcome outcome = solver.step(made.field, input);
+      EXPECT_TRUE(outcome.converged);
+      EXPECT_LT(outcome.balance.error, 1e-10);
+      EXPECT_LE(outcome.water[0].taken, outcome.water[0].capacity * (1.0 + 1e-12));
+      made.water = outcome.water[0];
+      made.side += outcome.balance.side;
+    }
+    return made;
+  }
+
+  static double capacity(double flow) {
+    return flow * water_density * (water_specific_heat * 75.0 + evaporation_heat);
+  }
+  /// Wetted share of the side at a height [m].
+  double wetted_at(const Step& made, double height) const {
+    double nearest = 1.0, wetted = 0.0;
+    for (int n = 0; n < slab_.mesh().nodes(); ++n) {
+      const double* at = slab_.mesh().point(n);
+      const double off = std::abs(at[1] - height);
+      if (at[0] < 0.28 - 1e-9 || off >= nearest) continue;
+      nearest = off;
+      wetted = made.field.wetted[faces * std::size_t(n)];
+    }
+    return wetted;
+  }
+};
+
+TEST(Films, ThatJoinAddFlowAndHeat) {
+  const Film film = joined({20.0, 1e-3}, {80.0, 3e-3});
+  EXPECT_DOUBLE_EQ(film.flow, 4e-3);
+  EXPECT_DOUBLE_EQ(film.temperature, 65.0);
+}
+
+TEST_F(SecondJets, OfNoFlowAreNoJets) {
+  CoolingSpec cooling = testing::casting_cooling();
+  const Outcome alone = run(start_up_water(), 1e-3, 1.0, 400.0);
+  EXPECT_EQ(step(1e-3, 0.0).field.enthalpy, alone.field.enthalpy);
+}
+
+/// The face is as wet as its own water makes it above them, and wetter below.
+TEST_F(SecondJets, CoolBelowTheirLineAlone) {
+  const Step first = step(0.5e-3, 0.0, 560.0), both = step(0.5e-3, 2e-3, 560.0),
+             second = step(0.0, 2e-3, 560.0);
+  EXPECT_GT(both.side, 1.05 * first.side);
+  EXPECT_EQ(wetted_at(both, 0.03), wetted_at(first, 0.03)) << "above the second line";
+  EXPECT_GT(wetted_at(both, 0.005), wetted_at(first, 0.005) + 0.1);
+  EXPECT_EQ(wetted_at(second, 0.03), 0.0) << "dry above";
+  EXPECT_NEAR(both.water.capacity, capacity(2.5e-3), 1e-9 * capacity(2.5e-3));
+}
+
+/// Down to the last drop: what the water takes is checked in every step.
+TEST_F(SecondJets, TakeNoMoreThanTheirFlowCanCarry) {
+  for (const double first : {0.0, 2e-6, 3e-4, 3e-3})
+    for (const double second : {2e-6, 6e-5, 3e-3})
+      for (const double dt : {0.05, 1.0, 10.0}) {
+        Water thirsty = start_up_water();
+        thirsty.wetting.least_flow = 0.0;
+        thirsty.wetting.throw_off_length = 10.0;
+        const Step made = step(first, second, 450.0, dt, thirsty);
+        EXPECT_NEAR(made.water.capacity, capacity(first + second), 1e-9 * capacity(first + second));
+      }
+}
+
+/// Water that steam has thrown off does not come back, and the second jets wet the face alone.
+TEST_F(SecondJets, WetAFaceThatHasThrownItsWaterOff) {
+  Water thrown = start_up_water();
+  thrown.wetting.throw_off_length = 0.0;
+  thrown.wetting.jet_length = 5e-3;
+  const Step first = step(0.3e-3, 0.0, 600.0, 0.25, thrown),
+             both = step(0.3e-3, 3e-3, 600.0, 0.25, thrown);
+  EXPECT_TRUE(first.water.thrown_off);
+  EXPECT_EQ(wetted_at(first, 0.005), 0.0);
+  EXPECT_GT(wetted_at(both, 0.015), 0.02);
+}
+
 }  // namespace
 }  // namespace dccast::thermal

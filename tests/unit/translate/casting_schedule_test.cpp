@@ -35,6 +35,11 @@ public:
     if (chance()) draw_table(0.5, 1.5, *schedule.mutable_water_flow_factor());
     if (chance()) schedule.set_casting_speed_shift_s(between(-30.0, 30.0));
     if (chance()) schedule.set_water_flow_shift_s(between(-30.0, 30.0));
+    if (chance()) {
+      draw_table(0.0, 2e-3, *schedule.mutable_second_water_flow_m2_per_s());
+      c.mutable_cooling()->mutable_second_water()->set_start_s(between(-20.0, 60.0));
+    }
+    if (chance()) draw_table(-0.02, 0.02, *schedule.mutable_metal_level_m());
 
     draw_water(*c.mutable_cooling()->mutable_water());
     if (chance()) draw_water(*c.mutable_cooling()->mutable_narrow_water());
@@ -63,6 +68,7 @@ private:
   void draw_water(v1::Water& water) {
     water.set_enabled(between(0.0, 1.0) < 0.9);
     water.set_start_s(between(-20.0, 60.0));
+    draw_table(10.0, 40.0, *water.mutable_temperature_c());
     if (chance()) return;
     water.set_pulse_period_s(between(1.0, 20.0));
     water.set_pulse_share(between(0.0, 1.0));
@@ -85,9 +91,14 @@ void compare_values(const case_file::CastingSchedule& here, const casting::Case&
   expect_same(here.flow_m2_per_s(Face::wide, at), core.water_flow(time, length), "water");
   expect_same(here.flow_m2_per_s(Face::narrow, at), core.narrow_water_flow(time, length), "narrow");
   expect_same(here.filled_share(time), core.filled_share(time), "level");
-  for (const auto& [face, of_core] :
-       {std::pair(Face::wide, thermal::Face::wide), std::pair(Face::narrow, thermal::Face::narrow)})
+  expect_same(here.second_flow_m2_per_s(at), core.second_water_flow(time, length), "second");
+  if (time > 0.0) expect_same(here.metal_level().at(at), core.metal_level(time, length), "height");
+  for (const auto& [face, of_core] : {std::pair(Face::wide, thermal::Face::wide),
+                                      std::pair(Face::narrow, thermal::Face::narrow)}) {
     EXPECT_EQ(here.valve_is_open(face, time), thermal::is_open(c.cooling.water_of(of_core), time));
+    expect_same(here.water_temperature(face).at(at), core.water_temperature(of_core, time, length),
+                "water temperature");
+  }
 }
 
 /// Compares the cast lengths at some times, where the core makes many steps if the speed depends on
