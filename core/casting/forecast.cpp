@@ -45,6 +45,7 @@ Case coarse(Case c) {
   s.bottom_cell = s.initial_depth / rows;
   s.growth_cell = std::clamp((course.depth - s.initial_depth) / growth_rows, 2e-3, s.initial_depth);
 
+  c.figure_errors.clear();  // they are of the case's own mesh and steps
   c.mechanics.enabled = false;
   c.monitors.clear();
 

@@ -174,6 +174,9 @@ std::string misfit(const RunState<Dim>& state, const RunShape<Dim>& run) {
     if (finding.worst && !finding.worst->place.empty())
       reasons.require_reals(finding.worst->place, Dim, "the place of a finding");
   }
+  for (const results::Margin& margin : state.findings.margins)
+    if (!margin.worst.place.empty())
+      reasons.require_reals(margin.worst.place, Dim, "the place of a margin");
   return reasons.first();
 }
 

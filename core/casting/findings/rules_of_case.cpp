@@ -197,6 +197,8 @@ std::vector<Table> list_tables(const Case& c) {
       {"schedule.water_flow", &c.schedule.water_flow, c.schedule.water_flow_shift},
       {"schedule.narrow_water_flow", &c.schedule.narrow_water_flow, c.schedule.water_flow_shift},
       {"schedule.water_flow_factor", &c.schedule.water_flow_factor},
+      {"schedule.second_water_flow", &c.schedule.second_water_flow},
+      {"schedule.metal_level", &c.schedule.metal_level},
       {"cooling.water.temperature", &c.cooling.water.temperature},
       {"cooling.water.coefficient", &c.cooling.water.coefficient},
       {"cooling.bottom_block.contact_coefficient", &block.contact_coefficient, block.first_metal},

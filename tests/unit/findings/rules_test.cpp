@@ -154,6 +154,20 @@ const CaseRow of_case_rows[] = {
      [](Case& c) {
        c.schedule.water_flow = {Abscissa::cast_length, {0.019, 0.1}, {1e-3, 2e-3}};
      }},
+    {"LevelTable", "table_never_reached",
+     [](Case& c) {
+       c.schedule.metal_level = {Abscissa::cast_length, {0.021, 0.1}, {0.0, 0.02}};
+     },
+     [](Case& c) {
+       c.schedule.metal_level = {Abscissa::cast_length, {0.019, 0.1}, {0.0, 0.02}};
+     }},
+    {"SecondWaterTable", "table_never_reached",
+     [](Case& c) {
+       c.schedule.second_water_flow = {Abscissa::time, {20.0, 30.0}, {0.0, 1e-3}};
+     },
+     [](Case& c) {
+       c.schedule.second_water_flow = {Abscissa::time, {19.0, 30.0}, {0.0, 1e-3}};
+     }},
     {"MouldTable", "table_never_reached",
      [](Case& c) {
        c.cooling.zones[0].solid_coefficient = {Abscissa::time, {-30.0, -10.0}, {200.0, 150.0}};
@@ -617,6 +631,7 @@ TEST(FindingsState, ComesBackFromACheckpoint) {
   state.history = {.shell_stood = true,
                    .when_liquid = {0.5, 1.0},
                    .thickest_bottom_shell = 1.0 / 3.0,
+                   .wall_force = 5.0,
                    .passages = {{625.0, 1e-3, 2.5, {0.1, 0.2, 0.3}}, {}},
                    .tears = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}},
                    .pore_volume = 0.7};
@@ -650,6 +665,7 @@ TEST(FindingsState, ComesBackFromACheckpoint) {
   EXPECT_EQ(back.history.shell_stood, true);
   EXPECT_EQ(back.history.when_liquid, state.history.when_liquid);
   EXPECT_EQ(back.history.thickest_bottom_shell, state.history.thickest_bottom_shell);
+  EXPECT_EQ(back.history.wall_force, 5.0);
   ASSERT_EQ(back.history.passages.size(), 2u);
   EXPECT_EQ(back.history.passages[0].time, 2.5);
   EXPECT_EQ(back.history.passages[0].feeding.shrunk, 0.3);
@@ -715,6 +731,15 @@ TEST(FindingsOfARun, AreTheSameAfterAResumption) {
     EXPECT_EQ(second.findings, uninterrupted.findings);
     EXPECT_TRUE(bytes_of(folder / "results.h5") == bytes_of(whole / "results.h5")) << stop;
   }
+}
+
+/// The coarse run has not the errors of the case's own mesh.
+TEST(Forecast, IsJudgedWithoutTheErrorsOfTheCase) {
+  Case c = hopeless();
+  const auto without = forecast(c);
+  for (const char* figure : {"shell at the mould exit", "surface at the mould exit"})
+    c.figure_errors[figure] = {.below = 0.9, .above = 10.0, .is_relative = true};
+  EXPECT_EQ(forecast(c), without);
 }
 
 TEST(Forecast, OfAnImportedMeshOrGivenTemperaturesThereIsNone) {

@@ -263,7 +263,7 @@ class SecondJets : public StartUp {
 protected:
   struct Step {
     double side = 0.0;
-    FaceWater water;
+    FaceWater water{};
     HeatField field;
   };
 
