@@ -39,11 +39,11 @@ inline constexpr int law_dry = -2;
 /// Data that determine the cooling law of each place at one time.
 struct SideInstant {
   double mould_level = 0.0;              ///< [m] from which distances are counted
-  double above = 0.0;                    ///< [m] by which the metal stands higher
   std::array<bool, faces> water_runs{};  ///< by face
   /// (node) [m] vertical displacement of the side; empty: zero.
-  std::span<const double> rise;
+  std::span<const double> rise{};
   bool second_water_runs = false;
+  double above = 0.0;  ///< [m] by which the metal stands higher than that level
 };
 
 /// The cooling law of a place.

@@ -117,14 +117,14 @@ void SurfaceCooling::begin_step(const HeatForms& forms,
                                 const material::ThermalProperties& properties,
                                 const HeatField& field, const HeatStepInput& input) {
   const double mould = mould_level_of(input);
-  const double height =
-      forms.divide_side(cooling_,
-                        {mould,
-                         std::max(0.0, input.metal_level - mould),
-                         {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
-                         input.rise,
-                         second_water_runs(input)},
-                        side_);
+  const double height = forms.divide_side(
+      cooling_,
+      {.mould_level = mould,
+       .water_runs = {water_runs(Face::wide, input), water_runs(Face::narrow, input)},
+       .rise = input.rise,
+       .second_water_runs = second_water_runs(input),
+       .above = std::max(0.0, input.metal_level - mould)},
+      side_);
 
   lay_water(forms, properties, field, input, height);
   lay_bottom(forms, properties, field, input);

@@ -230,16 +230,15 @@ TEST_F(StartUp, WettingIsPartOfTheState) {
 /// The zones and the water hang on the mould; the uppermost zone ends where the metal does.
 TEST(SideLaws, OnlyTheUppermostZoneFollowsTheMetal) {
   CoolingSpec cooling = testing::casting_cooling();
-  const SideLaws level(cooling, {.mould_level = 0.1, .water_runs = {true, true}, .rise = {}});
-  const SideLaws higher(
-      cooling, {.mould_level = 0.1, .above = 0.02, .water_runs = {true, true}, .rise = {}});
+  const SideLaws level(cooling, {.mould_level = 0.1, .water_runs = {true, true}});
+  const SideLaws higher(cooling, {.mould_level = 0.1, .water_runs = {true, true}, .above = 0.02});
   EXPECT_EQ(level.at(-0.01, Face::wide).number, law_dry);
   EXPECT_EQ(higher.at(-0.01, Face::wide).number, 0);
   for (const double distance : {0.0, 0.029, 0.031, 0.064, 0.066})
     EXPECT_EQ(higher.at(distance, Face::wide).number, level.at(distance, Face::wide).number);
 
   cooling.zones[0].from = 5e-3;
-  EXPECT_EQ(SideLaws(cooling, {.above = 0.02, .rise = {}}).at(-0.01, Face::wide).number, law_dry);
+  EXPECT_EQ(SideLaws(cooling, {.above = 0.02}).at(-0.01, Face::wide).number, law_dry);
 }
 
 /// Its temperature may be given for a step, as a casting measures it.
