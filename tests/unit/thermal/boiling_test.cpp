@@ -241,14 +241,15 @@ TEST(SideLaws, OnlyTheUppermostZoneFollowsTheMetal) {
   EXPECT_EQ(SideLaws(cooling, {.above = 0.02}).at(-0.01, Face::wide).number, law_dry);
 }
 
-/// Its temperature may be given for a step, as a casting measures it.
+/// Its temperature may be given for a step, as a casting measures it. At 150 degC the face is below
+/// the boiling crisis, whose heat flux does not know the water.
 TEST_F(StartUp, WaterOfAStepIsAsWarmAsItIsSaid) {
   const auto side_at = [&](std::optional<double> given, double of_table) {
     CoolingSpec cooling = testing::casting_cooling();
     cooling.water.temperature = Curve(of_table);
     HeatSolver solver(material::ThermalProperties(testing::casting_alloy()), cooling,
                       make_heat_forms(slab_.mesh(), mesh::SectionKind::plane_strain));
-    HeatField field = solver.uniform_field(400.0);
+    HeatField field = solver.uniform_field(150.0);
     HeatStepInput input{.time = 0.25, .time_step = 0.25, .metal_level = 0.1, .water_flow = 2e-3};
     input.water_temperature[0] = given;
     return solver.step(field, input).balance.side;
@@ -274,8 +275,12 @@ protected:
                       make_heat_forms(slab_.mesh(), mesh::SectionKind::plane_strain));
     Step made{.field = solver.uniform_field(hot)};
     for (int k = 1; k <= 4; ++k) {
-      HeatStepInput input{.time = k * dt, .time_step = dt, .metal_level = 0.1, .water_flow = first};
-      input.second_water_flow = second;
+      const HeatStepInput input{.time = k * dt,
+                                .time_step = dt,
+                                .metal_level = 0.1,
+                                .casting_temperature = 680.0,
+                                .water_flow = first,
+                                .second_water_flow = second};
       const HeatStepOutcome outcome = solver.step(made.field, input);
       EXPECT_TRUE(outcome.converged);
       EXPECT_LT(outcome.balance.error, 1e-10);
@@ -320,7 +325,8 @@ TEST_F(SecondJets, CoolBelowTheirLineAlone) {
   const Step first = step(0.5e-3, 0.0, 560.0), both = step(0.5e-3, 2e-3, 560.0),
              second = step(0.0, 2e-3, 560.0);
   EXPECT_GT(both.side, 1.05 * first.side);
-  EXPECT_EQ(wetted_at(both, 0.03), wetted_at(first, 0.03)) << "above the second line";
+  // Metal 10 mm above the second line is a little colder by conduction.
+  EXPECT_NEAR(wetted_at(both, 0.03), wetted_at(first, 0.03), 2e-3) << "above the second line";
   EXPECT_GT(wetted_at(both, 0.005), wetted_at(first, 0.005) + 0.1);
   EXPECT_EQ(wetted_at(second, 0.03), 0.0) << "dry above";
   EXPECT_NEAR(both.water.capacity, capacity(2.5e-3), 1e-9 * capacity(2.5e-3));
