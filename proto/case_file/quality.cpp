@@ -124,13 +124,13 @@ struct MeasuredFigure {
   Band draft, finer;  ///< engineering and fine
 };
 constexpr std::array measured_figures{
-    MeasuredFigure{"shell over the block", true, {0.30, 0.10}, {0.07, 0.08}},
-    MeasuredFigure{"shell at the mould exit", true, {0.05, 0.02}, {0.04, 0.02}},
-    MeasuredFigure{"surface at the mould exit", false, {1.0, 5.0}, {1.0, 6.0}},
-    MeasuredFigure{"shell above the water", true, {0.50, 0.05}, {0.42, 0.05}},
+    MeasuredFigure{"shell over the block", true, {0.30, 0.10}, {0.07, 0.35}},
+    MeasuredFigure{"shell at the mould exit", true, {0.05, 0.03}, {0.04, 0.10}},
+    MeasuredFigure{"surface at the mould exit", false, {6.0, 5.0}, {16.0, 6.0}},
+    MeasuredFigure{"shell above the water", true, {0.50, 0.07}, {0.42, 0.13}},
     MeasuredFigure{"depth at which the side freezes", true, {0.04, 0.09}, {0.07, 0.06}},
-    MeasuredFigure{"share of the sump", true, {0.015, 0.025}, {0.015, 0.025}},
-    MeasuredFigure{"rotation", true, {0.01, 0.06}, {0.015, 0.025}},
+    MeasuredFigure{"share of the sump", true, {0.015, 0.025}, {0.015, 0.035}},
+    MeasuredFigure{"rotation", true, {0.01, 0.08}, {0.015, 0.05}},
     MeasuredFigure{"lift of the butt", true, {0.04, 0.08}, {0.05, 0.05}},
 };
 

@@ -15,9 +15,8 @@ namespace dccast::casting {
 
 namespace {
 
-using results::Exceedance;
-
 using results::Certainty;
+using results::Exceedance;
 
 /// The figure of a rule, with the bounds between which mesh and steps leave the true one.
 struct Bounded {
@@ -127,13 +126,16 @@ void update(const StepRule& rule, const Judged& found, const Bounded& figure, Ce
     return;
   }
 
-  if (is_surer) {
+  const bool is_worse =
+      raised.worst && std::isfinite(figure.value) &&
+      distance(rule.limit, figure.value, 0.0) < distance(rule.limit, raised.worst->value, 0.0);
+  if (is_worse) set_worst(found, figure, time, raised);
+
+  // What is open is said of the worst figure.
+  if (is_surer || (is_worse && certainty != Certainty::sure)) {
     raised.message = message_of(rule, found, figure, certainty);
     raised.certainty = certainty;
   }
-  if (raised.worst && std::isfinite(figure.value) &&
-      distance(rule.limit, figure.value, 0.0) < distance(rule.limit, raised.worst->value, 0.0))
-    set_worst(found, figure, time, raised);
 }
 
 /// Draws the consequence of a finding that was raised: records a loss of validity.

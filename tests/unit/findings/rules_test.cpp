@@ -556,6 +556,10 @@ TEST(OfStep, AFigureWithinItsErrorOfTheLimitIsOpen) {
             "Cannot be told: the shell over the block is 5.5 mm, mesh and steps leave 4.9 mm to "
             "5.9 mm, the limit is 5 mm.");
 
+  EXPECT_THAT(after(5.2e-3)->message,
+              ::testing::HasSubstr("is 5.2 mm, mesh and steps leave 4.6 mm to 5.6 mm"));
+  EXPECT_THAT(after(5.4e-3)->message, ::testing::HasSubstr("is 5.2 mm"));
+
   EXPECT_EQ(after(4.8e-3)->certainty, results::Certainty::likely);
   EXPECT_THAT(find(state.raised, "bleed_out_at_bottom")->message,
               ::testing::EndsWith("Likely, not sure: mesh and steps leave 4.2 mm to 5.2 mm."));
