@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <optional>
 
 #include "client/cli/common_options.hpp"
 #include "client/commands/commands.hpp"
@@ -176,8 +177,9 @@ std::string verdict_text(const CaseUnderCheck& checked) {
   return text;
 }
 
-/// The case with the defaults that the server would add.
-v1::Case complete_case(const CaseUnderCheck& checked) {
+/// The case with the defaults that the server would add; nothing if it cannot be read.
+std::optional<v1::Case> complete_case(const CaseUnderCheck& checked) {
+  if (!checked.read.ok()) return std::nullopt;
   v1::Case complete = checked.description;
   case_file::apply_defaults(complete);
   return complete;
@@ -224,26 +226,23 @@ ExitCode run(const ValidateOptions& options, Program& program) {
     check_with_server(checked, connection);
   }
 
-  // A case with faults has no complete form, from which summary and drawing are made.
+  const std::optional<v1::Case> complete = complete_case(checked);
   if (options.json) {
     Json json = faults_json(checked);
-    if (checked.read.ok()) json["casting"] = case_file::casting_summary(complete_case(checked));
-    if (checked.faults.empty() && checked.read.ok())
-      json["has_error_bar"] =
-          case_file::relative_discretisation_error(complete_case(checked)).has_value();
+    if (complete) json["casting"] = case_file::casting_summary(*complete);
+    if (complete && checked.faults.empty())
+      json["has_error_bar"] = case_file::relative_discretisation_error(*complete).has_value();
     print_line(json);
   } else {
-    if (checked.read.ok()) std::cout << case_file::casting_summary(complete_case(checked)) << '\n';
+    if (complete) std::cout << case_file::casting_summary(*complete) << '\n';
     print_faults(checked, std::cout);
     for (const v1::Finding& finding : checked.findings) std::cout << finding_line(finding) << '\n';
     if (options.ranges) print_ranges(checked);
     print_verdict(checked, options.local);
-    if (checked.faults.empty() && checked.read.ok())
-      std::cout << band_text(complete_case(checked)) << '\n';
+    if (complete && checked.faults.empty()) std::cout << band_text(*complete) << '\n';
   }
 
-  if (!options.drawing.empty() && checked.read.ok())
-    write_output(options.drawing, casting_page(complete_case(checked)));
+  if (complete && !options.drawing.empty()) write_output(options.drawing, casting_page(*complete));
   const bool implausible = options.strict && more_than_notes(checked.findings);
   return checked.faults.empty() && !implausible ? ExitCode::done : ExitCode::invalid;
 }

@@ -1,6 +1,7 @@
 #include "core/casting/simulation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -26,6 +27,21 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 const char* checkpoint_name = "checkpoint.bin";
 const char* results_name = "results.h5";
+
+/// Where the results keep the readings of a lever.
+struct LeverColumn {
+  Lever lever;
+  std::vector<double> results::MeasuredLevers::*values;
+};
+constexpr std::array<LeverColumn, levers> lever_columns{{
+    {Lever::casting_speed, &results::MeasuredLevers::casting_speed},
+    {Lever::casting_temperature, &results::MeasuredLevers::casting_temperature},
+    {Lever::water_flow, &results::MeasuredLevers::water_flow},
+    {Lever::narrow_water_flow, &results::MeasuredLevers::narrow_water_flow},
+    {Lever::second_water_flow, &results::MeasuredLevers::second_water_flow},
+    {Lever::water_temperature, &results::MeasuredLevers::water_temperature},
+    {Lever::metal_level, &results::MeasuredLevers::metal_level},
+}};
 
 results::RunHeader header_of(const Case& c) {
   results::RunHeader header;
@@ -208,27 +224,17 @@ private:
     const auto end = std::ranges::lower_bound(used.time, run_->time());
     const auto count =
         std::min(used.time.size(), static_cast<std::size_t>(end - used.time.begin()) + 1);
-    for (std::vector<double>* column :
-         {&used.time, &used.casting_speed, &used.casting_temperature, &used.water_flow,
-          &used.narrow_water_flow, &used.second_water_flow, &used.water_temperature,
-          &used.metal_level})
-      column->resize(count);
+    used.time.resize(count);
+    for (const LeverColumn& column : lever_columns) (used.*column.values).resize(count);
     return used;
   }
 
   /// Keeps a reading for the results.
   void keep(const LeverReading& reading) {
-    const auto value_of = [&](Lever lever) {
-      return reading.of(lever).value_or(std::numeric_limits<double>::quiet_NaN());
-    };
+    constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
     levers_.time.push_back(reading.time);
-    levers_.casting_speed.push_back(value_of(Lever::casting_speed));
-    levers_.casting_temperature.push_back(value_of(Lever::casting_temperature));
-    levers_.water_flow.push_back(value_of(Lever::water_flow));
-    levers_.narrow_water_flow.push_back(value_of(Lever::narrow_water_flow));
-    levers_.second_water_flow.push_back(value_of(Lever::second_water_flow));
-    levers_.water_temperature.push_back(value_of(Lever::water_temperature));
-    levers_.metal_level.push_back(value_of(Lever::metal_level));
+    for (const LeverColumn& column : lever_columns)
+      (levers_.*column.values).push_back(reading.of(column.lever).value_or(not_measured));
   }
 
   /// Stores and reports a step. @return the outcome if the observer ends the run here

@@ -194,12 +194,13 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
                                .slab = state_.slab,
                                .element_temperature = in_mechanics,
                                .growing = mesh_.mesh().elements() - growing_elements(mesh_.mesh())};
-  // Shells are judged at heights of the mould. Until the block starts the level is the mould's.
-  const double counted_from = state_.time > 0.0 ? mould_level() : metal_level();
   const StepView<Dim> view{.time = state_.time,
                            .time_step = accepted.time_step,
                            .cast_length = state_.cast_length,
-                           .metal_level = counted_from,
+                           .metal_level = metal_level(),
+                           // Until the block starts, the mould's figures are those of the melt
+                           // that has come so far.
+                           .mould_level = state_.time > 0.0 ? mould_level() : metal_level(),
                            .last = finished(),
                            .mesh = mesh(),
                            .heat = accepted.heat,
@@ -214,8 +215,6 @@ StepFigures SlabRun<Dim>::measure(const Attempt& accepted, const MonitorReadings
                            .face_length = face_length_,
                            .monitor_displacement = monitors.displacement};
   StepFigures figures = meter_.measure(view, state_.findings.history);
-  figures.metal_depth += metal_level() - counted_from;
-  figures.sump_depth += metal_level() - counted_from;
   if (figures.last && figures.mechanical && case_.time.cool_down > 0.0)
     figures.off_block = lift_off_block(in_mechanics);
   return figures;

@@ -1,7 +1,6 @@
 #include "core/results/levers_group.hpp"
 
 #include <array>
-#include <limits>
 
 #include "core/results/hdf5_file.hpp"
 
@@ -49,12 +48,8 @@ MeasuredLevers read_levers(const hdf5::File& file) {
   if (!file.has("/levers")) return levers;
 
   levers.time = file.read_reals("/levers/time_s");
-  // A run of an earlier version measured fewer levers.
   for (const Column& column : columns)
-    levers.*column.member =
-        file.has(column.dataset)
-            ? file.read_reals(column.dataset, levers.time.size())
-            : std::vector(levers.time.size(), std::numeric_limits<double>::quiet_NaN());
+    levers.*column.member = file.read_reals(column.dataset, levers.time.size());
   return levers;
 }
 

@@ -88,7 +88,7 @@ StepMeter<Dim>::StepMeter(const Case& c)
 
 template <int Dim>
 void StepMeter<Dim>::measure_water_line(const StepView<Dim>& view, StepFigures& f) const {
-  const double height = view.metal_level - mould_exit(case_);
+  const double height = view.mould_level - mould_exit(case_);
   f.mould_exit_temperature = side_temperature<Dim>(view.mesh, view.temperature, height);
 
   const auto slice = slice_at(view.mesh, view.temperature, std::max(0.0, height), isotherm_);
@@ -98,7 +98,7 @@ void StepMeter<Dim>::measure_water_line(const StepView<Dim>& view, StepFigures& 
   f.left_contact = f.left_mould && view.cast_length >= contact_end(case_);
   f.exit_surface = slice->surface;
   f.exit_shell = f.least_shell = slice->shell;
-  f.least_shell_depth = std::min(mould_exit(case_), view.metal_level);
+  f.least_shell_depth = std::min(mould_exit(case_), view.mould_level);
 }
 
 /// Measures at a few heights only: a thin or remelted band is centimetres high. The lowest one is
@@ -107,10 +107,10 @@ template <int Dim>
 void StepMeter<Dim>::measure_gap(const StepView<Dim>& view, StepFigures& f) const {
   constexpr int heights = 4;
   const double begin = contact_end(case_), length = mould_exit(case_) - begin;
-  if (length <= 0.0 || view.metal_level < begin) return;
+  if (length <= 0.0 || view.mould_level < begin) return;
 
   const auto slice_below_level = [&](double distance) {
-    return slice_at(view.mesh, view.temperature, view.metal_level - distance, isotherm_);
+    return slice_at(view.mesh, view.temperature, view.mould_level - distance, isotherm_);
   };
   const auto take = [&](const Slice<Dim>& slice, double distance) {
     if (slice.shell.value >= f.least_shell.value) return;
@@ -126,7 +126,7 @@ void StepMeter<Dim>::measure_gap(const StepView<Dim>& view, StepFigures& f) cons
   take(*entry, begin);
   for (int i = 1; i < heights; ++i) {
     const double distance = begin + length * i / heights;
-    if (distance > view.metal_level) return;
+    if (distance > view.mould_level) return;
     const auto slice = slice_below_level(distance);
     if (!slice) return;
 
@@ -134,7 +134,7 @@ void StepMeter<Dim>::measure_gap(const StepView<Dim>& view, StepFigures& f) cons
     take(*slice, distance);
   }
   // The exit from the mould has been measured with the water line.
-  if (mould_exit(case_) <= view.metal_level && f.exit_surface.value > f.gap_surface.value)
+  if (mould_exit(case_) <= view.mould_level && f.exit_surface.value > f.gap_surface.value)
     f.gap_surface = f.exit_surface;
 }
 

@@ -39,7 +39,9 @@ struct StepView {
   double time_step = 0.0;    ///< [s]
   double cast_length = 0.0;  ///< [m]
   double metal_level = 0.0;  ///< [m]
-  bool last = false;         ///< the casting ends with this step
+  /// [m] from which distances of the mould are counted: its zones, its exit and the water line
+  double mould_level = 0.0;
+  bool last = false;  ///< the casting ends with this step
   const mesh::Mesh<Dim>& mesh;
   const thermal::HeatStepOutcome& heat;
   std::span<const double> temperature;    ///< (node) [°C]
