@@ -355,9 +355,12 @@ bool SlabRun<Dim>::step_heat(Attempt& tried, const std::optional<thermal::MetalE
   input.water_flow = schedule_.water_flow(state_.time, state_.cast_length);
   input.narrow_water_flow = schedule_.narrow_water_flow(state_.time, state_.cast_length);
   input.second_water_flow = schedule_.second_water_flow(state_.time, state_.cast_length);
-  for (const thermal::Face face : {thermal::Face::wide, thermal::Face::narrow})
+  for (const thermal::Face face : {thermal::Face::wide, thermal::Face::narrow}) {
     input.water_temperature[std::size_t(face)] =
         schedule_.water_temperature(face, state_.time, state_.cast_length);
+    input.critical_heat_flux_factor[std::size_t(face)] =
+        schedule_.critical_heat_flux_factor(face, state_.time, state_.cast_length);
+  }
   input.bottom_gap = gap;
 
   const std::vector<double> rise = side_rise(u);

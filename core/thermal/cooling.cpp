@@ -80,9 +80,9 @@ SurfaceFlux gap_flux(const SideZone& zone, const SurfaceState& surface, const Si
 
 double critical_heat_flux(const Water& water, const Film& film, double depth) {
   const Wetting& w = water.wetting;
-  return water.critical_heat_flux * std::pow(film.flow / full_flow, w.flow_exponent) *
-         subcooling_gain(subcooling(film)) / subcooling_gain(stated_subcooling) *
-         (depth < w.jet_length ? 1.0 : w.falling_film_share);
+  return film.critical_factor * water.critical_heat_flux *
+         std::pow(film.flow / full_flow, w.flow_exponent) * subcooling_gain(subcooling(film)) /
+         subcooling_gain(stated_subcooling) * (depth < w.jet_length ? 1.0 : w.falling_film_share);
 }
 
 double rewetting_temperature(const Wetting& w, const Film& film) {

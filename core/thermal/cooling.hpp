@@ -16,8 +16,9 @@ inline constexpr double boiling_point = 100.0;
 
 /// The water film at one place of a face.
 struct Film {
-  double temperature = 0.0;  ///< [°C], mean over its thickness
-  double flow = 0.0;         ///< [m2/s] that is left, per metre of perimeter
+  double temperature = 0.0;      ///< [°C], mean over its thickness
+  double flow = 0.0;             ///< [m2/s] that is left, per metre of perimeter
+  double critical_factor = 1.0;  ///< [1] on the critical heat flux: less with gas in the water
 };
 
 /// Limits on the heat that water takes from the metal at one place during one step.
@@ -38,7 +39,8 @@ inline constexpr double full_flow = 3e-3;
 /// start [m2/s].
 inline constexpr double start_flow = 1.5e-3;
 
-/// Critical flux [W/m2] of the film: that of the case at `full_flow` and 75 K of subcooling s times
+/// Critical flux [W/m2] of the film: its factor times that of the case at `full_flow` and 75 K of
+/// subcooling s times
 ///   (flow / full_flow)^n (1 + 2.7 sqrt(rho_l/rho_v) (c s / h_fg)^2) / the same at 75 K
 /// (Monde and Katto's form for an impinging jet), and times the share of the falling film below the
 /// jet.

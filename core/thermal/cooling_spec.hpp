@@ -60,9 +60,10 @@ struct Water {
   double from = 0.0;  ///< [m] below the metal level
   /// [m] below the metal level a wiper takes the water off; absent: it runs down to the butt
   std::optional<double> wiped_at{};
-  double start = 0.0;               ///< [s]
-  Curve temperature;                ///< [°C]
-  double critical_heat_flux = 0.0;  ///< [W/m2]
+  double start = 0.0;                            ///< [s]
+  Curve temperature;                             ///< [°C]
+  double critical_heat_flux = 0.0;               ///< [W/m2]
+  Curve critical_heat_flux_factor = Curve(1.0);  ///< [1] against time or cast length
   /// The critical flux is that of the jet at `full_flow` and 25 °C; all limits follow flow and film
   /// temperature, and the film's heat is marched down the face (water_film.hpp). Otherwise the
   /// critical flux holds everywhere, and no vapour film stands.

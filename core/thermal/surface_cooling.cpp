@@ -233,8 +233,9 @@ SurfaceCooling::Stretch SurfaceCooling::lay_stretch(std::span<const std::size_t>
 
   // With fixed boiling properties the film does not change on its way.
   if (!water.boiling_follows_flow) {
-    stretch.places.assign(shares.size(),
-                          {.film = supply, .critical_heat_flux = water.critical_heat_flux});
+    stretch.places.assign(
+        shares.size(),
+        {.film = supply, .critical_heat_flux = supply.critical_factor * water.critical_heat_flux});
     return stretch;
   }
   FaceWater& total = water_[std::size_t(side_[shares.front()].face)];
@@ -273,7 +274,8 @@ FilmEnd SurfaceCooling::lay_column(std::span<const std::size_t> shares, double w
                                    const HeatField& field, const HeatStepInput& input) {
   const Face face = side_[shares.front()].face;
   const Water& water = cooling_.water_of(face);
-  const Film first{water_temperature(face, input), water_flow_of(face, input)};
+  const Film first{water_temperature(face, input), water_flow_of(face, input),
+                   input.critical_heat_flux_factor[std::size_t(face)]};
   FaceWater& total = water_[std::size_t(face)];
 
   std::size_t count = shares.size();  // of the shares above the second water
@@ -294,7 +296,7 @@ FilmEnd SurfaceCooling::lay_column(std::span<const std::size_t> shares, double w
     const double from = cooling_.second_water->from;
     const bool arrives = count > 0 && !last.end.boiled_away && !last.end.thrown_off &&
                          water.wiped_at.value_or(from + 1.0) > from;
-    Film film{first.temperature, input.second_water_flow};
+    Film film{first.temperature, input.second_water_flow, first.critical_factor};
     total.capacity += film_capacity(film, width);
     if (arrives) film = joined(last.end.film, film);
 

@@ -59,6 +59,7 @@ struct HeatStepInput {
   std::optional<double> mould_level = {};
   /// (face) [°C]; absent: by the table of the face against time.
   std::array<std::optional<double>, faces> water_temperature = {};
+  std::array<double, faces> critical_heat_flux_factor = {1.0, 1.0};  ///< (face) [1]
   double second_water_flow = 0.0;  ///< [m2/s] on every face; 0: it does not run
 };
 

@@ -21,10 +21,13 @@ public:
   Stream(const Water& water, const Film& supply, double width)
       : from_(water.wetting.evaporation_from),
         width_(width),
+        critical_factor_(supply.critical_factor),
         mass_flow_(water_density * supply.flow * width),
         temperature_(supply.temperature) {}
 
-  Film film() const { return {temperature_, mass_flow_ / (water_density * width_)}; }
+  Film film() const {
+    return {temperature_, mass_flow_ / (water_density * width_), critical_factor_};
+  }
   double capacity() const { return heat_to_vapour(mass_flow_, temperature_); }
   /// @param heat  [W], at most capacity()
   void take(double heat) {
@@ -40,10 +43,11 @@ public:
   }
 
 private:
-  double from_;         ///< [°C]
-  double width_;        ///< [m]
-  double mass_flow_;    ///< [kg/s]
-  double temperature_;  ///< [°C]
+  double from_;             ///< [°C]
+  double width_;            ///< [m]
+  double critical_factor_;  ///< [1]
+  double mass_flow_;        ///< [kg/s]
+  double temperature_;      ///< [°C]
 };
 
 /// Mean wetted share [1] of a step: dw/dt = (final - w) / lag, integrated exactly.
@@ -61,7 +65,10 @@ double film_capacity(const Film& film, double width) {
 
 Film joined(const Film& first, const Film& second) {
   const double flow = first.flow + second.flow;
-  return {(first.temperature * first.flow + second.temperature * second.flow) / flow, flow};
+  const auto mixed = [&](double Film::*value) {
+    return (first.*value * first.flow + second.*value * second.flow) / flow;
+  };
+  return {mixed(&Film::temperature), flow, mixed(&Film::critical_factor)};
 }
 
 void reserve_heat(double heat, std::span<const WetPiece> pieces, std::span<WaterPlace> place) {

@@ -44,7 +44,7 @@ struct FilmEnd {
 /// @param width  [m] of the column along the perimeter; axisymmetric [m2/rad / m]
 double film_capacity(const Film& supply, double width);
 
-/// Two films that meet: their flows and the heat in them add.
+/// Two films that meet: their flows, the heat and the gas in them add.
 Film joined(const Film& first, const Film& second);
 
 /// Marches the film of one column of a face down from the water line.

@@ -100,6 +100,10 @@ PlannedQuantity CastingSchedule::water_temperature(Face face) const {
   return {water(face).temperature_c()};
 }
 
+PlannedQuantity CastingSchedule::critical_heat_flux_factor(Face face) const {
+  return {water(face).critical_heat_flux_factor()};
+}
+
 PlannedQuantity CastingSchedule::metal_level() const {
   return {schedule_.metal_level_m()};
 }
@@ -215,7 +219,9 @@ std::vector<Instant> CastingSchedule::instants() const {
   Bends bends;
   for (const PlannedQuantity& quantity :
        {casting_speed(), water_flow(Face::wide), water_flow(Face::narrow), second_water_flow(),
-        water_temperature(Face::wide), water_temperature(Face::narrow), metal_level()})
+        water_temperature(Face::wide), water_temperature(Face::narrow),
+        critical_heat_flux_factor(Face::wide), critical_heat_flux_factor(Face::narrow),
+        metal_level()})
     bends.add(quantity);
   std::vector<double> times = bends.time_s;
   for (const double length_m : bends.length_m) times.push_back(time_of_cast_length_s(length_m));

@@ -56,6 +56,7 @@ public:
   PlannedQuantity water_flow(Face face) const;
   PlannedQuantity second_water_flow() const;
   PlannedQuantity water_temperature(Face face) const;
+  PlannedQuantity critical_heat_flux_factor(Face face) const;  ///< [1]
   /// How far the metal level stands above that of the start [m]: 0 until the block starts.
   PlannedQuantity metal_level() const;
   /// Whether the narrow face of a quarter slab has a flow or a water line of its own.

@@ -53,8 +53,11 @@ std::string size_text(const v1::Section& section) {
 
 std::string water_note(const v1::Water& water) {
   if (!water.enabled()) return "turned off";
-  return fmt::format("from {} s on, {} below the metal level, at {}", plant_number(water.start_s()),
-                     plant_mm(water.from_m()), curve_in_words(water.temperature_c(), 1.0, "°C"));
+  const std::string gas = changes_in_words(water.critical_heat_flux_factor(), 0.0);
+  return fmt::format("from {} s on, {} below the metal level, at {}{}",
+                     plant_number(water.start_s()), plant_mm(water.from_m()),
+                     curve_in_words(water.temperature_c(), 1.0, "°C"),
+                     gas.empty() ? "" : "; critical heat flux " + gas);
 }
 
 /// The water of both faces, in one row where they have the same.

@@ -258,6 +258,7 @@ thermal::Water water(const v1::Water& from) {
           .start = from.start_s(),
           .temperature = to_core(from.temperature_c()),
           .critical_heat_flux = from.critical_heat_flux_w_per_m2(),
+          .critical_heat_flux_factor = factor(from.critical_heat_flux_factor()),
           .boiling_follows_flow = from.boiling_follows_flow(),
           .wetting = wetting(from.wetting()),
           .pulse_period = from.pulse_period_s(),

@@ -99,7 +99,9 @@ bool CastingSchedule::changes_after(double time, double length) const {
     const thermal::Water& water = cooling_.water_of(face);
     if (!water.enabled) continue;
     const double last_pulse = water.pulse_period > 0.0 ? water.pulse_end : 0.0;
-    if (std::max(water.start, last_pulse) > time || ahead(water.temperature)) return true;
+    if (std::max(water.start, last_pulse) > time || ahead(water.temperature) ||
+        ahead(water.critical_heat_flux_factor))
+      return true;
   }
   if (cooling_.second_water &&
       (cooling_.second_water->start > time || ahead(schedule_.second_water_flow)))
@@ -208,6 +210,11 @@ double CastingSchedule::second_water_flow(double time, double length) const {
 double CastingSchedule::water_temperature(thermal::Face face, double time, double length) const {
   const auto measured = measured_.at(Lever::water_temperature, time);
   return measured ? *measured : value(cooling_.water_of(face).temperature, time, length);
+}
+
+double CastingSchedule::critical_heat_flux_factor(thermal::Face face, double time,
+                                                  double length) const {
+  return value(cooling_.water_of(face).critical_heat_flux_factor, time, length);
 }
 
 double CastingSchedule::metal_level(double time, double length) const {

@@ -64,6 +64,7 @@ public:
   double narrow_water_flow(double time, double length) const;  ///< [m2/s] on the narrow face
   double second_water_flow(double time, double length) const;  ///< [m2/s], zero before its start
   double water_temperature(thermal::Face face, double time, double length) const;  ///< [°C]
+  double critical_heat_flux_factor(thermal::Face face, double time, double length) const;  ///< [1]
   /// How far the metal level stands above that of the start [m]; zero until the block starts.
   double metal_level(double time, double length) const;
 

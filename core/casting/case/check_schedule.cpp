@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <functional>
 #include <utility>
+#include <vector>
 
 #include "core/casting/case/casting_schedule.hpp"
 #include "core/casting/case/checks.hpp"
@@ -193,29 +194,38 @@ void check_tables(CaseFindings& found) {
 
   // Curves interpolate, which needs strictly increasing abscissas. Other tables are checked where
   // they are used.
-  for (const auto& [key, curve, unit] :
-       {Table{"schedule.casting_speed", c.schedule.casting_speed, ""},
-        Table{"schedule.casting_temperature", c.schedule.casting_temperature, ""},
-        Table{"schedule.water_flow", c.schedule.water_flow, ""},
-        Table{"schedule.narrow_water_flow", c.schedule.narrow_water_flow, ""},
-        Table{"schedule.casting_speed_factor", c.schedule.casting_speed_factor, ""},
-        Table{"schedule.water_flow_factor", c.schedule.water_flow_factor, ""},
-        Table{"schedule.second_water_flow", c.schedule.second_water_flow, ""},
-        Table{"schedule.metal_level", c.schedule.metal_level, ""},
-        Table{"cooling.water.temperature", c.cooling.water.temperature, ""},
-        Table{"section.half_thickness", c.section.half_thickness, "m"},
-        Table{"time.step", c.time.step, "s"},
-        Table{"alloy.density", c.alloy.density, "degC"},
-        Table{"alloy.specific_heat", c.alloy.specific_heat, "degC"},
-        Table{"alloy.conductivity", c.alloy.conductivity, "degC"},
-        Table{"alloy.liquid_fraction", c.alloy.liquid_fraction, "degC"},
-        Table{"alloy.young_modulus", c.alloy.young_modulus, "degC"},
-        Table{"alloy.poisson_ratio", c.alloy.poisson_ratio, "degC"},
-        Table{"cooling.bottom_block.contact_coefficient",
-              c.cooling.bottom_block.contact_coefficient, "s"},
-        Table{"cooling.bottom_block.gap_coefficient", c.cooling.bottom_block.gap_coefficient, "m"},
-        Table{"cooling.bottom_block.profile_x", c.cooling.bottom_block.profile_x, "m"},
-        Table{"cooling.bottom_block.profile_y", c.cooling.bottom_block.profile_y, "m"}}) {
+  std::vector<Table> tables{
+      Table{"schedule.casting_speed", c.schedule.casting_speed, ""},
+      Table{"schedule.casting_temperature", c.schedule.casting_temperature, ""},
+      Table{"schedule.water_flow", c.schedule.water_flow, ""},
+      Table{"schedule.narrow_water_flow", c.schedule.narrow_water_flow, ""},
+      Table{"schedule.casting_speed_factor", c.schedule.casting_speed_factor, ""},
+      Table{"schedule.water_flow_factor", c.schedule.water_flow_factor, ""},
+      Table{"schedule.second_water_flow", c.schedule.second_water_flow, ""},
+      Table{"schedule.metal_level", c.schedule.metal_level, ""},
+      Table{"cooling.water.temperature", c.cooling.water.temperature, ""},
+      Table{"cooling.water.critical_heat_flux_factor", c.cooling.water.critical_heat_flux_factor,
+            ""},
+      Table{"section.half_thickness", c.section.half_thickness, "m"},
+      Table{"time.step", c.time.step, "s"},
+      Table{"alloy.density", c.alloy.density, "degC"},
+      Table{"alloy.specific_heat", c.alloy.specific_heat, "degC"},
+      Table{"alloy.conductivity", c.alloy.conductivity, "degC"},
+      Table{"alloy.liquid_fraction", c.alloy.liquid_fraction, "degC"},
+      Table{"alloy.young_modulus", c.alloy.young_modulus, "degC"},
+      Table{"alloy.poisson_ratio", c.alloy.poisson_ratio, "degC"},
+      Table{"cooling.bottom_block.contact_coefficient", c.cooling.bottom_block.contact_coefficient,
+            "s"},
+      Table{"cooling.bottom_block.gap_coefficient", c.cooling.bottom_block.gap_coefficient, "m"},
+      Table{"cooling.bottom_block.profile_x", c.cooling.bottom_block.profile_x, "m"},
+      Table{"cooling.bottom_block.profile_y", c.cooling.bottom_block.profile_y, "m"}};
+  if (const auto& narrow = c.cooling.narrow_water) {
+    tables.push_back({"cooling.narrow_water.temperature", narrow->temperature, ""});
+    tables.push_back(
+        {"cooling.narrow_water.critical_heat_flux_factor", narrow->critical_heat_flux_factor, ""});
+  }
+
+  for (const auto& [key, curve, unit] : tables) {
     if (!found.fault_of(key).empty()) continue;  // already reported
 
     const auto repeated = std::ranges::adjacent_find(curve.at(), std::not_fn(std::less{}));

@@ -200,6 +200,7 @@ std::vector<Table> list_tables(const Case& c) {
       {"schedule.second_water_flow", &c.schedule.second_water_flow},
       {"schedule.metal_level", &c.schedule.metal_level},
       {"cooling.water.temperature", &c.cooling.water.temperature},
+      {"cooling.water.critical_heat_flux_factor", &c.cooling.water.critical_heat_flux_factor},
       {"cooling.water.coefficient", &c.cooling.water.coefficient},
       {"cooling.bottom_block.contact_coefficient", &block.contact_coefficient, block.first_metal},
       {"cooling.bottom_block.temperature", &block.temperature},

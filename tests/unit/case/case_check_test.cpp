@@ -212,6 +212,15 @@ const Mistake mistakes[] = {
      [](Case& c) {
        c.schedule.metal_level = {Abscissa::time, {5.0, 4.0}, {0.0, 0.0}};
      }},
+    {"GasOutOfOrder", "cooling.water.critical_heat_flux_factor",
+     [](Case& c) {
+       c.cooling.water.critical_heat_flux_factor = {Abscissa::cast_length, {0.1, 0.1}, {0.3, 1.0}};
+     }},
+    {"NarrowWaterTemperatureOutOfOrder", "cooling.narrow_water.temperature",
+     [](Case& c) {
+       c.cooling.narrow_water = c.cooling.water;
+       c.cooling.narrow_water->temperature = {Abscissa::time, {5.0, 4.0}, {20.0, 30.0}};
+     }},
     {"LevelOfASlabThatDoesNotGrow", "schedule.metal_level",
      [](Case& c) {
        c.section.growth = false;

@@ -248,6 +248,18 @@ TEST(CastingSchedule, MeasuredWaterTemperatureAndLevelReplaceThePlan) {
   EXPECT_EQ(schedule.metal_level(5.0, 0.05), -2e-3);
 }
 
+TEST(CastingSchedule, GasInTheWaterOfAFaceEndsByThePlan) {
+  Case c = small_casting();
+  c.cooling.water.critical_heat_flux_factor = {Abscissa::cast_length, {0.02, 0.04}, {0.25, 1.0}};
+  c.cooling.narrow_water = c.cooling.water;
+  c.cooling.narrow_water->critical_heat_flux_factor = Curve(0.5);
+  const CastingSchedule schedule(c);
+  EXPECT_DOUBLE_EQ(schedule.critical_heat_flux_factor(thermal::Face::wide, 5.0, 0.03), 0.625);
+  EXPECT_DOUBLE_EQ(schedule.critical_heat_flux_factor(thermal::Face::narrow, 5.0, 0.03), 0.5);
+  EXPECT_TRUE(schedule.changes_after(5.0, 0.03));
+  EXPECT_FALSE(schedule.changes_after(5.0, 0.05));
+}
+
 /// What a level may do: fall as fast as the block sinks, rise at once, and do what it likes after
 /// the end.
 TEST(CastingSchedule, TheLevelMayFallAsFastAsTheBlockSinks) {

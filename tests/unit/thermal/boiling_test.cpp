@@ -32,6 +32,19 @@ TEST(Boiling, KeepsTheStatedValuesAtTheirFlows) {
   EXPECT_DOUBLE_EQ(film_coefficient(water.wetting, film(start_flow), 0.03), 400.0);
 }
 
+/// Gas stays in the water on its way down the face.
+TEST(Boiling, GasLowersTheCriticalHeatFluxOfTheWholeFilm) {
+  const Water water = start_up_water();
+  const std::vector<WetPiece> pieces(3,
+                                     {.area = 1e-3, .at = {0.0, 0.1}, .surface_temperature = 200});
+  std::vector<WaterPlace> plain, gassed;
+  march_film(water, {25.0, full_flow}, 1.0, 1.0, pieces, plain);
+  march_film(water, {25.0, full_flow, 0.25}, 1.0, 1.0, pieces, gassed);
+  ASSERT_EQ(gassed.size(), plain.size());
+  EXPECT_DOUBLE_EQ(gassed[0].critical_heat_flux, 0.25 * plain[0].critical_heat_flux);
+  EXPECT_EQ(gassed[2].film.critical_factor, 0.25);
+}
+
 /// The exponents, checked by doubling the flow.
 TEST(Boiling, FollowsTheFlow) {
   const Water water = start_up_water();
@@ -308,10 +321,11 @@ protected:
   }
 };
 
-TEST(Films, ThatJoinAddFlowAndHeat) {
-  const Film film = joined({20.0, 1e-3}, {80.0, 3e-3});
+TEST(Films, ThatJoinAddFlowHeatAndGas) {
+  const Film film = joined({20.0, 1e-3, 0.2}, {80.0, 3e-3, 1.0});
   EXPECT_DOUBLE_EQ(film.flow, 4e-3);
   EXPECT_DOUBLE_EQ(film.temperature, 65.0);
+  EXPECT_DOUBLE_EQ(film.critical_factor, 0.8);
 }
 
 TEST_F(SecondJets, OfNoFlowAreNoJets) {
