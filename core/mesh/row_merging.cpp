@@ -12,6 +12,9 @@ constexpr int top_rows = 2;           // of cells, which growth changes
 /// A merging sets up the systems of heat and mechanics anew, which takes as long as a step: rows
 /// wait until it removes at least one in so many.
 constexpr std::size_t rows_per_removed = 32;
+/// Height of a row, of its depth below the metal level [1]: what is deep is cold and changes
+/// slowly.
+constexpr double graded_share = 0.2;
 
 }  // namespace
 
@@ -28,7 +31,8 @@ std::vector<int> rows_to_merge(std::span<const double> height, int first,
 
     if (height[i + 1] > deepest) break;
     if (std::abs(upper - lower) > same_height * lower) continue;
-    if (lower + upper > merging.largest_cell * (1.0 + round_off)) continue;
+    const double graded = graded_share * (height.back() - height[i + 1]);
+    if (lower + upper > std::max(merging.largest_cell, graded) * (1.0 + round_off)) continue;
 
     removed.push_back(row);
     ++row;  // the next row of nodes is a boundary of the merged row

@@ -14,7 +14,8 @@ namespace dccast::mesh {
 struct RowMerging {
   /// [m] depth of a pair below the metal level at which it is merged; 0: never
   double below = 0.0;
-  double largest_cell = 0.0;  ///< [m] largest height of a merged row
+  /// [m] largest height of a merged row; deeper down it may be a fifth of the depth of its top
+  double largest_cell = 0.0;
 };
 
 /// Rows of nodes to remove, ascending and never two neighbours, so that the two rows of cells next

@@ -74,7 +74,8 @@ const Discretisation& section_discretisation(v1::Quality quality) {
 /// Rows that growth adds have little effect; deep ones are merged. Steps grow as the curl slows
 /// down. The runs on which this is based are in docs/developers/discretisation.md.
 const Discretisation& quarter_slab_discretisation(v1::Quality quality) {
-  static const Ladder filling{{0, 2}, {10, 8}}, start{{0, 0.5}, {2, 2}, {150, 4}, {300, 8}};
+  static const Ladder filling{{0, 2}, {10, 8}},
+      start{{0, 0.5}, {2, 2}, {150, 5}, {300, 10}};
   static const Discretisation draft{.column = 94e-3,
                                     .fewest_columns = 6,
                                     .layer = 36e-3,

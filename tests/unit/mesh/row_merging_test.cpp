@@ -22,7 +22,13 @@ TEST(RowMerging, TakesPairsThatLieDeepEnough) {
       << "the level is 0.2 m: pairs whose upper edge is below 0.079 m";
   EXPECT_EQ(rows_to_merge(rows, 3, {0.121, 0.02}), (std::vector{4, 6}));
   EXPECT_TRUE(rows_to_merge(rows, 0, {0.0, 0.02}).empty()) << "switched off";
-  EXPECT_TRUE(rows_to_merge(rows, 0, {0.01, 0.019}).empty()) << "too high together";
+}
+
+TEST(RowMerging, LetsARowBeAsHighAsAFifthOfItsDepth) {
+  const std::vector<double> rows = even_rows(20, 0.01);
+  EXPECT_EQ(rows_to_merge(rows, 0, {0.01, 0.019}), (std::vector{1, 3, 5, 7, 9}))
+      << "pairs of 0.02 m whose upper edge is 0.1 m below the level or deeper";
+  EXPECT_EQ(rows_to_merge(rows, 0, {0.15, 0.001}), (std::vector{1, 3}));
 }
 
 TEST(RowMerging, NeverTouchesTheRowsThatGrow) {
