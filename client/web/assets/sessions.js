@@ -11,6 +11,9 @@ const nameOf = ({name, is_secret: isSecret}) => {
 };
 const lastUse = ({last_use_time: time, last_use_address: address}) =>
   time ? `${ago(time)}, from ${address}` : 'not since the server was started';
+// The cookie of a browser ends long before its token.
+const endOf = ({name, is_secret: isSecret, expire_time: time}) =>
+  name === 'web' && !isSecret ? '12 h without use, 30 days' : dateText(time);
 const dateText = time => new Date(time).toLocaleString();
 
 export function sessionsPage(element, signal) {
@@ -53,8 +56,8 @@ export function sessionsPage(element, signal) {
     replace(list, tokens.length === 0
       ? h('p', {}, 'None: you work on the machine of the server, which knows you.')
       : sheet(['Where', 'Made', 'Last used', 'Until', 'End'], [...tokens].reverse().map(token => [
-        [nameOf(token), token.is_of_this_call ? h('strong', {}, ' this one') : null],
-        dateText(token.create_time), lastUse(token), dateText(token.expire_time),
+        [nameOf(token), token.is_of_this_call ? h('strong', {}, ', this one') : null],
+        dateText(token.create_time), lastUse(token), endOf(token),
         h('button', {
           type: 'button', class: 'danger', 'aria-label': `End ${nameOf(token)}`,
           onclick: () => attempt(() => end(token))
