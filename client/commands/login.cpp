@@ -117,7 +117,11 @@ ExitCode run(const WhoAmIOptions& options, Program& program) {
   return ExitCode::done;
 }
 
-ExitCode print_web_line(Program& program) {
+struct WebLineOptions {
+  bool json = false;
+};
+
+ExitCode run(const WebLineOptions& options, Program& program) {
   Connection connection = program.connect();
   const auto line = connection.call(&Stub::IssueSignIn, v1::IssueSignInRequest());
   if (line.link().empty())
@@ -125,9 +129,13 @@ ExitCode print_web_line(Program& program) {
         ExitCode::wrong_state,
         connection.server() +
             " names no address of dccast-web (access.web_address); an admin sets it");
+  const std::string end = utc_text(line.expire_time().seconds());
+  if (options.json) {
+    print_line({{"link", line.link()}, {"expires", end}});
+    return ExitCode::done;
+  }
   std::cout << line.link() << std::endl;
-  std::cerr << "Open it in a browser: it signs in once, until "
-            << utc_text(line.expire_time().seconds()) << '\n';
+  std::cerr << "Open it in a browser: it signs in once, until " << end << '\n';
   return ExitCode::done;
 }
 
@@ -229,9 +237,10 @@ void add_whoami(CommandLine& line, Program& program) {
 }
 
 void add_web_line(CommandLine& line, Program& program) {
-  line.command("web-line", "Print a link that signs in a browser once, within ten minutes",
-               "dccast web-line")
-      .action([&program] { return print_web_line(program); });
+  const auto [command, options] = declare<WebLineOptions>(
+      line, program, run, "web-line",
+      "Print a link that signs in a browser once, within ten minutes", "dccast web-line");
+  command.json(options.json);
 }
 
 void add_tokens(CommandLine& line, Program& program) {

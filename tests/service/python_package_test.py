@@ -704,6 +704,7 @@ class Remote(ClientTest):
         self.assertIn("line, not used yet", self.dccast("tokens").stdout)
         self.assertTrue(json.loads(self.dccast("tokens", "--json").stdout)[0]["is_this_login"])
         self.assertIn("/sign-in.html#dccast-enrol-", self.dccast("web-line").stdout)
+        self.assertIn("/sign-in.html#", json.loads(self.dccast("web-line", "--json").stdout)["link"])
 
         service.revoke_token(second.id)
         with self.assertRaises(dccast.DccastError) as caught:

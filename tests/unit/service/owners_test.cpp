@@ -132,7 +132,8 @@ TEST_F(OwnersTest, AUserListsOwnTokensAndEndsThem) {
 }
 
 TEST_F(OwnersTest, TokensOfAUserAreBounded) {
-  for (int i = 1; i < 100; ++i) anna_.ask(&Stub::IssueSignIn, v1::IssueSignInRequest());
+  const std::int64_t now = std::time(nullptr);
+  for (int i = 1; i < 100; ++i) users_.add_line("anna", "", now, now + 1000);
   EXPECT_THAT(anna_.refusal(RESOURCE_EXHAUSTED, &Stub::IssueSignIn, v1::IssueSignInRequest())
                   .error_message(),
               AllOf(HasSubstr("anna has 100 tokens"), HasSubstr("dccast tokens --end")));
