@@ -60,7 +60,8 @@ Add add_curl, add_probe, add_contraction, add_fetch, add_report, add_dashboard;
 Add add_studies, add_convergence, add_sweep, add_predict, add_uncertainty, add_sensitivity;
 Add add_remedy;
 Add add_calibrate, add_design_mould, add_design_recipe;
-Add add_login, add_logout, add_whoami, add_doctor, add_info, add_completion;
+Add add_login, add_logout, add_whoami, add_web_line, add_tokens, add_doctor, add_info,
+    add_completion;
 
 /// The names of priorities on the command line.
 const std::map<std::string, int>& priorities();

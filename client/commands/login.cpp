@@ -117,6 +117,75 @@ ExitCode run(const WhoAmIOptions& options, Program& program) {
   return ExitCode::done;
 }
 
+struct WebLineOptions {
+  bool json = false;
+};
+
+ExitCode run(const WebLineOptions& options, Program& program) {
+  Connection connection = program.connect();
+  const auto line = connection.call(&Stub::IssueSignIn, v1::IssueSignInRequest());
+  if (line.link().empty())
+    throw CommandFailed(
+        ExitCode::wrong_state,
+        connection.server() +
+            " names no address of dccast-web (access.web_address); an admin sets it");
+  const std::string end = utc_text(line.expire_time().seconds());
+  if (options.json) {
+    print_line({{"link", line.link()}, {"expires", end}});
+    return ExitCode::done;
+  }
+  std::cout << line.link() << std::endl;
+  std::cerr << "Open it in a browser: it signs in once, until " << end << '\n';
+  return ExitCode::done;
+}
+
+struct TokensOptions {
+  std::string end;
+  bool json = false;
+};
+
+Json token_json(const v1::Token& token) {
+  const auto time = [](bool is_known, const google::protobuf::Timestamp& at) {
+    return is_known ? Json(utc_text(at.seconds())) : Json();
+  };
+  return {{"id", token.id()},
+          {"name", token.name()},
+          {"made", time(true, token.create_time())},
+          {"expires", time(true, token.expire_time())},
+          {"last_use", time(token.has_last_use_time(), token.last_use_time())},
+          {"from", token.last_use_address()},
+          {"is_line", token.is_secret()},
+          {"is_this_login", token.is_of_this_call()}};
+}
+
+ExitCode run(const TokensOptions& options, Program& program) {
+  Connection connection = program.connect();
+  if (!options.end.empty()) {
+    v1::RevokeTokenRequest revoked;
+    revoked.set_id(options.end);
+    connection.call(&Stub::RevokeToken, revoked);
+    std::cerr << "token " << options.end << " was revoked\n";
+    return ExitCode::done;
+  }
+
+  const auto all = connection.call(&Stub::ListTokens, v1::ListTokensRequest());
+  if (options.json) {
+    print_line(json_list(all.tokens(), token_json));
+    return ExitCode::done;
+  }
+  for (const v1::Token& token : all.tokens()) {
+    std::cout << token.id() << "  " << (token.is_secret() ? "line, not used yet" : token.name())
+              << ", made " << utc_text(token.create_time().seconds());
+    if (token.has_last_use_time())
+      std::cout << ", used " << utc_text(token.last_use_time().seconds()) << " from "
+                << token.last_use_address();
+    std::cout << ", until " << utc_text(token.expire_time().seconds())
+              << (token.is_of_this_call() ? "  (this login)" : "") << '\n';
+  }
+  if (all.tokens().empty()) std::cerr << "you have no tokens here\n";
+  return ExitCode::done;
+}
+
 struct DoctorOptions {
   std::string server, role;
   int timeout_s = 5;
@@ -164,6 +233,21 @@ void add_logout(CommandLine& line, Program& program) {
 void add_whoami(CommandLine& line, Program& program) {
   const auto [command, options] = declare<WhoAmIOptions>(
       line, program, run, "whoami", "Name, role and end of the login", "dccast whoami");
+  command.json(options.json);
+}
+
+void add_web_line(CommandLine& line, Program& program) {
+  const auto [command, options] = declare<WebLineOptions>(
+      line, program, run, "web-line",
+      "Print a link that signs in a browser once, within ten minutes", "dccast web-line");
+  command.json(options.json);
+}
+
+void add_tokens(CommandLine& line, Program& program) {
+  const auto [command, options] = declare<TokensOptions>(
+      line, program, run, "tokens", "List your logins and sessions of browsers, or end one",
+      "dccast tokens\n  dccast tokens --end 0123456789abcdef");
+  command.option("--end", options.end, "Id of the token that is revoked");
   command.json(options.json);
 }
 

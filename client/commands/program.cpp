@@ -82,7 +82,8 @@ const std::vector<Group>& groups() {
        {add_convergence, add_uncertainty, add_sensitivity, add_calibrate, add_remedy, add_sweep,
         add_predict, add_design_recipe, add_design_mould, add_studies}},
       {"Commands to reach a server",
-       {add_login, add_logout, add_whoami, add_doctor, add_info, add_usage, add_completion}}};
+       {add_login, add_logout, add_whoami, add_web_line, add_tokens, add_doctor, add_info,
+        add_usage, add_completion}}};
   return all;
 }
 

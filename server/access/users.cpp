@@ -86,8 +86,12 @@ std::string add_credential(v1::User& user, Kind kind, std::int64_t now, std::int
            [&](const v1::Credential& credential) { return has_expired(credential, now); });
   if (user.credential_size() >= largest_number_of_credentials) erase_oldest_session(user);
   if (user.credential_size() >= largest_number_of_credentials)
-    throw Refused(fmt::format("user {} has {} tokens; dccastd user rotate revokes them",
-                              user.name(), largest_number_of_credentials));
+    throw refusal::LimitReached(
+        {.cause = fmt::format("user {} has {} tokens", user.name(), user.credential_size()),
+         .limit = "tokens of a user",
+         .permitted = std::to_string(largest_number_of_credentials),
+         .remedy = fmt::format("revoke some: dccast tokens --end ID, or dccastd user revoke {} ID",
+                               user.name())});
 
   const std::string secret = values::random_hexadecimal(secret_bytes);
   v1::Credential& added = *user.add_credential();
@@ -178,6 +182,10 @@ refusal::Facts not_proven(std::string cause, std::string remedy) {
 refusal::Facts disabled(const std::string& name) {
   return not_proven(fmt::format("user {} is disabled", name),
                     fmt::format("an admin can undo it: dccastd user enable {}", name));
+}
+
+std::string sign_in_link(const std::string& web, const std::string& secret) {
+  return fmt::format("{}/sign-in.html#{}", web, secret);
 }
 
 v1::Role parse_role(const std::string& text) {

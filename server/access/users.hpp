@@ -90,6 +90,10 @@ private:
   FileVersion read_version_;
 };
 
+/// The link that signs in with a one-time secret. It stands behind '#', which browsers do not send.
+/// @param web  address of dccast-web
+std::string sign_in_link(const std::string& web, const std::string& secret);
+
 /// "viewer", "submitter" or "admin". @throws Refused for another text
 v1::Role parse_role(const std::string& text);
 std::string text_of(v1::Role role);

@@ -138,7 +138,7 @@ void print_line(const AdministrationCommand& command, const v1::DaemonConfig& co
     out << fmt::format("    dccast login {}\n\n",
                        login_line(login_address(config), prepare_tls(config), secret));
   if (is_for_programs && !web.empty()) out << "or, for a browser, this link in its place:\n\n";
-  if (!web.empty()) out << fmt::format("    {}/sign-in.html#{}\n\n", web, secret);
+  if (!web.empty()) out << fmt::format("    {}\n\n", access::sign_in_link(web, secret));
 }
 
 void list_users(const fs::path& directory, std::ostream& out) {

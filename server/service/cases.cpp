@@ -1,10 +1,7 @@
-// Calls about cases, the server itself and the caller.
+// Calls about cases and the server itself.
 #include <fmt/format.h>
 #include <google/protobuf/stubs/common.h>
 #include <grpcpp/grpcpp.h>
-
-#include <cmath>
-#include <ctime>
 
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/plant_words.hpp"
@@ -51,13 +48,6 @@ std::string find_case_text(const v1::ReadCaseRequest& request) {
   if (const auto* known = shipped::find(cases, request.shipped())) return known->text;
   refuse(ErrorInfo::NOT_FOUND, "no case called \"{}\" is built in; there are {}",
          values::shown(request.shipped()), fmt::join(shipped::names_of(cases), ", "));
-}
-
-void describe(const access::Caller& caller, v1::WhoAmIResponse& response) {
-  response.set_name(caller.name);
-  response.set_role(caller.role);
-  response.set_proof(access::text_of(caller.by));
-  if (caller.expires_unix != 0) response.mutable_expire_time()->set_seconds(caller.expires_unix);
 }
 
 }  // namespace
@@ -130,41 +120,6 @@ Unary* SimulationService::GetServerInfo(Wire* wire, const v1::GetServerInfoReque
     response->set_build(
         fmt::format("g++ {}, gRPC {}, protobuf {}", __VERSION__, grpc::Version(),
                     google::protobuf::internal::VersionString(GOOGLE_PROTOBUF_VERSION)));
-  });
-}
-
-Unary* SimulationService::Enrol(Wire* wire, const v1::EnrolRequest* request,
-                                v1::EnrolResponse* response) {
-  return answer(wire, *request, pools_.durable, [=, this](const Call& call) {
-    check_text("machine", request->machine());
-
-    const std::int64_t now = std::time(nullptr);
-    const access::Caller user = context_.gate.authority().users().enrol(
-        request->secret(), request->machine(), now,
-        now + std::llround(context_.settings.access().token_lifetime_s()),
-        *response->mutable_token());
-
-    if (!user.proven()) throw Refusal{make_status(*user.refusal)};
-    call.note->set_user(user.name);
-    call.note->set_reason("a token was made for " + request->machine());
-    describe(user, *response->mutable_user());
-  });
-}
-
-Unary* SimulationService::WhoAmI(Wire* wire, const v1::WhoAmIRequest* request,
-                                 v1::WhoAmIResponse* response) {
-  return answer(wire, *request, pools_.status,
-                [=](const Call& call) { describe(call.caller, *response); });
-}
-
-Unary* SimulationService::RevokeToken(Wire* wire, const v1::RevokeTokenRequest* request,
-                                      v1::RevokeTokenResponse*) {
-  return answer(wire, *request, pools_.durable, [this](const Call& call) {
-    if (call.caller.credential.empty())
-      refuse(ErrorInfo::WRONG_STATE,
-             "this call was not made with a token; there is nothing to revoke");
-    context_.gate.authority().users().revoke(call.caller.name, call.caller.credential);
-    call.note->set_reason("the token was revoked by its user");
   });
 }
 

@@ -43,8 +43,8 @@ Gate::Gate(access::Authority& authority, access::AuditLog& audit, const Limits& 
 
 access::Caller Gate::identify(const Credentials& credentials) {
   const relay::Peer& peer = *credentials.peer;
-  if (credentials.of_local_user()) return identify_local_user(peer, credentials.token);
-  if (!credentials.token.empty()) return authority_.by_token(credentials.token, std::time(nullptr));
+  if (credentials.of_local_user()) return identify_local_user(credentials);
+  if (!credentials.token.empty()) return identify_by_token(credentials);
   if (!peer.certificate_name.empty())
     return authority_.by_certificate(peer.certificate_name, peer.certificate_ends_unix,
                                      std::time(nullptr));
@@ -59,12 +59,12 @@ access::Caller Gate::identify(const Credentials& credentials) {
 
 /// The socket proves the user. A token beside it must be of the same one: a call does not run as
 /// another user than its token says.
-access::Caller Gate::identify_local_user(const relay::Peer& peer, const std::string& token) {
-  access::Caller local =
-      authority_.local_user(peer.user_id ? local_users_.name_of(*peer.user_id) : "");
-  if (token.empty()) return local;
+access::Caller Gate::identify_local_user(const Credentials& credentials) {
+  const auto& user_id = credentials.peer->user_id;
+  access::Caller local = authority_.local_user(user_id ? local_users_.name_of(*user_id) : "");
+  if (credentials.token.empty()) return local;
 
-  const access::Caller named = authority_.by_token(token, std::time(nullptr));
+  const access::Caller named = identify_by_token(credentials);
   if (!named.proven()) return named;
   if (named.name != local.name)
     local.refusal = access::not_proven(
@@ -72,6 +72,13 @@ access::Caller Gate::identify_local_user(const relay::Peer& peer, const std::str
                     local.name.empty() ? "no known user" : local.name),
         "leave the token out, or call over TLS");
   return local;
+}
+
+access::Caller Gate::identify_by_token(const Credentials& credentials) {
+  const std::int64_t now = std::time(nullptr);
+  access::Caller caller = authority_.by_token(credentials.token, now);
+  if (caller.proven()) token_uses_.note(caller.credential, {now, credentials.address});
+  return caller;
 }
 
 grpc::Status Gate::permit(const access::Caller& caller, const access::CallRule& rule,

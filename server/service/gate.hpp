@@ -18,6 +18,7 @@
 #include "server/access/audit.hpp"
 #include "server/access/limits.hpp"
 #include "server/access/rules.hpp"
+#include "server/access/token_uses.hpp"
 #include "server/jobs/queue/tally.hpp"
 #include "server/relay/peer_table.hpp"
 
@@ -130,12 +131,15 @@ public:
   std::size_t open_streams() { return streams_.open(); }
 
   access::Authority& authority() { return authority_; }
+  access::TokenUses& token_uses() { return token_uses_; }
   /// Peers of all open connections.
   relay::PeerTable& peers() { return peers_; }
 
 private:
-  /// The user of a connection to the Unix socket. @param token  empty: none
-  access::Caller identify_local_user(const relay::Peer& peer, const std::string& token);
+  /// The user of a connection to the Unix socket.
+  access::Caller identify_local_user(const Credentials& credentials);
+  /// The user of the token, whose use is noted.
+  access::Caller identify_by_token(const Credentials& credentials);
   /// An open stream and whose access it depends on.
   struct Lasting {
     access::Caller caller;
@@ -153,6 +157,7 @@ private:
   const Owners owners_;
   const std::optional<unsigned> web_user_id_;
   access::CallRate rate_, unproven_rate_, recorded_refusals_;
+  access::TokenUses token_uses_;
   access::OpenCount streams_;
   std::mutex figures_mutex_;
   CallFigures figures_;

@@ -33,8 +33,12 @@ public:
   Unary* ValidateCase(Wire*, const v1::ValidateCaseRequest*, v1::ValidateCaseResponse*) override;
   Unary* ListAlloys(Wire*, const v1::ListAlloysRequest*, v1::ListAlloysResponse*) override;
   Unary* GetServerInfo(Wire*, const v1::GetServerInfoRequest*, v1::GetServerInfoResponse*) override;
+
+  // tokens.cpp
   Unary* Enrol(Wire*, const v1::EnrolRequest*, v1::EnrolResponse*) override;
   Unary* WhoAmI(Wire*, const v1::WhoAmIRequest*, v1::WhoAmIResponse*) override;
+  Unary* IssueSignIn(Wire*, const v1::IssueSignInRequest*, v1::IssueSignInResponse*) override;
+  Unary* ListTokens(Wire*, const v1::ListTokensRequest*, v1::ListTokensResponse*) override;
   Unary* RevokeToken(Wire*, const v1::RevokeTokenRequest*, v1::RevokeTokenResponse*) override;
 
   // jobs.cpp

@@ -14,6 +14,7 @@ import pathlib
 import re
 import shutil
 import socket
+import stat
 import subprocess
 import sys
 import tempfile
@@ -34,7 +35,7 @@ from support import BIN, ServiceTest, main, until
 
 CASE = "start-2d-thickness"
 QUICK = {"quality": "draft", "time.end": "20 s"}
-MODULES = ("", ".cases", ".castings", ".errors", ".frames", ".jobs", ".judgements", ".plots", ".runs", ".service", ".studies",
+MODULES = ("", ".cases", ".castings", ".errors", ".frames", ".jobs", ".judgements", ".logins", ".plots", ".runs", ".service", ".studies",
            ".text", ".transport")
 PACKAGE = os.path.dirname(dccast.__file__)
 os.environ["MPLBACKEND"] = "agg"
@@ -593,8 +594,6 @@ class Parity(unittest.TestCase):
     """Command and package reach all that the contract has."""
 
     NOT_BY_COMMAND = {"ReadCase": "the command reads case files itself"}
-    NOT_BY_PACKAGE = {"Enrol": "`dccast login` makes a login, which the package finds",
-                      "RevokeToken": "`dccast logout` ends it"}
     REQUESTS = ("SubmitJobRequest", "PrepareCastingRequest", "CreateStudyRequest", "UpdateJobRequest")
 
     def setUp(self):
@@ -612,7 +611,7 @@ class Parity(unittest.TestCase):
         by_package = set(re.findall(r'"(\w+)"|stub\.(\w+)', self.package))
         by_package = {name for found in by_package for name in found}
         self.assertEqual(calls - by_command, set(self.NOT_BY_COMMAND))
-        self.assertEqual(calls - by_package, set(self.NOT_BY_PACKAGE))
+        self.assertEqual(calls - by_package, set())
 
     def test_every_field_of_what_is_queued_is_set_by_both(self):
         modules = (dccast.v1.service_pb2, dccast.v1.study_pb2)
@@ -633,11 +632,8 @@ class Remote(ClientTest):
     def connect(self, role):
         self.start()
         self.log_in("anna", role)
-        variables = {"XDG_CONFIG_HOME": os.path.join(self.folder, "settings")}
-        with unittest.mock.patch.dict(os.environ, variables):
-            for name in ("DCCAST_SERVER", "DCCAST_CONFIG"):
-                os.environ.pop(name, None)
-            return dccast.connect()
+        self.from_here()
+        return dccast.connect()
 
     def test_a_login_makes_the_owner(self):
         service = self.connect("submitter")
@@ -645,6 +641,97 @@ class Remote(ClientTest):
         job = service.submit(CASE, QUICK, title="steps=3").wait()
         self.assertEqual(job.message.owner, "anna")
         self.assertEqual(service.job("last").id, job.id)
+
+    def from_here(self):
+        """The settings of this test, as those of this process."""
+        variables = {"XDG_CONFIG_HOME": os.path.join(self.folder, "settings")}
+        self.enterContext(unittest.mock.patch.dict(os.environ, variables))
+        for name in ("DCCAST_SERVER", "DCCAST_CONFIG"):
+            os.environ.pop(name, None)
+
+    def test_a_login_by_the_line_serves_package_and_command(self):
+        self.start()
+        self.from_here()
+        line = self.line_for("anna")
+        self.assertEqual(dccast.login(f"dccast login {line}\n").server, self.daemon.tls_address)
+        self.assertEqual(stat.S_IMODE(os.stat(self.servers_file()).st_mode), 0o600)
+        self.assertEqual(dccast.connect().submit(CASE, QUICK, title="steps=3").message.owner, "anna")
+        self.assertIn("anna on", self.dccast("whoami").stdout)
+        with self.assertRaises(dccast.DccastError) as caught:
+            dccast.login(line)
+        self.assertEqual(caught.exception.code, "UNAUTHENTICATED")
+
+        dccast.login(self.line_for("bert"), "north")
+        self.assertIn("anna on", self.dccast("whoami").stdout)
+        self.assertIn("bert on", self.dccast("--server", "north", "whoami").stdout)
+        dccast.login(self.line_for("carl"), "south", default=True)
+        self.assertIn("carl on", self.dccast("whoami").stdout)
+        dccast.connect("north").revoke_token()
+        self.assertEqual(self.dccast("--server", "north", "whoami").returncode, 5)
+
+    def test_another_server_gets_no_secret(self):
+        self.start()
+        self.from_here()
+        line = self.line_for("anna")
+        address, fingerprint, secret = line.split("/")
+        other = fingerprint[:-1] + ("0" if fingerprint[-1] != "0" else "1")
+        with self.assertRaises(dccast.DccastError) as caught:
+            dccast.login("/".join((address, other, secret)))
+        self.assertEqual(caught.exception.code, "UNAUTHENTICATED")
+        self.assertIn("another server", str(caught.exception))
+        self.assertFalse(os.path.exists(self.servers_file()))
+        for text in ("", "nonsense", address, f"{address}/{fingerprint}", f"/{fingerprint}/{secret}"):
+            with self.assertRaises(dccast.DccastError) as caught:
+                dccast.login(text)
+            self.assertEqual(caught.exception.code, "INVALID_ARGUMENT", text)
+        with socket.socket() as silent:
+            silent.bind(("127.0.0.1", 0))
+            with self.assertRaises(dccast.DccastError) as caught:
+                dccast.login(f"127.0.0.1:{silent.getsockname()[1]}/{fingerprint}/{secret}")
+        self.assertEqual(caught.exception.code, "UNAVAILABLE")
+        dccast.login(line)  # the secret is still good
+
+    def test_tokens_are_listed_and_ended(self):
+        self.start(access__web_address="https://dccast.test")
+        self.from_here()
+        service = dccast.login(self.line_for("anna"))
+        other = dccast.login(self.admin("user", "line", "anna").split("dccast login ")[1].split()[0], "other")
+        self.assertRegex(service.web_line(), r"^https://dccast\.test/sign-in\.html#dccast-enrol-\w+-\w+$")
+        first, second, line = service.tokens()
+        self.assertEqual([first.is_of_this_call, second.is_of_this_call, line.is_secret], [True, False, True])
+        self.assertEqual(first.last_use_address, "127.0.0.1")
+        self.assertIn("(this login)", self.dccast("tokens").stdout)
+        self.assertIn("line, not used yet", self.dccast("tokens").stdout)
+        self.assertTrue(json.loads(self.dccast("tokens", "--json").stdout)[0]["is_this_login"])
+        self.assertIn("/sign-in.html#dccast-enrol-", self.dccast("web-line").stdout)
+        self.assertIn("/sign-in.html#", json.loads(self.dccast("web-line", "--json").stdout)["link"])
+
+        service.revoke_token(second.id)
+        with self.assertRaises(dccast.DccastError) as caught:
+            other.tokens()
+        self.assertEqual(caught.exception.code, "UNAUTHENTICATED")
+        self.assertEqual(self.dccast("tokens", "--end", line.id).returncode, 0)
+        self.assertEqual(self.dccast("tokens", "--end", line.id).returncode, 5)
+
+    def test_without_unix_sockets_as_on_windows(self):
+        self.start()
+        self.from_here()
+        dccast.login(self.line_for("anna"))
+        script = textwrap.dedent("""
+            import socket
+            del socket.AF_UNIX
+            import importlib, pkgutil
+            import dccast
+            for module in pkgutil.walk_packages(dccast.__path__, "dccast."):
+                importlib.import_module(module.name)
+            print(dccast.connect().info().workers > 0)
+            """)
+
+        def said(**more):
+            return subprocess.run([sys.executable, "-c", script], env={**os.environ, **more},
+                                  capture_output=True, text=True, check=False, timeout=60)
+        self.assertEqual(said().stdout, "True\n", said().stderr)
+        self.assertIn("no server is named", said(XDG_CONFIG_HOME=self.folder).stderr)
 
     def test_a_viewer_reads_cases_and_submits_none(self):
         service = self.connect("viewer")
@@ -687,7 +774,7 @@ class Packaging(unittest.TestCase):
             wheel, = pathlib.Path(folder).glob("dccast-*-py3-none-any.whl")
             names = zipfile.ZipFile(wheel).namelist()
         for name in ("dccast/__init__.py", "dccast/py.typed", "dccast/v1/service_pb2_grpc.py",
-                     "dccast/v1/case_pb2.pyi"):
+                     "dccast/v1/case_pb2.pyi", "dccast/logins.py"):
             self.assertIn(name, names)
 
     def test_the_settings_file_names_the_server(self):

@@ -17,6 +17,7 @@ from dccast.errors import DccastError, Fault, UnknownState
 from dccast.frames import Frame, Frames
 from dccast.jobs import Event, Job, Watch
 from dccast.judgements import Comparison, Difference, Judgement
+from dccast.logins import login
 from dccast.plots import plot_chart, plot_curl
 from dccast.runs import Answer, Band, Run
 from dccast.service import Service, connect
@@ -27,5 +28,5 @@ __version__ = "1.0.0"
 __all__ = [
     "Answer", "Band", "Case", "Comparison", "DccastError", "Difference", "Event", "Fault", "Forecast", "Frame",
     "Frames", "Job", "Judgement", "Prediction", "Preparation", "Run", "Service", "Study", "UnknownState",
-    "Watch", "__version__", "connect", "plot_chart", "plot_curl",
+    "Watch", "__version__", "connect", "login", "plot_chart", "plot_curl",
 ]

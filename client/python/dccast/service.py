@@ -58,6 +58,22 @@ class Service:
             "GetServerInfo", service_pb2.GetServerInfoRequest())
         return answer
 
+    def web_line(self) -> str:
+        """A link that signs in a browser as the user of this login, once, within ten minutes.
+
+        @raises DccastError  FAILED_PRECONDITION: a local user who is not in the list of users
+        """
+        line = self._transport.call("IssueSignIn", service_pb2.IssueSignInRequest(), repeat=False)
+        return str(line.link)
+
+    def tokens(self) -> list[service_pb2.Token]:
+        """Logins and sessions of browsers of the user of this login, oldest first."""
+        return list(self._transport.call("ListTokens", service_pb2.ListTokensRequest()).tokens)
+
+    def revoke_token(self, token: str = "") -> None:
+        """Ends a login or session by its id; without one this login."""
+        self._transport.call("RevokeToken", service_pb2.RevokeTokenRequest(id=token), repeat=False)
+
     def read(self, case: Source, changes: Changes | None = None, **keys: Value) -> Case:
         """The case with the changes, for calls that follow. @raises DccastError  its faults"""
         return read_case(self._transport, case, changes_of(changes, keys))

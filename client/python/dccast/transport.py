@@ -94,6 +94,17 @@ def with_port(server: str) -> str:
     return server if ":" in server.rsplit("]", 1)[-1] else f"{server}:{PORT}"
 
 
+def host_and_port(address: str) -> tuple[str, str]:
+    """The parts of an address with a port, such as "[::1]:7118"; the host without brackets.
+
+    >>> from dccast import transport
+    >>> transport.host_and_port("[::1]:7118")
+    ('::1', '7118')
+    """
+    host, _, port = address.rpartition(":")
+    return host.strip("[]"), port
+
+
 def _listens(path: str) -> bool:
     with socket.socket(socket.AF_UNIX) as caller:
         caller.setblocking(False)
@@ -118,6 +129,9 @@ def _belongs_to_this_user(folder: str) -> bool:
 def _local_server() -> str:
     """The socket of this user's daemon, else of this machine's, where one listens; else the place
     of this user's."""
+    if not hasattr(socket, "AF_UNIX"):  # Windows: no daemon runs there
+        raise errors.DccastError("INVALID_ARGUMENT", "no server is named",
+                                 remedy="dccast.login(LINE), with the line that the administrator gives")
     own = os.environ.get("XDG_RUNTIME_DIR", "")
     folders = [own] if own.startswith("/") else []
     if os.name == "posix" and _belongs_to_this_user(folder := f"/tmp/dccast-{os.geteuid()}"):
@@ -135,7 +149,7 @@ def endpoint(server: str | None) -> Endpoint:
     named = server or os.environ.get("DCCAST_SERVER") or _read(settings).get("server", "")
     for login in stored_logins(folder):
         address = login.get("address", "")
-        if named in ("", login.get("name"), address, address.rpartition(":")[0].strip("[]")):
+        if named in ("", login.get("name"), address, host_and_port(address)[0]):
             return Endpoint(address, *(login.get(key, "") for key in ("ca", "certificate", "key", "token")))
     found = Endpoint(with_port(named or _local_server()))
     if not found.is_local:

@@ -28,7 +28,8 @@ async function ask(path, options) {
     response = await fetch(path, options);
   } catch (error) {
     if (!options?.signal?.aborted)
-      setReachable(false, 'The dashboard has ended; start dccast dashboard again.');
+      setReachable(false, shared ? 'No answer from the server; trying again.'
+        : 'The dashboard has ended; start dccast dashboard again.');
     throw error;
   }
   if (response.ok) {
@@ -81,13 +82,14 @@ export const callDrawn = (name, request) => postText(`/drawn/${name}`, written(r
 
 /**
  * A call whose response is a stream: `take` gets each message until the stream ends or `signal`
- * aborts. Rejects at a fault.
+ * aborts. Rejects at a fault. @param most  of its duration [ms]; undefined: no bound
  */
-export async function stream(name, request, signal, take) {
+export async function stream(name, request, signal, take, most) {
   const prefix = 5;  // flags and length before each message
   const body = new TextEncoder().encode('\0'.repeat(prefix) + written(request));
   new DataView(body.buffer).setUint32(1, body.length - prefix);
   const init = posted('application/connect+json', body, {signal});
+  if (most) init.headers['Connect-Timeout-Ms'] = most;
   const reader = (await ask(method(name), init)).body.getReader();
 
   for (let rest = new Uint8Array(); ;) {
@@ -106,23 +108,6 @@ export async function stream(name, request, signal, take) {
       if (!isLast) take(message);
       else if (message.error) throw failure(message.error);
       else return;
-    }
-  }
-}
-
-/** The events of a job as they come, each once: a stream that breaks is taken up again. */
-export async function followJob(id, signal, take) {
-  for (let next = 1; !signal.aborted;) {
-    try {
-      await stream('WatchJob', {id, from_sequence: next}, signal, event => {
-        next = event.sequence + 1;
-        take(event);
-      });
-      return;
-    } catch (fault) {
-      if (signal.aborted) return;
-      if (fault.code && fault.code !== 'unavailable') throw fault;
-      await new Promise(resolve => { setTimeout(resolve, 1000); });
     }
   }
 }

@@ -6,7 +6,7 @@ import {h, replace} from './dom.js';
 const seconds = 8;
 
 /** Asks in a dialog. @return whether the answer was yes */
-function confirmed(question, details, yes, no) {
+export function confirmed(question, details, yes, no) {
   return new Promise(resolve => {
     const close = answer => () => {
       dialog.close();

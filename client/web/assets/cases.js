@@ -78,12 +78,14 @@ export async function checkCase({case: description, attachments}) {
 /** A case as it is drawn and written: {drawing, levers, text}. */
 export const shownCase = ({case: description}) => postText('/case/', written(description));
 
-/** Submits a case. @return the job */
-export function submitCase({case: description, attachments, changes, text}) {
+/** Submits a case that was read; once more, it is the same job. @return the job */
+export function submitCase(made) {
+  const {case: description, attachments, changes, text} = made;
+  made.requestId ??= crypto.randomUUID();  // whose answer a lost connection may take
   const bytes = new TextEncoder().encode(text);
   const file = btoa(Array.from(bytes, byte => String.fromCharCode(byte)).join(''));
   return call('SubmitJob', {
-    request_id: crypto.randomUUID(), case: description, attachments, changes, case_file: file
+    request_id: made.requestId, case: description, attachments, changes, case_file: file
   }).catch(named);
 }
 

@@ -22,7 +22,7 @@ export async function comparePage(element, signal, ...ids) {
       h('h1', {}, `${runs.length} jobs compared`),
       h('ol', {}, runs.map(runItem)),
       h('p', {}, h('a', page, 'As a page to keep')),
-      h('div', {class: 'card'}, judgement(found)), slabs);
+      h('div', {class: 'card'}, h('h2', {}, 'Differences from the first job'), judgement(found)), slabs);
     const beside = {};
     for (const {job, title} of runs.slice(0, mostSlabs)) {
       const card = h('div', {class: 'card'});

@@ -1,10 +1,12 @@
 // One job: its answer, its curl as it grows, its findings, its slab, its report.
-import {call, followJob, get, getBytes, post, repeat, shared} from './api.js';
+import {call, get, getBytes, post, repeat, shared} from './api.js';
 import {cancelJobs} from './cancel.js';
 import {chart, wantedBand} from './chart.js';
+import {copyBox} from './copy_box.js';
 import {durationText, findingList, h, mm, monitorText, replace, shortId, stateText} from './dom.js';
 import {frameViewer} from './frame.js';
 import {addStep, curlLines, isSound, lastMonitors} from './history.js';
+import {followJob} from './job_events.js';
 
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 
@@ -19,20 +21,6 @@ export const framesOf = job => ({
 /** Shows the address of a job's page, for colleagues. */
 function linkButton(job) {
   const hash = `#/job/${job.id}`, here = `${location.origin}/${hash}`;
-  const copied = h('span', {role: 'status', class: 'soft'});
-  const box = (label, address) =>
-    h('label', {}, label,
-      h('input',
-        {type: 'text', readonly: true, value: address, onfocus: event => event.target.select()}),
-      h('button', {
-        type: 'button',
-        onclick: async () => {
-          await navigator.clipboard?.writeText(address).catch(() => {});
-          copied.textContent = 'Copied.';
-        }
-      },
-        'Copy'));
-
   return h(
     'button', {
       type: 'button',
@@ -41,9 +29,8 @@ function linkButton(job) {
           'dialog',
           {class: 'link', 'aria-label': 'Link to this job', onclose: () => dialog.remove()},
           h('h2', {}, 'Link to this job'),
-          box(shared ? 'For users of this server' : 'For this browser', here),
+          copyBox(shared ? 'For users of this server' : 'For this browser', here),
           h('p', {class: 'soft'}, `In a dashboard of your own: add ${hash} to its address.`),
-          copied,
           h('div', {class: 'bar'},
             h('button', {type: 'button', onclick: () => dialog.close()}, 'Close')));
         document.body.append(dialog);

@@ -328,7 +328,7 @@ export function jobsPage(element, signal) {
       h('table', {class: 'jobs sheet'},
         h('thead', {},
           h('tr', {},
-            ['', ...columns.map(([, text]) => text)].map(text => h('th', {scope: 'col'}, text)))),
+            h('td'), columns.map(([, text]) => h('th', {scope: 'col'}, text)))),
         body)));
   repeat(2000, signal, refresh);
 }

@@ -3,13 +3,14 @@
 import {postJson} from './api.js';
 
 const line = document.getElementById('line'), fault = document.getElementById('fault');
-if (location.hash.length > 1) {
+function takeLink() {
+  if (location.hash.length < 2) return line.focus();
   line.value = location.hash.slice(1);
   history.replaceState(null, '', location.pathname);
   document.querySelector('button').focus();
-} else {
-  line.focus();
 }
+takeLink();
+addEventListener('hashchange', takeLink);  // a link that is opened where this page is
 document.getElementById('sign-in').addEventListener('submit', async event => {
   event.preventDefault();
   fault.textContent = '';

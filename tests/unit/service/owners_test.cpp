@@ -64,6 +64,81 @@ TEST_F(OwnersTest, WhoTakesTheTokenBackHasNone) {
   local_.refusal(FAILED_PRECONDITION, &Stub::RevokeToken, v1::RevokeTokenRequest());
 }
 
+v1::EnrolRequest enrolment(const std::string& secret, const std::string& machine = "laptop") {
+  v1::EnrolRequest request;
+  request.set_secret(secret);
+  request.set_machine(machine);
+  return request;
+}
+
+TEST_F(OwnersTest, AUserSignsInOnceMoreAndLosesNothing) {
+  const std::int64_t now = std::time(nullptr);
+  const auto line = anna_.ask(&Stub::IssueSignIn, v1::IssueSignInRequest());
+  EXPECT_EQ(line.link(), "") << "no address of dccast-web is set";
+  EXPECT_LE(line.expire_time().seconds() - now, 600 + 5);
+  EXPECT_GE(line.expire_time().seconds() - now, 600);
+
+  const auto bought = stranger().ask(&Stub::Enrol, enrolment(line.secret()));
+  EXPECT_EQ(bought.user().name(), "anna");
+  stranger().refusal(UNAUTHENTICATED, &Stub::Enrol, enrolment(line.secret()));
+  anna_.ask(&Stub::WhoAmI, v1::WhoAmIRequest());
+  EXPECT_EQ(stranger(bought.token()).ask(&Stub::WhoAmI, v1::WhoAmIRequest()).name(), "anna");
+  EXPECT_THAT(storage::read_file(folder_ / "audit.log"),
+              ::testing::ContainsRegex("anna.*IssueSignIn.*a secret was made"));
+}
+
+TEST_F(OwnersTest, ALineOfAnotherTimeIsWorthNothing) {
+  const auto line = anna_.ask(&Stub::IssueSignIn, v1::IssueSignInRequest());
+  std::string token;
+  const std::int64_t late = line.expire_time().seconds();
+  EXPECT_FALSE(users_.enrol(line.secret(), "", late, late + 1000, token).proven());
+  EXPECT_TRUE(users_.enrol(line.secret(), "", late - 1, late + 1000, token).proven());
+}
+
+TEST_F(OwnersTest, WhoIsNotListedSignsInNowhereElse) {
+  EXPECT_THAT(local_.refusal(FAILED_PRECONDITION, &Stub::IssueSignIn, v1::IssueSignInRequest())
+                  .error_message(),
+              HasSubstr("dccastd user add"));
+  EXPECT_TRUE(local_.ask(&Stub::ListTokens, v1::ListTokensRequest()).tokens().empty());
+  v1::RevokeTokenRequest revoked;
+  revoked.set_id("0123456789abcdef");
+  local_.refusal(NOT_FOUND, &Stub::RevokeToken, revoked);
+}
+
+TEST_F(OwnersTest, AUserListsOwnTokensAndEndsThem) {
+  const std::string secret = anna_.ask(&Stub::IssueSignIn, v1::IssueSignInRequest()).secret();
+  const User laptop = stranger(stranger().ask(&Stub::Enrol, enrolment(secret)).token());
+  anna_.ask(&Stub::IssueSignIn, v1::IssueSignInRequest());
+
+  auto tokens = anna_.ask(&Stub::ListTokens, v1::ListTokensRequest()).tokens();
+  ASSERT_EQ(tokens.size(), 3);
+  EXPECT_EQ(tokens[0].name(), "desk");
+  EXPECT_TRUE(tokens[0].is_of_this_call());
+  EXPECT_EQ(tokens[0].last_use_address(), "192.0.2.1");
+  EXPECT_LT(std::time(nullptr) - tokens[0].last_use_time().seconds(), 5);
+  EXPECT_EQ(tokens[1].name(), "laptop");
+  EXPECT_FALSE(tokens[1].is_of_this_call() || tokens[1].is_secret());
+  EXPECT_FALSE(tokens[1].has_last_use_time());
+  EXPECT_TRUE(tokens[2].is_secret());
+
+  v1::RevokeTokenRequest revoked;
+  revoked.set_id(tokens[1].id());
+  bert_.refusal(NOT_FOUND, &Stub::RevokeToken, revoked);
+  laptop.ask(&Stub::WhoAmI, v1::WhoAmIRequest());
+  anna_.ask(&Stub::RevokeToken, revoked);
+  laptop.refusal(UNAUTHENTICATED, &Stub::WhoAmI, v1::WhoAmIRequest());
+  anna_.refusal(NOT_FOUND, &Stub::RevokeToken, revoked);
+  EXPECT_EQ(anna_.ask(&Stub::ListTokens, v1::ListTokensRequest()).tokens_size(), 2);
+}
+
+TEST_F(OwnersTest, TokensOfAUserAreBounded) {
+  const std::int64_t now = std::time(nullptr);
+  for (int i = 1; i < 100; ++i) users_.add_line("anna", "", now, now + 1000);
+  EXPECT_THAT(anna_.refusal(RESOURCE_EXHAUSTED, &Stub::IssueSignIn, v1::IssueSignInRequest())
+                  .error_message(),
+              AllOf(HasSubstr("anna has 100 tokens"), HasSubstr("dccast tokens --end")));
+}
+
 TEST_F(OwnersTest, WithoutARightTokenNothingIsAnswered) {
   for (const std::string& token :
        {std::string(), "dccast-token-" + std::string(16, '0') + "-" + std::string(64, '0'),
