@@ -26,6 +26,7 @@ struct BadCertificate : std::runtime_error {
 struct Limits {
   std::size_t header_bytes = 8192;  ///< request line and all headers
   std::size_t body_bytes = 0;       ///< of a request; those of long bodies come at 64 KiB/s or more
+  std::size_t upload_bytes = 0;     ///< of the body of a PUT; 0: there is none
   std::size_t all_bodies_bytes = 64 << 20;  ///< of all requests that are read or answered
   std::size_t connections = 256;
   std::size_t connections_of_address = 32;  ///< streams may be more

@@ -146,6 +146,77 @@ TEST_F(HttpServer, BodiesHaveALimitAlsoInChunks) {
   EXPECT_EQ(status_of(chunked.receive()), "HTTP/1.1 413 Payload Too Large");
 }
 
+/// Receives a body as the handlers of uploads do.
+Reply counted(const Request& request) {
+  std::size_t bytes = 0, parts = 0;
+  for (std::string part; !(part = request.next_part()).empty(); ++parts) bytes += part.size();
+  return {.body = std::to_string(bytes) + " bytes"};
+}
+
+TEST_F(HttpServer, ABodyThatIsPutComesInParts) {
+  handler_ = counted;
+  start({.body_bytes = 1000, .upload_bytes = 1 << 20, .time = std::chrono::seconds(5)});
+  const std::string head = "PUT /file HTTP/1.1\r\nHost: own\r\n";
+  Peer announced(port());
+  announced.send(head + "Content-Length: 300000\r\n\r\n");
+  for (int i = 0; i < 300; ++i) EXPECT_TRUE(announced.send(std::string(1000, 'x')));
+  announced.receive("300000 bytes");
+  announced.send(head + "Content-Length: 0\r\nConnection: close\r\n\r\n");  // the next request
+  EXPECT_TRUE(announced.receive().ends_with("\r\n\r\n0 bytes"));
+
+  Peer chunked(port());
+  chunked.send(head + "Transfer-Encoding: chunked\r\nConnection: close\r\n\r\n");
+  for (int i = 0; i < 20; ++i) chunked.send("2710\r\n" + std::string(10000, 'x') + "\r\n");
+  chunked.send("0\r\n\r\n");
+  EXPECT_TRUE(chunked.receive().ends_with("200000 bytes"));
+}
+
+TEST_F(HttpServer, ABodyThatIsPutHasItsOwnLimits) {
+  handler_ = counted;
+  start({.body_bytes = 1000, .upload_bytes = 100'000, .time = milliseconds(300)});
+  const std::string head = "PUT /file HTTP/1.1\r\nHost: own\r\n";
+  Peer announced(port()), chunked(port()), slow(port());
+  announced.send(head + "Content-Length: 100001\r\n\r\n");
+  EXPECT_EQ(status_of(announced.receive()), "HTTP/1.1 413 Payload Too Large");
+  chunked.send(head + "Transfer-Encoding: chunked\r\n\r\n");
+  for (int i = 0; i < 20; ++i) chunked.send("2710\r\n" + std::string(10000, 'x') + "\r\n");
+  EXPECT_NE(chunked.receive().find("more than 100000 bytes"), std::string::npos);
+  const auto begin = steady_clock::now();
+  slow.send(head + "Content-Length: 50000\r\n\r\n");
+  while (slow.send("y") && steady_clock::now() < begin + std::chrono::seconds(10))
+    std::this_thread::sleep_for(milliseconds(20));
+  EXPECT_LT(steady_clock::now(), begin + std::chrono::seconds(3));
+  // What is no PUT keeps the limit of bodies.
+  Peer post(port());
+  post.send("POST / HTTP/1.1\r\nHost: own\r\nContent-Length: 1001\r\n\r\n");
+  EXPECT_EQ(status_of(post.receive()), "HTTP/1.1 413 Payload Too Large");
+}
+
+TEST_F(HttpServer, ABodyThatNobodyWantsIsNotReadToItsEnd) {
+  std::atomic<bool> is_cut = false;
+  handler_ = [&](const Request& request) {
+    if (request.path == "/refused") return Reply{.body = "not wanted", .status = 403};
+    try {
+      return counted(request);
+    } catch (const CutBody&) {
+      is_cut = true;
+      throw;
+    }
+  };
+  start({.upload_bytes = 1 << 30, .time = std::chrono::seconds(5)});
+  const std::string length = " HTTP/1.1\r\nHost: own\r\nContent-Length: 1000000000\r\n\r\n";
+  Peer refused(port());
+  refused.send("PUT /refused" + length + std::string(1000, 'x'));
+  EXPECT_TRUE(refused.receive().ends_with("not wanted"));
+
+  std::make_unique<Peer>(port())->send("PUT /cut" + length + std::string(1000, 'x'));
+  EXPECT_TRUE(eventually([&] { return is_cut.load(); }));
+  Peer waiting(port());
+  waiting.send("PUT /cut" + length);
+  std::this_thread::sleep_for(milliseconds(50));
+  server_->stop();  // ends while a handler waits for the rest
+}
+
 TEST_F(HttpServer, ARequestThatComesSlowlyIsGivenUp) {
   start();
   Peer slow(port());
