@@ -11,6 +11,7 @@
 
 #include "client/cli/options.hpp"
 #include "client/model/json.hpp"
+#include "client/web/connect_messages.hpp"
 #include "client/web/dashboard.hpp"
 #include "client/web/session_entrance.hpp"
 #include "client/web/user_channels.hpp"
@@ -75,10 +76,7 @@ Reply sign_in(UserChannels& channels, const SessionCookie& cookie, const Request
   enrol.set_machine("web");
   Connection connection = channels.connection("", request.address);
   v1::EnrolResponse response;
-  const grpc::Status status = connection.try_once(&Stub::Enrol, enrol, response);
-  if (status.error_code() == grpc::UNAUTHENTICATED)
-    return {.body = Json{{"error", status.error_message()}}.dump(), .status = 401};
-  check(status, connection.server());
+  check(connection.try_once(&Stub::Enrol, enrol, response), connection.server());
 
   const std::int64_t now = std::time(nullptr);
   return {
@@ -91,11 +89,9 @@ Reply sign_out(Connection connection, const SessionCookie& cookie) {
   v1::RevokeTokenResponse response;
   const grpc::Status status =
       connection.try_once(&Stub::RevokeToken, v1::RevokeTokenRequest(), response);
-  Reply reply{.body = "{}", .set_cookie = cookie.removal()};
-  if (status.ok() || status.error_code() == grpc::UNAUTHENTICATED) return reply;
-  reply.body =
-      Json{{"error", "the server could not revoke the session: " + reason_of(status)}}.dump();
-  reply.status = 502;
+  const bool is_revoked = status.ok() || status.error_code() == grpc::UNAUTHENTICATED;
+  Reply reply = is_revoked ? Reply{.body = "{}"} : error_reply(status, connection.server());
+  reply.set_cookie = cookie.removal();
   return reply;
 }
 
@@ -112,7 +108,7 @@ ExitCode serve(const WebOptions& options, const std::shared_ptr<Interruption>& i
       server,
       [&](const Request& request) { return channels.connection(request.token, request.address); },
       {});
-  server.post("/session", [&](const Request& request) {
+  server.post("/session/*", [&](const Request& request) {
     if (request.name == "in") return sign_in(channels, entrance.cookie(), request);
     if (request.name == "out")
       return sign_out(channels.connection(request.token, request.address), entrance.cookie());

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "client/session/connection.hpp"
 #include "client/web/entrance.hpp"
@@ -33,15 +34,19 @@ public:
   const X509* certificate() const;  ///< null for HTTP
   /// A fixed file. @param path  "/app.js"
   void file(const std::string& path, const std::string& type, const std::string& text);
-  /// Answers GET (or POST) of `path`/NAME. What the handler throws becomes a reply with its text.
+  /// What a handler throws becomes a reply with its text and, of a call, its details.
   using Handler = std::function<Reply(const Request&)>;
-  /// Registers what answers a path. Handlers run in threads of the server, several at a time.
-  void get(const std::string& path, Handler handler);
-  void post(const std::string& path, Handler handler);
+  /// Registers what answers a path, one part of which may be "*", the name of a request:
+  /// "/jobs/*/report". Handlers run in threads of the server, several at a time.
+  void get(const std::string& path, Handler handler) { answer("GET", path, std::move(handler)); }
+  void post(const std::string& path, Handler handler) { answer("POST", path, std::move(handler)); }
+  /// The handler takes the body by Request::next_part.
+  void put(const std::string& path, Handler handler) { answer("PUT", path, std::move(handler)); }
   /// Serves those whom the entrance lets in, until the interruption comes.
   void serve(Entrance& entrance, Interruption& interruption);
 
 private:
+  void answer(const std::string& method, const std::string& path, Handler handler);
   class Parts;
   std::unique_ptr<Parts> parts_;
 };

@@ -312,19 +312,24 @@ console.log(JSON.stringify({
 PACKAGES = ("@connectrpc/connect@1.6.1", "@connectrpc/connect-node@1.6.1", "@bufbuild/protobuf@1.10.0")
 
 
+def with_npm(test, *packages):
+    """A folder in which these packages are installed; without them the test is skipped."""
+    if not shutil.which("npm"):
+        test.skipTest("npm is not installed")
+    folder = tempfile.mkdtemp(prefix="dccast-npm-")
+    test.addCleanup(shutil.rmtree, folder)
+    installed = subprocess.run(["npm", "install", "--no-audit", "--no-fund", *packages], cwd=folder,
+                               capture_output=True, text=True, timeout=120, check=False)
+    if installed.returncode != 0:
+        test.skipTest("the registry of npm cannot be reached: " + installed.stderr[-300:])
+    return folder
+
+
 class ConnectNode(ConnectTest):
     """A client that nobody here wrote."""
 
     def test_it_submits_watches_and_fetches(self):
-        if not shutil.which("npm"):
-            self.skipTest("npm is not installed")
-        folder = tempfile.mkdtemp(prefix="dccast-connect-node-")
-        self.addCleanup(shutil.rmtree, folder)
-        installed = subprocess.run(["npm", "install", "--no-audit", "--no-fund", *PACKAGES],
-                                   cwd=folder, capture_output=True, text=True, timeout=120,
-                                   check=False)
-        if installed.returncode != 0:
-            self.skipTest("the registry of npm cannot be reached: " + installed.stderr[-300:])
+        folder = with_npm(self, *PACKAGES)
         proto = os.path.join(os.path.dirname(__file__), "..", "..", "proto")
         subprocess.run(["protoc", "-I", proto, "--include_imports", "--descriptor_set_out",
                         os.path.join(folder, "schema.bin"), "dccast/v1/service.proto"], check=True)
@@ -344,6 +349,45 @@ class ConnectNode(ConnectTest):
             self.assertIn(NOTHING, seen["refused"][1])
             self.assertGreater(seen["details"], 0)
             self.assertEqual(stub.GetJob(service_pb2.GetJobRequest(id=seen["id"])).owner, "anna")
+
+
+VALIDATOR = """
+import {Validator} from '@seriousme/openapi-schema-validator';
+
+const seen = await new Validator().validate(process.argv[2]);
+console.log(JSON.stringify(seen));
+"""
+
+
+class OpenApi(ConnectTest):
+    """The description of calls and resources."""
+
+    def test_it_is_valid_and_names_every_call(self):
+        entry, _ = self.entry_of("anna")
+        response, text = entry.ask("GET", "/openapi.json")
+        self.assertEqual(response.getheader("Content-Type"), "application/json")
+        described = json.loads(text)
+        paths = described["paths"]
+        for method in METHODS:
+            streams = method.client_streaming or method.server_streaming
+            self.assertEqual(f"/{SERVICE}/{method.name}" in paths, not streams, method.name)
+        self.assertIn("half_width_m", described["components"]["schemas"]["dccast.v1.Section"]
+                      ["properties"])
+        self.assertEqual(paths["/jobs.csv"]["get"]["security"][-1], {"userAndToken": []})
+        self.assertEqual(paths[f"/{SERVICE}/Enrol"]["post"]["security"], [])
+        for path in paths:  # a name that is none is no such page
+            if "get" in paths[path]:
+                asked = entry.ask("GET", path.replace("{id}", NOTHING))
+                self.assertNotIn(b"no such page", asked[1], path)
+
+        folder = with_npm(self, "@seriousme/openapi-schema-validator@2.2.5")
+        for name, content in (("openapi.json", text.decode()), ("program.mjs", VALIDATOR)):
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write(content)
+        done = subprocess.run(["node", "program.mjs", "openapi.json"], cwd=folder, text=True,
+                              capture_output=True, timeout=60, check=False)
+        seen = json.loads(done.stdout)
+        self.assertEqual((seen["valid"], seen.get("errors")), (True, None), seen)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """dccast-web: users sign in with a line, and ask with the rights of their token and no others."""
+import base64
 import contextlib
 import getpass
+import hashlib
 import http.client
 import json
 import os
@@ -41,7 +43,7 @@ class Browser:
         headers = {name.replace("_", "-"): value for name, value in headers.items()}
         if self.cookie:
             headers.setdefault("Cookie", self.cookie)
-        if method == "POST":
+        if method != "GET":
             headers = {"Origin": self.web.origin, **JSON, **headers}
         connection = self.web.connection()
         connection.request(method, path, body, headers)
@@ -164,8 +166,8 @@ class Signing(WebTest):
 
         status, answer = Browser(self.web).sign_in(link)
         self.assertEqual(status, 401)
-        self.assertIn("one-time secret", answer["error"])
-        self.assertIn("no line or link", Browser(self.web).sign_in("nonsense")[1]["error"])
+        self.assertIn("one-time secret", answer["message"])
+        self.assertIn("no line or link", Browser(self.web).sign_in("nonsense")[1]["message"])
 
     def test_files_are_for_everybody(self):
         for path in ("/", "/app.js", "/sign-in.html", "/sign_in.js"):
@@ -288,6 +290,148 @@ class Rights(WebTest):
             response.close()
             connection.close()
         until(lambda: anna.call("WhoAmI")[0] == 200, 20)
+
+
+class Resources(WebTest):
+    """What programs fetch and send by plain HTTP."""
+    RESOURCES = ("report", "results.h5", "curl.csv", "frame")
+
+    def setUp(self):
+        super().setUp()
+        self.token = self.token_of("anna")
+        self.bearer = {"Authorization": "Bearer " + self.token}
+        self.anna = Browser(self.web)
+
+    def start(self, **settings):
+        return super().start(access__read="own", workers__program=os.path.join(BIN, "dccast-worker"),
+                             **settings)
+
+    def get(self, path, **headers):
+        return self.anna.ask("GET", path, **{**self.bearer, **headers})
+
+    def finished(self):
+        read = self.anna.call("ReadCase", {
+            "shipped": "start-2d-thickness",
+            "changes": [{"key": "quality", "value": "draft"}, {"key": "time.end", "value": "20 s"},
+                        {"key": "title", "value": "=HYPERLINK(1)"}]}, **self.bearer)[1]
+        _, job = self.anna.call("SubmitJob", {"request_id": str(uuid.uuid4()), "case": read["case"]},
+                                **self.bearer)
+        until(lambda: self.anna.call("GetJob", {"id": job["id"]}, **self.bearer)[1]["state"]
+              == "SUCCEEDED", 60)
+        return job["id"]
+
+    def test_each_is_that_of_its_job_and_of_its_owner(self):
+        job = self.finished()
+        fetched = {name: self.get(f"/jobs/{job}/{name}") for name in self.RESOURCES}
+        for name, (response, _) in fetched.items():
+            self.assertEqual(response.status, 200, name)
+        report, page = fetched["report"]
+        self.assertIn(b"<h1>", page)
+        self.assertIn("sandbox", report.getheader("Content-Security-Policy"))
+        table = fetched["curl.csv"][1].decode().splitlines()
+        self.assertRegex(table[0], "^time_s,cast_length_m,.*_curl_m,.*beyond_validity$")
+        self.assertGreater(len(table), 5)
+        nodes = struct.unpack_from("<i", fetched["frame"][1])[0]
+        name = json.loads(self.get(f"/frames/{job}")[1])["fields"][0]["name"]
+        field = self.get(f"/jobs/{job}/frame?field={name}")
+        self.assertEqual((field[0].status, len(field[1])), (200, 4 * nodes), name)
+
+        response, whole = fetched["results.h5"]
+        stored = os.path.join(self.daemon.settings["data_directory"], "jobs", job, "results.h5")
+        with open(stored, "rb") as file:
+            self.assertEqual(whole, file.read())
+        tag = response.getheader("ETag")
+        self.assertEqual(tag.strip('"'), hashlib.sha256(whole).hexdigest())
+        again, nothing = self.get(f"/jobs/{job}/results.h5", If_None_Match=tag)
+        self.assertEqual((again.status, nothing), (304, b""))
+        part, rest = self.get(f"/jobs/{job}/results.h5", Range="bytes=100-")
+        self.assertEqual((part.status, rest), (206, whole[100:]))
+        self.assertEqual(part.getheader("Content-Range"),
+                         f"bytes 100-{len(whole) - 1}/{len(whole)}")
+
+        _, jobs = self.get("/jobs.csv")
+        head, line = jobs.decode().splitlines()
+        self.assertTrue(head.startswith("id,title,state,"))
+        self.assertTrue(line.startswith(f"{job},'=HYPERLINK(1),SUCCEEDED,anna,"), line)
+        self.assertEqual(len(self.get("/jobs.csv?state=queued")[1].decode().splitlines()), 1)
+        self.assertEqual(self.get(f"/jobs/last/curl.csv")[1], fetched["curl.csv"][1])
+
+        bert = self.signed_in("bert")  # reads their own jobs alone
+        for name in self.RESOURCES:
+            response, text = bert.ask("GET", f"/jobs/{job}/{name}")
+            self.assertEqual((name, response.status), (name, 404))
+            self.assertEqual(json.loads(text)["code"], "not_found")
+        self.assertEqual(len(bert.ask("GET", "/jobs.csv")[1].decode().splitlines()), 1)
+
+    def test_faults_are_named(self):
+        nothing = "/jobs/00000000-0000-4000-8000-000000000000/"
+        for name in self.RESOURCES:
+            self.assertEqual(self.get(nothing + name)[0].status, 404, name)
+        for path, permitted in ((nothing + "frame?number=x", "0 to"), ("/jobs.csv?limit=-1", "0 to"),
+                                ("/jobs.csv?state=lost", "queued, running")):
+            response, text = self.get(path)
+            self.assertEqual(response.status, 400, path)
+            self.assertIn(permitted, json.loads(text)["message"])
+        _, text = self.get(nothing + "report")
+        self.assertEqual(json.loads(text)["details"][0]["debug"]["reason"], "NOT_FOUND")
+        self.assertEqual(self.get("/jobs/x/y/report")[0].status, 404)
+        case = {"section": {"half_width_m": -1}}
+        status, error = self.anna.post("/case/", case, **self.bearer)
+        self.assertEqual((status, error["code"]), (400, "invalid_argument"))
+        self.assertIn("section.half_width", [fault["field"] for fault in
+                                             error["details"][1]["debug"]["faults"]])
+
+    def test_who_may_ask(self):
+        def basic(user, token):
+            return "Basic " + base64.b64encode(f"{user}:{token}".encode()).decode()
+
+        def status(path, **headers):
+            return Browser(self.web).ask("GET", path, **headers)[0].status
+
+        response = Browser(self.web).ask("GET", "/jobs.csv")[0]
+        self.assertEqual((response.status, response.getheader("WWW-Authenticate")),
+                         (401, 'Basic realm="dccast"'))
+        self.assertEqual(status("/jobs.csv", Authorization=basic("anna", self.token)), 200)
+        self.assertEqual(self.signed_in("bert").ask("GET", "/jobs.csv")[0].status, 200)
+        for wrong in (basic("bert", self.token), basic("anna", self.token + "0"), basic("anna", "x"),
+                      basic("anna", self.token)[:-4], "Basic ", "Basic =", "Basic " + 5000 * "x"):
+            self.assertEqual(status("/jobs.csv", Authorization=wrong), 401, wrong)
+        for path in ("/server/", "/jobs/last/report", "/jobs/last/frame", "/nonsense"):
+            response = Browser(self.web).ask("GET", path, Authorization=basic("anna", self.token))[0]
+            self.assertEqual((response.status, response.getheader("WWW-Authenticate")), (401, None))
+        for path in (f"/jobs.csv?token={self.token}", f"/jobs/{self.token}/report"):
+            self.assertEqual(self.get(path)[0].status, 400)
+
+    def put(self, content, sha256=None, browser=None, **headers):
+        sha256 = sha256 or hashlib.sha256(content).hexdigest()
+        response, text = (browser or self.anna).ask("PUT", f"/attachments/{sha256}?name=slab.msh",
+                                                    content, **{**self.bearer, **headers})
+        return response.status, json.loads(text)
+
+    def test_attachments_are_streamed(self):
+        content = os.urandom(1000) * 20_000  # 20 MB
+        self.assertEqual(self.put(content), (200, {"was_there": False}))
+        self.assertEqual(self.put(content), (200, {"was_there": True}))
+        if not SANITIZED:
+            self.assertLess(self.peak_memory(), 100_000)
+        status, error = self.put(b"else", hashlib.sha256(b"this").hexdigest())
+        self.assertEqual((status, error["code"]), (400, "invalid_argument"))
+        self.assertIn("upload it again", error["message"])
+        self.assertIn("sha256sum", self.put(b"x", "X")[1]["message"])
+
+        chunked = self.anna.ask("PUT", "/attachments/" + 64 * "0", iter([b"x"]),
+                                Transfer_Encoding="chunked", **self.bearer)
+        self.assertIn("Content-Length", json.loads(chunked[1])["message"])
+        bert = self.signed_in("bert")
+        self.bearer = {}
+        self.assertEqual(self.put(b"of bert", browser=bert)[0], 200)
+        self.assertEqual(self.put(b"of bert", browser=bert, Origin="https://evil.test")[0], 401)
+        viewer = self.signed_in("wall", "viewer")
+        self.assertEqual(self.put(b"x", browser=viewer)[0], 403)
+
+    def peak_memory(self):
+        with open(f"/proc/{self.web.process.pid}/status", encoding="ascii") as file:
+            return int(re.search(r"VmHWM:\s+(\d+) kB", file.read())[1])
 
 
 class Strangers(WebTest):
