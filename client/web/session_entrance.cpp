@@ -96,7 +96,7 @@ std::string SignInAttempts::take(const std::string& address, std::int64_t now) {
 }
 
 bool SessionEntrance::is_own_name(const std::string& host) const {
-  return certificate_ == nullptr || is_name_of(certificate_, host);
+  return server_ == nullptr || is_name_of(server_->certificate().get(), host);
 }
 
 bool SessionEntrance::is_of_own_page(const Request& request) const {
@@ -153,7 +153,7 @@ std::optional<http::Reply> SessionEntrance::judge(Request& request) {
                    "a token or line in an address ends up in logs; send it as Authorization: "
                    "Bearer TOKEN, and make another one: this one may be known");
   if (request.is_of_file) return std::nullopt;
-  if (certificate_ == nullptr)
+  if (server_ == nullptr)
     if (const auto stated = forwarded_address(request.header("x-forwarded-for")); !stated.empty())
       request.address = stated;
 

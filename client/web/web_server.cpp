@@ -7,7 +7,6 @@
 #include <map>
 
 #include "client/web/connect_messages.hpp"
-#include "proto/http/server.hpp"
 #include "proto/http/target.hpp"
 
 namespace dccast::client {
@@ -20,9 +19,9 @@ constexpr http::Limits limits{.body_bytes = 2'200'000,
                               .connections = 1024,
                               .handlers = 128};
 
-http::Limits limits_of(const Listening& listening) {
+http::Limits limits_of(bool is_behind_proxy) {
   http::Limits own = limits;
-  if (listening.behind_proxy) own.connections_of_address = own.connections;
+  if (is_behind_proxy) own.connections_of_address = own.connections;
   return own;
 }
 
@@ -48,23 +47,25 @@ grpc::Status status_of(const CommandFailed& failure) {
   return {code, failure.what()};
 }
 
-std::unique_ptr<http::Server> server_for(const Listening& at) {
+std::unique_ptr<http::Server> server_for(const http::Server::Listening& at, bool is_behind_proxy) {
   try {
-    return std::make_unique<http::Server>(
-        http::Server::Listening{
-            .host = at.host, .port = at.port, .certificate = at.certificate, .key = at.key},
-        limits_of(at));
+    return std::make_unique<http::Server>(at, limits_of(is_behind_proxy));
   } catch (const http::BadCertificate&) {
     // The library's message names neither option nor remedy.
-    throw CommandFailed(ExitCode::invalid,
-                        fmt::format("--certificate {}, --key {}: are not a certificate and its "
-                                    "key; give PEM files",
-                                    at.certificate, at.key));
-  } catch (const http::CannotListen&) {
-    throw CommandFailed(ExitCode::invalid,
-                        fmt::format("{}:{}: is no address of this machine, or its port is taken by "
-                                    "another program; without a port, a free one is taken",
-                                    at.host, at.port));
+    throw invalid(
+        fmt::format("--certificate {}, --key {}: are not a certificate and its key; give "
+                    "PEM files",
+                    at.certificate, at.key));
+  } catch (const http::CannotListen& error) {
+    if (!at.socket.empty())
+      throw invalid(
+          fmt::format("--listen unix:{}: {}; give a path in a folder of this program's "
+                      "user, where no other program listens",
+                      at.socket, error.what()));
+    throw invalid(
+        fmt::format("{}:{}: is no address of this machine, or its port is taken by "
+                    "another program; without a port, a free one is taken",
+                    at.host, at.port));
   }
 }
 
@@ -110,7 +111,8 @@ std::vector<std::string> Request::values(const std::string& key) const {
 
 class WebServer::Parts {
 public:
-  explicit Parts(const Listening& listening) : server_(server_for(listening)) {}
+  Parts(const http::Server::Listening& listening, bool is_behind_proxy)
+      : server_(server_for(listening, is_behind_proxy)) {}
 
   const http::Server& server() const { return *server_; }
 
@@ -171,7 +173,8 @@ private:
   std::map<std::string, Answer> answers_;     // by method and path
 };
 
-WebServer::WebServer(const Listening& listening) : parts_(std::make_unique<Parts>(listening)) {}
+WebServer::WebServer(const http::Server::Listening& listening, bool is_behind_proxy)
+    : parts_(std::make_unique<Parts>(listening, is_behind_proxy)) {}
 WebServer::~WebServer() = default;
 
 void WebServer::file(const std::string& path, const std::string& type, const std::string& text) {
@@ -184,12 +187,8 @@ void WebServer::answer(const std::string& method, const std::string& path, Handl
   });
 }
 
-int WebServer::port() const {
-  return parts_->server().port();
-}
-
-const X509* WebServer::certificate() const {
-  return parts_->server().certificate();
+const http::Server& WebServer::server() const {
+  return parts_->server();
 }
 
 void WebServer::serve(Entrance& entrance, Interruption& interruption) {

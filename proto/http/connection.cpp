@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
 #include <cstdint>
@@ -14,7 +15,6 @@ namespace {
 
 namespace asio = boost::asio;
 namespace beast = boost::beast;
-using asio::ip::tcp;
 using beast::error_code;
 using Header = beast::http::request_header<>;
 
@@ -149,7 +149,7 @@ private:
 
 // ---- Begin and end
 
-Connection::Connection(Service& service, tcp::socket socket, std::string address)
+Connection::Connection(Service& service, PeerStream::Socket socket, std::string address)
     : service_(service),
       peer_(std::move(socket), service.tls),
       address_(std::move(address)),
@@ -350,7 +350,7 @@ void Connection::refuse(Reply reply) {
 /// Ends the sending, and receives what the peer still sends. Below TLS: it is not looked at.
 void Connection::drain() {
   error_code ignored;
-  peer_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+  peer_.socket().shutdown(asio::socket_base::shutdown_send, ignored);
   wait_at_most(linger);
 
   const auto received = [this](const auto& again) -> void {
@@ -379,12 +379,24 @@ void Connection::begin_stream(Reply reply) {
     reply.stream = nullptr;
     return send(std::move(reply), false);
   }
+  if (!has_room_for_stream())
+    return refuse({.body = fmt::format("{} streams of your address are open here, which is the "
+                                       "limit; close one of them, then try again.\n",
+                                       service_.limits.connections_of_address),
+                   .status = 429});
 
   stream_ = std::make_shared<ConnectionStream>(shared_from_this());
   auto source = reply.stream;
   send(std::move(reply), false);
   waits_for_peer_ = false;
   asio::post(service_.workers, [source = std::move(source), stream = stream_] { source(stream); });
+}
+
+bool Connection::has_room_for_stream() const {
+  const auto taken = std::ranges::count_if(service_.open, [&](const Connection* each) {
+    return each->is_stream() && each->address() == address_;
+  });
+  return static_cast<std::size_t>(taken) < service_.limits.connections_of_address;
 }
 
 /// The header is sent: the parts follow, meanwhile nothing comes from the peer but its end.

@@ -2,7 +2,6 @@
 
 // Only for the sources of this room: Asio and Beast take seconds to compile.
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <boost/beast/core/buffers_range.hpp>
@@ -49,7 +48,7 @@ public:
   using Clock = std::chrono::steady_clock;
 
   /// @param service  outlives the connection
-  Connection(Service& service, boost::asio::ip::tcp::socket socket, std::string address);
+  Connection(Service& service, PeerStream::Socket socket, std::string address);
   ~Connection();
   Connection(const Connection&) = delete;
 
@@ -67,6 +66,7 @@ public:
   bool is_ending() const { return leaving_ || closed_; }
   /// Nothing is being computed for the peer: it has not sent its request, or not taken its reply.
   bool waits_for_peer() const { return waits_for_peer_; }
+  bool is_stream() const { return stream_ != nullptr; }
 
 private:
   friend class ConnectionStream;
@@ -116,6 +116,7 @@ private:
   void shut_down();
 
   void begin_stream(Reply reply);
+  bool has_room_for_stream() const;
   void notice_end_of_peer();
   void send_part(std::function<void(bool)> done);
   void end_stream();

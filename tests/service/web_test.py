@@ -11,6 +11,7 @@ import re
 import signal
 import socket
 import ssl
+import stat
 import struct
 import subprocess
 import tempfile
@@ -84,25 +85,39 @@ def message(response):
     return flags, json.loads(response.read(size))
 
 
+class SocketConnection(http.client.HTTPConnection):
+    """Of a proxy that calls a Unix socket."""
+
+    def __init__(self, path):
+        super().__init__("dccast.test", timeout=60)
+        self.path = path
+
+    def connect(self):
+        self.sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.sock.settimeout(self.timeout)
+        self.sock.connect(self.path)
+
+
 class Web:
     """The program, with a certificate of a CA of the tests or behind a proxy."""
 
-    def __init__(self, folder, daemon, *options, port=None):
+    def __init__(self, folder, daemon, *options, port=None, path=None):
         self.words = [os.path.join(BIN, "dccast-web"), "serve", "--socket", daemon.address, "--state",
                       os.path.join(folder, "web"), *options]
         self.is_behind = "--behind" in options
         self.ca = os.path.join(folder, "ca.pem")
-        self.port = port
+        self.port, self.path = port, path
         self.start()
 
     def start(self):
         self.process = subprocess.Popen(
-            [*self.words, "--listen", f"127.0.0.1:{self.port or 0}"], stderr=subprocess.PIPE,
-            text=True)
+            [*self.words, "--listen",
+             f"unix:{self.path}" if self.path else f"127.0.0.1:{self.port or 0}"],
+            stderr=subprocess.PIPE, text=True)
         line = self.process.stderr.readline()
-        found = re.search(r"port (\d+)$", line)
+        found = re.search(r"serving at (?:unix:.*|.*port (\d+))$", line)
         assert found, line
-        self.port = int(found[1])
+        self.port = int(found[1] or 0)
         self.origin = "https://dccast.test" if self.is_behind else f"https://127.0.0.1:{self.port}"
 
     def stop(self):
@@ -112,6 +127,8 @@ class Web:
         return code
 
     def connection(self):
+        if self.path:
+            return SocketConnection(self.path)
         if self.is_behind:
             return http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
         return http.client.HTTPSConnection("127.0.0.1", self.port, timeout=60,
@@ -123,8 +140,8 @@ class WebTest(AccessTest):
         super().setUp()
         # The user of this test is the one of dccast-web, too.
         self.start(access__web_user=getpass.getuser(), access__web_address="https://dccast.test")
-        ca = TestCa(self.folder)
-        self.options = ["--certificate", ca.issue("web.pem"), "--key", ca.key]
+        self.ca = TestCa(self.folder)
+        self.options = ["--certificate", self.ca.issue("web.pem"), "--key", self.ca.key]
         self.web = Web(self.folder, self.daemon, *self.options)
         self.browser = Browser(self.web)
 
@@ -526,17 +543,82 @@ class Page(WebTest):
         self.find("#fault", "used before")
 
 
+class RenewedCertificate(WebTest):
+    def served(self):
+        with socket.create_connection(("127.0.0.1", self.web.port), 10) as plain, \
+                ssl.create_default_context(cafile=self.web.ca).wrap_socket(
+                    plain, server_hostname="127.0.0.1") as peer:
+            return peer.getpeercert(True)
+
+    def said(self, text):
+        line = self.web.process.stderr.readline()
+        self.assertIn(text, line)
+
+    def test_it_is_taken_without_a_restart_and_connections_stay(self):
+        anna = self.signed_in("anna")
+        _, job = self.submit(anna, "steps=1000000 sleep_ms=50")
+        connection, response = anna.stream("WatchJob", {"id": job["id"], "from_sequence": 1})
+        message(response)
+
+        first = self.served()
+        self.ca.issue("web.pem")
+        self.said("is in use")
+        second = self.served()
+        self.assertNotEqual(first, second)
+
+        other = TestCa(tempfile.mkdtemp(dir=self.folder))  # its key is not that of the server
+        os.replace(other.issue("web.pem"), self.options[1])
+        self.said("the former one stays")
+        self.assertEqual(self.served(), second)
+        for name, code in (("IP:127.0.0.1", 200), ("DNS:other.test", 403)):
+            self.ca.issue("web.pem", name=name)
+            self.said("is in use")
+            context = ssl.create_default_context(cafile=self.web.ca)
+            context.check_hostname = False
+            asked = http.client.HTTPSConnection("127.0.0.1", self.web.port, context=context)
+            asked.request("GET", "/")
+            self.assertEqual(asked.getresponse().status, code, name)
+            asked.close()
+
+        message(response)  # the stream goes on
+        connection.close()
+
+
 class BehindProxy(WebTest):
     def setUp(self):
         super().setUp()
         self.web.stop()
-        self.web = Web(self.folder, self.daemon, "--behind", "https://dccast.test")
+        self.web = Web(self.folder, self.daemon, "--behind", "https://dccast.test",
+                       path=self.path())
+
+    def path(self):
+        """Of the Unix socket; None: a port."""
 
     def test_the_proxy_states_the_address(self):
         anna = self.signed_in("anna")
         _, job = self.submit(anna, X_Forwarded_For="198.51.100.1, 2001:db8::7")
         self.assertEqual(self.audit("--job", job["id"])[0]["from"], "ipv6:%5B2001:db8::7%5D:0")
         self.assertEqual(anna.call("WhoAmI", Origin="https://127.0.0.1")[0], 401)
+        _, job = self.submit(anna)  # a proxy that does not state it
+        self.assertEqual(self.audit("--job", job["id"])[0]["from"], "ipv4:127.0.0.1:0")
+
+
+class BehindProxyAtSocket(BehindProxy):
+    """The same at a Unix socket, which file permissions guard."""
+
+    def path(self):
+        return os.path.join(self.folder, "web.socket")
+
+    def test_it_is_for_user_and_group_and_goes_with_its_server(self):
+        self.assertEqual(stat.S_IMODE(os.stat(self.path()).st_mode), 0o660)
+        self.web.process.kill()
+        self.web.process.wait(10)
+        self.web.process.stderr.close()
+        self.web.start()  # in the place of the one that was killed
+        self.assertEqual(Browser(self.web).ask("GET", "/")[0].status, 200)
+        self.web.stop()
+        self.assertFalse(os.path.exists(self.path()))
+        self.web.start()
 
 
 class Options(unittest.TestCase):
@@ -553,8 +635,11 @@ class Options(unittest.TestCase):
         self.assertIn("https://NAME",
                       self.refusal("--listen", "127.0.0.1:0", "--behind", "http://dccast.test"))
         for port in ("", ":7x", ":65536", ":-1"):
-            self.assertIn("1 to 65535",
+            self.assertIn("0 to 65535",
                           self.refusal("--listen", "127.0.0.1" + port, "--behind", "https://x"))
+        self.assertIn("--behind", self.refusal("--listen", "unix:/x", "--certificate", "x", "--key", "x"))
+        self.assertIn("no other program listens",
+                      self.refusal("--listen", "unix:/nowhere/x", "--behind", "https://x"))
         with tempfile.NamedTemporaryFile() as file:
             self.assertIn("PEM files", self.refusal("--listen", "127.0.0.1:0", "--certificate",
                                                     file.name, "--key", file.name))

@@ -5,10 +5,12 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <list>
 #include <mutex>
 #include <thread>
@@ -18,12 +20,24 @@
 namespace dccast::http {
 namespace {
 
+namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 /// A peer that sends what it likes.
 class Peer {
 public:
+  explicit Peer(const std::string& path)
+      : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const sockaddr_un address = address_of(path);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  }
+  static sockaddr_un address_of(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    return address;
+  }
   explicit Peer(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -76,8 +90,9 @@ protected:
     return {.body_bytes = 1000, .connections = 4, .time = milliseconds(300)};
   }
 
-  void start(const Limits& limits = short_limits()) {
-    server_ = std::make_unique<Server>(Server::Listening{.host = "127.0.0.1"}, limits);
+  void start(const Limits& limits = short_limits(),
+             const Server::Listening& listening = {.host = "127.0.0.1"}) {
+    server_ = std::make_unique<Server>(listening, limits);
     server_->start([](const std::string& host) { return host == "own"; },
                    [this](const Request& request) { return handler_(request); });
   }
@@ -378,6 +393,79 @@ TEST_F(HttpServer, AllBodiesTogetherHaveALimit) {
   })) << reply;
   first.send(std::string(1000, 'x'));
   EXPECT_NE(first.receive("xxx").find("200 OK"), std::string::npos);
+}
+
+TEST_F(HttpServer, StreamsOfAnAddressHaveItsShare) {
+  std::mutex mutex;
+  std::list<std::shared_ptr<Stream>> streams;
+  handler_ = [&](const Request& request) {
+    if (request.path != "/stream") return Reply{.body = "answer"};
+    return Reply{.stream = [&](const auto& stream) {
+      const std::lock_guard lock(mutex);
+      streams.push_back(stream);
+    }};
+  };
+  start({.connections = 100, .connections_of_address = 3, .time = std::chrono::minutes(5)});
+  const std::string request = "GET /stream HTTP/1.1\r\nHost: own\r\n\r\n";
+  std::list<Peer> open;
+  for (int i = 0; i < 3; ++i) {
+    open.emplace_back(port()).send(request);
+    EXPECT_EQ(status_of(open.back().receive("\r\n\r\n")), "HTTP/1.1 200 OK");
+  }
+  Peer another(port());
+  another.send(request);
+  const std::string refused = another.receive();
+  EXPECT_EQ(status_of(refused), "HTTP/1.1 429 Too Many Requests");
+  EXPECT_NE(refused.find("close one of them"), std::string::npos) << refused;
+  EXPECT_EQ(status_of(Peer(port()).ask("/")), "HTTP/1.1 200 OK");  // what is no stream is answered
+
+  open.pop_front();
+  EXPECT_TRUE(eventually([&] {
+    open.emplace_back(port()).send(request);
+    return status_of(open.back().receive("\r\n\r\n")) == "HTTP/1.1 200 OK";
+  }));
+}
+
+/// A folder of its own, which goes with it.
+class Folder {
+public:
+  Folder() : path_(fs::temp_directory_path() / ("dccast-http-" + std::to_string(::getpid()))) {
+    fs::create_directories(path_);
+  }
+  ~Folder() { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  std::string file(const std::string& name) const { return path_ / name; }
+
+private:
+  const fs::path path_;
+};
+
+TEST_F(HttpServer, ListensAtAUnixSocketOfItsUserAndGroup) {
+  const Folder folder;
+  const std::string path = folder.file("socket");
+  handler_ = [](const Request& request) { return Reply{.body = "from " + request.address}; };
+  const auto ask = [&] {
+    Peer peer(path);
+    peer.send("GET / HTTP/1.1\r\nHost: own\r\nConnection: close\r\n\r\n");
+    return peer.receive();
+  };
+  start(short_limits(), {.socket = path});
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms(0660));
+  EXPECT_EQ(port(), 0);
+  EXPECT_TRUE(ask().ends_with("from 127.0.0.1"));
+  EXPECT_THROW(Server({.socket = path}, {}), CannotListen);
+  EXPECT_THROW(Server({.socket = std::string(200, 'x')}, {}), CannotListen);
+  server_.reset();
+  EXPECT_FALSE(fs::exists(path));
+
+  {  // left by a server that was killed
+    const int left = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const sockaddr_un address = Peer::address_of(path);
+    EXPECT_EQ(::bind(left, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ::close(left);
+  }
+  start(short_limits(), {.socket = path});
+  EXPECT_TRUE(ask().ends_with("from 127.0.0.1"));
 }
 
 TEST_F(HttpServer, AFaultOfAHandlerIsAnAnswer) {
