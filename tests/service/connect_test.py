@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The entry for programs: Connect on the dashboard's server answers as gRPC does."""
 import base64
+import getpass
 import http.client
 import json
 import os
@@ -102,19 +103,40 @@ CLASSES = {each.full_name: getattr(module, name)
            for name, each in module.DESCRIPTOR.message_types_by_name.items()}
 
 
+class WebEntry(Entry):
+    """dccast-web behind a proxy, as a program with a token uses it."""
+
+    def __init__(self, daemon, folder, token):
+        self.process = subprocess.Popen(
+            [os.path.join(BIN, "dccast-web"), "serve", "--listen", "127.0.0.1:0", "--behind",
+             "https://dccast.test", "--socket", daemon.address, "--state", os.path.join(folder, "web")],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.port = int(self.process.stderr.readline().split()[-1])
+        self.headers = {"Authorization": "Bearer " + token}
+
+    def close(self):
+        super().close()
+        self.process.stderr.close()
+
+
 class ConnectTest(ClientTest):
     def setUp(self):
         super().setUp()
         self.start()
 
-    def entry_of(self, name, role="submitter"):
-        """The dashboard of a new user, and a gRPC client with the same token."""
-        self.log_in(name, role, "--name", name, "--default")
+    def entry(self, token):
+        """Where the user who has logged in last asks by JSON."""
         entry = Entry({"XDG_CONFIG_HOME": os.path.join(self.folder, "settings")})
         self.addCleanup(entry.close)
+        return entry
+
+    def entry_of(self, name, role="submitter"):
+        """The entry of a new user, and a gRPC client with the same token."""
+        self.log_in(name, role, "--name", name, "--default")
         with open(self.servers_file(), "rb") as file:
             token = {server["name"]: server["token"]
                      for server in tomllib.load(file)["server"]}[name]
+        entry = self.entry(token)
         with open(os.path.join(self.daemon.settings["data_directory"], "pki", "ca.pem"), "rb") as file:
             credentials = grpc.composite_channel_credentials(
                 grpc.ssl_channel_credentials(file.read()),
@@ -187,6 +209,18 @@ class LikeGrpc(ConnectTest):
             self.assertEqual((gone["code"], gone["status"]), ("unauthenticated", 401))
         self.assertLessEqual({("viewer", "permission_denied"), ("submitter", "invalid_argument"),
                               ("admin", "not_found")}, refused)
+
+
+class LikeGrpcThroughTheWebServer(LikeGrpc):
+    """The same table for dccast-web, which has no rights of its own."""
+
+    def start(self, **settings):  # the user of this test is the one of dccast-web, too
+        super().start(access__web_user=getpass.getuser(), **settings)
+
+    def entry(self, token):
+        entry = WebEntry(self.daemon, self.folder, token)
+        self.addCleanup(entry.close)
+        return entry
 
 
 class Protocol(ConnectTest):
