@@ -70,7 +70,7 @@ std::string detail_text(const pb::Any& detail) {
 
   std::string encoded = base64(detail.value());
   encoded.erase(encoded.find_last_not_of('=') + 1);
-  return fmt::format(R"({{"type":"{}","value":"{}"{}}})", type, encoded,
+  return fmt::format(R"({{"type":{},"value":"{}"{}}})", Json(type).dump(), encoded,
                      debug.empty() ? "" : R"(,"debug":)" + debug);
 }
 

@@ -28,7 +28,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from access_test import AccessTest
 from certificates import TestCa
-from support import BIN, SANITIZED, WAIT_FACTOR, fake_case, main, until
+from support import BIN, SANITIZED, WAIT_FACTOR, SocketConnection, fake_case, main, until
 
 SERVICE = "/dccast.v1.SimulationService/"
 JSON = {"Content-Type": "application/json"}
@@ -83,19 +83,6 @@ def message(response):
     """The next message of a stream: flags and content."""
     flags, size = struct.unpack(">BI", response.read(5))
     return flags, json.loads(response.read(size))
-
-
-class SocketConnection(http.client.HTTPConnection):
-    """Of a proxy that calls a Unix socket."""
-
-    def __init__(self, path):
-        super().__init__("dccast.test", timeout=60)
-        self.path = path
-
-    def connect(self):
-        self.sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self.sock.settimeout(self.timeout)
-        self.sock.connect(self.path)
 
 
 class Web:

@@ -424,6 +424,7 @@ TEST_F(HttpServer, StreamsOfAnAddressHaveItsShare) {
     open.emplace_back(port()).send(request);
     return status_of(open.back().receive("\r\n\r\n")) == "HTTP/1.1 200 OK";
   }));
+  server_->stop();  // the source of the last stream may begin only now
 }
 
 /// A folder of its own, which goes with it.
