@@ -18,7 +18,7 @@ from google.protobuf import json_format
 
 from access import RemoteFault, admin
 from cases import fake
-from clients import ANSWER, memory_of
+from clients import memory_of
 from hostile import environment
 from oracle import must
 from scene import pause
