@@ -11,6 +11,7 @@
 
 #include "client/cli/options.hpp"
 #include "client/model/json.hpp"
+#include "client/web/connect_messages.hpp"
 #include "client/web/dashboard.hpp"
 #include "client/web/session_entrance.hpp"
 #include "client/web/user_channels.hpp"
@@ -32,29 +33,44 @@ std::filesystem::path key_file(const WebOptions& options) {
   return std::string(folder == nullptr ? default_state : folder) + "/cookie-keys";
 }
 
-Listening listening_of(const WebOptions& options) {
+http::Server::Listening listening_of(const WebOptions& options) {
   const bool is_behind = !options.proxy.empty();
-  const values::HostAndPort at = values::host_and_port(options.listen);
+  const bool is_socket = options.listen.starts_with(values::unix_scheme);
   if (is_behind == !options.certificate.empty() ||
       options.certificate.empty() != options.key.empty())
     throw invalid(
         "give --certificate and --key, PEM files, or --behind with the address that the proxy has");
-  if (is_behind && !values::is_loopback(options.listen))
-    throw invalid("--listen " + options.listen +
-                  ": behind a proxy, 127.0.0.1:PORT or [::1]:PORT; others would reach it without "
-                  "HTTPS");
-  if (is_behind &&
-      (!options.proxy.starts_with("https://") || options.proxy.find('/', 8) != std::string::npos))
+  if (is_behind && !values::is_web_origin(options.proxy))
     throw invalid("--behind " + options.proxy + ": is not https://NAME or https://NAME:PORT");
-  if (at.port.empty() || at.port.size() > 5 ||
-      at.port.find_first_not_of("0123456789") != std::string::npos ||
-      std::atoi(at.port.c_str()) > 65535)
-    throw invalid("--listen " + options.listen + ": give HOST:PORT, with a port of 1 to 65535");
-  return {.host = at.host.empty() ? "0.0.0.0" : at.host,
-          .port = std::atoi(at.port.c_str()),
+  if (is_socket && !is_behind)
+    throw invalid("--listen " + options.listen +
+                  ": only a proxy calls a Unix socket; add --behind with its address");
+  if (is_socket) return {.socket = options.listen.substr(std::string(values::unix_scheme).size())};
+
+  if (is_behind && !values::is_loopback(options.listen))
+    throw invalid(
+        "--listen " + options.listen +
+        ": behind a proxy, unix:PATH, 127.0.0.1:PORT or [::1]:PORT; others would reach it "
+        "without HTTPS");
+  const auto port = values::port_of(options.listen);
+  if (!port)
+    throw invalid(
+        "--listen " + options.listen +
+        ": give HOST:PORT, with a port of 0 to 65535, where 0 is a free one, or unix:PATH");
+  const std::string host = values::host_and_port(options.listen).host;
+  const auto report = [certificate = options.certificate](const std::string& fault) {
+    std::cerr << "dccast-web: --certificate " << certificate
+              << (fault.empty()
+                      ? " has changed and is in use"
+                      : " has changed and is not used: it and --key are not a certificate "
+                        "and its key; the former one stays")
+              << std::endl;
+  };
+  return {.host = host.empty() ? "0.0.0.0" : host,
+          .port = *port,
           .certificate = options.certificate,
           .key = options.key,
-          .behind_proxy = is_behind};
+          .when_renewed = report};
 }
 
 /// The secret in what a user has pasted: a line, a link, or the secret alone.
@@ -75,10 +91,7 @@ Reply sign_in(UserChannels& channels, const SessionCookie& cookie, const Request
   enrol.set_machine("web");
   Connection connection = channels.connection("", request.address);
   v1::EnrolResponse response;
-  const grpc::Status status = connection.try_once(&Stub::Enrol, enrol, response);
-  if (status.error_code() == grpc::UNAUTHENTICATED)
-    return {.body = Json{{"error", status.error_message()}}.dump(), .status = 401};
-  check(status, connection.server());
+  check(connection.try_once(&Stub::Enrol, enrol, response), connection.server());
 
   const std::int64_t now = std::time(nullptr);
   return {
@@ -91,19 +104,18 @@ Reply sign_out(Connection connection, const SessionCookie& cookie) {
   v1::RevokeTokenResponse response;
   const grpc::Status status =
       connection.try_once(&Stub::RevokeToken, v1::RevokeTokenRequest(), response);
-  Reply reply{.body = "{}", .set_cookie = cookie.removal()};
-  if (status.ok() || status.error_code() == grpc::UNAUTHENTICATED) return reply;
-  reply.body =
-      Json{{"error", "the server could not revoke the session: " + reason_of(status)}}.dump();
-  reply.status = 502;
+  const bool is_revoked = status.ok() || status.error_code() == grpc::UNAUTHENTICATED;
+  Reply reply = is_revoked ? Reply{.body = "{}"} : error_reply(status, connection.server());
+  reply.set_cookie = cookie.removal();
   return reply;
 }
 
 ExitCode serve(const WebOptions& options, const std::shared_ptr<Interruption>& interruption) {
-  const Listening listening = listening_of(options);
-  WebServer server(listening);
+  const http::Server::Listening listening = listening_of(options);
+  const bool is_behind = !options.proxy.empty();
+  WebServer server(listening, is_behind);
   SessionEntrance entrance(SessionCookie(cookie_keys(key_file(options), false)), options.proxy,
-                           server.certificate());
+                           is_behind ? nullptr : &server.server());
   UserChannels channels(options.socket.empty()
                             ? std::string(values::unix_scheme) + values::service_socket
                             : options.socket);
@@ -112,15 +124,17 @@ ExitCode serve(const WebOptions& options, const std::shared_ptr<Interruption>& i
       server,
       [&](const Request& request) { return channels.connection(request.token, request.address); },
       {});
-  server.post("/session", [&](const Request& request) {
+  server.post("/session/*", [&](const Request& request) {
     if (request.name == "in") return sign_in(channels, entrance.cookie(), request);
     if (request.name == "out")
       return sign_out(channels.connection(request.token, request.address), entrance.cookie());
     return Reply{.body = "{}", .status = 404};
   });
 
-  std::cerr << "dccast-web: serving at " << listening.host << ", port " << server.port()
-            << std::endl;
+  const std::string place = listening.socket.empty()
+                                ? fmt::format("{}, port {}", listening.host, server.server().port())
+                                : options.listen;
+  std::cerr << "dccast-web: serving at " << place << std::endl;
   server.serve(entrance, *interruption);
   return ExitCode::done;
 }
@@ -136,14 +150,17 @@ int run(const std::vector<std::string>& arguments,
                    DCCAST_VERSION, guide);
   WebOptions options;
   line.begin_group("Commands to serve browsers");
-  const Command server = line.command(
-      "serve", "Serve browsers and programs until SIGTERM",
-      "dccast-web serve --listen :443 --certificate web.pem --key web.key\n"
-      "  dccast-web serve --listen 127.0.0.1:7300 --behind https://dccast.plant.example");
-  server.option("--listen", options.listen, "HOST:PORT; without a host, all addresses",
+  const Command server =
+      line.command("serve", "Serve browsers and programs until SIGTERM",
+                   "dccast-web serve --listen :443 --certificate web.pem --key web.key\n"
+                   "  dccast-web serve --listen unix:/run/dccast-web/socket --behind "
+                   "https://dccast.plant.example");
+  server.option("--listen", options.listen,
+                "HOST:PORT; without a host, all addresses. unix:PATH for a proxy of this machine",
                 {.required = true});
-  server.option("--certificate", options.certificate,
-                "PEM file of the certificate with its chain, for HTTPS; read at the start");
+  server.option(
+      "--certificate", options.certificate,
+      "PEM file of the certificate with its chain, for HTTPS; read again when it changes");
   server.option("--key", options.key, "PEM file with the certificate's key");
   server.option("--behind", options.proxy,
                 "Address of the proxy that serves this program to others, https://NAME[:PORT]");

@@ -8,6 +8,7 @@
 #include "client/session/queries.hpp"
 #include "client/session/studies.hpp"
 #include "client/text/findings.hpp"
+#include "client/text/job_csv.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/frames/contraction.hpp"
@@ -22,68 +23,6 @@ struct CurlOptions {
   bool json = false;
 };
 
-/// A job with its curl.
-struct JobCurl {
-  v1::Job job;
-  figures::RunHistory history;
-  v1::StudyResult study{};  ///< without limits if the job belongs to no refinement study
-};
-
-/// Error of mesh and time steps at the steps of the job, from its study, which also has a limit, or
-/// else from its quality. Columns are empty where neither is known.
-struct Error {
-  std::vector<double> limit_m;
-  std::vector<double> lower_m;  ///< of the limit, if there is one
-  std::vector<double> upper_m;
-};
-
-Error error_of(const JobCurl& curl, const figures::MonitorSeries& series) {
-  const auto& [job, history, study] = curl;
-  if (auto limit = limit_at(history.time_s(), study, series.name))
-    return {std::move(limit->value_m), limit->uncertainty_m, limit->uncertainty_m};
-
-  if (!series.has_error()) return {};
-  return {{}, series.lower_error_m, series.upper_error_m};
-}
-
-/// Columns of the CSV after time and cast length, by name.
-std::vector<std::pair<std::string, std::vector<double>>> columns_of(const JobCurl& curl) {
-  std::vector<std::pair<std::string, std::vector<double>>> columns;
-  for (const std::string& monitor : curl.history.monitors()) {
-    const figures::MonitorSeries series = curl.history.series(monitor);
-    columns.emplace_back(series.name + "_curl_m", series.curl_m);
-    Error error = error_of(curl, series);
-    if (!error.limit_m.empty())
-      columns.emplace_back(series.name + "_limit_m", std::move(error.limit_m));
-    if (error.upper_m.empty()) continue;
-    columns.emplace_back(series.name + "_lower_error_m", std::move(error.lower_m));
-    columns.emplace_back(series.name + "_upper_error_m", std::move(error.upper_m));
-  }
-  return columns;
-}
-
-void print_csv(const JobCurl& curl) {
-  const auto& [job, history, study] = curl;
-  const auto columns = columns_of(curl);
-  // The limit is valid as long as every run is from which it is extrapolated.
-  const bool has_limits = !study.limits().empty();
-  const double valid_until_s =
-      study.has_valid_until_s() ? study.valid_until_s() : std::numeric_limits<double>::infinity();
-  std::cout << "time_s,cast_length_m";
-  for (const auto& [name, values] : columns) std::cout << ',' << csv_text(name);
-  std::cout << ",beyond_validity" << (has_limits ? ",limit_beyond_validity\n" : "\n");
-  for (std::size_t i = 0; i < history.steps.size(); ++i) {
-    const v1::StepReport& step = history.steps[i];
-    std::cout << case_file::number_text(step.time_s()) << ','
-              << case_file::number_text(step.cast_length_m());
-    for (const auto& [name, values] : columns)
-      std::cout << ',' << case_file::number_text(values[i]);
-    std::cout << ',' << step.beyond_validity();
-    if (has_limits) std::cout << ',' << (step.time_s() >= valid_until_s);
-    std::cout << '\n';
-  }
-}
-
 Json monitor_json(const JobCurl& curl, const figures::MonitorSeries& series) {
   // One number for each time in a section, [x, y] in a quarter slab.
   const auto horizontal = [](const auto& u) { return u.size() == 1 ? Json(u[0]) : Json(u); };
@@ -91,7 +30,7 @@ Json monitor_json(const JobCurl& curl, const figures::MonitorSeries& series) {
             {"curl_m", series.curl_m},
             {"horizontal_m", json_list(series.horizontal_m, horizontal)},
             {"temperature_c", series.temperature_c}};
-  const Error error = error_of(curl, series);
+  const CurlError error = error_of(curl, series);
   if (!error.limit_m.empty()) json["limit_m"] = error.limit_m;
   if (!error.upper_m.empty()) {
     json["lower_error_m"] = error.lower_m;
@@ -143,13 +82,12 @@ void print_findings(const v1::Job& job) {
 ExitCode run(const CurlOptions& options, Program& program) {
   Connection connection = program.connect();
   const std::string id = resolve_job(connection, options.id);
-  JobCurl curl{connection.call(&Stub::GetJob, id), {}, {}};
-  curl.history = run_history(curl.job, query_result(connection, id));
+  JobCurl curl = curl_of_job(connection, id);
 
   if (options.csv || options.json) {
     curl.study = refinement_of(connection, curl.job);
     if (options.csv)
-      print_csv(curl);
+      std::cout << curl_csv(curl);
     else
       print_json(curl);
     return ExitCode::done;

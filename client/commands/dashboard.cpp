@@ -30,8 +30,8 @@ ExitCode run(const DashboardOptions& options, Program& program) {
   for (const std::string& file : options.cases)
     if (::access(file.c_str(), R_OK) != 0)
       throw invalid(file + ": cannot be read; give a case file");
-  WebServer server({.port = options.port});
-  KeyEntrance entrance(server.port());
+  WebServer server({.host = "127.0.0.1", .port = options.port});
+  KeyEntrance entrance(server.server().port());
   const Connection connection(program.endpoint());
   add_dashboard(
       server, [&](const Request&) { return connection.another(std::make_shared<Interruption>()); },

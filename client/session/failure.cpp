@@ -84,12 +84,13 @@ CommandFailed failure_of(const grpc::Status& status, const std::string& server) 
     return {ExitCode::unreachable,
             "no answer from " + server + " (" + reason_of(status) +
                 "); is dccastd running there? Why calls fail: dccast doctor " + server +
-                ". Another address: --server or DCCAST_SERVER"};
+                ". Another address: --server or DCCAST_SERVER",
+            status};
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
-    return {ExitCode::unreachable, "no answer from " + server + " in time; try again"};
+    return {ExitCode::unreachable, "no answer from " + server + " in time; try again", status};
   const ExitCode code = exit_code_of(status.error_code());
-  if (code != ExitCode::unreachable) return {code, reason_of(status)};
-  return {code, server + " could not answer: " + reason_of(status)};
+  if (code != ExitCode::unreachable) return {code, reason_of(status), status};
+  return {code, server + " could not answer: " + reason_of(status), status};
 }
 
 void check(const grpc::Status& status, const std::string& server) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "proto/refusal/refusal.hpp"
 
@@ -26,13 +27,17 @@ enum class ExitCode {
 class CommandFailed : public std::runtime_error {
 public:
   /// @param message  one sentence, with the remedy where there is one
-  CommandFailed(ExitCode code, const std::string& message)
-      : std::runtime_error(message), code_(code) {}
+  /// @param status  of the call that failed, if one did
+  CommandFailed(ExitCode code, const std::string& message, grpc::Status status = {})
+      : std::runtime_error(message), code_(code), status_(std::move(status)) {}
   /// Exit code of the program.
   ExitCode code() const { return code_; }
+  /// OK: no call failed.
+  const grpc::Status& status() const { return status_; }
 
 private:
   ExitCode code_;
+  grpc::Status status_;
 };
 
 /// For what a user gave and cannot be used: throw invalid("...").

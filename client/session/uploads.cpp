@@ -1,8 +1,8 @@
 #include "client/session/uploads.hpp"
 
-#include <array>
 #include <fstream>
 #include <memory>
+#include <utility>
 
 namespace dccast::client {
 namespace {
@@ -24,29 +24,52 @@ grpc::Status upload(Connection& connection, const case_file::AttachedFile& file)
   std::ifstream stream(file.path, std::ios::binary);
   if (!stream) throw invalid("cannot read " + file.path.string());
 
+  v1::Attachment named;
+  named.set_name(file.name);
+  named.set_sha256(file.sha256);
+  named.set_size_bytes(file.bytes);
+  v1::UploadAttachmentResponse response;
+  return upload_parts(
+      connection, named,
+      [&] {
+        std::string part(chunk_bytes, '\0');
+        stream.read(part.data(), static_cast<std::streamsize>(part.size()));
+        part.resize(static_cast<std::size_t>(stream.gcount()));
+        return part;
+      },
+      response);
+}
+
+}  // namespace
+
+grpc::Status upload_parts(Connection& connection, const v1::Attachment& named,
+                          const std::function<std::string()>& next_part,
+                          v1::UploadAttachmentResponse& response) {
   grpc::ClientContext context;
   const Interruption::Call call(connection.interruption(), context);
-  v1::UploadAttachmentResponse response;
   const auto writer = connection.stub().UploadAttachment(&context, &response);
 
   Request request;
-  request.mutable_attachment()->set_name(file.name);
-  request.mutable_attachment()->set_sha256(file.sha256);
-  request.mutable_attachment()->set_size_bytes(file.bytes);
+  *request.mutable_attachment() = named;
   bool wanted = writer->Write(request);
   // The server ends the stream at once where it has a file of this checksum.
   if (wanted) wait_for_server(*writer);
 
-  std::array<char, chunk_bytes> chunk;
-  while (wanted && stream.read(chunk.data(), chunk.size()).gcount() > 0) {
-    request.set_chunk(chunk.data(), static_cast<std::size_t>(stream.gcount()));
-    wanted = writer->Write(request);
+  try {
+    while (wanted) {
+      std::string part = next_part();
+      if (part.empty()) break;
+      request.set_chunk(std::move(part));
+      wanted = writer->Write(request);
+    }
+  } catch (...) {
+    context.TryCancel();
+    writer->Finish();
+    throw;
   }
   writer->WritesDone();
   return writer->Finish();
 }
-
-}  // namespace
 
 void upload_files(Connection& connection, const std::vector<case_file::AttachedFile>& files) {
   const auto upload_all = [files](Connection& to) {

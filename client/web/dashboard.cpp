@@ -7,10 +7,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
-#include <sstream>
 #include <utility>
 
-#include "client/html/frame_bytes.hpp"
 #include "client/html/html_parts.hpp"
 #include "client/html/judgement_parts.hpp"
 #include "client/html/pages.hpp"
@@ -21,11 +19,13 @@
 #include "client/session/plan_requests.hpp"
 #include "client/session/queries.hpp"
 #include "client/web/connect_entry.hpp"
+#include "client/web/resources.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/remedies.hpp"
 #include "proto/case_file/shipped.hpp"
 #include "proto/figures/plant_units.hpp"
 #include "proto/figures/rounding.hpp"
+#include "proto/refusal/refusal.hpp"
 
 namespace dccast::client {
 namespace {
@@ -86,12 +86,6 @@ Json wanted_json(const v1::Case& description) {
           {"greatest_m", limits.has_greatest_curl_m() ? Json(limits.greatest_curl_m()) : Json()}};
 }
 
-v1::Job job_of(Connection& connection, const std::string& id) {
-  v1::GetJobRequest request;
-  request.set_id(id);
-  return connection.call(&Stub::GetJob, request);
-}
-
 /// The levers of a followed casting, now and as planned, in plant units.
 Json levers_json(const v1::CastingNow& casting) {
   struct Lever {
@@ -129,7 +123,7 @@ Json levers_json(const v1::CastingNow& casting) {
 
 /// A job with its curl, the error of mesh and steps, and the times of its stored frames.
 Json job_json(Connection& connection, const std::string& id) {
-  const v1::Job job = job_of(connection, id);
+  const v1::Job job = connection.call(&Stub::GetJob, id);
   const v1::QueryResultResponse result = query_result(connection, job.id());
   return {{"job", to_json(job)},
           {"has_levers", !case_file::advice_against(job.findings()).empty()},
@@ -143,7 +137,7 @@ Json job_json(Connection& connection, const std::string& id) {
 /// The judged curl of a job at some instants, for a thumbnail in a list.
 Json sketch_json(Connection& connection, const std::string& id) {
   constexpr int points = 60;
-  const v1::Job job = job_of(connection, id);
+  const v1::Job job = connection.call(&Stub::GetJob, id);
   const auto steps = query_result(connection, job.id()).steps();
   const v1::MonitorValue* const judged =
       steps.empty() ? nullptr : figures::judged_curl(*steps.rbegin());
@@ -161,33 +155,12 @@ Json sketch_json(Connection& connection, const std::string& id) {
   return {{"time_s", time_s}, {"curl_m", curl_m}};
 }
 
-/// @param field  name of a field, in place of mesh and temperature; empty: these
-v1::QueryResultResponse frame_of(Connection& connection, const std::string& id, int number,
-                                 const std::string& field = "") {
-  v1::QueryResultRequest request;
-  request.set_id(id);
-  request.set_frame(true);
-  request.set_drawing(true);
-  request.set_frame_number(number);
-  request.set_field(field);
-  request.set_page_size(1);
-  return connection.call(&Stub::QueryResult, request);
-}
-
-/// The bytes of a stored frame.
-Reply frame_reply(const v1::Frame& frame) {
-  auto bytes = frame_bytes(frame, Precision::full);
-  if (!bytes)
-    throw CommandFailed(ExitCode::invalid, "the stored frame is damaged and cannot be drawn");
-  return {.body = std::move(*bytes), .type = "application/octet-stream"};
-}
-
 /// The times of all stored frames and the fields of the last one. A job without frames is no fault:
 /// then `reason` states why there are none.
 Json frames_json(Connection& connection, const std::string& id) {
   Json json{{"times", Json::array()}, {"fields", Json::array()}, {"reason", ""}};
   try {
-    const auto result = frame_of(connection, id, 0);
+    const auto result = stored_frame(connection, id, 0);
     for (const double time_s : result.frame_time_s()) json["times"].push_back(time_s);
     for (const v1::FrameField& field : result.frame().fields())
       json["fields"].push_back(to_json(field));
@@ -198,22 +171,11 @@ Json frames_json(Connection& connection, const std::string& id) {
   return json;
 }
 
-constexpr const char* html = "text/html; charset=utf-8";
-
-Reply report(Connection& connection, const std::string& id) {
-  // The page itself states what is missing in it.
-  std::ostringstream unused_messages;
-  grpc::Status unused_status;
-  return {.body = report_of(connection, job_of(connection, id), unused_messages, unused_status),
-          .type = html,
-          .stands_alone = true};
-}
-
 Reply comparison(Connection& connection, const std::vector<std::string>& ids) {
   v1::CompareRunsRequest request;
   for (const std::string& id : ids) request.add_runs()->set_job(id);
   return {.body = comparison_page(connection.call(&Stub::CompareRuns, request)),
-          .type = html,
+          .type = html_type,
           .stands_alone = true};
 }
 
@@ -264,11 +226,28 @@ Json lever_values_json(const v1::Case& input) {
   return json;
 }
 
+/// Refuses a case with values out of range, as the server does, which alone can judge the rest.
+void check_ranges(const v1::Case& input) {
+  v1::ValidateCaseResponse verdict;
+  for (v1::Fault& fault : case_file::check_ranges(input)) *verdict.add_faults() = std::move(fault);
+  if (verdict.faults_size() == 0) return;
+
+  const v1::Fault& first = verdict.faults(0);
+  const refusal::Facts facts{
+      .reason = v1::ErrorInfo::INVALID_CASE,
+      .cause = fmt::format("the case has {} fault{}; first: {}: {}", verdict.faults_size(),
+                           verdict.faults_size() == 1 ? "" : "s", first.field(), first.message())};
+  throw CommandFailed(ExitCode::invalid, facts.message(),
+                      {grpc::INVALID_ARGUMENT, facts.message(),
+                       refusal::write_details(grpc::INVALID_ARGUMENT, facts, &verdict)});
+}
+
 /// A case as a page shows it, from its JSON: drawing, levers, and the file.
 Reply shown_case(const Request& request) {
   v1::Case input;
   const auto status = google::protobuf::util::JsonStringToMessage(request.body, &input);
-  if (!status.ok()) throw CommandFailed(ExitCode::invalid, std::string(status.message()));
+  if (!status.ok()) throw invalid(std::string(status.message()));
+  check_ranges(input);
 
   v1::Case complete = input;
   case_file::apply_defaults(complete);
@@ -282,7 +261,8 @@ std::string type_of(const std::string& name) {
   if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
   if (name.ends_with(".css")) return "text/css; charset=utf-8";
   if (name.ends_with(".svg")) return "image/svg+xml";
-  return html;
+  if (name.ends_with(".json")) return "application/json";
+  return html_type;
 }
 
 void add_pages(WebServer& server) {
@@ -293,38 +273,6 @@ void add_pages(WebServer& server) {
     server.file("/" + asset.name, type_of(asset.name), asset.text);
 }
 
-/// A handler that calls the daemon for whom a request is.
-template <class Handler>
-WebServer::Handler connected(const Connect& connect, Handler handler) {
-  return [=](const Request& request) {
-    Connection connection = connect(request);
-    connection.set_policy({.attempts = 2});
-    return handler(connection, request);
-  };
-}
-
-/// The frames of a job, and fields of theirs.
-void add_frames(WebServer& server, const Connect& connect) {
-  const auto get = [&](const std::string& path, const auto& handler) {
-    server.get(path, connected(connect, handler));
-  };
-
-  get("/frames", [](Connection& connection, const Request& request) {
-    return Reply{frames_json(connection, request.name).dump()};
-  });
-  get("/frame", [](Connection& connection, const Request& request) {
-    // 0, also of a number that is missing, is the last frame.
-    const int number = std::atoi(request.value("number").c_str());
-    return frame_reply(frame_of(connection, request.name, number).frame());
-  });
-  get("/field", [](Connection& connection, const Request& request) {
-    const int number = std::atoi(request.value("number").c_str());
-    const auto result = frame_of(connection, request.name, number, request.value("name"));
-    return Reply{.body = float_bytes(result.frame().field().values(), Precision::full),
-                 .type = "application/octet-stream"};
-  });
-}
-
 /// Jobs as pages show them, alone or beside each other.
 void add_results(WebServer& server, const Connect& connect) {
   const auto get = [&](const std::string& path, const auto& handler) {
@@ -332,24 +280,24 @@ void add_results(WebServer& server, const Connect& connect) {
   };
 
   // Histories and pages of single jobs, and their comparison.
-  get("/job", [](Connection& connection, const Request& request) {
+  get("/job/*", [](Connection& connection, const Request& request) {
     return Reply{job_json(connection, request.name).dump()};
   });
-  get("/sketch", [](Connection& connection, const Request& request) {
+  get("/frames/*", [](Connection& connection, const Request& request) {
+    return Reply{frames_json(connection, request.name).dump()};
+  });
+  get("/sketch/*", [](Connection& connection, const Request& request) {
     return Reply{sketch_json(connection, request.name).dump()};
   });
-  get("/report", [](Connection& connection, const Request& request) {
-    return report(connection, request.name);
-  });
-  get("/compare", [](Connection& connection, const Request& request) {
+  get("/compare/*", [](Connection& connection, const Request& request) {
     return comparison(connection, request.values("job"));
   });
 
   // The study that looks for a remedy.
-  server.post("/remedy", connected(connect, [](Connection& connection, const Request& request) {
+  server.post("/remedy/*", connected(connect, [](Connection& connection, const Request& request) {
                 return Reply{Json{{"study", remedy_of(connection, request.name).id()}}.dump()};
               }));
-  get("/server", [](Connection& connection, const Request&) {
+  get("/server/*", [](Connection& connection, const Request&) {
     const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
     return Reply{Json{{"address", connection.server()},
                       {"user", who.name()},
@@ -360,10 +308,10 @@ void add_results(WebServer& server, const Connect& connect) {
 }
 
 void add_cases(WebServer& server, const Connect& connect, const std::vector<std::string>& cases) {
-  server.get("/cases", connected(connect, [=](Connection& connection, const Request&) {
+  server.get("/cases/*", connected(connect, [=](Connection& connection, const Request&) {
                return Reply{cases_json(connection, cases).dump()};
              }));
-  server.post("/case", shown_case);
+  server.post("/case/*", shown_case);
 }
 
 }  // namespace
@@ -371,10 +319,10 @@ void add_cases(WebServer& server, const Connect& connect, const std::vector<std:
 void add_dashboard(WebServer& server, const Connect& connect,
                    const std::vector<std::string>& cases) {
   add_pages(server);
-  server.post("/dccast.v1.SimulationService", connected(connect, connect_reply));
-  server.post("/drawn", connected(connect, drawn_call));
+  server.post("/dccast.v1.SimulationService/*", connected(connect, connect_reply));
+  server.post("/drawn/*", connected(connect, drawn_call));
   add_results(server, connect);
-  add_frames(server, connect);
+  add_resources(server, connect);
   add_cases(server, connect, cases);
 }
 

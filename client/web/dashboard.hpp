@@ -1,11 +1,9 @@
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "client/web/web_server.hpp"
+#include "client/web/resources.hpp"
 
 namespace dccast::client {
 
@@ -18,9 +16,6 @@ struct Asset {
 
 /// All files of the dashboard.
 const std::vector<Asset>& assets();
-
-/// Connects to the server of the jobs, for whom a request is.
-using Connect = std::function<Connection(const Request&)>;
 
 /// Gives a web server the dashboard: its pages, the calls of the service that they make, and what
 /// the client makes of results (curls with their error, reports, comparisons, frames, what-if).

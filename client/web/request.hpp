@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "proto/http/message.hpp"
@@ -11,8 +12,10 @@ namespace dccast::client {
 
 /// What a browser or program asks for.
 struct Request : http::Request {
-  std::string name{};   ///< last part of the path, decoded
-  std::string token{};  ///< of its user, for the daemon; empty where the socket proves the user
+  bool is_of_file = false;  ///< of this server, which is for everybody
+  std::string name{};       ///< the part of the path that a "*" stands for, decoded
+  std::string token{};      ///< of its user, for the daemon; empty where the socket proves the user
+  std::string user{};       ///< whose token it is, as the caller states it; empty: not stated
   std::string set_cookie{};       ///< for the reply; empty: none
   std::shared_ptr<void> place{};  ///< among the requests of its user; held until it is answered
 
@@ -30,7 +33,8 @@ struct Reply {
   /// A page that stands by itself, with its style and script inside, such as a report: it is shown
   /// without access to anything else.
   bool stands_alone = false;
-  std::string set_cookie{};  ///< empty: none
+  std::string set_cookie{};                                    ///< empty: none
+  std::vector<std::pair<std::string, std::string>> headers{};  ///< further ones
   /// Set: the reply is a stream instead of `body`, see http::Reply.
   std::function<void(std::shared_ptr<http::Stream>)> stream{};
 };

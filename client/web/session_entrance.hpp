@@ -8,6 +8,7 @@
 
 #include "client/web/entrance.hpp"
 #include "client/web/session_cookie.hpp"
+#include "proto/http/server.hpp"
 
 namespace dccast::client {
 
@@ -37,10 +38,10 @@ public:
 
   /// @param origin  "https://dccast.plant.example": of the own pages; empty: that of the Host of
   ///                each request, which stands in the certificate
-  /// @param certificate  of this server; null: it is behind a proxy, which states the address of
-  ///                     the browser (X-Forwarded-For)
-  SessionEntrance(SessionCookie cookie, std::string origin, const X509* certificate)
-      : cookie_(std::move(cookie)), origin_(std::move(origin)), certificate_(certificate) {}
+  /// @param server  null: it is behind a proxy, which states the address of the browser
+  ///                (X-Forwarded-For); else its certificate has its names
+  SessionEntrance(SessionCookie cookie, std::string origin, const http::Server* server)
+      : cookie_(std::move(cookie)), origin_(std::move(origin)), server_(server) {}
 
   bool is_own_name(const std::string& host) const override;
   std::optional<http::Reply> judge(Request& request) override;
@@ -56,7 +57,7 @@ private:
 
   const SessionCookie cookie_;
   const std::string origin_;
-  const X509* const certificate_;
+  const http::Server* const server_;
   SignInAttempts attempts_;
 
   /// Requests under way by token, shared with the places that are taken.

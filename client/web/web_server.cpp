@@ -6,24 +6,23 @@
 #include <chrono>
 #include <map>
 
-#include "client/model/json.hpp"
-#include "proto/http/server.hpp"
+#include "client/web/connect_messages.hpp"
 #include "proto/http/target.hpp"
 
 namespace dccast::client {
 namespace {
 
 /// Bodies hold calls of the service, which take messages of 2 MiB. Handlers wait for it.
-constexpr http::Limits limits{.body_bytes = 2'200'000, .connections = 1024, .handlers = 128};
+/// The daemon has the limit of attachments, which is smaller.
+constexpr http::Limits limits{.body_bytes = 2'200'000,
+                              .upload_bytes = std::size_t{1} << 30,
+                              .connections = 1024,
+                              .handlers = 128};
 
-http::Limits limits_of(const Listening& listening) {
+http::Limits limits_of(bool is_behind_proxy) {
   http::Limits own = limits;
-  if (listening.behind_proxy) own.connections_of_address = own.connections;
+  if (is_behind_proxy) own.connections_of_address = own.connections;
   return own;
-}
-
-std::string fault(const std::string& text) {
-  return Json{{"error", text}}.dump();
 }
 
 constexpr const char* policy = "Content-Security-Policy";
@@ -36,36 +35,37 @@ constexpr const char* alone_policy =
     "'unsafe-inline' data:; style-src "
     "'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-int status_of(ExitCode code) {
-  switch (code) {
-    case ExitCode::invalid:
-      return 400;
-    case ExitCode::not_found:
-      return 404;
-    case ExitCode::wrong_state:
-      return 409;
-    default:
-      return 502;  // the server of the jobs, not this one
-  }
+/// What a handler has thrown, as the status of a call.
+grpc::Status status_of(const CommandFailed& failure) {
+  const grpc::Status& call = failure.status();
+  if (refusal_of(call)) return call;
+  if (!call.ok()) return {call.error_code(), failure.what()};
+  const auto code = failure.code() == ExitCode::invalid       ? grpc::INVALID_ARGUMENT
+                    : failure.code() == ExitCode::not_found   ? grpc::NOT_FOUND
+                    : failure.code() == ExitCode::wrong_state ? grpc::FAILED_PRECONDITION
+                                                              : grpc::UNAVAILABLE;
+  return {code, failure.what()};
 }
 
-std::unique_ptr<http::Server> server_for(const Listening& at) {
+std::unique_ptr<http::Server> server_for(const http::Server::Listening& at, bool is_behind_proxy) {
   try {
-    return std::make_unique<http::Server>(
-        http::Server::Listening{
-            .host = at.host, .port = at.port, .certificate = at.certificate, .key = at.key},
-        limits_of(at));
+    return std::make_unique<http::Server>(at, limits_of(is_behind_proxy));
   } catch (const http::BadCertificate&) {
     // The library's message names neither option nor remedy.
-    throw CommandFailed(ExitCode::invalid,
-                        fmt::format("--certificate {}, --key {}: are not a certificate and its "
-                                    "key; give PEM files",
-                                    at.certificate, at.key));
-  } catch (const http::CannotListen&) {
-    throw CommandFailed(ExitCode::invalid,
-                        fmt::format("{}:{}: is no address of this machine, or its port is taken by "
-                                    "another program; without a port, a free one is taken",
-                                    at.host, at.port));
+    throw invalid(
+        fmt::format("--certificate {}, --key {}: are not a certificate and its key; give "
+                    "PEM files",
+                    at.certificate, at.key));
+  } catch (const http::CannotListen& error) {
+    if (!at.socket.empty())
+      throw invalid(
+          fmt::format("--listen unix:{}: {}; give a path in a folder of this program's "
+                      "user, where no other program listens",
+                      at.socket, error.what()));
+    throw invalid(
+        fmt::format("{}:{}: is no address of this machine, or its port is taken by "
+                    "another program; without a port, a free one is taken",
+                    at.host, at.port));
   }
 }
 
@@ -73,14 +73,17 @@ http::Reply answer_of(const WebServer::Handler& handler, const Request& request)
   Reply reply;
   try {
     reply = handler(request);
-  } catch (const CommandFailed& error) {
-    reply = {.body = fault(error.what()), .status = status_of(error.code())};
+  } catch (const CommandFailed& failure) {
+    reply = error_reply(status_of(failure), "");
+  } catch (const http::CutBody& cut) {
+    reply = error_reply({grpc::INVALID_ARGUMENT, cut.what()}, "");
   } catch (const std::exception& error) {
-    reply = {.body = fault(error.what()), .status = 500};
+    reply = error_reply({grpc::INTERNAL, error.what()}, "");
   }
   http::Reply sent{.body = std::move(reply.body),
                    .type = std::move(reply.type),
                    .status = reply.status,
+                   .headers = std::move(reply.headers),
                    .stream = std::move(reply.stream)};
   if (reply.stands_alone) sent.headers.emplace_back(policy, alone_policy);
   if (!reply.set_cookie.empty()) sent.headers.emplace_back(set_cookie, reply.set_cookie);
@@ -108,15 +111,16 @@ std::vector<std::string> Request::values(const std::string& key) const {
 
 class WebServer::Parts {
 public:
-  explicit Parts(const Listening& listening) : server_(server_for(listening)) {}
+  Parts(const http::Server::Listening& listening, bool is_behind_proxy)
+      : server_(server_for(listening, is_behind_proxy)) {}
 
   const http::Server& server() const { return *server_; }
 
-  /// @param path  of a file, or "/report/" for "/report/NAME"
   using Answer = std::function<http::Reply(const Request&)>;
   void add(const std::string& method, const std::string& path, Answer answer) {
     answers_[method + " " + path] = std::move(answer);
   }
+  void add_file(const std::string& path, const http::Reply& reply) { files_[path] = reply; }
 
   void serve(Entrance& entrance, Interruption& interruption) {
     server_->start([&](const std::string& host) { return entrance.is_own_name(host); },
@@ -131,6 +135,7 @@ public:
 private:
   http::Reply reply_to(const http::Request& received, Entrance& entrance) {
     Request request{received};
+    request.is_of_file = request.method == "GET" && files_.contains(request.path);
     auto refused = entrance.judge(request);
     http::Reply reply = refused ? std::move(*refused) : answer(request);
 
@@ -146,48 +151,44 @@ private:
     return reply;
   }
 
-  /// Each file has its own path; "/report/7" is answered by "/report/" for the name "7".
   http::Reply answer(Request& request) const {
-    const auto name_at = request.path.rfind('/') + 1;
-    auto found = answers_.find(request.method + " " + request.path);
-    if (found == answers_.end() && name_at > 1)
-      found = answers_.find(request.method + " " + request.path.substr(0, name_at));
+    if (request.is_of_file) return files_.at(request.path);
 
+    auto found = answers_.find(request.method + " " + request.path);
+    // "/jobs/7/report" is answered by "/jobs/*/report", with the name "7".
+    for (std::size_t begin = request.path.find('/'), end = 0;
+         found == answers_.end() && begin != std::string::npos; begin = end) {
+      end = request.path.find('/', ++begin);
+      const std::string name = request.path.substr(begin, end - begin);
+      std::string path = request.path;
+      found = answers_.find(request.method + " " + path.replace(begin, name.size(), "*"));
+      request.name = http::decoded(name);
+    }
     if (found == answers_.end()) return {.body = "There is no such page.\n", .status = 404};
-    request.name = http::decoded(request.path.substr(name_at));
     return found->second(request);
   }
 
   std::unique_ptr<http::Server> server_;
-  std::map<std::string, Answer> answers_;
+  std::map<std::string, http::Reply> files_;  // by path
+  std::map<std::string, Answer> answers_;     // by method and path
 };
 
-WebServer::WebServer(const Listening& listening) : parts_(std::make_unique<Parts>(listening)) {}
+WebServer::WebServer(const http::Server::Listening& listening, bool is_behind_proxy)
+    : parts_(std::make_unique<Parts>(listening, is_behind_proxy)) {}
 WebServer::~WebServer() = default;
 
 void WebServer::file(const std::string& path, const std::string& type, const std::string& text) {
-  parts_->add("GET", path,
-              [type, text](const Request&) { return http::Reply{.body = text, .type = type}; });
+  parts_->add_file(path, {.body = text, .type = type});
 }
 
-void WebServer::get(const std::string& path, Handler handler) {
-  parts_->add("GET", path + "/", [handler = std::move(handler)](const Request& request) {
+void WebServer::answer(const std::string& method, const std::string& path, Handler handler) {
+  parts_->add(method, path, [handler = std::move(handler)](const Request& request) {
     return answer_of(handler, request);
   });
 }
 
-void WebServer::post(const std::string& path, Handler handler) {
-  parts_->add("POST", path + "/", [handler = std::move(handler)](const Request& request) {
-    return answer_of(handler, request);
-  });
-}
-
-int WebServer::port() const {
-  return parts_->server().port();
-}
-
-const X509* WebServer::certificate() const {
-  return parts_->server().certificate();
+const http::Server& WebServer::server() const {
+  return parts_->server();
 }
 
 void WebServer::serve(Entrance& entrance, Interruption& interruption) {

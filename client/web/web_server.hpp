@@ -3,20 +3,14 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "client/session/connection.hpp"
 #include "client/web/entrance.hpp"
 #include "client/web/request.hpp"
+#include "proto/http/server.hpp"
 
 namespace dccast::client {
-
-/// Where browsers find a server.
-struct Listening {
-  std::string host = "127.0.0.1";    ///< or a name or address of this machine
-  int port = 0;                      ///< 0: any free one
-  std::string certificate{}, key{};  ///< PEM files, for HTTPS; empty: HTTP
-  bool behind_proxy = false;         ///< all connections are those of one proxy
-};
 
 /// An HTTP or HTTPS server for those whom an Entrance lets in. Replies name what a page may load:
 /// files of this server alone.
@@ -24,24 +18,28 @@ class WebServer {
 public:
   /// Throws CommandFailed: the address is taken or not of this machine, or the certificate cannot
   /// be used for it.
-  explicit WebServer(const Listening& listening);
+  /// @param is_behind_proxy  all connections are those of one proxy
+  explicit WebServer(const http::Server::Listening& listening, bool is_behind_proxy = false);
   /// Ends the threads that serve.
   ~WebServer();
   WebServer(const WebServer&) = delete;
 
-  int port() const;                 ///< also where a free one was asked for
-  const X509* certificate() const;  ///< null for HTTP
+  const http::Server& server() const;
   /// A fixed file. @param path  "/app.js"
   void file(const std::string& path, const std::string& type, const std::string& text);
-  /// Answers GET (or POST) of `path`/NAME. What the handler throws becomes a reply with its text.
+  /// What a handler throws becomes a reply with its text and, of a call, its details.
   using Handler = std::function<Reply(const Request&)>;
-  /// Registers what answers a path. Handlers run in threads of the server, several at a time.
-  void get(const std::string& path, Handler handler);
-  void post(const std::string& path, Handler handler);
+  /// Registers what answers a path, one part of which may be "*", the name of a request:
+  /// "/jobs/*/report". Handlers run in threads of the server, several at a time.
+  void get(const std::string& path, Handler handler) { answer("GET", path, std::move(handler)); }
+  void post(const std::string& path, Handler handler) { answer("POST", path, std::move(handler)); }
+  /// The handler takes the body by Request::next_part.
+  void put(const std::string& path, Handler handler) { answer("PUT", path, std::move(handler)); }
   /// Serves those whom the entrance lets in, until the interruption comes.
   void serve(Entrance& entrance, Interruption& interruption);
 
 private:
+  void answer(const std::string& method, const std::string& path, Handler handler);
   class Parts;
   std::unique_ptr<Parts> parts_;
 };

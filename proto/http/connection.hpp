@@ -2,13 +2,15 @@
 
 // Only for the sources of this room: Asio and Beast take seconds to compile.
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/thread_pool.hpp>
+#include <boost/beast/core/buffers_range.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <chrono>
+#include <cstdint>
 #include <functional>
+#include <future>
 #include <list>
 #include <memory>
 #include <optional>
@@ -46,7 +48,7 @@ public:
   using Clock = std::chrono::steady_clock;
 
   /// @param service  outlives the connection
-  Connection(Service& service, boost::asio::ip::tcp::socket socket, std::string address);
+  Connection(Service& service, PeerStream::Socket socket, std::string address);
   ~Connection();
   Connection(const Connection&) = delete;
 
@@ -64,16 +66,49 @@ public:
   bool is_ending() const { return leaving_ || closed_; }
   /// Nothing is being computed for the peer: it has not sent its request, or not taken its reply.
   bool waits_for_peer() const { return waits_for_peer_; }
+  bool is_stream() const { return stream_ != nullptr; }
 
 private:
   friend class ConnectionStream;
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
+  /// A body as it is received. Beast's own reserves at once what a peer merely announces.
+  struct Body {
+    using value_type = std::string;
+    class reader {
+    public:
+      template <bool is_request, class Fields>
+      reader(boost::beast::http::header<is_request, Fields>&, std::string& body) : body_(body) {}
+      void init(const boost::optional<std::uint64_t>&, boost::beast::error_code& error) {
+        error = {};
+      }
+      template <class Buffers>
+      std::size_t put(const Buffers& buffers, boost::beast::error_code& error) {
+        error = {};
+        const std::size_t before = body_.size();
+        for (const auto part : boost::beast::buffers_range_ref(buffers))
+          body_.append(static_cast<const char*>(part.data()), part.size());
+        return body_.size() - before;
+      }
+      void finish(boost::beast::error_code& error) { error = {}; }
+
+    private:
+      std::string& body_;
+    };
+  };
+
   void read_header();
+  bool is_upload() const;
+  std::size_t most_body_bytes() const;
   void read_body();
   /// What was read of the request is followed by the next step, or refused, or the peer has gone.
   void go_on(const boost::system::error_code& error, void (Connection::*next)());
+  void stop_waiting();
   void answer();
+  Reply handled();
+  using Part = std::shared_ptr<std::promise<std::string>>;
+  std::string next_part();
+  void receive_part(const Part& part);
   void send(Reply reply, bool keep_alive);
   void send_rest();
   void refuse(Reply reply);
@@ -81,6 +116,7 @@ private:
   void shut_down();
 
   void begin_stream(Reply reply);
+  bool has_room_for_stream() const;
   void notice_end_of_peer();
   void send_part(std::function<void(bool)> done);
   void end_stream();
@@ -97,7 +133,7 @@ private:
   bool waits_for_peer_ = true, leaving_ = false, closed_ = false;
 
   boost::beast::flat_buffer buffer_;
-  std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> request_;
+  std::optional<boost::beast::http::request_parser<Body>> request_;
   std::size_t body_bytes_ = 0;  // of the request, as counted by the service
   Response response_;
   std::optional<boost::beast::http::response_serializer<boost::beast::http::string_body>> rest_;

@@ -3,20 +3,30 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace dccast::http {
 
+/// The peer has left, is too slow, or sends more than the server takes.
+struct CutBody : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// A request that is whole and within the limits of the server.
 struct Request {
-  std::string method;  ///< "GET" (also for HEAD, whose reply is sent without its body) or "POST"
-  std::string path;    ///< as sent, without the query: "/job/7"
+  /// "GET" (also for HEAD, whose reply is sent without its body), "POST" or "PUT"
+  std::string method;
+  std::string path;                               ///< as sent, without the query: "/job/7"
   std::multimap<std::string, std::string> query;  ///< decoded
   std::map<std::string, std::string> headers;     ///< by name in small letters
   std::string body{};
   std::string address{};  ///< of the peer, without port
+  /// Of a PUT, whose body is not read before the handler wants it: waits for the next part, of
+  /// 64 KiB or more but for the last one. @return empty: there is no other. @throws CutBody
+  std::function<std::string()> next_part{};
 
   /// Value of a header; empty: not sent. @param name  in small letters
   std::string header(const std::string& name) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 // Only for the sources of this room: Asio and Beast take seconds to compile.
+#include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/stream.hpp>
 #include <optional>
@@ -8,14 +9,14 @@
 
 namespace dccast::http {
 
-/// The bytes of one peer, over TCP or TLS. It is an AsyncStream of Asio, so that what reads and
-/// writes messages is compiled once for both.
+/// The bytes of one peer, over TCP, TLS or a Unix socket. It is an AsyncStream of Asio, so that
+/// what reads and writes messages is compiled once for both.
 class PeerStream {
 public:
-  using Socket = boost::asio::ip::tcp::socket;
+  using Socket = boost::asio::generic::stream_protocol::socket;
   using executor_type = Socket::executor_type;
 
-  /// @param tls  null: TCP
+  /// @param tls  null: bytes are not enciphered
   PeerStream(Socket socket, boost::asio::ssl::context* tls) : socket_(std::move(socket)) {
     // Header and body of a reply are written one after the other: neither waits for the other.
     boost::system::error_code ignored;

@@ -2,16 +2,25 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <filesystem>
 #include <future>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string_view>
 #include <thread>
+#include <utility>
+#include <variant>
 
 #include "proto/http/connection.hpp"
 
@@ -19,7 +28,9 @@ namespace dccast::http {
 namespace {
 
 namespace asio = boost::asio;
+namespace fs = std::filesystem;
 using asio::ip::tcp;
+using local = asio::local::stream_protocol;
 using boost::system::error_code;
 
 /// Child programs must not inherit the descriptor; Asio opens sockets without this flag.
@@ -41,8 +52,56 @@ std::optional<asio::ssl::context> tls_context(const Server::Listening& listening
   return context;
 }
 
+std::shared_ptr<const X509> certificate_of(asio::ssl::context& context) {
+  X509* const certificate = ::SSL_CTX_get0_certificate(context.native_handle());
+  ::X509_up_ref(certificate);
+  return {certificate, [](const X509* it) { ::X509_free(const_cast<X509*>(it)); }};
+}
+
+/// What tells a file from its next version; the second part is its size.
+using Version = std::pair<fs::file_time_type, std::uintmax_t>;
+
+Version version_of(const std::string& path) {
+  std::error_code ignored;  // of a file that is being replaced
+  return {fs::last_write_time(path, ignored), fs::file_size(path, ignored)};
+}
+
+using Acceptor = std::variant<tcp::acceptor, local::acceptor>;
+
+/// Opens, binds and begins to listen.
+template <class Protocol>
+asio::basic_socket_acceptor<Protocol> acceptor_at(asio::io_context& context,
+                                                  const typename Protocol::endpoint& endpoint,
+                                                  error_code& error) {
+  asio::basic_socket_acceptor<Protocol> acceptor(context);
+  acceptor.open(endpoint.protocol(), error);
+  if (error) return acceptor;
+  keep_to_this_process(acceptor);
+  acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  acceptor.bind(endpoint, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  return acceptor;
+}
+
+/// Listens at a path. What a server that was killed has left there goes.
+local::acceptor local_acceptor(asio::io_context& context, const std::string& path) {
+  constexpr mode_t not_of_others = 0117;
+  error_code error;
+  if (path.size() >= sizeof(sockaddr_un::sun_path)) throw CannotListen("the path is too long");
+  local::socket earlier(context);
+  earlier.connect(path, error);
+  if (error == asio::error::connection_refused) ::unlink(path.c_str());
+
+  const mode_t usual = ::umask(not_of_others);
+  auto acceptor = acceptor_at<local>(context, path, error);
+  ::umask(usual);
+  if (error) throw CannotListen(error.message());
+  return acceptor;
+}
+
 /// Listens on the first address of the name that is free on this machine.
-tcp::acceptor listening_acceptor(asio::io_context& context, const Server::Listening& listening) {
+Acceptor listening_acceptor(asio::io_context& context, const Server::Listening& listening) {
+  if (!listening.socket.empty()) return local_acceptor(context, listening.socket);
   error_code error;
   const auto found = tcp::resolver(context).resolve(
       listening.host, std::to_string(listening.port),
@@ -50,16 +109,18 @@ tcp::acceptor listening_acceptor(asio::io_context& context, const Server::Listen
   if (error) throw CannotListen(error.message());
 
   for (const auto& entry : found) {
-    tcp::acceptor acceptor(context);
-    acceptor.open(entry.endpoint().protocol(), error);
-    if (error) continue;
-    keep_to_this_process(acceptor);
-    acceptor.set_option(tcp::acceptor::reuse_address(true));
-    acceptor.bind(entry.endpoint(), error);
-    if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+    auto acceptor = acceptor_at<tcp>(context, entry.endpoint(), error);
     if (!error) return acceptor;
   }
   throw CannotListen(error.message());
+}
+
+/// Address of a peer, without port. That of a Unix socket is on this machine.
+std::string address_of(const tcp::socket& socket, error_code& error) {
+  return socket.remote_endpoint(error).address().to_string();
+}
+std::string address_of(const local::socket&, error_code&) {
+  return "127.0.0.1";
 }
 
 }  // namespace
@@ -67,18 +128,25 @@ tcp::acceptor listening_acceptor(asio::io_context& context, const Server::Listen
 class Server::Parts {
 public:
   Parts(const Listening& listening, const Limits& limits)
-      : service_(limits),
+      : listening_(listening),
+        service_(limits),
         tls_(tls_context(listening)),
         acceptor_(listening_acceptor(service_.context, listening)) {
-    service_.tls = tls_ ? &*tls_ : nullptr;
+    if (tls_) use_tls();
     service_.when_room = [this] { serve_waiting(); };
   }
-  ~Parts() { stop(); }
+  ~Parts() {
+    stop();
+    if (!listening_.socket.empty()) ::unlink(listening_.socket.c_str());
+  }
 
-  int port() const { return acceptor_.local_endpoint().port(); }
-  const X509* certificate() const {
-    return tls_ ? ::SSL_CTX_get0_certificate(const_cast<asio::ssl::context&>(*tls_).native_handle())
-                : nullptr;
+  int port() const {
+    const auto* const over_tcp = std::get_if<tcp::acceptor>(&acceptor_);
+    return over_tcp == nullptr ? 0 : over_tcp->local_endpoint().port();
+  }
+  std::shared_ptr<const X509> certificate() const {
+    const std::lock_guard lock(certificate_mutex_);
+    return certificate_;
   }
 
   void start(IsOwnHost is_own_host, Handler handler) {
@@ -97,7 +165,7 @@ public:
     asio::post(service_.context, [&] {
       error_code ignored;
       stopping_ = true;
-      acceptor_.close(ignored);
+      std::visit([&](auto& acceptor) { acceptor.close(ignored); }, acceptor_);
       waiting_.reset();
       pulse_.cancel();
       for (Connection* connection : service_.open) connection->close();
@@ -113,17 +181,24 @@ public:
 
 private:
   void accept() {
-    acceptor_.async_accept([this](const error_code& error, tcp::socket socket) {
+    std::visit([this](auto& acceptor) { accept(acceptor); }, acceptor_);
+  }
+
+  template <class Kind>
+  void accept(Kind& acceptor) {
+    acceptor.async_accept([this](error_code error, auto socket) {
       if (stopping_) return;
-      if (!error) {
-        keep_to_this_process(socket);
-        waiting_.emplace(std::move(socket));
-        waits_until_ = Connection::Clock::now() + longest_wait_for_room;
-        return serve_waiting();
+      if (error) {
+        // Most likely no descriptors are left; some may be released soon.
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        return accept();
       }
-      // Most likely no descriptors are left; some may be released soon.
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      accept();
+      keep_to_this_process(socket);
+      std::string address = address_of(socket, error);
+      if (error) return accept();  // it has left
+      waiting_.emplace(std::move(socket), std::move(address));
+      waits_until_ = Connection::Clock::now() + longest_wait_for_room;
+      serve_waiting();
     });
   }
 
@@ -132,12 +207,35 @@ private:
     if (!waiting_ || stopping_) return;
     if (service_.open.size() >= service_.limits.connections) return make_room();
 
-    error_code error;
-    const std::string address = waiting_->remote_endpoint(error).address().to_string();
-    auto socket = std::move(*waiting_);
+    auto [socket, address] = std::move(*waiting_);
     waiting_.reset();
-    if (!error) std::make_shared<Connection>(service_, std::move(socket), address)->begin();
+    std::make_shared<Connection>(service_, std::move(socket), std::move(address))->begin();
     accept();
+  }
+
+  // ---- Certificate
+
+  /// New connections have what `tls_` holds; those that are open keep what they had.
+  void use_tls() {
+    service_.tls = &*tls_;
+    versions_ = {version_of(listening_.certificate), version_of(listening_.key)};
+    const std::lock_guard lock(certificate_mutex_);
+    certificate_ = certificate_of(*tls_);
+  }
+
+  /// Takes a certificate whose files have changed. Files that do not go together, as while they are
+  /// replaced, are read again at the next change.
+  void renew_certificate() {
+    const std::pair seen{version_of(listening_.certificate), version_of(listening_.key)};
+    if (!tls_ || seen == versions_) return;
+    try {
+      tls_ = tls_context(listening_);
+      use_tls();
+      listening_.when_renewed("");
+    } catch (const BadCertificate& error) {
+      versions_ = seen;
+      listening_.when_renewed(error.what());
+    }
   }
 
   /// Peers that are silent, or ask without end, must not shut others out: of the address that has
@@ -173,7 +271,7 @@ private:
       each->close();
     }
     for (Connection* each : service_.open) {
-      if (each->waits_for_peer() || !is_too_much(each)) continue;
+      if (each->waits_for_peer() || each->is_stream() || !is_too_much(each)) continue;
       --taken[each->address()];
       each->leave();
     }
@@ -196,6 +294,10 @@ private:
       for (Connection* connection : service_.open)
         if (connection->deadline() < now) connection->close();
       keep_to_shares();
+      if (certificate_is_due_ < now) {
+        certificate_is_due_ = now + std::chrono::seconds(1);
+        renew_certificate();
+      }
 
       if (waiting_ && waits_until_ < now) {
         waiting_.reset();
@@ -210,11 +312,17 @@ private:
   /// For a peer that came when all connections were taken.
   static constexpr std::chrono::seconds longest_wait_for_room{1};
 
+  const Listening listening_;
   Service service_;
   std::optional<asio::ssl::context> tls_;
-  tcp::acceptor acceptor_;
+  std::pair<Version, Version> versions_;  // of certificate and key, when they were read
+  Connection::Clock::time_point certificate_is_due_{};
+  mutable std::mutex certificate_mutex_;
+  std::shared_ptr<const X509> certificate_;
+  Acceptor acceptor_;
   asio::steady_timer pulse_{service_.context};
-  std::optional<tcp::socket> waiting_;  // accepted, without a connection so far
+  /// Accepted, without a connection so far; with its address.
+  std::optional<std::pair<PeerStream::Socket, std::string>> waiting_;
   Connection::Clock::time_point waits_until_;
   bool stopping_ = false;
   std::jthread thread_;  // last: it uses the others
@@ -228,7 +336,7 @@ int Server::port() const {
   return parts_->port();
 }
 
-const X509* Server::certificate() const {
+std::shared_ptr<const X509> Server::certificate() const {
   return parts_->certificate();
 }
 

@@ -6,13 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <iostream>
 #include <sstream>
 #include <string_view>
 
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/source_map.hpp"
+#include "proto/values/address.hpp"
 #include "proto/values/local_socket.hpp"
 
 namespace dccast::daemon {
@@ -217,19 +217,20 @@ void check_slurm_options(const std::string& options, std::string& faults) {
           word);
 }
 
-/// gRPC and the system take a port modulo 65536.
 void check_host_and_port(const std::string& key, const std::string& listen, std::string& faults) {
-  const auto colon = listen.rfind(':');
-  if (colon == std::string::npos) {
-    faults += key + " = " + listen + ": permitted: host:port, e.g. 127.0.0.1:7118\n";
-    return;
-  }
-  unsigned port = 0;
-  const char* end = listen.data() + listen.size();
-  const auto [rest, error] = std::from_chars(listen.data() + colon + 1, end, port);
-  if (error == std::errc() && rest == end && port <= 65535) return;
-  faults += key + " = " + listen + ": the port is out of range; permitted: 0 to 65535; 0 takes a " +
-            "free one, see listen.port_file\n";
+  if (!values::port_of(listen))
+    faults += key + " = " + listen +
+              ": permitted: host:port, with a port of 0 to 65535, e.g. 127.0.0.1:7118; 0 takes a "
+              "free one, see listen.port_file\n";
+}
+
+/// It becomes the begin of links, which a browser opens. The page would not count as its own
+/// under another one.
+void check_web_address(const std::string& address, std::string& faults) {
+  if (address.empty() || values::is_web_origin(address)) return;
+  faults += "access.web_address = " + address +
+            ": permitted: https://NAME or https://NAME:PORT, without a path; write what browsers "
+            "open, e.g. https://dccast.plant.example\n";
 }
 
 }  // namespace
@@ -295,6 +296,8 @@ v1::DaemonConfig read_config(const std::string& file, const std::vector<std::str
     faults += "job_end_hook = " + hook + ": permitted: the absolute path of a program\n";
   if (!config.listen().tls().empty())
     check_host_and_port("listen.tls", config.listen().tls(), faults);
+
+  check_web_address(config.access().web_address(), faults);
 
   if (!faults.empty()) throw InvalidConfig(faults.substr(0, faults.size() - 1));
   return config;

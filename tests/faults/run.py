@@ -17,7 +17,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 BUILD = os.path.join(ROOT, "build", "release")
 FAMILIES = ("kills", "hangs", "disk", "damage", "store", "clients", "clock", "studies",
-            "slurm", "access", "hostile", "followers", "web")
+            "slurm", "access", "hostile", "followers", "web", "browsers", "hostile_browsers")
 
 
 def arguments():

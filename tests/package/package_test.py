@@ -54,6 +54,7 @@ class Packages(unittest.TestCase):
     def test_files(self):
         for path in ("usr/bin/dccast", "usr/bin/dccastd", "usr/bin/dccast-worker", "etc/dccast/dccastd.toml",
                      "usr/bin/dccast-web", "usr/lib/systemd/system/dccast-web.service", "etc/default/dccast-web",
+                     "usr/share/dccast/openapi.json",
                      "usr/lib/systemd/system/dccastd.service", "usr/lib/sysusers.d/dccastd.conf",
                      "usr/lib/tmpfiles.d/dccastd.conf", "usr/share/bash-completion/completions/dccast",
                      "etc/logrotate.d/dccastd", "usr/share/doc/dccastd/monitoring/alerts.yml",

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The entry for programs: Connect on the dashboard's server answers as gRPC does."""
 import base64
+import getpass
 import http.client
 import json
 import os
@@ -102,19 +103,40 @@ CLASSES = {each.full_name: getattr(module, name)
            for name, each in module.DESCRIPTOR.message_types_by_name.items()}
 
 
+class WebEntry(Entry):
+    """dccast-web behind a proxy, as a program with a token uses it."""
+
+    def __init__(self, daemon, folder, token):
+        self.process = subprocess.Popen(
+            [os.path.join(BIN, "dccast-web"), "serve", "--listen", "127.0.0.1:0", "--behind",
+             "https://dccast.test", "--socket", daemon.address, "--state", os.path.join(folder, "web")],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.port = int(self.process.stderr.readline().split()[-1])
+        self.headers = {"Authorization": "Bearer " + token}
+
+    def close(self):
+        super().close()
+        self.process.stderr.close()
+
+
 class ConnectTest(ClientTest):
     def setUp(self):
         super().setUp()
         self.start()
 
-    def entry_of(self, name, role="submitter"):
-        """The dashboard of a new user, and a gRPC client with the same token."""
-        self.log_in(name, role, "--name", name, "--default")
+    def entry(self, token):
+        """Where the user who has logged in last asks by JSON."""
         entry = Entry({"XDG_CONFIG_HOME": os.path.join(self.folder, "settings")})
         self.addCleanup(entry.close)
+        return entry
+
+    def entry_of(self, name, role="submitter"):
+        """The entry of a new user, and a gRPC client with the same token."""
+        self.log_in(name, role, "--name", name, "--default")
         with open(self.servers_file(), "rb") as file:
             token = {server["name"]: server["token"]
                      for server in tomllib.load(file)["server"]}[name]
+        entry = self.entry(token)
         with open(os.path.join(self.daemon.settings["data_directory"], "pki", "ca.pem"), "rb") as file:
             credentials = grpc.composite_channel_credentials(
                 grpc.ssl_channel_credentials(file.read()),
@@ -190,6 +212,18 @@ class LikeGrpc(ConnectTest):
             self.assertEqual((gone["code"], gone["status"]), ("unauthenticated", 401))
         self.assertLessEqual({("viewer", "permission_denied"), ("submitter", "invalid_argument"),
                               ("admin", "not_found")}, refused)
+
+
+class LikeGrpcThroughTheWebServer(LikeGrpc):
+    """The same table for dccast-web, which has no rights of its own."""
+
+    def start(self, **settings):  # the user of this test is the one of dccast-web, too
+        super().start(access__web_user=getpass.getuser(), **settings)
+
+    def entry(self, token):
+        entry = WebEntry(self.daemon, self.folder, token)
+        self.addCleanup(entry.close)
+        return entry
 
 
 class Protocol(ConnectTest):
@@ -315,19 +349,24 @@ console.log(JSON.stringify({
 PACKAGES = ("@connectrpc/connect@1.6.1", "@connectrpc/connect-node@1.6.1", "@bufbuild/protobuf@1.10.0")
 
 
+def with_npm(test, *packages):
+    """A folder in which these packages are installed; without them the test is skipped."""
+    if not shutil.which("npm"):
+        test.skipTest("npm is not installed")
+    folder = tempfile.mkdtemp(prefix="dccast-npm-")
+    test.addCleanup(shutil.rmtree, folder)
+    installed = subprocess.run(["npm", "install", "--no-audit", "--no-fund", *packages], cwd=folder,
+                               capture_output=True, text=True, timeout=120, check=False)
+    if installed.returncode != 0:
+        test.skipTest("the registry of npm cannot be reached: " + installed.stderr[-300:])
+    return folder
+
+
 class ConnectNode(ConnectTest):
     """A client that nobody here wrote."""
 
     def test_it_submits_watches_and_fetches(self):
-        if not shutil.which("npm"):
-            self.skipTest("npm is not installed")
-        folder = tempfile.mkdtemp(prefix="dccast-connect-node-")
-        self.addCleanup(shutil.rmtree, folder)
-        installed = subprocess.run(["npm", "install", "--no-audit", "--no-fund", *PACKAGES],
-                                   cwd=folder, capture_output=True, text=True, timeout=120,
-                                   check=False)
-        if installed.returncode != 0:
-            self.skipTest("the registry of npm cannot be reached: " + installed.stderr[-300:])
+        folder = with_npm(self, *PACKAGES)
         proto = os.path.join(os.path.dirname(__file__), "..", "..", "proto")
         subprocess.run(["protoc", "-I", proto, "--include_imports", "--descriptor_set_out",
                         os.path.join(folder, "schema.bin"), "dccast/v1/service.proto"], check=True)
@@ -347,6 +386,45 @@ class ConnectNode(ConnectTest):
             self.assertIn(NOTHING, seen["refused"][1])
             self.assertGreater(seen["details"], 0)
             self.assertEqual(stub.GetJob(service_pb2.GetJobRequest(id=seen["id"])).owner, "anna")
+
+
+VALIDATOR = """
+import {Validator} from '@seriousme/openapi-schema-validator';
+
+const seen = await new Validator().validate(process.argv[2]);
+console.log(JSON.stringify(seen));
+"""
+
+
+class OpenApi(ConnectTest):
+    """The description of calls and resources."""
+
+    def test_it_is_valid_and_names_every_call(self):
+        entry, _ = self.entry_of("anna")
+        response, text = entry.ask("GET", "/openapi.json")
+        self.assertEqual(response.getheader("Content-Type"), "application/json")
+        described = json.loads(text)
+        paths = described["paths"]
+        for method in METHODS:
+            streams = method.client_streaming or method.server_streaming
+            self.assertEqual(f"/{SERVICE}/{method.name}" in paths, not streams, method.name)
+        self.assertIn("half_width_m", described["components"]["schemas"]["dccast.v1.Section"]
+                      ["properties"])
+        self.assertEqual(paths["/jobs.csv"]["get"]["security"][-1], {"userAndToken": []})
+        self.assertEqual(paths[f"/{SERVICE}/Enrol"]["post"]["security"], [])
+        for path in paths:  # a name that is none is no such page
+            if "get" in paths[path]:
+                asked = entry.ask("GET", path.replace("{id}", NOTHING))
+                self.assertNotIn(b"no such page", asked[1], path)
+
+        folder = with_npm(self, "@seriousme/openapi-schema-validator@2.2.5")
+        for name, content in (("openapi.json", text.decode()), ("program.mjs", VALIDATOR)):
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write(content)
+        done = subprocess.run(["node", "program.mjs", "openapi.json"], cwd=folder, text=True,
+                              capture_output=True, timeout=60, check=False)
+        seen = json.loads(done.stdout)
+        self.assertEqual((seen["valid"], seen.get("errors")), (True, None), seen)
 
 
 if __name__ == "__main__":

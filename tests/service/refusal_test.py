@@ -254,6 +254,13 @@ class CommandLine(ServiceTest):
             self.assertIn(f"listen.tls = 127.0.0.1:{port}", ended.stderr)
             self.assertIn("0 to 65535", ended.stderr)
 
+    def test_an_address_of_pages_that_is_none(self):
+        for address in ("dccast.plant.example", "http://x.test", "https://x.test/", "https://x.test:0x"):
+            ended = self.run_daemon("--set", f"access.web_address={address}")
+            self.assertEqual(ended.returncode, 2)
+            for text in (f"access.web_address = {address}", "permitted: https://NAME", "write what"):
+                self.assertIn(text, ended.stderr)
+
     def test_settings_with_faults(self):
         ended = self.run_daemon("--set", "workers.count=-1", "--set", "wrokers=2")
         self.assertEqual(ended.returncode, 2)

@@ -4,6 +4,7 @@ Everything is started at a Unix socket of its own and stopped by its process id.
 """
 import contextlib
 import hashlib
+import http.client
 import os
 import shutil
 import signal
@@ -182,6 +183,19 @@ def work_of(process):
             return file.read().strip()
     except OSError:
         return ""
+
+
+class SocketConnection(http.client.HTTPConnection):
+    """HTTP to a Unix socket, as a proxy has it. The server's name is dccast.test."""
+
+    def __init__(self, path, timeout=60):
+        super().__init__("dccast.test", timeout=timeout)
+        self.path = path
+
+    def connect(self):
+        self.sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.sock.settimeout(self.timeout)
+        self.sock.connect(self.path)
 
 
 class Client:

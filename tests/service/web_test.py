@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """dccast-web: users sign in with a line, and ask with the rights of their token and no others."""
+import base64
 import contextlib
 import getpass
+import hashlib
 import http.client
 import json
 import os
@@ -9,6 +11,7 @@ import re
 import signal
 import socket
 import ssl
+import stat
 import struct
 import subprocess
 import tempfile
@@ -25,7 +28,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from access_test import AccessTest
 from certificates import TestCa
-from support import BIN, SANITIZED, WAIT_FACTOR, fake_case, main, until
+from support import BIN, SANITIZED, WAIT_FACTOR, SocketConnection, fake_case, main, until
 
 SERVICE = "/dccast.v1.SimulationService/"
 JSON = {"Content-Type": "application/json"}
@@ -41,7 +44,7 @@ class Browser:
         headers = {name.replace("_", "-"): value for name, value in headers.items()}
         if self.cookie:
             headers.setdefault("Cookie", self.cookie)
-        if method == "POST":
+        if method != "GET":
             headers = {"Origin": self.web.origin, **JSON, **headers}
         connection = self.web.connection()
         connection.request(method, path, body, headers)
@@ -85,22 +88,23 @@ def message(response):
 class Web:
     """The program, with a certificate of a CA of the tests or behind a proxy."""
 
-    def __init__(self, folder, daemon, *options, port=None):
+    def __init__(self, folder, daemon, *options, port=None, path=None):
         self.words = [os.path.join(BIN, "dccast-web"), "serve", "--socket", daemon.address, "--state",
                       os.path.join(folder, "web"), *options]
         self.is_behind = "--behind" in options
         self.ca = os.path.join(folder, "ca.pem")
-        self.port = port
+        self.port, self.path = port, path
         self.start()
 
     def start(self):
         self.process = subprocess.Popen(
-            [*self.words, "--listen", f"127.0.0.1:{self.port or 0}"], stderr=subprocess.PIPE,
-            text=True)
+            [*self.words, "--listen",
+             f"unix:{self.path}" if self.path else f"127.0.0.1:{self.port or 0}"],
+            stderr=subprocess.PIPE, text=True)
         line = self.process.stderr.readline()
-        found = re.search(r"port (\d+)$", line)
+        found = re.search(r"serving at (?:unix:.*|.*port (\d+))$", line)
         assert found, line
-        self.port = int(found[1])
+        self.port = int(found[1] or 0)
         self.origin = "https://dccast.test" if self.is_behind else f"https://127.0.0.1:{self.port}"
 
     def stop(self):
@@ -110,6 +114,8 @@ class Web:
         return code
 
     def connection(self):
+        if self.path:
+            return SocketConnection(self.path)
         if self.is_behind:
             return http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
         return http.client.HTTPSConnection("127.0.0.1", self.port, timeout=60,
@@ -121,8 +127,8 @@ class WebTest(AccessTest):
         super().setUp()
         # The user of this test is the one of dccast-web, too.
         self.start(access__web_user=getpass.getuser(), access__web_address="https://dccast.test")
-        ca = TestCa(self.folder)
-        self.options = ["--certificate", ca.issue("web.pem"), "--key", ca.key]
+        self.ca = TestCa(self.folder)
+        self.options = ["--certificate", self.ca.issue("web.pem"), "--key", self.ca.key]
         self.web = Web(self.folder, self.daemon, *self.options)
         self.browser = Browser(self.web)
 
@@ -164,8 +170,8 @@ class Signing(WebTest):
 
         status, answer = Browser(self.web).sign_in(link)
         self.assertEqual(status, 401)
-        self.assertIn("one-time secret", answer["error"])
-        self.assertIn("no line or link", Browser(self.web).sign_in("nonsense")[1]["error"])
+        self.assertIn("one-time secret", answer["message"])
+        self.assertIn("no line or link", Browser(self.web).sign_in("nonsense")[1]["message"])
 
     def test_files_are_for_everybody(self):
         for path in ("/", "/app.js", "/sign-in.html", "/sign_in.js"):
@@ -291,6 +297,148 @@ class Rights(WebTest):
         until(lambda: anna.call("WhoAmI")[0] == 200, 20)
 
 
+class Resources(WebTest):
+    """What programs fetch and send by plain HTTP."""
+    RESOURCES = ("report", "results.h5", "curl.csv", "frame")
+
+    def setUp(self):
+        super().setUp()
+        self.token = self.token_of("anna")
+        self.bearer = {"Authorization": "Bearer " + self.token}
+        self.anna = Browser(self.web)
+
+    def start(self, **settings):
+        return super().start(access__read="own", workers__program=os.path.join(BIN, "dccast-worker"),
+                             **settings)
+
+    def get(self, path, **headers):
+        return self.anna.ask("GET", path, **{**self.bearer, **headers})
+
+    def finished(self):
+        read = self.anna.call("ReadCase", {
+            "shipped": "start-2d-thickness",
+            "changes": [{"key": "quality", "value": "draft"}, {"key": "time.end", "value": "20 s"},
+                        {"key": "title", "value": "=HYPERLINK(1)"}]}, **self.bearer)[1]
+        _, job = self.anna.call("SubmitJob", {"request_id": str(uuid.uuid4()), "case": read["case"]},
+                                **self.bearer)
+        until(lambda: self.anna.call("GetJob", {"id": job["id"]}, **self.bearer)[1]["state"]
+              == "SUCCEEDED", 60)
+        return job["id"]
+
+    def test_each_is_that_of_its_job_and_of_its_owner(self):
+        job = self.finished()
+        fetched = {name: self.get(f"/jobs/{job}/{name}") for name in self.RESOURCES}
+        for name, (response, _) in fetched.items():
+            self.assertEqual(response.status, 200, name)
+        report, page = fetched["report"]
+        self.assertIn(b"<h1>", page)
+        self.assertIn("sandbox", report.getheader("Content-Security-Policy"))
+        table = fetched["curl.csv"][1].decode().splitlines()
+        self.assertRegex(table[0], "^time_s,cast_length_m,.*_curl_m,.*beyond_validity$")
+        self.assertGreater(len(table), 5)
+        nodes = struct.unpack_from("<i", fetched["frame"][1])[0]
+        name = json.loads(self.get(f"/frames/{job}")[1])["fields"][0]["name"]
+        field = self.get(f"/jobs/{job}/frame?field={name}")
+        self.assertEqual((field[0].status, len(field[1])), (200, 4 * nodes), name)
+
+        response, whole = fetched["results.h5"]
+        stored = os.path.join(self.daemon.settings["data_directory"], "jobs", job, "results.h5")
+        with open(stored, "rb") as file:
+            self.assertEqual(whole, file.read())
+        tag = response.getheader("ETag")
+        self.assertEqual(tag.strip('"'), hashlib.sha256(whole).hexdigest())
+        again, nothing = self.get(f"/jobs/{job}/results.h5", If_None_Match=tag)
+        self.assertEqual((again.status, nothing), (304, b""))
+        part, rest = self.get(f"/jobs/{job}/results.h5", Range="bytes=100-")
+        self.assertEqual((part.status, rest), (206, whole[100:]))
+        self.assertEqual(part.getheader("Content-Range"),
+                         f"bytes 100-{len(whole) - 1}/{len(whole)}")
+
+        _, jobs = self.get("/jobs.csv")
+        head, line = jobs.decode().splitlines()
+        self.assertTrue(head.startswith("id,title,state,"))
+        self.assertTrue(line.startswith(f"{job},'=HYPERLINK(1),SUCCEEDED,anna,"), line)
+        self.assertEqual(len(self.get("/jobs.csv?state=queued")[1].decode().splitlines()), 1)
+        self.assertEqual(self.get(f"/jobs/last/curl.csv")[1], fetched["curl.csv"][1])
+
+        bert = self.signed_in("bert")  # reads their own jobs alone
+        for name in self.RESOURCES:
+            response, text = bert.ask("GET", f"/jobs/{job}/{name}")
+            self.assertEqual((name, response.status), (name, 404))
+            self.assertEqual(json.loads(text)["code"], "not_found")
+        self.assertEqual(len(bert.ask("GET", "/jobs.csv")[1].decode().splitlines()), 1)
+
+    def test_faults_are_named(self):
+        nothing = "/jobs/00000000-0000-4000-8000-000000000000/"
+        for name in self.RESOURCES:
+            self.assertEqual(self.get(nothing + name)[0].status, 404, name)
+        for path, permitted in ((nothing + "frame?number=x", "0 to"), ("/jobs.csv?limit=-1", "0 to"),
+                                ("/jobs.csv?state=lost", "queued, running")):
+            response, text = self.get(path)
+            self.assertEqual(response.status, 400, path)
+            self.assertIn(permitted, json.loads(text)["message"])
+        _, text = self.get(nothing + "report")
+        self.assertEqual(json.loads(text)["details"][0]["debug"]["reason"], "NOT_FOUND")
+        self.assertEqual(self.get("/jobs/x/y/report")[0].status, 404)
+        case = {"section": {"half_width_m": -1}}
+        status, error = self.anna.post("/case/", case, **self.bearer)
+        self.assertEqual((status, error["code"]), (400, "invalid_argument"))
+        self.assertIn("section.half_width", [fault["field"] for fault in
+                                             error["details"][1]["debug"]["faults"]])
+
+    def test_who_may_ask(self):
+        def basic(user, token):
+            return "Basic " + base64.b64encode(f"{user}:{token}".encode()).decode()
+
+        def status(path, **headers):
+            return Browser(self.web).ask("GET", path, **headers)[0].status
+
+        response = Browser(self.web).ask("GET", "/jobs.csv")[0]
+        self.assertEqual((response.status, response.getheader("WWW-Authenticate")),
+                         (401, 'Basic realm="dccast"'))
+        self.assertEqual(status("/jobs.csv", Authorization=basic("anna", self.token)), 200)
+        self.assertEqual(self.signed_in("bert").ask("GET", "/jobs.csv")[0].status, 200)
+        for wrong in (basic("bert", self.token), basic("anna", self.token + "0"), basic("anna", "x"),
+                      basic("anna", self.token)[:-4], "Basic ", "Basic =", "Basic " + 5000 * "x"):
+            self.assertEqual(status("/jobs.csv", Authorization=wrong), 401, wrong)
+        for path in ("/server/", "/jobs/last/report", "/jobs/last/frame", "/nonsense"):
+            response = Browser(self.web).ask("GET", path, Authorization=basic("anna", self.token))[0]
+            self.assertEqual((response.status, response.getheader("WWW-Authenticate")), (401, None))
+        for path in (f"/jobs.csv?token={self.token}", f"/jobs/{self.token}/report"):
+            self.assertEqual(self.get(path)[0].status, 400)
+
+    def put(self, content, sha256=None, browser=None, **headers):
+        sha256 = sha256 or hashlib.sha256(content).hexdigest()
+        response, text = (browser or self.anna).ask("PUT", f"/attachments/{sha256}?name=slab.msh",
+                                                    content, **{**self.bearer, **headers})
+        return response.status, json.loads(text)
+
+    def test_attachments_are_streamed(self):
+        content = os.urandom(1000) * 20_000  # 20 MB
+        self.assertEqual(self.put(content), (200, {"was_there": False}))
+        self.assertEqual(self.put(content), (200, {"was_there": True}))
+        if not SANITIZED:
+            self.assertLess(self.peak_memory(), 100_000)
+        status, error = self.put(b"else", hashlib.sha256(b"this").hexdigest())
+        self.assertEqual((status, error["code"]), (400, "invalid_argument"))
+        self.assertIn("upload it again", error["message"])
+        self.assertIn("sha256sum", self.put(b"x", "X")[1]["message"])
+
+        chunked = self.anna.ask("PUT", "/attachments/" + 64 * "0", iter([b"x"]),
+                                Transfer_Encoding="chunked", **self.bearer)
+        self.assertIn("Content-Length", json.loads(chunked[1])["message"])
+        bert = self.signed_in("bert")
+        self.bearer = {}
+        self.assertEqual(self.put(b"of bert", browser=bert)[0], 200)
+        self.assertEqual(self.put(b"of bert", browser=bert, Origin="https://evil.test")[0], 401)
+        viewer = self.signed_in("wall", "viewer")
+        self.assertEqual(self.put(b"x", browser=viewer)[0], 403)
+
+    def peak_memory(self):
+        with open(f"/proc/{self.web.process.pid}/status", encoding="ascii") as file:
+            return int(re.search(r"VmHWM:\s+(\d+) kB", file.read())[1])
+
+
 class Strangers(WebTest):
     def page(self):
         response, _ = self.browser.ask("GET", "/")
@@ -383,17 +531,82 @@ class Page(WebTest):
         self.find("#fault", "used before")
 
 
+class RenewedCertificate(WebTest):
+    def served(self):
+        with socket.create_connection(("127.0.0.1", self.web.port), 10) as plain, \
+                ssl.create_default_context(cafile=self.web.ca).wrap_socket(
+                    plain, server_hostname="127.0.0.1") as peer:
+            return peer.getpeercert(True)
+
+    def said(self, text):
+        line = self.web.process.stderr.readline()
+        self.assertIn(text, line)
+
+    def test_it_is_taken_without_a_restart_and_connections_stay(self):
+        anna = self.signed_in("anna")
+        _, job = self.submit(anna, "steps=1000000 sleep_ms=50")
+        connection, response = anna.stream("WatchJob", {"id": job["id"], "from_sequence": 1})
+        message(response)
+
+        first = self.served()
+        self.ca.issue("web.pem")
+        self.said("is in use")
+        second = self.served()
+        self.assertNotEqual(first, second)
+
+        other = TestCa(tempfile.mkdtemp(dir=self.folder))  # its key is not that of the server
+        os.replace(other.issue("web.pem"), self.options[1])
+        self.said("the former one stays")
+        self.assertEqual(self.served(), second)
+        for name, code in (("IP:127.0.0.1", 200), ("DNS:other.test", 403)):
+            self.ca.issue("web.pem", name=name)
+            self.said("is in use")
+            context = ssl.create_default_context(cafile=self.web.ca)
+            context.check_hostname = False
+            asked = http.client.HTTPSConnection("127.0.0.1", self.web.port, context=context)
+            asked.request("GET", "/")
+            self.assertEqual(asked.getresponse().status, code, name)
+            asked.close()
+
+        message(response)  # the stream goes on
+        connection.close()
+
+
 class BehindProxy(WebTest):
     def setUp(self):
         super().setUp()
         self.web.stop()
-        self.web = Web(self.folder, self.daemon, "--behind", "https://dccast.test")
+        self.web = Web(self.folder, self.daemon, "--behind", "https://dccast.test",
+                       path=self.path())
+
+    def path(self):
+        """Of the Unix socket; None: a port."""
 
     def test_the_proxy_states_the_address(self):
         anna = self.signed_in("anna")
         _, job = self.submit(anna, X_Forwarded_For="198.51.100.1, 2001:db8::7")
         self.assertEqual(self.audit("--job", job["id"])[0]["from"], "ipv6:%5B2001:db8::7%5D:0")
         self.assertEqual(anna.call("WhoAmI", Origin="https://127.0.0.1")[0], 401)
+        _, job = self.submit(anna)  # a proxy that does not state it
+        self.assertEqual(self.audit("--job", job["id"])[0]["from"], "ipv4:127.0.0.1:0")
+
+
+class BehindProxyAtSocket(BehindProxy):
+    """The same at a Unix socket, which file permissions guard."""
+
+    def path(self):
+        return os.path.join(self.folder, "web.socket")
+
+    def test_it_is_for_user_and_group_and_goes_with_its_server(self):
+        self.assertEqual(stat.S_IMODE(os.stat(self.path()).st_mode), 0o660)
+        self.web.process.kill()
+        self.web.process.wait(10)
+        self.web.process.stderr.close()
+        self.web.start()  # in the place of the one that was killed
+        self.assertEqual(Browser(self.web).ask("GET", "/")[0].status, 200)
+        self.web.stop()
+        self.assertFalse(os.path.exists(self.path()))
+        self.web.start()
 
 
 class Options(unittest.TestCase):
@@ -410,8 +623,11 @@ class Options(unittest.TestCase):
         self.assertIn("https://NAME",
                       self.refusal("--listen", "127.0.0.1:0", "--behind", "http://dccast.test"))
         for port in ("", ":7x", ":65536", ":-1"):
-            self.assertIn("1 to 65535",
+            self.assertIn("0 to 65535",
                           self.refusal("--listen", "127.0.0.1" + port, "--behind", "https://x"))
+        self.assertIn("--behind", self.refusal("--listen", "unix:/x", "--certificate", "x", "--key", "x"))
+        self.assertIn("no other program listens",
+                      self.refusal("--listen", "unix:/nowhere/x", "--behind", "https://x"))
         with tempfile.NamedTemporaryFile() as file:
             self.assertIn("PEM files", self.refusal("--listen", "127.0.0.1:0", "--certificate",
                                                     file.name, "--key", file.name))

@@ -5,10 +5,12 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <list>
 #include <mutex>
 #include <thread>
@@ -18,12 +20,24 @@
 namespace dccast::http {
 namespace {
 
+namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 /// A peer that sends what it likes.
 class Peer {
 public:
+  explicit Peer(const std::string& path)
+      : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const sockaddr_un address = address_of(path);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  }
+  static sockaddr_un address_of(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    return address;
+  }
   explicit Peer(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -76,8 +90,9 @@ protected:
     return {.body_bytes = 1000, .connections = 4, .time = milliseconds(300)};
   }
 
-  void start(const Limits& limits = short_limits()) {
-    server_ = std::make_unique<Server>(Server::Listening{.host = "127.0.0.1"}, limits);
+  void start(const Limits& limits = short_limits(),
+             const Server::Listening& listening = {.host = "127.0.0.1"}) {
+    server_ = std::make_unique<Server>(listening, limits);
     server_->start([](const std::string& host) { return host == "own"; },
                    [this](const Request& request) { return handler_(request); });
   }
@@ -144,6 +159,77 @@ TEST_F(HttpServer, BodiesHaveALimitAlsoInChunks) {
   chunked.send("POST / HTTP/1.1\r\nHost: own\r\nTransfer-Encoding: chunked\r\n\r\n");
   for (int i = 0; i < 20; ++i) chunked.send("64\r\n" + std::string(100, 'x') + "\r\n");
   EXPECT_EQ(status_of(chunked.receive()), "HTTP/1.1 413 Payload Too Large");
+}
+
+/// Receives a body as the handlers of uploads do.
+Reply counted(const Request& request) {
+  std::size_t bytes = 0, parts = 0;
+  for (std::string part; !(part = request.next_part()).empty(); ++parts) bytes += part.size();
+  return {.body = std::to_string(bytes) + " bytes"};
+}
+
+TEST_F(HttpServer, ABodyThatIsPutComesInParts) {
+  handler_ = counted;
+  start({.body_bytes = 1000, .upload_bytes = 1 << 20, .time = std::chrono::seconds(5)});
+  const std::string head = "PUT /file HTTP/1.1\r\nHost: own\r\n";
+  Peer announced(port());
+  announced.send(head + "Content-Length: 300000\r\n\r\n");
+  for (int i = 0; i < 300; ++i) EXPECT_TRUE(announced.send(std::string(1000, 'x')));
+  announced.receive("300000 bytes");
+  announced.send(head + "Content-Length: 0\r\nConnection: close\r\n\r\n");  // the next request
+  EXPECT_TRUE(announced.receive().ends_with("\r\n\r\n0 bytes"));
+
+  Peer chunked(port());
+  chunked.send(head + "Transfer-Encoding: chunked\r\nConnection: close\r\n\r\n");
+  for (int i = 0; i < 20; ++i) chunked.send("2710\r\n" + std::string(10000, 'x') + "\r\n");
+  chunked.send("0\r\n\r\n");
+  EXPECT_TRUE(chunked.receive().ends_with("200000 bytes"));
+}
+
+TEST_F(HttpServer, ABodyThatIsPutHasItsOwnLimits) {
+  handler_ = counted;
+  start({.body_bytes = 1000, .upload_bytes = 100'000, .time = milliseconds(300)});
+  const std::string head = "PUT /file HTTP/1.1\r\nHost: own\r\n";
+  Peer announced(port()), chunked(port()), slow(port());
+  announced.send(head + "Content-Length: 100001\r\n\r\n");
+  EXPECT_EQ(status_of(announced.receive()), "HTTP/1.1 413 Payload Too Large");
+  chunked.send(head + "Transfer-Encoding: chunked\r\n\r\n");
+  for (int i = 0; i < 20; ++i) chunked.send("2710\r\n" + std::string(10000, 'x') + "\r\n");
+  EXPECT_NE(chunked.receive().find("more than 100000 bytes"), std::string::npos);
+  const auto begin = steady_clock::now();
+  slow.send(head + "Content-Length: 50000\r\n\r\n");
+  while (slow.send("y") && steady_clock::now() < begin + std::chrono::seconds(10))
+    std::this_thread::sleep_for(milliseconds(20));
+  EXPECT_LT(steady_clock::now(), begin + std::chrono::seconds(3));
+  // What is no PUT keeps the limit of bodies.
+  Peer post(port());
+  post.send("POST / HTTP/1.1\r\nHost: own\r\nContent-Length: 1001\r\n\r\n");
+  EXPECT_EQ(status_of(post.receive()), "HTTP/1.1 413 Payload Too Large");
+}
+
+TEST_F(HttpServer, ABodyThatNobodyWantsIsNotReadToItsEnd) {
+  std::atomic<bool> is_cut = false;
+  handler_ = [&](const Request& request) {
+    if (request.path == "/refused") return Reply{.body = "not wanted", .status = 403};
+    try {
+      return counted(request);
+    } catch (const CutBody&) {
+      is_cut = true;
+      throw;
+    }
+  };
+  start({.upload_bytes = 1 << 30, .time = std::chrono::seconds(5)});
+  const std::string length = " HTTP/1.1\r\nHost: own\r\nContent-Length: 1000000000\r\n\r\n";
+  Peer refused(port());
+  refused.send("PUT /refused" + length + std::string(1000, 'x'));
+  EXPECT_TRUE(refused.receive().ends_with("not wanted"));
+
+  std::make_unique<Peer>(port())->send("PUT /cut" + length + std::string(1000, 'x'));
+  EXPECT_TRUE(eventually([&] { return is_cut.load(); }));
+  Peer waiting(port());
+  waiting.send("PUT /cut" + length);
+  std::this_thread::sleep_for(milliseconds(50));
+  server_->stop();  // ends while a handler waits for the rest
 }
 
 TEST_F(HttpServer, ARequestThatComesSlowlyIsGivenUp) {
@@ -307,6 +393,80 @@ TEST_F(HttpServer, AllBodiesTogetherHaveALimit) {
   })) << reply;
   first.send(std::string(1000, 'x'));
   EXPECT_NE(first.receive("xxx").find("200 OK"), std::string::npos);
+}
+
+TEST_F(HttpServer, StreamsOfAnAddressHaveItsShare) {
+  std::mutex mutex;
+  std::list<std::shared_ptr<Stream>> streams;
+  handler_ = [&](const Request& request) {
+    if (request.path != "/stream") return Reply{.body = "answer"};
+    return Reply{.stream = [&](const auto& stream) {
+      const std::lock_guard lock(mutex);
+      streams.push_back(stream);
+    }};
+  };
+  start({.connections = 100, .connections_of_address = 3, .time = std::chrono::minutes(5)});
+  const std::string request = "GET /stream HTTP/1.1\r\nHost: own\r\n\r\n";
+  std::list<Peer> open;
+  for (int i = 0; i < 3; ++i) {
+    open.emplace_back(port()).send(request);
+    EXPECT_EQ(status_of(open.back().receive("\r\n\r\n")), "HTTP/1.1 200 OK");
+  }
+  Peer another(port());
+  another.send(request);
+  const std::string refused = another.receive();
+  EXPECT_EQ(status_of(refused), "HTTP/1.1 429 Too Many Requests");
+  EXPECT_NE(refused.find("close one of them"), std::string::npos) << refused;
+  EXPECT_EQ(status_of(Peer(port()).ask("/")), "HTTP/1.1 200 OK");  // what is no stream is answered
+
+  open.pop_front();
+  EXPECT_TRUE(eventually([&] {
+    open.emplace_back(port()).send(request);
+    return status_of(open.back().receive("\r\n\r\n")) == "HTTP/1.1 200 OK";
+  }));
+  server_->stop();  // the source of the last stream may begin only now
+}
+
+/// A folder of its own, which goes with it.
+class Folder {
+public:
+  Folder() : path_(fs::temp_directory_path() / ("dccast-http-" + std::to_string(::getpid()))) {
+    fs::create_directories(path_);
+  }
+  ~Folder() { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  std::string file(const std::string& name) const { return path_ / name; }
+
+private:
+  const fs::path path_;
+};
+
+TEST_F(HttpServer, ListensAtAUnixSocketOfItsUserAndGroup) {
+  const Folder folder;
+  const std::string path = folder.file("socket");
+  handler_ = [](const Request& request) { return Reply{.body = "from " + request.address}; };
+  const auto ask = [&] {
+    Peer peer(path);
+    peer.send("GET / HTTP/1.1\r\nHost: own\r\nConnection: close\r\n\r\n");
+    return peer.receive();
+  };
+  start(short_limits(), {.socket = path});
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms(0660));
+  EXPECT_EQ(port(), 0);
+  EXPECT_TRUE(ask().ends_with("from 127.0.0.1"));
+  EXPECT_THROW(Server({.socket = path}, {}), CannotListen);
+  EXPECT_THROW(Server({.socket = std::string(200, 'x')}, {}), CannotListen);
+  server_.reset();
+  EXPECT_FALSE(fs::exists(path));
+
+  {  // left by a server that was killed
+    const int left = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const sockaddr_un address = Peer::address_of(path);
+    EXPECT_EQ(::bind(left, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ::close(left);
+  }
+  start(short_limits(), {.socket = path});
+  EXPECT_TRUE(ask().ends_with("from 127.0.0.1"));
 }
 
 TEST_F(HttpServer, AFaultOfAHandlerIsAnAnswer) {

@@ -1,0 +1,110 @@
+#include "client/text/job_csv.hpp"
+
+#include <google/protobuf/util/time_util.h>
+
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "client/session/jobs.hpp"
+#include "client/text/table.hpp"
+#include "proto/case_file/quantity.hpp"
+
+namespace dccast::client {
+namespace {
+
+/// Columns of the CSV after time and cast length, by name.
+std::vector<std::pair<std::string, std::vector<double>>> columns_of(const JobCurl& curl) {
+  std::vector<std::pair<std::string, std::vector<double>>> columns;
+  for (const std::string& monitor : curl.history.monitors()) {
+    const figures::MonitorSeries series = curl.history.series(monitor);
+    columns.emplace_back(series.name + "_curl_m", series.curl_m);
+    CurlError error = error_of(curl, series);
+    if (!error.limit_m.empty())
+      columns.emplace_back(series.name + "_limit_m", std::move(error.limit_m));
+    if (error.upper_m.empty()) continue;
+    columns.emplace_back(series.name + "_lower_error_m", std::move(error.lower_m));
+    columns.emplace_back(series.name + "_upper_error_m", std::move(error.upper_m));
+  }
+  return columns;
+}
+
+/// "2026-11-20T08:15:30Z"; empty where there is no time.
+std::string utc_text(const google::protobuf::Timestamp& time) {
+  return time.seconds() == 0 ? "" : google::protobuf::util::TimeUtil::ToString(time);
+}
+
+/// The judged curl of the last step [m]; empty where there is none that counts.
+std::string last_curl(const v1::Job& job) {
+  const v1::MonitorValue* const judged = figures::judged_curl(job.last_step());
+  const bool counts = !job.has_failure() && !job.has_validity_loss() && judged != nullptr;
+  return counts ? case_file::number_text(figures::curl_of(*judged)) : "";
+}
+
+}  // namespace
+
+JobCurl curl_of_job(Connection& connection, const std::string& id) {
+  JobCurl curl{connection.call(&Stub::GetJob, id), {}, {}};
+  curl.history = run_history(curl.job, query_result(connection, id));
+  return curl;
+}
+
+CurlError error_of(const JobCurl& curl, const figures::MonitorSeries& series) {
+  const auto& [job, history, study] = curl;
+  if (auto limit = limit_at(history.time_s(), study, series.name))
+    return {std::move(limit->value_m), limit->uncertainty_m, limit->uncertainty_m};
+
+  if (!series.has_error()) return {};
+  return {{}, series.lower_error_m, series.upper_error_m};
+}
+
+std::string curl_csv(const JobCurl& curl) {
+  const auto& [job, history, study] = curl;
+  const auto columns = columns_of(curl);
+  // The limit is valid as long as every run is from which it is extrapolated.
+  const bool has_limits = !study.limits().empty();
+  const double valid_until_s =
+      study.has_valid_until_s() ? study.valid_until_s() : std::numeric_limits<double>::infinity();
+  std::ostringstream csv;
+  csv << "time_s,cast_length_m";
+  for (const auto& [name, values] : columns) csv << ',' << csv_text(name);
+  csv << ",beyond_validity" << (has_limits ? ",limit_beyond_validity\n" : "\n");
+  for (std::size_t i = 0; i < history.steps.size(); ++i) {
+    const v1::StepReport& step = history.steps[i];
+    csv << case_file::number_text(step.time_s()) << ','
+        << case_file::number_text(step.cast_length_m());
+    for (const auto& [name, values] : columns) csv << ',' << case_file::number_text(values[i]);
+    csv << ',' << step.beyond_validity();
+    if (has_limits) csv << ',' << (step.time_s() >= valid_until_s);
+    csv << '\n';
+  }
+  return csv.str();
+}
+
+std::string jobs_csv(const std::vector<v1::Job>& jobs) {
+  std::string csv =
+      "id,title,state,owner,priority,created,started,ended,labels,study,quality,time_s,"
+      "cast_length_m,curl_m,findings\n";
+  for (const v1::Job& job : jobs) {
+    const v1::StepReport& step = job.last_step();
+    const std::vector<std::string> cells{job.id(),
+                                         csv_text(job.title()),
+                                         v1::JobState_Name(job.state()),
+                                         csv_text(job.owner()),
+                                         v1::Priority_Name(job.priority()),
+                                         utc_text(job.create_time()),
+                                         utc_text(job.start_time()),
+                                         utc_text(job.end_time()),
+                                         csv_text(joined(job.labels(), "; ")),
+                                         job.study(),
+                                         csv_text(job.quality()),
+                                         case_file::number_text(step.time_s()),
+                                         case_file::number_text(step.cast_length_m()),
+                                         last_curl(job),
+                                         joined(job.findings(), " ", &v1::Finding::code)};
+    csv += joined(cells, ",") + "\n";
+  }
+  return csv;
+}
+
+}  // namespace dccast::client

@@ -1,0 +1,155 @@
+#include "client/web/connect_messages.hpp"
+
+#include <fmt/format.h>
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/util/json_util.h>
+#include <google/protobuf/util/type_resolver_util.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "client/html/frame_bytes.hpp"
+#include "client/model/json.hpp"
+#include "client/session/failure.hpp"
+
+namespace dccast::client {
+namespace {
+
+namespace pb = google::protobuf;
+
+// ---- Codes
+
+/// A code of gRPC as Connect names it, by its number, and the HTTP status of a unary call.
+struct Code {
+  const char* name;
+  int http_status;
+};
+constexpr std::array codes{Code{"", 200},
+                           Code{"canceled", 499},
+                           Code{"unknown", 500},
+                           Code{"invalid_argument", 400},
+                           Code{"deadline_exceeded", 504},
+                           Code{"not_found", 404},
+                           Code{"already_exists", 409},
+                           Code{"permission_denied", 403},
+                           Code{"resource_exhausted", 429},
+                           Code{"failed_precondition", 400},
+                           Code{"aborted", 409},
+                           Code{"out_of_range", 400},
+                           Code{"unimplemented", 501},
+                           Code{"internal", 500},
+                           Code{"unavailable", 503},
+                           Code{"data_loss", 500},
+                           Code{"unauthenticated", 401}};
+
+const Code& code_of(const grpc::Status& status) {
+  const auto number = static_cast<std::size_t>(status.error_code());
+  return codes.at(std::min(number, codes.size() - 1));
+}
+
+// ---- Messages
+
+pb::util::TypeResolver& types() {
+  static const std::unique_ptr<pb::util::TypeResolver> resolver(
+      pb::util::NewTypeResolverForDescriptorPool("type.googleapis.com",
+                                                 pb::DescriptorPool::generated_pool()));
+  return *resolver;
+}
+
+std::string url_of(const std::string& type) {
+  return "type.googleapis.com/" + type;
+}
+
+/// A detail in its binary form, and as JSON for people and scripts.
+std::string detail_text(const pb::Any& detail) {
+  const std::string type = detail.type_url().substr(detail.type_url().rfind('/') + 1);
+  const bool is_info = type == "google.rpc.ErrorInfo";  // see refusal.proto
+  const std::string debug =
+      json_of_message(is_info ? v1::ErrorInfo::descriptor()->full_name() : type, detail.value());
+
+  std::string encoded = base64(detail.value());
+  encoded.erase(encoded.find_last_not_of('=') + 1);
+  return fmt::format(R"({{"type":{},"value":"{}"{}}})", Json(type).dump(), encoded,
+                     debug.empty() ? "" : R"(,"debug":)" + debug);
+}
+
+// ---- Streams: a byte of flags and four of length before each message
+
+constexpr std::size_t prefix_bytes = 5;
+constexpr char is_compressed = 1, is_end = 2;
+
+/// A message of a stream behind its flags and length.
+std::string flagged(char flags, const std::string& message) {
+  std::string text(1, flags);
+  for (const int shift : {24, 16, 8, 0}) text += static_cast<char>(message.size() >> shift);
+  return text + message;
+}
+
+}  // namespace
+
+std::string json_of_message(const std::string& type, const std::string& bytes) {
+  pb::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  std::string json;
+  if (!pb::util::BinaryToJsonString(&types(), url_of(type), bytes, &json, options).ok()) return {};
+  return json;
+}
+
+grpc::Status read_request(const pb::MethodDescriptor& method, bool is_json, const std::string& body,
+                          std::string& bytes) {
+  if (!is_json) {
+    bytes = body;
+    return grpc::Status::OK;
+  }
+  const auto read = pb::util::JsonToBinaryString(&types(), url_of(method.input_type()->full_name()),
+                                                 body, &bytes);
+  if (read.ok()) return grpc::Status::OK;
+  return {grpc::INVALID_ARGUMENT,
+          fmt::format("the request is no JSON of {}: {}", method.input_type()->full_name(),
+                      std::string(read.message()))};
+}
+
+std::string error_text(const grpc::Status& status, const std::string& server) {
+  v1::StatusDetails details;
+  const bool is_exact = server.empty() || refusal_of(status);
+  if (is_exact) details.ParseFromString(status.error_details());
+
+  std::string list;
+  for (const pb::Any& detail : details.details())
+    list += (list.empty() ? "" : ",") + detail_text(detail);
+  const Json message(is_exact ? status.error_message() : failure_of(status, server).what());
+  return fmt::format(R"({{"code":"{}","message":{},"details":[{}]}})", code_of(status).name,
+                     message.dump(), list);
+}
+
+Reply error_reply(const grpc::Status& status, const std::string& server) {
+  return {.body = error_text(status, server), .status = code_of(status).http_status};
+}
+
+std::string enveloped(const std::string& message) {
+  return flagged(0, message);
+}
+
+std::string end_of_stream(const grpc::Status& status, const std::string& server) {
+  return flagged(is_end,
+                 status.ok() ? "{}" : fmt::format(R"({{"error":{}}})", error_text(status, server)));
+}
+
+std::optional<std::vector<std::string>> messages_of(std::string_view body) {
+  std::vector<std::string> messages;
+  while (!body.empty()) {
+    if (body.size() < prefix_bytes || body[0] == is_compressed) return std::nullopt;
+    std::size_t size = 0;
+    for (std::size_t i = 1; i < prefix_bytes; ++i)
+      size = size << 8 | static_cast<unsigned char>(body[i]);
+    body.remove_prefix(prefix_bytes);
+    if (body.size() < size) return std::nullopt;
+    messages.emplace_back(body.substr(0, size));
+    body.remove_prefix(size);
+  }
+  return messages;
+}
+
+}  // namespace dccast::client
