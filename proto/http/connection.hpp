@@ -66,7 +66,7 @@ public:
   bool is_ending() const { return leaving_ || closed_; }
   /// Nothing is being computed for the peer: it has not sent its request, or not taken its reply.
   bool waits_for_peer() const { return waits_for_peer_; }
-  bool is_stream() const { return stream_ != nullptr; }
+  bool is_stream() const { return stream_ != nullptr; }  ///< its reply goes on
 
 private:
   friend class ConnectionStream;
@@ -75,13 +75,17 @@ private:
   /// A body as it is received. Beast's own reserves at once what a peer merely announces.
   struct Body {
     using value_type = std::string;
+    /// What Beast hands the bytes of a body to; the names are its own.
     class reader {
     public:
+      /// @param body  receives the bytes
       template <bool is_request, class Fields>
       reader(boost::beast::http::header<is_request, Fields>&, std::string& body) : body_(body) {}
+      /// The body begins, with this length if it is known.
       void init(const boost::optional<std::uint64_t>&, boost::beast::error_code& error) {
         error = {};
       }
+      /// Takes the next bytes. @return their number
       template <class Buffers>
       std::size_t put(const Buffers& buffers, boost::beast::error_code& error) {
         error = {};
@@ -90,6 +94,7 @@ private:
           body_.append(static_cast<const char*>(part.data()), part.size());
         return body_.size() - before;
       }
+      /// The body is whole.
       void finish(boost::beast::error_code& error) { error = {}; }
 
     private:
