@@ -233,14 +233,6 @@ void add_resources(WebServer& server, const Connect& connect) {
   server.get("/jobs/*/curl.csv", connected(connect, curl_table));
   server.get("/jobs/*/frame", connected(connect, frame));
   server.put("/attachments/*", connected(connect, attachment));
-
-  // The names by which pages ask.
-  server.get("/report/*", connected(connect, report));
-  server.get("/frame/*", connected(connect, frame));
-  server.get("/field/*", connected(connect, [](Connection& connection, Request request) {
-               request.query.emplace("field", request.value("name"));
-               return frame(connection, request);
-             }));
 }
 
 }  // namespace dccast::client

@@ -20,12 +20,13 @@ bool is_by_length(const v1::Curve& curve);
 
 /// A point of the casting.
 struct Instant {
-  double time_s = 0.0, cast_length_m = 0.0;
+  double time_s = 0.0;         ///< of the case
+  double cast_length_m = 0.0;  ///< since the block started
 };
 
 /// A table of the schedule with the levers on it. It refers to the case.
 struct PlannedQuantity {
-  const v1::Curve& table;
+  const v1::Curve& table;                                   ///< against time or cast length
   const v1::Curve& factor = v1::Curve::default_instance();  ///< empty: 1
   double shift_s = 0.0;  ///< a table against time comes later by this
 
@@ -35,6 +36,7 @@ struct PlannedQuantity {
   bool changes_by_length() const;
 };
 
+/// A face of a quarter slab; sections and billets have the wide one.
 enum class Face { wide, narrow };
 
 /// The plan of a case. In all functions the block starts at 0 s.
@@ -52,10 +54,10 @@ public:
 
   /// What is planned, whether or not the block moves and water runs [m/s, °C, m2/s, °C].
   PlannedQuantity casting_speed() const;
-  PlannedQuantity casting_temperature() const;
-  PlannedQuantity water_flow(Face face) const;
-  PlannedQuantity second_water_flow() const;
-  PlannedQuantity water_temperature(Face face) const;
+  PlannedQuantity casting_temperature() const;                 ///< of the metal poured [°C]
+  PlannedQuantity water_flow(Face face) const;                 ///< [m2/s]
+  PlannedQuantity second_water_flow() const;                   ///< of all faces [m2/s]
+  PlannedQuantity water_temperature(Face face) const;          ///< [°C]
   PlannedQuantity critical_heat_flux_factor(Face face) const;  ///< [1]
   /// How far the metal level stands above that of the start [m]: 0 until the block starts.
   PlannedQuantity metal_level() const;

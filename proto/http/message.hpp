@@ -49,10 +49,11 @@ public:
   virtual void when_left(std::function<void()> left) = 0;
 };
 
+/// Answer to a request.
 struct Reply {
-  std::string body{};
-  std::string type = "text/plain; charset=utf-8";
-  int status = 200;
+  std::string body{};                                          ///< empty for a stream
+  std::string type = "text/plain; charset=utf-8";              ///< header Content-Type
+  int status = 200;                                            ///< of HTTP
   std::vector<std::pair<std::string, std::string>> headers{};  ///< further ones
   /// Set: the reply is a stream instead of `body`. Called once, in a thread of the handlers.
   std::function<void(std::shared_ptr<Stream>)> stream{};

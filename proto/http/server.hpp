@@ -28,7 +28,7 @@ struct Limits {
   std::size_t body_bytes = 0;       ///< of a request; those of long bodies come at 64 KiB/s or more
   std::size_t upload_bytes = 0;     ///< of the body of a PUT; 0: there is none
   std::size_t all_bodies_bytes = 64 << 20;  ///< of all requests that are read or answered
-  std::size_t connections = 256;
+  std::size_t connections = 256;            ///< at once
   std::size_t connections_of_address = 32;  ///< a stream that would be one more is refused
   std::size_t handlers = 4;                 ///< requests that are answered at once; others wait
   std::chrono::milliseconds time{5000};     ///< for a handshake, a header, a part of a reply

@@ -41,8 +41,8 @@ void add_frame(const v1::Case& solved, const v1::Frame& frame, bool is_beyond,
 
 /// Tables of facts, each a name, a value and a remark: what was cast, as a plant reads it; how
 /// sound the numbers are, and what they took; what they rest on.
-/// @param is_beyond  whether the last step is no longer valid
 void add_recipe(const v1::Case& input, const std::string& heading, v1::Judgement& judgement);
+/// @param is_beyond  whether the last step is no longer valid
 void add_checks(const JudgedRun& run, bool is_beyond, v1::Judgement& judgement);
 void add_basis(const v1::Case& input, v1::Judgement& judgement);
 

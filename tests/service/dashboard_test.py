@@ -135,7 +135,7 @@ class Entrance(WithoutBrowser):
         self.assertEqual([step["monitors"][0]["curl_m"] for step in seen["steps"]],
                          [step.monitors[0].curl_m for step in steps])
         self.assertEqual(self.call("ListJobs")["jobs"][0]["id"], job)
-        report, page = self.ask(f"/report/{job}")
+        report, page = self.ask(f"/jobs/{job}/report")
         self.assertIn(b"<h1>", page)
         self.assertIn("sandbox", report.getheader("Content-Security-Policy"))
         other = self.finished_job("steps=31")
@@ -162,7 +162,7 @@ class RealRuns(WithoutBrowser):
         times = json.loads(self.ask(f"/frames/{job}")[1])["times"]
         self.assertGreater(len(times), 1)
 
-        raw = self.ask(f"/frame/{job}?number={len(times)}")[1]
+        raw = self.ask(f"/jobs/{job}/frame?number={len(times)}")[1]
         nodes, elements, per, triangles, edges, dimension = struct.unpack("<6i", raw[:24])
         self.assertEqual(len(raw), 32 + 4 * (4 + 7 * nodes + elements * per + 3 * triangles + 2 * edges))
 

@@ -176,7 +176,7 @@ class Signing(WebTest):
     def test_files_are_for_everybody(self):
         for path in ("/", "/app.js", "/sign-in.html", "/sign_in.js"):
             self.assertEqual(self.browser.ask("GET", path)[0].status, 200, path)
-        for path in ("/server/", "/cases/", "/job/last", "/report/last"):
+        for path in ("/server/", "/cases/", "/job/last", "/jobs/last/report"):
             self.assertEqual(self.browser.ask("GET", path)[0].status, 401, path)
 
     def test_restart_keeps_sessions_and_sign_out_ends_them(self):

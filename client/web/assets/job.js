@@ -13,9 +13,9 @@ const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 /** The stored frames of a job, for the viewer. */
 export const framesOf = job => ({
   look: () => get(`/frames/${job}`),
-  frame: number => getBytes(`/frame/${job}?number=${number}`),
+  frame: number => getBytes(`/jobs/${job}/frame?number=${number}`),
   field: (number, name) =>
-    getBytes(`/field/${job}?number=${number}&name=${encodeURIComponent(name)}`),
+    getBytes(`/jobs/${job}/frame?number=${number}&field=${encodeURIComponent(name)}`),
 });
 
 /** Shows the address of a job's page, for colleagues. */
@@ -132,7 +132,7 @@ export function jobPage(element, signal, id) {
       buttons, job.state === 'RUNNING' ? act('PauseJob', 'Pause') : null,
       job.state === 'PAUSED' ? act('ResumeJob', 'Resume') : null,
       ended.has(job.state) ? null : cancel(), linkButton(job),
-      h('a', {class: 'button', href: `/report/${job.id}`, target: '_blank', rel: 'noopener'},
+      h('a', {class: 'button', href: `/jobs/${job.id}/report`, target: '_blank', rel: 'noopener'},
         'Report'));
   }
 
