@@ -27,7 +27,7 @@ bool quality_matters(const v1::Case& description);
 /// How far mesh and time steps may have put the true curl below and above the computed one,
 /// relative to the computed one [1]: the band of docs/error-bars.md. Empty if no band was measured:
 /// it exists, with the built-in mesh and steps of the quality, for plane-strain thickness sections
-/// (half width 0.2 to 0.4 m) and for the first 1200 s of quarter slabs (half width 0.5 to 0.9 m,
+/// (half width 0.2 to 0.4 m) and for the first 1200 s of quarter slabs (half width 0.5 to 1.1 m,
 /// half thickness 0.2 to 0.4 m), at the monitors of is_measured_at().
 /// @param complete  case with all its defaults
 std::optional<v1::RelativeError> relative_discretisation_error(const v1::Case& complete);

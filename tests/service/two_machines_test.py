@@ -134,7 +134,7 @@ class Day(Hands, AccessTest):
         self.find("main .bar button", "Keep as a job").click()
         self.find("main p[role=status] a").click()
         self.step("submitted")
-        self.find("main .state", "running", 60)
+        # The state itself may be over before the page is looked at.
         self.find("main figure path.line", seconds=60)
         self.step("watched")
         self.find("main .state", "succeeded", 120)

@@ -60,6 +60,8 @@ const Truth truths[] = {
     {"1600x500mm aa3104", settled, narrow_face, 59.1, 0.8},
     {"1600x500mm aa5182", settled, corner, 77.2, 1.1},
     {"1600x500mm aa5182", settled, narrow_face, 75.3, 1.1},
+    {"2200x600mm aa3104", settled, corner, 103.8, 1.5},
+    {"2200x600mm aa3104", settled, narrow_face, 100.7, 1.4},
 };
 
 using Reports = std::vector<results::StepReport>;

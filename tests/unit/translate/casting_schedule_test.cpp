@@ -69,7 +69,7 @@ private:
     water.set_enabled(between(0.0, 1.0) < 0.9);
     water.set_start_s(between(-20.0, 60.0));
     draw_table(10.0, 40.0, *water.mutable_temperature_c());
-    if (chance()) draw_table(0.1, 1.0, *water.mutable_critical_heat_flux_factor());
+    draw_table(0.1, 1.0, *water.mutable_critical_heat_flux_factor());
     if (chance()) return;
     water.set_pulse_period_s(between(1.0, 20.0));
     water.set_pulse_share(between(0.0, 1.0));
