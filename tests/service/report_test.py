@@ -144,7 +144,7 @@ class Reports(Page):
 
     def test_the_dashboard_shows_the_report_in_a_sandbox(self):
         job = self.cast("start-2d-thickness.toml", "time.end=20 s")
-        self.browser.get(self.browser.current_url.split("#")[0] + f"report/{job}")
+        self.browser.get(self.browser.current_url.split("#")[0] + f"jobs/{job}/report")
         self.find("body.complete", 60)
         self.wait_up_to(10).until(lambda _: "Curl against time" in self.charts())
 
