@@ -167,6 +167,7 @@ ReadOutcome read(std::string_view text, const std::string& name, Message& messag
     outcome.faults.push_back(make_fault("", "", "the file contains no key", "",
                                         "see `dccast new --list` for cases to begin with"));
   read_table(walk, table, message, "");
+  if (outcome.ok()) outcome.faults = check_ranges(message);  // keys that do not go together
   explain_flows_in_all(message, outcome);
   sort_by_position(outcome);
   return outcome;

@@ -186,6 +186,14 @@ TEST(Ranges, AMonitorIsAPointOrAMean) {
   EXPECT_EQ(std::ranges::count(faults, "monitor[0].y", &v1::Fault::field), 0);
 }
 
+/// Without a server, too: `validate --local` once took what every server refuses.
+TEST(Reader, KeysThatDoNotGoTogetherAreAFaultWithItsPlace) {
+  const std::string mean = "[[monitor]]\nname = \"mean\"\nof = [[\"corner\", 1]]\nx = \"0.2 m\"\n";
+  EXPECT_EQ(fault_on("monitor[0].x", sound_text + mean),
+            "my.toml:9:1: monitor[0].x: a mean of other monitors has no place; permitted: "
+            "monitor[0].of, or x, y and z; leave the place out, or of\n");
+}
+
 TEST(Reader, ATableThatIsAbsentAltogetherIsReportedByItsRequiredKeys) {
   const std::string fault = fault_on("section.half_width", "[time]\nend = \"1 s\"\n");
   EXPECT_THAT(fault, HasSubstr("required key is missing"));
