@@ -357,7 +357,7 @@ class Output(Commands):
         start = self.dccast("validate", "--local", os.path.join(CASES, "start-3d.toml")).stdout
         self.assertIn("an error bar of ± 5 % for mesh and steps", start)
         wide = self.dccast("validate", "--local", os.path.join(CASES, "start-3d.toml"), "--set",
-                           'section.half_width="1.1 m"').stdout
+                           'section.half_width="1.2 m"').stdout
         self.assertIn("no error bar: none was measured for such a casting or mesh", wide)
 
     def test_the_sample_settings_have_every_key(self):
