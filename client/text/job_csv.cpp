@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "client/session/jobs.hpp"
+#include "client/text/job_text.hpp"
 #include "client/text/table.hpp"
 #include "proto/case_file/quantity.hpp"
 
@@ -30,15 +31,14 @@ std::vector<std::pair<std::string, std::vector<double>>> columns_of(const JobCur
 }
 
 /// "2026-11-20T08:15:30Z"; empty where there is no time.
-std::string utc_text(const google::protobuf::Timestamp& time) {
+std::string iso_text(const google::protobuf::Timestamp& time) {
   return time.seconds() == 0 ? "" : google::protobuf::util::TimeUtil::ToString(time);
 }
 
-/// The judged curl of the last step [m]; empty where there is none that counts.
+/// See sound_curl() [m]; empty where there is none.
 std::string last_curl(const v1::Job& job) {
-  const v1::MonitorValue* const judged = figures::judged_curl(job.last_step());
-  const bool counts = !job.has_failure() && !job.has_validity_loss() && judged != nullptr;
-  return counts ? case_file::number_text(figures::curl_of(*judged)) : "";
+  const v1::MonitorValue* const judged = sound_curl(job);
+  return judged == nullptr ? "" : case_file::number_text(figures::curl_of(*judged));
 }
 
 }  // namespace
@@ -92,9 +92,9 @@ std::string jobs_csv(const std::vector<v1::Job>& jobs) {
                                          v1::JobState_Name(job.state()),
                                          csv_text(job.owner()),
                                          v1::Priority_Name(job.priority()),
-                                         utc_text(job.create_time()),
-                                         utc_text(job.start_time()),
-                                         utc_text(job.end_time()),
+                                         iso_text(job.create_time()),
+                                         iso_text(job.start_time()),
+                                         iso_text(job.end_time()),
                                          csv_text(joined(job.labels(), "; ")),
                                          job.study(),
                                          csv_text(job.quality()),

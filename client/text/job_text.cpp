@@ -143,10 +143,14 @@ const ListColumn& column_of(const std::string& name) {
 
 }  // namespace
 
-std::string judged_curl_text(const v1::Job& job) {
+const v1::MonitorValue* sound_curl(const v1::Job& job) {
   // A run that failed has a last step, but no curl as of a good one.
-  if (job.state() == v1::FAILED || job.has_validity_loss()) return "-";
-  const v1::MonitorValue* const judged = figures::judged_curl(job.last_step());
+  if (job.state() == v1::FAILED || job.has_validity_loss()) return nullptr;
+  return figures::judged_curl(job.last_step());
+}
+
+std::string judged_curl_text(const v1::Job& job) {
+  const v1::MonitorValue* const judged = sound_curl(job);
   return judged == nullptr ? "-" : mm(judged->curl_m(), 2);
 }
 

@@ -13,6 +13,9 @@ namespace dccast::client {
 /// "running", "succeeded", ...
 std::string state_text(v1::JobState state);
 
+/// The judged curl of the last step; null where there is none, or the run failed or lost its
+/// validity.
+const v1::MonitorValue* sound_curl(const v1::Job& job);
 /// The curl so far that is judged [mm]; "-" for none.
 std::string judged_curl_text(const v1::Job& job);
 
