@@ -12,6 +12,7 @@
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/recipe_numbers.hpp"
+#include "proto/case_file/schedule.hpp"
 #include "proto/case_file/study_keys.hpp"
 
 namespace dccast::case_file {
@@ -26,8 +27,14 @@ constexpr PlantLever water{"schedule.water_flow.scale", "use", "less water", "mo
 constexpr PlantLever metal{"schedule.casting_temperature.offset", "pour", "colder", "hotter", 10.0};
 constexpr PlantLever water_temperature{"cooling.water.temperature.offset", "use", "colder water",
                                        "warmer water", 5.0};
+constexpr PlantLever second_water{"schedule.second_water_flow.scale", "use", "less second water",
+                                  "more second water", 0.15};
 constexpr PlantLever block{"section.block_above_water.offset", "place the block", "lower", "higher",
                            0.005};
+// More of it is less heat flux; a step is a quarter of what the gas takes.
+constexpr PlantLever gas{"cooling.water.critical_heat_flux_factor",
+                         "put gas into the first water:", "the critical heat flux",
+                         "the critical heat flux", 0.25};
 
 struct Row {
   const char* code;
@@ -37,16 +44,17 @@ struct Row {
 
 /// Every code of docs/findings.md.
 const std::vector<Row>& rows() {
-  static const std::vector<Advice> thicker_shell{{&speed, less}, {&metal, less}};
+  static const std::vector<Advice> thicker_shell{{&speed, less}, {&metal, less}, {&gas, less}};
   static const std::vector<Advice> thicker_bottom{
       {&hold_time, more}, {&speed, less}, {&metal, less}, {&water, less}};
-  static const std::vector<Advice> flatter_butt{{&hold_time, more},
-                                                {&speed, less},
-                                                {&water, less},
-                                                {&water_temperature, more},
-                                                {&block, more}};
-  static const std::vector<Advice> wetter_face{
-      {&water, more}, {&water_temperature, less}, {&speed, less}, {&metal, less}};
+  static const std::vector<Advice> flatter_butt{{&hold_time, more}, {&speed, less},
+                                                {&water, less},     {&water_temperature, more},
+                                                {&gas, more},       {&block, more}};
+  static const std::vector<Advice> wetter_face{{&water, more},
+                                               {&second_water, more},
+                                               {&water_temperature, less},
+                                               {&speed, less},
+                                               {&metal, less}};
 
   static const std::vector<Row> table{
       {"no_superheat", false, {{&metal, more}}},
@@ -69,7 +77,9 @@ const std::vector<Row>& rows() {
       {"bottom_shell_fails", false, thicker_bottom},
       {"bottom_shell_open", false, thicker_bottom},
       {"bleed_out_at_bottom", false, thicker_bottom},
-      {"sump_too_deep", false, {{&speed, less}, {&metal, less}, {&water, more}}},
+      {"sump_too_deep",
+       false,
+       {{&speed, less}, {&metal, less}, {&water, more}, {&second_water, more}}},
       {"shell_melted_through", false, thicker_bottom},
       {"steam_lifts_butt", false, {{&hold_time, more}, {&water, less}}},
       {"rotation_too_large", false, flatter_butt},
@@ -99,23 +109,64 @@ bool is_temperature(const PlantLever& lever) {
   return &lever == &metal || &lever == &water_temperature;
 }
 
-/// "15 s", "10 %", "10 K", "5 mm": how far a lever is moved.
+/// A case without gas gets it until 100 mm of casting, as docs/quarter-slab.md has it; of a case
+/// with gas its table changes. @return empty where there is nothing to take away, or no more to add
+std::optional<v1::Curve> moved_gas(const v1::Case& complete, int steps) {
+  constexpr double least = 0.1;  // [1] less was not compared with anything
+  const double more = steps * gas.step;
+  const auto has_gas = [](double factor) { return factor < 1.0; };
+
+  const v1::Curve& before = complete.cooling().water().critical_heat_flux_factor();
+  v1::Curve after = before;
+  if (std::ranges::any_of(before.value(), has_gas)) {
+    for (double& factor : *after.mutable_value())
+      if (has_gas(factor)) factor = std::max(least, 1.0 - (1.0 - factor) * (1.0 + more));
+  } else if (steps > 0) {
+    after.Clear();
+    after.set_abscissa(v1::CAST_LENGTH);
+    for (const double at_m : {0.0, 0.1, 0.15}) after.add_at(at_m);
+    for (const double factor : {1.0 - more, 1.0 - more, 1.0}) after.add_value(factor);
+  }
+
+  if (std::ranges::equal(before.value(), after.value())) return std::nullopt;
+  return after;
+}
+
+/// A table as in a case file.
+std::string table_text(const v1::Curve& table) {
+  if (table.at().empty()) return number_text(table.value(0));
+  const char* const unit = is_by_length(table) ? "m" : "s";
+  std::string points;
+  for (int i = 0; i < table.at_size(); ++i)
+    points += fmt::format(R"({}["{}", {}])", i == 0 ? "" : ", ", quantity_text(table.at(i), unit),
+                          number_text(table.value(i)));
+  return "[" + points + "]";
+}
+
+/// "15 s", "10 %", "10 K", "5 mm": how far a lever is moved; of gas what it leaves, "0.5 times".
 std::string amount_text(const PlantLever& lever, int steps, const v1::Case& complete) {
   const double distance = std::abs(steps) * lever.step;
+  if (&lever == &gas)
+    return fmt::format("{:.2g} times",
+                       *std::ranges::min_element(moved_gas(complete, steps)->value()));
   if (&lever == &hold_time) return fmt::format("{:.3g} s", distance * complete.schedule().hold_s());
   if (is_factor(lever)) return fmt::format("{:.0f} %", 100.0 * distance);
   if (is_temperature(lever)) return fmt::format("{:.0f} K", distance);
   return fmt::format("{:.0f} mm", 1e3 * distance);
 }
 
-std::string value_text(const PlantLever& lever, int steps) {
+std::string value_text(const PlantLever& lever, int steps, const v1::Case& complete) {
+  if (&lever == &gas) return table_text(*moved_gas(complete, steps));
   if (is_factor(lever)) return number_text(1.0 + steps * lever.step);
   if (is_temperature(lever)) return number_text(steps * lever.step) + " K";
   return number_text(1e3 * steps * lever.step) + " mm";
 }
 
-/// Whether the case has what the lever moves.
-bool is_there(const PlantLever& lever, const v1::Case& complete) {
+/// Whether the case has what the lever moves. A case without gas has none to do without.
+bool is_there(const PlantLever& lever, Direction direction, const v1::Case& complete) {
+  if (&lever == &gas)
+    return complete.cooling().water().enabled() &&
+           moved_gas(complete, direction == more ? 1 : -1).has_value();
   const auto known =
       std::ranges::find(levers(), std::string_view(lever.key),
                         [](const Lever& other) { return std::string_view(other.key); });
@@ -161,12 +212,13 @@ std::vector<Advice> advice_against(
 std::vector<LeverDraft> lever_drafts(const Advice& advice, const v1::Case& description) {
   const PlantLever& lever = *advice.lever;
   const v1::Case complete = completed(description);
-  if (!is_there(lever, complete)) return {};
+  if (!is_there(lever, advice.direction, complete)) return {};
 
   std::vector<LeverDraft> drafts;
   const int towards = advice.direction == more ? 1 : -1;
   for (const int steps : {towards, 2 * towards, -towards}) {
-    LeverDraft draft{{}, {change_of(lever.key, value_text(lever, steps))}};
+    if (&lever == &gas && !moved_gas(complete, steps)) continue;
+    LeverDraft draft{{}, {change_of(lever.key, value_text(lever, steps, complete))}};
     v1::Case changed = description;
     if (!apply_changes(changed, draft.changes).empty()) continue;
     changed = completed(changed);

@@ -1,5 +1,6 @@
 // The levers of the page what-if, and how a change of one reads.
-// A factor is in %, everything else in its unit; 0 is the case as it is.
+// A factor is in %, everything else in its unit; 0 is the case as it is. `table`: the factor as a
+// table in cast length, in place of that of the case.
 export const levers = [
   {
     key: 'schedule.casting_speed.scale',
@@ -27,6 +28,15 @@ export const levers = [
     step: 1
   },
   {
+    key: 'cooling.water.critical_heat_flux_factor',
+    name: 'Critical heat flux until 100 mm (gas)',
+    unit: '%',
+    low: -75,
+    high: 0,
+    step: 5,
+    table: factor => `[["0 mm", ${factor}], ["100 mm", ${factor}], ["150 mm", 1]]`
+  },
+  {
     key: 'cooling.bottom_block.temperature.offset',
     name: 'Block temperature',
     unit: 'K',
@@ -44,8 +54,11 @@ export const levers = [
     step: 5
   },
 ];
-export const changeText = ({key, unit}, value) =>
-  unit === '%' ? `${key}=${(1 + value / 100).toFixed(2)}` : `${key}=${value} ${unit}`;
+export const changeText = ({key, unit, table}, value) => {
+  if (unit !== '%') return `${key}=${value} ${unit}`;
+  const factor = (1 + value / 100).toFixed(2);
+  return `${key}=${table ? table(factor) : factor}`;
+};
 
 /**
  * "+5 %", beside it what the lever is then: "+5 %, 42 to 63 mm/min".

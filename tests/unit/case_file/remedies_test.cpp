@@ -73,7 +73,7 @@ TEST(Remedies, CastTheSameLength) {
             << draft.step.words();
         ++drafts;
       }
-  EXPECT_EQ(drafts, 27);
+  EXPECT_EQ(drafts, 29);
 }
 
 TEST(Remedies, LeaveOutLeversThatACaseDoesNotHaveAndStepsThatItCannotTake) {
@@ -87,12 +87,40 @@ TEST(Remedies, LeaveOutLeversThatACaseDoesNotHaveAndStepsThatItCannotTake) {
               testing::Not(testing::Contains("use 15 % more water")));
 }
 
+/// A plant without gas can only add it; one with gas can do with less of it.
+TEST(Remedies, PutGasIntoTheFirstWater) {
+  const v1::Case plain = shipped_case("start-3d-aa3104"), hot = shipped_case("start-3d-aa3104-hot");
+  const std::string begin = "put gas into the first water: ", end = " the critical heat flux";
+  EXPECT_THAT(remedy_words("curl_outside_band", plain),
+              testing::IsSupersetOf({begin + "0.75 times" + end, begin + "0.5 times" + end}));
+  EXPECT_THAT(remedy_words("thin_shell", plain),
+              testing::Each(testing::Not(testing::StartsWith(begin))));
+  EXPECT_THAT(remedy_words("thin_shell", hot),
+              testing::IsSupersetOf({begin + "0.62 times" + end, begin + "0.75 times" + end,
+                                     begin + "0.38 times" + end}));
+}
+
+/// The heat flux is whole again at 150 mm.
+TEST(Remedies, GasIsForTheButt) {
+  v1::Finding curl = finding("curl_outside_band");
+  v1::Case changed = shipped_case("start-3d-aa3104");
+  for (const Advice& advice : advice_against(curl))
+    for (const LeverDraft& draft : lever_drafts(advice, changed))
+      if (draft.step.words().find("0.5 times") != std::string::npos) {
+        ASSERT_THAT(apply_changes(changed, draft.changes), IsEmpty());
+      }
+  const v1::Curve& factor = changed.cooling().water().critical_heat_flux_factor();
+  EXPECT_EQ(factor.abscissa(), v1::CAST_LENGTH);
+  EXPECT_THAT(factor.at(), ElementsAre(0.0, 0.1, 0.15));
+  EXPECT_THAT(factor.value(), ElementsAre(0.5, 0.5, 1.0));
+}
+
 TEST(Remedies, OfSeveralFindingsMoveEachLeverOnceAsTheFirstFindingAsks) {
   google::protobuf::RepeatedPtrField<v1::Finding> findings;
   *findings.Add() = finding("freezes_at_meniscus");
   *findings.Add() = finding("thin_shell");
   const auto advice = advice_against(findings);
-  ASSERT_EQ(advice.size(), 2U);
+  ASSERT_EQ(advice.size(), 3U);  // speed, metal, and gas where there is some
   EXPECT_EQ(advice[0].direction, Direction::more);
   EXPECT_EQ(advice[1].direction, Direction::more);
 }

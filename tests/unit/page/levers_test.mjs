@@ -18,4 +18,8 @@ test('a change has beside it what the lever is then', () => {
 test('a change is that of a case file', () => {
   assert.equal(changeText(speed, 5), 'schedule.casting_speed.scale=1.05');
   assert.equal(changeText(metal, -3), 'schedule.casting_temperature.offset=-3 K');
+  const gas = levers.find(lever => lever.table);
+  assert.equal(
+    changeText(gas, -50),
+    'cooling.water.critical_heat_flux_factor=[["0 mm", 0.50], ["100 mm", 0.50], ["150 mm", 1]]');
 });
