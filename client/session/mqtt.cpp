@@ -7,7 +7,6 @@
 
 #include <toml++/toml.h>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -39,16 +38,6 @@ constexpr std::chrono::seconds longest_answer{10};
 [[noreturn]] void refuse_topic(const std::string& text, const std::string& fault) {
   throw invalid(fmt::format("\"{}\": {}; permitted: mqtt://HOST[:PORT]/TOPIC, over TLS mqtts://...",
                             values::shown(text), fault));
-}
-
-int port_of(const std::string& text, const std::string& digits) {
-  constexpr int largest_port = 65535;
-  int port = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  if (error != std::errc() || end != digits.data() + digits.size() || port < 1 ||
-      port > largest_port)
-    refuse_topic(text, "the port is not between 1 and 65535");
-  return port;
 }
 
 /// Properties of a packet, which the library wants as a list of its own.
@@ -104,13 +93,15 @@ Topic parse_topic(const std::string& text) {
     throw invalid(
         "the address of a topic names a user; permitted: mqtt://HOST[:PORT]/TOPIC; user and "
         "password belong into the file of --broker");
-  const values::HostAndPort place = values::host_and_port(rest.substr(0, slash));
+  const std::string address = rest.substr(0, slash);
+  const values::HostAndPort place = values::host_and_port(address);
   if (place.host.empty()) refuse_topic(text, "the host is missing");
   topic.host = place.host;
 
   constexpr int plain_port = 1883, tls_port = 8883;
   topic.port = topic.over_tls ? tls_port : plain_port;
-  if (!place.port.empty()) topic.port = port_of(text, place.port);
+  if (!place.port.empty()) topic.port = values::port_of(address).value_or(0);
+  if (topic.port == 0) refuse_topic(text, "the port is not between 1 and 65535");
   return topic;
 }
 

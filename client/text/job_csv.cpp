@@ -2,6 +2,7 @@
 
 #include <google/protobuf/util/time_util.h>
 
+#include <array>
 #include <limits>
 #include <sstream>
 #include <utility>
@@ -82,28 +83,34 @@ std::string curl_csv(const JobCurl& curl) {
 }
 
 std::string jobs_csv(const std::vector<v1::Job>& jobs) {
-  std::string csv =
-      "id,title,state,owner,priority,created,started,ended,labels,study,quality,time_s,"
-      "cast_length_m,curl_m,findings\n";
-  for (const v1::Job& job : jobs) {
-    const v1::StepReport& step = job.last_step();
-    const std::vector<std::string> cells{job.id(),
-                                         csv_text(job.title()),
-                                         v1::JobState_Name(job.state()),
-                                         csv_text(job.owner()),
-                                         v1::Priority_Name(job.priority()),
-                                         iso_text(job.create_time()),
-                                         iso_text(job.start_time()),
-                                         iso_text(job.end_time()),
-                                         csv_text(joined(job.labels(), "; ")),
-                                         job.study(),
-                                         csv_text(job.quality()),
-                                         case_file::number_text(step.time_s()),
-                                         case_file::number_text(step.cast_length_m()),
-                                         last_curl(job),
-                                         joined(job.findings(), " ", &v1::Finding::code)};
-    csv += joined(cells, ",") + "\n";
-  }
+  struct Column {
+    const char* name;
+    std::string (*cell)(const v1::Job&);
+  };
+  using case_file::number_text;
+  static const std::array columns{
+      Column{"id", [](const auto& job) { return job.id(); }},
+      Column{"title", [](const auto& job) { return csv_text(job.title()); }},
+      Column{"state", [](const auto& job) { return v1::JobState_Name(job.state()); }},
+      Column{"owner", [](const auto& job) { return csv_text(job.owner()); }},
+      Column{"priority", [](const auto& job) { return v1::Priority_Name(job.priority()); }},
+      Column{"created", [](const auto& job) { return iso_text(job.create_time()); }},
+      Column{"started", [](const auto& job) { return iso_text(job.start_time()); }},
+      Column{"ended", [](const auto& job) { return iso_text(job.end_time()); }},
+      Column{"labels", [](const auto& job) { return csv_text(joined(job.labels(), "; ")); }},
+      Column{"study", [](const auto& job) { return job.study(); }},
+      Column{"quality", [](const auto& job) { return csv_text(job.quality()); }},
+      Column{"time_s", [](const auto& job) { return number_text(job.last_step().time_s()); }},
+      Column{"cast_length_m",
+             [](const auto& job) { return number_text(job.last_step().cast_length_m()); }},
+      Column{"curl_m", last_curl},
+      Column{"findings",
+             [](const auto& job) { return joined(job.findings(), " ", &v1::Finding::code); }},
+  };
+
+  std::string csv = joined(columns, ",", &Column::name) + "\n";
+  for (const v1::Job& job : jobs)
+    csv += joined(columns, ",", [&](const Column& column) { return column.cell(job); }) + "\n";
   return csv;
 }
 

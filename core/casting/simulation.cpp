@@ -28,21 +28,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 const char* checkpoint_name = "checkpoint.bin";
 const char* results_name = "results.h5";
 
-/// Where the results keep the readings of a lever.
-struct LeverColumn {
-  Lever lever;
-  std::vector<double> results::MeasuredLevers::*values;
-};
-constexpr std::array<LeverColumn, levers> lever_columns{{
-    {Lever::casting_speed, &results::MeasuredLevers::casting_speed},
-    {Lever::casting_temperature, &results::MeasuredLevers::casting_temperature},
-    {Lever::water_flow, &results::MeasuredLevers::water_flow},
-    {Lever::narrow_water_flow, &results::MeasuredLevers::narrow_water_flow},
-    {Lever::second_water_flow, &results::MeasuredLevers::second_water_flow},
-    {Lever::water_temperature, &results::MeasuredLevers::water_temperature},
-    {Lever::metal_level, &results::MeasuredLevers::metal_level},
-}};
-
 results::RunHeader header_of(const Case& c) {
   results::RunHeader header;
   header.program_version = DCCAST_VERSION;
@@ -225,7 +210,7 @@ private:
     const auto count =
         std::min(used.time.size(), static_cast<std::size_t>(end - used.time.begin()) + 1);
     used.time.resize(count);
-    for (const LeverColumn& column : lever_columns) (used.*column.values).resize(count);
+    for (std::vector<double>& values : used.values) values.resize(count);
     return used;
   }
 
@@ -233,8 +218,8 @@ private:
   void keep(const LeverReading& reading) {
     constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
     levers_.time.push_back(reading.time);
-    for (const LeverColumn& column : lever_columns)
-      (levers_.*column.values).push_back(reading.of(column.lever).value_or(not_measured));
+    for (std::size_t lever = 0; lever < lever_count; ++lever)
+      levers_.values[lever].push_back(reading.value[lever].value_or(not_measured));
   }
 
   /// Stores and reports a step. @return the outcome if the observer ends the run here

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <vector>
 
 namespace dccast::results::hdf5 {
@@ -8,20 +10,32 @@ class File;
 
 namespace dccast::results {
 
-/// What was measured of a casting that a run has followed, by time; NaN where it was not measured.
+/// What a plant moves while it casts.
+enum class Lever {
+  casting_speed,
+  casting_temperature,
+  water_flow,
+  narrow_water_flow,
+  second_water_flow,
+  water_temperature,
+  metal_level
+};
+inline constexpr std::size_t lever_count = 7;
+
+/// What was measured of a casting that a run has followed, by time.
 struct MeasuredLevers {
-  std::vector<double> time;                 ///< [s]
-  std::vector<double> casting_speed;        ///< [m/s]
-  std::vector<double> casting_temperature;  ///< [°C]
-  std::vector<double> water_flow;           ///< [m2/s]
-  std::vector<double> narrow_water_flow;    ///< [m2/s]
-  std::vector<double> second_water_flow;    ///< [m2/s]
-  std::vector<double> water_temperature;    ///< [°C]
-  std::vector<double> metal_level;          ///< [m] above that of the start
+  std::vector<double> time;  ///< [s]
+  /// (lever, time) in the unit of the lever, as SCHEMA.md has it; NaN where it was not measured
+  std::array<std::vector<double>, lever_count> values;
+
+  std::vector<double>& of(Lever lever) { return values[static_cast<std::size_t>(lever)]; }
+  const std::vector<double>& of(Lever lever) const {
+    return values[static_cast<std::size_t>(lever)];
+  }
 };
 
 /// Writes the group /levers of SCHEMA.md, if anything was measured. @throws storage::StorageError
-void write_levers(hdf5::File& file, const MeasuredLevers& levers);
+void write_levers(hdf5::File& file, const MeasuredLevers& measured);
 /// Reads the group /levers; empty if the file has none.
 /// @throws storage::StorageError  also if a column has the wrong length
 MeasuredLevers read_levers(const hdf5::File& file);

@@ -5,25 +5,18 @@
 #include <optional>
 #include <vector>
 
+#include "core/results/levers_group.hpp"
+
 namespace dccast::casting {
 
-/// What a plant moves while it casts.
-enum class Lever {
-  casting_speed,
-  casting_temperature,
-  water_flow,
-  narrow_water_flow,
-  second_water_flow,
-  water_temperature,
-  metal_level
-};
-inline constexpr std::size_t levers = 7;
+using results::Lever;
+using results::lever_count;
 
 /// All levers that a plant measures at one time.
 struct LeverReading {
   double time = 0.0;  ///< [s] of the case
   /// (lever) [m/s], [°C], three times [m2/s], [°C], [m]; empty where it was not measured
-  std::array<std::optional<double>, levers> value;
+  std::array<std::optional<double>, lever_count> value;
 
   std::optional<double>& of(Lever lever) { return value[static_cast<std::size_t>(lever)]; }
   const std::optional<double>& of(Lever lever) const {
@@ -63,8 +56,8 @@ public:
   std::vector<LeverStretch> stretches(Lever lever, double from, double to) const;
 
 private:
-  std::vector<LeverReading> rows_;         ///< by time; values as they were measured or kept
-  std::array<double, levers> measured_{};  ///< (lever) [s] time of its last own value
+  std::vector<LeverReading> rows_;              ///< by time; values as they were measured or kept
+  std::array<double, lever_count> measured_{};  ///< (lever) [s] time of its last own value
 };
 
 }  // namespace dccast::casting

@@ -199,12 +199,17 @@ std::vector<Table> list_tables(const Case& c) {
       {"schedule.water_flow_factor", &c.schedule.water_flow_factor},
       {"schedule.second_water_flow", &c.schedule.second_water_flow},
       {"schedule.metal_level", &c.schedule.metal_level},
-      {"cooling.water.temperature", &c.cooling.water.temperature},
-      {"cooling.water.critical_heat_flux_factor", &c.cooling.water.critical_heat_flux_factor},
-      {"cooling.water.coefficient", &c.cooling.water.coefficient},
       {"cooling.bottom_block.contact_coefficient", &block.contact_coefficient, block.first_metal},
       {"cooling.bottom_block.temperature", &block.temperature},
   };
+
+  const auto add_water = [&](const std::string& key, const thermal::Water& water) {
+    tables.push_back({key + "temperature", &water.temperature});
+    tables.push_back({key + "critical_heat_flux_factor", &water.critical_heat_flux_factor});
+    tables.push_back({key + "coefficient", &water.coefficient});
+  };
+  add_water("cooling.water.", c.cooling.water);
+  if (c.cooling.narrow_water) add_water("cooling.narrow_water.", *c.cooling.narrow_water);
 
   for (std::size_t i = 0; i < c.cooling.zones.size(); ++i) {
     const thermal::SideZone& zone = c.cooling.zones[i];

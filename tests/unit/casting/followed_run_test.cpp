@@ -87,8 +87,8 @@ TEST(FollowedRun, GoesAsFarAsTheReadingsAndEndsWithThem) {
   const results::MeasuredLevers stored = results::ResultReader(folder / "results.h5").levers();
   ASSERT_EQ(stored.time.size(), readings.size());
   EXPECT_EQ(stored.time.back(), 8.0);
-  EXPECT_EQ(stored.water_flow[3], readings[3].of(Lever::water_flow));
-  EXPECT_TRUE(std::isnan(stored.casting_temperature[3])) << "not measured";
+  EXPECT_EQ(stored.of(Lever::water_flow)[3], readings[3].of(Lever::water_flow));
+  EXPECT_TRUE(std::isnan(stored.of(Lever::casting_temperature)[3])) << "not measured";
 }
 
 TEST(FollowedRun, OfThePlanIsThePlan) {

@@ -109,7 +109,7 @@ TEST(MetalLevel, ThatIsMeasuredCannotTakeMetalAway) {
       EXPECT_NEAR(before, 0.1 + frame.cast_length, 1e-12) << frame.time;
     }
   }
-  EXPECT_EQ(reader.levers().metal_level[16], -0.02);
+  EXPECT_EQ(reader.levers().of(Lever::metal_level)[16], -0.02);
 }
 
 }  // namespace

@@ -168,6 +168,17 @@ const CaseRow of_case_rows[] = {
      [](Case& c) {
        c.schedule.second_water_flow = {Abscissa::time, {19.0, 30.0}, {0.0, 1e-3}};
      }},
+    {"NarrowGasTable", "table_never_reached",
+     [](Case& c) {
+       c.cooling.narrow_water = c.cooling.water;
+       c.cooling.narrow_water->critical_heat_flux_factor = {
+           Abscissa::cast_length, {0.021, 0.1}, {0.5, 1.0}};
+     },
+     [](Case& c) {
+       c.cooling.narrow_water = c.cooling.water;
+       c.cooling.narrow_water->critical_heat_flux_factor = {
+           Abscissa::cast_length, {0.019, 0.1}, {0.5, 1.0}};
+     }},
     {"MouldTable", "table_never_reached",
      [](Case& c) {
        c.cooling.zones[0].solid_coefficient = {Abscissa::time, {-30.0, -10.0}, {200.0, 150.0}};
