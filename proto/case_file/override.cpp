@@ -13,6 +13,7 @@
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/toml_walker.hpp"
+#include "proto/case_file/uncertainty.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -336,17 +337,30 @@ private:
   std::set<std::string> changed_;
 };
 
+/// Whether a range that the case gives does not hold any more once a change has been made: that of
+/// a value, or of one of its points, which is replaced; of one that is moved a range between two
+/// values, but not "± 3 K".
+bool is_void(const v1::KeyRange& range, const std::string& changed) {
+  std::string key = changed;
+  for (const std::string suffix : {".scale", ".offset"})
+    if (key.ends_with(suffix)) key.resize(key.size() - suffix.size());
+  if (range.key() != key && !range.key().starts_with(key + "[")) return false;
+  if (key == changed) return true;
+
+  const auto ends = parse_range(range.range());
+  return ends && ends->suffix.empty();
+}
+
 /// Applies changes in order. @param folder  of files; null: a change that names one is refused
 void apply_all(v1::Case& description, const std::vector<v1::CaseChange>& changes, ReadOutcome& read,
                const std::filesystem::path* folder, Relative relative) {
   Changes applied(description, read, folder, relative);
   for (const v1::CaseChange& change : changes) {
     applied.apply(change);
-
-    // The range of uncertainty that the case gives does not hold for the new value.
     auto& ranges = *description.mutable_uncertainty();
-    const auto has_key = [&](const v1::KeyRange& range) { return range.key() == change.key(); };
-    ranges.erase(std::remove_if(ranges.begin(), ranges.end(), has_key), ranges.end());
+    ranges.erase(std::remove_if(ranges.begin(), ranges.end(),
+                                [&](const auto& range) { return is_void(range, change.key()); }),
+                 ranges.end());
   }
 }
 

@@ -8,6 +8,8 @@
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/recipe_numbers.hpp"
 #include "proto/case_file/schedule.hpp"
+#include "proto/case_file/shipped.hpp"
+#include "proto/case_file/uncertainty.hpp"
 #include "tests/unit/case_file/shipped_case.hpp"
 
 namespace dccast::case_file {
@@ -85,6 +87,19 @@ TEST(Remedies, LeaveOutLeversThatACaseDoesNotHaveAndStepsThatItCannotTake) {
   base.mutable_cooling()->mutable_water()->set_enabled(false);
   EXPECT_THAT(remedy_words("water_thrown_off", base),
               testing::Not(testing::Contains("use 15 % more water")));
+}
+
+/// Ranges of its data do not keep a shipped case from a remedy.
+TEST(Remedies, ArePermittedInEachShippedCase) {
+  for (const auto& shipped : shipped::case_templates())
+    for (const char* code : {"curl_outside_band", "water_thrown_off", "thin_shell"})
+      for (const Advice& advice : advice_against(finding(code)))
+        for (const LeverDraft& draft : lever_drafts(advice, shipped_case(shipped.name))) {
+          v1::Case changed = shipped_case(shipped.name);
+          ASSERT_THAT(apply_changes(changed, draft.changes), IsEmpty());
+          EXPECT_THAT(uncertainty_faults(completed_recipe(changed)), IsEmpty())
+              << shipped.name << ": " << draft.step.words();
+        }
 }
 
 /// A plant without gas can only add it; one with gas can do with less of it.

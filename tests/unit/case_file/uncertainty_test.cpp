@@ -8,8 +8,10 @@
 #include "proto/case_file/alloy_cards.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/override.hpp"
+#include "proto/case_file/quality.hpp"
 #include "proto/case_file/schema.hpp"
 #include "proto/case_file/shipped.hpp"
+#include "tests/unit/case_file/shipped_case.hpp"
 
 namespace dccast::case_file {
 namespace {
@@ -117,6 +119,31 @@ TEST(Uncertainty, IsHeldAgainstTheCase) {
   EXPECT_THAT(first_fault("time.end", "± 5 %"), "");
   EXPECT_THAT(first_fault("quality", "0..1"), HasSubstr("unknown choice"));
   EXPECT_THAT(first_fault("title", "± 5 %"), HasSubstr("unknown key"));
+}
+
+/// "20..30 degC" says nothing of water that is 10 K warmer; "± 3 K" goes with the metal.
+TEST(Uncertainty, RangesOfAValueGoWhereItIsMoved) {
+  v1::Case description = shipped_case("start-3d-aa3104");
+  const auto has_range = [&](const std::string& key) {
+    return std::ranges::any_of(description.uncertainty(),
+                               [&](const v1::KeyRange& range) { return range.key() == key; });
+  };
+  ASSERT_TRUE(has_range("cooling.water.temperature"));
+  ASSERT_TRUE(has_range("alloy.melt_conductivity_factor[1]"));
+
+  ASSERT_THAT(
+      apply_changes(description, {change_of("cooling.water.temperature.offset", "10 K"),
+                                  change_of("cooling.bottom_block.temperature.offset", "100 K"),
+                                  change_of("cooling.bottom_block.wet_coefficient.scale", "3"),
+                                  change_of("alloy.melt_conductivity_factor", "2"),
+                                  change_of("schedule.casting_temperature.offset", "10 K")}),
+      IsEmpty());
+  EXPECT_FALSE(has_range("cooling.water.temperature"));
+  EXPECT_FALSE(has_range("alloy.melt_conductivity_factor[1]"));
+  EXPECT_TRUE(has_range("schedule.casting_temperature"));
+  apply_quality(description);
+  apply_defaults(description);
+  EXPECT_THAT(uncertainty_faults(description), IsEmpty());
 }
 
 TEST(Uncertainty, OfCaseCardAndDefaultsAreOneList) {
