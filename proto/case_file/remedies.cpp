@@ -32,9 +32,8 @@ constexpr PlantLever second_water{"schedule.second_water_flow.scale", "use", "le
 constexpr PlantLever block{"section.block_above_water.offset", "place the block", "lower", "higher",
                            0.005};
 // More of it is less heat flux; a step is a quarter of what the gas takes.
-constexpr PlantLever gas{"cooling.water.critical_heat_flux_factor",
-                         "put gas into the first water:", "the critical heat flux",
-                         "the critical heat flux", 0.25};
+constexpr PlantLever gas{"cooling.water.critical_heat_flux_factor", "use gas:", "the critical flux",
+                         "the critical flux", 0.25};
 
 struct Row {
   const char* code;
@@ -143,12 +142,11 @@ std::string table_text(const v1::Curve& table) {
   return "[" + points + "]";
 }
 
-/// "15 s", "10 %", "10 K", "5 mm": how far a lever is moved; of gas what it leaves, "0.5 times".
+/// "15 s", "10 %", "10 K", "5 mm": how far a lever is moved; of gas what it leaves, "0.5 of".
 std::string amount_text(const PlantLever& lever, int steps, const v1::Case& complete) {
   const double distance = std::abs(steps) * lever.step;
   if (&lever == &gas)
-    return fmt::format("{:.2g} times",
-                       *std::ranges::min_element(moved_gas(complete, steps)->value()));
+    return fmt::format("{:.2g} of", *std::ranges::min_element(moved_gas(complete, steps)->value()));
   if (&lever == &hold_time) return fmt::format("{:.3g} s", distance * complete.schedule().hold_s());
   if (is_factor(lever)) return fmt::format("{:.0f} %", 100.0 * distance);
   if (is_temperature(lever)) return fmt::format("{:.0f} K", distance);
