@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/casting/slab_run.hpp"
+#include "core/material/thermal_properties.hpp"
+#include "core/statistics/sampling.hpp"
 
 namespace dccast::regression {
 
@@ -110,11 +112,19 @@ void mix_conductivity(material::AlloyCard& alloy) {
   alloy.conductivity = Curve(Abscissa::temperature, alloy.liquid_fraction.at(), mixed);
 }
 
+/// The table with every value multiplied.
+Curve times(const Curve& table, double factor) {
+  std::vector<double> value = table.value();
+  for (double& v : value) v *= factor;
+  return {table.abscissa(), table.at(), value};
+}
+
 /// The figures of an entry of the record. @param above  [m] of the metal level over their zero
 std::vector<Isotherm> read_isotherms(const std::string& entry, double above) {
   std::ifstream file(DCCAST_RECORD "/entries/" + entry + ".json");
+  const auto record = nlohmann::json::parse(file);
   std::vector<Isotherm> table;
-  for (const auto& figure : nlohmann::json::parse(file).at("measured")) {
+  for (const auto& figure : record.at("measured")) {
     const auto& at = figure.at("at");
     table.push_back(
         {at.at("radius_m"), at.at("temperature_c"), above + figure.at("value").get<double>()});
@@ -207,6 +217,35 @@ std::vector<Variant> variants(const casting::Case& billet) {
   auto& open_gap = changed("air gap 40 W/(m2 K) whatever freezes there").cooling.zones.at(2);
   open_gap.liquid_coefficient = open_gap.solid_coefficient;
   return all;
+}
+
+std::vector<std::vector<double>> depth_ensemble(const casting::Case& billet,
+                                                const std::vector<Isotherm>& measured,
+                                                int members) {
+  constexpr double coldest_water = 20.0;  // [°C]
+  const auto places = statistics::hypercube(members, 6, 1);
+  std::vector<std::vector<double>> depths;
+  for (int m = 0; m < members; ++m) {
+    const auto between = [&](int axis, double low, double high) {
+      return low + places(m, axis) * (high - low);
+    };
+    casting::Case drawn = billet;
+    drawn.alloy.melt_conductivity_factor =
+        material::melt_stirring(between(0, 0.0, 19.0), 2.0 * billet.section.half_width);
+    drawn.cooling.water.temperature =
+        Curve(between(1, coldest_water, billet.cooling.water.temperature(0.0)));
+    drawn.schedule.casting_temperature =
+        Curve(billet.schedule.casting_temperature(0.0) + between(2, -3.0, 3.0));
+    drawn.alloy.conductivity = times(billet.alloy.conductivity, between(3, 0.95, 1.05));
+    drawn.alloy.latent_heat *= between(4, 0.97, 1.03);
+    for (auto& zone : drawn.cooling.zones) {
+      const double factor = std::pow(1.5, between(5, -1.0, 1.0));
+      zone.liquid_coefficient = times(zone.liquid_coefficient, factor);
+      zone.solid_coefficient = times(zone.solid_coefficient, factor);
+    }
+    depths.push_back(run_billet(drawn, measured).depth);
+  }
+  return depths;
 }
 
 }  // namespace dccast::regression
