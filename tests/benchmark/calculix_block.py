@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A cooling block by dccast and by CalculiX, in turn: processor seconds and the lift of its centre.
 
-    calculix_block.py BUILD [--element q1|p1] [--pairs N] [--tolerance T] [--keep FOLDER]
+    calculix_block.py BUILD [--element q1|p1] [--pairs N] [--tolerance T] [--within PERCENT] [--keep FOLDER]
 
 BUILD is a build folder of the whole project. CalculiX is Debian's `calculix-ccx`, which nothing else needs.
 
@@ -250,6 +250,7 @@ def parsed():
     parser.add_argument("--element", choices=("q1", "p1"), default="q1")
     parser.add_argument("--pairs", type=int, default=5)
     parser.add_argument("--tolerance", type=float, help="of CalculiX, relative; absent: its own, 5e-3")
+    parser.add_argument("--within", type=float, help="percent by which the lifts may differ; more ends with 1")
     parser.add_argument("--keep", help="folder for the files of both; absent: a scratch folder")
     return parser.parse_args()
 
@@ -281,15 +282,18 @@ def main():
     if shutil.which("ccx") is None:
         raise SystemExit("there is no ccx: install Debian's calculix-ccx")
 
-    ratios = []
+    ratios, apart = [], 0.0
     with tempfile.TemporaryDirectory(prefix="calculix-block-") as scratch:
         for step, (seconds, lift, iterations) in compare(options, options.keep or scratch):
             ratios.append((seconds / step["process_s"], seconds / step["solver_s"]))
+            ours = 1e3 * step["monitors"][0]["displacement_m"][1]
+            apart = max(apart, 100.0 * abs(ours / lift - 1.0))
             print("dccast %.3f s (solver %.3f), centre %.4f mm; CalculiX %.2f s, %d iterations, centre %.4f mm" % (
-                step["process_s"], step["solver_s"], 1e3 * step["monitors"][0]["displacement_m"][1], seconds,
-                iterations, lift), flush=True)
+                step["process_s"], step["solver_s"], ours, seconds, iterations, lift), flush=True)
     print("CalculiX over dccast, medians: whole process %.1f, solver %.1f" % tuple(
         statistics.median(column) for column in zip(*ratios)))
+    if options.within is not None and apart > options.within:
+        raise SystemExit(f"the lifts of the centre differ by {apart:.1f} %; {options.within:g} % are permitted")
 
 
 if __name__ == "__main__":

@@ -54,7 +54,8 @@ class Packages(unittest.TestCase):
     def test_files(self):
         for path in ("usr/bin/dccast", "usr/bin/dccastd", "usr/bin/dccast-worker", "etc/dccast/dccastd.toml",
                      "usr/bin/dccast-web", "usr/lib/systemd/system/dccast-web.service", "etc/default/dccast-web",
-                     "usr/share/dccast/openapi.json",
+                     "usr/share/dccast/openapi.json", "usr/share/dccast/record/record.py",
+                     "usr/share/dccast/record/entries/slab-aa3104-curl.json",
                      "usr/lib/systemd/system/dccastd.service", "usr/lib/sysusers.d/dccastd.conf",
                      "usr/lib/tmpfiles.d/dccastd.conf", "usr/share/bash-completion/completions/dccast",
                      "etc/logrotate.d/dccastd", "usr/share/doc/dccastd/monitoring/alerts.yml",

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "core/casting/slab_run.hpp"
+#include "core/material/thermal_properties.hpp"
+#include "core/statistics/sampling.hpp"
 
 namespace dccast::regression {
 
@@ -108,28 +112,36 @@ void mix_conductivity(material::AlloyCard& alloy) {
   alloy.conductivity = Curve(Abscissa::temperature, alloy.liquid_fraction.at(), mixed);
 }
 
+/// The table with every value multiplied.
+Curve times(const Curve& table, double factor) {
+  std::vector<double> value = table.value();
+  for (double& v : value) v *= factor;
+  return {table.abscissa(), table.at(), value};
+}
+
+/// The figures of an entry of the record. @param above  [m] of the metal level over their zero
+std::vector<Isotherm> read_isotherms(const std::string& entry, double above) {
+  std::ifstream file(DCCAST_RECORD "/entries/" + entry + ".json");
+  const auto record = nlohmann::json::parse(file);
+  std::vector<Isotherm> table;
+  for (const auto& figure : record.at("measured")) {
+    const auto& at = figure.at("at");
+    table.push_back(
+        {at.at("radius_m"), at.at("temperature_c"), above + figure.at("value").get<double>()});
+  }
+  return table;
+}
+
 }  // namespace
 
 const std::vector<Isotherm>& measured_isotherms() {
-  static const std::vector<Isotherm> table{
-      {0, 640, 0.2205},        {0, 600, 0.2321},      {0, 547.8, 0.2492},    {0, 500, 0.2656},
-      {0, 400, 0.3103},        {0, 300, 0.3791},      {0, 200, 0.4936},      {0.1125, 600, 0.1421},
-      {0.1125, 547.8, 0.1669}, {0.1125, 500, 0.1914}, {0.1125, 400, 0.2474}, {0.1125, 300, 0.3214},
-      {0.1125, 200, 0.4378},   {0.223, 500, 0.0457},  {0.223, 400, 0.0560},  {0.223, 300, 0.0612},
-      {0.223, 200, 0.0732},    {0.223, 150, 0.0940},  {0.223, 120, 0.1641},
-  };
+  static const std::vector<Isotherm> table = read_isotherms("billet-al6cu-450", 0.0);
   return table;
 }
 
 const std::vector<Isotherm>& measured_in_aa6008() {
-  static const std::vector<Isotherm> table{
-      {0, 600, 0.1863},       {0, 550, 0.1916},       {0, 500, 0.1972},
-      {0, 450, 0.2045},       {0.0325, 600, 0.1738},  {0.0325, 550, 0.18065},
-      {0.0325, 500, 0.18755}, {0.0325, 450, 0.19515}, {0.0325, 400, 0.20375},
-      {0.062, 600, 0.1518},   {0.062, 550, 0.1568},   {0.062, 500, 0.16135},
-      {0.062, 450, 0.1666},   {0.062, 400, 0.1723},   {0.062, 350, 0.17965},
-      {0.062, 300, 0.1896},   {0.062, 250, 0.20285},
-  };
+  constexpr double level_above_ring = 0.1;  // [m] in aa6008.toml
+  static const std::vector<Isotherm> table = read_isotherms("billet-aa6008-155", level_above_ring);
   return table;
 }
 
@@ -205,6 +217,35 @@ std::vector<Variant> variants(const casting::Case& billet) {
   auto& open_gap = changed("air gap 40 W/(m2 K) whatever freezes there").cooling.zones.at(2);
   open_gap.liquid_coefficient = open_gap.solid_coefficient;
   return all;
+}
+
+std::vector<std::vector<double>> depth_ensemble(const casting::Case& billet,
+                                                const std::vector<Isotherm>& measured,
+                                                int members) {
+  constexpr double coldest_water = 20.0;  // [°C]
+  const auto places = statistics::hypercube(members, 6, 1);
+  std::vector<std::vector<double>> depths;
+  for (int m = 0; m < members; ++m) {
+    const auto between = [&](int axis, double low, double high) {
+      return low + places(m, axis) * (high - low);
+    };
+    casting::Case drawn = billet;
+    drawn.alloy.melt_conductivity_factor =
+        material::melt_stirring(between(0, 0.0, 19.0), 2.0 * billet.section.half_width);
+    drawn.cooling.water.temperature =
+        Curve(between(1, coldest_water, billet.cooling.water.temperature(0.0)));
+    drawn.schedule.casting_temperature =
+        Curve(billet.schedule.casting_temperature(0.0) + between(2, -3.0, 3.0));
+    drawn.alloy.conductivity = times(billet.alloy.conductivity, between(3, 0.95, 1.05));
+    drawn.alloy.latent_heat *= between(4, 0.97, 1.03);
+    for (auto& zone : drawn.cooling.zones) {
+      const double factor = std::pow(1.5, between(5, -1.0, 1.0));
+      zone.liquid_coefficient = times(zone.liquid_coefficient, factor);
+      zone.solid_coefficient = times(zone.solid_coefficient, factor);
+    }
+    depths.push_back(run_billet(drawn, measured).depth);
+  }
+  return depths;
 }
 
 }  // namespace dccast::regression

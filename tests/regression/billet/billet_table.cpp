@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
 
 #include "core/material/thermal_properties.hpp"
 #include "tests/regression/billet/billet_run.hpp"
@@ -123,13 +126,44 @@ void print_stirring_by_size(const casting::Case& wide, const casting::Case& narr
   }
 }
 
+/// Depths in the billet of AA6008 with the melt at rest, for getdp_billet.py: as JSON by entry.
+void print_rest() {
+  casting::Case narrow = support::load_case(DCCAST_AA6008);
+  narrow.alloy.melt_conductivity_factor = Curve(1.0);
+  const BilletRun run = regression::run_billet(narrow, regression::measured_in_aa6008());
+  std::cout << nlohmann::json{{"billet-aa6008-155", run.depth}};
+}
+
+/// Depths of both billets with their uncertain data drawn, as JSON by entry of the record, for
+/// tests/verification/record/ours.py.
+void print_ensembles(int members) {
+  const casting::Case wide = regression::refined(support::load_case("billet"), 1);
+  const casting::Case narrow = regression::refined(support::load_case(DCCAST_AA6008), 1);
+  std::cout << nlohmann::json{
+      {"billet-al6cu-450",
+       regression::depth_ensemble(wide, regression::measured_isotherms(), members)},
+      {"billet-aa6008-155",
+       regression::depth_ensemble(narrow, regression::measured_in_aa6008(), members)}};
+}
+
 }  // namespace
 
+/// dccast-billet ensemble MEMBERS: what data leave open of the depths.
+/// dccast-billet rest: one billet, its melt at rest.
 /// dccast-billet [FINEST]: mesh.refinement 1, 2 (as shipped), 4 up to FINEST (default 2).
 int main(int count, char** argument) {
+  if (count == 3 && std::string(argument[1]) == "ensemble") {
+    print_ensembles(std::clamp(std::atoi(argument[2]), 2, 1000));
+    return 0;
+  }
+  if (count == 2 && std::string(argument[1]) == "rest") {
+    print_rest();
+    return 0;
+  }
   const int finest = count > 1 ? std::atoi(argument[1]) : 2;
   if (finest < 1 || finest > 16) {
-    std::fputs("usage: dccast-billet [FINEST]   FINEST 1 to 16\n", stderr);
+    std::fputs("usage: dccast-billet [FINEST | ensemble MEMBERS | rest]   FINEST 1 to 16\n",
+               stderr);
     return 2;
   }
   const casting::Case billet = support::load_case("billet");

@@ -2,8 +2,10 @@
 
 #include <optional>
 #include <variant>
+#include <vector>
 
 #include "core/mechanics/options.hpp"
+#include "core/mesh/mesh.hpp"
 #include "core/mesh/section_spec.hpp"
 #include "tests/support/usual_options.hpp"
 #include "tests/verification/mechanics/figures.hpp"
@@ -29,5 +31,14 @@ Result run_t3(const TestRun& run);
 Result run_t4(const TestRun& run);
 /// Test T2, section 4.3.1: thermo-elastic contact with a moving gap.
 Result run_t2(const TestRun& run);
+
+/// T2 at its end, as the paper's figure 13 shows it.
+struct DeformedSquare {
+  mesh::Mesh2D mesh;          ///< moved by the displacement
+  std::vector<double> shift;  ///< (element) mean modulus of the displacement [m]
+  std::vector<double> mises;  ///< (element) von Mises' stress [Pa]
+};
+/// @param cells  per side
+DeformedSquare deform_t2(int cells);
 
 }  // namespace dccast::verification

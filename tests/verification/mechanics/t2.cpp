@@ -72,16 +72,22 @@ void load(FixedBody<Element>& body, double t) {
   std::fill(body.problem.thermal.begin(), body.problem.thermal.end(), thermal_strain(t));
 }
 
+/// Material and contact of the square.
 template <class Element>
-Result run_contact_square(const TestRun& run) {
-  const int cells = run.cells > 0 ? run.cells : paper_cells;
-  FixedBody<Element> body(uniform_rectangle(side, side, cells, cells, run.element));
+void set_up(FixedBody<Element>& body) {
   body.set_material(young, poisson, 0.0, 2.0);
   body.set_contact();
   body.problem.contact.erase(body.problem.contact.begin());  // held: on the line x2 = 0
   body.problem.contact_area.erase(body.problem.contact_area.begin());
   body.set_closed_contact();
   body.problem.weight = mu * side * 1e-3;  // scale of the contact forces
+}
+
+template <class Element>
+Result run_contact_square(const TestRun& run) {
+  const int cells = run.cells > 0 ? run.cells : paper_cells;
+  FixedBody<Element> body(uniform_rectangle(side, side, cells, cells, run.element));
+  set_up(body);
   const double end = run.end.value_or(end_time);
   Result result = step_through(body, run, end, [&](double t) { load(body, t); });
   add_errors(
@@ -95,6 +101,35 @@ Result run_contact_square(const TestRun& run) {
 Result run_t2(const TestRun& run) {
   return with_element(run.element,
                       [&]<class Element>() { return run_contact_square<Element>(run); });
+}
+
+DeformedSquare deform_t2(int cells) {
+  FixedBody<fem::Q1Quadrilateral> body(
+      uniform_rectangle(side, side, cells, cells, mesh::ElementKind::q1));
+  set_up(body);
+  TestRun run;
+  run.dt = 10.0;
+  step_through(body, run, end_time, [&](double t) { load(body, t); });
+
+  DeformedSquare deformed{body.mesh, {}, {}};
+  for (int e = 0; e < body.mesh.elements(); ++e) {
+    double shift = 0.0;
+    for (int i = 0; i < body.mesh.nodes_per_element; ++i) {
+      const int n = body.mesh.nodes_of(e)[i];
+      shift += std::hypot(body.displacement(n, 0), body.displacement(n, 1)) / 4.0;
+    }
+    deformed.shift.push_back(shift);
+
+    double mises = 0.0;
+    for (std::size_t p = 0; p < fem::Q1Quadrilateral::points; ++p) {
+      const PlaneStress s = body.stress(e, p).deviator();
+      mises += std::sqrt(1.5 * s.squared_norm()) / double(fem::Q1Quadrilateral::points);
+    }
+    deformed.mises.push_back(mises);
+  }
+  for (std::size_t i = 0; i < deformed.mesh.node.size(); ++i)
+    deformed.mesh.node[i] += body.displacement()[i];
+  return deformed;
 }
 
 }  // namespace dccast::verification

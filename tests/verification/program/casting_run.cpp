@@ -49,7 +49,7 @@ public:
     run_->last = report;
     if (!report.monitor_displacement.empty()) {
       run_->time_s.push_back(report.time);
-      run_->curl_m.push_back(report.monitor_displacement.front()[1]);
+      run_->curl_m.push_back(report.monitor_displacement.front().back());
     }
     return seconds() > limit_ ? casting::Order::cancel : casting::Order::go_on;
   }

@@ -31,6 +31,10 @@ expect 2 run no-such-test
 expect 2 run T4 --dt -1
 expect 2 table 9
 
+echo '{"code": "mine", "version": "1", "predictions": []}' >mine.json
+expect 1 record mine.json
+grep -q 'seal a prediction before it is compared' err.txt
+
 # A build of the core alone has no castings.
 if "$verify" history --help | grep -q divide-steps; then
   expect 0 history --quality draft -o curl.csv

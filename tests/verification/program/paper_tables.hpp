@@ -9,6 +9,7 @@ namespace dccast::verification {
 struct TableOptions {
   bool full = false;     ///< tables 4 to 6 at the paper's time step
   double limit = 600.0;  ///< [s] table 11: processor time after which an algorithm is given up
+  bool slab = false;     ///< table 11: in three dimensions
 };
 
 /// A table of the paper beside ours; nothing for a number that is none of 1 to 8 and 11.

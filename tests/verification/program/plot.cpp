@@ -25,20 +25,26 @@ constexpr std::array<const char*, 5> colours{"#1f5f99", "#c2571a", "#3f7f3f", "#
   return text;
 }
 
-/// A logarithmic axis with a small margin around its values.
+/// An axis with a small margin around its values.
 struct Axis {
   double from, to;  ///< picture coordinates
-  double low = 1e300, high = 0.0;
+  bool logarithmic;
+  double low = 1e300, high = -1e300;
 
   void include(double value) {
-    low = std::min(low, value / 1.25);
-    high = std::max(high, value * 1.25);
+    low = std::min(low, logarithmic ? value / 1.25 : value);
+    high = std::max(high, logarithmic ? value * 1.25 : value);
   }
   double position(double value) const {
-    return from + (to - from) * std::log(value / low) / std::log(high / low);
+    const double share = logarithmic ? std::log(value / low) / std::log(high / low)
+                                     : 0.03 + 0.94 * (value - low) / (high - low);
+    return from + (to - from) * share;
   }
+  std::vector<double> ticks() const { return logarithmic ? decades() : round_steps(); }
+
+private:
   /// 1, 2 and 5 in every decade; 1 only if the axis spans more than two decades.
-  std::vector<double> ticks() const {
+  std::vector<double> decades() const {
     std::vector<double> found;
     const bool fine = high / low < 100.0;
     for (int d = static_cast<int>(std::floor(std::log10(low))); std::pow(10.0, d) < high; ++d) {
@@ -47,6 +53,15 @@ struct Axis {
         if (tick >= low && tick <= high && (fine || m == 1.0)) found.push_back(tick);
       }
     }
+    return found;
+  }
+  /// Multiples of 1, 2 or 5 times a power of ten, some five of them.
+  std::vector<double> round_steps() const {
+    const double wanted = (high - low) / 5.0,
+                 power = std::pow(10.0, std::floor(std::log10(wanted)));
+    const double step = power * (wanted < 2.0 * power ? 2.0 : wanted < 5.0 * power ? 5.0 : 10.0);
+    std::vector<double> found;
+    for (double k = std::ceil(low / step); k * step <= high; ++k) found.push_back(k * step);
     return found;
   }
 };
@@ -77,7 +92,8 @@ std::string draw_curve(const Curve2D& curve, const Axis& x, const Axis& y, const
   std::string out = format("<path d=\"%s\" fill=\"none\" stroke=\"%s\" stroke-width=\"%s\"%s/>",
                            path.c_str(), reference ? "#999" : colour, reference ? "1.2" : "2",
                            reference ? " stroke-dasharray=\"5 4\"" : "");
-  if (reference) return out;
+  constexpr std::size_t few = 12;
+  if (reference || curve.points.size() > few) return out;
 
   for (const auto& [px, py] : curve.points) {
     out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.4\" fill=\"%s\"/>", x.position(px),
@@ -106,11 +122,9 @@ std::string diverging_colour(double share) {
                 int(strong[2] + fade * (247 - strong[2])));
 }
 
-}  // namespace
-
-std::string log_log_svg(const std::string& title, const std::string& x_label,
-                        const std::vector<Curve2D>& curves) {
-  Axis x{left, width - right}, y{height - bottom, top};
+std::string curves_svg(const std::string& title, const std::string& x_label,
+                       const std::vector<Curve2D>& curves, bool logarithmic) {
+  Axis x{left, width - right, logarithmic}, y{height - bottom, top, logarithmic};
   for (const auto& curve : curves) {
     for (const auto& [px, py] : curve.points) {
       x.include(px);
@@ -139,6 +153,45 @@ std::string log_log_svg(const std::string& title, const std::string& x_label,
                 height - 8) +
          escaped(x_label) + "</text>";
   return out + "</svg>\n";
+}
+
+}  // namespace
+
+std::string log_log_svg(const std::string& title, const std::string& x_label,
+                        const std::vector<Curve2D>& curves) {
+  return curves_svg(title, x_label, curves, true);
+}
+
+std::string chart_svg(const std::string& title, const std::string& x_label,
+                      const std::vector<Curve2D>& curves) {
+  return curves_svg(title, x_label, curves, false);
+}
+
+std::string outlines_svg(const std::string& title, const std::vector<Polygon>& polygons) {
+  double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
+  for (const Polygon& polygon : polygons) {
+    for (const auto& corner : polygon) {
+      for (int d : {0, 1}) {
+        low[d] = std::min(low[d], corner[std::size_t(d)]);
+        high[d] = std::max(high[d], corner[std::size_t(d)]);
+      }
+    }
+  }
+
+  constexpr double largest = 330, edge = 12;
+  const double scale = largest / std::max(high[0] - low[0], high[1] - low[1]);
+  std::string path;
+  for (const Polygon& polygon : polygons) {
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      path += format("%c%.1f %.1f", i == 0 ? 'M' : 'L', edge + scale * (polygon[i][0] - low[0]),
+                     30 + scale * (high[1] - polygon[i][1]));
+    }
+    path += "Z";
+  }
+  return head(title, scale * (high[0] - low[0]) + 2 * edge,
+              scale * (high[1] - low[1]) + 30 + edge) +
+         "<path fill=\"#e8eef5\" stroke=\"#1f5f99\" stroke-width=\".5\" d=\"" + path +
+         "\"/></svg>\n";
 }
 
 std::string field_svg(const std::string& title, const mesh::Mesh2D& mesh,
@@ -176,13 +229,14 @@ std::string field_svg(const std::string& title, const mesh::Mesh2D& mesh,
 
   // The colour scale.
   constexpr int shades = 20;
+  const double least = std::ranges::any_of(value, [](double v) { return v < 0.0; }) ? -1.0 : 0.0;
   for (int i = 0; i < shades; ++i) {
     out += format("<rect x=\"%.1f\" y=\"%.1f\" width=\"14\" height=\"%.1f\" fill=\"%s\"/>",
                   picture + 2 * edge, 40 + i * 8.0, 8.4,
-                  diverging_colour(1.0 - 2.0 * i / (shades - 1.0)).c_str());
+                  diverging_colour(1.0 - (1.0 - least) * i / (shades - 1.0)).c_str());
   }
   const std::array<std::pair<double, double>, 3> marks{
-      {{limit, 48.0}, {0.0, 124.0}, {-limit, 200.0}}};
+      {{limit, 48.0}, {0.5 * (1.0 + least) * limit, 124.0}, {least * limit, 200.0}}};
   for (const auto& [mark, mark_y] : marks) {
     out += format("<text x=\"%.1f\" y=\"%.1f\">%g</text>", picture + 2 * edge + 20, mark_y, mark);
   }

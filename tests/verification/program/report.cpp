@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "tests/verification/program/claims.hpp"
+#include "tests/verification/program/discussion.hpp"
 #include "tests/verification/program/orders.hpp"
 #include "tests/verification/program/paper_tables.hpp"
 #include "tests/verification/program/plot.hpp"
@@ -127,14 +128,16 @@ std::string html_report(const ReportOptions& options) {
       "</style></head><body><header><h1>dccast: verification</h1><p>The tests and tables of the "
       "paper, and exact solutions, held against the core. Every figure on this page was computed "
       "by the program that wrote it; the command beside a figure repeats it.</p></header><main>\n";
-  out += claims_section(options.nightly);
-  out += plots();
-  out += shear_section();
   const TableOptions table_options{options.nightly, options.limit};
+  out += claims_section(options.nightly);
+  out += contents_section() + differences_section();
+  out += plots();
+  out += shear_section() + deformed_square_section();
   for (int number : {1, 2, 3, 4, 5, 6, 7, 8, 11}) {
     if (number == 11 && (options.no_casting || !has_casting_table())) continue;
     out += to_html(*paper_table(number, table_options));
   }
+  if (!options.no_casting && has_casting_table()) out += casting_figures(table_options);
   if (options.nightly && !options.no_casting && has_casting_table()) {
     out += to_html(compare_elements(table_options).table);
   }

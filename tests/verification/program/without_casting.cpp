@@ -1,7 +1,7 @@
 #include <stdexcept>
 
 #include "tests/verification/program/casting_history.hpp"
-#include "tests/verification/program/paper_tables.hpp"
+#include "tests/verification/program/discussion.hpp"
 
 // Castings in a build of the core alone.
 namespace dccast::verification {
@@ -12,6 +12,10 @@ bool has_casting_table() {
 
 Table casting_table(const TableOptions&) {
   throw std::logic_error("table 11 needs case files, which this build is without");
+}
+
+std::string casting_figures(const TableOptions&) {
+  throw std::logic_error("figures of castings need case files, which this build is without");
 }
 
 ElementComparison compare_elements(const TableOptions&) {
