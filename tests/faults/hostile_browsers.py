@@ -214,24 +214,29 @@ class HostileSignIns(HostileBrowser):
         return Browser(self.web.place, address).sign_in(f"dccast-enrol-{number:032x}")
 
 
-class SilentBrowsers(HostileBrowser):
-    """Hostile browser: 2,000 connections that are silent before, within or behind a request"""
-    connections = 2000
+class Silence(HostileBrowser):
+    """Connections that are silent."""
+    connections, begins = 2000, ()
 
     def begin(self, scene):
         limit(os.getpid(), resource.RLIMIT_NOFILE, 4096)  # dccast-web inherits it, as from its unit
         super().begin(scene)
 
     def attempts(self, scene):
-        begins = self.begins
         with contextlib.ExitStack() as silent:
             for number in range(self.connections):
                 peer = silent.enter_context(self.peer(number))
                 with contextlib.suppress(OSError):
-                    peer.sendall(begins[number % len(begins)])
+                    peer.sendall(self.begins[number % len(self.begins)])
                 if number % 200 == 199:
                     yield f"{number + 1} silent connections", []
 
+    def peer(self, number):
+        raise NotImplementedError
+
+
+class SilentBrowsers(Silence):
+    """Hostile browser: 2,000 connections that are silent before, within or behind a request"""
     begins = (b"", b"G", b"GET / HTTP/1.1\r\nHost: dccast.test\r\n",
               b"POST /session/in HTTP/1.1\r\nHost: dccast.test\r\nContent-Length: 10\r\n\r\nx",
               b"GET /app.js HTTP/1.1\r\nHost: dccast.test\r\n\r\n")
@@ -244,9 +249,8 @@ class SilentBrowsers(HostileBrowser):
         return peer
 
 
-class SilentPeers(SilentBrowsers):
-    """Hostile browser: 2,000 connections of 100 addresses to the port, silent before, within or behind a
-    TLS handshake"""
+class SilentBrowsersAtPort(Silence):
+    """Hostile browser: 2,000 connections to the port, silent before, within or behind a TLS handshake"""
     has_port = True
     begins = (b"", b"\x16", b"\x16\x03\x01\x02\x00\x01\x00", b"GET / HTTP/1.1\r\n\r\n")
 

@@ -231,7 +231,7 @@ TEST(ReportPage, ACurlWithErrorsHasItsBand) {
   const std::string page = report_of_run(v1::Job(), result);
   EXPECT_THAT(page, HasSubstr("<em>± 1.60 mm</em>"));
   EXPECT_THAT(page, HasSubstr("the band of the case&#39;s quality"));
-  EXPECT_EQ(count_of(page, "\"low\":[7.68,"), 2) << "in both charts of the curl";
+  EXPECT_EQ(count_of(page, "\"low\":[0.00768,"), 2) << "in both charts of the curl";
   EXPECT_THAT(page, Not(HasSubstr("discretisation is not known")));
 }
 
