@@ -186,7 +186,9 @@ std::string error_text(const grpc::Status& status, const std::string& server) {
 }
 
 Reply error_reply(const grpc::Status& status, const std::string& server) {
-  return {.body = error_text(status, server), .status = code_of(status).http_status};
+  Reply reply = json_reply(error_text(status, server));
+  reply.status = code_of(status).http_status;
+  return reply;
 }
 
 std::string enveloped(const std::string& message) {

@@ -63,9 +63,7 @@ Json frames_json(Connection& connection, const std::string& id) {
 Reply comparison(Connection& connection, const Request& request) {
   v1::CompareRunsRequest wanted;
   for (const std::string& id : request.values("job")) wanted.add_runs()->set_job(id);
-  return {.body = comparison_page(connection.call(&Stub::CompareRuns, wanted)),
-          .type = html_type,
-          .stands_alone = true};
+  return page_alone(comparison_page(connection.call(&Stub::CompareRuns, wanted)));
 }
 
 // ---- Cases, which pages hold as text
@@ -94,7 +92,7 @@ std::string type_of(const std::string& name) {
   if (name.ends_with(".css")) return "text/css; charset=utf-8";
   if (name.ends_with(".svg")) return "image/svg+xml";
   if (name.ends_with(".json")) return "application/json";
-  return html_type;
+  return "text/html; charset=utf-8";
 }
 
 void add_pages(WebServer& server) {
@@ -117,27 +115,27 @@ void add_dashboard(WebServer& server, const Connect& connect,
     server.get(path, connected(connect, handler));
   };
   get("/cases/*", [=](Connection& connection, const Request&) {
-    return Reply{cases_json(connection, cases).dump()};
+    return json_reply(cases_json(connection, cases).dump());
   });
   get("/job/*", [](Connection& connection, const Request& request) {
-    return Reply{job_json(connection, request.name).dump()};
+    return json_reply(job_json(connection, request.name).dump());
   });
   get("/frames/*", [](Connection& connection, const Request& request) {
-    return Reply{frames_json(connection, request.name).dump()};
+    return json_reply(frames_json(connection, request.name).dump());
   });
   get("/compare/*", comparison);
   get("/server/*", [](Connection& connection, const Request&) {
     const auto who = connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());
-    return Reply{Json{{"address", connection.server()},
-                      {"user", who.name()},
-                      {"shared", connection.is_for_browser()},
-                      {"role", v1::Role_Name(who.role())}}
-                     .dump()};
+    return json_reply(Json{{"address", connection.server()},
+                           {"user", who.name()},
+                           {"shared", connection.is_for_browser()},
+                           {"role", v1::Role_Name(who.role())}}
+                          .dump());
   });
 
   // The study that looks for a remedy.
   server.post("/remedy/*", connected(connect, [](Connection& connection, const Request& request) {
-                return Reply{Json{{"study", remedy_of(connection, request.name).id()}}.dump()};
+                return json_reply(Json{{"study", remedy_of(connection, request.name).id()}}.dump());
               }));
 }
 
