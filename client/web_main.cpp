@@ -94,9 +94,10 @@ Reply sign_in(UserChannels& channels, const SessionCookie& cookie, const Request
   check(connection.try_once(&Stub::Enrol, enrol, response), connection.server());
 
   const std::int64_t now = std::time(nullptr);
-  return {
-      .body = Json{{"user", response.user().name()}}.dump(),
-      .set_cookie = cookie.set({.token = response.token(), .begun_unix = now, .seen_unix = now})};
+  Reply reply = json_reply(Json{{"user", response.user().name()}}.dump());
+  reply.headers = {
+      {"Set-Cookie", cookie.set({.token = response.token(), .begun_unix = now, .seen_unix = now})}};
+  return reply;
 }
 
 /// Revokes the token of a session. The browser forgets it in any case.
@@ -105,8 +106,8 @@ Reply sign_out(Connection connection, const SessionCookie& cookie) {
   const grpc::Status status =
       connection.try_once(&Stub::RevokeToken, v1::RevokeTokenRequest(), response);
   const bool is_revoked = status.ok() || status.error_code() == grpc::UNAUTHENTICATED;
-  Reply reply = is_revoked ? Reply{.body = "{}"} : error_reply(status, connection.server());
-  reply.set_cookie = cookie.removal();
+  Reply reply = is_revoked ? json_reply("{}") : error_reply(status, connection.server());
+  reply.headers = {{"Set-Cookie", cookie.removal()}};
   return reply;
 }
 
@@ -128,7 +129,7 @@ ExitCode serve(const WebOptions& options, const std::shared_ptr<Interruption>& i
     if (request.name == "in") return sign_in(channels, entrance.cookie(), request);
     if (request.name == "out")
       return sign_out(channels.connection(request.token, request.address), entrance.cookie());
-    return Reply{.body = "{}", .status = 404};
+    return Reply{.status = 404};
   });
 
   const std::string place = listening.socket.empty()

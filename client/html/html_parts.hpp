@@ -48,7 +48,7 @@ struct PageAsset {
 const std::vector<PageAsset>& page_assets();
 
 /// A place where a script of the page (report.js) draws. @param kind  "chart", "slab", "casting"
-/// @param data  of the drawing: chart, frames, casting_drawing()
+/// @param data  of the drawing: chart_json(), frames, a complete case with its charts
 std::string drawn(const std::string& kind, const Json& data);
 
 /// A whole page that needs no other file. @param title  HTML

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,7 +14,7 @@
 #include "client/text/findings.hpp"
 #include "client/text/judgement_text.hpp"
 #include "client/text/table.hpp"
-#include "proto/figures/plant_units.hpp"
+#include "proto/case_file/plant_words.hpp"
 
 namespace dccast::client {
 namespace {
@@ -26,17 +26,14 @@ std::string capitalised(std::string text) {
   return text;
 }
 
-/// Every so many numbers and the last one, in plant units, with six digits: what a picture shows.
-Json thinned(const Numbers& values, double factor, int stride) {
-  Json shown = Json::array();
-  const int last = values.size() - 1;
-  const auto add = [&](double value) {
-    const double drawn = factor * value;
-    shown.push_back(std::isfinite(drawn) ? std::stod(fmt::format("{:.6g}", drawn)) : drawn);
-  };
-  for (int i = 0; i < last; i += stride) add(values[i]);
-  if (last >= 0) add(values[last]);
-  return shown;
+/// Leaves every so many numbers and the last one, with six digits: what a picture shows.
+void thin(Numbers& values, int stride) {
+  int kept = 0;
+  for (int i = 0; i < values.size();
+       i = i + 1 < values.size() ? std::min(i + stride, values.size() - 1) : values.size())
+    values[kept++] =
+        std::isfinite(values[i]) ? std::stod(fmt::format("{:.6g}", values[i])) : values[i];
+  values.Truncate(kept);
 }
 
 /// "12.3 ± 1.4", "35.5, -0 +3.9".
@@ -56,6 +53,17 @@ std::string bar_part(const Bar& bar, bool both) {
       zero + scale * bar.low, scale * (bar.high - bar.low), zero);
 }
 
+/// A table with its heading, or a chart with its note, as it stands in a card of the dashboard.
+std::string part_of_card(const v1::JudgementPart& part) {
+  if (part.has_chart()) {
+    const std::string& note = part.chart().note();
+    return drawn("chart", chart_json(part.chart())) +
+           (note.empty() ? "" : element("p class='soft'", html_escaped(note)));
+  }
+  const std::string heading = html_escaped(capitalised(part.table().heading()));
+  return (heading.empty() ? "" : element("h3", heading)) + table_part(part.table());
+}
+
 std::string findings_list(const v1::Comparison& comparison) {
   std::string html;
   for (const auto& run : comparison.runs()) {
@@ -70,40 +78,20 @@ std::string findings_list(const v1::Comparison& comparison) {
 
 }  // namespace
 
-Json chart_json(const v1::Chart& chart, int most_points) {
-  const double x = figures::plant_unit(chart.x().unit()).factor();
-  const v1::PlantUnit unit = figures::plant_unit(chart.y().unit());
-  const double y = unit.factor();
-
-  Json lines = Json::array();
-  for (const v1::Chart::Line& line : chart.lines()) {
+Json chart_json(v1::Chart chart) {
+  constexpr int most_points = 400;  // of a line, in a drawing 640 wide
+  for (v1::Chart::Line& line : *chart.mutable_lines()) {
     const int stride = 1 + (line.x_size() - 1) / most_points;
-    Json drawn{{"name", line.name()},
-               {"x", thinned(line.x(), x, stride)},
-               {"y", thinned(line.y(), y, stride)},
-               {"dots", line.is_dotted()}};
-    if (!line.low().empty()) drawn["low"] = thinned(line.low(), y, stride);
-    if (!line.high().empty()) drawn["high"] = thinned(line.high(), y, stride);
-    lines.push_back(std::move(drawn));
+    for (Numbers* values :
+         {line.mutable_x(), line.mutable_y(), line.mutable_low(), line.mutable_high()})
+      thin(*values, stride);
   }
-
-  Json json{{"lines", lines},
-            {"title", capitalised(chart.heading())},
-            {"xLabel", axis_label(chart.x())},
-            {"yLabel", axis_label(chart.y())},
-            {"unit", unit.name()}};
-  if (chart.has_region())
-    json["wanted"] = {{"low", y * chart.region().low()},
-                      {"high", y * chart.region().high()},
-                      {"name", chart.region().name()}};
-  if (chart.has_beyond_x()) json["beyond"] = x * chart.beyond_x();
-  return json;
+  return to_json(chart);
 }
 
 std::string chart_figure(const v1::Chart& chart) {
-  constexpr int most_points = 400;  // of a line, in a drawing 640 wide
-  return figure(html_escaped(capitalised(chart.heading())),
-                drawn("chart", chart_json(chart, most_points)), html_escaped(chart.note()));
+  return figure(html_escaped(capitalised(chart.heading())), drawn("chart", chart_json(chart)),
+                html_escaped(chart.note()));
 }
 
 const v1::Table& find_table(const v1::Judgement& judgement, const std::string& key) {
@@ -153,21 +141,22 @@ std::string facts_card(const v1::Table& facts, const std::string& more) {
                              element("table class='facts'", rows) + more);
 }
 
-std::string part_of_card(const v1::JudgementPart& part) {
-  if (part.has_chart()) {
-    const std::string& note = part.chart().note();
-    return drawn("chart", chart_json(part.chart(), std::numeric_limits<int>::max())) +
-           (note.empty() ? "" : element("p class='soft'", html_escaped(note)));
-  }
-  const std::string heading = html_escaped(capitalised(part.table().heading()));
-  return (heading.empty() ? "" : element("h3", heading)) + table_part(part.table());
-}
-
 std::string sentences_part(const v1::Judgement& judgement) {
   std::string html;
   for (const std::string& sentence : judgement.sentences())
     html += element("p class='answer'", html_escaped(sentence));
   return html;
+}
+
+Json judgement_as_shown(const v1::Judgement& judgement) {
+  Json parts = Json::array();
+  for (const v1::JudgementPart& part : judgement.parts())
+    if (part.place() != v1::JudgementPart::TERMINAL)
+      parts.push_back({{"key", part.has_table() ? part.table().key() : part.chart().key()},
+                       {"html", part_of_card(part)}});
+  Json json = to_json(judgement);
+  json["parts"] = parts;
+  return json;
 }
 
 std::string judgement_parts(const v1::Judgement& judgement) {
@@ -188,6 +177,19 @@ std::string judgement_parts(const v1::Judgement& judgement) {
   }
   close_charts();
   return html;
+}
+
+std::string casting_page(const v1::Case& complete) {
+  const std::string title = html_escaped(complete.title());
+  Json charts = Json::array();
+  for (const v1::Chart& chart : case_file::planned_charts(complete))
+    charts.push_back(chart_json(chart));
+
+  return whole_page(
+      title, element("h1", title),
+      element("p class='answer'", html_escaped(case_file::casting_summary(complete))) +
+          card("Start of the casting",
+               drawn("casting", {{"case", to_json(complete)}, {"charts", charts}})));
 }
 
 std::string judgement_page(const v1::StudyJudgement& study) {

@@ -8,8 +8,8 @@
 /// What the server concludes (judgement.proto), as parts of a page.
 namespace dccast::client {
 
-/// A chart as chart.js draws it, in plant units, with at most so many points of a line.
-Json chart_json(const v1::Chart& chart, int most_points);
+/// A chart for drawn.js, with fewer points of its lines where they have more than a picture shows.
+Json chart_json(v1::Chart chart);
 
 /// A card with a chart, which a script of the page draws, and its note below it.
 std::string chart_figure(const v1::Chart& chart);
@@ -27,8 +27,8 @@ std::string table_card(const v1::Table& table, const std::string& picture = {});
 /// @param more  HTML below them
 std::string facts_card(const v1::Table& facts, const std::string& more = {});
 
-/// A table with its heading, or a chart with its note, as it stands in a card of the dashboard.
-std::string part_of_card(const v1::JudgementPart& part);
+/// A judgement as pages show it: its parts are {key, html}.
+Json judgement_as_shown(const v1::Judgement& judgement);
 
 /// The sentences as they open a page.
 std::string sentences_part(const v1::Judgement& judgement);

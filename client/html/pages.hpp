@@ -46,7 +46,4 @@ std::string judgement_page(const v1::StudyJudgement& study);
 /// @param complete  case with its defaults
 std::string casting_page(const v1::Case& complete);
 
-/// What casting.js draws of that: the case, and points of speed and water as the levers leave them.
-Json casting_drawing(const v1::Case& complete);
-
 }  // namespace dccast::client

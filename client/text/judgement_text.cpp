@@ -249,12 +249,6 @@ std::vector<Bar> bars_of(const v1::Table& table) {
   return bars;
 }
 
-std::string axis_label(const v1::Chart::Axis& axis) {
-  const auto plant = figures::plant_unit(axis.unit());
-  return plant.name().empty() ? axis.quantity()
-                              : fmt::format("{}, {}", axis.quantity(), plant.name());
-}
-
 std::string table_text(const v1::Table& table, const TextStyle& style) {
   std::string text = style.headings && !table.heading().empty() ? table.heading() + "\n" : "";
   const std::string note = table.note().empty() ? "" : wrapped(table.note(), style.columns) + "\n";

@@ -26,9 +26,6 @@ struct ShownColumn {
 /// The columns for people, those for programs only left out.
 std::vector<ShownColumn> shown_columns(const v1::Table& table);
 
-/// "+12.3 mm" as a figure of an axis or of a bar: its plant unit and the factor from SI.
-std::string axis_label(const v1::Chart::Axis& axis);
-
 /// The bar of a row: from its smallest to its largest number, or from zero to its only one;
 /// relative to the largest number of the table, -1 to 1.
 struct Bar {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "client/html/judgement_parts.hpp"
 #include "client/session/byte_call.hpp"
 #include "client/web/connect_messages.hpp"
 
@@ -16,6 +17,9 @@ namespace {
 
 namespace pb = google::protobuf;
 using Clock = std::chrono::system_clock;
+
+/// Value of Accept.
+constexpr const char* with_html = "application/json; judgement=html";
 
 // ---- Requests
 
@@ -67,28 +71,32 @@ grpc::Status check_headers(const Request& request, const Form& form) {
 
 // ---- Calls
 
-/// Calls a unary method. @param response  receives its answer in binary
-/// @return the error; empty: there is none
-std::optional<Reply> call_unary(Connection& connection, const Request& request, bool is_json,
-                                const pb::MethodDescriptor& method, std::string& response) {
-  std::string bytes;
-  const grpc::Status read = read_request(method, is_json, request.body, bytes);
-  if (!read.ok()) return error_reply(read, "");
-
-  const grpc::Status status = call_bytes(connection.channel(), method, std::move(bytes),
-                                         *deadline_of(request, false), response);
-  if (!status.ok()) return error_reply(status, connection.server());
-  return std::nullopt;
+/// A response as JSON, its judgement with its parts as HTML (pages ask for this).
+std::string json_with_html(const pb::Descriptor& type, const std::string& bytes) {
+  const std::unique_ptr<pb::Message> response(
+      pb::MessageFactory::generated_factory()->GetPrototype(&type)->New());
+  response->ParseFromString(bytes);
+  Json json = to_json(*response);
+  if (const auto* const field = type.FindFieldByName("judgement"))
+    json[field->name()] = judgement_as_shown(dynamic_cast<const v1::Judgement&>(
+        response->GetReflection()->GetMessage(*response, field)));
+  return json.dump();
 }
 
 Reply unary_reply(Connection& connection, const Request& request, const Form& form,
                   const pb::MethodDescriptor& method) {
-  const grpc::Status status = check_headers(request, form);
+  std::string bytes, response;
+  grpc::Status status = check_headers(request, form);
+  if (status.ok()) status = read_request(method, form.is_json, request.body, bytes);
   if (!status.ok()) return error_reply(status, "");
-  std::string response;
-  if (auto error = call_unary(connection, request, form.is_json, method, response)) return *error;
 
-  if (form.is_json) response = json_of_message(method.output_type()->full_name(), response);
+  status = call_bytes(connection.channel(), method, std::move(bytes), *deadline_of(request, false),
+                      response);
+  if (!status.ok()) return error_reply(status, connection.server());
+  const auto& type = *method.output_type();
+  if (form.is_json)
+    response = request.header("accept") == with_html ? json_with_html(type, response)
+                                                     : json_of_message(type.full_name(), response);
   return {.body = std::move(response), .type = form.type};
 }
 
@@ -118,7 +126,7 @@ Reply stream_reply(Connection& connection, const Request& request, const Form& f
                       is_json = form.is_json,
                       place = request.place](const std::shared_ptr<http::Stream>& stream) {
     const auto received = [stream, &method, is_json](std::string response, auto next) {
-      if (is_json) response = json_of_message(method.output_type()->full_name(), response);
+      if (is_json) response = json_of_event(method.output_type()->full_name(), response);
       stream->write(enveloped(response), std::move(next));
     };
     const auto ended = [stream, server, place](const grpc::Status& end) {
@@ -145,21 +153,6 @@ Reply connect_reply(Connection& connection, const Request& request) {
     return {.body = {}, .status = 415};
   return form->is_stream ? stream_reply(connection, request, *form, *method)
                          : unary_reply(connection, request, *form, *method);
-}
-
-std::unique_ptr<pb::Message> call_json(Connection& connection, const Request& request,
-                                       Reply& error) {
-  const auto& method = *find_method(request.name);
-  std::string answered;
-  if (auto failed = call_unary(connection, request, true, method, answered)) {
-    error = std::move(*failed);
-    return nullptr;
-  }
-
-  auto* const factory = pb::MessageFactory::generated_factory();
-  std::unique_ptr<pb::Message> response(factory->GetPrototype(method.output_type())->New());
-  response->ParseFromString(answered);
-  return response;
 }
 
 }  // namespace dccast::client

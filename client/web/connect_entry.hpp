@@ -1,9 +1,5 @@
 #pragma once
 
-#include <google/protobuf/message.h>
-
-#include <memory>
-
 #include "client/session/connection.hpp"
 #include "client/web/web_server.hpp"
 
@@ -13,11 +9,5 @@ namespace dccast::client {
 /// (https://connectrpc.com/docs/protocol): every method of the service, in JSON and in binary, with
 /// its faults as gRPC reports them. Streams hold no thread.
 Reply connect_reply(Connection& connection, const Request& request);
-
-/// Makes the unary call that a request names, with its body as JSON.
-/// @param error  the reply where the call is refused
-/// @return null: it is
-std::unique_ptr<google::protobuf::Message> call_json(Connection& connection, const Request& request,
-                                                     Reply& error);
 
 }  // namespace dccast::client

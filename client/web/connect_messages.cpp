@@ -2,12 +2,17 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
+#include <google/protobuf/type.pb.h>
 #include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/type_resolver_util.h>
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <type_traits>
 
 #include "client/html/frame_bytes.hpp"
 #include "client/model/json.hpp"
@@ -50,11 +55,48 @@ const Code& code_of(const grpc::Status& status) {
 
 // ---- Messages
 
+/// Descriptions of types. Protobuf would make them anew, with all options of the contract, for each
+/// message, which takes longer than the message itself.
+class KeptTypes final : public pb::util::TypeResolver {
+public:
+  pb::util::Status ResolveMessageType(const std::string& url, pb::Type* type) override {
+    return resolve(url, *type, messages_, &TypeResolver::ResolveMessageType);
+  }
+  pb::util::Status ResolveEnumType(const std::string& url, pb::Enum* type) override {
+    return resolve(url, *type, enums_, &TypeResolver::ResolveEnumType);
+  }
+
+private:
+  template <class Type, class Resolve>
+  pb::util::Status resolve(const std::string& url, Type& type, std::map<std::string, Type>& kept,
+                           Resolve make) {
+    {
+      const std::shared_lock lock(mutex_);
+      if (const auto found = kept.find(url); found != kept.end()) {
+        type = found->second;
+        return {};
+      }
+    }
+    const pb::util::Status status = (makers_.get()->*make)(url, &type);
+    if (!status.ok()) return status;  // a peer has made it up
+
+    if constexpr (std::is_same_v<Type, pb::Type>)
+      for (pb::Field& field : *type.mutable_fields()) field.clear_options();
+    const std::lock_guard lock(mutex_);
+    kept.emplace(url, type);
+    return status;
+  }
+
+  const std::unique_ptr<TypeResolver> makers_{pb::util::NewTypeResolverForDescriptorPool(
+      "type.googleapis.com", pb::DescriptorPool::generated_pool())};
+  std::shared_mutex mutex_;
+  std::map<std::string, pb::Type> messages_;
+  std::map<std::string, pb::Enum> enums_;
+};
+
 pb::util::TypeResolver& types() {
-  static const std::unique_ptr<pb::util::TypeResolver> resolver(
-      pb::util::NewTypeResolverForDescriptorPool("type.googleapis.com",
-                                                 pb::DescriptorPool::generated_pool()));
-  return *resolver;
+  static KeptTypes kept;
+  return kept;
 }
 
 std::string url_of(const std::string& type) {
@@ -97,6 +139,25 @@ std::string json_of_message(const std::string& type, const std::string& bytes) {
   return json;
 }
 
+std::string json_of_event(const std::string& type, const std::string& bytes) {
+  struct Written {
+    std::string type, bytes, json;
+  };
+  constexpr std::size_t most_bytes = 16'384;
+  static std::mutex mutex;
+  static std::array<Written, 8> recent;
+  static std::size_t next = 0;
+  if (bytes.size() > most_bytes) return json_of_message(type, bytes);
+
+  // The streams that wait here want the same message, most likely.
+  const std::lock_guard lock(mutex);
+  for (const Written& each : recent)
+    if (each.bytes == bytes && each.type == type) return each.json;
+  Written& oldest = recent[next++ % recent.size()];
+  oldest = {type, bytes, json_of_message(type, bytes)};
+  return oldest.json;
+}
+
 grpc::Status read_request(const pb::MethodDescriptor& method, bool is_json, const std::string& body,
                           std::string& bytes) {
   if (!is_json) {
@@ -125,7 +186,9 @@ std::string error_text(const grpc::Status& status, const std::string& server) {
 }
 
 Reply error_reply(const grpc::Status& status, const std::string& server) {
-  return {.body = error_text(status, server), .status = code_of(status).http_status};
+  Reply reply = json_reply(error_text(status, server));
+  reply.status = code_of(status).http_status;
+  return reply;
 }
 
 std::string enveloped(const std::string& message) {

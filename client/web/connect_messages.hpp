@@ -20,6 +20,10 @@ namespace dccast::client {
 /// @param type  its full name. @return empty if the bytes are no message of this type
 std::string json_of_message(const std::string& type, const std::string& bytes);
 
+/// The same of a message of a stream. Streams that follow one job get the same ones at the same
+/// time: each is written once.
+std::string json_of_event(const std::string& type, const std::string& bytes);
+
 /// Reads a request. @param bytes  receives it in binary. @return INVALID_ARGUMENT: it is no JSON of
 /// the method's request
 grpc::Status read_request(const google::protobuf::MethodDescriptor& method, bool is_json,

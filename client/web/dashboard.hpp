@@ -18,7 +18,7 @@ struct Asset {
 const std::vector<Asset>& assets();
 
 /// Gives a web server the dashboard: its pages, the calls of the service that they make, and what
-/// the client makes of results (curls with their error, reports, comparisons, frames, what-if).
+/// the client makes of results (curls with their error, reports, comparisons, frames).
 /// @param cases  case files to begin a what-if with, besides the shipped ones
 void add_dashboard(WebServer& server, const Connect& connect,
                    const std::vector<std::string>& cases);

@@ -29,7 +29,7 @@ bool equal(const std::string& a, const std::string& b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
-http::Reply forbidden(const std::string& why) {
+Reply forbidden(const std::string& why) {
   return {.body = why + "\n", .status = 403};
 }
 
@@ -58,9 +58,9 @@ bool KeyEntrance::take_key(const std::string& key) {
   return equal(key, key_) && !is_used_.exchange(true);
 }
 
-std::optional<http::Reply> KeyEntrance::judge(Request& request) {
+std::optional<Reply> KeyEntrance::judge(Request& request) {
   if (request.path == threshold_path)
-    return http::Reply{.body = threshold_page, .type = "text/html; charset=utf-8"};
+    return Reply{.body = threshold_page, .type = "text/html; charset=utf-8"};
 
   const std::string origin = request.header("origin");
   if (origin.empty() ? request.method != "GET" : origin != "http://" + request.header("host"))
@@ -71,8 +71,7 @@ std::optional<http::Reply> KeyEntrance::judge(Request& request) {
     when_entered_();
     const std::string cookie =
         cookie_name() + "=" + session_ + "; HttpOnly; SameSite=Strict; Path=/";
-    return http::Reply{.status = 302,
-                       .headers = {{"Set-Cookie", cookie}, {"Location", threshold_path}}};
+    return Reply{.status = 302, .headers = {{"Set-Cookie", cookie}, {"Location", threshold_path}}};
   }
   return forbidden(
       "The key in the address is missing or was used before. Start `dccast dashboard` again.");

@@ -20,7 +20,7 @@ public:
   virtual bool is_own_name(const std::string& host) const = 0;
   /// Judges a request, and notes in it whose it is.
   /// @return the reply to one that is not let in
-  virtual std::optional<http::Reply> judge(Request& request) = 0;
+  virtual std::optional<Reply> judge(Request& request) = 0;
 };
 
 /// Lets in the browser of one user of this machine: a key that works once is exchanged for the
@@ -31,7 +31,7 @@ public:
   explicit KeyEntrance(int port);
 
   bool is_own_name(const std::string& host) const override;
-  std::optional<http::Reply> judge(Request& request) override;
+  std::optional<Reply> judge(Request& request) override;
 
   /// An address that opens the dashboard once.
   std::string address() const { return "http://127.0.0.1" + port_ + "/?key=" + key_; }

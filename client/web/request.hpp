@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -25,18 +24,10 @@ struct Request : http::Request {
   std::vector<std::string> values(const std::string& key) const;
 };
 
-/// Answer to a request.
-struct Reply {
-  std::string body;
-  std::string type = "application/json";
-  int status = 200;
-  /// A page that stands by itself, with its style and script inside, such as a report: it is shown
-  /// without access to anything else.
-  bool stands_alone = false;
-  std::string set_cookie{};                                    ///< empty: none
-  std::vector<std::pair<std::string, std::string>> headers{};  ///< further ones
-  /// Set: the reply is a stream instead of `body`, see http::Reply.
-  std::function<void(std::shared_ptr<http::Stream>)> stream{};
-};
+using http::Reply;
+
+inline Reply json_reply(std::string body) {
+  return {.body = std::move(body), .type = "application/json"};
+}
 
 }  // namespace dccast::client

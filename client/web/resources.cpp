@@ -46,9 +46,7 @@ Reply report(Connection& connection, const Request& request) {
   std::ostringstream unused_messages;
   grpc::Status unused_status;
   const v1::Job job = connection.call(&Stub::GetJob, job_named(connection, request));
-  return {.body = report_of(connection, job, unused_messages, unused_status),
-          .type = html_type,
-          .stands_alone = true};
+  return page_alone(report_of(connection, job, unused_messages, unused_status));
 }
 
 Reply frame(Connection& connection, const Request& request) {
@@ -209,7 +207,7 @@ Reply attachment(Connection& connection, const Request& request) {
   named.set_size_bytes(number_in(size, "Content-Length", std::numeric_limits<std::int64_t>::max()));
   v1::UploadAttachmentResponse response;
   check(upload_parts(connection, named, request.next_part, response), connection.server());
-  return {to_json(response).dump()};
+  return json_reply(to_json(response).dump());
 }
 
 }  // namespace

@@ -8,8 +8,6 @@
 
 namespace dccast::client {
 
-inline constexpr const char* html_type = "text/html; charset=utf-8";
-
 /// Connects to the server of the jobs, for whom a request is.
 using Connect = std::function<Connection(const Request&)>;
 

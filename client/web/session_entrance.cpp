@@ -16,9 +16,8 @@ constexpr const char* token_begin = "dccast-token-";
 constexpr const char* line_begin = "dccast-enrol-";
 constexpr const char* enrol_path = "/dccast.v1.SimulationService/Enrol";
 
-http::Reply refusal(grpc::StatusCode code, const std::string& message) {
-  Reply reply = error_reply({code, message}, "");
-  return {.body = std::move(reply.body), .type = std::move(reply.type), .status = reply.status};
+Reply refusal(grpc::StatusCode code, const std::string& message) {
+  return error_reply({code, message}, "");
 }
 
 /// Tables are read by spreadsheets, which know no other scheme than Basic.
@@ -147,7 +146,7 @@ bool SessionEntrance::take_place(Request& request) {
   return true;
 }
 
-std::optional<http::Reply> SessionEntrance::judge(Request& request) {
+std::optional<Reply> SessionEntrance::judge(Request& request) {
   if (has_secret_in_address(request))
     return refusal(grpc::INVALID_ARGUMENT,
                    "a token or line in an address ends up in logs; send it as Authorization: "

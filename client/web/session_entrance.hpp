@@ -44,7 +44,7 @@ public:
       : cookie_(std::move(cookie)), origin_(std::move(origin)), server_(server) {}
 
   bool is_own_name(const std::string& host) const override;
-  std::optional<http::Reply> judge(Request& request) override;
+  std::optional<Reply> judge(Request& request) override;
   const SessionCookie& cookie() const { return cookie_; }
 
 private:

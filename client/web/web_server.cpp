@@ -69,28 +69,19 @@ std::unique_ptr<http::Server> server_for(const http::Server::Listening& at, bool
   }
 }
 
-http::Reply answer_of(const WebServer::Handler& handler, const Request& request) {
-  Reply reply;
+Reply answer_of(const WebServer::Handler& handler, const Request& request) {
   try {
-    reply = handler(request);
+    return handler(request);
   } catch (const CommandFailed& failure) {
-    reply = error_reply(status_of(failure), "");
+    return error_reply(status_of(failure), "");
   } catch (const http::CutBody& cut) {
-    reply = error_reply({grpc::INVALID_ARGUMENT, cut.what()}, "");
+    return error_reply({grpc::INVALID_ARGUMENT, cut.what()}, "");
   } catch (const std::exception& error) {
-    reply = error_reply({grpc::INTERNAL, error.what()}, "");
+    return error_reply({grpc::INTERNAL, error.what()}, "");
   }
-  http::Reply sent{.body = std::move(reply.body),
-                   .type = std::move(reply.type),
-                   .status = reply.status,
-                   .headers = std::move(reply.headers),
-                   .stream = std::move(reply.stream)};
-  if (reply.stands_alone) sent.headers.emplace_back(policy, alone_policy);
-  if (!reply.set_cookie.empty()) sent.headers.emplace_back(set_cookie, reply.set_cookie);
-  return sent;
 }
 
-bool has(const http::Reply& reply, const std::string& header) {
+bool has(const Reply& reply, const std::string& header) {
   return std::ranges::any_of(reply.headers,
                              [&](const auto& entry) { return entry.first == header; });
 }
@@ -109,90 +100,58 @@ std::vector<std::string> Request::values(const std::string& key) const {
   return all;
 }
 
-class WebServer::Parts {
-public:
-  Parts(const http::Server::Listening& listening, bool is_behind_proxy)
-      : server_(server_for(listening, is_behind_proxy)) {}
-
-  const http::Server& server() const { return *server_; }
-
-  using Answer = std::function<http::Reply(const Request&)>;
-  void add(const std::string& method, const std::string& path, Answer answer) {
-    answers_[method + " " + path] = std::move(answer);
-  }
-  void add_file(const std::string& path, const http::Reply& reply) { files_[path] = reply; }
-
-  void serve(Entrance& entrance, Interruption& interruption) {
-    server_->start([&](const std::string& host) { return entrance.is_own_name(host); },
-                   [&](const http::Request& request) { return reply_to(request, entrance); });
-    try {
-      while (true) interruption.sleep(std::chrono::hours(1));
-    } catch (const Interrupted&) {
-      server_->stop();
-    }
-  }
-
-private:
-  http::Reply reply_to(const http::Request& received, Entrance& entrance) {
-    Request request{received};
-    request.is_of_file = request.method == "GET" && files_.contains(request.path);
-    auto refused = entrance.judge(request);
-    http::Reply reply = refused ? std::move(*refused) : answer(request);
-
-    if (!request.set_cookie.empty() && !has(reply, set_cookie))
-      reply.headers.emplace_back(set_cookie, request.set_cookie);
-    if (!has(reply, policy)) reply.headers.emplace_back(policy, own_policy);
-    for (const auto& header : {std::pair{"X-Content-Type-Options", "nosniff"},
-                               std::pair{"Referrer-Policy", "no-referrer"},
-                               std::pair{"Cross-Origin-Opener-Policy", "same-origin"},
-                               std::pair{"Cross-Origin-Resource-Policy", "same-origin"},
-                               std::pair{"Cache-Control", "no-store"}})
-      reply.headers.emplace_back(header);
-    return reply;
-  }
-
-  http::Reply answer(Request& request) const {
-    if (request.is_of_file) return files_.at(request.path);
-
-    auto found = answers_.find(request.method + " " + request.path);
-    // "/jobs/7/report" is answered by "/jobs/*/report", with the name "7".
-    for (std::size_t begin = request.path.find('/'), end = 0;
-         found == answers_.end() && begin != std::string::npos; begin = end) {
-      end = request.path.find('/', ++begin);
-      const std::string name = request.path.substr(begin, end - begin);
-      std::string path = request.path;
-      found = answers_.find(request.method + " " + path.replace(begin, name.size(), "*"));
-      request.name = http::decoded(name);
-    }
-    if (found == answers_.end()) return {.body = "There is no such page.\n", .status = 404};
-    return found->second(request);
-  }
-
-  std::unique_ptr<http::Server> server_;
-  std::map<std::string, http::Reply> files_;  // by path
-  std::map<std::string, Answer> answers_;     // by method and path
-};
+Reply page_alone(std::string html) {
+  return {.body = std::move(html),
+          .type = "text/html; charset=utf-8",
+          .headers = {{policy, alone_policy}}};
+}
 
 WebServer::WebServer(const http::Server::Listening& listening, bool is_behind_proxy)
-    : parts_(std::make_unique<Parts>(listening, is_behind_proxy)) {}
-WebServer::~WebServer() = default;
-
-void WebServer::file(const std::string& path, const std::string& type, const std::string& text) {
-  parts_->add_file(path, {.body = text, .type = type});
-}
-
-void WebServer::answer(const std::string& method, const std::string& path, Handler handler) {
-  parts_->add(method, path, [handler = std::move(handler)](const Request& request) {
-    return answer_of(handler, request);
-  });
-}
-
-const http::Server& WebServer::server() const {
-  return parts_->server();
-}
+    : server_(server_for(listening, is_behind_proxy)) {}
 
 void WebServer::serve(Entrance& entrance, Interruption& interruption) {
-  parts_->serve(entrance, interruption);
+  server_->start([&](const std::string& host) { return entrance.is_own_name(host); },
+                 [&](const http::Request& request) { return reply_to(request, entrance); });
+  try {
+    while (true) interruption.sleep(std::chrono::hours(1));
+  } catch (const Interrupted&) {
+    server_->stop();
+  }
+}
+
+Reply WebServer::reply_to(const http::Request& received, Entrance& entrance) const {
+  Request request{received};
+  request.is_of_file = request.method == "GET" && files_.contains(request.path);
+  auto refused = entrance.judge(request);
+  Reply reply = refused ? std::move(*refused) : answer(request);
+
+  if (!request.set_cookie.empty() && !has(reply, set_cookie))
+    reply.headers.emplace_back(set_cookie, request.set_cookie);
+  if (!has(reply, policy)) reply.headers.emplace_back(policy, own_policy);
+  for (const auto& header :
+       {std::pair{"X-Content-Type-Options", "nosniff"}, std::pair{"Referrer-Policy", "no-referrer"},
+        std::pair{"Cross-Origin-Opener-Policy", "same-origin"},
+        std::pair{"Cross-Origin-Resource-Policy", "same-origin"},
+        std::pair{"Cache-Control", "no-store"}})
+    reply.headers.emplace_back(header);
+  return reply;
+}
+
+Reply WebServer::answer(Request& request) const {
+  if (request.is_of_file) return files_.at(request.path);
+
+  auto found = answers_.find(request.method + " " + request.path);
+  // "/jobs/7/report" is answered by "/jobs/*/report", with the name "7".
+  for (std::size_t begin = request.path.find('/'), end = 0;
+       found == answers_.end() && begin != std::string::npos; begin = end) {
+    end = request.path.find('/', ++begin);
+    const std::string name = request.path.substr(begin, end - begin);
+    std::string path = request.path;
+    found = answers_.find(request.method + " " + path.replace(begin, name.size(), "*"));
+    request.name = http::decoded(name);
+  }
+  if (found == answers_.end()) return {.body = "There is no such page.\n", .status = 404};
+  return answer_of(found->second, request);
 }
 
 }  // namespace dccast::client

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "dccast/v1/case.pb.h"
+#include "dccast/v1/judgement.pb.h"
 
 /// Figures of a case as a plant reads them.
 namespace dccast::case_file {
@@ -33,5 +34,9 @@ std::string readable_toml(const v1::Case& input);
 /// -> 55 mm/min from 60 s to 200 s (over 117 mm), water 110 -> 198 l/min/m = 25 -> 45 m3/h". Speed
 /// and water are those that the levers leave, with the values at which they turn.
 std::string casting_summary(const v1::Case& complete);
+
+/// Charts of its speed and its water, as the levers leave them, from the begin of the casting to
+/// its end: against cast length where the tables are.
+std::vector<v1::Chart> planned_charts(const v1::Case& complete);
 
 }  // namespace dccast::case_file

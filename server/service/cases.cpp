@@ -3,6 +3,7 @@
 #include <google/protobuf/stubs/common.h>
 #include <grpcpp/grpcpp.h>
 
+#include "proto/case_file/case_file.hpp"
 #include "proto/case_file/override.hpp"
 #include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/shipped.hpp"
@@ -40,8 +41,10 @@ std::string write_slab(const v1::SlabStart& slab) {
   return made.text;
 }
 
-/// Case text that a request carries or names. @throws Refusal  NOT_FOUND: no such shipped case
+/// Case text that a request carries or names, or that of its case. @throws Refusal  NOT_FOUND: no
+/// such shipped case
 std::string find_case_text(const v1::ReadCaseRequest& request) {
+  if (request.has_case_()) return case_file::to_toml(request.case_());
   if (request.has_slab()) return write_slab(request.slab());
   if (request.source_case() != v1::ReadCaseRequest::kShipped) return request.text();
   const auto& cases = shipped::case_templates();
@@ -55,6 +58,13 @@ std::string find_case_text(const v1::ReadCaseRequest& request) {
 Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* request,
                                    v1::ReadCaseResponse* response) {
   return answer(wire, *request, pools_.histories, [=](const Call&) {
+    if (request->has_case_())
+      for (v1::Fault& fault : case_file::check_ranges(request->case_())) {
+        response->add_lines(0);
+        intake::make_printable(*response->add_faults() = std::move(fault));
+      }
+    if (!response->faults().empty()) return;
+
     response->set_text(find_case_text(*request));
     auto read = case_file::read_elsewhere(response->text(), "case", *response->mutable_case_());
 
@@ -73,9 +83,11 @@ Unary* SimulationService::ReadCase(Wire* wire, const v1::ReadCaseRequest* reques
     response->mutable_files()->Assign(read.files.begin(), read.files.end());
     if (!read.ok()) return;
 
-    v1::Case complete = response->case_();
+    v1::Case& complete = *response->mutable_complete() = response->case_();
     case_file::apply_defaults(complete);
     response->set_summary(case_file::casting_summary(complete));
+    for (v1::Chart& chart : case_file::planned_charts(complete))
+      *response->add_charts() = std::move(chart);
   });
 }
 

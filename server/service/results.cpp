@@ -63,6 +63,40 @@ void add_steps(Context& context, const v1::QueryResultRequest& request,
     response.set_next_page_token(fmt::format("{}.{}", page->next->sequence, page->next->step));
 }
 
+/// Adds steps that are spread over the history, its last one among them.
+void add_samples(Context& context, const v1::QueryResultRequest& request,
+                 v1::QueryResultResponse& response) {
+  constexpr int least = 2, most = 1000;
+  if (request.samples() < least || request.samples() > most)
+    refuse("samples is {}; permitted: 0, or {} to {}", request.samples(), least, most);
+
+  auto& kept = *response.mutable_steps();
+  std::size_t read = 0, stride = 1;
+  const auto keep = [&](v1::StepReport& step) {
+    if (read++ % stride != 0) return;
+    kept.Add(std::move(step));
+    if (kept.size() <= request.samples()) return;
+    // Too many: every other one goes, of those that follow, too.
+    stride *= 2;
+    for (int i = 0; 2 * i < kept.size(); ++i) kept.SwapElements(i, 2 * i);
+    kept.DeleteSubrange((kept.size() + 1) / 2, kept.size() / 2);
+  };
+
+  v1::QueryResultRequest next;
+  next.set_id(request.id());
+  v1::StepReport last;
+  do {
+    v1::QueryResultResponse page;
+    add_steps(context, next, page);
+    if (!page.steps().empty()) last = *page.steps().rbegin();
+    for (v1::StepReport& step : *page.mutable_steps()) keep(step);
+    next.set_page_token(page.next_page_token());
+  } while (!next.page_token().empty());
+  if (kept.empty() || kept.rbegin()->step() == last.step()) return;
+  if (kept.size() == request.samples()) kept.RemoveLast();
+  kept.Add(std::move(last));
+}
+
 void add_frame(Context& context, const Call& call, const v1::QueryResultRequest& request,
                const v1::Job& job, v1::QueryResultResponse& response) {
   const int number = request.frame_number();
@@ -290,6 +324,7 @@ SimulationService::Unary* SimulationService::QueryResult(Wire* wire,
   WorkPool& pool = request->frame() ? pools_.checks : pools_.histories;
   return answer(wire, *request, pool, [=, this](const Call& call) {
     const v1::Job job = find_job(context_, request->id());
+    if (request->samples() != 0) return add_samples(context_, *request, *response);
     if (request->page_token().empty()) add_case_and_frame(context_, call, *request, job, *response);
     add_steps(context_, *request, *response);
     check_size(*response);

@@ -8,6 +8,8 @@ import os
 import re
 import shutil
 import signal
+import ssl
+import statistics
 import struct
 import subprocess
 import sys
@@ -18,6 +20,7 @@ from google.protobuf import json_format
 
 from access import RemoteFault, admin
 from cases import fake
+from certificates import TestCa
 from clients import memory_of
 from hostile import environment
 from oracle import must
@@ -35,11 +38,19 @@ def json_of(case):
     return json_format.MessageToDict(case, preserving_proto_field_name=True)
 
 
+def connection_to(place, timeout):
+    """@param place  path of a Unix socket, or the port of 127.0.0.1 for HTTPS"""
+    if isinstance(place, str):
+        return SocketConnection(place, timeout)
+    return http.client.HTTPSConnection("127.0.0.1", place, timeout=timeout,
+                                       context=ssl._create_unverified_context())
+
+
 class Browser:
     """What a page or a program sends, over one connection as long as it lasts."""
 
-    def __init__(self, path, address="192.0.2.1", timeout=30, **headers):
-        self.path, self.timeout = path, timeout
+    def __init__(self, place, address="192.0.2.1", timeout=30, **headers):
+        self.place, self.timeout = place, timeout
         self.headers = {"Origin": ORIGIN, "X-Forwarded-For": address,
                         "Content-Type": "application/json", **headers}
         self.connection = None
@@ -47,7 +58,7 @@ class Browser:
     def response(self, method, path, body=None, **headers):
         headers = {name.replace("_", "-"): value for name, value in headers.items()}
         if self.connection is None:
-            self.connection = SocketConnection(self.path, self.timeout)
+            self.connection = connection_to(self.place, self.timeout)
         self.connection.request(method, path, body, {**self.headers, **headers})
         return self.connection.getresponse()
 
@@ -87,19 +98,24 @@ class Browser:
 
 
 class WebServer:
-    """dccast-web of a scene."""
+    """dccast-web of a scene: at a Unix socket behind a proxy, or with a certificate at a port."""
 
-    def __init__(self, scene):
+    def __init__(self, scene, has_port=False):
         self.folder = os.path.join(scene.folder, "web")
-        self.path = os.path.join(self.folder, "socket")
+        self.place = os.path.join(self.folder, "socket")
         program = os.path.join(self.folder, "dccast-web")
         if not os.path.exists(program):  # where its user can reach it
             os.mkdir(self.folder)
             shutil.copy(os.path.join(BIN, "dccast-web"), program)
             os.chown(self.folder, NOBODY, NOBODY)
+        listening = ["--listen", f"unix:{self.place}", "--behind", ORIGIN]
+        if has_port:
+            ca = TestCa(self.folder)
+            listening = ["--listen", "127.0.0.1:0", "--certificate", ca.issue("web.pem"), "--key", ca.key]
+            os.chown(ca.key, NOBODY, NOBODY)
         self.command = ["setpriv", "--pdeathsig", "KILL", f"--reuid={NOBODY}", f"--regid={NOBODY}",
-                        "--clear-groups", program, "serve", "--listen", f"unix:{self.path}", "--behind",
-                        ORIGIN, "--socket", scene.daemon.address, "--state", self.folder]
+                        "--clear-groups", program, "serve", *listening, "--socket",
+                        scene.daemon.address, "--state", self.folder]
         self.start()
 
     def start(self):
@@ -107,6 +123,8 @@ class WebServer:
         line = self.process.stderr.readline()
         if "serving at" not in line:
             raise RuntimeError(line)
+        if port := re.search(r"port (\d+)$", line):
+            self.place = int(port[1])
 
     def close(self):
         self.process.kill()
@@ -117,12 +135,13 @@ class WebServer:
 class WebFault(RemoteFault):
     """A daemon with dccast-web before it, and two users who have tokens."""
     settings = {"access__web_user": "nobody"}
+    has_port = False
 
     def prepare(self, scene):
         os.chmod(scene.folder, 0o711)  # of the sockets, for dccast-web
 
     def begin(self, scene):
-        self.web = WebServer(scene)
+        self.web = WebServer(scene, self.has_port)
         scene.clients.append(self.web)
         self.tokens = {name: self.enrol(scene, name) for name in ("anna", "mallory")}
 
@@ -130,7 +149,7 @@ class WebFault(RemoteFault):
         """Of a user by token; of nobody without a name."""
         if name:
             headers["Authorization"] = "Bearer " + self.tokens[name]
-        return Browser(self.web.path, address, **headers)
+        return Browser(self.web.place, address, **headers)
 
     def line(self, scene, name):
         return re.search(r"dccast-enrol-\w+-\w+", admin(scene, "user", "line", name))[0]
@@ -256,35 +275,88 @@ class KillDaemonBehindWeb(KillAmidBrowsers):
 
 # ---- Load
 
-class ManyBrowsers(WebFault):
-    """200 browsers with a stream each, 20 that submit: dccast-web answers as the daemon does"""
+def timed(seconds, acts):
+    """How long each of the acts takes, done in turn, each as often first [s]."""
+    times, names, end = {name: [] for name in acts}, list(acts), time.monotonic() + seconds
+    while time.monotonic() < end:
+        for name in names:
+            begin = time.monotonic()
+            acts[name]()
+            times[name].append(time.monotonic() - begin)
+        names.reverse()
+        time.sleep(0.02)
+    return times
+
+
+class CrowdFault(WebFault):
+    """A running job that many browsers follow."""
     short = long = 1
-    streams, senders, lasts = 200, 20, 10.0
     users = 20
-    most_memory, most_delay = 200e6, 0.015  # [bytes], and p99 above that of the daemon [s]
+    most_delay = 0.015  # [s]
 
     def begin(self, scene):
         super().begin(scene)
         self.job = scene.submit(fake("steps=100000 sleep_ms=500"))
-        tokens = [self.enrol(scene, f"user{number}") for number in range(self.users)]
+        self.crowd_tokens = [self.enrol(scene, f"user{number}") for number in range(self.users)]
+
+    def crowd(self, streams, senders):
+        """A process of browsers, once all streams are open. A line ends it."""
         # Browsers compute on other machines: here they give way.
-        self.load = subprocess.Popen(
+        load = subprocess.Popen(
             ["setpriv", "--pdeathsig", "KILL", "nice", "-n", "15", sys.executable, __file__,
-             self.web.path, self.job, str(self.streams), str(self.senders), *tokens],
+             self.web.place, self.job, str(streams), str(senders), *self.crowd_tokens],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment())
-        self.load.stdout.readline()  # all streams are open
+        load.stdout.readline()
+        return load
+
+    def look(self, scene, count):
+        scene.client.cancel(self.job)
+        scene.acknowledged.pop(self.job)
+        scene.foreign_jobs.add(self.job)
+        must(count, lambda: scene.ended(self.job), "the job did not end", 30)
+
+
+class CommandsBesideBrowsers(CrowdFault):
+    """Commands while 50 browsers watch are answered as without dccast-web, in pairs"""
+    pairs, commands, streams = 7, 20, 50
 
     def disturb(self, scene, count):
-        times = {"web": [], "daemon": []}
-        browser, end = self.browser("anna"), time.monotonic() + self.lasts
-        while time.monotonic() < end:
-            for name, ask in (("web", lambda: browser.call("GetJob", {"id": self.job})),
-                              ("daemon", lambda: scene.client.job(self.job))):
+        command = [os.path.join(BIN, "dccast"), "--server", scene.daemon.address, "show", self.job]
+
+        def median():
+            taken = []
+            for _ in range(self.commands):
                 begin = time.monotonic()
-                ask()
-                times[name].append(time.monotonic() - begin)
-            time.sleep(0.02)
-        said = json.loads(self.load.communicate("end\n", timeout=60)[0])
+                subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=30)
+                taken.append(time.monotonic() - begin)
+            return statistics.median(taken)
+
+        beside, without = [], []
+        for _ in range(self.pairs):
+            load = self.crowd(self.streams, 0)
+            beside.append(median())
+            load.communicate("end\n", timeout=60)
+            self.web.close()
+            without.append(median())
+            self.web.start()
+        delay = statistics.median(b - w for b, w in zip(beside, without))
+        count.measured("ms beside browsers (median)", 1e3 * statistics.median(beside))
+        count.measured("ms without dccast-web (median)", 1e3 * statistics.median(without))
+        if delay > self.most_delay:
+            count.found("wrong", f"{1e3 * delay:.1f} ms slower: {beside}, {without}")
+
+
+class ManyBrowsers(CrowdFault):
+    """200 browsers with a stream each, 20 that submit: dccast-web answers as the daemon does"""
+    streams, senders, lasts = 200, 20, 10.0
+    most_memory = 200e6  # [bytes]
+
+    def disturb(self, scene, count):
+        load = self.crowd(self.streams, self.senders)
+        browser = self.browser("anna")
+        times = timed(self.lasts, {"web": lambda: browser.call("GetJob", {"id": self.job}),
+                                   "daemon": lambda: scene.client.job(self.job)})
+        said = json.loads(load.communicate("end\n", timeout=60)[0])
         for request_id, job_id in said["submitted"].items():
             expected = scene.next_request(fake("steps=3"), None)
             expected.request_id = request_id
@@ -302,12 +374,6 @@ class ManyBrowsers(WebFault):
             count.found("wrong", f"p99 {p99}")
         if peak > self.most_memory:
             count.found("wrong", f"{peak / 1e6:.0f} MB")
-
-    def look(self, scene, count):
-        scene.client.cancel(self.job)
-        scene.acknowledged.pop(self.job)
-        scene.foreign_jobs.add(self.job)
-        must(count, lambda: scene.ended(self.job), "the job did not end", 30)
 
 
 def crowd(path, job, streams, senders, tokens):

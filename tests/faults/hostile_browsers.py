@@ -4,6 +4,7 @@ import contextlib
 import os
 import resource
 import socket
+import ssl
 import time
 
 from browsers import ORIGIN, SERVICE, Browser, WebFault, json_of
@@ -60,7 +61,7 @@ class HostileBrowser(WebFault):
         """The status of a request as it stands; 0: the connection was closed without one."""
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as peer:
             peer.settimeout(seconds)
-            peer.connect(self.web.path)
+            peer.connect(self.web.place)
             with contextlib.suppress(BrokenPipeError, ConnectionResetError):
                 peer.sendall(request)
             with contextlib.suppress(ConnectionResetError):
@@ -150,15 +151,14 @@ class HostileBodies(HostileBrowser):
                                                   "Transfer-Encoding: chunked") + 60 * chunk)]
         for text in ('{"case":' + 10_000 * '{"mesh":' + 10_000 * "}" + "}", "[" * 2_000_000,
                      '{"a":' * 10_000, '{"since":' + 10_000 * '{"seconds":' + 10_000 * "}" + "}"):
-            for path in (call, "/case/"):
-                yield f"{text[:20]} at {path}", [self.browser("mallory").ask("POST", path, text)[0]]
+            yield text[:20], [self.browser("mallory").ask("POST", call, text)[0]]
         for method, path in (("POST", call), ("PUT", "/attachments/" + 64 * "a")):
             yield "a slow body", [self.slow(begin(method, path, "Content-Length: 100000"))]
 
     def slow(self, begin):
         """The status that comes in place of more than a byte each tenth of a second."""
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as peer:
-            peer.connect(self.web.path)
+            peer.connect(self.web.place)
             peer.sendall(begin)
             end = time.monotonic() + 15.0
             with contextlib.suppress(OSError):
@@ -180,7 +180,7 @@ class HostilePaths(HostileBrowser):
         own = f"\r\nHost: dccast.test\r\nAuthorization: Bearer {self.tokens['mallory']}\r\n\r\n"
         for name in names:
             for path in (f"/jobs/{name}/report", f"/jobs/{name}/results.h5", f"/job/{name}", f"/{name}",
-                         f"/attachments/{name}", f"{SERVICE}{name}", f"/drawn/{name}"):
+                         f"/attachments/{name}", f"{SERVICE}{name}"):
                 for method in ("GET", "PUT") if path != "/?" else ():
                     yield path, [self.raw(f"{method} {path} HTTP/1.1{own}".encode())]
         for line in ("GET http://evil.test/jobs.csv", "GET jobs.csv", "OPTIONS *", "CONNECT a:443",
@@ -211,28 +211,53 @@ class HostileSignIns(HostileBrowser):
         yield "guesses by the call", by_call
 
     def guess(self, address, number):
-        return Browser(self.web.path, address).sign_in(f"dccast-enrol-{number:032x}")
+        return Browser(self.web.place, address).sign_in(f"dccast-enrol-{number:032x}")
 
 
-class SilentBrowsers(HostileBrowser):
-    """Hostile browser: 2,000 connections that are silent before, within or behind a request"""
-    connections = 2000
+class Silence(HostileBrowser):
+    """Connections that are silent."""
+    connections, begins = 2000, ()
 
     def begin(self, scene):
         limit(os.getpid(), resource.RLIMIT_NOFILE, 4096)  # dccast-web inherits it, as from its unit
         super().begin(scene)
 
     def attempts(self, scene):
-        begins = (b"", b"G", b"GET / HTTP/1.1\r\nHost: dccast.test\r\n",
-                  b"POST /case/ HTTP/1.1\r\nHost: dccast.test\r\nContent-Length: 10\r\n\r\nx",
-                  b"GET /app.js HTTP/1.1\r\nHost: dccast.test\r\n\r\n")
         with contextlib.ExitStack() as silent:
             for number in range(self.connections):
-                peer = silent.enter_context(socket.socket(socket.AF_UNIX, socket.SOCK_STREAM))
-                peer.settimeout(5)
+                peer = silent.enter_context(self.peer(number))
                 with contextlib.suppress(OSError):
-                    peer.connect(self.web.path)
-                    peer.sendall(begins[number % len(begins)])
+                    peer.sendall(self.begins[number % len(self.begins)])
                 if number % 200 == 199:
                     yield f"{number + 1} silent connections", []
 
+    def peer(self, number):
+        raise NotImplementedError
+
+
+class SilentBrowsers(Silence):
+    """Hostile browser: 2,000 connections that are silent before, within or behind a request"""
+    begins = (b"", b"G", b"GET / HTTP/1.1\r\nHost: dccast.test\r\n",
+              b"POST /session/in HTTP/1.1\r\nHost: dccast.test\r\nContent-Length: 10\r\n\r\nx",
+              b"GET /app.js HTTP/1.1\r\nHost: dccast.test\r\n\r\n")
+
+    def peer(self, number):
+        peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        peer.settimeout(5)
+        with contextlib.suppress(OSError):
+            peer.connect(self.web.place)
+        return peer
+
+
+class SilentBrowsersAtPort(Silence):
+    """Hostile browser: 2,000 connections to the port, silent before, within or behind a TLS handshake"""
+    has_port = True
+    begins = (b"", b"\x16", b"\x16\x03\x01\x02\x00\x01\x00", b"GET / HTTP/1.1\r\n\r\n")
+
+    def peer(self, number):
+        address = f"127.0.1.{number % 100 + 1}"
+        peer = socket.create_connection(("127.0.0.1", self.web.place), 5, (address, 0))
+        if number % 10 == 0:
+            with contextlib.suppress(OSError):
+                return ssl._create_unverified_context().wrap_socket(peer)
+        return peer

@@ -381,7 +381,8 @@ class Resources(WebTest):
         self.assertEqual(json.loads(text)["details"][0]["debug"]["reason"], "NOT_FOUND")
         self.assertEqual(self.get("/jobs/x/y/report")[0].status, 404)
         case = {"section": {"half_width_m": -1}}
-        status, error = self.anna.post("/case/", case, **self.bearer)
+        status, error = self.anna.call("SubmitJob", {"request_id": str(uuid.uuid4()), "case": case},
+                                       **self.bearer)
         self.assertEqual((status, error["code"]), (400, "invalid_argument"))
         self.assertIn("section.half_width", [fault["field"] for fault in
                                              error["details"][1]["debug"]["faults"]])

@@ -109,7 +109,7 @@ function sectionDrawing(given, isNarrow) {
     labels(start, zones, holes, isNarrow ? 24 : 17).flat());
 }
 
-/** @param case  a complete case (case.proto) @param charts  its speed and water, for picture() */
+/** @param case  a complete case (case.proto) @param charts  its speed and water (judgement.proto) */
 export function castingDrawing({case: given, charts}) {
   return h(
     'div', {class: 'pair'}, fitted(across => sectionDrawing(given, across < width), width),

@@ -244,14 +244,14 @@ export function valueAt({x, y}, at) {
   return NaN;
 }
 
-/** The range of curl that a case accepts, in mm; null where it accepts every one. */
+/**
+ * The range of curl that a case accepts, in mm; null where it accepts every one.
+ * @param wanted  `plausibility` of the case
+ */
 export function wantedBand(wanted) {
-  const {least_m: least, greatest_m: greatest} = wanted || {};
-  if ((least ?? greatest ?? null) === null) return null;
-  return {
-    low: least === null ? -Infinity : 1e3 * least,
-    high: greatest === null ? Infinity : 1e3 * greatest
-  };
+  const {least_curl_m: least, greatest_curl_m: greatest} = wanted || {};
+  if ((least ?? greatest) === undefined) return null;
+  return {low: 1e3 * (least ?? -Infinity), high: 1e3 * (greatest ?? Infinity)};
 }
 
 /** A small line without axes. */

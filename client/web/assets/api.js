@@ -54,7 +54,7 @@ const numbers = new Set(['NaN', 'Infinity', '-Infinity']);
 const isNumber = (key, value) =>
   typeof value === 'string' && (numbers.has(value) || wholeNumbers.has(key));
 /** A request as protobuf reads it, with its NaN. */
-export const written = request => JSON.stringify(
+const written = request => JSON.stringify(
   request,
   (key, value) => typeof value === 'number' && !Number.isFinite(value) ? String(value) : value);
 const parse =
@@ -63,14 +63,12 @@ const parse =
 export const get = async path => (await ask(path)).json();
 export const getBytes = async path => (await ask(path)).arrayBuffer();
 
-const posted = (type, body, options) =>
-  ({method: 'POST', headers: {'Content-Type': type}, body, ...options});
+const posted = (type, body, {accept = '*/*', ...options} = {}) =>
+  ({method: 'POST', headers: {'Content-Type': type, Accept: accept}, body, ...options});
 const method = name => `/dccast.v1.SimulationService/${name}`;
 
-export const postText =
-  async (path, body) => (await ask(path, posted('application/json', body))).json();
-export const post = path => postText(path, '{}');
-export const postJson = (path, body) => postText(path, JSON.stringify(body));
+export const post = async (path, body = {}) =>
+  (await ask(path, posted('application/json', JSON.stringify(body)))).json();
 
 /** A call of the service by its name, as in service.proto. */
 export async function call(name, request = {}, options = {}) {
@@ -78,7 +76,8 @@ export async function call(name, request = {}, options = {}) {
   return parse(await (await ask(method(name), init)).text());
 }
 /** The same, with the parts of the judgement in its response as HTML. */
-export const callDrawn = (name, request) => postText(`/drawn/${name}`, written(request));
+export const callDrawn = (name, request) =>
+  call(name, request, {accept: 'application/json; judgement=html'});
 
 /**
  * A call whose response is a stream: `take` gets each message until the stream ends or `signal`

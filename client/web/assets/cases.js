@@ -1,6 +1,6 @@
 // Cases as a page holds them: files named when the dashboard was started, texts that were opened or
 // made on a page, and built-in ones.
-import {call, get, postText, stream, written} from './api.js';
+import {call, get, stream} from './api.js';
 import {addStep} from './history.js';
 
 const opened = new Map();  // text by name, until the page is closed
@@ -59,7 +59,7 @@ function changeOf(text) {
 
 /**
  * Reads a case by its name, with changes "KEY=VALUE".
- * @return {case, text, summary, attachments, changes}; rejects with its faults
+ * @return the answer of ReadCase with attachments and changes; rejects with its faults
  */
 export async function readCase(name, changes = []) {
   const {text, shipped, attachments = []} = await sourceOf(name);
@@ -75,8 +75,8 @@ export async function checkCase({case: description, attachments}) {
   refuse((await call('ValidateCase', {case: description, attachments})).faults);
 }
 
-/** A case as it is drawn and written: {drawing, levers, text}. */
-export const shownCase = ({case: description}) => postText('/case/', written(description));
+/** The text of a case with its changes. */
+export const textOf = async ({case: description}) => (await call('ReadCase', {case: description})).text;
 
 /** Submits a case that was read; once more, it is the same job. @return the job */
 export function submitCase(made) {
@@ -98,8 +98,7 @@ export async function computeCase({case: description, attachments, changes}, sig
   let shown = performance.now(), ended = null;
   const take = event => {
     if (event.accepted) {
-      const {least_curl_m: least, greatest_curl_m: greatest} = event.accepted.case.plausibility || {};
-      answer.wanted = {least_m: least ?? null, greatest_m: greatest ?? null};
+      answer.wanted = event.accepted.case.plausibility;
       answer.job = event.accepted.job;
       answer.key = event.accepted.answer;
     }

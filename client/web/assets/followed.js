@@ -3,6 +3,7 @@
 import {repeat} from './api.js';
 import {chart, valueAt, wantedBand} from './chart.js';
 import {durationText, fixed, gravestFinding, h, mm, purpose, replace} from './dom.js';
+import {plant} from './drawn.js';
 import {curlLines} from './history.js';
 
 const oldAfter = 10;  // s without a reading
@@ -50,14 +51,29 @@ function curlFigures({job, forecast, noForecast}) {
 
 // ---- Levers
 
-function leverRows(levers) {
+// Name, field of Reading, its unit, and decimals in that of a plant.
+const levers = [
+  ['Speed', 'casting_speed_m_per_s', 'm/s', 1],
+  ['Water', 'water_flow_m2_per_s', 'm2/s', 0],
+  ['Narrow water', 'narrow_water_flow_m2_per_s', 'm2/s', 0],
+  ['Second water', 'second_water_flow_m2_per_s', 'm2/s', 0],
+  ['Metal', 'casting_temperature_c', 'degC', 0],
+  ['Water temperature', 'water_temperature_c', 'degC', 0],
+  ['Metal level', 'metal_level_m', 'm', 0],
+];
+
+function leverRows({measured, planned}) {
+  const known = levers.filter(([, field]) => (measured?.[field] ?? planned?.[field]) !== undefined);
   return h('table', {class: 'levers-now'},
     h('thead', {}, h('tr', {}, ['', 'now', 'plan', ''].map(head => h('th', {scope: 'col'}, head)))),
-    h('tbody', {}, levers.map(({name, now, plan, unit}) => h('tr', {'data-lever': name},
-      h('th', {scope: 'row'}, name),
-      h('td', {class: 'measured'}, now),
-      h('td', {class: 'planned'}, plan),
-      h('td', {class: 'unit'}, unit)))));
+    h('tbody', {}, known.map(([name, field, si, digits]) => {
+      const {name: unit, factor} = plant(si), shown = at => fixed(factor * at?.[field], digits);
+      return h('tr', {'data-lever': name},
+        h('th', {scope: 'row'}, name),
+        h('td', {class: 'measured'}, shown(measured)),
+        h('td', {class: 'planned'}, shown(planned)),
+        h('td', {class: 'unit'}, unit));
+    })));
 }
 
 // ---- What is off
@@ -168,7 +184,7 @@ export function followedWall(element, signal) {
     replace(element, h('div', {class: 'casting'},
       h('div', {class: 'place'}, h('h1', {}, following.line || now.job.title || now.job.id),
         h('p', {class: 'when'}, when), age),
-      alarmsOf(now.job), old, curlFigures(now), leverRows(now.levers),
+      alarmsOf(now.job), old, curlFigures(now), leverRows(now.job.casting),
       h('div', {class: 'curl-chart'}, curlChart(now)),
       h('div', {class: 'remarks'}, warningsOf(now), adviceOf(now.forecast),
         (now.forecast?.notes || []).map(note => h('p', {class: 'note'}, note)), purpose())));

@@ -1,24 +1,28 @@
 // The queue: newest first, runs folded under their study, with a sketch of each curl and its
 // gravest finding.
-import {call, get, repeat} from './api.js';
+import {call, repeat} from './api.js';
 import {cancelJobs} from './cancel.js';
 import {spark} from './chart.js';
 import {ago, curlText, h, mm, replace, severityText, shortId, stateText, worst} from './dom.js';
-import {isSound, judgedMonitor} from './history.js';
+import {curlLines, isSound, judgedMonitor} from './history.js';
 import {answerState, kindOf, nameOf} from './studies.js';
 
-const sketches = new Map();  // of jobs that have ended: they change no more
+const sketches = new Map();  // lines of curl by job and step: ended jobs change no more
 const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 const most = 1000;
 
 const lastCurl = job => judgedMonitor(job)?.curl_m ?? NaN;
 
 async function sketch(job, cell) {
-  if (!isSound(job)) return replace(cell);
+  const judged = judgedMonitor(job);
+  if (!judged) return replace(cell);
   const key = ended.has(job.state) ? job.id : `${job.id} ${job.last_step?.step}`;
-  if (!sketches.has(key)) sketches.set(key, await get(`/sketch/${job.id}`));
-  const {time_s: x, curl_m: y} = sketches.get(key);
-  if (x.length > 1) replace(cell, spark(x, y));
+  if (!sketches.has(key)) {
+    const {steps} = await call('QueryResult', {id: job.id, samples: 60});
+    sketches.set(key, curlLines(steps).find(line => line.monitor === judged.name));
+  }
+  const line = sketches.get(key);
+  if (line?.x.length > 1) replace(cell, spark(line.x, line.y));
 }
 
 /** "draft" and what differs from the case file, as lines. */

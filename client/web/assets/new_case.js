@@ -2,7 +2,7 @@
 // --slab has it.
 import {call} from './api.js';
 import {castingDrawing} from './casting.js';
-import {checkCase, keepCase, readSlab, readText, shownCase, submitCase} from './cases.js';
+import {checkCase, keepCase, readSlab, readText, submitCase} from './cases.js';
 import {h, replace} from './dom.js';
 import {fileName, saveBlob} from './save.js';
 
@@ -23,25 +23,24 @@ export function newCasePage(element, signal) {
     replace(found, h('div', {class: 'card'}, h('p', {class: 'bad lines', role: 'alert'}, text)));
 
   /** What a case casts, with its drawing. @param acts  buttons */
-  function show({summary, drawing}, acts) {
+  function show({summary, complete, charts}, acts) {
     const said = h('p', {role: 'status'});
     replace(
       found,
       h('div', {class: 'card'}, h('p', {}, summary),
-        drawing ? castingDrawing(drawing) : null,
+        castingDrawing({case: complete, charts}),
         h('div', {class: 'bar'}, acts(said)), said));
   }
 
   /** Shows a case that was read, with buttons that go on with it. @param more  further ones */
-  async function present(name, made, more = []) {
-    const {drawing} = await shownCase(made);
+  function present(name, made, more = []) {
     const follow = act => async () => {
       try {
         await checkCase(made);
         await act();
       } catch (fault) { complain(fault.message); }
     };
-    show({summary: made.summary, drawing}, said => [
+    show(made, said => [
       button('What-if with it', follow(() => {
         location.hash = `#/what-if/${encodeURIComponent(keepCase(name, made.text))}`;
       })),
@@ -58,7 +57,7 @@ export function newCasePage(element, signal) {
     try {
       const text = await file.text(), made = await readText(text);
       await checkCase(made);
-      if (!signal.aborted) await present(file.name, made);
+      if (!signal.aborted) present(file.name, made);
     } catch (fault) { complain(fault.message); }
   }
 
@@ -78,7 +77,7 @@ export function newCasePage(element, signal) {
       const name = `slab-${size}.toml`;
       const save = () => saveBlob(
         `${fileName(name.replace('.toml', ''))}.toml`, new Blob([made.text], {type: 'text/plain'}));
-      await present(name, made, [button('Save the file', save)]);
+      present(name, made, [button('Save the file', save)]);
     } catch (fault) {
       if (mine === asked) complain(fault.message);
     }

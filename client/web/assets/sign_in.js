@@ -1,6 +1,6 @@
 // The secret of a link stands behind '#', which no browser sends: it is used up by the click alone,
 // not by a program that opens links of mails.
-import {postJson} from './api.js';
+import {post} from './api.js';
 
 const line = document.getElementById('line'), fault = document.getElementById('fault');
 function takeLink() {
@@ -15,7 +15,7 @@ document.getElementById('sign-in').addEventListener('submit', async event => {
   event.preventDefault();
   fault.textContent = '';
   try {
-    await postJson('/session/in', {secret: line.value});
+    await post('/session/in', {secret: line.value});
     const page = sessionStorage.getItem('page') ?? '';
     sessionStorage.removeItem('page');
     location.replace(`/${page}`);

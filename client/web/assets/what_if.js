@@ -1,12 +1,12 @@
 // What-if: a case with a plant's levers changed, computed at once as a draft, beside the case as it
 // is.
 import {callDrawn} from './api.js';
-import {caseNames, computeCase, readCase, shownCase, submitCase} from './cases.js';
+import {caseNames, computeCase, readCase, submitCase, textOf} from './cases.js';
 import {chart, wantedBand} from './chart.js';
 import {findingList, fixed, h, monitorText, replace} from './dom.js';
-import {judgement} from './drawn.js';
+import {judgement, plant} from './drawn.js';
 import {addStep, curlLines, lastMonitors, lengthsDiffer} from './history.js';
-import {changeText, levers, leverText} from './levers.js';
+import {changeText, givenOf, levers, leverText} from './levers.js';
 
 /** "PLACE: VALUE" lines as a table of a case file; null of none. */
 export function rampText(text) {
@@ -57,7 +57,8 @@ export function whatIfPage(element, signal, wanted) {
       }
     });
     const show = () => {
-      output.textContent = leverText(lever, Number(slider.value), reference?.levers[lever.key]);
+      output.textContent = leverText(
+        lever, Number(slider.value), reference && givenOf(lever, reference.complete, plant));
     };
     show();
     return {
@@ -158,11 +159,10 @@ export function whatIfPage(element, signal, wanted) {
     status.textContent = 'Computing…';
     try {
       const changed = await read(list);
-      const [answer, {levers: values}] =
-        await Promise.all([computeCase(changed, mine, look), shownCase(changed)]);
+      const answer = await computeCase(changed, mine, look);
       if (mine.aborted) return;
       status.textContent = `Computed in ${fixed((performance.now() - begin) / 1000, 1)} s`;
-      done({...answer, levers: values});
+      done({...answer, complete: changed.complete});
     } catch (fault) {
       if (mine.aborted) return;
       status.textContent = '';
@@ -204,7 +204,7 @@ export function whatIfPage(element, signal, wanted) {
   }
   async function save() {
     try {
-      const {text} = await shownCase(await read(changes()));
+      const text = await textOf(await read(changes()));
       const link = h('a', {
         href: URL.createObjectURL(new Blob([text], {type: 'text/plain'})),
         download: 'what-if.toml'

@@ -7,6 +7,7 @@
 #include "dccast/v1/service.pb.h"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/override.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "server/intake/case_intake.hpp"
 #include "server/service/refusals.hpp"
 #include "server/studies/study_plan.hpp"
@@ -27,9 +28,14 @@ std::unique_ptr<Message> request_of(unsigned choice) {
 
 void read_case(const v1::ReadCaseRequest& request) {
   v1::Case read;
-  auto outcome = case_file::read_elsewhere(request.text(), "case", read);
+  const bool is_written = request.has_case_() && case_file::check_ranges(request.case_()).empty();
+  auto outcome = case_file::read_elsewhere(
+      is_written ? case_file::to_toml(request.case_()) : request.text(), "case", read);
   case_file::apply_changes_elsewhere(read, {request.changes().begin(), request.changes().end()},
                                      outcome);
+  if (!outcome.ok()) return;
+  case_file::apply_defaults(read);
+  case_file::planned_charts(read);
 }
 
 /// The runs that CreateStudy checks, from the first to the last.

@@ -215,8 +215,8 @@ TEST(JudgementChart, HasItsLinesInTheDataOfThePageWithSixDigits) {
   for (const double y : {0.0212345678, static_cast<double>(NAN)}) line.add_y(y);
   line.set_is_dotted(true);
   const std::string html = chart_figure(chart);
-  for (const char* const part : {"<h2>Curl of the corner</h2>", "\"xLabel\":\", mm\"",
-                                 "\"x\":[100.0,200.0]", "\"y\":[0.0212346,null]", "\"dots\":true"})
+  for (const char* const part : {"<h2>Curl of the corner</h2>", "\"unit\":\"m\"", "\"x\":[0.1,0.2]",
+                                 "\"y\":[0.0212346,null]", "\"is_dotted\":true"})
     EXPECT_THAT(html, HasSubstr(part));
 }
 

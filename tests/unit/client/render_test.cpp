@@ -19,7 +19,9 @@
 #include "fake_service.hpp"
 #include "json_reading.hpp"
 #include "proto/case_file/case_file.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/shipped.hpp"
+#include "proto/figures/plant_units.hpp"
 #include "server/judging/run_judgement.hpp"
 
 namespace dccast::client {
@@ -224,13 +226,14 @@ TEST(CastingDrawing, NamesWhatItShows) {
     EXPECT_THAT(page, HasSubstr(name));
 }
 
-/// Points of a drawing by the name of the line, in plant units.
+/// Points of the charts by the name of the line, in plant units with six decimals.
 std::map<std::string, std::vector<double>> drawn_values(const v1::Case& complete) {
   std::map<std::string, std::vector<double>> values;
-  const ReadJson drawing = ReadJson::parse(casting_drawing(complete).dump());
-  for (const auto& chart : drawing["charts"])
-    for (const auto& line : chart["lines"])
-      values[line["name"].get<std::string>()] = line["y"].get<std::vector<double>>();
+  for (const v1::Chart& chart : case_file::planned_charts(complete))
+    for (const v1::Chart::Line& line : chart.lines())
+      for (const double y : line.y())
+        values[line.name()].push_back(
+            1e-6 * std::round(1e6 * figures::plant_unit(chart.y().unit()).factor() * y));
   return values;
 }
 

@@ -147,8 +147,9 @@ TEST(ReportPage, HasThePullInOfTheWideFaceAsFiguresAndAsLines) {
   *result.mutable_frame() = frames::testing::cooled(frames::testing::hot_above);
   result.add_steps()->set_time_s(1000.0);
   const std::string page = report_of_run(v1::Job(), result);
-  for (const char* const part : {"<h2>Pull-in of the wide face</h2>", "\"yLabel\":\"pull-in, mm\"",
-                                 ">pull-in, mm</th>", ">head</td>", ">butt</td>"})
+  for (const char* const part :
+       {"<h2>Pull-in of the wide face</h2>", "\"quantity\":\"pull-in\",\"unit\":\"m\"",
+        ">pull-in, mm</th>", ">head</td>", ">butt</td>"})
     EXPECT_THAT(page, HasSubstr(part));
   EXPECT_THAT(report_of_run(v1::Job(), run_with(35, 45)), Not(HasSubstr("Pull-in")))
       << "of a frame whose case has no mould";
@@ -156,7 +157,7 @@ TEST(ReportPage, HasThePullInOfTheWideFaceAsFiguresAndAsLines) {
 
 TEST(ReportPage, BothChartsOfTheCurlHaveThePlantsBand) {
   const std::string page = report_of_run(v1::Job(), run_with(35, 45));
-  EXPECT_EQ(count_of(page, "\"wanted\":{\"low\":35.0,\"high\":45.0"), 2);
+  EXPECT_EQ(count_of(page, "\"region\":{\"low\":0.035,\"high\":0.045"), 2);
 }
 
 TEST(ReportPage, ItsFaceHasQualityDateAndVersion) {
@@ -230,7 +231,7 @@ TEST(ReportPage, ACurlWithErrorsHasItsBand) {
   const std::string page = report_of_run(v1::Job(), result);
   EXPECT_THAT(page, HasSubstr("<em>± 1.60 mm</em>"));
   EXPECT_THAT(page, HasSubstr("the band of the case&#39;s quality"));
-  EXPECT_EQ(count_of(page, "\"low\":[7.68,"), 2) << "in both charts of the curl";
+  EXPECT_EQ(count_of(page, "\"low\":[0.00768,"), 2) << "in both charts of the curl";
   EXPECT_THAT(page, Not(HasSubstr("discretisation is not known")));
 }
 

@@ -132,7 +132,7 @@ TEST_F(Validity, CurlMarksItInTableCsvAndJson) {
 TEST_F(Validity, TheReportShadesTheRegionAndSaysASentence) {
   const std::string page = run({"report", "job", "-o", "-"}).out;
   EXPECT_THAT(page, HasSubstr(std::string("<p class='invalid'>This run is ") + sentence));
-  EXPECT_THAT(page, HasSubstr("\"beyond\":3.0"));
+  EXPECT_THAT(page, HasSubstr("\"beyond_x\":3.0"));
   EXPECT_THAT(page, HasSubstr("Shaded red: beyond validity."));
   EXPECT_THAT(page, HasSubstr("Figures of the last step are beyond validity."));
   EXPECT_THAT(page, HasSubstr("last step, beyond validity"));

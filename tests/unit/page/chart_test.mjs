@@ -68,10 +68,10 @@ test('between the points of a line its value is linear, outside there is none', 
 });
 
 test('a wanted range may have one end, or none', () => {
-  assert.deepEqual(wantedBand({least_m: 0.035, greatest_m: 0.045}), {low: 35, high: 45});
-  assert.deepEqual(wantedBand({least_m: null, greatest_m: 0.045}), {low: -Infinity, high: 45});
-  assert.deepEqual(wantedBand({least_m: 0.035, greatest_m: null}), {low: 35, high: Infinity});
-  assert.equal(wantedBand({least_m: null, greatest_m: null}), null);
+  assert.deepEqual(wantedBand({least_curl_m: 0.035, greatest_curl_m: 0.045}), {low: 35, high: 45});
+  assert.deepEqual(wantedBand({greatest_curl_m: 0.045}), {low: -Infinity, high: 45});
+  assert.deepEqual(wantedBand({least_curl_m: 0.035}), {low: 35, high: Infinity});
+  assert.equal(wantedBand({}), null);
   assert.equal(wantedBand(undefined), null);
 });
 

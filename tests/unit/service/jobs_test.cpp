@@ -227,6 +227,25 @@ TEST_F(JobsTest, HaveAHistoryInPages) {
   user_.refusal(INVALID_ARGUMENT, &Stub::QueryResult, request);
 }
 
+TEST_F(JobsTest, HaveSamplesOfTheirHistory) {
+  auto request = of<v1::QueryResultRequest>(ended_job(user_, submission(), history(1, 60)).id());
+  const auto sampled = [&](int samples) {
+    request.set_samples(samples);
+    return numbers({user_.ask(&Stub::QueryResult, request)});
+  };
+  EXPECT_EQ(sampled(60), counted(1, 60));
+  EXPECT_EQ(sampled(1000), counted(1, 60));
+  EXPECT_EQ(sampled(7), (std::vector<std::int64_t>{1, 17, 33, 49, 60}));
+  EXPECT_EQ(sampled(2), (std::vector<std::int64_t>{1, 60}));
+
+  EXPECT_FALSE(user_.ask(&Stub::QueryResult, request).has_case_());
+  for (const int samples : {-1, 1, 1001}) {
+    request.set_samples(samples);
+    EXPECT_THAT(user_.refusal(INVALID_ARGUMENT, &Stub::QueryResult, request).error_message(),
+                HasSubstr("permitted: 0, or 2 to 1000"));
+  }
+}
+
 TEST_F(JobsTest, HaveAHistoryInPagesOfBoundedSize) {
   const std::string id = ended_job(user_, submission(), history(1, 25'000)).id();
   const auto all = pages(id, 0);

@@ -1,18 +1,12 @@
-#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "client/html/html_parts.hpp"
-#include "client/html/judgement_parts.hpp"
-#include "client/html/pages.hpp"
 #include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/schedule.hpp"
 
-namespace dccast::client {
+namespace dccast::case_file {
 namespace {
-
-using case_file::CastingSchedule, case_file::Face, case_file::Instant;
 
 /// What a line shows: its name, and its value at an instant.
 struct Planned {
@@ -79,20 +73,9 @@ v1::Chart water_chart(const CastingSchedule& schedule) {
 
 }  // namespace
 
-Json casting_drawing(const v1::Case& complete) {
-  constexpr int most_points = 400;  // of a line
+std::vector<v1::Chart> planned_charts(const v1::Case& complete) {
   const CastingSchedule schedule(complete);
-  return {{"case", to_json(complete)},
-          {"charts", std::vector<Json>{chart_json(speed_chart(schedule), most_points),
-                                       chart_json(water_chart(schedule), most_points)}}};
+  return {speed_chart(schedule), water_chart(schedule)};
 }
 
-std::string casting_page(const v1::Case& complete) {
-  const std::string title = html_escaped(complete.title());
-  return whole_page(
-      title, element("h1", title),
-      element("p class='answer'", html_escaped(case_file::casting_summary(complete))) +
-          card("Start of the casting", drawn("casting", casting_drawing(complete))));
-}
-
-}  // namespace dccast::client
+}  // namespace dccast::case_file
