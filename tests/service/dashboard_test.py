@@ -19,6 +19,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
+import own_mesh_test
 from dccast.v1 import case_pb2, job_pb2, service_pb2
 from support import BIN, WAIT_FACTOR, ServiceTest, fake_case, main, until
 
@@ -808,6 +809,7 @@ class RealPages(InBrowser):
         upload.send_keys(faulty)
         self.wait_for("casting_sped", "#found")
         self.assertNotIn("root:", self.text("#found"))
+        self.browser.execute_script("arguments[0].value = ''", upload)  # else the new file is one more
         upload.send_keys(own)
         self.wait_up_to(20).until(
             lambda b: "casting_sped" not in b.find_element(By.ID, "found").text)
@@ -821,6 +823,29 @@ class RealPages(InBrowser):
         self.assertEqual(self.find("#base").get_attribute("value"), "page: my line 3.toml")
         self.assertNotIn("/", "".join(option.text for option in self.browser.find_elements(
             By.CSS_SELECTOR, "#base option")))
+        self.assertEqual(self.complaints(), [])
+
+    def test_a_case_with_its_mesh_and_card_is_uploaded(self):
+        names = ("case.toml", "cells.msh", "own.toml")
+        case, mesh, card = (os.path.join(self.folder, name) for name in names)
+        own_mesh_test.writers_of_the_page()[0](mesh, 0.28, 0.10, 0.02)
+        shutil.copy(os.path.join(CASES, "alloys", "aa5182.toml"), card)
+        text = own_mesh_test.CASE.replace("\n[mesh]", '\n[mesh]\nfile = "cells.msh"\ngrowth = false')
+        text = text.replace('card = "paper"', 'card = "./own.toml"').replace('end = "145 s"', 'end = "20 s"')
+        text = re.sub("casting_speed = .*", 'casting_speed = "0 mm/min"', text)
+        with open(case, "w", encoding="utf-8") as file:
+            file.write(text)
+        self.go("new")
+        self.find("#found svg.casting", 40)
+        upload = self.find("#new-file")
+        upload.send_keys(case)
+        self.wait_for("choose these files together", "#found")
+        upload.send_keys("\n".join((card, mesh, case)))
+        self.wait_for("of one processor", "#found", seconds=60)
+        self.press("Queue as a job", "#found")
+        self.wait_for("Queued as", "#found", seconds=60)
+        job = self.text("#found p[role=status] a")
+        self.client.until_state(job, job_pb2.SUCCEEDED, seconds=120)
         self.assertEqual(self.complaints(), [])
 
     def test_a_case_by_a_form(self):
@@ -841,6 +866,38 @@ class RealPages(InBrowser):
             service_pb2.QueryResultRequest(id=job), timeout=20).case
         self.assertAlmostEqual(case.section.half_width_m, 0.8)
         self.client.cancel(job)
+        self.assertEqual(self.complaints(), [])
+
+    def test_a_former_job_is_marked_taken_up_fetched_and_deleted(self):
+        with open(os.path.join(CASES, "start-2d-thickness.toml"), encoding="utf-8") as file:
+            read = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read(), changes=[
+                job_pb2.CaseChange(key="quality", value="draft"),
+                job_pb2.CaseChange(key="time.end", value="20 s")]), timeout=20)
+        job = self.client.submit(read.case).id
+        self.client.until_state(job, job_pb2.SUCCEEDED, seconds=60)
+        self.go(f"job/{job}")
+        self.wait_for("since the block started", "p.answer")
+        for name in ("curl.csv", "results.h5"):
+            size = self.browser.execute_async_script(
+                "fetch(arguments[0]).then(r => r.blob()).then(b => arguments[1](b.size))",
+                self.find(f"a[href$='{name}']").get_attribute("href"))
+            self.assertGreater(size, 500, name)
+
+        self.find("#label").send_keys("line=3")
+        self.press("Add")
+        self.wait_for("line=3", ".label")
+        self.find("main input[type=checkbox]").click()
+        until(lambda: self.client.job(job).pinned, 10)
+        self.assertEqual(list(self.client.job(job).labels), ["line=3"])
+        self.read("[aria-label='Remove the label line=3']", lambda button: button.click())
+        until(lambda: not self.client.job(job).labels, 10)
+
+        self.press("What-if with it")
+        self.wait_for("As it is: corner", seconds=60)
+        self.go(f"job/{job}")
+        self.press("Delete")
+        self.press("Delete it", "dialog")
+        self.wait_for("No jobs yet")
         self.assertEqual(self.complaints(), [])
 
 

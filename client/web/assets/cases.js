@@ -1,17 +1,17 @@
 // Cases as a page holds them: files named when the dashboard was started, texts that were opened or
 // made on a page, and built-in ones.
-import {call, get, stream} from './api.js';
+import {call, get, stream, upload} from './api.js';
 import {addStep} from './history.js';
 
-const opened = new Map();  // text by name, until the page is closed
+const opened = new Map();  // {text, attachments} by name, until the page is closed
 let known;
 const knownCases = () => known ??= get('/cases/');
 
-/** Keeps a text. @return the name by which it is found */
-export function keepCase(name, text) {
+/** Keeps a case that was read. @return the name by which it is found */
+export function keepCase(name, {text, attachments}) {
   const own = `page: ${name}`;
   opened.delete(own);
-  opened.set(own, {text});
+  opened.set(own, {text, attachments});
   return own;
 }
 
@@ -42,12 +42,18 @@ function named(refusal) {
   throw refusal;
 }
 
-async function read(source, attachments, changes) {
+/** @param files  of the browser, among which are those that the case names */
+async function read(source, {attachments = [], changes = [], files = []} = {}) {
   const answer = await call('ReadCase', {...source, changes});
   refuse(answer.faults, answer.lines);
-  if (answer.files.length > attachments.length)
-    throw new Error(`the case names files (${answer.files.join(', ')}); send it with dccast submit`);
-  return {...answer, attachments, changes};
+  if (attachments.length) return {...answer, attachments, changes};
+
+  const wanted = answer.files.map(path => path.split(/[/\\]/).at(-1));
+  const found = wanted.map(name => files.find(file => file.name === name));
+  const missing = wanted.filter((name, i) => !found[i]);
+  if (missing.length)
+    throw new Error(`the case names ${missing.join(', ')}: choose these files together with it`);
+  return {...answer, attachments: await Promise.all(found.map(upload)), changes};
 }
 
 /** "KEY=VALUE" as CaseChange. */
@@ -62,17 +68,19 @@ function changeOf(text) {
  * @return the answer of ReadCase with attachments and changes; rejects with its faults
  */
 export async function readCase(name, changes = []) {
-  const {text, shipped, attachments = []} = await sourceOf(name);
-  return read(shipped ? {shipped} : {text}, attachments, changes.map(changeOf));
+  const {text, shipped, attachments} = await sourceOf(name);
+  return read(shipped ? {shipped} : {text}, {attachments, changes: changes.map(changeOf)});
 }
-/** The same of a text that was opened. */
-export const readText = text => read({text}, [], []);
+/** The same of a text that was opened. @param files  of the browser, which it may name */
+export const readText = (text, files) => read({text}, {files});
 /** The start of a slab by a few figures: {size, alloy, speed, water}. */
-export const readSlab = slab => read({slab}, [], []);
+export const readSlab = slab => read({slab});
 
-/** Has the server check a case. Rejects with its faults. */
+/** Has the server check a case. @return its answer; rejects with the faults */
 export async function checkCase({case: description, attachments}) {
-  refuse((await call('ValidateCase', {case: description, attachments})).faults);
+  const verdict = await call('ValidateCase', {case: description, attachments});
+  refuse(verdict.faults);
+  return verdict;
 }
 
 /** The text of a case with its changes. */

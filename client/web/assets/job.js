@@ -1,6 +1,7 @@
 // One job: its answer, its curl as it grows, its findings, its slab, its report.
 import {call, get, getBytes, post, repeat, shared} from './api.js';
-import {cancelJobs} from './cancel.js';
+import {cancelJobs, confirmed} from './cancel.js';
+import {keepCase} from './cases.js';
 import {chart, wantedBand} from './chart.js';
 import {copyBox} from './copy_box.js';
 import {durationText, findingList, h, mm, monitorText, replace, shortId, stateText} from './dom.js';
@@ -40,6 +41,37 @@ function linkButton(job) {
     'Link');
 }
 
+/**
+ * Labels, priority, whether the job is kept, and its end.
+ * @param act  (method, request, then) calls the service
+ */
+function marksOf({id, title, labels = [], pinned, priority, state}, act) {
+  const update = request => act('UpdateJob', request);
+  const button = (text, onclick, name) => h('button', {type: 'button', onclick, 'aria-label': name}, text);
+  const label = h('input', {type: 'text', id: 'label', placeholder: 'line=3'});
+  const kept = h('input', {
+    type: 'checkbox', checked: pinned, onchange: () => update({pinned: kept.checked})
+  });
+  const choice = h('select', {
+    id: 'priority', onchange: () => update({priority: choice.value})
+  }, ['LOW', 'NORMAL', 'HIGH'].map(
+    name => h('option', {value: name, selected: name === priority}, stateText(name))));
+  const remove = async () => {
+    const details = h('p', {class: 'soft'}, 'Its results go, too, and cannot be brought back.');
+    if (await confirmed(`Delete ${title || id}?`, details, 'Delete it', 'Keep it'))
+      await act('DeleteJob', {}, () => { location.hash = '#/jobs'; });
+  };
+  return [
+    ...labels.map(text => h('span', {class: 'label'}, text,
+      button('×', () => update({remove_labels: [text]}), `Remove the label ${text}`))),
+    h('label', {for: 'label'}, 'Label ', label),
+    button('Add', () => label.value.trim() && update({set_labels: [label.value.trim()]})),
+    state === 'QUEUED' ? h('label', {for: 'priority'}, 'Priority ', choice) : null,
+    h('label', {}, kept, ' Keep when old jobs are deleted'),
+    ended.has(state) ? h('button', {type: 'button', class: 'danger', onclick: remove}, 'Delete') : null
+  ];
+}
+
 /** Drafts of what helps against the findings, on a page of their own. */
 function remedyButton({job, has_levers: hasLevers}) {
   if (!ended.has(job.state) || !hasLevers) return null;
@@ -72,9 +104,18 @@ export function jobPage(element, signal, id) {
   // Buttons stay as they are while the state does: one that is replaced under the pointer is not
   // pressed.
   const title = h('div'), at = h('p'), message = h('p', {class: 'bad', role: 'alert'}),
-        tiles = h('div', {class: 'tiles'}), buttons = h('div', {class: 'bar'});
-  replace(head, title, at, message, tiles, buttons);
-  let stateOfButtons = '';
+        tiles = h('div', {class: 'tiles'}), buttons = h('div', {class: 'bar'}),
+        marks = h('div', {class: 'bar submitter'});
+  replace(head, title, at, message, tiles, buttons, marks);
+  let stateOfButtons = '', stateOfMarks = '';
+
+  const download = (name, text) =>
+    h('a', {class: 'button', href: `/jobs/${id}/${name}`, download: `${shortId(id)}-${name}`}, text);
+  // Its files are with the server, under the names that its case has.
+  const changeIt = () => {
+    const {job, case: text, attachments} = shown;
+    location.hash = `#/what-if/${encodeURIComponent(keepCase(job.title || shortId(id), {text, attachments}))}`;
+  };
 
   function drawHead({job, steps}) {
     const step = job.last_step || {};
@@ -126,6 +167,11 @@ export function jobPage(element, signal, id) {
         ? h('progress', {value: step.progress || 0, max: 1, 'aria-label': 'Progress'})
         : null,
       job.state === 'RUNNING' && job.ends_in_s ? ` about ${durationText(job.ends_in_s)} left` : '');
+    const marked = JSON.stringify([job.state, job.labels, job.pinned, job.priority]);
+    if (stateOfMarks !== marked)
+      replace(marks, marksOf(job, (name, request, then = load) =>
+        call(name, {id: job.id, ...request}).then(then, fault => replace(message, fault.message))));
+    stateOfMarks = marked;
     if (stateOfButtons === job.state) return;
     stateOfButtons = job.state;
     replace(
@@ -133,7 +179,10 @@ export function jobPage(element, signal, id) {
       job.state === 'PAUSED' ? act('ResumeJob', 'Resume') : null,
       ended.has(job.state) ? null : cancel(), linkButton(job),
       h('a', {class: 'button', href: `/jobs/${job.id}/report`, target: '_blank', rel: 'noopener'},
-        'Report'));
+        'Report'),
+      download('curl.csv', 'Curl as CSV'),
+      job.state === 'SUCCEEDED' ? download('results.h5', 'Results') : null,
+      h('button', {type: 'button', class: 'submitter', onclick: changeIt}, 'What-if with it'));
   }
 
   function drawCurves({steps, wanted}) {

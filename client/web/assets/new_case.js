@@ -3,7 +3,7 @@
 import {call} from './api.js';
 import {castingDrawing} from './casting.js';
 import {checkCase, keepCase, readSlab, readText, submitCase} from './cases.js';
-import {h, replace} from './dom.js';
+import {durationText, findingList, h, replace} from './dom.js';
 import {fileName, saveBlob} from './save.js';
 
 const fields = [
@@ -23,11 +23,11 @@ export function newCasePage(element, signal) {
     replace(found, h('div', {class: 'card'}, h('p', {class: 'bad lines', role: 'alert'}, text)));
 
   /** What a case casts, with its drawing. @param acts  buttons */
-  function show({summary, complete, charts}, acts) {
+  function show({summary, complete, charts}, judged, acts) {
     const said = h('p', {role: 'status'});
     replace(
       found,
-      h('div', {class: 'card'}, h('p', {}, summary),
+      h('div', {class: 'card'}, h('p', {}, summary), judged,
         castingDrawing({case: complete, charts}),
         h('div', {class: 'bar'}, acts(said)), said));
   }
@@ -40,9 +40,15 @@ export function newCasePage(element, signal) {
         await act();
       } catch (fault) { complain(fault.message); }
     };
-    show(made, said => [
+    const judged = h('div', {role: 'status'});
+    checkCase(made).then(({estimate, findings}) => replace(judged,
+      h('p', {class: 'soft'}, `About ${durationText(estimate.solver_s)} of one processor, ${
+        estimate.nodes} nodes, ${estimate.steps} steps.`),
+      findings.length ? findingList(findings) : null
+    ), ({message}) => replace(judged, h('p', {class: 'bad lines', role: 'alert'}, message)));
+    show(made, judged, said => [
       button('What-if with it', follow(() => {
-        location.hash = `#/what-if/${encodeURIComponent(keepCase(name, made.text))}`;
+        location.hash = `#/what-if/${encodeURIComponent(keepCase(name, made))}`;
       })),
       button('Queue as a job', follow(async () => {
         const {id} = await submitCase(made);
@@ -52,10 +58,13 @@ export function newCasePage(element, signal) {
     ]);
   }
 
-  async function upload(file) {
+  async function open(files) {
+    // A card is TOML, too.
+    const texts = await Promise.all(files.map(each => each.name.endsWith('.toml') ? each.text() : ''));
+    const at = Math.max(0, texts.findIndex(text => /^\[section\]/m.test(text))), file = files[at];
     if (!file) return;
     try {
-      const text = await file.text(), made = await readText(text);
+      const made = await readText(texts[at], files);
       await checkCase(made);
       if (!signal.aborted) present(file.name, made);
     } catch (fault) { complain(fault.message); }
@@ -86,8 +95,8 @@ export function newCasePage(element, signal) {
   const file = h('input', {
     type: 'file',
     id: 'new-file',
-    accept: '.toml,text/plain',
-    onchange: () => upload(file.files[0])
+    multiple: true,
+    onchange: () => open([...file.files])
   });
   replace(
     element, h('h1', {}, 'New case'),
@@ -117,8 +126,7 @@ export function newCasePage(element, signal) {
           },
           'File ', file),
         h('p', {class: 'soft'},
-          'The server checks it. A case that names further files, such as a mesh, is sent with ',
-          'dccast submit.'))),
+          'The server checks it. Choose the files that it names, such as a mesh or a card, with it.'))),
     found);
   call('ListAlloys')
     .then(({alloys}) => {

@@ -6,6 +6,7 @@ import {chart, wantedBand} from './chart.js';
 import {findingList, fixed, h, monitorText, replace} from './dom.js';
 import {judgement, plant} from './drawn.js';
 import {addStep, curlLines, lastMonitors, lengthsDiffer} from './history.js';
+import {saveBlob} from './save.js';
 import {changeText, givenOf, levers, leverText} from './levers.js';
 
 /** "PLACE: VALUE" lines as a table of a case file; null of none. */
@@ -205,12 +206,7 @@ export function whatIfPage(element, signal, wanted) {
   async function save() {
     try {
       const text = await textOf(await read(changes()));
-      const link = h('a', {
-        href: URL.createObjectURL(new Blob([text], {type: 'text/plain'})),
-        download: 'what-if.toml'
-      });
-      link.click();
-      URL.revokeObjectURL(link.href);
+      saveBlob('what-if.toml', new Blob([text], {type: 'text/plain'}));
       replace(kept, 'Saved as what-if.toml');
     } catch (fault) { replace(kept, h('span', {class: 'bad'}, fault.message)); }
   }
