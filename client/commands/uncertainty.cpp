@@ -14,6 +14,8 @@ namespace {
 struct DataOptions : StudyOptions {
   DataPlan plan;
   std::string point, band;
+  std::string line;
+  bool assume_sound = false;
 };
 
 /// Converts "35..45 mm" to the curl limits of the case.
@@ -68,7 +70,10 @@ ExitCode run(DataOptions options, const Kind& kind, Program& program) {
   }
 
   if (!options.no_wait) follow_with_progress(connection, id, come_back + id);
-  const auto answer = judge_study(connection, {.id = id, .monitor = options.point});
+  const auto answer = judge_study(connection, {.id = id,
+                                               .monitor = options.point,
+                                               .line = options.line,
+                                               .assume_sound = options.assume_sound});
   print_answer(options, answer);
   return exit_code_of(answer, kind.has_answer(answer));
 }
@@ -99,6 +104,7 @@ void add_uncertainty(CommandLine& line, Program& program) {
       "first",
       "dccast uncertainty start-3d.toml --band '35..45 mm'\n"
       "  dccast uncertainty my.toml --runs 100 --only alloy.coherency_solid_fraction\n"
+      "  dccast uncertainty --study ID --line pit-3   given what was cast there\n"
       "  dccast uncertainty --study ID --no-wait      what there is so far\n"
       "\n"
       "Ranges are given in [uncertainty] of case and alloy card (docs/uncertainty.md). Runs are\n"
@@ -106,6 +112,10 @@ void add_uncertainty(CommandLine& line, Program& program) {
   command.number("--runs", options.plan.runs, 8, 10000, "Runs of the Latin hypercube");
   command.option("--seed", options.plan.seed, "Its seed", shown);
   command.option("--band", options.band, "Curls that the plant accepts, as 35..45 mm");
+  command.option("--line", options.line,
+                 "Condition the answer on the castings of this line (dccast line add)");
+  command.flag("--assume-sound", options.assume_sound,
+               "Condition it on 200 sound castings that nobody has recorded");
   add_common(command, options,
              "Write an HTML page with the bands of data and of mesh; - for standard output");
 }

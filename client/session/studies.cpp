@@ -183,6 +183,8 @@ v1::StudyJudgement judge_study(Connection& connection, const StudyQuestion& ques
   request.set_monitor(question.monitor);
   request.set_with_result(true);
   request.set_with_curves(question.curves);
+  request.set_line(question.line);
+  request.set_assume_sound(question.assume_sound);
   return connection.call(&Stub::JudgeStudy, request);
 }
 

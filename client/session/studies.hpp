@@ -66,6 +66,8 @@ struct StudyQuestion {
   std::string id{};
   std::string monitor{};  ///< whose curl is judged; empty: output.curl, or the largest
   bool curves = false;    ///< with the curl of every run against time
+  std::string line{};     ///< whose castings condition an uncertainty; empty: none
+  bool assume_sound = false;
 };
 /// What the server concludes from a study so far, with the figures. Throws CommandFailed.
 v1::StudyJudgement judge_study(Connection& connection, const StudyQuestion& question);

@@ -43,7 +43,7 @@ results::RunHeader header_of(const Case& c) {
   header.dimension = mesh::dimension_of(c.section.kind);
   header.liquidus = c.alloy.liquidus;
   header.solidus = c.alloy.solidus;
-  header.shell = c.alloy.retention_temperature();
+  header.shell = c.alloy.shell_temperature();
 
   for (const Monitor& monitor : c.monitors) {
     header.monitor_name.push_back(monitor.name);

@@ -68,13 +68,14 @@ struct HotTearWindow {
 /// above the liquidus its value at the liquidus is used (MechanicalProperties::kappa).
 struct AlloyCard {
   std::string name;
-  double liquidus = not_given;    ///< [°C]
-  double solidus = not_given;     ///< [°C]; equal to the liquidus for a pure metal
-  double coherency = not_given;   ///< [°C] below it the mush transmits stress
-  std::optional<double> release;  ///< [°C] below it the mould releases metal; absent: the solidus
-  std::optional<double> retention;  ///< [°C] below it metal does not flow out; absent: as release
-  double latent_heat = not_given;   ///< [J/kg]
-  Curve density;                    ///< [kg/m3] of the mixture of solid and liquid
+  double liquidus = not_given;   ///< [°C]
+  double solidus = not_given;    ///< [°C]; equal to the liquidus for a pure metal
+  double coherency = not_given;  ///< [°C] below it the mush transmits stress
+  /// [°C] below it metal holds melt back and is a shell, which the mould releases; absent: the
+  /// solidus
+  std::optional<double> shell;
+  double latent_heat = not_given;  ///< [J/kg]
+  Curve density;                   ///< [kg/m3] of the mixture of solid and liquid
   /// [kg/m3] of a fixed volume when feeding ends: all its metal stores heat. Absent: the density at
   /// its temperature, as in the paper (ThermalProperties).
   std::optional<double> fed_density;
@@ -93,10 +94,7 @@ struct AlloyCard {
   std::optional<ColdStrength> cold_strength;  ///< absent: creep alone limits the stress
   HotTearWindow hot_tears;
 
-  double release_temperature() const { return release.value_or(solidus); }  ///< [°C]
-  double retention_temperature() const {                                    ///< [°C]
-    return retention.value_or(release_temperature());
-  }
+  double shell_temperature() const { return shell.value_or(solidus); }  ///< [°C]
 };
 
 }  // namespace dccast::material

@@ -72,11 +72,10 @@ public:
   /// @pre has_yield_limit()
   YieldLimit yield_limit(double temperature) const;
 
-  double coherency() const { return card_.coherency; }                ///< [°C]
-  double liquidus() const { return card_.liquidus; }                  ///< [°C]
-  double release() const { return card_.release_temperature(); }      ///< [°C] of the mould
-  double retention() const { return card_.retention_temperature(); }  ///< [°C] of the melt
-  double coalescence() const { return coalescence_; }                 ///< [°C]
+  double coherency() const { return card_.coherency; }        ///< [°C]
+  double liquidus() const { return card_.liquidus; }          ///< [°C]
+  double shell() const { return card_.shell_temperature(); }  ///< [°C]
+  double coalescence() const { return coalescence_; }         ///< [°C]
 
 private:
   /// Thermal stretch of the solid alone at a temperature, without the mush [1].

@@ -455,7 +455,7 @@ void SlabMechanics<Dim>::set_supports(State& state, const SlabStepInput& input,
         unknowns.contact_multiplier.push_back(state.contact_multiplier[i]);
     }
   }
-  supports_.hold_sides(problem_, options_, of_body_, input.node_temperature, properties_.release(),
+  supports_.hold_sides(problem_, options_, of_body_, input.node_temperature, properties_.shell(),
                        input.mould_level.value_or(input.metal_level) - options_.mould_length,
                        displacement_, state.leaning, unknowns.contact);
   if (!unknowns.contact_multiplier.empty())

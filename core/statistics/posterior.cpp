@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include "core/statistics/sampling.hpp"
 
@@ -120,19 +122,35 @@ double metropolis_step(Population& population, const LogLikelihood& likelihood, 
   return static_cast<double>(moved) / static_cast<double>(count);
 }
 
+/// Number of different rows.
+double number_of_different(const Eigen::MatrixXd& places) {
+  std::set<std::vector<double>> rows;
+  for (Eigen::Index i = 0; i < places.rows(); ++i) {
+    const Eigen::RowVectorXd row = places.row(i);
+    rows.emplace(row.begin(), row.end());
+  }
+  return static_cast<double>(rows.size());
+}
+
 /// Moves the draws until they have forgotten where they began.
 /// @param length  [1] of a step, relative to the spread of the draws; adapted to the acceptance
-void walk(Population& population, const LogLikelihood& likelihood, double power, double& length,
-          Random& random) {
+/// @return        PosteriorDraws::effective
+double walk(Population& population, const LogLikelihood& likelihood, double power, double& length,
+            Random& random) {
   const Eigen::MatrixXd factor = covariance_factor(population.places);
   const Eigen::MatrixXd begin = population.places;
   const double enough = power < 1.0 ? forgotten : forgotten_at_last;
 
   for (int i = 0; i < most_steps; ++i) {
-    if (i >= 2 && !(largest_correlation(begin, population.places) > enough)) return;
+    if (i >= 2 && !(largest_correlation(begin, population.places) > enough)) break;
     const double accepted = metropolis_step(population, likelihood, power, length * factor, random);
     length = std::clamp(length * std::exp(accepted - wanted_acceptance), 1e-3, 3.0);
   }
+
+  const auto count = static_cast<double>(begin.rows());
+  const double different = number_of_different(begin);
+  const double renewed = 1.0 - largest_correlation(begin, population.places);
+  return different + std::clamp(renewed, 0.0, 1.0) * (count - different);
 }
 
 }  // namespace
@@ -155,7 +173,7 @@ PosteriorDraws draw_posterior(const LogLikelihood& likelihood, int inputs, int d
 
     power = growth >= 1.0 - power ? 1.0 : power + growth;
     population = resample(population, weight, random);
-    walk(population, likelihood, power, length, random);
+    result.effective = walk(population, likelihood, power, length, random);
   }
 
   result.places = std::move(population.places);

@@ -14,6 +14,9 @@ using LogLikelihood = std::function<Eigen::VectorXd(const Eigen::MatrixXd&)>;
 struct PosteriorDraws {
   Eigen::MatrixXd places;     ///< (draw, input), in the units of the prior
   double log_evidence = 0.0;  ///< logarithm of the mean likelihood over the prior
+  /// Number of draws that are nearly independent of each other [1]: those that differed when the
+  /// last walk began, and of the others the share that the walk has renewed.
+  double effective = 0.0;
 };
 
 /// Draws from the posterior of inputs whose prior is independent and standard normal. The

@@ -101,10 +101,14 @@ Classifier::Classifier(const Eigen::MatrixXd& places, const std::vector<bool>& y
   misjudged_ = (answers.cwiseProduct(answers - error).array() < 0.0).cast<double>().mean();
 }
 
+Eigen::VectorXd Classifier::answer(const Eigen::MatrixXd& places) const {
+  if (answers_.empty())
+    return Eigen::VectorXd::Constant(places.rows(), normal_quantile(uniform_probability_));
+  return answers_.front().means(places);
+}
+
 Eigen::VectorXd Classifier::probability(const Eigen::MatrixXd& places) const {
-  if (answers_.empty()) return Eigen::VectorXd::Constant(places.rows(), uniform_probability_);
-  return answers_.front().means(places).unaryExpr(
-      [this](double mean) { return normal_below(mean / error_); });
+  return answer(places).unaryExpr([this](double mean) { return normal_below(mean / error_); });
 }
 
 DesignScore score_design(const DesignProblem& problem, const Eigen::RowVectorXd& design,

@@ -22,13 +22,17 @@ public:
   /// (place) 0 to 1. If all answers are equal, the same everywhere, by Laplace's rule, and neither
   /// 0 nor 1. @param places  (place, input)
   Eigen::VectorXd probability(const Eigen::MatrixXd& places) const;
+  /// (place) estimated answer, 1 for yes, -1 for no, whose error is normal.
+  /// @param places  (place, input)
+  Eigen::VectorXd answer(const Eigen::MatrixXd& places) const;
+  double error() const { return error_; }  ///< standard deviation of the error of an answer
   /// Share of the points that are judged wrongly when they are left out [1].
   double misjudged() const { return misjudged_; }
 
 private:
   std::vector<GaussianProcess> answers_;  ///< empty if all answers are equal
   double uniform_probability_ = 0.5;      ///< used then
-  double error_ = 1.0;                    ///< root mean square of the leave-one-out errors
+  double error_ = 1.0;  ///< root mean square of the leave-one-out errors; 1 if all are equal
   double misjudged_ = 0.0;
 };
 

@@ -61,6 +61,15 @@ double normal_below(double x) {
   return 0.5 * std::erfc(-x / std::numbers::sqrt2);
 }
 
+double normal_quantile(double share) {
+  double low = -9.0, high = 9.0;  // beyond these no share differs from 0 or 1
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (normal_below(middle) < share ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 double quantile(const Eigen::VectorXd& sorted, double share) {
   const double position = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<Eigen::Index>(position);

@@ -14,6 +14,8 @@ double normal(std::mt19937_64& random);   ///< mean 0, variance 1 (Box and Mulle
 
 /// Probability that a standard normal number is smaller than `x`.
 double normal_below(double x);
+/// The standard normal number below which a share of them lies. @param share  within 0 to 1
+double normal_quantile(double share);
 
 /// Quantile of numbers, linear between them.
 /// @param sorted  ascending, one or more  @param share  0 to 1

@@ -24,14 +24,22 @@ void clear_what_only_resolves(v1::Case& complete) {
   *complete.mutable_mesh() = kept;
 }
 
+void clear_what_only_judges(v1::Case& complete) {
+  complete.clear_plausibility();
+  complete.clear_validity();
+  complete.clear_monitor();
+  complete.clear_time();
+}
+
 }  // namespace
 
 std::string fingerprint(v1::Case complete, Same same,
                         const std::map<std::string, std::string>& files) {
   complete.clear_title();
   if (same != Same::input) complete.clear_checkpoint();
-  if (same == Same::answer) complete = without_ranges(std::move(complete));
-  if (same == Same::casting) clear_what_only_resolves(complete);
+  if (same == Same::answer || same == Same::recipe) complete = without_ranges(std::move(complete));
+  if (same == Same::casting || same == Same::recipe) clear_what_only_resolves(complete);
+  if (same == Same::recipe) clear_what_only_judges(complete);
 
   std::string text;
   const auto status = google::protobuf::util::MessageToJsonString(complete, &text);

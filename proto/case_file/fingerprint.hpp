@@ -14,6 +14,8 @@ enum class Same {
   answer,   ///< all that determines the figures of a run: not checkpoints, nor ranges of data
   casting,  ///< what is cast, with the ranges of its data: not quality, mesh, time steps, and keys
             ///< that do not affect the results
+  recipe,   ///< what a plant casts: as casting, without ranges of data, limits of findings,
+            ///< monitors and the end
 };
 
 /// SHA-256 of a case, equal for cases that are the same. Taken over canonical JSON, which does not

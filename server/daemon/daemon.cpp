@@ -29,6 +29,7 @@
 #include "server/jobs/executors/local_executor.hpp"
 #include "server/jobs/executors/slurm_executor.hpp"
 #include "server/jobs/executors/warm_workers.hpp"
+#include "server/jobs/folder/job_description.hpp"
 #include "server/jobs/log.hpp"
 #include "server/jobs/queue/ended_jobs.hpp"
 #include "server/service/forecasts.hpp"
@@ -285,8 +286,10 @@ void add_lost_castings(jobs::JobStore& store, const state::StateFolder& folder,
     if (!jobs::follows_readings(of_job)) continue;
     try {
       const v1::Following following = jobs::ReadingsReader(of_job).following();
-      if (!following.line().empty())
-        lines.add_lost(following.line(), job.owner(), studies::make_line_casting(job, following));
+      v1::Case complete;
+      if (!following.line().empty() && jobs::read_complete_case(of_job, complete))
+        lines.add_lost(following.line(), job.owner(),
+                       studies::make_line_casting(job, following, complete));
     } catch (const std::exception& error) {
       log::warn("job {} may be missing on its line: {}", job.id(), error.what());
     }

@@ -90,7 +90,8 @@ std::vector<studies::EarlierCasting> castings_before(const std::string& job, con
 
   std::vector<studies::EarlierCasting> earlier;
   for (auto casting = line.castings().begin(); casting != own; ++casting)
-    if (casting->ended())
+    // A typed casting has no curl against time.
+    if (casting->ended() && casting->has_following())
       earlier.push_back({*casting, studies.find(casting->following().ensemble()),
                          studies.find(casting->following().pairs())});
   return earlier;

@@ -226,7 +226,9 @@ v1::Job submit_on_line(Context& context, const Call& call, const jobs::NewJob& j
   check_line(context, call.caller, name);
 
   v1::Job submitted = context.scheduler.submit(job, attachments);
-  line.add(studies::make_line_casting(submitted, *job.following));
+  v1::Case complete;
+  complete.ParseFromString(job.description.complete_case);
+  line.add(studies::make_line_casting(submitted, *job.following, complete));
   return submitted;
 }
 

@@ -63,6 +63,10 @@ public:
   // lines.cpp
   Unary* ListLines(Wire*, const v1::ListLinesRequest*, v1::ListLinesResponse*) override;
   Unary* GetLine(Wire*, const v1::GetLineRequest*, v1::Line*) override;
+  Unary* AddCastings(Wire*, const v1::AddCastingsRequest*, v1::AddCastingsResponse*) override;
+  Unary* EditCasting(Wire*, const v1::EditCastingRequest*, v1::LineCasting*) override;
+  Unary* ForgetCastings(Wire*, const v1::ForgetCastingsRequest*,
+                        v1::ForgetCastingsResponse*) override;
   Unary* RestartLine(Wire*, const v1::RestartLineRequest*, v1::Line*) override;
   Unary* DeleteLine(Wire*, const v1::DeleteLineRequest*, v1::DeleteLineResponse*) override;
 

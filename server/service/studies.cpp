@@ -17,12 +17,14 @@
 #include "server/jobs/folder/job_description.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/judging/judged_study.hpp"
+#include "server/service/forecasts.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
 #include "server/service/simulation_service.hpp"
 #include "server/service/submissions.hpp"
 #include "server/studies/data_axes.hpp"
+#include "server/studies/line_experience.hpp"
 
 namespace dccast::service {
 
@@ -256,7 +258,37 @@ std::string write_found_case(Context& context, const v1::JudgeStudyRequest& requ
   }
 }
 
-void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudgement& response) {
+/// Adds what the castings of a line say of an uncertainty. @throws Refusal
+void add_experience(Context& context, const Call& call, const v1::JudgeStudyRequest& request,
+                    judging::StudyToJudge& study) {
+  if (study.result.study().sweep().purpose() != v1::SweepPlan::UNCERTAINTY)
+    refuse(Remedy{"ask about a study of `dccast uncertainty`"},
+           "the castings of a line condition an uncertainty alone, and study {} is none",
+           request.id());
+
+  v1::Line line;
+  if (!request.line().empty()) {
+    check_line_name(request.line());
+    const auto& reading = access::rule_of(*v1::GetLineRequest::descriptor());
+    const auto status = context.gate.permit_touch(call.caller, reading, request.line());
+    if (!status.ok()) throw Refusal{status};
+    line = learned_line(context, request.line());
+  }
+
+  v1::CreateStudyRequest known;
+  known.mutable_sweep()->set_further_of(request.id());
+  const auto attachments = of_study(request.id(), context.studies.requests().complete(known));
+  const v1::Case base = context.intake.complete_case(known.case_(), attachments).complete;
+  try {
+    *study.result.mutable_experience() =
+        studies::experience_of(study.result, {base, study.monitor, line, request.assume_sound()});
+  } catch (const studies::CannotPredict& reason) {
+    study.result.set_experience_fault(reason.what());
+  }
+}
+
+void judge(Context& context, const Call& call, const v1::JudgeStudyRequest& request,
+           v1::StudyJudgement& response) {
   v1::EvaluateStudyRequest evaluation;
   evaluation.set_id(request.id());
   evaluation.set_curves(request.with_curves());
@@ -278,6 +310,9 @@ void judge(Context& context, const v1::JudgeStudyRequest& request, v1::StudyJudg
     evaluation.set_spread(study.result.monitors(study.monitor));
     study.result = of_study(request.id(), context.studies.evaluation().evaluate(evaluation));
   }
+
+  if (!request.line().empty() || request.assume_sound())
+    add_experience(context, call, request, study);
 
   if (is_remedy) study.runs = judged_runs(context, study.result);
   if (purpose == v1::SweepPlan::SENSITIVITY)
@@ -429,7 +464,7 @@ Unary* SimulationService::JudgeStudy(Wire* wire, const v1::JudgeStudyRequest* re
                                      v1::StudyJudgement* response) {
   return answer(wire, *request, pools_.histories, [=, this](const Call& call) {
     check_may_read_castings(context_, call, request->castings());
-    judge(context_, *request, *response);
+    judge(context_, call, *request, *response);
   });
 }
 

@@ -175,15 +175,13 @@ material::AlloyCard alloy(const v1::Alloy& from, double size) {
                      from.liquid_conductivity_w_per_m_k());
   set_coherency(from, to);
   if (is_fed(from.cell_mass())) to.fed_density = fed_density(from, to);
-  to.release = material::coherency_at(to, from.shell_solid_fraction());
+  to.shell = material::coherency_at(to, from.shell_solid_fraction());
 
   to.young_modulus = to_core(from.young_modulus_pa());
   to.poisson_ratio = to_core(from.poisson_ratio());
   to.creep = creep(from);
   to.solid_density = to_core(from.solid_density_kg_per_m3());
 
-  if (from.has_retention_solid_fraction())
-    to.retention = material::coherency_at(to, from.retention_solid_fraction());
   to.mush = mush_law(from);
   to.cold_strength = cold_strength(from);
   to.hot_tears = hot_tears(from);

@@ -594,7 +594,8 @@ class Parity(unittest.TestCase):
     """Command and package reach all that the contract has."""
 
     NOT_BY_COMMAND = {"ReadCase": "the command reads case files itself"}
-    REQUESTS = ("SubmitJobRequest", "PrepareCastingRequest", "CreateStudyRequest", "UpdateJobRequest")
+    REQUESTS = ("SubmitJobRequest", "PrepareCastingRequest", "CreateStudyRequest", "UpdateJobRequest",
+                "AddCastingsRequest", "EditCastingRequest", "ForgetCastingsRequest")
 
     def setUp(self):
         client = pathlib.Path(__file__).resolve().parents[2] / "client"
@@ -614,7 +615,7 @@ class Parity(unittest.TestCase):
         self.assertEqual(calls - by_package, set())
 
     def test_every_field_of_what_is_queued_is_set_by_both(self):
-        modules = (dccast.v1.service_pb2, dccast.v1.study_pb2)
+        modules = (dccast.v1.service_pb2, dccast.v1.study_pb2, dccast.v1.line_pb2)
         for name in self.REQUESTS:
             message, = (module.DESCRIPTOR.message_types_by_name[name] for module in modules
                         if name in module.DESCRIPTOR.message_types_by_name)

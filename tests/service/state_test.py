@@ -176,7 +176,7 @@ class OtherFormat(StateTest):
         with self.assertRaises(RuntimeError) as start:
             self.daemon.start()
         for said in (str(start.exception), self.command("check", "--repair")[1]):
-            for part in (subject, "has data format 2", "reads format 3", "move it away",
+            for part in (subject, "has data format 2", "reads format 4", "move it away",
                          "another data_directory"):
                 self.assertIn(part, said)
 

@@ -186,12 +186,50 @@ class Service:
         return Job(self._transport, self._call_about(read, "SubmitJob", request))
 
     def lines(self) -> list[line_pb2.Line]:
-        """Lines with their castings, from which forecasts learn."""
+        """The lines, without their castings."""
         return list(self._transport.call("ListLines", line_pb2.ListLinesRequest()).lines)
 
     def line(self, name: str) -> line_pb2.Line:
         """A line by its name."""
         return self._line("GetLine", line_pb2.GetLineRequest(id=name))
+
+    def add_castings(self, name: str, castings: Sequence[Mapping[str, Any]],
+                     request_id: str = "") -> list[str]:
+        """Adds castings that were not followed to a line: all or none, and the same request once.
+
+        @param castings  each with a `recipe`, a Job or a case as `submit` takes it, and fields of
+                         line.proto's LineCasting: `outcome` ("sound", "bled_out", "cracked", "hung_up",
+                         "aborted"), `count`, `at_m`, `cold_curl_m`, `sawn_off_m`
+        @return  ids of the records
+        @raises DccastError  with all faults, of fields such as "castings[3].at"
+        """
+        request = line_pb2.AddCastingsRequest(id=name, request_id=request_id or str(uuid.uuid4()))
+        recipes: list[Any] = []
+        for casting in castings:
+            typed = dict(casting)
+            recipe = typed.pop("recipe")
+            if not any(recipe is known for known in recipes):
+                recipes.append(recipe)
+                request.recipes.append(
+                    line_pb2.CastingRecipe(job=recipe.id) if isinstance(recipe, Job)
+                    else line_pb2.CastingRecipe(case=self.read(recipe).message))
+            number = next(i for i, known in enumerate(recipes) if known is recipe)
+            request.castings.add(recipe=number, record=_typed_casting(typed))
+        answer = self._transport.call("AddCastings", request)
+        if answer.faults:
+            raise errors.invalid_case(answer.faults)
+        return list(answer.castings)
+
+    def edit_casting(self, name: str, casting: str, **typed: Any) -> line_pb2.LineCasting:
+        """Says anew how a casting of a line went. @param typed  as in `add_castings`, all of it"""
+        record: line_pb2.LineCasting = self._transport.call("EditCasting", line_pb2.EditCastingRequest(
+            id=name, casting=casting, record=_typed_casting(typed)))
+        return record
+
+    def forget_castings(self, name: str, castings: Sequence[str]) -> None:
+        """Takes single castings off a line, by the ids of their records."""
+        self._transport.call("ForgetCastings", line_pb2.ForgetCastingsRequest(
+            id=name, castings=castings), repeat=False)
 
     def restart_line(self, name: str) -> line_pb2.Line:
         """Begins it afresh, for a new mould or new water: its castings so far count no more."""
@@ -479,6 +517,14 @@ class Service:
                 companion = self.query(run, quality="engineering" if draft else "draft")
                 request.companions.append(_compared(companion, ""))
         return Comparison(self._transport.call("CompareRuns", request))
+
+
+def _typed_casting(typed: Mapping[str, Any]) -> line_pb2.LineCasting:
+    """What a person says of castings, as a record."""
+    fields = {"count": 1, **typed}
+    if isinstance(outcome := fields.get("outcome"), str):
+        fields["outcome"] = errors.number_of(line_pb2.LineCasting.Outcome, outcome.replace("-", "_"))
+    return line_pb2.LineCasting(**fields)
 
 
 def _axes(ranges: Ranges) -> list[study_pb2.SweepPlan.Axis]:

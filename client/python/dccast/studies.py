@@ -99,14 +99,16 @@ class Study:
             "EvaluateStudy", study_pb2.EvaluateStudyRequest(id=self.id, curves=curves))
         return answer
 
-    def judgement(self, monitor: str = "") -> Judgement:
+    def judgement(self, monitor: str = "", *, line: str = "", assume_sound: bool = False) -> Judgement:
         """What the server concludes so far: the sentences and tables that the command of such a study
         prints. A calibration is judged once it has ended.
 
-        @param monitor  whose curl; without one output.curl, or the largest
+        @param monitor       whose curl; without one output.curl, or the largest
+        @param line          of an uncertainty: given the castings of this line
+        @param assume_sound  given 200 sound castings that nobody has recorded
         """
         answer = self._transport.call("JudgeStudy", judgement_pb2.JudgeStudyRequest(
-            id=self.id, monitor=monitor))
+            id=self.id, monitor=monitor, line=line, assume_sound=assume_sound))
         return Judgement(answer.judgement)
 
     def case_file(self, case: Case) -> str:

@@ -56,14 +56,14 @@ void coherency(CaseFindings& found) {
 void onset_of_stress(CaseFindings& found) {
   const material::AlloyCard& a = found.casting.alloy;
   const auto& onset = found.casting.coherency_solid_fraction;
-  if (!a.mush || !onset || a.coherency >= a.retention_temperature()) return;
+  if (!a.mush || !onset || a.coherency >= a.shell_temperature()) return;
 
-  const double retention = material::solid_fraction_at(a, a.retention_temperature());
+  const double shell = material::solid_fraction_at(a, a.shell_temperature());
   found.fault("alloy.coherency_solid_fraction", *onset,
               "lies above the solid fraction from which metal does not flow out of a shell: metal "
               "that holds melt back already carries load",
-              fmt::format("at most {:.4g}, alloy.retention_solid_fraction", retention),
-              "lower it, or raise alloy.retention_solid_fraction or alloy.shell_solid_fraction");
+              fmt::format("at most {:.4g}, alloy.shell_solid_fraction", shell),
+              "lower it, or raise alloy.shell_solid_fraction");
 }
 
 /// Checks that the window of hot tears starts before it ends.

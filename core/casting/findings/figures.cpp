@@ -81,7 +81,7 @@ StepMeter<Dim>::StepMeter(const Case& c)
       properties_(c.alloy),
       tears_(c.alloy, c.section),
       pores_(c.alloy, c.section.kind),
-      isotherm_(c.alloy.retention_temperature()),
+      isotherm_(c.alloy.shell_temperature()),
       fragile_above_(material::temperature_of_fraction(c.alloy, 1.0 - tough_solid_fraction)),
       solid_below_(c.mechanics.options.liquid == mechanics::Liquid::solid ? c.alloy.liquidus
                                                                           : c.alloy.coherency) {}

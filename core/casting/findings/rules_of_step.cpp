@@ -124,7 +124,7 @@ Found centre_lifts(const Case&, const StepFigures& f) {
 }
 
 Found hot_exit(const Case& c, const StepFigures& f) {
-  const double limit = c.alloy.retention_temperature();
+  const double limit = c.alloy.shell_temperature();
   if (!f.moves || !f.left_mould) return std::nullopt;
   return Judged{
       f.exit_surface, limit,
@@ -179,7 +179,7 @@ constexpr double limits_left = 3.0;
 /// The gap is the cause if the surface was solid at the end of the mould contact and melts again; a
 /// surface that is not yet solid there has another cause.
 Found remelting_in_gap(const Case& c, const StepFigures& f) {
-  const double limit = c.alloy.retention_temperature();
+  const double limit = c.alloy.shell_temperature();
   if (!f.moves || !f.in_gap || f.gap_entry >= limit) return std::nullopt;
 
   return Judged{f.gap_surface, limit,

@@ -11,7 +11,7 @@ namespace dccast::jobs {
 
 /// Format of the files of jobs, studies and lines in a data directory. The next one is due when a
 /// layout or a message changes so that these files can no longer be read.
-inline constexpr std::uint32_t data_format = 3;
+inline constexpr std::uint32_t data_format = 4;
 
 /// The first 16 bytes of such a file: its kind, then the format twice, so that one damaged byte
 /// does not make it a file of another format.

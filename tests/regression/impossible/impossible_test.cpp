@@ -62,7 +62,7 @@ TEST(ImpossibleCasting, WithoutWaterItBleedsAtTheMouldExit) {
   for (const char* code : {"water_never_meets", "bleed_out_at_exit"})
     EXPECT_TRUE(codes.contains(code)) << code;
   c.cooling.top = thermal::Top::held;
-  c.alloy.release = c.alloy.solidus;
+  c.alloy.shell = c.alloy.solidus;
   codes = codes_of(findings_of(c));
   for (const char* code : {"bleed_out_at_bottom", "level_overheats"})
     EXPECT_TRUE(codes.contains(code)) << code;
@@ -84,7 +84,7 @@ TEST(ImpossibleCasting, TheLongSectionWarnsBeforeItsShellIsCut) {
   casting::Case c = support::load_case("start-2d-long");
   c.cooling.top = thermal::Top::held;
   c.cooling.water.boiling_follows_flow = false;
-  c.alloy.release = c.alloy.solidus;
+  c.alloy.shell = c.alloy.solidus;
   const auto findings = findings_of(c);
   const double cut = time_of(findings, "shell_melted_through");
   EXPECT_NEAR(cut, 166.0, 5.0);

@@ -21,7 +21,7 @@ TEST(Start2dLong, UnderAHeldLevelItFailsWhereItsShellIsCutThrough) {
   casting::Case c = support::load_case("start-2d-long");
   c.cooling.top = thermal::Top::held;
   c.cooling.water.boiling_follows_flow = false;
-  c.alloy.release = c.alloy.solidus;
+  c.alloy.shell = c.alloy.solidus;
   constexpr double shipped_end = 150.0;
   const auto [outcome, reports] = regression::outcome_of(c);
   ASSERT_EQ(outcome.end, casting::RunEnd::failed);

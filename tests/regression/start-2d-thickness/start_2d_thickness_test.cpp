@@ -19,7 +19,7 @@ casting::Case of_the_paper() {
   casting::Case c = shipped();
   c.cooling.top = thermal::Top::held;
   c.cooling.water.boiling_follows_flow = false;
-  c.alloy.release = c.alloy.solidus;
+  c.alloy.shell = c.alloy.solidus;
   return c;
 }
 

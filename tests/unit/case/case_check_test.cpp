@@ -93,12 +93,12 @@ const Mistake mistakes[] = {
        c.cooling.water.boiling_follows_flow = false;
        c.cooling.bottom_block.gap_water.emplace();
      }},
-    {"OnsetOfStressAboveRetention", "alloy.coherency_solid_fraction",
+    {"OnsetOfStressAboveTheShell", "alloy.coherency_solid_fraction",
      [](Case& c) {
        c.alloy.mush.emplace();
        c.coherency_solid_fraction = 0.95;
        c.alloy.coherency = material::coherency_at(c.alloy, 0.95);
-       c.alloy.retention = material::coherency_at(c.alloy, 0.9);
+       c.alloy.shell = material::coherency_at(c.alloy, 0.9);
      }},
     {"CoherencyInTwoWays", "alloy.coherency_solid_fraction",
      [](Case& c) {

@@ -57,6 +57,27 @@ TEST(Fingerprint, ACastingOfAnotherQualityIsTheSame) {
             (Sameness{false, false, true}));
 }
 
+/// Castings of a line stay those of a recipe, whatever is asked of it.
+TEST(Fingerprint, ARecipeIsWhatAPlantCasts) {
+  const auto name = [](const std::function<void(v1::Case&)>& change) {
+    v1::Case description;
+    description.mutable_section()->set_half_width_m(0.28);
+    change(description);
+    apply_defaults(description);
+    return fingerprint(description, Same::recipe);
+  };
+  const std::string recipe = name([](v1::Case&) {});
+  EXPECT_EQ(name([](v1::Case& c) {
+              c.set_quality(v1::DRAFT);
+              c.mutable_time()->set_end_s(250.0);
+              c.mutable_plausibility()->set_greatest_curl_m(0.045);
+              c.add_monitor()->set_name("corner");
+              c.add_uncertainty()->set_key("schedule.casting_temperature");
+            }),
+            recipe);
+  EXPECT_NE(name([](v1::Case& c) { c.mutable_schedule()->set_hold_s(77.0); }), recipe);
+}
+
 TEST(Fingerprint, FilesCount) {
   v1::Case description;
   apply_defaults(description);

@@ -47,7 +47,6 @@ TEST(Shipped, EveryAlloyCardIsCompleteAndConsistent) {
                                               "shell_solid_fraction",
                                               "coherency_c",
                                               "coherency_solid_fraction",
-                                              "retention_solid_fraction",
                                               "coalescence_solid_fraction",
                                               "mush_strength_decay",
                                               "unfed_strain_share",

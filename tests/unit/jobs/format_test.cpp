@@ -28,7 +28,7 @@ TEST(DataFormat, AnotherOneIsRefusedWithFolderFormatsAndRemedy) {
       const std::string text = error.what();
       const std::string found = "format " + std::to_string(format);
       for (const std::string& part :
-           {std::string("/data/jobs/7"), found, std::string("reads format 3"),
+           {std::string("/data/jobs/7"), found, std::string("reads format 4"),
             std::string("move it away"), std::string("another data_directory")})
         EXPECT_NE(text.find(part), std::string::npos) << text;
     }

@@ -13,6 +13,7 @@ namespace {
 
 v1::LineCasting casting(const std::string& job) {
   v1::LineCasting made;
+  made.set_id(job);
   made.set_job(job);
   made.mutable_following()->set_ensemble("study");
   return made;
@@ -115,24 +116,122 @@ TEST(Lines, AUserHasABoundedNumberOfThem) {
   EXPECT_EQ(lines.owner("one-more"), "bert");
 }
 
-/// However many castings, and however large they are, the file can be read again.
+v1::LineCasting typed(v1::LineCasting::Outcome outcome, std::int64_t count = 1) {
+  v1::LineCasting made;
+  made.set_outcome(outcome);
+  made.set_count(count);
+  made.set_ended(true);
+  return made;
+}
+
+AddedCastings type(Lines& lines, std::vector<v1::LineCasting> castings, const std::string& id,
+                   const std::string& request = "a") {
+  return lines.reserve("pit-3", "anna").add_typed(std::move(castings), id, request);
+}
+
+/// However large castings are, the answer about a line stays small.
 TEST(Lines, TheNewestCastingsAreKept) {
   const TemporaryFolder folder;
   Lines lines(folder.path());
-  for (int i = 0; i <= most_castings; ++i) cast(lines, "job-" + std::to_string(i));
-  EXPECT_EQ(lines.find("pit-3")->castings_size(), most_castings);
-  EXPECT_EQ(lines.find("pit-3")->castings(0).job(), "job-1");
-
-  v1::LineCasting large = casting("large");
-  for (int i = 0; i < 40; ++i) {
-    large.set_job("large-" + std::to_string(i));
-    large.mutable_following()->set_plan_job(std::string(60'000, 'x'));
-    lines.reserve("pit-3", "anna").add(large);
-  }
+  std::vector<v1::LineCasting> large(300, typed(v1::LineCasting::SOUND));
+  for (v1::LineCasting& casting : large) casting.set_title(std::string(60'000, 'x'));
+  type(lines, large, "large");
   const v1::Line kept = lines.find("pit-3").value();
   EXPECT_LE(kept.ByteSizeLong(), most_casting_bytes);
-  EXPECT_GT(kept.castings_size(), 10);
-  EXPECT_EQ(kept.castings().rbegin()->job(), "large-39");
+  EXPECT_GT(kept.castings_size(), 100);
+  EXPECT_EQ(kept.castings().rbegin()->id(), "300");
+}
+
+TEST(Lines, TypedCastingsStandBesideFollowedOnes) {
+  const TemporaryFolder folder;
+  {
+    Lines lines(folder / "lines");
+    cast(lines, "job-1");
+    EXPECT_EQ(
+        type(lines, {typed(v1::LineCasting::SOUND, 200), typed(v1::LineCasting::BLED_OUT)}, "first")
+            .ids,
+        (std::vector<std::string>{"1", "2"}));
+  }
+  Lines lines(folder / "lines");
+  const v1::Line line = lines.find("pit-3").value();
+  ASSERT_EQ(line.castings_size(), 3);
+  EXPECT_EQ(line.castings(1).outcome(), v1::LineCasting::SOUND);
+  EXPECT_EQ(line.number(), 202) << "castings, not records";
+  EXPECT_EQ(lines.list().lines(0).number(), 202);
+  EXPECT_TRUE(lines.list().lines(0).castings().empty());
+}
+
+TEST(Lines, ARequestAddsOnce) {
+  const TemporaryFolder folder;
+  Lines lines(folder.path());
+  const auto first = type(lines, {typed(v1::LineCasting::SOUND)}, "same");
+  const auto again = Lines(folder.path())
+                         .reserve("pit-3", "anna")
+                         .add_typed({typed(v1::LineCasting::SOUND)}, "same", "a");
+  EXPECT_EQ(again.ids, first.ids);
+  EXPECT_TRUE(again.repeated);
+  EXPECT_FALSE(again.other_request);
+  EXPECT_TRUE(type(lines, {typed(v1::LineCasting::CRACKED)}, "same", "b").other_request);
+  EXPECT_EQ(lines.find("pit-3")->castings_size(), 1);
+}
+
+TEST(Lines, SingleCastingsAreEditedAndForgotten) {
+  const TemporaryFolder folder;
+  Lines lines(folder.path());
+  cast(lines, "job-1");
+  lines.end_casting("pit-3", "job-1", curls());
+  type(lines, {typed(v1::LineCasting::SOUND), typed(v1::LineCasting::SOUND)}, "x");
+
+  EXPECT_EQ(lines.edit("pit-3", "job-1", typed(v1::LineCasting::BLED_OUT), "bert")->curls_size(), 1)
+      << "what the gauges told stays";
+  EXPECT_FALSE(lines.edit("pit-3", "7", typed(v1::LineCasting::SOUND), "bert"));
+  EXPECT_EQ(lines.forget("pit-3", {"1", "7"}), "7");
+  EXPECT_EQ(lines.find("pit-3")->castings_size(), 3) << "all or none";
+  EXPECT_FALSE(lines.forget("pit-3", {"1"}));
+
+  Lines later(folder.path());
+  EXPECT_EQ(later.find("pit-3")->castings(0).outcome(), v1::LineCasting::BLED_OUT);
+  EXPECT_EQ(later.find("pit-3")->castings_size(), 2);
+  cast(later, "job-1");
+  EXPECT_EQ(later.find("pit-3")->castings_size(), 2);
+  EXPECT_EQ(type(later, {typed(v1::LineCasting::SOUND)}, "y").ids, std::vector<std::string>{"3"})
+      << "a number is given once";
+}
+
+/// A daemon that is killed while it writes leaves a part of a record, which nobody was told of.
+TEST(Lines, AnAppendThatWasCutShortIsDropped) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "pit-3.bin";
+  Lines lines(folder.path());
+  type(lines, {typed(v1::LineCasting::SOUND)}, "first");
+  const std::string whole = storage::read_file(path);
+  type(lines, {typed(v1::LineCasting::BLED_OUT)}, "second");
+  const std::string longer = storage::read_file(path);
+
+  for (std::size_t size = whole.size(); size < longer.size(); ++size) {
+    storage::write_file(path, longer.substr(0, size));
+    Lines later(folder.path());
+    ASSERT_EQ(later.find("pit-3")->castings_size(), 1) << size;
+    type(later, {typed(v1::LineCasting::CRACKED)}, "third");
+    ASSERT_EQ(Lines(folder.path()).find("pit-3")->castings(1).outcome(), v1::LineCasting::CRACKED)
+        << size;
+  }
+  // A record that reached the disk with another content is damage.
+  std::string damaged = longer;
+  damaged.back() ^= 1;
+  storage::write_file(path, damaged);
+  EXPECT_THROW(Lines(folder.path()).find("pit-3"), DamagedLine);
+}
+
+TEST(Lines, TenThousandCastingsAreNoBurden) {
+  const TemporaryFolder folder;
+  Lines lines(folder.path());
+  type(lines, std::vector<v1::LineCasting>(most_castings - 1, typed(v1::LineCasting::SOUND)), "x");
+  for (int i = 0; i < 3; ++i)
+    type(lines, {typed(v1::LineCasting::SOUND)}, "later-" + std::to_string(i));
+  const v1::Line line = lines.find("pit-3").value();
+  EXPECT_EQ(line.castings_size(), most_castings);
+  EXPECT_EQ(line.castings().rbegin()->id(), std::to_string(most_castings + 2));
 }
 
 TEST(Lines, NamesArePermittedThatStayInTheFolder) {
