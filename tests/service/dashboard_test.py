@@ -20,7 +20,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 import own_mesh_test
-from dccast.v1 import case_pb2, job_pb2, service_pb2
+from dccast.v1 import case_pb2, job_pb2, service_pb2, study_pb2
 from support import BIN, WAIT_FACTOR, ServiceTest, fake_case, main, until
 
 CASES = os.path.join(os.path.dirname(__file__), "..", "..", "cases")
@@ -867,6 +867,29 @@ class RealPages(InBrowser):
         self.assertAlmostEqual(case.section.half_width_m, 0.8)
         self.client.cancel(job)
         self.assertEqual(self.complaints(), [])
+
+    def test_a_sweep_is_begun(self):
+        self.go("studies")
+        self.find("main summary").click()
+        self.wait_for("start-2d-thickness.toml", "#study-case")
+        self.press("Begin")
+        self.find("#axes").send_keys("quality")
+        self.press("Begin")
+        self.wait_for("write KEY = VALUE", "main .bad")
+        self.find("#axes").send_keys("= draft\ntime.end = 10 s, 20 s\n")
+        self.press("Begin")
+        self.wait_for("2 of 2 runs succeeded", seconds=120)
+        self.wait_for("time.end", "main table")
+        for kind in ("uncertainty", "sensitivity"):
+            self.go("studies")
+            self.read("main summary", lambda summary: summary.click())
+            self.wait_for("start-2d-thickness.toml", "#study-case")
+            self.find("#kind").send_keys(kind)
+            self.assertFalse(self.find("#axes").is_displayed())
+            self.press("Begin")
+            self.wait_for(kind, "main p[role=status]", seconds=30)
+            study = self.browser.current_url.split("/")[-1]
+            self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=20)
 
     def test_a_former_job_is_marked_taken_up_fetched_and_deleted(self):
         with open(os.path.join(CASES, "start-2d-thickness.toml"), encoding="utf-8") as file:

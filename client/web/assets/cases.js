@@ -86,6 +86,12 @@ export async function checkCase({case: description, attachments}) {
 /** The text of a case with its changes. */
 export const textOf = async ({case: description}) => (await call('ReadCase', {case: description})).text;
 
+/** Begins a study of a case that was read. @return it */
+export function beginStudy({case: description, attachments, changes}, plan) {
+  const request = {request_id: crypto.randomUUID(), case: description, attachments, changes, ...plan};
+  return call('CreateStudy', request).catch(named);
+}
+
 /** Submits a case that was read; once more, it is the same job. @return the job */
 export function submitCase(made) {
   const {case: description, attachments, changes, text} = made;

@@ -1,5 +1,6 @@
 // Studies, and of a sweep the response surface: a slider for each key.
 import {call, callDrawn, repeat} from './api.js';
+import {beginStudy, caseNames, readCase} from './cases.js';
 import {chart} from './chart.js';
 import {ago, curlText, h, replace, sheet, shortId, stateText} from './dom.js';
 import {judgement} from './drawn.js';
@@ -21,6 +22,43 @@ export function answerState(study) {
   return succeeded > 0 ? `answered, ${runs}` : `no answer, ${runs}`;
 }
 
+/** Axes of a grid. @param text  "KEY = VALUE, VALUE", one a line */
+function axesOf(text) {
+  return text.split('\n').filter(line => line.trim()).map(line => {
+    const [key, values] = line.split('=').map(part => part.trim());
+    if (!key || !values) throw new Error(`${line}: write KEY = VALUE, VALUE`);
+    return {key, values: values.split(',').map(value => value.trim())};
+  });
+}
+const plans = {
+  sweep: text => ({design: 'GRID', axes: axesOf(text)}),
+  uncertainty: () => ({design: 'LATIN_HYPERCUBE', purpose: 'UNCERTAINTY', runs: 64}),
+  sensitivity: () => ({design: 'ENDS', purpose: 'SENSITIVITY'}),
+};
+
+/** A form that begins a study. */
+function studyForm() {
+  const base = h('select', {id: 'study-case'}), fault = h('p', {class: 'bad lines', role: 'alert'});
+  const axes = h('textarea', {id: 'axes', rows: 3, placeholder: 'KEY = VALUE, VALUE'});
+  const label = h('label', {for: 'axes'}, 'Keys and their values, one key a line', axes);
+  const kind = h('select', {
+    id: 'kind', onchange: () => { label.hidden = kind.value !== 'sweep'; }
+  }, Object.keys(plans).map(name => h('option', {}, name)));
+  const begin = async () => {
+    try {
+      replace(fault);
+      const sweep = plans[kind.value](axes.value);
+      const {id} = await beginStudy(await readCase(base.value), {sweep});
+      location.hash = `#/study/${id}`;
+    } catch ({message}) { replace(fault, message); }
+  };
+  caseNames().then(
+    names => replace(base, names.map(name => h('option', {}, name))), ({message}) => replace(fault, message));
+  return h('details', {class: 'card levers submitter'}, h('summary', {}, 'Begin a study'),
+    h('label', {for: 'study-case'}, 'Case ', base), h('label', {for: 'kind'}, 'Study ', kind), label,
+    h('div', {class: 'bar'}, h('button', {type: 'button', onclick: begin}, 'Begin')), fault);
+}
+
 export function studiesPage(element, signal) {
   const list = h('div');
   const heads = ['Study', 'Id', 'Kind', 'State', 'Begun'];
@@ -29,12 +67,12 @@ export function studiesPage(element, signal) {
     answerState(study), ago(study.create_time)
   ];
 
-  replace(element, h('h1', {}, 'Studies'), list);
+  replace(element, h('h1', {}, 'Studies'), studyForm(), list);
   repeat(3000, signal, async () => {
     const {studies} = await call('ListStudies', {page_size: 200});
     if (signal.aborted) return;
     replace(list, studies.length === 0
-      ? h('p', {class: 'soft'}, 'No studies yet: dccast sweep my.toml --grid KEY=a,b')
+      ? h('p', {class: 'soft'}, 'No studies yet.')
       : sheet(heads, studies.map(rowOf)));
   });
 }
