@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 
+import dccast
 import grpc
 from data_study import CASE, DATA, DataStudyCase
 from dccast.v1 import judgement_pb2, line_pb2, service_pb2
@@ -86,6 +87,23 @@ class Records(ServiceTest):
             self.daemon.kill()
             self.restart()
         self.assertEqual([casting.count for casting in self.line().castings], [1, 2, 3, 4, 5])
+
+
+    def test_python_adds_edits_and_forgets(self):
+        service = dccast.connect(self.daemon.address)
+        mine = service.read("start-2d-thickness")
+        ids = service.add_castings("pit-3", [
+            {"recipe": mine, "outcome": "sound", "count": 200},
+            {"recipe": mine, "outcome": "bled-out", "at_m": 0.04}])
+        service.edit_casting("pit-3", ids[1], outcome="cracked")
+        self.assertEqual([casting.outcome for casting in service.line("pit-3").castings],
+                         [Casting.SOUND, Casting.CRACKED])
+        service.forget_castings("pit-3", ids[:1])
+        self.assertEqual(service.lines()[0].number, 1)
+        with self.assertRaises(dccast.DccastError) as caught:
+            service.add_castings("pit-3", [{"recipe": mine}, {"recipe": mine, "outcome": "sound", "count": 0}])
+        self.assertEqual([fault.field for fault in caught.exception.faults],
+                         ["castings[0].outcome", "castings[1].count"])
 
 
 class Experience(DataStudyCase):
