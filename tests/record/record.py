@@ -274,7 +274,7 @@ def verdict(entry, of):
         return (2, "not predicted") if has_number else (3, "no number to compare")
     covered = mean([share for score in of for share in score.shares])
     how = "seen before" if entry["seen"] else "predicted blind"
-    return (0, f"**missed** ({how})") if covered < 0.5 else (1, how)
+    return (0, f"**missed** ({how})") if covered <= 0.5 else (1, how)
 
 
 def page_table(predicted, made):
@@ -287,9 +287,9 @@ def page_table(predicted, made):
         rank, words = verdict(entry, of)
         rows.append((rank, "| %s | %s | %s | %s | %s |" % (
             entry["title"], measured_cell(entry, entry["measured"]), "; ".join(map(computed_cell, of)) or "-", words,
-            made.get("answers", {}).get(name, "")
-            + (" Not read: " + entry["not_read"] if "not_read" in entry else ""))))
-    head = ["| entry | measured | computed: median (5 to 95 %) | | |", "|---|---|---|---|---|"]
+            " ".join([made.get("answers", {}).get(name, ""), "Not read: " + entry["not_read"] if "not_read" in entry
+                      else ""]).strip())))
+    head = ["| entry | measured | computed: median (5 to 95 %) | verdict | comment |", "|---|---|---|---|---|"]
     return "\n".join(head + [row for _, row in sorted(rows, key=lambda row: row[0])]) + "\n\n" + coverage(
         [score for of in by_entry.values() for score in of]) + "\n"
 

@@ -61,7 +61,8 @@ private:
                  power = std::pow(10.0, std::floor(std::log10(wanted)));
     const double step = power * (wanted < 2.0 * power ? 2.0 : wanted < 5.0 * power ? 5.0 : 10.0);
     std::vector<double> found;
-    for (double k = std::ceil(low / step); k * step <= high; ++k) found.push_back(k * step);
+    for (double k = std::ceil(low / step); k * step <= high; ++k)
+      found.push_back(k * step + 0.0);  // no -0
     return found;
   }
 };
@@ -89,9 +90,10 @@ std::string draw_curve(const Curve2D& curve, const Axis& x, const Axis& y, const
   for (const auto& [px, py] : curve.points) {
     path += format("%s%.1f %.1f", path.empty() ? "M" : "L", x.position(px), y.position(py));
   }
-  std::string out = format("<path d=\"%s\" fill=\"none\" stroke=\"%s\" stroke-width=\"%s\"%s/>",
-                           path.c_str(), reference ? "#999" : colour, reference ? "1.2" : "2",
-                           reference ? " stroke-dasharray=\"5 4\"" : "");
+  std::string out =
+      "<path d=\"" + path + "\"" +
+      format(" fill=\"none\" stroke=\"%s\" stroke-width=\"%s\"%s/>", reference ? "#999" : colour,
+             reference ? "1.2" : "2", reference ? " stroke-dasharray=\"5 4\"" : "");
   constexpr std::size_t few = 12;
   if (reference || curve.points.size() > few) return out;
 
@@ -132,13 +134,15 @@ std::string curves_svg(const std::string& title, const std::string& x_label,
     }
   }
 
-  std::string out = head(title, width, height) + grid(x, y);
+  // The legend stands below the axis of a chart, and in the free corner of falling errors.
+  const double below = logarithmic ? 0.0 : 16.0 * double(curves.size());
+  std::string out = head(title, width, height + below) + grid(x, y);
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const char* colour = colours[i % colours.size()];
     out += draw_curve(curves[i], x, y, colour);
 
-    // The legend, from the bottom.
-    const double row = height - bottom - 12 - 16.0 * double(curves.size() - 1 - i);
+    const double row = logarithmic ? height - bottom - 12 - 16.0 * double(curves.size() - 1 - i)
+                                   : height + 8 + 16.0 * double(i);
     out += format(
         "<rect x=\"%.1f\" y=\"%.1f\" width=\"150\" height=\"16\" fill=\"white\" "
         "fill-opacity=\".8\"/><line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" "
@@ -188,7 +192,8 @@ std::string outlines_svg(const std::string& title, const std::vector<Polygon>& p
     }
     path += "Z";
   }
-  return head(title, scale * (high[0] - low[0]) + 2 * edge,
+  constexpr double title_width = 270;
+  return head(title, std::max(scale * (high[0] - low[0]) + 2 * edge, title_width),
               scale * (high[1] - low[1]) + 30 + edge) +
          "<path fill=\"#e8eef5\" stroke=\"#1f5f99\" stroke-width=\".5\" d=\"" + path +
          "\"/></svg>\n";
@@ -238,7 +243,7 @@ std::string field_svg(const std::string& title, const mesh::Mesh2D& mesh,
   const std::array<std::pair<double, double>, 3> marks{
       {{limit, 48.0}, {0.5 * (1.0 + least) * limit, 124.0}, {least * limit, 200.0}}};
   for (const auto& [mark, mark_y] : marks) {
-    out += format("<text x=\"%.1f\" y=\"%.1f\">%g</text>", picture + 2 * edge + 20, mark_y, mark);
+    out += format("<text x=\"%.1f\" y=\"%.1f\">%.3g</text>", picture + 2 * edge + 20, mark_y, mark);
   }
   out +=
       format("<text x=\"%.1f\" y=\"%.1f\">", picture + 2 * edge, 220.0) + escaped(unit) + "</text>";

@@ -129,5 +129,21 @@ class Predictions(unittest.TestCase):
                     record.prediction(self.path)
 
 
+class Page(unittest.TestCase):
+    def test_it_is_the_table_of_record_and_prediction(self):
+        record.write_page(ROOT / "docs/measured.md", record.FOLDER / "predictions/dccast.json", only_check=True)
+
+    def test_it_leads_with_what_misses(self):
+        rows = [line for line in record.page_table(*record.sealed(record.FOLDER / "predictions/dccast.json")).splitlines()
+                if line.startswith("| ")][1:]
+        missed = ["**missed**" in row for row in rows]
+        self.assertEqual(missed, sorted(missed, reverse=True))
+
+    def test_our_prediction_fits_its_schema(self):
+        schema = jsonschema.Draft7Validator(record.read(record.FOLDER / "prediction.schema.json"))
+        made = record.read(record.FOLDER / "predictions/dccast.json")
+        self.assertEqual([error.message for error in schema.iter_errors(made)], [])
+
+
 if __name__ == "__main__":
     unittest.main()
