@@ -290,7 +290,7 @@ export function jobPage(element, signal, id) {
     shown = seen;
     redraw();
     replace(
-      details, h('details', {}, h('summary', {}, 'The case, complete'), h('pre', {}, shown.case)));
+      details, h('details', {}, h('summary', {}, 'The case, complete'), h('pre', {tabindex: 0}, shown.case)));
     if (!ended.has(shown.job.state) && !watched) watch();
     if (!seesSlab) watchSlab();
     conclude().catch(fault => replace(answer, h('p', {class: 'soft'}, fault.message)));
