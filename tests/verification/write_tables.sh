@@ -47,6 +47,7 @@ echo
 echo "Table 7 has the rows of SBM and NBM of table 8."
 show table 8
 show table 11 --limit "${TABLE_11_LIMIT:-1800}"
+show table 11 --slab --limit "${TABLE_11_SLAB_LIMIT:-60}"
 echo
 echo "## Element families under refinement"
 show elements
