@@ -348,7 +348,7 @@ class CommandsBesideBrowsers(CrowdFault):
 
 class ManyBrowsers(CrowdFault):
     """200 browsers with a stream each, 20 that submit: dccast-web answers as the daemon does"""
-    streams, senders, lasts = 200, 20, 10.0
+    streams, senders, lasts = 200, 20, 30.0
     most_memory = 200e6  # [bytes]
 
     def disturb(self, scene, count):
