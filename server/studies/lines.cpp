@@ -150,6 +150,16 @@ std::optional<StoredLine> read_line(const std::filesystem::path& directory,
   throw DamagedLine(fmt::format("the file of line {}, {}, is damaged", name, path.string()));
 }
 
+/// Cuts off what follows the last record, and keeps it beside the file: a length that was damaged
+/// looks like an append that was cut short.
+void cut_tail(storage::RecordLog& log, std::int64_t end) {
+  const storage::File& file = log.file();
+  std::string tail(static_cast<std::size_t>(log.end() - end), '\0');
+  tail.resize(file.read_at(end, tail));
+  storage::replace_file(fmt::format("{}.cut-{}", file.path().string(), end), tail);
+  log.cut(end);
+}
+
 }  // namespace
 
 bool is_line_name(const std::string& text) {
@@ -227,7 +237,7 @@ void Lines::append(const std::string& name, const std::string& owner, LineChange
   if (stored->end() > largest_file)
     storage::replace_file(path, header() + framed(stored->as_change()));
   storage::RecordLog log(storage::File(path, O_RDWR));
-  if (stored->end() <= largest_file && log.end() > stored->end()) log.cut(stored->end());
+  if (stored->end() <= largest_file && log.end() > stored->end()) cut_tail(log, stored->end());
   const std::int64_t before = log.append(framed(change));
   try {
     log.sync();

@@ -1,5 +1,6 @@
 #include "server/studies/lines.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -208,7 +209,7 @@ TEST(Lines, AnAppendThatWasCutShortIsDropped) {
   type(lines, {typed(v1::LineCasting::BLED_OUT)}, "second");
   const std::string longer = storage::read_file(path);
 
-  for (std::size_t size = whole.size(); size < longer.size(); ++size) {
+  for (std::size_t size = whole.size() + 1; size < longer.size(); ++size) {
     storage::write_file(path, longer.substr(0, size));
     Lines later(folder.path());
     ASSERT_EQ(later.find("pit-3")->castings_size(), 1) << size;
@@ -216,6 +217,10 @@ TEST(Lines, AnAppendThatWasCutShortIsDropped) {
     ASSERT_EQ(Lines(folder.path()).find("pit-3")->castings(1).outcome(), v1::LineCasting::CRACKED)
         << size;
   }
+  EXPECT_EQ(storage::read_file(path.string() + fmt::format(".cut-{}", whole.size())),
+            longer.substr(whole.size(), longer.size() - whole.size() - 1))
+      << "kept beside the file, of the last trial";
+
   // A record that reached the disk with another content is damage.
   std::string damaged = longer;
   damaged.back() ^= 1;
