@@ -209,10 +209,15 @@ std::string stationary_section(double limit) {
       "Evaluated at %.0f s. The paper replaces the contact by a constraint, as the curl has no "
       "influence; ours reaches up to about half a thickness of the slab.",
       reached));
-  table.remarks.push_back(
-      format("At the highest row they differ by %.2f %% of the opening in the middle and %.2f %% "
-             "at the end.",
-             std::abs(rows.back()[3].get<double>()), std::abs(rows.back()[6].get<double>())));
+  if (reached < c.time.end - 1.0) {
+    table.remarks.push_back(
+        "Given up by --limit: the highest row is still liquid and says nothing.");
+  } else {
+    table.remarks.push_back(
+        format("At the highest row they differ by %.2f %% of the opening in the middle and %.2f %% "
+               "at the end.",
+               std::abs(rows.back()[3].get<double>()), std::abs(rows.back()[6].get<double>())));
+  }
 
   std::vector<Curve2D> profiles{{"mould", with_contact.front().mould},
                                 {"wanted", {{0.0, 285.0}, {c.section.half_width, 285.0}}}};

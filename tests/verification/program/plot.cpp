@@ -210,7 +210,7 @@ std::string field_svg(const std::string& title, const mesh::Mesh2D& mesh,
 
   constexpr double picture = 250, edge = 12;
   const double scale = picture / (x_high - x_low), high = scale * y_high;
-  std::string out = head(title, picture + 2 * edge + 76, high + 30 + edge);
+  std::string out = head(title, picture + 2 * edge + 90, high + 30 + edge);
 
   // One path per shade: thousands of elements become some forty shapes.
   std::map<int, std::string> path;
