@@ -13,8 +13,8 @@ namespace dccast::statistics {
 namespace {
 
 constexpr int plants_drawn = 600;
-constexpr int castings_of_draw = 8;  // curls drawn of each plant
-constexpr double wrong_records = 0.01;
+constexpr int castings_of_draw = 8;      // curls drawn of each plant
+constexpr double wrong_castings = 0.01;  // of a record of one casting [A]
 constexpr double least_probability = 1e-300;
 
 double variance(const Eigen::VectorXd& values) {
@@ -94,6 +94,9 @@ struct EqualRecords {
   LineRecord record;
   double number = 0.0;
   double expected = 0.0;  ///< logarithm of the mean likelihood of one of them before all records
+
+  /// Probability that one of them is wrong as a whole: the less likely the more castings it has.
+  double wrong() const { return wrong_castings / record.count; }
 };
 
 /// (place) logarithm of the likelihood of a right record.
@@ -143,26 +146,25 @@ public:
     for (const EqualRecords& kind : kinds_)
       sum += kind.number *
              right(kind.record, excess, curl, curl_deviation()).unaryExpr([&](double value) {
-               return log_sum(std::log1p(-wrong_records) + value,
-                              std::log(wrong_records) + kind.expected);
+               return log_sum(std::log1p(-kind.wrong()) + value,
+                              std::log(kind.wrong()) + kind.expected);
              });
     return sum;
   }
 
   /// (record) probability that it is wrong.
   Eigen::VectorXd wrong(const Eigen::MatrixXd& places) const {
-    Eigen::VectorXd found(kind_of_.size());
-    for (std::size_t i = 0; i < kind_of_.size(); ++i) {
-      const EqualRecords& kind = kinds_[kind_of_[i]];
-      found(i) =
-          right_at(places, kind.record)
-              .unaryExpr([&](double value) {
-                const double is_wrong = std::log(wrong_records) + kind.expected;
-                return std::exp(is_wrong - log_sum(std::log1p(-wrong_records) + value, is_wrong));
-              })
-              .mean();
+    Eigen::VectorXd of_kinds(kinds_.size());
+    for (std::size_t i = 0; i < kinds_.size(); ++i) {
+      const double is_wrong = std::log(kinds_[i].wrong()) + kinds_[i].expected;
+      const double is_right = std::log1p(-kinds_[i].wrong());
+      of_kinds(i) = right_at(places, kinds_[i].record)
+                        .unaryExpr([&](double value) {
+                          return std::exp(is_wrong - log_sum(is_right + value, is_wrong));
+                        })
+                        .mean();
     }
-    return found;
+    return of_kinds(kind_of_);
   }
 
 private:

@@ -47,8 +47,8 @@ struct LinePosterior {
   double effective_draws = 0.0;  ///< [1] on which the figures rest
 };
 
-/// Draws plants by draw_posterior(). A record is wrong with a probability of one in a hundred; it
-/// then says nothing, so that one that no plant can explain does not move the others. To save
+/// Draws plants by draw_posterior(). A record of n castings is wrong with a probability of 0.01 /
+/// n; it then says nothing, so that one that no plant can explain does not move the others. To save
 /// evaluations the part that a casting draws anew has the same variance everywhere.
 /// @param records  the dangers of each as many as those of the model
 LinePosterior next_casting(const LineModel& model, const std::vector<LineRecord>& records,

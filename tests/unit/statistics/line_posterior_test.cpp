@@ -29,7 +29,7 @@ LineRecord record(bool danger, double count = 1.0) {
 }
 
 /// The share of danger after so many castings, by integration over the plant's part of the datum.
-/// A record is right with 99 of 100, else it says nothing.
+/// A record of n castings says nothing with a probability of 0.01 / n.
 double exact_share(double sound, double bled_out) {
   double share = 0.0, all = 0.0, sound_alone = 0.0, prior = 0.0;
   const auto integrate = [&](auto&& take) {
@@ -43,7 +43,8 @@ double exact_share(double sound, double bled_out) {
     sound_alone += weight * std::pow(1.0 - danger, sound);
   });
   integrate([&](double danger, double weight) {
-    weight *= 0.99 * std::pow(1.0 - danger, sound) + 0.01 * sound_alone / prior;
+    const double wrong = 0.01 / std::max(1.0, sound);
+    weight *= (1.0 - wrong) * std::pow(1.0 - danger, sound) + wrong * sound_alone / prior;
     if (bled_out > 0.0) weight *= 0.99 * std::pow(danger, bled_out) + 0.01 * 0.5;
     share += weight * danger;
     all += weight;
@@ -54,7 +55,9 @@ double exact_share(double sound, double bled_out) {
 TEST(LinePosterior, SoundCastingsLowerTheDangerAsTheyShould) {
   double before = 1.0;
   for (const double count : {0.0, 1.0, 5.0, 30.0, 200.0}) {
-    const auto found = next_casting(step_danger(), {record(false, count)}, 1);
+    std::vector<LineRecord> records;
+    if (count > 0.0) records.push_back(record(false, count));
+    const auto found = next_casting(step_danger(), records, 1);
     EXPECT_NEAR(found.danger, exact_share(count, 0.0), 0.004 + 0.15 * exact_share(count, 0.0))
         << count;
     EXPECT_LT(found.danger, before);
