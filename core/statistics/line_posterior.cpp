@@ -15,6 +15,7 @@ namespace {
 constexpr int plants_drawn = 600;
 constexpr int castings_of_draw = 8;      // curls drawn of each plant
 constexpr double wrong_castings = 0.01;  // of a record of one casting [A]
+constexpr double wrong_dangers = 0.001;  // of one with a danger: few type one that did not come [A]
 constexpr double least_probability = 1e-300;
 
 double variance(const Eigen::VectorXd& values) {
@@ -96,7 +97,10 @@ struct EqualRecords {
   double expected = 0.0;  ///< logarithm of the mean likelihood of one of them before all records
 
   /// Probability that one of them is wrong as a whole: the less likely the more castings it has.
-  double wrong() const { return wrong_castings / record.count; }
+  double wrong() const {
+    const bool has_danger = std::ranges::count(record.dangers, std::optional(true)) > 0;
+    return (has_danger ? wrong_dangers : wrong_castings) / record.count;
+  }
 };
 
 /// (place) logarithm of the likelihood of a right record.

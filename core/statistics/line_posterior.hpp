@@ -48,8 +48,9 @@ struct LinePosterior {
 };
 
 /// Draws plants by draw_posterior(). A record of n castings is wrong with a probability of 0.01 /
-/// n; it then says nothing, so that one that no plant can explain does not move the others. To save
-/// evaluations the part that a casting draws anew has the same variance everywhere.
+/// n, with a danger of 0.001 / n; it then says nothing, so that one that no plant can explain does
+/// not move the others. To save evaluations the part that a casting draws anew has the same
+/// variance everywhere.
 /// @param records  the dangers of each as many as those of the model
 LinePosterior next_casting(const LineModel& model, const std::vector<LineRecord>& records,
                            std::uint64_t seed);

@@ -29,7 +29,7 @@ LineRecord record(bool danger, double count = 1.0) {
 }
 
 /// The share of danger after so many castings, by integration over the plant's part of the datum.
-/// A record of n castings says nothing with a probability of 0.01 / n.
+/// A record of n castings says nothing with a probability of 0.01 / n, of a bleed-out 0.001.
 double exact_share(double sound, double bled_out) {
   double share = 0.0, all = 0.0, sound_alone = 0.0, prior = 0.0;
   const auto integrate = [&](auto&& take) {
@@ -45,7 +45,7 @@ double exact_share(double sound, double bled_out) {
   integrate([&](double danger, double weight) {
     const double wrong = 0.01 / std::max(1.0, sound);
     weight *= (1.0 - wrong) * std::pow(1.0 - danger, sound) + wrong * sound_alone / prior;
-    if (bled_out > 0.0) weight *= 0.99 * std::pow(danger, bled_out) + 0.01 * 0.5;
+    if (bled_out > 0.0) weight *= 0.999 * std::pow(danger, bled_out) + 0.001 * 0.5;
     share += weight * danger;
     all += weight;
   });
