@@ -161,19 +161,23 @@ ExitCode send(const LineOptions& options, Connection& connection,
     print_line(to_json(answer));
     return ExitCode::done;
   }
+  const int count = answer.castings_size();
+  const std::string records = fmt::format("record{}", count == 1 ? "" : "s");
   std::cerr << fmt::format(
-      "line {} {} {} record{}: {}\n", options.name, answer.repeated_request() ? "had" : "has",
-      answer.castings_size(), answer.castings_size() == 1 ? "" : "s",
-      answer.castings_size() > 8
-          ? fmt::format("{} to {}", answer.castings(0), *answer.castings().rbegin())
-          : fmt::format("{}", fmt::join(answer.castings(), ", ")));
+      "line {} {}: {}\n", options.name,
+      answer.repeated_request() ? fmt::format("had {} {} of this request", count, records)
+                                : fmt::format("has {} new {}", count, records),
+      count > 8 ? fmt::format("{} to {}", answer.castings(0), *answer.castings().rbegin())
+                : fmt::format("{}", fmt::join(answer.castings(), ", ")));
   return ExitCode::done;
 }
 
 /// Throws CommandFailed, after all faults have been printed.
 void require_none(const std::vector<std::string>& faults) {
   for (const std::string& fault : faults) std::cerr << fault << '\n';
-  if (!faults.empty()) throw invalid(fmt::format("{} faults; nothing was added", faults.size()));
+  if (!faults.empty())
+    throw invalid(
+        fmt::format("{} fault{}; nothing was added", faults.size(), faults.size() == 1 ? "" : "s"));
 }
 
 ExitCode add_casting(const LineOptions& options, Program& program) {

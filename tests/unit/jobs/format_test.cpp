@@ -11,7 +11,7 @@ namespace {
 
 TEST(DataFormat, StandsTwiceInTheHeader) {
   const std::string header = file_header("DCCASTJD");
-  EXPECT_EQ(header, std::string("DCCASTJD\3\0\0\0\3\0\0\0", 16));
+  EXPECT_EQ(header, std::string("DCCASTJD\4\0\0\0\4\0\0\0", 16));
   EXPECT_NO_THROW(require_data_format("folder", header, "DCCASTJD"));
 }
 
