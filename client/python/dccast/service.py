@@ -521,7 +521,7 @@ class Service:
 
 def _typed_casting(typed: Mapping[str, Any]) -> line_pb2.LineCasting:
     """What a person says of castings, as a record."""
-    fields = {"count": 1, **typed}
+    fields: dict[str, Any] = {"count": 1, **typed}
     if isinstance(outcome := fields.get("outcome"), str):
         fields["outcome"] = errors.number_of(line_pb2.LineCasting.Outcome, outcome.replace("-", "_"))
     return line_pb2.LineCasting(**fields)
