@@ -9,9 +9,14 @@
 
 namespace dccast::client {
 
-/// What a person types of a casting, as texts: "200", "bled-out", "40 mm", "38 41 35 37 mm".
+/// What a person types of a casting, as texts; empty: nothing is said of it.
 struct TypedWords {
-  std::string outcome, count, at, curl, sawn_off, date;
+  std::string outcome;   ///< "bled-out"
+  std::string count;     ///< of castings that went alike: "200"
+  std::string at;        ///< cast length at which it failed: "40 mm"
+  std::string curl;      ///< of the cold butt, at the points of the plant: "38 41 35 37 mm"
+  std::string sawn_off;  ///< "60 mm"
+  std::string date;      ///< when it was cast: "2026-11-20", "2 d"
 };
 
 /// Reads such texts into a record; those that are empty leave it as it is.
@@ -25,10 +30,10 @@ std::string outcome_text(v1::LineCasting::Outcome outcome);
 
 /// Castings of a file.
 struct TypedCastings {
-  std::vector<std::string> recipes;  ///< jobs and case files, each once
-  std::vector<v1::AddCastingsRequest::NewCasting> castings;
-  std::vector<int> lines;           ///< (casting) of the file
-  std::vector<std::string> faults;  ///< "castings.csv:3: ..."; empty: none
+  std::vector<std::string> recipes;                          ///< jobs and case files, each once
+  std::vector<v1::AddCastingsRequest::NewCasting> castings;  ///< in the order of the file
+  std::vector<int> lines;                                    ///< (casting) of the file
+  std::vector<std::string> faults;                           ///< "castings.csv:3: ..."; empty: none
 };
 
 /// Reads castings, one a line; comma, semicolon or tab between columns, "#" before comments. The

@@ -26,6 +26,7 @@ struct Request : http::Request {
 
 using http::Reply;
 
+/// A reply of status 200.
 inline Reply json_reply(std::string body) {
   return {.body = std::move(body), .type = "application/json"};
 }

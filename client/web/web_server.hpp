@@ -22,6 +22,7 @@ public:
   /// @param is_behind_proxy  all connections are those of one proxy
   explicit WebServer(const http::Server::Listening& listening, bool is_behind_proxy = false);
 
+  /// Where it listens.
   const http::Server& server() const { return *server_; }
   /// A fixed file. @param path  "/app.js"
   void file(const std::string& path, const std::string& type, const std::string& text) {
@@ -34,6 +35,7 @@ public:
   void get(const std::string& path, Handler handler) {
     answers_["GET " + path] = std::move(handler);
   }
+  /// The same of what changes something.
   void post(const std::string& path, Handler handler) {
     answers_["POST " + path] = std::move(handler);
   }

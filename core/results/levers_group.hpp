@@ -20,7 +20,7 @@ enum class Lever {
   water_temperature,
   metal_level
 };
-inline constexpr std::size_t lever_count = 7;
+inline constexpr std::size_t lever_count = 7;  ///< of Lever
 
 /// What was measured of a casting that a run has followed, by time.
 struct MeasuredLevers {
@@ -28,7 +28,9 @@ struct MeasuredLevers {
   /// (lever, time) in the unit of the lever, as SCHEMA.md has it; NaN where it was not measured
   std::array<std::vector<double>, lever_count> values;
 
+  /// (time) of one lever, in its unit.
   std::vector<double>& of(Lever lever) { return values[static_cast<std::size_t>(lever)]; }
+  /// The same.
   const std::vector<double>& of(Lever lever) const {
     return values[static_cast<std::size_t>(lever)];
   }

@@ -32,14 +32,18 @@ struct LineRecord {
   double count = 1.0;                        ///< castings with these dangers
   std::optional<double> curl{};              ///< measured in one of them
   double curl_noise = 1.0;                   ///< standard deviation of the measurement, above 0
+  /// Whether two records say the same, so that they cost one evaluation.
   bool operator==(const LineRecord&) const = default;
 };
 
 /// The next casting, over all plants that are possible after the records.
 struct LinePosterior {
-  double danger = 0.0;                         ///< [1] mean over the plants
-  double danger_low = 0.0, danger_high = 0.0;  ///< [1] 5 % and 95 % quantiles of the plants' shares
-  double curl_low = 0.0, curl_median = 0.0, curl_high = 0.0;  ///< 5, 50 and 95 % quantiles
+  double danger = 0.0;       ///< [1] mean over the plants
+  double danger_low = 0.0;   ///< [1] 5 % quantile of the plants' shares
+  double danger_high = 0.0;  ///< [1] 95 % quantile
+  double curl_low = 0.0;     ///< 5 % quantile, in the unit of the curl's surface
+  double curl_median = 0.0;  ///< 50 %
+  double curl_high = 0.0;    ///< 95 %
   /// (input) share of the variance of the curl that would go if the plant's part of a datum were
   /// known, where the curl is linear in it [1]
   Eigen::VectorXd told;

@@ -28,7 +28,7 @@ public:
 inline constexpr int most_lines_of_user = 100;
 /// What a line keeps, its newest records. Forecasts use the last 30 followed castings.
 inline constexpr int most_castings = 10'000;
-inline constexpr std::size_t most_casting_bytes = 8 << 20;
+inline constexpr std::size_t most_casting_bytes = 8 << 20;  ///< of these records
 
 /// The lines in a folder by name, without their castings; a damaged one by its name alone.
 v1::ListLinesResponse list_lines(const std::filesystem::path& directory);
@@ -66,6 +66,7 @@ public:
   /// of this name; a line that is new is written by add() alone.
   class Reservation {
   public:
+    /// Made by reserve().
     Reservation(Lines& lines, std::string name) : lines_(lines), name_(std::move(name)) {}
     Reservation(const Reservation&) = delete;
     ~Reservation() { lines_.release(name_); }
@@ -84,6 +85,7 @@ public:
     const std::string name_;
   };
 
+  /// Reads whose lines there are. @param directory  need not be there
   explicit Lines(std::filesystem::path directory);
 
   v1::ListLinesResponse list() const;  ///< see list_lines()
