@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <ranges>
 #include <sstream>
 #include <utility>
 
@@ -24,8 +25,6 @@ const std::vector<std::pair<std::string, Casting::Outcome>> outcomes{
     {"cracked", Casting::CRACKED},
     {"hung-up", Casting::HUNG_UP},
     {"aborted", Casting::ABORTED}};
-
-constexpr const char* outcome_words = "sound, bled-out, cracked, hung-up, aborted";
 
 std::string fault(const std::string& name, const std::string& value, const std::string& permitted) {
   return fmt::format("{} = {} cannot be read; permitted: {}", name, value, permitted);
@@ -71,7 +70,8 @@ std::vector<std::string> read_typed(const TypedWords& words, std::int64_t now, C
     const auto found = std::ranges::find(outcomes, words.outcome,
                                          &std::pair<std::string, Casting::Outcome>::first);
     if (found == outcomes.end())
-      faults.push_back(fault("outcome", words.outcome, outcome_words));
+      faults.push_back(fault("outcome", words.outcome,
+                             fmt::format("{}", fmt::join(outcomes | std::views::keys, ", "))));
     else
       record.set_outcome(found->second);
   }
@@ -127,9 +127,8 @@ TypedCastings read_castings(std::istream& stream, const std::string& name, std::
         const auto found = std::ranges::find(
             known, lowered(cell), &std::pair<std::string, std::string TypedWords::*>::first);
         if (found == known.end())
-          fault_at(number, fmt::format("column \"{}\" is not known; permitted: recipe, outcome, "
-                                       "count, at, curl, sawn off, date",
-                                       cell));
+          fault_at(number, fmt::format("column \"{}\" is not known; permitted: {}", cell,
+                                       fmt::join(known | std::views::keys, ", ")));
         columns.push_back(found == known.end() ? &TypedWords::date : found->second);
       }
       if (!std::ranges::count(columns, nullptr))

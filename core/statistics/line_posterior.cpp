@@ -38,12 +38,13 @@ public:
     inputs_ = model.inputs + static_cast<int>(model.dangers.size()) + (model.curl ? 1 : 0);
     prior_ = Eigen::MatrixXd::NullaryExpr(plants_drawn, inputs_, [&] { return normal(random); });
     for (const LineSurface& danger : model.dangers) dangers_.push_back(surface_of(danger));
-    if (model.curl) curl_.emplace_back(surface_of(*model.curl));
+    if (model.curl) curl_ = surface_of(*model.curl);
   }
 
   int inputs() const { return inputs_; }
   const Eigen::MatrixXd& prior() const { return prior_; }
-  double curl_deviation() const { return curl_.front().casting_deviation; }
+  /// Of a casting from the plant's curl; 0: no curl is known.
+  double curl_deviation() const { return curl_ ? curl_->casting_deviation : 0.0; }
 
   /// (place, danger) excess over the limit, in standard deviations of a casting: the share of the
   /// plant's castings in danger is the normal distribution of it.
@@ -55,7 +56,7 @@ public:
   }
   /// (place) curl that the plant has on average; empty: not known.
   Eigen::VectorXd curl(const Eigen::MatrixXd& places) const {
-    return curl_.empty() ? Eigen::VectorXd() : figure(curl_.front(), places);
+    return curl_ ? figure(*curl_, places) : Eigen::VectorXd();
   }
 
 private:
@@ -83,7 +84,8 @@ private:
   int inputs_ = 0;
   Eigen::Index next_error_ = 0;
   Eigen::MatrixXd prior_;  ///< (draw, input)
-  std::vector<PlantSurface> dangers_, curl_;
+  std::vector<PlantSurface> dangers_;
+  std::optional<PlantSurface> curl_;
 };
 
 double log_probability(double excess) {
@@ -148,11 +150,12 @@ public:
     const Eigen::VectorXd curl = plants_.curl(places);
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(places.rows());
     for (const EqualRecords& kind : kinds_)
-      sum += kind.number *
-             right(kind.record, excess, curl, curl_deviation()).unaryExpr([&](double value) {
-               return log_sum(std::log1p(-kind.wrong()) + value,
-                              std::log(kind.wrong()) + kind.expected);
-             });
+      sum +=
+          kind.number *
+          right(kind.record, excess, curl, plants_.curl_deviation()).unaryExpr([&](double value) {
+            return log_sum(std::log1p(-kind.wrong()) + value,
+                           std::log(kind.wrong()) + kind.expected);
+          });
     return sum;
   }
 
@@ -172,11 +175,8 @@ public:
   }
 
 private:
-  double curl_deviation() const {
-    return plants_.curl(plants_.prior().topRows(1)).size() == 0 ? 0.0 : plants_.curl_deviation();
-  }
   Eigen::VectorXd right_at(const Eigen::MatrixXd& places, const LineRecord& record) const {
-    return right(record, plants_.excess(places), plants_.curl(places), curl_deviation());
+    return right(record, plants_.excess(places), plants_.curl(places), plants_.curl_deviation());
   }
 
   const Plants& plants_;

@@ -71,11 +71,11 @@ std::string moved_table(const LiveLever& lever, int towards, const v1::Curve& ta
   const double jump = by_length ? jump_m : jump_s;
   const double step = towards * lever.lever.step;
 
-  std::string points;
+  v1::Curve points;
+  points.set_abscissa(by_length ? v1::CAST_LENGTH : v1::TIME);
   const auto add = [&](double at, double value) {
-    points +=
-        fmt::format(R"({}["{}", "{}"])", points.empty() ? "" : ", ",
-                    quantity_text(at, by_length ? "m" : "s"), quantity_text(value, lever.unit));
+    points.add_at(at);
+    points.add_value(value);
   };
   const auto moved = [&](double value) {
     return lever.is_factor ? value * (1.0 + step) : value + step;
@@ -87,7 +87,7 @@ std::string moved_table(const LiveLever& lever, int towards, const v1::Curve& ta
   add(from, moved(curve_value(table, from)));
   for (int i = 0; i < table.at_size(); ++i)
     if (table.at(i) > from) add(table.at(i), moved(table.value(i)));
-  return "[" + points + "]";
+  return curve_text(points, lever.unit);
 }
 
 }  // namespace

@@ -131,17 +131,6 @@ std::optional<v1::Curve> moved_gas(const v1::Case& complete, int steps) {
   return after;
 }
 
-/// A table as in a case file.
-std::string table_text(const v1::Curve& table) {
-  if (table.at().empty()) return number_text(table.value(0));
-  const char* const unit = is_by_length(table) ? "m" : "s";
-  std::string points;
-  for (int i = 0; i < table.at_size(); ++i)
-    points += fmt::format(R"({}["{}", {}])", i == 0 ? "" : ", ", quantity_text(table.at(i), unit),
-                          number_text(table.value(i)));
-  return "[" + points + "]";
-}
-
 /// "15 s", "10 %", "10 K", "5 mm": how far a lever is moved; of gas what it leaves, "0.5 of".
 std::string amount_text(const PlantLever& lever, int steps, const v1::Case& complete) {
   const double distance = std::abs(steps) * lever.step;
@@ -154,7 +143,7 @@ std::string amount_text(const PlantLever& lever, int steps, const v1::Case& comp
 }
 
 std::string value_text(const PlantLever& lever, int steps, const v1::Case& complete) {
-  if (&lever == &gas) return table_text(*moved_gas(complete, steps));
+  if (&lever == &gas) return curve_text(*moved_gas(complete, steps), "1");
   if (is_factor(lever)) return number_text(1.0 + steps * lever.step);
   if (is_temperature(lever)) return number_text(steps * lever.step) + " K";
   return number_text(1e3 * steps * lever.step) + " mm";

@@ -17,6 +17,8 @@ std::string real_text(double value, const std::string& unit) {
   return quoted(quantity_text(value, unit));
 }
 
+}  // namespace
+
 std::string curve_text(const v1::Curve& curve, const std::string& unit) {
   if (curve.at_size() == 1 && curve.abscissa() == v1::ABSCISSA_UNSPECIFIED)
     return real_text(curve.value(0), unit);
@@ -28,6 +30,8 @@ std::string curve_text(const v1::Curve& curve, const std::string& unit) {
                                  real_text(curve.value(i), unit)));
   return fmt::format("[{}]", fmt::join(points, ", "));
 }
+
+namespace {
 
 std::string value_text(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();

@@ -31,12 +31,7 @@ struct FoundRun {
 
 /// @throws Refusal  also where the caller may not read the job
 FoundRun find_job_run(Context& context, const Call& call, const std::string& id) {
-  check_job_id(id);
-  const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
-  if (const auto status = context.gate.permit_touch(call.caller, reading, id); !status.ok())
-    throw Refusal{status};
-
-  const v1::Job job = find_job(context, id);
+  const v1::Job job = readable_job(context, call.caller, id);
 
   FoundRun run;
   if (!jobs::read_complete_case(context.jobs_directory / id, run.judged.description))

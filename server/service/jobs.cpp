@@ -90,15 +90,6 @@ v1::Study readable_sweep(Context& context, const Call& call, const std::string& 
   return study;
 }
 
-/// Checks that the caller may read a job, and that there is such a job. @throws Refusal
-v1::Job readable_job(Context& context, const access::Caller& caller, const std::string& id) {
-  check_job_id(id);
-  const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
-  if (const auto status = context.gate.permit_touch(caller, reading, id); !status.ok())
-    throw Refusal{status};
-  return find_job(context, id);
-}
-
 /// Checks the name of the line of a casting, and that it is no line of another user.
 void check_line(Context& context, const access::Caller& caller, const std::string& name) {
   check_line_name(name);

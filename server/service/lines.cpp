@@ -76,11 +76,7 @@ v1::LineCasting record_of_recipe(Context& context, const Call& call, const std::
                                  const v1::CastingRecipe& recipe, Faults& faults) {
   v1::LineCasting record;
   if (!recipe.has_case_()) {
-    check_job_id(recipe.job());
-    const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
-    const auto status = context.gate.permit_touch(call.caller, reading, recipe.job());
-    if (!status.ok()) throw Refusal{status};
-    find_job(context, recipe.job());
+    readable_job(context, call.caller, recipe.job());
     v1::Case complete;
     if (jobs::read_complete_case(context.jobs_directory / recipe.job(), complete))
       studies::set_recipe(complete, record);

@@ -438,6 +438,14 @@ v1::Job find_job(Context& context, const std::string& id) {
   throw Refusal{unknown_job(id)};
 }
 
+v1::Job readable_job(Context& context, const access::Caller& caller, const std::string& id) {
+  check_job_id(id);
+  const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
+  if (const auto status = context.gate.permit_touch(caller, reading, id); !status.ok())
+    throw Refusal{status};
+  return find_job(context, id);
+}
+
 grpc::Status unknown_job(const std::string& id) {
   return not_found(fmt::format("there is no job {} here", id),
                    "the list of jobs names those there are");

@@ -119,6 +119,9 @@ void check_may_queue(Context& context, const Call& call, const std::string& requ
 
 /// @throws Refusal  NOT_FOUND
 v1::Job find_job(Context& context, const std::string& id);
+/// The same of a job that a request names beside the one that it is about.
+/// @throws Refusal  also where it is no job id, or the caller may not read the job
+v1::Job readable_job(Context& context, const access::Caller& caller, const std::string& id);
 /// NOT_FOUND: there is none, or the caller may not know that there is one. The words are equal.
 grpc::Status unknown_job(const std::string& id);
 grpc::Status unknown_study(const std::string& id);

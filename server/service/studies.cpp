@@ -75,12 +75,8 @@ google::protobuf::RepeatedPtrField<v1::Finding> findings_to_remedy(const v1::Job
 jobs::Attachments complete_remedy(Context& context, const Call& call,
                                   v1::CreateStudyRequest& request) {
   const std::string id = request.remedy().job();
-  check_job_id(id);
-  const auto& reading = access::rule_of(*v1::GetJobRequest::descriptor());
-  if (const auto status = context.gate.permit_touch(call.caller, reading, id); !status.ok())
-    throw Refusal{status};
-
-  *request.mutable_remedy()->mutable_findings() = findings_to_remedy(find_job(context, id));
+  *request.mutable_remedy()->mutable_findings() =
+      findings_to_remedy(readable_job(context, call.caller, id));
 
   const auto folder = context.jobs_directory / id;
   const jobs::JobDescription description = jobs::read_job_description(folder);

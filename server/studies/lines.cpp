@@ -34,6 +34,14 @@ std::filesystem::path file_of(const std::filesystem::path& directory, const std:
   return directory / (name + ".bin");
 }
 
+LineChange with_casting(const v1::LineCasting& casting) {
+  LineChange change;
+  *change.add_castings() = casting;
+  return change;
+}
+
+}  // namespace
+
 /// A line as its file tells.
 class StoredLine {
 public:
@@ -136,6 +144,8 @@ private:
   std::map<std::string, Request> requests_;
 };
 
+namespace {
+
 /// Empty if there is no such line. @throws DamagedLine, std::system_error
 std::optional<StoredLine> read_line(const std::filesystem::path& directory,
                                     const std::string& name) {
@@ -221,9 +231,9 @@ v1::ListLinesResponse list_lines(const std::filesystem::path& directory) {
   return listing;
 }
 
-void Lines::append(const std::string& name, const std::string& owner, LineChange change) {
+void Lines::append(const std::optional<StoredLine>& stored, const std::string& name,
+                   const std::string& owner, LineChange change) {
   const auto path = file_of(directory_, name);
-  const auto stored = read_line(directory_, name);
   if (!stored) {
     change.mutable_beginning()->set_name(name);
     change.mutable_beginning()->set_owner(owner);
@@ -298,21 +308,11 @@ void Lines::release(const std::string& name) {
   if (--reserved->second.castings == 0) reserved_.erase(reserved);
 }
 
-namespace {
-
-LineChange with_casting(const v1::LineCasting& casting) {
-  LineChange change;
-  *change.add_castings() = casting;
-  return change;
-}
-
-}  // namespace
-
 void Lines::add(const std::string& name, const v1::LineCasting& casting) {
   const std::lock_guard lock(mutex_);
   const auto stored = read_line(directory_, name);
   if (!stored || !stored->had(casting.id()))
-    append(name, reserved_.at(name).owner, with_casting(casting));
+    append(stored, name, reserved_.at(name).owner, with_casting(casting));
 }
 
 AddedCastings Lines::add_typed(const std::string& name, std::vector<v1::LineCasting> castings,
@@ -335,7 +335,7 @@ AddedCastings Lines::add_typed(const std::string& name, std::vector<v1::LineCast
     *change.add_castings() = std::move(casting);
   }
   change.set_last_number(number);
-  append(name, reserved_.at(name).owner, std::move(change));
+  append(stored, name, reserved_.at(name).owner, std::move(change));
   return added;
 }
 
@@ -348,7 +348,7 @@ void Lines::add_lost(const std::string& name, const std::string& owner,
       jobs::milliseconds(stored->beginning().restart_time()) >=
           jobs::milliseconds(casting.begin_time()))
     return;
-  append(name, owner, with_casting(casting));
+  append(stored, name, owner, with_casting(casting));
 }
 
 void Lines::end_casting(const std::string& name, const std::string& job,
@@ -361,7 +361,7 @@ void Lines::end_casting(const std::string& name, const std::string& job,
   v1::LineCasting ended = *casting;
   ended.set_ended(true);
   *ended.mutable_curls() = {curls.begin(), curls.end()};
-  append(name, "", with_casting(ended));
+  append(stored, name, "", with_casting(ended));
 }
 
 std::optional<v1::LineCasting> Lines::edit(const std::string& name, const std::string& id,
@@ -384,7 +384,7 @@ std::optional<v1::LineCasting> Lines::edit(const std::string& name, const std::s
   if (casting->has_following()) *edited.mutable_following() = casting->following();
   if (casting->has_following() || !typed.has_begin_time())
     *edited.mutable_begin_time() = casting->begin_time();
-  append(name, "", with_casting(edited));
+  append(stored, name, "", with_casting(edited));
   return edited;
 }
 
@@ -397,16 +397,17 @@ std::optional<std::string> Lines::forget(const std::string& name,
     if (!stored || !stored->find(id)) return id;
     change.add_forgotten(id);
   }
-  append(name, "", std::move(change));
+  append(stored, name, "", std::move(change));
   return std::nullopt;
 }
 
 std::optional<v1::Line> Lines::restart(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  if (!read_line(directory_, name)) return std::nullopt;
+  const auto stored = read_line(directory_, name);
+  if (!stored) return std::nullopt;
   LineChange change;
   *change.mutable_restart_time() = jobs::now();
-  append(name, "", std::move(change));
+  append(stored, name, "", std::move(change));
   return read_line(directory_, name)->line();
 }
 

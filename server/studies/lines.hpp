@@ -45,6 +45,8 @@ void set_recipe(const v1::Case& complete, v1::LineCasting& casting);
 /// What the castings of a case have in common: LineCasting.recipe.
 std::string recipe_name(const v1::Case& complete);
 
+class StoredLine;  // in lines.cpp
+
 /// What became of typed castings.
 struct AddedCastings {
   std::vector<std::string> ids;  ///< of the records, in their order
@@ -127,8 +129,10 @@ private:
   AddedCastings add_typed(const std::string& name, std::vector<v1::LineCasting> castings,
                           const std::string& request_id, const std::string& request);
   void release(const std::string& name);
-  /// Appends a change to the file of a line. @param owner  of a line that begins with it
-  void append(const std::string& name, const std::string& owner, LineChange change);
+  /// Appends a change to the file of a line. @param stored  what the file has; empty: there is none
+  /// @param owner  of a line that begins with it
+  void append(const std::optional<StoredLine>& stored, const std::string& name,
+              const std::string& owner, LineChange change);
 
   const std::filesystem::path directory_;
   mutable std::mutex mutex_;
