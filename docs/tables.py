@@ -19,7 +19,9 @@ Figures:
     MONITOR against COLUMN  the curl, and how far it is from the first number of that column, in percent
     least FIELD             smallest value of a field of StepReport while the block moves; of a length in mm
     sum of FIELD            over all steps
+    last FIELD              at the end; of a length in mm
     findings                codes of the findings beyond notes, without those that are open
+A run that fails has the code of its failure in place of each.
 
 `.0` behind a figure sets its decimals, else 1 of a length, none of the others. The Python package is that of
 build/release/python, or of $DCCAST_PYTHON.
@@ -88,14 +90,23 @@ def figure(words, run, first, against):
         return "" if run is first else percent(curl_mm(run, words[2]), curl_mm(first, words[2]))
     if words[:2] == ["sum", "of"]:
         return written(sum(getattr(step, words[2]) for step in run.steps), 0)
-    if words[0] == "least":
-        least = min(getattr(step, words[1]) for step in run.steps if step.cast_length_m > 0)
-        return written(1e3 * least, 1) if words[1].endswith(LENGTH) else written(least, 0)
+    if words[0] in ("least", "last"):
+        values = [getattr(step, words[1]) for step in run.steps if step.cast_length_m > 0]
+        value = min(values) if words[0] == "least" else values[-1]
+        return written(1e3 * value, 1) if words[1].endswith(LENGTH) else written(value, 0)
 
     value = curl_mm(run, words[0])
     if words[1:2] == ["against"]:
         return f"{written(value, 1)}, {percent(value, against)}"
     return written(value, 1)
+
+
+def of_job(words, job, first, against):
+    """One figure of a job; of one that failed, the code of its failure."""
+    run = job.wait(check=False)
+    if run.state == "FAILED":
+        return run.message.failure.code
+    return figure(words, run, first, against)
 
 
 def cells_of(line):
@@ -160,5 +171,5 @@ def renewed(mark, runs):
             if "against" in words:
                 of_column = cells[table.head.index(words[words.index("against") + 1])]
                 against = float(NUMBER.search(of_column)[0])
-            cells[i] = ", ".join(figure(words, job.wait(), jobs[0][i][0], against) for job in row[i])
+            cells[i] = ", ".join(of_job(words, job, jobs[0][i][0], against) for job in row[i])
     return mark[0].replace(mark["table"], table.text())

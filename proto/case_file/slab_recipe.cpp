@@ -309,11 +309,13 @@ Ramp speed_of(const Slab& slab, const Slab& base, const Ramp& shipped) {
   return ramp;
 }
 
-/// Water of a slab, on the ramp of its speed. In the end it carries the heat that the metal brings,
-/// speed times area; the first water is that of the shipped case, since it decides how the butt is
-/// wetted.
+/// Water of a slab, on the ramp of its speed. It carries the heat that the metal brings, speed
+/// times area per perimeter. The first water is never more than that of the shipped case, since it
+/// decides how the butt is wetted: a thinner butt of AA5182 with all of it curls off its block so
+/// early that its shell melts through.
 Ramp water_of(const Slab& slab, const Slab& base, const Ramp& shipped, const Ramp& speed,
               const Ramp& shipped_speed) {
+  constexpr double least_at_first = 60e-3 / 60.0;             // [m2/s] [A]
   constexpr FigureRange usual{150e-3 / 60.0, 250e-3 / 60.0};  // [m2/s], docs/alloys.md
   Ramp ramp = shipped;
   ramp.begin = speed.begin, ramp.end = speed.end;
@@ -322,9 +324,13 @@ Ramp water_of(const Slab& slab, const Slab& base, const Ramp& shipped, const Ram
   } else if (shipped.end > shipped.begin) {
     const double heat = speed.value.last * slab.area() / slab.perimeter();
     const double heat_of_shipped = shipped_speed.value.last * base.area() / base.perimeter();
-    const double flow = shipped.value.last * heat / heat_of_shipped;
-    ramp.value.last =
-        rounded(std::clamp(flow, usual.first, usual.last), 1.0 / litres_per_min_per_m);
+    const double share = heat / heat_of_shipped;
+    const double first =
+        std::clamp(share * shipped.value.first, std::min(least_at_first, shipped.value.first),
+                   shipped.value.first);
+    const double last = std::clamp(share * shipped.value.last, usual.first, usual.last);
+    constexpr double step = 1.0 / litres_per_min_per_m;
+    ramp.value = {rounded(first, step), rounded(last, step)};
   }
   return ramp;
 }

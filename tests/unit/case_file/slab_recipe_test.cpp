@@ -175,6 +175,16 @@ TEST(NewCase, WaterFollowsTheHeat) {
   EXPECT_THAT(new_case(wide).summary, HasSubstr("43 -> 57 mm/min"));
 }
 
+/// The first water falls with the heat, too, to 60 l/min/m at least.
+TEST(NewCase, AThinSlabHasLessFirstWater) {
+  SlabRecipe thin{.slab = "1060x420mm", .alloy = "aa5182", .speed = "", .water = ""};
+  const v1::Curve flow = made(thin).schedule().water_flow_m2_per_s();
+  EXPECT_NEAR(flow.value(0), 68e-3 / 60, 1e-9) << 90 * (0.4452 / 2.96) / (0.7524 / 3.78);
+  EXPECT_NEAR(flow.value(1), 150e-3 / 60, 1e-9);
+  thin.slab = "500x200mm";
+  EXPECT_NEAR(made(thin).schedule().water_flow_m2_per_s().value(0), 60e-3 / 60, 1e-9);
+}
+
 TEST(NewCase, SizesBeyondTheRulesAreRefused) {
   for (const char* size : {"2700x600mm", "390x300mm", "1000x190mm", "1320x800mm"}) {
     const NewCase made = new_case({.slab = size, .alloy = "", .speed = "", .water = ""});
