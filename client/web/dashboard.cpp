@@ -1,18 +1,24 @@
 #include "client/web/dashboard.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <map>
+#include <sstream>
+#include <utility>
 
 #include "client/html/html_parts.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/json.hpp"
+#include "client/model/measured_csv.hpp"
+#include "client/session/byte_call.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/plan_requests.hpp"
 #include "client/session/queries.hpp"
 #include "client/web/connect_entry.hpp"
+#include "client/web/connect_messages.hpp"
 #include "client/web/resources.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/remedies.hpp"
@@ -33,7 +39,7 @@ Json step_json(const v1::StepReport& step) {
           {"monitors", json_list(step.monitors(), shown)}};
 }
 
-/// A job with its curl, the error of mesh and steps, and the times of its stored frames.
+/// A job with its curl, the error of mesh and steps, and its case with the files that it names.
 Json job_json(Connection& connection, const std::string& id) {
   const v1::Job job = connection.call(&Stub::GetJob, id);
   const v1::QueryResultResponse result = query_result(connection, job.id());
@@ -41,7 +47,8 @@ Json job_json(Connection& connection, const std::string& id) {
           {"has_levers", !case_file::advice_against(job.findings()).empty()},
           {"steps", json_list(result.steps(), step_json)},
           {"wanted", to_json(result.case_().plausibility())},
-          {"case", case_file::to_toml(result.case_())}};
+          {"case", case_file::to_toml(result.case_())},
+          {"attachments", json_list(result.attachments(), to_json)}};
 }
 
 /// The times of all stored frames and the fields of the last one. A job without frames is no fault:
@@ -85,6 +92,44 @@ Json cases_json(Connection& connection, const std::vector<std::string>& files) {
                      {"attachments", json_list(named.attachments(), to_json)}});
   }
   return {{"given", given}, {"shipped", shipped::names_of(shipped::case_templates())}};
+}
+
+// ---- Studies whose plan pages do not make
+
+/// Begins the recipe search of a CreateStudyRequest, or finds the one that is there. Query: the
+/// texts of a RecipeChoice. What the request has of a RecipePlan holds.
+Reply recipe_search(Connection& connection, const Request& request) {
+  std::string bytes;
+  check(read_request(*find_method("CreateStudy"), true, request.body, bytes), connection.server());
+  v1::CreateStudyRequest wanted;
+  wanted.ParseFromString(bytes);
+
+  RecipeChoice choice;
+  for (const auto& [name, text] :
+       {std::pair{"band", &choice.band}, std::pair{"speed", &choice.speed},
+        std::pair{"water", &choice.water}, std::pair{"hold", &choice.hold},
+        std::pair{"filling", &choice.filling}})
+    if (request.query.contains(name)) *text = request.value(name);
+  const v1::RecipePlan given = wanted.recipe();
+  lay_out_recipe(connection, choice, wanted);
+  wanted.mutable_recipe()->MergeFrom(given);
+  return json_reply(
+      to_json(taken_up(connection, connection.call(&Stub::CreateStudy, wanted))).dump());
+}
+
+/// The curves of a file of measurements, which has the name of the request. Body: its text and the
+/// monitors of the case, one a line.
+Json measured_json(const Request& request) {
+  const auto members = members_of_object(request.body).members;
+  if (!members || !members->contains("text") || !members->contains("monitors"))
+    throw invalid("the request is no JSON object with text and monitors");
+
+  std::vector<std::string> monitors;
+  std::istringstream text(members->at("text")), names(members->at("monitors"));
+  for (std::string name; std::getline(names, name);) monitors.push_back(name);
+  const MeasuredFile read = read_measured(text, request.name, monitors);
+  if (!read.faults.empty()) throw invalid(fmt::format("{}", fmt::join(read.faults, "\n")));
+  return json_list(read.curves, to_json);
 }
 
 std::string type_of(const std::string& name) {
@@ -132,10 +177,9 @@ void add_dashboard(WebServer& server, const Connect& connect,
                            {"role", v1::Role_Name(who.role())}}
                           .dump());
   });
-
-  // The study that looks for a remedy.
-  server.post("/remedy/*", connected(connect, [](Connection& connection, const Request& request) {
-                return json_reply(Json{{"study", remedy_of(connection, request.name).id()}}.dump());
+  server.post("/recipe", connected(connect, recipe_search));
+  server.post("/measured/*", connected(connect, [](Connection&, const Request& request) {
+                return json_reply(measured_json(request).dump());
               }));
 }
 

@@ -119,6 +119,21 @@ class JobsOfOthers(HostileBrowser):
         for name in ("GetJob", "CancelJob", "PauseJob", "ResumeJob", "DeleteJob", "QueryResult"):
             yield name, [mallory.call(name, {"id": self.of_anna})[0]]
         yield "UpdateJob", [mallory.call("UpdateJob", {"id": self.of_anna, "priority": "HIGH"})[0]]
+        taken = {"case": {"mesh": {"file": "slab.msh"}},
+                 "attachments": [{"name": "slab.msh", "sha256": 64 * "a", "job": self.of_anna}]}
+        for name, rest in (("ValidateCase", {}), ("SubmitJob", {"request_id": "x"}),
+                           ("CreateStudy", {"request_id": "x", "refinement": {"levels": 2}})):
+            yield f"a file of the job in {name}", [mallory.call(name, {**taken, **rest})[0]]
+        last = list(mallory.stream("QueryButtCurl", taken))[-1][1]
+        yield "a file of the job in QueryButtCurl", [404 if last["error"]["code"] == "not_found" else 200]
+        anna = self.browser("anna")
+        recipe, record = {"job": self.of_anna}, {"outcome": "SOUND", "count": 1}
+        castings = {"id": "pit-3", "recipes": [recipe], "castings": [{"recipe": 0, "record": record}]}
+        assert anna.call("AddCastings", castings)[0] == 200
+        yield "AddCastings with the job", [mallory.call("AddCastings", castings)[0]]
+        for name, rest in (("EditCasting", {"casting": "1", "record": record}),
+                           ("ForgetCastings", {"castings": ["1"]}), ("RestartLine", {}), ("DeleteLine", {})):
+            yield name, [mallory.call(name, {"id": "pit-3", **rest})[0]]
         for name in ("report", "results.h5", "curl.csv", "frame"):
             yield name, [mallory.ask("GET", f"/jobs/{self.of_anna}/{name}")[0]]
         for name in ("job", "frames", "sketch", "report", "frame", "field"):
