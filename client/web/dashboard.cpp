@@ -117,19 +117,23 @@ Reply recipe_search(Connection& connection, const Request& request) {
       to_json(taken_up(connection, connection.call(&Stub::CreateStudy, wanted))).dump());
 }
 
-/// The curves of a file of measurements, which has the name of the request. Body: its text and the
-/// monitors of the case, one a line.
-Json measured_json(const Request& request) {
-  const auto members = members_of_object(request.body).members;
-  if (!members || !members->contains("text") || !members->contains("monitors"))
-    throw invalid("the request is no JSON object with text and monitors");
+/// The curves of a file of measurements: the body, under the name of the request. Query: the
+/// monitors of the case.
+Reply measured_curves(Connection& connection, const Request& request) {
+  connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());  // the daemon knows whether the token is one
+  constexpr std::size_t most_bytes = 2'000'000;
+  std::string text;
+  for (std::string part; !(part = request.next_part()).empty();) {
+    text += part;
+    if (text.size() > most_bytes)
+      throw invalid(fmt::format("{} has more than {} bytes; thin its readings out", request.name,
+                                most_bytes));
+  }
 
-  std::vector<std::string> monitors;
-  std::istringstream text(members->at("text")), names(members->at("monitors"));
-  for (std::string name; std::getline(names, name);) monitors.push_back(name);
-  const MeasuredFile read = read_measured(text, request.name, monitors);
+  std::istringstream lines(text);
+  const MeasuredFile read = read_measured(lines, request.name, request.values("monitor"));
   if (!read.faults.empty()) throw invalid(fmt::format("{}", fmt::join(read.faults, "\n")));
-  return json_list(read.curves, to_json);
+  return json_reply(json_list(read.curves, to_json).dump());
 }
 
 std::string type_of(const std::string& name) {
@@ -178,9 +182,7 @@ void add_dashboard(WebServer& server, const Connect& connect,
                           .dump());
   });
   server.post("/recipe", connected(connect, recipe_search));
-  server.post("/measured/*", connected(connect, [](Connection&, const Request& request) {
-                return json_reply(measured_json(request).dump());
-              }));
+  server.put("/measured/*", connected(connect, measured_curves));
 }
 
 }  // namespace dccast::client

@@ -87,6 +87,9 @@ class HostileCookies(HostileBrowser):
         copied = (name, value)
         session.ask("POST", "/session/out", "{}")
         yield "a cookie of a session that has ended", [self.of(*copied)]
+        unknown = self.browser(Authorization="Bearer dccast-token-" + 32 * "0")
+        for method, path in (("POST", SERVICE + "WhoAmI"), ("POST", "/recipe"), ("PUT", "/measured/x.csv")):
+            yield "an unknown token", [unknown.ask(method, path, "{}")[0]]
 
     def of(self, name, value):
         return self.browser(Cookie=f"{name}={value}").ask("POST", SERVICE + "WhoAmI", "{}")[0]
@@ -166,7 +169,9 @@ class HostileBodies(HostileBrowser):
                                                   "Transfer-Encoding: chunked") + 60 * chunk)]
         for text in ('{"case":' + 10_000 * '{"mesh":' + 10_000 * "}" + "}", "[" * 2_000_000,
                      '{"a":' * 10_000, '{"since":' + 10_000 * '{"seconds":' + 10_000 * "}" + "}"):
-            yield text[:20], [self.browser("mallory").ask("POST", call, text)[0]]
+            for method, path in (("POST", call), ("POST", "/recipe"), ("PUT", "/measured/x.csv")):
+                yield f"{text[:20]} at {path}", [self.browser("mallory").ask(method, path, text)[0]]
+        yield "a long table", [self.browser("mallory").ask("PUT", "/measured/x.csv", "1, 2\n" * 2_000_000)[0]]
         for method, path in (("POST", call), ("PUT", "/attachments/" + 64 * "a")):
             yield "a slow body", [self.slow(begin(method, path, "Content-Length: 100000"))]
 

@@ -8,17 +8,15 @@ const opened = new Map();  // {text, attachments} by name, until the page is clo
 let known;
 const knownCases = () => known ??= get('/cases/');
 
-/** Keeps a case that was read. @return the name by which it is found */
-export function keepCase(name, {text, attachments}) {
+/**
+ * Keeps a case under a name and opens a page that takes it.
+ * @param page  'new', 'what-if' or 'studies'
+ */
+export function goOn(page, name, {text, attachments}) {
   const own = `page: ${name}`;
   opened.delete(own);
   opened.set(own, {text, attachments});
-  return own;
-}
-
-/** Opens a page that takes the name of a case. @param page  'new', 'what-if' or 'studies' */
-export function goOn(page, name, made) {
-  location.hash = `#/${page}/${encodeURIComponent(keepCase(name, made))}`;
+  location.hash = `#/${page}/${encodeURIComponent(own)}`;
 }
 
 /** The same with the case of a job, whose files the server has. */

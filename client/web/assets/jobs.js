@@ -25,7 +25,7 @@ async function sketch(job, cell) {
 }
 
 /** "draft" and what differs from the case file, as lines. */
-export function changesOf(job, without = new Set()) {
+function changesOf(job, without = new Set()) {
   const changes =
     (job.changes || []).filter(c => c.key !== 'quality').map(c => `${c.key} = ${c.value}`);
   return changes.filter(text => !without.has(text));

@@ -154,7 +154,7 @@ export function linePage(element, signal, name, study) {
     const mark = study ? await markOf() : null;
     seen = now;
     replace(owner, `Line of ${line.owner}, since ${ago(line.restart_time ?? line.create_time)}`);
-    const heads = ['Casting', 'Cast', 'Outcome', 'Measured', 'Recipe', ...(mark ? ['Study'] : []), ''];
+    const heads = ['Casting', 'Cast', 'Outcome', 'Measured', 'Recipe', ...(mark ? ['Study'] : []), 'Change'];
     replace(list, (line.castings ?? []).length === 0 ? h('p', {class: 'soft'}, 'No castings.')
       : sheet(heads, line.castings.map(casting => [
         casting.job ? h('a', {href: `#/job/${casting.job}`}, shortId(casting.job)) : casting.id,

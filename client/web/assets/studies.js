@@ -1,5 +1,5 @@
 // Studies, and of a sweep the response surface: a slider for each key.
-import {call, callDrawn, post, repeat} from './api.js';
+import {call, callDrawn, put, repeat} from './api.js';
 import {beginStudy, caseNames, goOnWithJob, readCase} from './cases.js';
 import {chart} from './chart.js';
 import {ago, attempts, button, curlText, field, h, replace, sheet, shortId, stateText} from './dom.js';
@@ -36,9 +36,8 @@ const given = (entries, made = text => text) => Object.fromEntries(
 
 async function calibration({measured, runs}, {complete}) {
   if (!measured) throw new Error('Choose the file with what was measured.');
-  const monitors = (complete.monitor || []).map(({name}) => name).join('\n');
-  const request = {text: await measured.text(), monitors};
-  const curves = await post(`/measured/${encodeURIComponent(measured.name)}`, request);
+  const monitors = new URLSearchParams((complete.monitor || []).map(({name}) => ['monitor', name]));
+  const curves = await put(`/measured/${encodeURIComponent(measured.name)}?${monitors}`, measured);
   return {sweep: {...hypercube(runs), purpose: 'CALIBRATION', measured: curves}};
 }
 
