@@ -64,9 +64,11 @@ class Recipes(DataStudyCase, Begun):
         plan = self.study(study).recipe
         self.assertEqual((plan.drafts, plan.castings, plan.candidates), (16, 3, 2))
         self.assertEqual(plan.greatest_curl_m, 0.1)
-        self.wait_for("the chosen one", ".bar", seconds=280)
+        until(lambda: self.study(study).state == study_pb2.STUDY_SUCCEEDED, 280)
+        self.wait_for("answered", "main p[role=status]")
 
         found = self.client.stub.EvaluateStudy(study_pb2.EvaluateStudyRequest(id=study), timeout=30).recipe
+        self.wait_for(f"Recipe {found.chosen + 1}: ", "#answer")
         self.press(f"Take recipe {found.chosen + 1}, the chosen one")
         self.press("Queue as a job", "#found")
         self.wait_for("Queued as", "#found", seconds=60)

@@ -246,8 +246,13 @@ export async function studyPage(element, signal, id) {
     if (now === judged) return;
     judged = now;
     const question = given === soundly ? {assume_sound: true} : {line: given};
-    const found = (await callDrawn('JudgeStudy', {id, ...question})).judgement;
+    const {judgement: found, result} =
+      await callDrawn('JudgeStudy', {id, ...question, with_result: Boolean(study.recipe)});
     if (signal.aborted || now !== judged) return;
+
+    // Those of the table that is shown: their order changes while castings end.
+    recipes = result?.recipe;
+    offer(study);
 
     // The table of runs below has links to their jobs.
     const shown = judgement(found, key => key !== 'runs');
@@ -262,11 +267,12 @@ export async function studyPage(element, signal, id) {
   }
 
   // Buttons stay as they are while what they do does.
-  let offered = '';
-  function offer({state: now}, {front = [], chosen} = {}) {
+  let offered = '', recipes;
+  function offer({state: now}) {
+    const {front = [], chosen} = recipes ?? {};
     const ready = front.map(({full_job: job, full_state: end}, i) => ({job, end, i}))
       .filter(({end}) => end === 'SUCCEEDED');
-    const key = JSON.stringify([now, ready]);
+    const key = JSON.stringify([now, ready, chosen]);
     if (key === offered) return;
     offered = key;
     const act = (text, method) => button(text, () => attempt(() => call(method, {id})));
@@ -308,7 +314,7 @@ export async function studyPage(element, signal, id) {
       drawLine();
       judge(study).catch(showFault);
     };
-    offer(study, result.recipe);
+    offer(study);
     heading.textContent = nameOf(study);
     state.textContent = `${kindOf(study)} ${shortId(id)}, ${answerState(study)}`;
     replace(table, runTable(result));
