@@ -1,18 +1,24 @@
 #include "client/web/dashboard.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <map>
+#include <sstream>
+#include <utility>
 
 #include "client/html/html_parts.hpp"
 #include "client/html/pages.hpp"
 #include "client/model/json.hpp"
+#include "client/model/measured_csv.hpp"
+#include "client/session/byte_call.hpp"
 #include "client/session/case_faults.hpp"
 #include "client/session/jobs.hpp"
 #include "client/session/plan_requests.hpp"
 #include "client/session/queries.hpp"
 #include "client/web/connect_entry.hpp"
+#include "client/web/connect_messages.hpp"
 #include "client/web/resources.hpp"
 #include "proto/case_file/case_file.hpp"
 #include "proto/case_file/remedies.hpp"
@@ -33,7 +39,7 @@ Json step_json(const v1::StepReport& step) {
           {"monitors", json_list(step.monitors(), shown)}};
 }
 
-/// A job with its curl, the error of mesh and steps, and the times of its stored frames.
+/// A job with its curl, the error of mesh and steps, and its case with the files that it names.
 Json job_json(Connection& connection, const std::string& id) {
   const v1::Job job = connection.call(&Stub::GetJob, id);
   const v1::QueryResultResponse result = query_result(connection, job.id());
@@ -41,7 +47,8 @@ Json job_json(Connection& connection, const std::string& id) {
           {"has_levers", !case_file::advice_against(job.findings()).empty()},
           {"steps", json_list(result.steps(), step_json)},
           {"wanted", to_json(result.case_().plausibility())},
-          {"case", case_file::to_toml(result.case_())}};
+          {"case", case_file::to_toml(result.case_())},
+          {"attachments", json_list(result.attachments(), to_json)}};
 }
 
 /// The times of all stored frames and the fields of the last one. A job without frames is no fault:
@@ -85,6 +92,48 @@ Json cases_json(Connection& connection, const std::vector<std::string>& files) {
                      {"attachments", json_list(named.attachments(), to_json)}});
   }
   return {{"given", given}, {"shipped", shipped::names_of(shipped::case_templates())}};
+}
+
+// ---- Studies whose plan pages do not make
+
+/// Begins the recipe search of a CreateStudyRequest, or finds the one that is there. Query: the
+/// texts of a RecipeChoice. What the request has of a RecipePlan holds.
+Reply recipe_search(Connection& connection, const Request& request) {
+  std::string bytes;
+  check(read_request(*find_method("CreateStudy"), true, request.body, bytes), connection.server());
+  v1::CreateStudyRequest wanted;
+  wanted.ParseFromString(bytes);
+
+  RecipeChoice choice;
+  for (const auto& [name, text] :
+       {std::pair{"band", &choice.band}, std::pair{"speed", &choice.speed},
+        std::pair{"water", &choice.water}, std::pair{"hold", &choice.hold},
+        std::pair{"filling", &choice.filling}})
+    if (request.query.contains(name)) *text = request.value(name);
+  const v1::RecipePlan given = wanted.recipe();
+  lay_out_recipe(connection, choice, wanted);
+  wanted.mutable_recipe()->MergeFrom(given);
+  return json_reply(
+      to_json(taken_up(connection, connection.call(&Stub::CreateStudy, wanted))).dump());
+}
+
+/// The curves of a file of measurements: the body, under the name of the request. Query: the
+/// monitors of the case.
+Reply measured_curves(Connection& connection, const Request& request) {
+  connection.call(&Stub::WhoAmI, v1::WhoAmIRequest());  // the daemon knows whether the token is one
+  constexpr std::size_t most_bytes = 2'000'000;
+  std::string text;
+  for (std::string part; !(part = request.next_part()).empty();) {
+    text += part;
+    if (text.size() > most_bytes)
+      throw invalid(fmt::format("{} has more than {} bytes; thin its readings out", request.name,
+                                most_bytes));
+  }
+
+  std::istringstream lines(text);
+  const MeasuredFile read = read_measured(lines, request.name, request.values("monitor"));
+  if (!read.faults.empty()) throw invalid(fmt::format("{}", fmt::join(read.faults, "\n")));
+  return json_reply(json_list(read.curves, to_json).dump());
 }
 
 std::string type_of(const std::string& name) {
@@ -132,11 +181,8 @@ void add_dashboard(WebServer& server, const Connect& connect,
                            {"role", v1::Role_Name(who.role())}}
                           .dump());
   });
-
-  // The study that looks for a remedy.
-  server.post("/remedy/*", connected(connect, [](Connection& connection, const Request& request) {
-                return json_reply(Json{{"study", remedy_of(connection, request.name).id()}}.dump());
-              }));
+  server.post("/recipe", connected(connect, recipe_search));
+  server.put("/measured/*", connected(connect, measured_curves));
 }
 
 }  // namespace dccast::client

@@ -378,12 +378,36 @@ void check_attachment(const v1::Attachment& attachment) {
   if (attachment.size_bytes() < 0) refuse("the size_bytes of attachment \"{}\" is negative", name);
 }
 
+/// A file that a job has, which the caller must be permitted to read.
+std::optional<jobs::AttachedFile> file_of_job(Context& context, const Call& call,
+                                              const v1::Attachment& named) {
+  readable_job(context, call.caller, named.job());
+  const auto folder = context.jobs_directory / named.job();
+  for (auto& file : jobs::attachments_of(folder, jobs::read_job_description(folder)))
+    if (file.name == named.name() && file.sha256 == named.sha256()) return file;
+  return std::nullopt;
+}
+
+google::protobuf::RepeatedPtrField<v1::Attachment> named_files(const jobs::Attachments& files,
+                                                               const std::string& job) {
+  google::protobuf::RepeatedPtrField<v1::Attachment> named;
+  for (const jobs::AttachedFile& file : files) {
+    v1::Attachment& attachment = *named.Add();
+    attachment.set_name(file.name);
+    attachment.set_sha256(file.sha256);
+    attachment.set_size_bytes(file.bytes);
+    attachment.set_job(job);
+  }
+  return named;
+}
+
 jobs::Attachments uploaded_files(Context& context, const Call& call,
                                  const google::protobuf::RepeatedPtrField<v1::Attachment>& named) {
   jobs::Attachments files;
   for (const v1::Attachment& attachment : named) {
     check_attachment(attachment);
-    auto file = context.uploads.find(call.caller.name, attachment);
+    auto file = attachment.job().empty() ? context.uploads.find(call.caller.name, attachment)
+                                         : file_of_job(context, call, attachment);
 
     if (!file)
       refuse(ErrorInfo::ATTACHMENT_MISSING, Remedy{"upload it (UploadAttachment), then call again"},

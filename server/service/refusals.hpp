@@ -103,8 +103,11 @@ void check_verdict(const v1::ValidateCaseResponse& verdict, const RunOfPlan& run
 
 /// Checks that a file is announced with a size and a SHA-256.
 void check_attachment(const v1::Attachment& attachment);
-/// The files named by a request, as its caller has uploaded them. @throws Refusal  ABORTED: a file
-/// is not on the server
+/// Names the files of a job, so that a request for another one may have them.
+google::protobuf::RepeatedPtrField<v1::Attachment> named_files(const jobs::Attachments& files,
+                                                               const std::string& job);
+/// The files named by a request, as its caller has uploaded them, or as a job has them that the
+/// caller may read. @throws Refusal  ABORTED: a file is not on the server
 jobs::Attachments uploaded_files(Context& context, const Call& call,
                                  const google::protobuf::RepeatedPtrField<v1::Attachment>& named);
 

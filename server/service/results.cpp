@@ -128,6 +128,9 @@ void add_case_and_frame(Context& context, const Call& call, const v1::QueryResul
     refuse(ErrorInfo::DAMAGED, Remedy{"dccastd check says what else is damaged"},
            "the case of job {} cannot be read any more", request.id());
   intake::make_printable(*response.mutable_case_());
+  const auto folder = context.jobs_directory / request.id();
+  *response.mutable_attachments() =
+      named_files(jobs::attachments_of(folder, jobs::read_job_description(folder)), request.id());
   if (request.frame()) add_frame(context, call, request, job, response);
 }
 

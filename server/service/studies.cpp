@@ -83,19 +83,8 @@ jobs::Attachments complete_remedy(Context& context, const Call& call,
   if (!request.mutable_case_()->ParseFromString(description.submitted_case))
     refuse(ErrorInfo::DAMAGED, "the case of job {} cannot be read any more", id);
 
-  jobs::Attachments files;
-  request.clear_attachments();
-  for (const auto& [name, sha256] : description.attachment_sha256) {
-    const auto path = folder / jobs::attachments_folder / name;
-    files.push_back({.name = name,
-                     .sha256 = sha256,
-                     .bytes = static_cast<std::int64_t>(std::filesystem::file_size(path)),
-                     .path = path});
-    v1::Attachment& attachment = *request.add_attachments();
-    attachment.set_name(name);
-    attachment.set_sha256(sha256);
-    attachment.set_size_bytes(files.back().bytes);
-  }
+  auto files = jobs::attachments_of(folder, description);
+  *request.mutable_attachments() = named_files(files, id);
   return files;
 }
 

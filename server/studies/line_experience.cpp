@@ -171,6 +171,7 @@ Castings castings_of(const ExperienceQuestion& question, const Surfaces& surface
     if (record->curl) experience.set_curls(experience.curls() + 1);
     castings.records.push_back(*record);
     castings.ids.push_back(casting.id());
+    experience.add_counted(casting.id());
   }
   experience.set_records(static_cast<int>(castings.ids.size()));
   *experience.mutable_other_recipes() = {others.begin(), others.end()};

@@ -87,6 +87,9 @@ class HostileCookies(HostileBrowser):
         copied = (name, value)
         session.ask("POST", "/session/out", "{}")
         yield "a cookie of a session that has ended", [self.of(*copied)]
+        unknown = self.browser(Authorization="Bearer dccast-token-" + 32 * "0")
+        for method, path in (("POST", SERVICE + "WhoAmI"), ("POST", "/recipe"), ("PUT", "/measured/x.csv")):
+            yield "an unknown token", [unknown.ask(method, path, "{}")[0]]
 
     def of(self, name, value):
         return self.browser(Cookie=f"{name}={value}").ask("POST", SERVICE + "WhoAmI", "{}")[0]
@@ -119,6 +122,21 @@ class JobsOfOthers(HostileBrowser):
         for name in ("GetJob", "CancelJob", "PauseJob", "ResumeJob", "DeleteJob", "QueryResult"):
             yield name, [mallory.call(name, {"id": self.of_anna})[0]]
         yield "UpdateJob", [mallory.call("UpdateJob", {"id": self.of_anna, "priority": "HIGH"})[0]]
+        taken = {"case": {"mesh": {"file": "slab.msh"}},
+                 "attachments": [{"name": "slab.msh", "sha256": 64 * "a", "job": self.of_anna}]}
+        for name, rest in (("ValidateCase", {}), ("SubmitJob", {"request_id": "x"}),
+                           ("CreateStudy", {"request_id": "x", "refinement": {"levels": 2}})):
+            yield f"a file of the job in {name}", [mallory.call(name, {**taken, **rest})[0]]
+        last = list(mallory.stream("QueryButtCurl", taken))[-1][1]
+        yield "a file of the job in QueryButtCurl", [404 if last["error"]["code"] == "not_found" else 200]
+        anna = self.browser("anna")
+        recipe, record = {"job": self.of_anna}, {"outcome": "SOUND", "count": 1}
+        castings = {"id": "pit-3", "recipes": [recipe], "castings": [{"recipe": 0, "record": record}]}
+        assert anna.call("AddCastings", castings)[0] == 200
+        yield "AddCastings with the job", [mallory.call("AddCastings", castings)[0]]
+        for name, rest in (("EditCasting", {"casting": "1", "record": record}),
+                           ("ForgetCastings", {"castings": ["1"]}), ("RestartLine", {}), ("DeleteLine", {})):
+            yield name, [mallory.call(name, {"id": "pit-3", **rest})[0]]
         for name in ("report", "results.h5", "curl.csv", "frame"):
             yield name, [mallory.ask("GET", f"/jobs/{self.of_anna}/{name}")[0]]
         for name in ("job", "frames", "sketch", "report", "frame", "field"):
@@ -151,7 +169,9 @@ class HostileBodies(HostileBrowser):
                                                   "Transfer-Encoding: chunked") + 60 * chunk)]
         for text in ('{"case":' + 10_000 * '{"mesh":' + 10_000 * "}" + "}", "[" * 2_000_000,
                      '{"a":' * 10_000, '{"since":' + 10_000 * '{"seconds":' + 10_000 * "}" + "}"):
-            yield text[:20], [self.browser("mallory").ask("POST", call, text)[0]]
+            for method, path in (("POST", call), ("POST", "/recipe"), ("PUT", "/measured/x.csv")):
+                yield f"{text[:20]} at {path}", [self.browser("mallory").ask(method, path, text)[0]]
+        yield "a long table", [self.browser("mallory").ask("PUT", "/measured/x.csv", "1, 2\n" * 2_000_000)[0]]
         for method, path in (("POST", call), ("PUT", "/attachments/" + 64 * "a")):
             yield "a slow body", [self.slow(begin(method, path, "Content-Length: 100000"))]
 

@@ -846,6 +846,11 @@ class RealPages(InBrowser):
         self.wait_for("Queued as", "#found", seconds=60)
         job = self.text("#found p[role=status] a")
         self.client.until_state(job, job_pb2.SUCCEEDED, seconds=120)
+
+        # The server has mesh and card with the job: they come along.
+        self.go(f"job/{job}")
+        self.press("What-if with it")
+        self.wait_for("As it is: ", seconds=60)
         self.assertEqual(self.complaints(), [])
 
     def test_a_case_by_a_form(self):
@@ -873,10 +878,10 @@ class RealPages(InBrowser):
         self.find("main summary").click()
         self.wait_for("start-2d-thickness.toml", "#study-case")
         self.press("Begin")
-        self.find("#axes").send_keys("quality")
+        self.find("#study-axes").send_keys("quality")
         self.press("Begin")
         self.wait_for("write KEY = VALUE", "main .bad")
-        self.find("#axes").send_keys("= draft\ntime.end = 10 s, 20 s\n")
+        self.find("#study-axes").send_keys("= draft\ntime.end = 10 s, 20 s\n")
         self.press("Begin")
         self.wait_for("2 of 2 runs succeeded", seconds=120)
         self.wait_for("time.end", "main table")
@@ -885,7 +890,7 @@ class RealPages(InBrowser):
             self.read("main summary", lambda summary: summary.click())
             self.wait_for("start-2d-thickness.toml", "#study-case")
             self.find("#kind").send_keys(kind)
-            self.assertFalse(self.find("#axes").is_displayed())
+            self.assertEqual(self.browser.find_elements(By.ID, "study-axes"), [])
             self.press("Begin")
             self.wait_for(kind, "main p[role=status]", seconds=30)
             study = self.browser.current_url.split("/")[-1]

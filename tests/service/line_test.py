@@ -128,6 +128,7 @@ class Experience(DataStudyCase):
         self.assertLess(experience.after.danger, experience.before.danger)
         self.assertGreaterEqual(experience.after.effective_draws, 30)
         self.assertEqual(experience.castings_of_others, 1)
+        self.assertEqual(list(experience.counted), ["1", "2"])
         self.assertEqual(len(experience.told), 4)
         assumed = self.dccast("uncertainty", "--study", study, "--assume-sound")
         self.assertIn("It is assumed that this recipe is cast daily", assumed)

@@ -7,7 +7,7 @@ import subprocess
 
 import grpc
 
-from dccast.v1 import job_pb2, study_pb2
+from dccast.v1 import job_pb2, service_pb2, study_pb2
 from support import BIN, SANITIZED, ServiceTest, fake_case, main, until
 
 
@@ -57,6 +57,27 @@ class Uploads(ServiceTest):
         self.assertIn("upload it", error.details())
         self.client.upload("slab.msh", b"mesh")
         self.client.submit(**case_with(named))
+
+    def test_a_file_of_a_job_is_taken_by_another_one(self):
+        """As of a case that a page takes from a job: nothing is uploaded again."""
+        job = self.client.submit(**case_with(self.client.upload("slab.msh", b"mesh")))
+        self.client.until_state(job.id, job_pb2.SUCCEEDED)
+        self.daemon.kill_with_workers()
+        self.restart()
+        self.assertEqual(self.uploaded(), [])
+        taken, = self.client.pages(job.id)[0].attachments
+        self.assertEqual((taken.name, taken.size_bytes, taken.job), ("slab.msh", 4, job.id))
+
+        other = self.client.submit(**case_with(taken))
+        path = os.path.join(self.folder, "data", "jobs", other.id, "attachments", "slab.msh")
+        with open(path, "rb") as file:
+            self.assertEqual(file.read(), b"mesh")
+        self.client.until_state(other.id, job_pb2.SUCCEEDED)
+
+        unknown = job_pb2.Attachment(name="slab.msh", sha256=64 * "0", job=job.id)
+        self.refused(grpc.StatusCode.ABORTED, self.client.submit, **case_with(unknown))
+        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
+        self.refused(grpc.StatusCode.NOT_FOUND, self.client.submit, **case_with(taken))
 
     def test_a_study_keeps_the_files_of_its_case(self):
         named = self.client.upload("slab.msh", b"mesh")

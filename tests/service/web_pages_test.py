@@ -18,14 +18,15 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
-from dccast.v1 import job_pb2, service_pb2, study_pb2
+from dccast.v1 import job_pb2, line_pb2, service_pb2, study_pb2
 from support import BIN, WAIT_FACTOR, fake_case, main, until
 from web_test import Browser, WebTest
 
 AXE = "axe-core@4.10.2"
 # Each page, and what it shows last.
 PAGES = {"jobs": "td.sketch svg", "job/{job}": ".colours", "compare/{job}/{other}": ".colours",
-         "studies": "tbody a", "study/{study}": "figure svg", "new": "svg.casting",
+         "studies": "tbody a", "study/{study}": "figure svg", "new": "svg.casting", "lines": "tbody a",
+         "line/pit-3": "tbody button", "line/pit-3/{uncertain}": "tbody button", "study/{uncertain}": "#line option",
          "what-if": "figure svg", "wall": "figure svg", "sessions": "tbody button"}
 
 
@@ -217,11 +218,22 @@ class Screens(PagesTest):
         plan.axes.add(key="schedule.water_flow.scale", values=["0.8", "0.9", "1.1", "1.2", "1.3"])
         study = self.stub.CreateStudy(study_pb2.CreateStudyRequest(
             request_id=str(uuid.uuid4()), case=case, sweep=plan), timeout=20).id
+        uncertain = self.stub.CreateStudy(study_pb2.CreateStudyRequest(
+            request_id=str(uuid.uuid4()), case=case, sweep=study_pb2.SweepPlan(
+                purpose=study_pb2.SweepPlan.UNCERTAINTY, design=study_pb2.SweepPlan.LATIN_HYPERCUBE, runs=12,
+                axes=[study_pb2.SweepPlan.Axis(key="alloy.conductivity")])), timeout=20).id
         jobs = [self.stub.SubmitJob(service_pb2.SubmitJobRequest(case=case, labels=["line=3"], request_id=name),
                                     timeout=20).id for name in ("one", "other")]
         for job in jobs:
             self.until_state(job, job_pb2.SUCCEEDED)
-        return {page.format(job=jobs[0], other=jobs[1], study=study): last for page, last in PAGES.items()}
+        sound = line_pb2.LineCasting(outcome=line_pb2.LineCasting.SOUND, count=200)
+        self.stub.AddCastings(line_pb2.AddCastingsRequest(
+            id="pit-3", request_id="one", recipes=[line_pb2.CastingRecipe(job=jobs[0])],
+            castings=[line_pb2.AddCastingsRequest.NewCasting(record=sound)]), timeout=20)
+        until(lambda: self.stub.GetStudy(study_pb2.GetStudyRequest(id=uncertain), timeout=10).state
+              == study_pb2.STUDY_SUCCEEDED, 120)
+        return {page.format(job=jobs[0], other=jobs[1], study=study, uncertain=uncertain): last
+                for page, last in PAGES.items()}
 
     def test_axe_finds_nothing_on_any_page(self):
         axe = axe_core()
@@ -307,16 +319,19 @@ class ByKeyboard(PagesTest):
 
     def press(self, selector, text):
         """Goes to an element by the Tab key, and presses it."""
+        self.type_into(selector, Keys.ENTER, text)
+        self.clicks += 1
+
+    def type_into(self, selector, keys, text=""):
         wanted = self.wait(lambda: next(
             (element for element in self.chromium.find_elements(By.CSS_SELECTOR, selector)
              if text in element.text), None))
         for _ in range(60):
             if self.chromium.switch_to.active_element == wanted:
-                ActionChains(self.chromium).send_keys(Keys.ENTER).perform()
-                self.clicks += 1
+                ActionChains(self.chromium).send_keys(keys).perform()
                 return
             ActionChains(self.chromium).send_keys(Keys.TAB).perform()
-        self.fail(f"{text} is not reached by the Tab key")
+        self.fail(f"{selector} {text} is not reached by the Tab key")
 
     def test_a_job_is_submitted_in_four_presses(self):
         self.chromium.get(self.link())
@@ -337,6 +352,27 @@ class ByKeyboard(PagesTest):
         self.assertEqual(len(self.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs), 1)
         self.stub.CancelJob(service_pb2.CancelJobRequest(id=job), timeout=10)
 
+
+    def test_castings_are_typed_and_a_study_is_begun(self):
+        self.enter()
+        self.press("nav a", "Lines")
+        self.press("main summary", "Add castings")
+        self.find("#casting-recipe option")
+        self.type_into("#line-name", "pit-3")
+        self.type_into("#casting-recipe", "start-2d-thickness")
+        self.type_into("#casting-count", "200")
+        self.press("main .bar button", "Keep it")
+        self.find("main td", "200 sound", seconds=30)
+
+        self.press("nav a", "New case")
+        self.find("svg.casting")
+        self.press("#found button", "Study of it")
+        self.find("#study-case option", "page: ")
+        self.type_into("#kind", "sensitivity")
+        self.press("main .bar button", "Begin")
+        self.find("main p[role=status]", "sensitivity", seconds=30)
+        study, = self.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10).studies
+        self.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study.id), timeout=20)
 
     def test_the_head_is_skipped(self):
         self.enter()

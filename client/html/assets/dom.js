@@ -24,6 +24,27 @@ export function replace(parent, ...children) {
   parent.replaceChildren(...children.flat().filter(child => child !== null && child !== undefined));
 }
 
+export const button = (text, onclick, attributes = {}) =>
+  h('button', {type: 'button', onclick, ...attributes}, text);
+
+/** An entry behind its name. */
+export const field = (name, entry) => h('label', {for: entry.id}, name, ' ', entry);
+
+/** An error, where a reader of the screen hears it. */
+export const faultLine = ({message}) => h('p', {class: 'bad lines', role: 'alert'}, message);
+
+/** @return {fault: where faults are shown, attempt: (act) does it, and shows its fault} */
+export function attempts() {
+  const fault = faultLine({message: ''});
+  const attempt = async act => {
+    try {
+      replace(fault);
+      await act();
+    } catch ({message}) { replace(fault, message); }
+  };
+  return {fault, attempt};
+}
+
 /** A number with so many decimals; zero has no sign. */
 export const fixed = (value, digits) =>
   Number.isFinite(value) ? value.toFixed(digits).replace(/^-(?=[0.]*$)/, '') : '–';

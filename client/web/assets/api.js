@@ -70,12 +70,14 @@ const method = name => `/dccast.v1.SimulationService/${name}`;
 export const post = async (path, body = {}) =>
   (await ask(path, posted('application/json', JSON.stringify(body)))).json();
 
+export const put = async (path, body) => (await ask(path, {method: 'PUT', body})).json();
+
 /** Brings a file of the browser to the server. @return it as an Attachment */
 export async function upload(file) {
   const digest = new Uint8Array(await crypto.subtle.digest('SHA-256', await file.arrayBuffer()));
   const sha256 = Array.from(digest, byte => byte.toString(16).padStart(2, '0')).join('');
   const path = `/attachments/${sha256}?name=${encodeURIComponent(file.name)}`;
-  await ask(path, {method: 'PUT', body: file});
+  await put(path, file);
   return {name: file.name, sha256, size_bytes: file.size};
 }
 

@@ -5,10 +5,11 @@ import {comparePage} from './compare.js';
 import {h, replace} from './dom.js';
 import {jobPage} from './job.js';
 import {jobsPage} from './jobs.js';
+import {linePage, linesPage} from './lines.js';
 import {newCasePage} from './new_case.js';
 import {sessionsPage} from './sessions.js';
 import {studiesPage, studyPage} from './studies.js';
-import {wallPage} from './wall.js';
+import {castingPage, wallPage} from './wall.js';
 import {whatIfPage} from './what_if.js';
 
 const pages = {
@@ -17,6 +18,9 @@ const pages = {
   compare: ['Comparison', comparePage],
   studies: ['Studies', studiesPage],
   study: ['Study', studyPage],
+  lines: ['Lines', linesPage],
+  line: ['Line', linePage],
+  casting: ['Casting', castingPage],
   new: ['New case', newCasePage],
   'what-if': ['What-if', whatIfPage],
   wall: ['Wall', wallPage],
@@ -31,7 +35,7 @@ function show() {
   left.abort();
   left = new AbortController();
   document.title = `${title} · dccast`;
-  document.body.classList.toggle('wall', name === 'wall');
+  document.body.classList.toggle('wall', name === 'wall' || name === 'casting');
   for (const link of document.querySelectorAll('nav a'))
     link.toggleAttribute('aria-current', link.getAttribute('href') === `#/${name}`);
   const element = h('div', {});

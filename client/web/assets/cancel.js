@@ -1,7 +1,7 @@
 // Cancelling jobs: it is asked for, and for some seconds it can be undone. The server cannot undo
 // it, so it hears of it only then.
 import {call} from './api.js';
-import {h, replace} from './dom.js';
+import {button, h} from './dom.js';
 
 const seconds = 8;
 
@@ -16,8 +16,7 @@ export function confirmed(question, details, yes, no) {
     const dialog =
       h('dialog', {'aria-label': question, oncancel: close(false)}, h('h2', {}, question), details,
         h('div', {class: 'bar'},
-          h('button', {type: 'button', class: 'danger', onclick: close(true)}, yes),
-          h('button', {type: 'button', autofocus: true, onclick: close(false)}, no)));
+          button(yes, close(true), {class: 'danger'}), button(no, close(false), {autofocus: true})));
     document.body.append(dialog);
     dialog.showModal();
   });
@@ -30,7 +29,7 @@ function actUnlessUndone(text, act, undone) {
   const left = h('output');
   const note =
     h('div', {class: 'pending'}, text, left,
-      h('button', {type: 'button', onclick: () => end(undone)}, 'Undo'));
+      button('Undo', () => end(undone)));
 
   let remaining = seconds;
   const show = () => {

@@ -1,18 +1,28 @@
 // Cases as a page holds them: files named when the dashboard was started, texts that were opened or
 // made on a page, and built-in ones.
-import {call, get, stream, upload} from './api.js';
+import {call, get, post, stream, upload} from './api.js';
+import {shortId} from './dom.js';
 import {addStep} from './history.js';
 
 const opened = new Map();  // {text, attachments} by name, until the page is closed
 let known;
 const knownCases = () => known ??= get('/cases/');
 
-/** Keeps a case that was read. @return the name by which it is found */
-export function keepCase(name, {text, attachments}) {
+/**
+ * Keeps a case under a name and opens a page that takes it.
+ * @param page  'new', 'what-if' or 'studies'
+ */
+export function goOn(page, name, {text, attachments}) {
   const own = `page: ${name}`;
   opened.delete(own);
   opened.set(own, {text, attachments});
-  return own;
+  location.hash = `#/${page}/${encodeURIComponent(own)}`;
+}
+
+/** The same with the case of a job, whose files the server has. */
+export async function goOnWithJob(page, id) {
+  const {job, case: text, attachments} = await get(`/job/${id}`);
+  goOn(page, job.title || shortId(id), {text, attachments});
 }
 
 /** Names of all cases: those of one's own first, the newest at the front. */
@@ -40,6 +50,13 @@ function refuse(faults, lines = []) {
 function named(refusal) {
   refuse((refusal.details || []).flatMap(({debug}) => debug?.faults || []));
   throw refusal;
+}
+
+/** The answer of a call. Rejects with the faults that answer or refusal name. */
+export async function withFaults(asked) {
+  const answer = await asked.catch(named);
+  refuse(answer.faults || []);
+  return answer;
 }
 
 /** @param files  of the browser, among which are those that the case names */
@@ -77,37 +94,47 @@ export const readText = (text, files) => read({text}, {files});
 export const readSlab = slab => read({slab});
 
 /** Has the server check a case. @return its answer; rejects with the faults */
-export async function checkCase({case: description, attachments}) {
-  const verdict = await call('ValidateCase', {case: description, attachments});
-  refuse(verdict.faults);
-  return verdict;
+export function checkCase({case: description, attachments}) {
+  return withFaults(call('ValidateCase', {case: description, attachments}));
 }
 
 /** The text of a case with its changes. */
 export const textOf = async ({case: description}) => (await call('ReadCase', {case: description})).text;
 
-/** Begins a study of a case that was read. @return it */
-export function beginStudy({case: description, attachments, changes}, plan) {
-  const request = {request_id: crypto.randomUUID(), case: description, attachments, changes, ...plan};
-  return call('CreateStudy', request).catch(named);
+/** What requests have of a case that was read. */
+const parts = ({case: description, attachments, changes}) => ({case: description, attachments, changes});
+
+/**
+ * Begins a study of a case that was read. @return it
+ * @param limits  of a recipe, as texts; undefined: the plan is complete
+ */
+export function beginStudy(made, {limits, ...plan}) {
+  const request = {...parts(made), ...plan};
+  const begun = limits ? post(`/recipe?${new URLSearchParams(limits)}`, request)
+    : call('CreateStudy', {request_id: crypto.randomUUID(), ...request});
+  return withFaults(begun);
 }
 
-/** Submits a case that was read; once more, it is the same job. @return the job */
-export function submitCase(made) {
-  const {case: description, attachments, changes, text} = made;
+/** What the forecast of a casting would rest on, which is begun where it is not there. */
+export const prepareCasting = made => withFaults(call('PrepareCasting', parts(made)));
+
+/**
+ * Submits a case that was read; once more, it is the same job. @return the job
+ * @param waits  {after: ids of jobs, after_end}
+ */
+export function submitCase(made, waits = {}) {
   made.requestId ??= crypto.randomUUID();  // whose answer a lost connection may take
-  const bytes = new TextEncoder().encode(text);
+  const bytes = new TextEncoder().encode(made.text);
   const file = btoa(Array.from(bytes, byte => String.fromCharCode(byte)).join(''));
-  return call('SubmitJob', {
-    request_id: made.requestId, case: description, attachments, changes, case_file: file
-  }).catch(named);
+  return withFaults(
+    call('SubmitJob', {request_id: made.requestId, ...parts(made), ...waits, case_file: file}));
 }
 
 /**
  * Computes a case. @param look  called some ten times a second with {waiting} or {steps, progress}
  * @return {steps, findings, wanted, failure, job, key}
  */
-export async function computeCase({case: description, attachments, changes}, signal, look) {
+export async function computeCase(made, signal, look) {
   const answer = {steps: [], findings: []};
   let shown = performance.now(), ended = null;
   const take = event => {
@@ -127,8 +154,7 @@ export async function computeCase({case: description, attachments, changes}, sig
     shown = performance.now();
     look({steps: answer.steps, progress: event.step.progress});
   };
-  await stream('QueryButtCurl', {case: description, attachments, changes}, signal, take)
-    .catch(named);
+  await stream('QueryButtCurl', parts(made), signal, take).catch(named);
   if (!ended) throw new Error('The server ended the answer before its end; ask again.');
   return {...answer, failure: ended.failure};
 }

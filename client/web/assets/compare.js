@@ -1,6 +1,6 @@
 // Jobs compared as dccast compare does: what differs, whether it is real, and what differed before it.
 import {callDrawn} from './api.js';
-import {findingList, h, replace, shortId} from './dom.js';
+import {faultLine, findingList, h, replace, shortId} from './dom.js';
 import {judgement} from './drawn.js';
 import {frameViewer} from './frame.js';
 import {framesOf} from './job.js';
@@ -31,6 +31,6 @@ export async function comparePage(element, signal, ...ids) {
         .then(() => { card.firstChild.textContent = `Slab of ${shortId(job)}`; }, () => card.remove());
     }
   } catch (fault) {
-    replace(element, h('p', {class: 'bad', role: 'alert'}, fault.message));
+    replace(element, faultLine(fault));
   }
 }

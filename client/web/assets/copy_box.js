@@ -1,5 +1,5 @@
 // An address to copy.
-import {h} from './dom.js';
+import {button, h} from './dom.js';
 
 export function copyBox(label, address) {
   const id = `copy-${crypto.randomUUID()}`;
@@ -12,5 +12,5 @@ export function copyBox(label, address) {
     copied.textContent = 'Copied.';
   };
   return h('div', {class: 'copied'}, h('label', {for: id}, label), box,
-    h('button', {type: 'button', onclick: copy}, 'Copy'), copied);
+    button('Copy', copy), copied);
 }

@@ -15,6 +15,9 @@ const figures = ({monitors}, name) => monitors.find(m => m.name === name) || {na
 export const lastMonitors =
   steps => monitorsOf(steps).map(name => figures(steps.at(-1), name));
 
+/** States in which a job has no further step. */
+export const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
+
 /** Whether the curls of a job are an answer, or will be one: it has not failed and has stayed valid. */
 export const isSound = job => job.state !== 'FAILED' && !job.validity_loss;
 

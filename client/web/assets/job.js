@@ -1,15 +1,16 @@
 // One job: its answer, its curl as it grows, its findings, its slab, its report.
-import {call, get, getBytes, post, repeat, shared} from './api.js';
+import {call, get, getBytes, repeat, shared} from './api.js';
 import {cancelJobs, confirmed} from './cancel.js';
-import {keepCase} from './cases.js';
+import {goOnWithJob} from './cases.js';
 import {chart, wantedBand} from './chart.js';
 import {copyBox} from './copy_box.js';
-import {durationText, findingList, h, mm, monitorText, replace, shortId, stateText} from './dom.js';
+import {
+  attempts, button, durationText, faultLine, field, findingList, h, mm, monitorText, replace, shortId,
+  stateText
+} from './dom.js';
 import {frameViewer} from './frame.js';
-import {addStep, curlLines, isSound, lastMonitors} from './history.js';
+import {addStep, curlLines, ended, isSound, lastMonitors} from './history.js';
 import {followJob} from './job_events.js';
-
-const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 
 /** The stored frames of a job, for the viewer. */
 export const framesOf = job => ({
@@ -22,23 +23,16 @@ export const framesOf = job => ({
 /** Shows the address of a job's page, for colleagues. */
 function linkButton(job) {
   const hash = `#/job/${job.id}`, here = `${location.origin}/${hash}`;
-  return h(
-    'button', {
-      type: 'button',
-      onclick: () => {
-        const dialog = h(
-          'dialog',
-          {class: 'link', 'aria-label': 'Link to this job', onclose: () => dialog.remove()},
-          h('h2', {}, 'Link to this job'),
-          copyBox(shared ? 'For users of this server' : 'For this browser', here),
-          h('p', {class: 'soft'}, `In a dashboard of your own: add ${hash} to its address.`),
-          h('div', {class: 'bar'},
-            h('button', {type: 'button', onclick: () => dialog.close()}, 'Close')));
-        document.body.append(dialog);
-        dialog.showModal();
-      }
-    },
-    'Link');
+  return button('Link', () => {
+    const dialog = h(
+      'dialog', {class: 'link', 'aria-label': 'Link to this job', onclose: () => dialog.remove()},
+      h('h2', {}, 'Link to this job'),
+      copyBox(shared ? 'For users of this server' : 'For this browser', here),
+      h('p', {class: 'soft'}, `In a dashboard of your own: add ${hash} to its address.`),
+      h('div', {class: 'bar'}, button('Close', () => dialog.close())));
+    document.body.append(dialog);
+    dialog.showModal();
+  });
 }
 
 /**
@@ -47,7 +41,6 @@ function linkButton(job) {
  */
 function marksOf({id, title, labels = [], pinned, priority, state}, act) {
   const update = request => act('UpdateJob', request);
-  const button = (text, onclick, name) => h('button', {type: 'button', onclick, 'aria-label': name}, text);
   const label = h('input', {type: 'text', id: 'label', placeholder: 'line=3'});
   const kept = h('input', {
     type: 'checkbox', checked: pinned, onchange: () => update({pinned: kept.checked})
@@ -63,35 +56,24 @@ function marksOf({id, title, labels = [], pinned, priority, state}, act) {
   };
   return [
     ...labels.map(text => h('span', {class: 'label'}, text,
-      button('×', () => update({remove_labels: [text]}), `Remove the label ${text}`))),
-    h('label', {for: 'label'}, 'Label ', label),
+      button('×', () => update({remove_labels: [text]}), {'aria-label': `Remove the label ${text}`}))),
+    field('Label', label),
     button('Add', () => label.value.trim() && update({set_labels: [label.value.trim()]})),
-    state === 'QUEUED' ? h('label', {for: 'priority'}, 'Priority ', choice) : null,
+    state === 'QUEUED' ? field('Priority', choice) : null,
     h('label', {}, kept, ' Keep when old jobs are deleted'),
-    ended.has(state) ? h('button', {type: 'button', class: 'danger', onclick: remove}, 'Delete') : null
+    ended.has(state) ? button('Delete', remove, {class: 'danger'}) : null
   ];
 }
 
 /** Drafts of what helps against the findings, on a page of their own. */
 function remedyButton({job, has_levers: hasLevers}) {
   if (!ended.has(job.state) || !hasLevers) return null;
-  const fault = h('span', {role: 'alert', class: 'bad'});
-  const button =
-    h('button', {
-      type: 'button',
-      class: 'submitter',
-      onclick: async () => {
-        button.disabled = true;
-        await post(`/remedy/${job.id}`).then(({study}) => {
-          location.hash = `#/study/${study}`;
-        }, refused => {
-          fault.textContent = refused.message;
-          button.disabled = false;
-        });
-      }
-    },
-      'Compute what helps');
-  return h('p', {}, button, fault);
+  const {fault, attempt} = attempts();
+  const begin = () => attempt(async () => {
+    const {id} = await call('CreateStudy', {find: true, remedy: {job: job.id}});
+    location.hash = `#/study/${id}`;
+  });
+  return h('div', {}, button('Compute what helps', begin, {class: 'submitter'}), fault);
 }
 
 export function jobPage(element, signal, id) {
@@ -111,48 +93,28 @@ export function jobPage(element, signal, id) {
 
   const download = (name, text) =>
     h('a', {class: 'button', href: `/jobs/${id}/${name}`, download: `${shortId(id)}-${name}`}, text);
-  // Its files are with the server, under the names that its case has.
-  const changeIt = () => {
-    const {job, case: text, attachments} = shown;
-    location.hash = `#/what-if/${encodeURIComponent(keepCase(job.title || shortId(id), {text, attachments}))}`;
-  };
+  const withIt = (text, page) => button(
+    text, () => goOnWithJob(page, id).catch(fault => replace(message, fault.message)), {class: 'submitter'});
 
   function drawHead({job, steps}) {
     const step = job.last_step || {};
-    const act = (name, text) =>
-      h('button', {
-        type: 'button',
-        class: 'submitter',
-        onclick: async event => {
-          event.target.disabled = true;
-          await call(name, {id: job.id}).then(load, fault => {
-            replace(message, fault.message);
-            event.target.disabled = false;
-          });
-        }
-      },
-        text);
-    const cancel = () => {
-      const button =
-        h('button', {
-          type: 'button',
-          class: 'submitter',
-          onclick: async () => {
-            button.disabled = await cancelJobs([job], {
-              done: text => {
-                if (text) replace(message, text);
-                button.disabled = false;
-                load();
-              },
-              undone: () => {
-                button.disabled = false;
-              }
-            });
-          }
-        },
-          'Cancel');
-      return button;
-    };
+    const forSubmitters = (text, work) => button(text, async ({target}) => {
+      target.disabled = true;
+      const enable = () => { target.disabled = false; };
+      await work(enable);
+    }, {class: 'submitter'});
+    const act = (name, text) => forSubmitters(text, enable => call(name, {id: job.id}).then(load, fault => {
+      replace(message, fault.message);
+      enable();
+    }));
+    const cancel = () => forSubmitters('Cancel', async enable => {
+      const done = text => {
+        if (text) replace(message, text);
+        enable();
+        load();
+      };
+      if (!await cancelJobs([job], {done, undone: enable})) enable();
+    });
     const last = (isSound(job) ? lastMonitors(steps) : []).map(
       m => h('div', {class: 'tile'}, h('span', {}, m.name), h('strong', {}, monitorText(m))));
     replace(
@@ -182,7 +144,8 @@ export function jobPage(element, signal, id) {
         'Report'),
       download('curl.csv', 'Curl as CSV'),
       job.state === 'SUCCEEDED' ? download('results.h5', 'Results') : null,
-      h('button', {type: 'button', class: 'submitter', onclick: changeIt}, 'What-if with it'));
+      withIt('What-if with it', 'what-if'), withIt('New case from it', 'new'),
+      job.casting ? h('a', {class: 'button', href: `#/casting/${job.id}`}, 'Watch the casting') : null);
   }
 
   function drawCurves({steps, wanted}) {
@@ -253,7 +216,7 @@ export function jobPage(element, signal, id) {
       } else if (event.resumed || event.state_change) {
         if (event.resumed || event.state_change.state !== shown.job.state) load();
       }
-    }).catch(fault => replace(details, h('p', {class: 'bad', role: 'alert'}, fault.message)));
+    }).catch(fault => replace(details, faultLine(fault)));
   }
 
   // The slab with the frames that are stored so far, until the run has ended.
@@ -295,5 +258,5 @@ export function jobPage(element, signal, id) {
     if (!seesSlab) watchSlab();
     conclude().catch(fault => replace(answer, h('p', {class: 'soft'}, fault.message)));
   }
-  load().catch(fault => replace(element, h('p', {class: 'bad', role: 'alert'}, fault.message)));
+  load().catch(fault => replace(element, faultLine(fault)));
 }

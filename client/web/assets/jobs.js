@@ -3,12 +3,11 @@
 import {call, repeat} from './api.js';
 import {cancelJobs} from './cancel.js';
 import {spark} from './chart.js';
-import {ago, curlText, h, mm, replace, severityText, shortId, stateText, worst} from './dom.js';
-import {curlLines, isSound, judgedMonitor} from './history.js';
+import {ago, button, curlText, h, mm, replace, severityText, shortId, stateText, worst} from './dom.js';
+import {curlLines, ended, isSound, judgedMonitor} from './history.js';
 import {answerState, kindOf, nameOf} from './studies.js';
 
 const sketches = new Map();  // lines of curl by job and step: ended jobs change no more
-const ended = new Set(['SUCCEEDED', 'FAILED', 'CANCELLED']);
 const most = 1000;
 
 const lastCurl = job => judgedMonitor(job)?.curl_m ?? NaN;
@@ -26,7 +25,7 @@ async function sketch(job, cell) {
 }
 
 /** "draft" and what differs from the case file, as lines. */
-export function changesOf(job, without = new Set()) {
+function changesOf(job, without = new Set()) {
   const changes =
     (job.changes || []).filter(c => c.key !== 'quality').map(c => `${c.key} = ${c.value}`);
   return changes.filter(text => !without.has(text));
@@ -83,15 +82,18 @@ export function jobsPage(element, signal) {
     oninput: () => draw()
   });
   const label = h('select', {'aria-label': 'Label', onchange: () => draw()});
-  const everything = h('input', {
-    type: 'checkbox',
-    onchange: () => {
-      for (const job of matching())
-        if (everything.checked) chosen.add(job.id);
+  /** A box that chooses jobs. */
+  function boxOf(label, choice) {
+    const onchange = () => {
+      for (const job of choice())
+        if (box.checked) chosen.add(job.id);
         else chosen.delete(job.id);
       draw();
-    }
-  });
+    };
+    const box = h('input', {type: 'checkbox', 'aria-label': label, onchange});
+    return box;
+  }
+  const everything = boxOf(null, () => matching());
 
   // ---- What is done with the chosen jobs
 
@@ -117,7 +119,7 @@ export function jobsPage(element, signal) {
   for (const act of acts) {
     const kind = act.act === openComparison ? null : 'submitter';  // which a viewer does not see
     const onclick = () => act.act(act.able);
-    act.button = h('button', {type: 'button', class: kind, disabled: true, onclick}, act.text);
+    act.button = button(act.text, onclick, {class: kind, disabled: true});
   }
 
   function drawActs() {
@@ -143,15 +145,7 @@ export function jobsPage(element, signal) {
   signal.addEventListener('abort', () => seen.disconnect());
 
   function rowOf(job) {
-    const box = h('input', {
-      type: 'checkbox',
-      'aria-label': `Choose ${job.title || job.id}`,
-      onchange: () => {
-        if (box.checked) chosen.add(job.id);
-        else chosen.delete(job.id);
-        draw();
-      }
-    });
+    const box = boxOf(`Choose ${job.title || job.id}`, () => [job]);
     const row = emptyRow({'data-job': job.id, class: job.study ? 'run' : null}, box);
     replace(
       row.cells.title, h('a', {href: `#/job/${job.id}`}, job.title || shortId(job.id)),
@@ -187,28 +181,13 @@ export function jobsPage(element, signal) {
 
   function groupOf(study) {
     const group = {unfolded: false, runs: []};
-    const box = h('input', {
-      type: 'checkbox',
-      'aria-label': `Choose the runs of study ${shortId(study)}`,
-      onchange: () => {
-        for (const job of group.runs)
-          if (box.checked) chosen.add(job.id);
-          else chosen.delete(job.id);
-        draw();
-      }
-    });
-    group.toggle =
-      h('button', {
-        type: 'button',
-        class: 'fold',
-        'aria-expanded': 'false',
-        onclick: () => {
-          group.unfolded = !group.unfolded;
-          group.toggle.setAttribute('aria-expanded', group.unfolded);
-          draw();
-        }
-      },
-        'Runs');
+    const box = boxOf(`Choose the runs of study ${shortId(study)}`, () => group.runs);
+    const fold = () => {
+      group.unfolded = !group.unfolded;
+      group.toggle.setAttribute('aria-expanded', group.unfolded);
+      draw();
+    };
+    group.toggle = button('Runs', fold, {class: 'fold', 'aria-expanded': 'false'});
     return Object.assign(group, emptyRow({class: 'study', 'data-study': study}, box), {box});
   }
 

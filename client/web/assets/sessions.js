@@ -3,7 +3,7 @@
 import {call, post, repeat, shared, showSignIn} from './api.js';
 import {confirmed} from './cancel.js';
 import {copyBox} from './copy_box.js';
-import {ago, h, replace, sheet} from './dom.js';
+import {ago, attempts, button, h, replace, sheet} from './dom.js';
 
 const nameOf = ({name, is_secret: isSecret}) => {
   if (isSecret) return 'Link that was not used yet';
@@ -17,14 +17,7 @@ const endOf = ({name, is_secret: isSecret, expire_time: time}) =>
 const dateText = time => new Date(time).toLocaleString();
 
 export function sessionsPage(element, signal) {
-  const list = h('div'), made = h('div', {role: 'status'}),
-        fault = h('p', {class: 'bad', role: 'alert'});
-  const attempt = async act => {
-    try {
-      replace(fault);
-      await act();
-    } catch (why) { replace(fault, why.message); }
-  };
+  const list = h('div'), made = h('div', {role: 'status'}), {fault, attempt} = attempts();
 
   async function makeLink() {
     const line = await call('IssueSignIn');
@@ -58,10 +51,8 @@ export function sessionsPage(element, signal) {
       : sheet(['Where', 'Made', 'Last used', 'Until', 'End'], [...tokens].reverse().map(token => [
         [nameOf(token), token.is_of_this_call ? h('strong', {}, ', this one') : null],
         dateText(token.create_time), lastUse(token), endOf(token),
-        h('button', {
-          type: 'button', class: 'danger', 'aria-label': `End ${nameOf(token)}`,
-          onclick: () => attempt(() => end(token))
-        }, 'End')
+        button('End', () => attempt(() => end(token)),
+          {class: 'danger', 'aria-label': `End ${nameOf(token)}`})
       ])));
   }
 
@@ -69,7 +60,7 @@ export function sessionsPage(element, signal) {
     element, h('h1', {}, 'Your sessions'),
     h('p', {}, 'Browsers and machines that are signed in as you. End one that you do not know.'),
     h('div', {class: 'bar'},
-      h('button', {type: 'button', onclick: () => attempt(makeLink)}, 'Sign in another browser')),
+      button('Sign in another browser', () => attempt(makeLink))),
     made, fault, list);
   repeat(5000, signal, () => attempt(load));
 }

@@ -1,8 +1,8 @@
 // Studies, and of a sweep the response surface: a slider for each key.
-import {call, callDrawn, repeat} from './api.js';
-import {beginStudy, caseNames, readCase} from './cases.js';
+import {call, callDrawn, put, repeat} from './api.js';
+import {beginStudy, caseNames, goOnWithJob, readCase} from './cases.js';
 import {chart} from './chart.js';
-import {ago, curlText, h, replace, sheet, shortId, stateText} from './dom.js';
+import {ago, attempts, button, curlText, field, h, replace, sheet, shortId, stateText} from './dom.js';
 import {judgement} from './drawn.js';
 
 const kinds = {
@@ -30,36 +30,94 @@ function axesOf(text) {
     return {key, values: values.split(',').map(value => value.trim())};
   });
 }
-const plans = {
-  sweep: text => ({design: 'GRID', axes: axesOf(text)}),
-  uncertainty: () => ({design: 'LATIN_HYPERCUBE', purpose: 'UNCERTAINTY', runs: 64}),
-  sensitivity: () => ({design: 'ENDS', purpose: 'SENSITIVITY'}),
-};
+/** What of the entries is given, each as `made` makes it. */
+const given = (entries, made = text => text) => Object.fromEntries(
+  Object.entries(entries).filter(([, text]) => text !== '').map(([key, text]) => [key, made(text)]));
 
-/** A form that begins a study. */
-function studyForm() {
-  const base = h('select', {id: 'study-case'}), fault = h('p', {class: 'bad lines', role: 'alert'});
-  const axes = h('textarea', {id: 'axes', rows: 3, placeholder: 'KEY = VALUE, VALUE'});
-  const label = h('label', {for: 'axes'}, 'Keys and their values, one key a line', axes);
-  const kind = h('select', {
-    id: 'kind', onchange: () => { label.hidden = kind.value !== 'sweep'; }
-  }, Object.keys(plans).map(name => h('option', {}, name)));
-  const begin = async () => {
-    try {
-      replace(fault);
-      const sweep = plans[kind.value](axes.value);
-      const {id} = await beginStudy(await readCase(base.value), {sweep});
-      location.hash = `#/study/${id}`;
-    } catch ({message}) { replace(fault, message); }
-  };
-  caseNames().then(
-    names => replace(base, names.map(name => h('option', {}, name))), ({message}) => replace(fault, message));
-  return h('details', {class: 'card levers submitter'}, h('summary', {}, 'Begin a study'),
-    h('label', {for: 'study-case'}, 'Case ', base), h('label', {for: 'kind'}, 'Study ', kind), label,
-    h('div', {class: 'bar'}, h('button', {type: 'button', onclick: begin}, 'Begin')), fault);
+async function calibration({measured, runs}, {complete}) {
+  if (!measured) throw new Error('Choose the file with what was measured.');
+  const monitors = new URLSearchParams((complete.monitor || []).map(({name}) => ['monitor', name]));
+  const curves = await put(`/measured/${encodeURIComponent(measured.name)}?${monitors}`, measured);
+  return {sweep: {...hypercube(runs), purpose: 'CALIBRATION', measured: curves}};
 }
 
-export function studiesPage(element, signal) {
+const hypercube = runs => ({design: 'LATIN_HYPERCUBE', runs: Number(runs)});
+const runs = ['Runs', '64'];
+/**
+ * What begins here. `asks`: by key [name, what is usual, example]; `plan`: of the entries and the case
+ * that was read, as in CreateStudyRequest. Quantities have their units.
+ */
+const plans = {
+  sweep: {
+    asks: {axes: ['Keys and their values, one key a line', '', 'KEY = VALUE, VALUE']},
+    plan: ({axes}) => ({sweep: {design: 'GRID', axes: axesOf(axes)}})
+  },
+  uncertainty: {
+    asks: {runs}, plan: entries => ({sweep: {...hypercube(entries.runs), purpose: 'UNCERTAINTY'}})
+  },
+  sensitivity: {asks: {}, plan: () => ({sweep: {design: 'ENDS', purpose: 'SENSITIVITY'}})},
+  recipe: {
+    asks: {
+      band: ['Curls that the plant accepts; empty: those of the case', '', '35..45 mm'],
+      speed: ['Limits of the casting speed', '', '20..120 mm/min'],
+      water: ['Limits of the water', '', '30..400 l/min/m'],
+      hold: ['Limits of the hold', '', '10..300 s'],
+      filling: ['Limits of the filling', '', '5..200 s'],
+      drafts: ['Drafts over recipe and data', '128'],
+      castings: ['Drafts over the data at each recipe, twice', '12'],
+      candidates: ['Recipes of the front', '4']
+    },
+    plan: ({drafts, castings, candidates, ...limits}) =>
+      ({limits: given(limits), recipe: given({drafts, castings, candidates}, Number)})
+  },
+  'mould design': {
+    asks: {
+      tolerance: ['Largest deviation of the cold half-thickness, mm', '0.5'],
+      wanted: ['Its half-thickness, mm; empty: that of the mould at its narrow face', ''],
+      most: ['Largest number of runs', '12']
+    },
+    plan: ({tolerance, wanted, most}) => ({mould: {
+      tolerance_m: 1e-3 * tolerance, wanted_half_thickness_m: 1e-3 * wanted, maximum_runs: Number(most)
+    }})
+  },
+  calibration: {asks: {measured: ['Measured curls or temperatures, CSV'], runs}, plan: calibration},
+};
+
+/** An entry of a plan. @return {element, value: its text or file} */
+function entryOf(key, [name, usual, example]) {
+  const given = {id: `study-${key}`, value: usual, placeholder: example};
+  const box = key === 'axes' ? h('textarea', {...given, rows: 3})
+    : h('input', {...given, type: usual === undefined ? 'file' : 'text'});
+  return {element: field(name, box), value: () => usual === undefined ? box.files[0] : box.value.trim()};
+}
+
+/** A form that begins a study. @param wanted  name of its case; undefined: the first one */
+function studyForm(wanted) {
+  const {fault, attempt} = attempts();
+  const base = h('select', {id: 'study-case'}), asked = h('div', {class: 'levers row'});
+  let entries = {};
+  const ask = () => {
+    const {asks} = plans[kind.value];
+    entries = Object.fromEntries(Object.entries(asks).map(([key, ask]) => [key, entryOf(key, ask)]));
+    replace(asked, Object.values(entries).map(({element}) => element));
+  };
+  const kind = h('select', {id: 'kind', onchange: ask},
+    Object.keys(plans).map(name => h('option', {}, name)));
+  const begin = async () => {
+    const texts = Object.fromEntries(Object.entries(entries).map(([key, {value}]) => [key, value()]));
+    const made = await readCase(base.value);
+    const {id} = await beginStudy(made, await plans[kind.value].plan(texts, made));
+    location.hash = `#/study/${id}`;
+  };
+  attempt(async () => replace(
+    base, (await caseNames()).map(name => h('option', {selected: name === wanted}, name))));
+  ask();
+  return h('details', {class: 'card levers submitter', open: Boolean(wanted)},
+    h('summary', {}, 'Begin a study'), field('Case', base), field('Study', kind), asked,
+    h('div', {class: 'bar'}, button('Begin', () => attempt(begin))), fault);
+}
+
+export function studiesPage(element, signal, wanted) {
   const list = h('div');
   const heads = ['Study', 'Id', 'Kind', 'State', 'Begun'];
   const rowOf = study => [
@@ -67,7 +125,7 @@ export function studiesPage(element, signal) {
     answerState(study), ago(study.create_time)
   ];
 
-  replace(element, h('h1', {}, 'Studies'), studyForm(), list);
+  replace(element, h('h1', {}, 'Studies'), studyForm(wanted), list);
   repeat(3000, signal, async () => {
     const {studies} = await call('ListStudies', {page_size: 200});
     if (signal.aborted) return;
@@ -152,21 +210,49 @@ function runTable({study, runs, monitors}) {
   return sheet(heads, runs.map(rowOf));
 }
 
+const soundly = '*';  // no name of a line
+
 export async function studyPage(element, signal, id) {
   const heading = h('h1', {}, 'Study'), state = h('p', {role: 'status'}), table = h('div');
   const answer = h('div', {id: 'answer', class: 'card'});
   const surface = h('div', {class: 'card'}), picture = h('div');
-  replace(element, heading, state, answer, surface, table);
+  const {fault, attempt} = attempts(), takes = h('div', {class: 'bar submitter'}), castings = h('p');
+  replace(element, heading, state, castings, answer, takes, fault, surface, table);
   surface.hidden = answer.hidden = true;
+
+  // The castings of a line say more of its data.
+  const line = h('select', {id: 'line'});
+  async function offerLines() {
+    const {lines} = await call('ListLines');
+    replace(line, h('option', {value: ''}, 'none'),
+      lines.map(({name}) => h('option', {value: name}, `line ${name}`)),
+      h('option', {value: soundly}, '200 sound ones'));
+  }
+  function drawLine() {
+    const name = line.value === soundly ? '' : line.value;
+    replace(castings, field('Given castings:', line),
+      name ? h('a', {href: `#/line/${name}/${id}`}, ' those that count') : null);
+  }
 
   // What the server concludes, asked for when runs have ended since: that of a sweep can take a second.
   let judged = '';
   async function judge(study) {
-    const now = `${study.state} ${study.succeeded} ${study.failed} ${study.cancelled}`;
+    if (study.sweep?.purpose === 'UNCERTAINTY' && !line.isConnected) {
+      drawLine();
+      offerLines().catch(() => {});
+    }
+    const given = line.value;
+    const now = `${study.state} ${study.succeeded} ${study.failed} ${study.cancelled} ${given}`;
     if (now === judged) return;
     judged = now;
-    const found = (await callDrawn('JudgeStudy', {id})).judgement;
-    if (signal.aborted) return;
+    const question = given === soundly ? {assume_sound: true} : {line: given};
+    const {judgement: found, result} =
+      await callDrawn('JudgeStudy', {id, ...question, with_result: Boolean(study.recipe)});
+    if (signal.aborted || now !== judged) return;
+
+    // Those of the table that is shown: their order changes while castings end.
+    recipes = result?.recipe;
+    offer(study);
 
     // The table of runs below has links to their jobs.
     const shown = judgement(found, key => key !== 'runs');
@@ -178,6 +264,23 @@ export async function studyPage(element, signal, id) {
     judged = '';
     answer.hidden = false;
     replace(answer, h('p', {class: 'soft'}, fault.message));
+  }
+
+  // Buttons stay as they are while what they do does.
+  let offered = '', recipes;
+  function offer({state: now}) {
+    const {front = [], chosen} = recipes ?? {};
+    const ready = front.map(({full_job: job, full_state: end}, i) => ({job, end, i}))
+      .filter(({end}) => end === 'SUCCEEDED');
+    const key = JSON.stringify([now, ready, chosen]);
+    if (key === offered) return;
+    offered = key;
+    const act = (text, method) => button(text, () => attempt(() => call(method, {id})));
+    replace(takes,
+      now === 'STUDY_RUNNING' ? act('Cancel the study', 'CancelStudy') : null,
+      ['STUDY_CANCELLED', 'STUDY_FAILED'].includes(now) ? act('Resume the study', 'ResumeStudy') : null,
+      ready.map(({job, i}) => button(`Take recipe ${i + 1}${i === chosen ? ', the chosen one' : ''}`,
+        () => attempt(() => goOnWithJob('new', job)))));
   }
 
   // Of several predictions under way only the last one is shown.
@@ -207,6 +310,11 @@ export async function studyPage(element, signal, id) {
 
     const {study} = result, axes = study.sweep?.axes || [];
     judge(study).catch(showFault);
+    line.onchange = () => {
+      drawLine();
+      judge(study).catch(showFault);
+    };
+    offer(study);
     heading.textContent = nameOf(study);
     state.textContent = `${kindOf(study)} ${shortId(id)}, ${answerState(study)}`;
     replace(table, runTable(result));

@@ -5,7 +5,7 @@ import {curlOf, curlParts, findingList, gravestFinding, h, purpose, replace, sta
 import {followedWall} from './followed.js';
 import {curlLines, judgedMonitor} from './history.js';
 
-/** The job to show: a running one, if possible one that follows a casting; else the newest. */
+/** A job for the wall: a running one, if possible one that follows a casting; else the newest. */
 async function findJob(label) {
   const filter = label ? {labels: [label]} : {};
   const running = (await call('ListJobs', {page_size: 100, states: ['RUNNING'], ...filter})).jobs;
@@ -41,21 +41,25 @@ function drawRun(element, {job, steps, wanted}) {
 const forecastOf = id => call('ForecastJob', {id}).then(
   forecast => ({forecast}), fault => ({noForecast: fault.message}));
 
-export function wallPage(element, signal, label) {
+/**
+ * @param chosen   () id of the job to show; undefined: there is none
+ * @param nothing  what is shown then
+ */
+function screen(element, signal, chosen, nothing) {
   // The casting that is shown: draws its new state, and ends its page.
   let drawCasting = null;
-  let castingPage = null;
+  let shown = null;
   function leaveCasting() {
-    castingPage?.abort();
+    shown?.abort();
     drawCasting = null;
     element.classList.remove('stale');
   }
   signal.addEventListener('abort', leaveCasting);
 
   repeat(2000, signal, async () => {
-    const asked = performance.now(), chosen = await findJob(label);
-    if (!chosen) return replace(element, h('h1', {}, label ? `No job with label ${label}` : 'No job yet'));
-    const seen = await get(`/job/${chosen.id}`);
+    const asked = performance.now(), job = await chosen();
+    if (!job) return replace(element, h('h1', {}, nothing));
+    const seen = await get(`/job/${job}`);
     const forecast = seen.job.casting ? await forecastOf(seen.job.id) : {};
     if (signal.aborted) return;
 
@@ -64,9 +68,17 @@ export function wallPage(element, signal, label) {
       return drawRun(element, seen);
     }
     if (!drawCasting) {
-      castingPage = new AbortController();
-      drawCasting = followedWall(element, castingPage.signal);
+      shown = new AbortController();
+      drawCasting = followedWall(element, shown.signal);
     }
     drawCasting({...seen, ...forecast, asked});
   });
 }
+
+/** @param label  of the jobs among which one is shown; undefined: all */
+export const wallPage = (element, signal, label) => screen(
+  element, signal, async () => (await findJob(label))?.id,
+  label ? `No job with label ${label}` : 'No job yet');
+
+/** One casting that is followed. */
+export const castingPage = (element, signal, job) => screen(element, signal, async () => job);

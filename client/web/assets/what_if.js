@@ -3,7 +3,7 @@
 import {callDrawn} from './api.js';
 import {caseNames, computeCase, readCase, submitCase, textOf} from './cases.js';
 import {chart, wantedBand} from './chart.js';
-import {findingList, fixed, h, monitorText, replace} from './dom.js';
+import {button, faultLine, field, findingList, fixed, h, monitorText, replace} from './dom.js';
 import {judgement, plant} from './drawn.js';
 import {addStep, curlLines, lastMonitors, lengthsDiffer} from './history.js';
 import {saveBlob} from './save.js';
@@ -22,57 +22,31 @@ export function rampText(text) {
 /** @param wanted  name of the case to begin with */
 export function whatIfPage(element, signal, wanted) {
   const base = h('select', {id: 'base', onchange: () => restart()});
-  const quality =
-    h('select', {id: 'quality', onchange: () => restart()},
-      ['draft', 'engineering', 'fine'].map(q => h('option', {}, q)));
-  const status = h('p', {role: 'status', class: 'soft'}), picture = h('div', {class: 'card'}),
-        verdict = h('div', {class: 'card'}), kept = h('p', {role: 'status'});
-  const speed = h('textarea', {
-    id: 'ramp-speed',
-    rows: 4,
-    placeholder: '60 s: 40 mm/min\n200 s: 60 mm/min',
-    onchange: () => ask()
-  });
-  const water = h('textarea', {
-    id: 'ramp-water',
-    rows: 4,
-    placeholder: '60 s: 1.5e-3 m2/s\n200 s: 3e-3 m2/s',
-    onchange: () => ask()
-  });
-  const more = h(
-    'textarea', {id: 'more', rows: 3, placeholder: 'KEY=VALUE, one a line', onchange: () => ask()});
+  const quality = h('select', {id: 'quality', onchange: () => restart()},
+    ['draft', 'engineering', 'fine'].map(name => h('option', {}, name)));
+  const status = h('p', {role: 'status', class: 'soft'}), kept = h('p', {role: 'status'});
+  const picture = h('div', {class: 'card'}), verdict = h('div', {class: 'card'});
+  const lines = (id, placeholder) => h('textarea', {id, rows: 4, placeholder, onchange: () => ask()});
+  const speed = lines('ramp-speed', '60 s: 40 mm/min\n200 s: 60 mm/min');
+  const water = lines('ramp-water', '60 s: 1.5e-3 m2/s\n200 s: 3e-3 m2/s');
+  const more = lines('more', 'KEY=VALUE, one a line');
   let reference = null;
   const sliders = levers.map(lever => {
-    const id = lever.key.replaceAll('.', '-'), output = h('output', {for: id
-                                               });
-    const slider = h('input', {
-      type: 'range',
-      id,
-      min: lever.low,
-      max: lever.high,
-      step: lever.step,
-      value: 0,
-      oninput: () => {
-        show();
-        ask();
-      }
-    });
+    const {key, name, low: min, high: max, step} = lever, id = key.replaceAll('.', '-');
+    const output = h('output', {for: id});
+    const oninput = () => {
+      show();
+      ask();
+    };
+    const slider = h('input', {type: 'range', id, min, max, step, value: 0, oninput});
     const show = () => {
       output.textContent = leverText(
         lever, Number(slider.value), reference && givenOf(lever, reference.complete, plant));
     };
     show();
-    return {
-      lever,
-      slider,
-      show,
-      element:
-        h('label',
-          {for: id
-          },
-          lever.name, output, slider)
-    };
+    return {lever, slider, show, element: h('label', {for: id}, name, output, slider)};
   });
+  const showFault = fault => replace(verdict, faultLine(fault));
 
   const changes = () => {
     const list = sliders.filter(s => Number(s.slider.value) !== 0)
@@ -119,7 +93,7 @@ export function whatIfPage(element, signal, wanted) {
     replace(
       verdict, h('h2', {}, 'Answer'), reference ? h('p', {}, `As it is: ${ends(reference)}`) : null,
       now !== reference ? h('p', {}, h('strong', {}, `Changed: ${ends(now)}`)) : null,
-      now.failure ? h('p', {class: 'bad', role: 'alert'}, now.failure.message) : null,
+      now.failure ? faultLine(now.failure) : null,
       findingList(now.findings), difference);
   }
 
@@ -167,8 +141,7 @@ export function whatIfPage(element, signal, wanted) {
     } catch (fault) {
       if (mine.aborted) return;
       status.textContent = '';
-      replace(verdict,
-        h('p', {class: 'bad', role: 'alert'}, h('span', {class: 'lines'}, fault.message)));
+      showFault(fault);
     }
   }
 
@@ -183,7 +156,7 @@ export function whatIfPage(element, signal, wanted) {
           return draw(reference, true);
         }
         compute(list, answer => draw(answer, true));
-      } catch (fault) { replace(verdict, h('p', {class: 'bad', role: 'alert'}, fault.message)); }
+      } catch (fault) { showFault(fault); }
     }, 150);
   }
 
@@ -197,19 +170,20 @@ export function whatIfPage(element, signal, wanted) {
     });
   }
 
-  async function keep() {
+  /** What is done with the changed case. @return a handler */
+  const withChanged = act => async () => {
     try {
-      const {id} = await submitCase(await read(changes()));
-      replace(kept, 'Queued as ', h('a', {href: `#/job/${id}`}, id));
+      replace(kept, await act(await read(changes())));
     } catch (fault) { replace(kept, h('span', {class: 'bad'}, fault.message)); }
-  }
-  async function save() {
-    try {
-      const text = await textOf(await read(changes()));
-      saveBlob('what-if.toml', new Blob([text], {type: 'text/plain'}));
-      replace(kept, 'Saved as what-if.toml');
-    } catch (fault) { replace(kept, h('span', {class: 'bad'}, fault.message)); }
-  }
+  };
+  const keep = withChanged(async changed => {
+    const {id} = await submitCase(changed);
+    return ['Queued as ', h('a', {href: `#/job/${id}`}, id)];
+  });
+  const save = withChanged(async changed => {
+    saveBlob('what-if.toml', new Blob([await textOf(changed)], {type: 'text/plain'}));
+    return 'Saved as what-if.toml';
+  });
   function reset() {
     for (const s of sliders) {
       s.slider.value = 0;
@@ -219,49 +193,21 @@ export function whatIfPage(element, signal, wanted) {
     ask();
   }
 
-  const button = (text, action) => h('button', {type: 'button', onclick: action}, text);
   replace(
     element, h('h1', {}, 'What-if'),
-    h('div', {class: 'bar'},
-      h('label',
-        {for: 'base'
-        },
-        'Case ', base),
-      h('label',
-        {for: 'quality'
-        },
-        'Quality ', quality),
+    h('div', {class: 'bar'}, field('Case', base), field('Quality', quality),
       button('As it is', reset), button('Keep as a job', keep), button('Save as a case', save)),
     kept,
     h('div', {class: 'what-if'},
       h('div', {class: 'card levers'}, sliders.map(s => s.element),
-        h('details', {}, h('summary', {}, 'Ramps'),
-          h('label',
-            {for: 'ramp-speed'
-            },
-            'Casting speed', speed),
-          h('label',
-            {for: 'ramp-water'
-            },
-            'Water per metre of perimeter', water)),
+        h('details', {}, h('summary', {}, 'Ramps'), field('Casting speed', speed),
+          field('Water per metre of perimeter', water)),
         h('details', {}, h('summary', {}, 'Other keys'),
-          h('label',
-            {for: 'more'
-            },
-            'Keys of a case, as with --set', more))),
+          field('Keys of a case, as with --set', more))),
       h('div', {}, status, picture, verdict)));
-  caseNames()
-    .then(names => {
-      replace(
-        base,
-        names.map(
-          name =>
-            h('option', {
-              selected: wanted ? name === wanted
-                               : name === 'start-2d-thickness' && !names[0].endsWith('.toml')
-            },
-              name)));
-      if (!signal.aborted) restart();
-    })
-    .catch(fault => replace(verdict, h('p', {class: 'bad', role: 'alert'}, fault.message)));
+  caseNames().then(names => {
+    const first = wanted ?? (names[0].endsWith('.toml') ? names[0] : 'start-2d-thickness');
+    replace(base, names.map(name => h('option', {selected: name === first}, name)));
+    if (!signal.aborted) restart();
+  }).catch(showFault);
 }

@@ -64,6 +64,20 @@ void add_attachments(const std::filesystem::path& folder, const Attachments& att
   if (!attachments.empty()) storage::sync_directory(folder);
 }
 
+Attachments attachments_of(const std::filesystem::path& folder, const JobDescription& description) {
+  Attachments files;
+  for (const auto& [name, sha256] : description.attachment_sha256) {
+    const auto path = folder / attachments_folder / name;
+    std::error_code missing;
+    const auto size = std::filesystem::file_size(path, missing);
+    files.push_back({.name = name,
+                     .sha256 = sha256,
+                     .bytes = missing ? 0 : static_cast<std::int64_t>(size),
+                     .path = path});
+  }
+  return files;
+}
+
 bool is_plain_file_name(const std::string& name) {
   return !name.empty() && name.size() <= 255 && name != "." && name != ".." &&
          name.find('/') == std::string::npos && name.find('\0') == std::string::npos;

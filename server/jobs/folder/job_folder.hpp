@@ -41,6 +41,9 @@ inline constexpr const char* submitted_file = "case.toml";
 /// survive a crash of the machine once the parent of `folder` is synced. @throws std::system_error
 void add_attachments(const std::filesystem::path& folder, const Attachments& attachments);
 
+/// The files that the case of a job names, in its folder; of one that is missing 0 bytes.
+Attachments attachments_of(const std::filesystem::path& folder, const JobDescription& description);
+
 /// Creates the folder of a job with its attachments and its description, synced to disk.
 /// @param text  content of `submitted_file`; empty: no such file
 /// @throws std::system_error  the folder cannot be written; nothing of it remains
